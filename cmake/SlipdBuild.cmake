@@ -1,0 +1,45 @@
+# What every target of slipd shares: warnings, sanitizers, and the two functions that make libraries and modules.
+option(SLIPD_WERROR "Treat warnings as errors" OFF)
+set(SLIPD_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize= (address,undefined or thread)")
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(nlohmann_json 3.11 REQUIRED)
+
+add_library(slipd_flags INTERFACE)
+target_compile_options(slipd_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
+  -Wcast-align -Woverloaded-virtual -Wnull-dereference $<$<BOOL:${SLIPD_WERROR}>:-Werror>)
+target_include_directories(slipd_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+target_link_libraries(slipd_flags INTERFACE Threads::Threads)
+if(SLIPD_SANITIZE)
+  target_compile_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE})
+endif()
+
+# slipd_library(name SOURCES … LINKS …): one room of the house as a static library.
+function(slipd_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC slipd_flags ${ARG_LINKS})
+endfunction()
+
+# slipd_driver(name SOURCES … LINKS …): the loadable module slipd-driver-NAME.so.
+function(slipd_driver name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_library(slipd_driver_${name} MODULE ${ARG_SOURCES})
+  target_link_libraries(slipd_driver_${name} PRIVATE slipd_flags ${ARG_LINKS})
+  set_target_properties(slipd_driver_${name} PROPERTIES
+    PREFIX "" OUTPUT_NAME slipd-driver-${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    LIBRARY_OUTPUT_DIRECTORY ${SLIPD_MODULE_DIR})
+  install(TARGETS slipd_driver_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/slipd COMPONENT driver_${name})
+endfunction()
+
+# slipd_embed(target symbol file): the file's bytes as `extern const std::string_view symbol` in namespace slipd,
+# declared in generated/embedded/<symbol>.hpp.
+function(slipd_embed target symbol file)
+  set(out ${PROJECT_BINARY_DIR}/generated/embedded/${symbol})
+  add_custom_command(OUTPUT ${out}.cpp ${out}.hpp
+    COMMAND ${CMAKE_COMMAND} -DINPUT=${file} -DSYMBOL=${symbol} -DOUT=${out} -P ${PROJECT_SOURCE_DIR}/cmake/Embed.cmake
+    DEPENDS ${file} ${PROJECT_SOURCE_DIR}/cmake/Embed.cmake VERBATIM)
+  target_sources(${target} PRIVATE ${out}.cpp ${out}.hpp)
+endfunction()

@@ -1,0 +1,49 @@
+// Frame → Estimate for one sensor: contact patch, the method chosen, friction over time, alert. The one door through
+// which the daemon and the tools reach the estimators.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/contact/scene.hpp"
+#include "core/estimate/estimate.hpp"
+#include "core/estimate/settings.hpp"
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+
+namespace slipd {
+
+class Model;  // core/model/model.hpp
+
+struct ChainSetup {
+  TaxelLayout layout;
+  SensorClass sensor_class = SensorClass::array3;
+  Scene scene;
+  EstimatorSettings estimator;
+  AlertSettings alerts;
+  std::optional<double> friction;  // known beforehand
+};
+
+// Whether a trained model is needed, so that a scene that needs none never makes one.
+bool needs_model(const ChainSetup& setup);
+
+class EstimatorChain {
+ public:
+  // `model` may be null where needs_model says no. Throws std::invalid_argument for a model of another layout, or
+  // a method that this sensor cannot carry.
+  EstimatorChain(const ChainSetup& setup, std::shared_ptr<const Model> model);
+  EstimatorChain(EstimatorChain&&) noexcept;
+  EstimatorChain& operator=(EstimatorChain&&) noexcept;
+  ~EstimatorChain();
+
+  Method method() const noexcept;  // the one that was chosen
+
+  // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
+  Estimate estimate(const Frame& frame) noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,45 @@
+// What slipd says of one frame. Trivially copyable, so that it crosses threads by plain copies.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+
+#include "core/frame/frame.hpp"
+
+namespace slipd {
+
+// Fail safe: gamma is a number only in state ok. The order is that of the CAN signal `State`.
+enum class State : std::uint8_t { ok, no_contact, learning, out_of_model, no_shear, unzeroed, stale, fault };
+enum class Alert : std::uint8_t { none, warn, slip };
+enum class Method : std::uint8_t { none, svd_knn, registered, moments, fit, friction };  // friction: 1 - (Q/P)/mu
+
+std::string_view to_string(State) noexcept;   // as on the socket: "ok", "no_contact", …
+std::string_view to_string(Alert) noexcept;   // "none", "warn", "slip"
+std::string_view to_string(Method) noexcept;  // "svd-knn", "registered", …
+
+// Lengths in metres, forces in newtons, an absent value is unknown.
+struct Estimate {
+  std::uint64_t sequence = 0;
+  std::int64_t time_ns = 0;       // of the sample, CLOCK_MONOTONIC
+  std::int64_t published_ns = 0;  // when the board got it, CLOCK_MONOTONIC
+  std::optional<double> gamma;    // safety margin, 1 no tangential load … 0 gross slip
+  std::optional<double> sigma;    // standard deviation of gamma
+  std::optional<double> friction, friction_sigma;
+  std::optional<double> normal_n, shear_n;
+  std::optional<double> center_x_m, center_y_m, radius_m, a_over_r;
+  std::optional<double> time_to_slip_s;
+  std::optional<double> grip_increase_n;
+  Truth truth;
+  State state = State::stale;
+  Alert alert = Alert::none;
+  Method method = Method::none;
+};
+static_assert(std::is_trivially_copyable_v<Estimate>);
+
+// The paper's five classes (section III.B): 1 for Gamma in 0–0.2 … 5 for 0.8–1. gamma in [0, 1].
+constexpr int slip_class(double gamma) noexcept { return std::min(4, static_cast<int>(5 * gamma)) + 1; }
+
+}  // namespace slipd

@@ -1,0 +1,21 @@
+#include "core/frame/mailbox.hpp"
+
+#include <span>
+
+namespace slipd {
+
+FrameMailbox::FrameMailbox(std::size_t taxels) : memory_(9 * taxels, 0.0F) {
+  std::span<float> rest(memory_);
+  const auto next = [&] {
+    const auto part = rest.first(taxels);
+    rest = rest.subspan(taxels);
+    return part;
+  };
+  for (auto& slot : slots_) {
+    slot.normal_pa = next();
+    slot.shear_x_pa = next();
+    slot.shear_y_pa = next();
+  }
+}
+
+}  // namespace slipd
