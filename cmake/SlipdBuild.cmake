@@ -8,7 +8,7 @@ find_package(nlohmann_json 3.11 REQUIRED)
 
 add_library(slipd_flags INTERFACE)
 target_compile_options(slipd_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
-  -Wcast-align -Woverloaded-virtual -Wnull-dereference $<$<BOOL:${SLIPD_WERROR}>:-Werror>)
+  -Wcast-align -Woverloaded-virtual $<$<BOOL:${SLIPD_WERROR}>:-Werror>)
 target_include_directories(slipd_flags INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_link_libraries(slipd_flags INTERFACE Threads::Threads)
 if(SLIPD_SANITIZE)

@@ -1,5 +1,5 @@
-// What a configuration expects to meet: the sensor's skin, the families of objects, the noise. The scene decides what is
-// trained, and its hash names the model made for it. SI units.
+// What a configuration expects to meet: the sensor's skin, the families of objects, the noise. The scene
+// decides what is trained, and its hash names the model made for it. SI units.
 #pragma once
 
 #include <vector>
@@ -14,19 +14,19 @@ struct Range {
 
 // The sensor's surface: a sphere of the paper's section II.A.
 struct Skin {
-  double radius_m = 0.01;       // infinity: flat, which no Hertzian contact covers
-  double modulus_pa = 0.5e6;    // Young's modulus E1
-  double poisson = 0.45;        // nu1, 0 … 0.5
+  double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers
+  double modulus_pa = 0.5e6;  // Young's modulus E1
+  double poisson = 0.45;      // nu1, 0 … 0.5
   bool operator==(const Skin&) const = default;
 };
 
 // Objects from which contacts are drawn uniformly, as in the paper's section II.B.
 struct ObjectFamily {
-  double weight = 1;            // share among the families, relative
+  double weight = 1;  // share among the families, relative
   Range normal_n{1, 5};
   Range friction{0.1, 0.9};
-  Range radius_m{0.01, 0.05};   // R2 of those that are not flat
-  double flat_share = 0.5;      // 0 … 1
+  Range radius_m{0.01, 0.05};  // R2 of those that are not flat
+  double flat_share = 0.5;     // 0 … 1
   Range modulus_pa{1e11, 3e11};
   Range poisson{0.2, 0.3};
   bool operator==(const ObjectFamily&) const = default;
@@ -35,8 +35,8 @@ struct ObjectFamily {
 struct Scene {
   Skin skin;
   std::vector<ObjectFamily> objects;
-  double offset_m = 0;          // contacts lie up to this far off the middle, each axis
-  double noise = 0;             // half-width of uniform noise, a fraction of each frame's maximum (the paper's)
+  double offset_m = 0;  // contacts lie up to this far off the middle, each axis
+  double noise = 0;     // half-width of uniform noise, a fraction of each frame's maximum (the paper's)
   bool operator==(const Scene&) const = default;
 };
 

@@ -1,5 +1,5 @@
-// Frame → Estimate for one sensor: contact patch, the method chosen, friction over time, alert. The one door through
-// which the daemon and the tools reach the estimators.
+// Frame → Estimate for one sensor: contact patch, the method chosen, friction over time, alert. The one door
+// through which the daemon and the tools reach the estimators.
 #pragma once
 
 #include <memory>
@@ -29,8 +29,8 @@ bool needs_model(const ChainSetup& setup);
 
 class EstimatorChain {
  public:
-  // `model` may be null where needs_model says no. Throws std::invalid_argument for a model of another layout, or
-  // a method that this sensor cannot carry.
+  // `model` may be null where needs_model says no. Throws std::invalid_argument for a model of another
+  // layout, or a method that this sensor cannot carry.
   EstimatorChain(const ChainSetup& setup, std::shared_ptr<const Model> model);
   EstimatorChain(EstimatorChain&&) noexcept;
   EstimatorChain& operator=(EstimatorChain&&) noexcept;

@@ -14,8 +14,8 @@ std::string_view name_of(const std::array<std::string_view, N>& names, Enum valu
 }  // namespace
 
 std::string_view to_string(State state) noexcept {
-  static constexpr std::array<std::string_view, 8> kNames{"ok",       "no_contact", "learning", "out_of_model",
-                                                          "no_shear", "unzeroed",   "stale",    "fault"};
+  static constexpr std::array<std::string_view, 8> kNames{
+      "ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault"};
   return name_of(kNames, state);
 }
 
@@ -25,7 +25,8 @@ std::string_view to_string(Alert alert) noexcept {
 }
 
 std::string_view to_string(Method method) noexcept {
-  static constexpr std::array<std::string_view, 6> kNames{"none", "svd-knn", "registered", "moments", "fit", "friction"};
+  static constexpr std::array<std::string_view, 6> kNames{"none",    "svd-knn", "registered",
+                                                          "moments", "fit",     "friction"};
   return name_of(kNames, method);
 }
 

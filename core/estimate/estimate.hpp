@@ -14,7 +14,14 @@ namespace slipd {
 // Fail safe: gamma is a number only in state ok. The order is that of the CAN signal `State`.
 enum class State : std::uint8_t { ok, no_contact, learning, out_of_model, no_shear, unzeroed, stale, fault };
 enum class Alert : std::uint8_t { none, warn, slip };
-enum class Method : std::uint8_t { none, svd_knn, registered, moments, fit, friction };  // friction: 1 - (Q/P)/mu
+enum class Method : std::uint8_t {
+  none,
+  svd_knn,
+  registered,
+  moments,
+  fit,
+  friction
+};  // friction: 1 - (Q/P)/mu
 
 std::string_view to_string(State) noexcept;   // as on the socket: "ok", "no_contact", …
 std::string_view to_string(Alert) noexcept;   // "none", "warn", "slip"
@@ -40,6 +47,8 @@ struct Estimate {
 static_assert(std::is_trivially_copyable_v<Estimate>);
 
 // The paper's five classes (section III.B): 1 for Gamma in 0–0.2 … 5 for 0.8–1. gamma in [0, 1].
-constexpr int slip_class(double gamma) noexcept { return std::min(4, static_cast<int>(5 * gamma)) + 1; }
+constexpr int slip_class(double gamma) noexcept {
+  return std::min(4, static_cast<int>(5 * gamma)) + 1;
+}
 
 }  // namespace slipd

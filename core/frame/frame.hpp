@@ -1,4 +1,5 @@
-// One reading of one tactile sensor: what an estimator sees (Frame), and the slot in which it travels (FrameSlot).
+// One reading of one tactile sensor: what an estimator sees (Frame), and the slot in which it travels
+// (FrameSlot).
 #pragma once
 
 #include <cstdint>
@@ -25,10 +26,10 @@ struct Truth {
 
 // A slot that a driver fills. The spans' memory belongs to the mailbox (or to the test) that lends the slot.
 struct FrameSlot {
-  std::uint64_t sequence = 0;      // strictly rising; a jump tells of frames that were lost on the way
-  std::int64_t time_ns = 0;        // as in Frame
+  std::uint64_t sequence = 0;        // strictly rising; a jump tells of frames that were lost on the way
+  std::int64_t time_ns = 0;          // as in Frame
   std::int64_t device_time_ns = -1;  // the device's own clock, from an origin of its own; -1: it has none
-  Truth truth;                     // beside the frame, where no estimator sees it
+  Truth truth;                       // beside the frame, where no estimator sees it
   std::span<float> normal_pa, shear_x_pa, shear_y_pa;
 
   Frame view() const noexcept { return {sequence, time_ns, normal_pa, shear_x_pa, shear_y_pa}; }

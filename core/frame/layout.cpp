@@ -51,12 +51,14 @@ TaxelLayout TaxelLayout::grid(std::size_t columns, std::size_t rows, double pitc
 }
 
 TaxelLayout TaxelLayout::scattered(std::vector<double> x_m, std::vector<double> y_m) {
-  if (x_m.empty() || x_m.size() != y_m.size()) throw std::invalid_argument("a layout needs at least one taxel");
+  if (x_m.empty() || x_m.size() != y_m.size())
+    throw std::invalid_argument("a layout needs at least one taxel");
   const auto finite = [](double v) { return std::isfinite(v); };
   if (!std::all_of(x_m.begin(), x_m.end(), finite) || !std::all_of(y_m.begin(), y_m.end(), finite)) {
     throw std::invalid_argument("taxel positions must be finite");
   }
-  if (x_m.size() == 1) throw std::invalid_argument("a single taxel has no neighbour to give its size: use a wrench layout");
+  if (x_m.size() == 1)
+    throw std::invalid_argument("a single taxel has no neighbour to give its size: use a wrench layout");
   const double side = median_nearest_distance(x_m, y_m);
   return {std::move(x_m), std::move(y_m), side, std::nullopt};
 }

@@ -23,12 +23,12 @@ class TaxelLayout {
     bool operator==(const Grid&) const = default;
   };
 
-  // A regular grid about the origin, rows from y small to large, x fastest. Throws std::invalid_argument unless
-  // both counts are 1…4096 and the pitch is finite and positive.
+  // A regular grid about the origin, rows from y small to large, x fastest. Throws std::invalid_argument
+  // unless both counts are 1…4096 and the pitch is finite and positive.
   static TaxelLayout grid(std::size_t columns, std::size_t rows, double pitch_m);
 
-  // Taxels anywhere. Their side is the median distance to the nearest neighbour. Throws std::invalid_argument for
-  // no taxel, coordinates that are not finite, or two taxels in one place.
+  // Taxels anywhere. Their side is the median distance to the nearest neighbour. Throws std::invalid_argument
+  // for no taxel, coordinates that are not finite, or two taxels in one place.
   static TaxelLayout scattered(std::vector<double> x_m, std::vector<double> y_m);
 
   // One force vector for the whole pad: a single taxel at the origin, of the pad's side.
@@ -38,8 +38,8 @@ class TaxelLayout {
   std::span<const double> x_m() const noexcept { return x_m_; }
   std::span<const double> y_m() const noexcept { return y_m_; }
   double side_m() const noexcept { return side_m_; }
-  double area_m2() const noexcept { return side_m_ * side_m_; }              // of one taxel
-  const std::optional<Grid>& regular() const noexcept { return grid_; }      // set for a grid
+  double area_m2() const noexcept { return side_m_ * side_m_; }          // of one taxel
+  const std::optional<Grid>& regular() const noexcept { return grid_; }  // set for a grid
   bool operator==(const TaxelLayout&) const = default;
 
  private:

@@ -1,9 +1,11 @@
-// Where the acquire thread leaves a sensor's newest frame for the estimate thread: three slots and one atomic word.
+// Where the acquire thread leaves a sensor's newest frame for the estimate thread: three slots and one atomic
+// word.
 //
-// The acquire thread owns one slot, the estimate thread another, the third lies in the middle. Each side trades its own
-// for the one in the middle by a single exchange, so both are wait-free, the newest frame always wins however long the
-// estimator was away, and a frame is skipped exactly when an unread one comes back out of the middle. A deeper queue
-// would hand over older frames first, cost more memory, and need a way to drop from its far end.
+// The acquire thread owns one slot, the estimate thread another, the third lies in the middle. Each side
+// trades its own for the one in the middle by a single exchange, so both are wait-free, the newest frame
+// always wins however long the estimator was away, and a frame is skipped exactly when an unread one comes
+// back out of the middle. A deeper queue would hand over older frames first, cost more memory, and need a way
+// to drop from its far end.
 #pragma once
 
 #include <array>
@@ -18,7 +20,8 @@ namespace slipd {
 
 class FrameMailbox {
  public:
-  // All memory there ever is: three slots of 3 x taxels floats, touched here so that no page fault comes later.
+  // All memory there ever is: three slots of 3 x taxels floats, touched here so that no page fault comes
+  // later.
   explicit FrameMailbox(std::size_t taxels);
   FrameMailbox(const FrameMailbox&) = delete;
   FrameMailbox& operator=(const FrameMailbox&) = delete;
@@ -26,18 +29,19 @@ class FrameMailbox {
   // Acquire thread: the slot to fill next. Valid until publish.
   FrameSlot writable() const noexcept { return slots_[write_]; }
 
-  // Acquire thread: hands over `filled`, which writable() gave and the driver filled. True if an unread frame was
-  // replaced by it (which is then counted as skipped).
+  // Acquire thread: hands over `filled`, which writable() gave and the driver filled. True if an unread frame
+  // was replaced by it (which is then counted as skipped).
   bool publish(const FrameSlot& filled) noexcept {
     slots_[write_] = filled;
-    // Release: the estimate thread's acquire in take() sees the slot's contents. Acquire: pairs with the release in
-    // take(), so that its reads of the slot we get back are over before we write there.
+    // Release: the estimate thread's acquire in take() sees the slot's contents. Acquire: pairs with the
+    // release in take(), so that its reads of the slot we get back are over before we write there.
     const std::uint32_t was = middle_.exchange(write_ | kFresh, std::memory_order_acq_rel);
     write_ = was & kIndex;
     return (was & kFresh) != 0;
   }
 
-  // Either thread: whether a published frame has not been taken yet. Relaxed: a hint, nothing is read on its word.
+  // Either thread: whether a published frame has not been taken yet. Relaxed: a hint, nothing is read on its
+  // word.
   bool unread() const noexcept { return (middle_.load(std::memory_order_relaxed) & kFresh) != 0; }
 
   // Estimate thread: the newest frame not yet seen, or null. Valid until the next take.
@@ -53,8 +57,8 @@ class FrameMailbox {
   static constexpr std::uint32_t kFresh = 4;
   std::vector<float> memory_;
   std::array<FrameSlot, 3> slots_;
-  alignas(64) std::uint32_t write_ = 0;              // acquire thread's
-  alignas(64) std::uint32_t read_ = 1;               // estimate thread's
+  alignas(64) std::uint32_t write_ = 0;  // acquire thread's
+  alignas(64) std::uint32_t read_ = 1;   // estimate thread's
   alignas(64) std::atomic<std::uint32_t> middle_{2};
 };
 
