@@ -15,7 +15,7 @@
 namespace slipd {
 
 struct SensorSettings {
-  SensorSetup setup;                    // what its driver is told
+  SensorSetup setup;  // what its driver is told
   std::string driver;
   std::chrono::milliseconds stale_after{20};
   std::optional<double> friction;
@@ -61,11 +61,11 @@ struct Settings {
   std::vector<GraspSettings> grasps;
   std::vector<ObjectFamily> objects;
   EstimatorSettings estimator;
-  double noise = 0.01;                  // the scene's, see Scene
+  double noise = 0.01;  // the scene's, see Scene
   double offset_m = 0.002;
   AlertSettings alerts;
   SocketSettings socket;
-  std::optional<CanSettings> can;       // absent: no CAN thread
+  std::optional<CanSettings> can;  // absent: no CAN thread
   RecorderSettings recorder;
   RealtimeSettings realtime;
   std::string log_level = "info";
@@ -83,13 +83,13 @@ class SettingsError : public std::runtime_error {
   std::vector<std::string> problems_;
 };
 
-// The schema of a driver's options, by the driver's name; nullptr for a driver that is not there. Lets the daemon look
-// into its modules, and tests do without any.
+// The schema of a driver's options, by the driver's name; nullptr for a driver that is not there. Lets the
+// daemon look into its modules, and tests do without any.
 class DriverCatalogue {
  public:
   virtual ~DriverCatalogue() = default;
   virtual const DriverModule* find(const std::string& name) = 0;  // null: no such driver, see why_not
-  virtual std::string why_not(const std::string& name) = 0;       // what was looked for and found, for the error
+  virtual std::string why_not(const std::string& name) = 0;  // what was looked for and found, for the error
   virtual std::vector<std::string> names() = 0;
 };
 

@@ -1,0 +1,106 @@
+#include "config/settings.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "config/convert.hpp"
+#include "config/json_text.hpp"
+#include "config/schema.hpp"
+#include "embedded/slipd_schema.hpp"
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+
+std::string joined(const std::vector<std::string>& problems) {
+  std::string text;
+  for (const auto& problem : problems) text += (text.empty() ? "" : "\n") + problem;
+  return text;
+}
+
+const std::string* string_at(const json& object, const char* key) {
+  if (!object.is_object() || !object.contains(key) || !object[key].is_string()) return nullptr;
+  return &object[key].get_ref<const std::string&>();
+}
+
+// Each sensor's driver is looked up, and its options are checked by the driver's own schema.
+void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& problems) {
+  if (!root.contains("sensors") || !root["sensors"].is_array()) return;
+  for (std::size_t i = 0; i < root["sensors"].size(); ++i) {
+    json& sensor = root["sensors"][i];
+    const std::string at = pointer_to("/sensors", i);
+    const std::string* name = string_at(sensor, "driver");
+    if (name == nullptr || has_problem_below(problems, at + "/driver")) continue;
+    const DriverModule* module = drivers.find(*name);
+    if (module == nullptr) {
+      problems.push_back(problem_of(
+          at + "/driver", *name,
+          "no such driver" + did_you_mean(*name, drivers.names()) + "; " + drivers.why_not(*name)));
+      continue;
+    }
+    if (!sensor["options"].is_object()) continue;
+    try {
+      const json schema = parse_json_text(module->options_schema);
+      for (auto& problem : check(schema, sensor["options"], at + "/options"))
+        problems.push_back(std::move(problem));
+    } catch (const std::runtime_error& e) {  // SchemaError, JsonTextError: the module's fault, not the user's
+      problems.push_back(problem_of(at + "/driver", *name,
+                                    std::string("the driver describes its options wrongly: ") + e.what()));
+    }
+  }
+}
+
+}  // namespace
+
+SettingsError::SettingsError(std::vector<std::string> problems)
+    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
+
+Scene Settings::scene_of(const SensorSettings& sensor) const {
+  const SensorSetup& setup = sensor.setup;
+  return {{setup.skin_radius_m, setup.skin_modulus_pa, setup.skin_poisson}, objects, offset_m, noise};
+}
+
+Settings parse_settings(const std::string& text, const std::string& name, DriverCatalogue& drivers) {
+  json root;
+  try {
+    root = parse_json_text(text);
+  } catch (const JsonTextError& e) {
+    throw SettingsError({e.located_in(name)});
+  }
+  static const json kSchema = parse_json_text(slipd_schema);
+  std::vector<Problem> problems = check(kSchema, root);
+  Settings settings;
+  const bool all_seen = problems.size() < kMostProblems;
+  if (root.is_object() && all_seen) {
+    check_drivers(root, drivers, problems);
+    settings = convert(root, problems);
+  }
+  if (problems.empty()) return settings;
+  std::vector<std::string> lines;
+  lines.reserve(problems.size());
+  for (const auto& problem : problems) lines.push_back(problem.in(name));
+  if (!all_seen) lines.push_back(name + ": and more; mend these first");
+  throw SettingsError(std::move(lines));
+}
+
+Settings load_settings(const std::filesystem::path& file, DriverCatalogue& drivers) {
+  constexpr std::size_t kLargest = 16U << 20U;
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  std::string text(kLargest + 1, '\0');
+  if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad() || (!in && !in.eof())) {
+    throw SettingsError({file.string() + ": cannot be read: " + std::generic_category().message(errno)});
+  }
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > kLargest)
+    throw SettingsError({file.string() + ": is larger than 16 MB, which no configuration is"});
+  return parse_settings(text, file.string(), drivers);
+}
+
+}  // namespace slipd
