@@ -1,0 +1,53 @@
+# What guest scripts share. A script runs in /share with -eu: any command that fails ends the test.
+PATH=/build/bin:/build/test-bin:$PATH
+
+fail() { echo "FAILED: $*"; exit 1; }
+skip() { echo "skipped: $*"; exit 77; }
+
+# awaits WHAT COMMAND…: until it succeeds, at most 10 s. Nothing is slept for that can be awaited.
+awaits() {
+  local what=$1 end=$((SECONDS + 10))
+  shift
+  until "$@" >/dev/null 2>&1; do
+    ((SECONDS < end)) || fail "waited in vain for: $what"
+    sleep 0.05
+  done
+  echo "ok: $what"
+}
+
+# same WHAT GOT EXPECTED
+same() {
+  [[ $2 == "$3" ]] || { printf 'got:\n%s\nexpected:\n%s\n' "$2" "$3"; fail "$1"; }
+  echo "ok: $1"
+}
+
+# refused WHAT COMMAND…: it must fail.
+refused() {
+  local what=$1
+  shift
+  if "$@"; then fail "$what"; fi
+  echo "ok: $what"
+}
+
+# in_background LOG COMMAND…: its process is $background, its output goes to LOG. Ends with the guest.
+in_background() {
+  local log=$1
+  shift
+  "$@" >"$log" 2>&1 </dev/null &
+  background=$!
+}
+
+# can_up NAME…: controllers at 1 Mbit/s, the rate of the sensors.
+can_up() {
+  local name
+  for name in "$@"; do
+    ip link set "$name" type can bitrate 1000000 berr-reporting on restart-ms 100
+    ip link set "$name" up
+  done
+}
+
+# Frames that INTERFACE has received are in LOG. Returns once candump listens: the kernel lists its socket.
+captures() {
+  in_background "$2" stdbuf -oL candump -L "$1"
+  awaits "candump on $1" grep -q "^ *$1 " /proc/net/can/rcvlist_all
+}

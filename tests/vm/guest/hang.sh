@@ -1,0 +1,3 @@
+# A guest whose test never ends.
+echo "about to hang"
+sleep infinity
