@@ -15,7 +15,7 @@ same "classic, extended, remote and FD frames on the virtual bus" "$(cut -d' ' -
   "710#00112233445566
 12345678#DEADBEEF
 123#R
-123##100112233445566778899AABB"
+123##500112233445566778899AABB"
 
 can_up can0 can1
 captures can1 wire.log
