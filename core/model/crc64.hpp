@@ -1,0 +1,11 @@
+// CRC-64/XZ (ECMA-182, reflected): finds the damage that disks and half-written files do. Not against malice.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace slipd {
+
+std::uint64_t crc64(std::span<const std::uint8_t> bytes) noexcept;
+
+}  // namespace slipd

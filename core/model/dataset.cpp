@@ -1,0 +1,47 @@
+#include "core/model/dataset.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/model/random.hpp"
+
+namespace slipd {
+namespace {
+
+// What each draw of a contact's stream is for. Never renumbered: every model and figure hangs on it.
+enum Purpose : std::uint64_t { kFamily, kNormal, kFriction, kFlat, kRadius, kModulus, kPoisson, kX, kY };
+
+const ObjectFamily& pick_family(const Scene& scene, double share) {
+  double total = 0;
+  for (const auto& family : scene.objects) total += family.weight;
+  if (!(total > 0) || !std::isfinite(total))
+    throw std::invalid_argument("a scene needs objects of positive weight");
+  double left = share * total;
+  for (const auto& family : scene.objects) {
+    if (left < family.weight) return family;
+    left -= family.weight;
+  }
+  return scene.objects.back();
+}
+
+}  // namespace
+
+ContactDraw draw_contact(const Scene& scene, std::uint64_t seed, std::size_t index) {
+  const Draws draws = Draws(seed).stream(index);
+  const auto within = [&](Purpose purpose, const Range& range) {
+    return draws.uniform(purpose, range.low, range.high);
+  };
+  const ObjectFamily& family = pick_family(scene, draws.uniform(kFamily));
+  const Range offset{-scene.offset_m, scene.offset_m};
+  const bool flat = draws.uniform(kFlat) < family.flat_share;
+  return {.normal_n = within(kNormal, family.normal_n),
+          .friction = within(kFriction, family.friction),
+          .radius_m = flat ? std::numeric_limits<double>::infinity() : within(kRadius, family.radius_m),
+          .modulus_pa = within(kModulus, family.modulus_pa),
+          .poisson = within(kPoisson, family.poisson),
+          .x_m = within(kX, offset),
+          .y_m = within(kY, offset)};
+}
+
+}  // namespace slipd

@@ -1,0 +1,29 @@
+// From a point's neighbours to an answer: the same in training, where its errors are measured, and in use.
+// Any thread.
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "core/model/model.hpp"
+
+namespace slipd {
+
+struct KnnAnswer {
+  bool known = false;  // false: the point was not finite
+  float gamma = 0;     // mean of the neighbours', weighted by 1/distance
+  float friction = 0;  // likewise
+  float spread = 0;    // standard deviation of the neighbours' gammas, same weights
+  float distance = 0;  // to the nearest, rad
+};
+
+// `gamma` and `friction`: of the points that `query` searches.
+KnnAnswer answer_of(Neighbours::Query& query, std::span<const float> point, std::span<const float> gamma,
+                    std::span<const float> friction) noexcept;
+
+// Share of |alpha|² that the basis does not hold, 0 … 1; 0 without any alpha.
+constexpr float residual_share(float alpha_squared, float projection_squared) noexcept {
+  return alpha_squared > 0 ? std::max(0.0F, 1 - projection_squared / alpha_squared) : 0.0F;
+}
+
+}  // namespace slipd

@@ -1,0 +1,196 @@
+#include "core/model/model_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "core/model/crc64.hpp"
+#include "core/model/setup_json.hpp"
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "slipd-model";
+static_assert(std::endian::native == std::endian::little,
+              "lists of numbers are stored in little-endian order");
+
+template <typename T>
+json pack(const std::vector<T>& list) {
+  std::vector<std::uint8_t> bytes(list.size() * sizeof(T));
+  std::memcpy(bytes.data(), list.data(), bytes.size());
+  return json::binary(std::move(bytes));
+}
+
+template <typename T>
+std::vector<T> unpack(const json& from) {
+  const auto& bytes = from.get_binary();
+  if (bytes.size() % sizeof(T) != 0) throw ModelError("the model's lists are cut");
+  std::vector<T> list(bytes.size() / sizeof(T));
+  std::memcpy(list.data(), bytes.data(), bytes.size());
+  return list;
+}
+
+json to_json(const ErrorStatistics& errors) {
+  return {{"spread_to", pack(errors.spread_to)},
+          {"gamma", pack(errors.gamma)},
+          {"friction", pack(errors.friction)},
+          {"distance_limit", errors.distance_limit},
+          {"residual_limit", errors.residual_limit}};
+}
+
+ErrorStatistics errors_of(const json& from) {
+  return {.spread_to = unpack<float>(from.at("spread_to")),
+          .gamma = unpack<float>(from.at("gamma")),
+          .friction = unpack<float>(from.at("friction")),
+          .distance_limit = from.at("distance_limit"),
+          .residual_limit = from.at("residual_limit")};
+}
+
+ModelData data_of(const json& from) {
+  return {.setup = setup_of(from.at("setup")),
+          .total_variance = from.at("total_variance"),
+          .singular_values = unpack<double>(from.at("singular_values")),
+          .basis = unpack<float>(from.at("basis")),
+          .coordinates = unpack<float>(from.at("coordinates")),
+          .gamma = unpack<float>(from.at("gamma")),
+          .friction = unpack<float>(from.at("friction")),
+          .errors = errors_of(from.at("errors"))};
+}
+
+std::string hexadecimal(std::uint64_t value) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+// std::generic_category instead of strerror, whose buffer is shared by all threads.
+std::string reason() {
+  return std::generic_category().message(errno);
+}
+
+void write_synced(const fs::path& file, std::span<const std::uint8_t> bytes) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) throw ModelError(file.string() + ": cannot be written: " + reason());
+  std::size_t written = 0;
+  bool good = true;
+  while (good && written < bytes.size()) {
+    const auto n = ::write(descriptor, bytes.data() + written, bytes.size() - written);
+    if (n > 0)
+      written += static_cast<std::size_t>(n);
+    else
+      good = n < 0 && errno == EINTR;
+  }
+  good = good && ::fsync(descriptor) == 0;
+  const std::string why = good ? "" : reason();
+  ::close(descriptor);
+  if (!good) throw ModelError(file.string() + ": cannot be written: " + why);
+}
+
+fs::path from_environment(const char* name) {
+  const char* value =
+      std::getenv(name);  // NOLINT(concurrency-mt-unsafe): set-up, nobody changes the environment
+  return value == nullptr ? fs::path() : fs::path(value);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_model(const ModelData& data) {
+  auto body = json::to_cbor({{"setup", to_json(data.setup)},
+                             {"total_variance", data.total_variance},
+                             {"singular_values", pack(data.singular_values)},
+                             {"basis", pack(data.basis)},
+                             {"coordinates", pack(data.coordinates)},
+                             {"gamma", pack(data.gamma)},
+                             {"friction", pack(data.friction)},
+                             {"errors", to_json(data.errors)}});
+  const std::uint64_t checksum = crc64(body);
+  return json::to_cbor({{"format", kFormat},
+                        {"version", kModelVersion},
+                        {"crc64", checksum},
+                        {"body", json::binary(std::move(body))}});
+}
+
+Model decode_model(std::span<const std::uint8_t> bytes) {
+  try {
+    const json envelope = json::from_cbor(bytes.begin(), bytes.end());
+    if (!envelope.is_object() || envelope.value("format", json()) != kFormat)
+      throw ModelError("is no slipd model");
+    if (envelope.at("version") != kModelVersion) {
+      throw ModelError("is a model of version " + envelope.at("version").dump() +
+                       ", and this slipd uses version " + std::to_string(kModelVersion));
+    }
+    const auto& body = envelope.at("body").get_binary();
+    if (envelope.at("crc64") != crc64(body)) throw ModelError("is damaged: its checksum does not fit");
+    return Model(data_of(json::from_cbor(body)));
+  } catch (const json::exception& error) {
+    throw ModelError(std::string("is damaged or cut: ") + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw ModelError(std::string("holds what is no layout: ") + error.what());
+  }
+}
+
+void save_model(const ModelData& data, const fs::path& file) {
+  std::error_code error;
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+  if (error) throw ModelError(file.parent_path().string() + ": cannot be made: " + error.message());
+  // Two that train the same model at once write the same bytes, each into a file of its own.
+  const fs::path beside = file.string() + ".new-" + std::to_string(::getpid());
+  try {
+    write_synced(beside, encode_model(data));
+    fs::rename(beside, file);
+  } catch (const std::exception& failure) {
+    fs::remove(beside, error);
+    throw ModelError(failure.what());
+  }
+}
+
+Model load_model(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw ModelError(file.string() + ": cannot be read: " + reason());
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  try {
+    return decode_model(bytes);
+  } catch (const ModelError& error) {
+    throw ModelError(file.string() + ": " + error.what());
+  }
+}
+
+std::string model_id(const ModelSetup& setup) {
+  json named = to_json(setup);
+  named["version"] = kModelVersion;
+  return hexadecimal(crc64(json::to_cbor(named)));
+}
+
+fs::path model_cache_directory() {
+  if (const fs::path state = from_environment("STATE_DIRECTORY"); !state.empty()) return state / "models";
+  if (const fs::path cache = from_environment("XDG_CACHE_HOME"); !cache.empty()) return cache / "slipd";
+  if (const fs::path home = from_environment("HOME"); !home.empty()) return home / ".cache" / "slipd";
+  throw ModelError("no place for models: set STATE_DIRECTORY, XDG_CACHE_HOME or HOME");
+}
+
+fs::path model_cache_file(const ModelSetup& setup, const fs::path& directory) {
+  return directory / ("model-" + model_id(setup) + ".cbor");
+}
+
+Model load_cached_model(const ModelSetup& setup, const fs::path& directory) {
+  const fs::path file = model_cache_file(setup, directory);
+  Model model = load_model(file);
+  if (!(model.setup() == setup)) throw ModelError(file.string() + ": is a model of another scene or sensor");
+  return model;
+}
+
+}  // namespace slipd

@@ -1,0 +1,36 @@
+// The leading singular vectors of a matrix that only streams by (the paper's U_r of X_alpha, section II.C).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "core/model/column_source.hpp"
+
+namespace slipd {
+
+struct SvdOptions {
+  int rank = 8;             // clipped to the matrix's smaller side
+  int oversampling = 10;    // more directions carried along, so that the kept ones converge fast
+  int max_passes = 24;      // over the matrix
+  double tolerance = 1e-6;  // relative change of the kept singular values at which it ends
+  unsigned threads = 2;
+  std::uint64_t seed = 1;  // of the start
+};
+
+struct Svd {
+  Eigen::MatrixXf basis;            // rows x rank, orthonormal columns
+  Eigen::VectorXd singular_values;  // rank, falling
+  double total_variance = 0;        // sum of squares of all entries: the sum of all squared singular values
+  int passes = 0;
+};
+
+// Not centred. Randomised subspace iteration (Halko, Martinsson, Tropp 2011) with Rayleigh–Ritz: each pass
+// makes every block once and adds X_B (X_B' Q). Memory: a few rows x (rank + oversampling) arrays and one
+// block a thread.
+Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const Progress& progress = {});
+
+// basis' X: rank x columns.
+Eigen::MatrixXf project(const ColumnSource& source, const Eigen::MatrixXf& basis, unsigned threads,
+                        const Progress& progress = {});
+
+}  // namespace slipd

@@ -1,0 +1,156 @@
+#include "core/model/train.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "core/model/alpha.hpp"
+#include "core/model/blocks.hpp"
+#include "core/model/frame_columns.hpp"
+#include "core/model/knn.hpp"
+#include "core/model/svd.hpp"
+
+namespace slipd {
+namespace {
+
+// The basis changes little with the number of load steps, the time does.
+constexpr std::size_t kBasisLoads = 10;
+// Contacts of their own to measure errors on.
+constexpr DataSetSize kUnseen{.contacts = 400, .loads = 20};
+constexpr std::size_t kErrorBins = 12;
+constexpr double kWithinSigma = 0.683;
+constexpr double kRare = 0.999;
+
+Progress part(const Progress& progress, double from, double to) {
+  if (!progress) return {};
+  return
+      [&progress, from, to](double share, const char* what) { progress(from + (to - from) * share, what); };
+}
+
+Svd basis_of(const ModelSetup& setup, unsigned threads, const Progress& progress) {
+  const SvdOptions options{.rank = setup.rank, .tolerance = 1e-5, .threads = threads, .seed = setup.seed};
+  const FrameChoice choice{.size = {setup.size.contacts, std::min(setup.size.loads, kBasisLoads)}};
+  const bool symmetric = setup.scene.noise == 0 && setup.scene.offset_m == 0;
+  if (const auto folded = symmetric ? fold(setup.layout) : std::nullopt) {
+    const FrameColumns columns(TaxelSet(setup.layout, *folded), setup.scene, setup.seed, choice);
+    Svd svd = randomized_svd(columns, options, progress);
+    svd.basis = folded->unfold(svd.basis);
+    return svd;
+  }
+  return randomized_svd(FrameColumns(TaxelSet(setup.layout), setup.scene, setup.seed, choice), options,
+                        progress);
+}
+
+struct Projected {
+  Eigen::MatrixXf coordinates;  // rank x columns
+  Eigen::VectorXf residual;     // share of |alpha|² outside the basis
+};
+
+Projected project_frames(const FrameColumns& frames, const Eigen::MatrixXf& basis, unsigned threads,
+                         const Progress& progress) {
+  const auto columns = static_cast<Eigen::Index>(frames.columns());
+  Projected result{Eigen::MatrixXf(basis.cols(), columns), Eigen::VectorXf(columns)};
+  for_each_block(
+      frames, threads,
+      [&](const Block& block) {
+        const auto first = static_cast<Eigen::Index>(block.first);
+        auto part_of = result.coordinates.middleCols(first, block.values.cols());
+        part_of.noalias() = basis.transpose() * block.values;
+        for (Eigen::Index c = 0; c < block.values.cols(); ++c) {
+          result.residual[first + c] =
+              residual_share(block.values.col(c).squaredNorm(), part_of.col(c).squaredNorm());
+        }
+      },
+      [&](double share) {
+        if (progress) progress(share, "projections");
+      });
+  return result;
+}
+
+// The value below which `share` of them lie.
+float quantile(std::vector<float> values, double share) {
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
+  return values[at];
+}
+
+struct Miss {
+  float spread, gamma, friction;
+};
+
+ErrorStatistics statistics_of(std::vector<Miss> misses) {
+  std::sort(misses.begin(), misses.end(), [](const Miss& a, const Miss& b) { return a.spread < b.spread; });
+  ErrorStatistics errors;
+  for (std::size_t bin = 0; bin < kErrorBins; ++bin) {
+    const std::size_t from = bin * misses.size() / kErrorBins, to = (bin + 1) * misses.size() / kErrorBins;
+    std::vector<float> gamma, friction;
+    for (std::size_t i = from; i < to; ++i) {
+      gamma.push_back(misses[i].gamma);
+      friction.push_back(misses[i].friction);
+    }
+    errors.gamma.push_back(quantile(std::move(gamma), kWithinSigma));
+    errors.friction.push_back(quantile(std::move(friction), kWithinSigma));
+    if (bin + 1 < kErrorBins) errors.spread_to.push_back(misses[to - 1].spread);
+  }
+  return errors;
+}
+
+ErrorStatistics measure_errors(const ModelData& data, const Eigen::MatrixXf& basis, unsigned threads,
+                               const Progress& progress) {
+  const ModelSetup& setup = data.setup;
+  const FrameColumns unseen(TaxelSet(setup.layout), setup.scene, setup.seed,
+                            {.first_contact = setup.size.contacts, .size = kUnseen, .random_loads = true});
+  const Projected projected = project_frames(unseen, basis, threads, progress);
+  const auto rank = static_cast<std::size_t>(basis.cols());
+  const Neighbours neighbours(data.coordinates, rank);
+  Neighbours::Query query(neighbours, static_cast<std::size_t>(setup.neighbours));
+  std::vector<Miss> misses;
+  std::vector<float> distances;
+  for (std::size_t j = 0; j < unseen.columns(); ++j) {
+    const std::span<const float> point(projected.coordinates.data() + j * rank, rank);
+    const KnnAnswer answer = answer_of(query, point, data.gamma, data.friction);
+    misses.push_back({answer.spread, std::abs(answer.gamma - static_cast<float>(unseen.gamma(j))),
+                      std::abs(answer.friction - static_cast<float>(unseen.friction(j)))});
+    distances.push_back(answer.distance);
+  }
+  ErrorStatistics errors = statistics_of(std::move(misses));
+  errors.distance_limit = quantile(std::move(distances), kRare);
+  errors.residual_limit = quantile({projected.residual.begin(), projected.residual.end()}, kRare);
+  return errors;
+}
+
+}  // namespace
+
+ModelData train(const ModelSetup& setup, unsigned threads, const Progress& progress) {
+  if (setup.layout.size() < 2)
+    throw ModelError("a single taxel shows no pattern: no model can be made for it");
+  const Svd svd = basis_of(setup, threads, part(progress, 0, 0.6));
+  if (!(svd.total_variance > 0) || !(svd.singular_values.minCoeff() > 0)) {
+    throw ModelError("the scene's contacts leave too little on the taxels: check layout, offset and objects");
+  }
+  ModelData data{setup, 0, {}, {}, {}, {}, {}, {}};
+  // Of the whole data set, of which the basis saw some load steps.
+  const double loads_left_out =
+      static_cast<double>(setup.size.loads) / static_cast<double>(std::min(setup.size.loads, kBasisLoads));
+  data.total_variance = svd.total_variance * loads_left_out;
+  for (const double value : svd.singular_values)
+    data.singular_values.push_back(value * std::sqrt(loads_left_out));
+  const Eigen::MatrixXf by_taxel = svd.basis.transpose();
+  data.basis.assign(by_taxel.data(), by_taxel.data() + by_taxel.size());
+
+  const FrameColumns frames(TaxelSet(setup.layout), setup.scene, setup.seed, {.size = setup.size});
+  const Projected projected = project_frames(frames, svd.basis, threads, part(progress, 0.6, 0.85));
+  data.coordinates.assign(projected.coordinates.data(),
+                          projected.coordinates.data() + projected.coordinates.size());
+  for (std::size_t j = 0; j < frames.columns(); ++j) {
+    data.gamma.push_back(static_cast<float>(frames.gamma(j)));
+    data.friction.push_back(static_cast<float>(frames.friction(j)));
+  }
+  data.errors = measure_errors(data, svd.basis, threads, part(progress, 0.85, 1));
+  if (progress) progress(1, "done");
+  return data;
+}
+
+}  // namespace slipd

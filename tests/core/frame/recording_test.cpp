@@ -1,0 +1,280 @@
+// What is recorded comes back bit for bit; what was whole before a cut or a damage comes back too; nothing
+// else does.
+#include "core/frame/recording.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+namespace slipd {
+namespace {
+
+using ::testing::HasSubstr;
+using Status = RecordingReader::Status;
+
+struct OwnedFrame {
+  explicit OwnedFrame(std::size_t taxels) : memory(3 * taxels) {
+    slot.normal_pa = std::span(memory).first(taxels);
+    slot.shear_x_pa = std::span(memory).subspan(taxels, taxels);
+    slot.shear_y_pa = std::span(memory).last(taxels);
+  }
+  std::vector<float> memory;
+  FrameSlot slot;
+};
+
+OwnedFrame some_frame(std::size_t taxels, std::uint64_t number) {
+  OwnedFrame frame(taxels);
+  for (std::size_t i = 0; i < frame.memory.size(); ++i) {
+    frame.memory[i] = std::sin(static_cast<float>(i + 31 * number)) * 1e5F;
+  }
+  frame.slot.sequence = 10 + 3 * number;
+  frame.slot.time_ns = 1000000 + 1000 * static_cast<std::int64_t>(number);
+  frame.slot.device_time_ns = number % 2 == 0 ? -1 : static_cast<std::int64_t>(number);
+  if (number % 3 == 0) frame.slot.truth = {0.25, 0.5};
+  return frame;
+}
+
+RecordingHeader header_for(TaxelLayout layout) {
+  const auto sensor_class = layout.size() == 1 ? SensorClass::wrench : SensorClass::array3;
+  return {"left", sensor_class, std::move(layout), 1000, true, 1790000000000000000, 12345, "a test"};
+}
+
+class Recordings : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = std::filesystem::temp_directory_path() / ("slipd-recording-" + std::to_string(::getpid()));
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  void record(const RecordingHeader& header, std::uint64_t frames) {
+    const int fd = ::open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+    ASSERT_GE(fd, 0);
+    {
+      RecordingWriter writer(fd, header);
+      for (std::uint64_t i = 0; i < frames; ++i) {
+        ASSERT_FALSE(writer.append(some_frame(header.layout.size(), i).slot));
+      }
+    }
+    ::close(fd);
+  }
+  std::string bytes() const {
+    std::ostringstream content;
+    content << std::ifstream(path_, std::ios::binary).rdbuf();
+    return content.str();
+  }
+  void write(const std::string& content) const { std::ofstream(path_, std::ios::binary) << content; }
+
+  // Leaves a recording of so many frames of four taxels behind; says where its header and each of its frames
+  // end.
+  std::vector<std::size_t> ends_of_header_and_frames(std::uint64_t frames) {
+    std::vector<std::size_t> ends;
+    for (std::uint64_t i = 0; i <= frames; ++i) {
+      record(header_for(TaxelLayout::grid(2, 2, 0.001)), i);
+      ends.push_back(bytes().size());
+    }
+    return ends;
+  }
+
+  // Reads on as long as whole frames come, each checked against what was recorded.
+  static std::uint64_t count_frames(RecordingReader& reader) {
+    const std::size_t taxels = reader.header().layout.size();
+    OwnedFrame got(taxels);
+    std::uint64_t count = 0;
+    while (reader.next(got.slot) == Status::frame) {
+      const auto want = some_frame(taxels, count);
+      EXPECT_EQ(got.memory, want.memory);
+      EXPECT_EQ(got.slot.sequence, want.slot.sequence);
+      EXPECT_EQ(got.slot.time_ns, want.slot.time_ns);
+      EXPECT_EQ(got.slot.device_time_ns, want.slot.device_time_ns);
+      EXPECT_EQ(std::isnan(got.slot.truth.gamma), std::isnan(want.slot.truth.gamma));
+      ++count;
+    }
+    return count;
+  }
+  std::string refusal() const {
+    try {
+      RecordingReader reader(path_);
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "read";
+  }
+
+  std::filesystem::path path_;
+};
+
+TEST_F(Recordings, GiveBackEveryBitOfEveryFrameForAnyLayout) {
+  for (const auto& layout :
+       {TaxelLayout::grid(4, 4, 0.004), TaxelLayout::grid(100, 100, 0.000144),
+        TaxelLayout::scattered({0, 0.001, 0.003}, {0, 0.002, -0.001}), TaxelLayout::wrench(0.02)}) {
+    const auto header = header_for(layout);
+    record(header, 20);
+    RecordingReader reader(path_);
+    EXPECT_EQ(reader.header().layout, layout);
+    EXPECT_EQ(reader.header().sensor, "left");
+    EXPECT_EQ(reader.header().sensor_class, header.sensor_class);
+    EXPECT_EQ(reader.header().rate_hz, 1000);
+    EXPECT_TRUE(reader.header().simulated);
+    EXPECT_EQ(reader.header().start_realtime_ns, 1790000000000000000);
+    EXPECT_EQ(reader.header().description, "a test");
+    EXPECT_EQ(count_frames(reader), 20U);
+    EXPECT_EQ(reader.fault(), "");
+    reader.rewind();
+    EXPECT_EQ(count_frames(reader), 20U);
+  }
+}
+
+TEST_F(Recordings, AreReadByAnyCborLibrary) {
+  record(header_for(TaxelLayout::grid(2, 1, 0.001)), 1);
+  const auto content = bytes();
+  const auto begin = reinterpret_cast<const std::uint8_t*>(content.data());
+  const auto header =
+      nlohmann::json::from_cbor(std::vector<std::uint8_t>(begin, begin + content.size()), false);
+  EXPECT_EQ(header.at("format"), "slipd-recording");
+  const std::size_t header_size = nlohmann::json::to_cbor(header).size();
+  const auto frame =
+      nlohmann::json::from_cbor(std::vector<std::uint8_t>(begin + header_size, begin + content.size()), true,
+                                true, nlohmann::json::cbor_tag_handler_t::store);
+  EXPECT_EQ(frame.at("seq"), 10);
+  EXPECT_TRUE(frame.at("device_time_ns").is_null());
+  EXPECT_EQ(frame.at("truth_gamma"), 0.25);
+  const auto& values = frame.at("normal_pa").get_binary();
+  EXPECT_EQ(values.subtype(), 85U);
+  ASSERT_EQ(values.size(), 2 * sizeof(float));
+  float second = 0;
+  std::memcpy(&second, values.data() + sizeof(float), sizeof second);
+  EXPECT_EQ(second, some_frame(2, 0).memory[1]);
+}
+
+TEST_F(Recordings, CutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {
+  const auto ends = ends_of_header_and_frames(3);
+  const auto whole = bytes();
+  for (std::size_t cut = 0; cut < whole.size(); ++cut) {
+    write(whole.substr(0, cut));
+    if (cut < ends[0]) {
+      EXPECT_THAT(refusal(), HasSubstr("byte " + std::to_string(cut))) << refusal();
+      continue;
+    }
+    const auto before =
+        static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), cut) - ends.begin()) - 1;
+    RecordingReader reader(path_);
+    EXPECT_EQ(count_frames(reader), before);
+    OwnedFrame more(4);
+    if (cut == ends[before]) {
+      EXPECT_EQ(reader.next(more.slot), Status::end);
+    } else {
+      EXPECT_EQ(reader.next(more.slot), Status::damaged);
+      EXPECT_EQ(reader.fault_offset(), cut);
+      EXPECT_THAT(reader.fault(),
+                  HasSubstr("byte " + std::to_string(cut) + ": the recording ends within the frame"));
+    }
+  }
+}
+
+TEST_F(Recordings, DamagedInOneByteGiveAllFramesBeforeIt) {
+  const auto ends = ends_of_header_and_frames(3);
+  auto damaged = bytes();
+  damaged[ends[1] + 2] = '!';  // in the name of the second frame's first entry
+  write(damaged);
+  RecordingReader reader(path_);
+  EXPECT_EQ(count_frames(reader), 1U);
+  EXPECT_THAT(reader.fault(), HasSubstr("byte " + std::to_string(ends[1] + 1) + ": damaged"));
+}
+
+TEST_F(Recordings, OfSomethingElseAreRefusedWithWhatWasExpected) {
+  write("");
+  EXPECT_THAT(refusal(), HasSubstr("empty"));
+  write("txl1_x,txl1_y\n1,2\n");
+  EXPECT_THAT(refusal(), HasSubstr("expected a CBOR map"));
+  const auto refusal_of = [this](const nlohmann::json& header) {
+    const auto item = nlohmann::json::to_cbor(header);
+    write({item.begin(), item.end()});
+    return refusal();
+  };
+  nlohmann::json good{{"format", "slipd-recording"},
+                      {"version", 1},
+                      {"sensor", "s"},
+                      {"class", "array3"},
+                      {"layout", {{"grid", {2, 2}}, {"pitch_m", 0.001}}},
+                      {"rate_hz", 1},
+                      {"simulated", false},
+                      {"start_realtime_ns", 1},
+                      {"start_monotonic_ns", 1},
+                      {"description", ""}};
+  EXPECT_EQ(refusal_of(good), "read");
+  const auto with = [&good](const char* key, const nlohmann::json& value) {
+    auto changed = good;
+    changed[key] = value;
+    return changed;
+  };
+  EXPECT_THAT(refusal_of(with("format", "other")), HasSubstr("slipd-recording"));
+  EXPECT_THAT(refusal_of(with("version", 2)), HasSubstr("\"version\" is 2, expected 1"));
+  EXPECT_THAT(refusal_of(with("class", "x")), HasSubstr("array3, wrench or normal"));
+  EXPECT_THAT(refusal_of(with("rate_hz", "fast")), HasSubstr("\"rate_hz\" is \"fast\""));
+  EXPECT_THAT(refusal_of(with("layout", {{"grid", {4096, 4096}}, {"pitch_m", 1}})), HasSubstr("1048576"));
+  EXPECT_THAT(refusal_of(with("layout", {{"grid", {2, 2}}, {"pitch_m", -1}})), HasSubstr("pitch"));
+  EXPECT_THAT(refusal_of(with("layout", nlohmann::json::object())), HasSubstr("layout"));
+  good.erase("simulated");
+  EXPECT_THAT(refusal_of(good), HasSubstr("no \"simulated\""));
+}
+
+TEST_F(Recordings, NeverCrashOnBytesAtRandom) {
+  std::mt19937_64 random(20);  // NOLINT: the same bytes each time
+  record(header_for(TaxelLayout::grid(2, 2, 0.001)), 3);
+  const auto whole = bytes();
+  for (int round = 0; round < 3000; ++round) {
+    auto content = whole;
+    if (round % 3 == 0) {
+      content.resize(random() % 300);
+      for (auto& c : content) c = static_cast<char>(random());
+      if (!content.empty() && round % 2 == 0) content[0] = static_cast<char>(0xA0 | (random() & 0x1F));
+    } else {
+      for (int flips = 1 + static_cast<int>(random() % 4); flips > 0; --flips) {
+        content[random() % content.size()] = static_cast<char>(random());
+      }
+    }
+    write(content);
+    try {
+      RecordingReader reader(path_);
+      OwnedFrame frame(reader.header().layout.size());
+      int frames = 0;
+      while (reader.next(frame.slot) == Status::frame) ++frames;
+      EXPECT_LE(frames, 3);
+    } catch (const RecordingError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("byte "));
+    }
+  }
+  write(std::string(100000, '\x81'));  // arrays in arrays without end
+  EXPECT_THAT(refusal(), HasSubstr("expected a CBOR map"));
+  write("\xA1" + std::string(100000, '\x81'));
+  EXPECT_THAT(refusal(), HasSubstr("no sound CBOR"));
+}
+
+TEST_F(Recordings, KeepTheFirstErrorOfTheDiskAndRefuseFramesOfAnotherSize) {
+  const int full = ::open("/dev/full", O_WRONLY | O_CLOEXEC);
+  ASSERT_GE(full, 0);
+  RecordingWriter writer(full, header_for(TaxelLayout::grid(2, 2, 0.001)), std::chrono::milliseconds(0));
+  EXPECT_EQ(writer.append(some_frame(9, 0).slot), std::errc::invalid_argument);
+  EXPECT_EQ(writer.append(some_frame(4, 0).slot), std::errc::no_space_on_device);
+  EXPECT_EQ(writer.append(some_frame(4, 1).slot), std::errc::no_space_on_device);
+  ::close(full);
+}
+
+TEST_F(Recordings, ThatAreNoFilesAreRefused) {
+  EXPECT_THAT(refusal(), HasSubstr("No such file"));
+  path_ = "/tmp";
+  EXPECT_THAT(refusal(), HasSubstr("not a regular file"));
+  path_ = "";
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,72 @@
+// The streamed singular value decomposition against a full one.
+#include "core/model/svd.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/model/random.hpp"
+#include "tests/core/model/matrix_source.hpp"
+
+namespace slipd {
+namespace {
+
+// Singular values that fall by `fall` from one to the next, on random orthogonal directions.
+Eigen::MatrixXf matrix_with_decay(Eigen::Index rows, Eigen::Index columns, double fall) {
+  const Eigen::MatrixXd random = testing::random_matrix(rows, columns, 7).cast<double>();
+  Eigen::BDCSVD<Eigen::MatrixXd> svd(random, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  Eigen::VectorXd values(svd.singularValues().size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = 100 * std::pow(fall, static_cast<double>(i));
+  return (svd.matrixU() * values.asDiagonal() * svd.matrixV().transpose()).cast<float>();
+}
+
+TEST(RandomizedSvd, SingularValuesAreThoseOfAFullDecomposition) {
+  for (const double fall : {0.5, 0.8, 0.95}) {
+    const testing::MatrixSource source(matrix_with_decay(120, 400, fall));
+    const Eigen::BDCSVD<Eigen::MatrixXf> full(source.matrix());
+    const Svd svd = randomized_svd(source, {.rank = 10});
+    for (Eigen::Index i = 0; i < 10; ++i) {
+      EXPECT_NEAR(svd.singular_values[i] / full.singularValues()[i], 1, 1e-4)
+          << "fall " << fall << ", value " << i;
+    }
+    EXPECT_NEAR(svd.total_variance / source.matrix().cast<double>().squaredNorm(), 1, 1e-6);
+  }
+}
+
+TEST(RandomizedSvd, BasisIsOrthonormalAndHoldsWhatTheSingularValuesSay) {
+  const testing::MatrixSource source(matrix_with_decay(80, 300, 0.7));
+  const Svd svd = randomized_svd(source, {.rank = 6});
+  const Eigen::MatrixXf gram = svd.basis.transpose() * svd.basis;
+  EXPECT_LT((gram - Eigen::MatrixXf::Identity(6, 6)).cwiseAbs().maxCoeff(),
+            1e-5F);  // float's rounding over 80 rows
+  const Eigen::MatrixXf projected = project(source, svd.basis, 2);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    EXPECT_NEAR(projected.row(i).norm() / svd.singular_values[i], 1, 1e-4);
+  }
+}
+
+TEST(RandomizedSvd, DoesNotDependOnTheNumberOfThreads) {
+  const testing::MatrixSource source(testing::random_matrix(50, 700, 3));
+  const Svd one = randomized_svd(source, {.rank = 5, .threads = 1});
+  const Svd four = randomized_svd(source, {.rank = 5, .threads = 4});
+  EXPECT_EQ(one.basis, four.basis);
+  EXPECT_EQ(one.singular_values, four.singular_values);
+}
+
+TEST(RandomizedSvd, RankIsClippedToTheMatrix) {
+  const testing::MatrixSource source(testing::random_matrix(4, 300, 5));
+  const Svd svd = randomized_svd(source, {.rank = 8});
+  EXPECT_EQ(svd.basis.cols(), 4);
+  EXPECT_NEAR(svd.singular_values.squaredNorm() / svd.total_variance, 1, 1e-5);
+}
+
+TEST(RandomizedSvd, WhatProgressThrowsEndsTheWork) {
+  const testing::MatrixSource source(testing::random_matrix(50, 700, 3));
+  const auto cancel = [](double, const char*) { throw std::runtime_error("cancelled"); };
+  EXPECT_THROW(randomized_svd(source, {.rank = 5}, cancel), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace slipd
