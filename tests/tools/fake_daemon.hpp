@@ -1,0 +1,50 @@
+// A daemon's end of the socket, in a thread of the test: it answers what the test tells it to.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "tools/slipctl/unique_fd.hpp"
+
+namespace slipctl::testing {
+
+// What arrived: one line, and the descriptor that came with it (-1: none; closed after the answer).
+struct Asked {
+  std::string line;
+  int passed_fd = -1;
+};
+
+class FakeDaemon {
+ public:
+  // The bytes to answer with, just as they are. An empty answer: none. nullopt: the connection is closed.
+  using Answer = std::function<std::optional<std::string>(const Asked&)>;
+
+  explicit FakeDaemon(Answer answer);
+  ~FakeDaemon();
+  FakeDaemon(const FakeDaemon&) = delete;
+  FakeDaemon& operator=(const FakeDaemon&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  void serve();
+  void converse(int client);
+  Answer answer_;
+  std::string folder_, path_;
+  UniqueFd listening_, stop_;
+  std::thread thread_;
+};
+
+// A result for the request in `line`, by its id.
+std::string result_line(const std::string& line, const nlohmann::json& result);
+std::string error_line(const std::string& line, int code, const std::string& message);
+
+// Answers by method, as slipd does: a method that is not there is error -32601.
+FakeDaemon::Answer by_method(
+    std::map<std::string, std::function<nlohmann::json(const nlohmann::json& params)>> methods);
+
+// A path in a new folder of its own.
+std::string temporary_folder();
+
+}  // namespace slipctl::testing

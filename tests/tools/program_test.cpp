@@ -1,0 +1,202 @@
+// The real slipctl against a daemon that answers from a list.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/tools/fake_daemon.hpp"
+#include "tests/tools/run_program.hpp"
+#include "tests/tools/samples.hpp"
+
+namespace slipctl::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+std::string contents(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+// A daemon with one sensor that, once subscribed to, tells of a grip that slips.
+class Gripping : public ::testing::Test {
+ protected:
+  std::optional<std::string> answer(const Asked& asked) {
+    const json request = json::parse(asked.line);
+    const auto& method = request["method"].get_ref<const std::string&>();
+    if (method == "sensors") return result_line(asked.line, sensors_sample({"left"}));
+    if (method == "status") return result_line(asked.line, status_sample({"left"}, received_ += 100));
+    if (method == "gamma")
+      return result_line(asked.line,
+                         {{"sensors", {estimate_sample("left", 1, 0.62)}}, {"grasps", json::array()}});
+    if (method == "frame") return result_line(asked.line, frame_sample(4, 4));
+    if (method == "subscribe") return result_line(asked.line, {{"subscription", 1}}) + estimates();
+    if (method == "record" && asked.passed_fd >= 0) {
+      EXPECT_EQ(::write(asked.passed_fd, "frames", 6), 6);
+      return result_line(asked.line, {{"frames", 3}});
+    }
+    return error_line(asked.line, -32001, "no sensor is called so");
+  }
+
+  static std::string estimates() {
+    std::string lines;
+    for (std::uint64_t i = 0; i < 100; ++i)
+      lines += json{{"jsonrpc", "2.0"},
+                    {"method", "estimate"},
+                    {"params", estimate_sample("left", i, 1 - 0.01 * static_cast<double>(i))}}
+                   .dump() +
+               "\n";
+    return lines;
+  }
+
+  Ran ask(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--socket", daemon_.path()});
+    return slipctl_with(arguments);
+  }
+
+  std::atomic<std::uint64_t> received_{0};
+  FakeDaemon daemon_{[this](const Asked& asked) { return answer(asked); }};
+  const std::filesystem::path folder_ = temporary_folder();
+  ~Gripping() override { std::filesystem::remove_all(folder_); }
+};
+
+TEST(Program, EndsWithTwoOnWrongUse) {
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{},
+        {"gama"},
+        {"status", "--colour"},
+        {"record", "--sensor", "left"},
+        {"record", "--sensor", "left", "--seconds", "-1", "--out", "x"},
+        {"watch", "--seconds", "soon"},
+        {"frame"}}) {
+    const Ran ran = slipctl_with(wrong);
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_THAT(ran.out, IsEmpty());
+    EXPECT_THAT(ran.err, Not(IsEmpty()));
+  }
+}
+
+TEST(Program, EndsWithOneWithoutADaemonAndSaysWhatToDo) {
+  for (const char* command : {"status", "sensors", "gamma", "watch"}) {
+    const Ran ran = slipctl_with({"--socket", "/nowhere/slipd.sock", command});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_THAT(ran.out, IsEmpty());
+    EXPECT_THAT(ran.err,
+                AllOf(StartsWith("slipctl: no daemon at /nowhere/slipd.sock"), HasSubstr("--socket PATH")));
+  }
+}
+
+TEST(Program, TellsItsVersionAndHelpOnStdout) {
+  EXPECT_THAT(slipctl_with({"--version"}).out, StartsWith("slipctl "));
+  const Ran help = slipctl_with({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* command : {"status", "sensors", "gamma", "watch", "frame", "record", "rebias"})
+    EXPECT_THAT(help.out, HasSubstr(command));
+}
+
+TEST_F(Gripping, PrintsMarginsAsATable) {
+  const Ran ran = ask({"gamma"});
+  EXPECT_EQ(ran.exit_code, 0);
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("sensor  state  gamma"), HasSubstr("left    ok      0.62")));
+}
+
+TEST_F(Gripping, PrintsTheDaemonsOwnJsonWhenAsked) {
+  EXPECT_EQ(json::parse(ask({"--json", "sensors"}).out), sensors_sample({"left"}));
+  EXPECT_EQ(json::parse(ask({"frame", "left", "--json"}).out), frame_sample(4, 4));
+}
+
+TEST_F(Gripping, PrintsAFrameAsCsv) {
+  const Ran ran = ask({"frame", "left"});
+  EXPECT_THAT(ran.out, StartsWith("x_mm,y_mm,normal_pa,shear_x_pa,shear_y_pa\n"));
+  EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 17);
+}
+
+TEST_F(Gripping, TellsTheDaemonsRefusal) {
+  const Ran ran = ask({"rebias", "lfet"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_EQ(ran.err, "slipctl: no sensor is called so\n");
+}
+
+TEST_F(Gripping, RecordsIntoANewFileOnly) {
+  const std::string file = folder_ / "left.cbor";
+  const std::vector<std::string> arguments{"record", "--sensor", "left", "--seconds", "0.1", "--out", file};
+  EXPECT_EQ(ask(arguments).exit_code, 0);
+  EXPECT_EQ(contents(file), "frames");
+  std::ofstream(file) << "something dear";
+  const Ran again = ask(arguments);
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("--force"));
+  EXPECT_EQ(contents(file), "something dear");
+  std::vector<std::string> forced = arguments;
+  forced.push_back("--force");
+  EXPECT_EQ(ask(forced).exit_code, 0);
+  EXPECT_EQ(contents(file), "frames");
+}
+
+TEST_F(Gripping, LeavesNoFileBehindWhenRecordingIsRefused) {
+  const std::string file = folder_ / "left.cbor";
+  FakeDaemon refusing([](const Asked& asked) { return error_line(asked.line, -32003, "not possible"); });
+  const Ran ran =
+      slipctl_with({"--socket", refusing.path(), "record", "--sensor", "l", "--seconds", "1", "--out", file});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST_F(Gripping, WatchesInPlainLinesWithoutATerminal) {
+  const Ran ran = ask({"watch", "--seconds", "0.5", "--rate", "20"});
+  EXPECT_EQ(ran.exit_code, 0);
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("left  ok  margin 0.01"), HasSubstr("alert slip"), HasSubstr("simulated")));
+  EXPECT_EQ(ran.out.find('\x1b'), std::string::npos);
+  EXPECT_THAT(ran.err, IsEmpty());
+}
+
+TEST_F(Gripping, SumsUpWhatItSaw) {
+  const Ran ran = ask({"watch", "--seconds", "0.3", "--summary", "--expect-slip"});
+  EXPECT_EQ(ran.exit_code, 0);
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("1 warnings, 1 slips; lowest margin 0.01"), HasSubstr("ok 100.0 %"),
+                             HasSubstr("mean |error| 0.0050")));
+}
+
+TEST_F(Gripping, GivesEstimatesAndTheSummaryAsJsonLines) {
+  std::istringstream lines(ask({"--json", "watch", "--seconds", "0.3", "--summary"}).out);
+  std::vector<json> all;
+  for (std::string line; std::getline(lines, line);) all.push_back(json::parse(line));
+  ASSERT_EQ(all.size(), 101u);
+  EXPECT_EQ(all[7]["seq"], 7);
+  EXPECT_EQ(all.back()["summary"]["sensors"][0]["slips"], 1);
+}
+
+TEST_F(Gripping, NamesTheSensorsThereAreWhenOneIsNot) {
+  const Ran ran = ask({"watch", "rihgt"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("rihgt"), HasSubstr("left")));
+}
+
+TEST_F(Gripping, DrawsTheLastScreenAsAPicture) {
+  const std::string file = folder_ / "watch.svg";
+  EXPECT_EQ(ask({"watch", "--seconds", "0.3", "--picture", file}).exit_code, 0);
+  EXPECT_THAT(contents(file), AllOf(StartsWith("<svg "), HasSubstr("</svg>")));
+}
+
+TEST(Watching, FailsWhenASlipWasExpectedAndNoneSeen) {
+  FakeDaemon calm(by_method({{"sensors", [](const json&) { return sensors_sample({"left"}); }},
+                             {"status", [](const json&) { return status_sample({"left"}, 100); }},
+                             {"subscribe", [](const json&) {
+                                return json{{"subscription", 1}};
+                              }}}));
+  const Ran ran = slipctl_with({"--socket", calm.path(), "watch", "--seconds", "0.2", "--expect-slip"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, HasSubstr("no slip was seen"));
+}
+
+}  // namespace
+}  // namespace slipctl::testing

@@ -1,0 +1,76 @@
+// The client's end of slipd's socket: JSON-RPC 2.0, one object a line, over a Unix stream socket.
+//
+// Synchronous, one thread. A request waits for its own answer; notifications that arrive meanwhile are kept
+// in order for next(). Anything wrong is an exception whose text a user can act on.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "tools/slipctl/unique_fd.hpp"
+
+namespace slipctl {
+
+inline constexpr const char* kDefaultSocket = "/run/slipd/slipd.sock";
+
+// No daemon, no permission, a broken connection, an answer that is none.
+class ClientError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// The daemon understood and refused.
+class RpcError : public ClientError {
+ public:
+  RpcError(int code, const std::string& message) : ClientError(message), code_(code) {}
+  int code() const noexcept { return code_; }
+
+ private:
+  int code_;
+};
+
+struct Notification {
+  std::string method;
+  nlohmann::json params;
+};
+
+class RpcClient {
+ public:
+  // Connects at once. Throws ClientError naming the socket and what to do.
+  explicit RpcClient(const std::string& socket_path);
+
+  // Sends a request and waits for its result. `passed_fd`, if not -1, travels along (SCM_RIGHTS); it stays
+  // the caller's. Throws RpcError for an error answer, ClientError for none within `timeout`.
+  nlohmann::json call(const std::string& method, nlohmann::json params = nlohmann::json::object(),
+                      std::chrono::milliseconds timeout = std::chrono::seconds(5), int passed_fd = -1);
+
+  // The next notification, or nothing within `timeout` (0: only what is there). Throws ClientError when the
+  // daemon has gone.
+  std::optional<Notification> next(std::chrono::milliseconds timeout);
+
+  // For poll(): readable when next() may have something that it had not before.
+  int fd() const noexcept { return socket_.get(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void send_line(const std::string& line, int passed_fd) const;
+  std::optional<nlohmann::json> receive(Clock::time_point deadline);
+  std::optional<std::string> take_line();
+  bool wait_readable(Clock::time_point deadline) const;
+  void read_some();
+  void keep_notification(nlohmann::json& message);
+
+  std::string path_;
+  UniqueFd socket_;
+  std::string received_;
+  std::size_t searched_ = 0;  // how much of received_ is known to hold no end of line
+  std::deque<Notification> waiting_;
+  std::int64_t last_id_ = 0;
+};
+
+}  // namespace slipctl

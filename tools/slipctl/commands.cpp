@@ -1,0 +1,70 @@
+#include "tools/slipctl/commands.hpp"
+
+#include <iostream>
+
+#include "tools/slipctl/client.hpp"
+#include "tools/slipctl/figures.hpp"
+#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/table.hpp"
+
+namespace slipctl {
+namespace {
+
+using nlohmann::json;
+
+json ask(const Common& common, const char* method, json params = json::object()) {
+  return RpcClient(common.socket).call(method, std::move(params));
+}
+
+}  // namespace
+
+void print_status(const Common& common) {
+  const json status = ask(common, "status");
+  std::cout << (common.json ? status.dump() + "\n" : tree(status));
+}
+
+void print_sensors(const Common& common) {
+  const json result = ask(common, "sensors");
+  if (common.json)
+    std::cout << result.dump() << '\n';
+  else
+    std::cout << table_of(
+        result.value("sensors", json::array()),
+        {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
+}
+
+void print_gamma(const Common& common, const std::string& sensor) {
+  const json result = ask(common, "gamma", sensor.empty() ? json::object() : json{{"sensor", sensor}});
+  if (common.json) {
+    std::cout << result.dump() << '\n';
+    return;
+  }
+  std::cout << table_of(result.value("sensors", json::array()),
+                        {"sensor", "state", "gamma", "sigma", "class", "friction", "normal_n", "shear_n",
+                         "alert", "method", "age_ms", "simulated"});
+  if (const json grasps = result.value("grasps", json::array()); !grasps.empty())
+    std::cout << '\n' << tree({{"grasps", grasps}});
+}
+
+void print_frame(const Common& common, const std::string& sensor) {
+  const json result = ask(common, "frame", {{"sensor", sensor}});
+  if (common.json) {
+    std::cout << result.dump() << '\n';
+    return;
+  }
+  const TaxelFrame frame = frame_from(result);
+  std::cout << "x_mm,y_mm,normal_pa,shear_x_pa,shear_y_pa\n";
+  for (std::size_t i = 0; i < frame.x_mm.size(); ++i)
+    std::cout << frame.x_mm[i] << ',' << frame.y_mm[i] << ',' << frame.normal_pa[i] << ','
+              << frame.shear_x_pa[i] << ',' << frame.shear_y_pa[i] << '\n';
+}
+
+void rebias(const Common& common, const std::string& sensor) {
+  const json result = RpcClient(common.socket).call("rebias", {{"sensor", sensor}}, std::chrono::seconds(10));
+  if (common.json)
+    std::cout << result.dump() << '\n';
+  else
+    std::cout << sensor << ": zeroed\n";
+}
+
+}  // namespace slipctl

@@ -1,0 +1,30 @@
+// The commands that ask once and print: results on stdout, as tables for people or as the daemon's own JSON.
+#pragma once
+
+#include <string>
+
+namespace slipctl {
+
+struct Common {
+  std::string socket;
+  bool json = false;
+};
+
+struct RecordOptions {
+  std::string sensor;
+  double seconds = 10;
+  std::string out;
+  bool force = false;  // overwrite
+};
+
+// All throw ClientError.
+void print_status(const Common& common);
+void print_sensors(const Common& common);
+void print_gamma(const Common& common, const std::string& sensor);  // empty: all
+void print_frame(const Common& common, const std::string& sensor);  // CSV, one taxel a line
+void rebias(const Common& common, const std::string& sensor);
+
+// Opens the file here, with the user's own rights, and lets the daemon's writer fill it.
+void record(const Common& common, const RecordOptions& options);
+
+}  // namespace slipctl

@@ -1,0 +1,24 @@
+// The margin drawn: as a bar, and as a line over the last seconds.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "tools/slipctl/canvas.hpp"
+#include "tools/slipctl/watch_state.hpp"
+
+namespace slipctl {
+
+struct Box {
+  int column = 0, row = 0, columns = 0, rows = 0;
+};
+
+// A bar of 0…1 in eighths of a column; the truth, where known, as a mark upon it. No number: an empty bar.
+void draw_bar(Canvas& canvas, const Box& box, std::optional<double> gamma, std::optional<double> truth);
+
+// The course in braille dots, newest at the right, `box` being the last kCourseSeconds up to now_s. Each
+// column of dots shows the lowest margin of its time, so that the shortest slip is seen; where none was known
+// there is a gap.
+void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& course, double now_s);
+
+}  // namespace slipctl

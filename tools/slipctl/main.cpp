@@ -1,0 +1,89 @@
+// slipctl: asks a running slipd. Exit 0 fine, 1 it failed, 2 wrong use.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "tools/slipctl/client.hpp"
+#include "tools/slipctl/commands.hpp"
+#include "tools/slipctl/watch.hpp"
+
+namespace {
+
+using namespace slipctl;
+
+struct Choices {
+  Common common{kDefaultSocket, false};
+  std::string sensor;
+  RecordOptions record;
+  WatchOptions watch;
+  int exit_code = 0;
+};
+
+void add_questions(CLI::App& app, Choices& choices) {
+  app.add_subcommand("status", "what the daemon does: counts, rates, latency, real time, clients")
+      ->callback([&] { print_status(choices.common); });
+  app.add_subcommand("sensors", "which sensors there are")->callback([&] { print_sensors(choices.common); });
+  CLI::App* gamma = app.add_subcommand("gamma", "the latest safety margin of each sensor");
+  gamma->add_option("sensor", choices.sensor, "only this one");
+  gamma->callback([&] { print_gamma(choices.common, choices.sensor); });
+  CLI::App* frame = app.add_subcommand("frame", "the latest frame, one taxel a line (CSV)");
+  frame->add_option("sensor", choices.sensor)->required();
+  frame->callback([&] { print_frame(choices.common, choices.sensor); });
+  CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's reading as its zero");
+  zero->add_option("sensor", choices.sensor)->required();
+  zero->callback([&] { rebias(choices.common, choices.sensor); });
+}
+
+void add_record(CLI::App& app, Choices& choices) {
+  CLI::App* command = app.add_subcommand("record", "record a sensor's frames into a file");
+  command->add_option("--sensor", choices.record.sensor)->required();
+  command->add_option("--seconds", choices.record.seconds, "how long")
+      ->check(CLI::Range(0.001, 86400.0))
+      ->required();
+  command->add_option("--out", choices.record.out, "the file, which must not be there")->required();
+  command->add_flag("--force", choices.record.force, "write over it if it is");
+  command->callback([&] { record(choices.common, choices.record); });
+}
+
+void add_watch(CLI::App& app, Choices& choices) {
+  WatchOptions& watching = choices.watch;
+  CLI::App* command =
+      app.add_subcommand("watch", "follow the margins: a live view on a terminal, lines elsewhere");
+  command->add_option("sensors", watching.sensors, "only these");
+  command->add_option("--seconds", watching.seconds, "end after so long")->check(CLI::PositiveNumber);
+  command->add_option("--rate", watching.lines_per_s, "lines a second and sensor, where they are lines; 5")
+      ->check(CLI::Range(0.1, 100000.0));
+  command->add_flag("--plain", watching.plain, "lines on a terminal, too");
+  command->add_flag("--summary", watching.summary, "tell at the end what happened; looks at every estimate");
+  command->add_flag("--expect-slip", watching.expect_slip, "fail when no slip was seen");
+  command->add_option("--picture", watching.picture, "at the end, write the screen into this file, as SVG");
+  command->callback([&] {
+    watching.socket = choices.common.socket;
+    watching.json = choices.common.json;
+    choices.exit_code = watch(watching);
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Choices choices;
+  CLI::App app{"Asks a running slipd how far each grasp is from slipping.", "slipctl"};
+  app.set_version_flag("--version", "slipctl " SLIPD_VERSION);
+  app.add_option("--socket", choices.common.socket, "the daemon's socket")->capture_default_str();
+  app.add_flag("--json", choices.common.json, "the daemon's own answers, one JSON object a line");
+  app.require_subcommand(1);
+  app.fallthrough();
+  add_questions(app, choices);
+  add_record(app, choices);
+  add_watch(app, choices);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& wrong) {
+    return app.exit(wrong) == 0 ? 0 : 2;
+  } catch (const std::exception& failed) {
+    std::cout.flush();
+    std::cerr << "slipctl: " << failed.what() << '\n';
+    return 1;
+  }
+  return choices.exit_code;
+}

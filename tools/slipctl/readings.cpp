@@ -1,0 +1,123 @@
+#include "tools/slipctl/readings.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/slipctl/client.hpp"
+
+namespace slipctl {
+namespace {
+
+using nlohmann::json;
+
+const json& member(const json& object, const char* key) {
+  static const json nothing;
+  if (!object.is_object()) return nothing;
+  const auto found = object.find(key);
+  return found == object.end() ? nothing : *found;
+}
+
+std::string text(const json& object, const char* key, const char* otherwise = "") {
+  const json& value = member(object, key);
+  return value.is_string() ? value.get<std::string>() : otherwise;
+}
+
+std::optional<double> number(const json& object, const char* key) {
+  const json& value = member(object, key);
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+std::uint64_t count(const json& object, const char* key) {
+  const json& value = member(object, key);
+  return value.is_number_integer() && value >= 0 ? value.get<std::uint64_t>() : 0;
+}
+
+std::int64_t integer(const json& object, const char* key) {
+  const json& value = member(object, key);
+  return value.is_number_integer() ? value.get<std::int64_t>() : 0;
+}
+
+bool flag(const json& object, const char* key) {
+  return member(object, key) == true;
+}
+
+std::vector<double> numbers(const json& object, const char* key) {
+  const json& values = member(object, key);
+  std::vector<double> result;
+  result.reserve(values.size());
+  for (const json& value : values) result.push_back(value.is_number() ? value.get<double>() : 0.0);
+  return result;
+}
+
+}  // namespace
+
+std::vector<SensorInfo> sensors_from(const json& result) {
+  std::vector<SensorInfo> sensors;
+  for (const json& each : member(result, "sensors"))
+    sensors.push_back({text(each, "name"), text(each, "driver"), text(each, "class"), text(each, "method"),
+                       count(each, "taxels"), number(each, "rate_hz").value_or(0), flag(each, "simulated"),
+                       flag(each, "connected")});
+  return sensors;
+}
+
+Reading reading_from(const json& estimate) {
+  Reading reading;
+  reading.sensor = text(estimate, "sensor");
+  reading.state = text(estimate, "state", "stale");
+  reading.alert = text(estimate, "alert", "none");
+  reading.method = text(estimate, "method");
+  reading.sequence = count(estimate, "seq");
+  reading.time_ns = integer(estimate, "time_ns");
+  reading.gamma = number(estimate, "gamma");
+  reading.sigma = number(estimate, "sigma");
+  reading.friction = number(estimate, "friction");
+  reading.friction_sigma = number(estimate, "friction_sigma");
+  if (const auto value = number(estimate, "class")) reading.slip_class = static_cast<int>(*value);
+  reading.normal_n = number(estimate, "normal_n");
+  reading.shear_n = number(estimate, "shear_n");
+  if (const json& center = member(estimate, "center_mm");
+      center.is_array() && center.size() == 2 && center[0].is_number() && center[1].is_number()) {
+    reading.center_x_mm = center[0].get<double>();
+    reading.center_y_mm = center[1].get<double>();
+  }
+  reading.radius_mm = number(estimate, "radius_mm");
+  reading.a_over_r = number(estimate, "a_over_r");
+  reading.time_to_slip_ms = number(estimate, "time_to_slip_ms");
+  reading.grip_increase_n = number(estimate, "grip_increase_n");
+  reading.latency_us = number(estimate, "latency_us");
+  reading.age_ms = number(estimate, "age_ms");
+  reading.true_gamma = number(member(estimate, "truth"), "gamma");
+  reading.true_friction = number(member(estimate, "truth"), "friction");
+  reading.dropped = count(estimate, "dropped");
+  reading.simulated = flag(estimate, "simulated");
+  return reading;
+}
+
+std::vector<Reading> readings_from(const json& result) {
+  std::vector<Reading> readings;
+  for (const json& each : member(result, "sensors")) readings.push_back(reading_from(each));
+  return readings;
+}
+
+TaxelFrame frame_from(const json& result) {
+  TaxelFrame frame{count(result, "seq"),          integer(result, "time_ns"),    numbers(result, "normal_pa"),
+                   numbers(result, "shear_x_pa"), numbers(result, "shear_y_pa"), numbers(result, "x_mm"),
+                   numbers(result, "y_mm")};
+  const std::size_t taxels = frame.normal_pa.size();
+  for (const auto* values : {&frame.shear_x_pa, &frame.shear_y_pa, &frame.x_mm, &frame.y_mm})
+    if (values->size() != taxels) throw ClientError("the daemon's frame has columns of different lengths");
+  return frame;
+}
+
+std::vector<SensorCounts> counts_from(const json& result) {
+  std::vector<SensorCounts> all;
+  for (const json& each : member(result, "sensors")) {
+    const json& latency = member(each, "latency_us");
+    all.push_back({text(each, "name"), count(each, "received"), count(each, "estimated"),
+                   count(each, "skipped"), count(each, "corrupt"), count(each, "gaps"),
+                   count(each, "reconnects"), number(each, "rate_hz"), number(latency, "p50"),
+                   number(latency, "p99"), number(latency, "p99.9"), number(latency, "max")});
+  }
+  return all;
+}
+
+}  // namespace slipctl

@@ -1,0 +1,53 @@
+// `slipctl record`: the file is opened here, with the user's own rights, and its descriptor travels to the
+// daemon, which may write where it could never open.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <iostream>
+#include <system_error>
+
+#include "tools/slipctl/client.hpp"
+#include "tools/slipctl/commands.hpp"
+#include "tools/slipctl/table.hpp"
+
+namespace slipctl {
+namespace {
+
+UniqueFd open_new(const RecordOptions& options) {
+  const int how = O_WRONLY | O_CREAT | O_CLOEXEC | (options.force ? O_TRUNC : O_EXCL);
+  UniqueFd file(::open(options.out.c_str(), how, 0644));
+  if (file.get() >= 0) return file;
+  if (errno == EEXIST) throw ClientError(options.out + " is there already; --force writes over it");
+  throw ClientError("cannot write " + options.out + ": " + std::generic_category().message(errno));
+}
+
+bool empty(const UniqueFd& file) {
+  struct stat status {};
+  return ::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode) && status.st_size == 0;
+}
+
+}  // namespace
+
+void record(const Common& common, const RecordOptions& options) {
+  RpcClient client(common.socket);  // before the file: without a daemon none is made
+  const UniqueFd file = open_new(options);
+  // The answer comes when the recording is over.
+  const auto patience =
+      std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(options.seconds + 10));
+  try {
+    const nlohmann::json result = client.call(
+        "record", {{"sensor", options.sensor}, {"seconds", options.seconds}}, patience, file.get());
+    if (common.json)
+      std::cout << result.dump() << '\n';
+    else
+      std::cout << options.sensor << " is recorded in " << options.out << '\n' << tree(result, 2);
+  } catch (const ClientError&) {
+    if (empty(file)) ::unlink(options.out.c_str());
+    throw;
+  }
+}
+
+}  // namespace slipctl

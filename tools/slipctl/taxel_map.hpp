@@ -1,0 +1,41 @@
+// The taxels drawn as maps, whatever their layout: pressure as colour, shear as arrows.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/slipctl/canvas.hpp"
+#include "tools/slipctl/gauge.hpp"
+#include "tools/slipctl/readings.hpp"
+
+namespace slipctl {
+
+// Taxels seen through a raster: row by row from the top (y large) down, absent where no taxel lies. A pixel
+// that covers several taxels shows their mean, a taxel that covers several pixels fills them.
+struct Raster {
+  int columns = 0, rows = 0;
+  std::vector<std::optional<double>> values;
+  const std::optional<double>& at(int column, int row) const {
+    return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(column)];
+  }
+};
+
+Raster rasterise(const TaxelFrame& frame, std::span<const double> values, int columns, int rows);
+
+// How many columns a map of `rows` rows takes to show the layout undistorted (a character is twice as high as
+// wide), at most `limit`.
+int map_columns(const TaxelFrame& frame, int rows, int limit);
+
+// Pressure on a scale of 0…peak_pa. Two pixels a character (half blocks) where there are colours enough for
+// it, shades where not.
+void draw_pressure(Canvas& canvas, const Box& box, const TaxelFrame& frame, double peak_pa,
+                   ColourDepth depth);
+
+// Where the shear points, coloured by what share of friction it takes: |q| / (mu p). Taxels pressed with less
+// than a twentieth of peak_pa show none. friction absent: 1 is taken.
+void draw_shear(Canvas& canvas, const Box& box, const TaxelFrame& frame, double peak_pa,
+                std::optional<double> friction, ColourDepth depth);
+
+}  // namespace slipctl

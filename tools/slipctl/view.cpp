@@ -1,0 +1,189 @@
+#include "tools/slipctl/view.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tools/slipctl/figures.hpp"
+#include "tools/slipctl/gauge.hpp"
+#include "tools/slipctl/palette.hpp"
+#include "tools/slipctl/taxel_map.hpp"
+
+namespace slipctl {
+namespace {
+
+constexpr Style kPlain{};
+constexpr Style kFaint{kDim, std::nullopt, false};
+constexpr Style kStrong{std::nullopt, std::nullopt, true};
+constexpr Style kSimulated{kViolet, std::nullopt, true};
+
+const Reading& reading_of(const SensorWatch& sensor) {
+  static const Reading nothing_yet;
+  return sensor.latest ? *sensor.latest : nothing_yet;
+}
+
+int width(const std::string& utf8) {
+  return static_cast<int>(std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+// Ends at `end`, and gives where it begins.
+int text_up_to(Canvas& canvas, int end, int row, const std::string& text, const Style& style) {
+  const int begin = end - width(text);
+  canvas.text(begin, row, text, style);
+  return begin;
+}
+
+std::string pace(const SensorWatch& sensor) {
+  return rate(sensor.counts ? sensor.counts->rate_hz : std::nullopt) + "  " +
+         fixed(reading_of(sensor).latency_us, 1, "µs");
+}
+
+void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
+  const Reading& reading = reading_of(sensor);
+  int right =
+      text_up_to(canvas, box.columns, box.row, " " + reading.alert + " ", alert_style(reading.alert)) - 1;
+  right = text_up_to(canvas, right, box.row, pace(sensor), kPlain) - 1;
+  int at = canvas.text(0, box.row, sensor.info.name, kStrong, right) + 2;
+  if (sensor.info.simulated)
+    at = canvas.text(at, box.row, "simulated", kSimulated, std::max(0, right - at)) + 2;
+  const std::string what = sensor.info.driver + " · " + std::to_string(sensor.info.taxels) + " taxels · " +
+                           (reading.method.empty() ? sensor.info.method : reading.method);
+  canvas.text(at, box.row, what, kFaint, std::max(0, right - at));
+}
+
+void draw_margin(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
+  const Reading& reading = reading_of(sensor);
+  constexpr int kStateColumns = 14;
+  std::string numbers = "  " + with_sigma(reading.gamma, reading.sigma);
+  if (sensor.info.simulated) numbers += "  true " + fixed(reading.true_gamma, 2);
+  numbers += "  class " + (reading.slip_class ? std::to_string(*reading.slip_class) : "–");
+  // The numbers keep their place while they come and go.
+  const int numbers_columns = sensor.info.simulated ? 33 : 22;
+  const int bar_columns = std::max(0, box.columns - kStateColumns - numbers_columns);
+  canvas.text(0, box.row, reading.state, {reading.state == "ok" ? kGreen : kYellow, std::nullopt, true},
+              kStateColumns);
+  draw_bar(canvas, {kStateColumns, box.row, bar_columns, 1}, reading.gamma, reading.true_gamma);
+  canvas.text(kStateColumns + bar_columns, box.row, numbers, kPlain);
+}
+
+void draw_last_seconds(Canvas& canvas, const Box& box, const SensorWatch& sensor, double now_s) {
+  canvas.text(0, box.row, "1", kFaint);
+  if (box.rows > 1) canvas.text(0, box.row + box.rows - 1, "0", kFaint);
+  draw_course(canvas, {2, box.row, box.columns - 2, box.rows}, sensor.course, now_s);
+}
+
+using Figure = std::pair<const char*, std::string>;
+
+std::vector<Figure> figures_of(const SensorWatch& sensor) {
+  const Reading& r = reading_of(sensor);
+  std::vector<Figure> figures{
+      {"normal", fixed(r.normal_n, 2, "N")},
+      {"shear", fixed(r.shear_n, 2, "N")},
+      {"friction", with_sigma(r.friction, r.friction_sigma)},
+      {"centre", r.center_x_mm ? fixed(r.center_x_mm, 1) + ", " + fixed(r.center_y_mm, 1, "mm") : "–"},
+      {"radius", fixed(r.radius_mm, 2, "mm")},
+      {"a/R", fixed(r.a_over_r, 2)},
+      {"slips in", fixed(r.time_to_slip_ms, 0, "ms")},
+      {"grip by", r.grip_increase_n ? signed_fixed(*r.grip_increase_n, 2) + " N" : "–"},
+      {"age", fixed(r.age_ms, 1, "ms")}};
+  if (sensor.info.simulated) figures.insert(figures.begin() + 3, {" true", fixed(r.true_friction, 2)});
+  if (!sensor.counts) return figures;
+  const SensorCounts& counts = *sensor.counts;
+  figures.emplace_back("skipped", std::to_string(counts.skipped));
+  figures.emplace_back("gaps", std::to_string(counts.gaps));
+  figures.emplace_back("p99", fixed(counts.latency_p99_us, 0, "µs"));
+  return figures;
+}
+
+// Top down, then on to a next column where there is room for one.
+void draw_figures(Canvas& canvas, const Box& box, const std::vector<Figure>& figures) {
+  constexpr int kFigureColumns = 24;
+  constexpr int kLabelColumns = 10;
+  int row = 0;
+  int column = 0;
+  for (const auto& [label, value] : figures) {
+    if (column > 0 && column + kFigureColumns > box.columns) return;
+    canvas.text(box.column + column, box.row + row, label, kFaint, std::max(0, box.columns - column));
+    canvas.text(box.column + column + kLabelColumns, box.row + row, value, kPlain,
+                std::max(0, std::min(kFigureColumns - kLabelColumns, box.columns - column - kLabelColumns)));
+    if (++row < box.rows) continue;
+    row = 0;
+    column += kFigureColumns;
+  }
+}
+
+// Captions in the box's first row, maps and numbers below.
+void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, ColourDepth depth) {
+  constexpr int kGap = 2;
+  constexpr int kFigureColumns = 25;
+  const Box inner{0, box.row + 1, box.columns, box.rows - 1};
+  const int limit = (box.columns - kFigureColumns - 2 * kGap) / 2;
+  int at = 0;
+  if (!sensor.frame.normal_pa.empty() && limit >= 6) {
+    const int columns = map_columns(sensor.frame, inner.rows, limit);
+    const Reading& reading = reading_of(sensor);
+    const auto friction = reading.friction ? reading.friction : reading.true_friction;
+    canvas.text(0, box.row, "pressure ≤ " + fixed(sensor.peak_pa / 1000, 1, "kPa"), kFaint,
+                columns + kGap - 1);
+    draw_pressure(canvas, {0, inner.row, columns, inner.rows}, sensor.frame, sensor.peak_pa, depth);
+    at = columns + kGap;
+    canvas.text(at, box.row, friction ? "shear / µ pressure" : "shear / pressure", kFaint,
+                columns + kGap - 1);
+    draw_shear(canvas, {at, inner.row, columns, inner.rows}, sensor.frame, sensor.peak_pa, friction, depth);
+    at += columns + kGap;
+  }
+  draw_figures(canvas, {at, inner.row, box.columns - at, inner.rows}, figures_of(sensor));
+}
+
+void draw_sensor(Canvas& canvas, const Box& box, const SensorWatch& sensor, double now_s, ColourDepth depth) {
+  draw_title(canvas, box, sensor);
+  if (box.rows < 2) return;
+  draw_margin(canvas, {0, box.row + 1, box.columns, 1}, sensor);
+  constexpr int kSmallestMaps = 4;
+  const int rest = box.rows - 2;
+  const bool maps = rest >= kSmallestMaps + 2;
+  const int course_rows = !maps ? rest : rest >= 18 ? 4 : rest >= 12 ? 3 : rest >= 9 ? 2 : 1;
+  if (course_rows > 0) draw_last_seconds(canvas, {0, box.row + 2, box.columns, course_rows}, sensor, now_s);
+  if (maps) draw_maps(canvas, {0, box.row + 2 + course_rows, box.columns, rest - course_rows}, sensor, depth);
+}
+
+}  // namespace
+
+Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth depth) {
+  Canvas canvas(columns, rows);
+  constexpr Style kHeader{kWhite, Rgb{40, 60, 90}, true};
+  for (int column = 0; column < canvas.columns(); ++column) canvas.put(column, 0, U' ', kHeader);
+  const std::string right = fixed(state.elapsed_s, 1, "s") + "  q quits ";
+  const int end = text_up_to(canvas, canvas.columns(), 0, right, kHeader);
+  canvas.text(1, 0, "slipd  " + state.socket, kHeader, std::max(0, end - 2));
+
+  const int sensors = static_cast<int>(state.sensors.size());
+  if (sensors == 0) canvas.text(1, 2, "the daemon has no sensors");
+  // A sensor needs two rows to say anything; those that find none are counted in the last row.
+  const int space = canvas.rows() - 1;
+  const int shown = 2 * sensors <= space ? sensors : std::max(0, (space - 1) / 2);
+  const int left_out = sensors - shown;
+  const int share = shown > 0 ? (space - (left_out > 0 ? 1 : 0)) / shown : 0;
+  for (int i = 0; i < shown; ++i) {
+    const int gap = shown > 1 && share > 4 ? 1 : 0;
+    draw_sensor(canvas, {0, 1 + i * share, canvas.columns(), share - gap},
+                state.sensors[static_cast<std::size_t>(i)], state.elapsed_s, depth);
+  }
+  if (left_out > 0)
+    canvas.text(0, canvas.rows() - 1, "and " + std::to_string(left_out) + " more: make the window higher",
+                kFaint);
+  return canvas;
+}
+
+std::string plain_line(const SensorWatch& sensor, double elapsed_s) {
+  const Reading& reading = reading_of(sensor);
+  std::string line = fixed(elapsed_s, 2, "s") + "  " + sensor.info.name + "  " + reading.state + "  margin " +
+                     with_sigma(reading.gamma, reading.sigma);
+  if (reading.true_gamma) line += "  true " + fixed(reading.true_gamma, 2);
+  if (reading.slip_class) line += "  class " + std::to_string(*reading.slip_class);
+  line += "  normal " + fixed(reading.normal_n, 2, "N") + "  shear " + fixed(reading.shear_n, 2, "N") +
+          "  friction " + with_sigma(reading.friction, reading.friction_sigma) + "  alert " + reading.alert +
+          "  " + pace(sensor);
+  return line + (reading.simulated || sensor.info.simulated ? "  simulated" : "");
+}
+
+}  // namespace slipctl

@@ -1,0 +1,209 @@
+#include "tools/slipctl/watch.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+
+#include "tools/slipctl/client.hpp"
+#include "tools/slipctl/tally.hpp"
+#include "tools/slipctl/terminal.hpp"
+#include "tools/slipctl/view.hpp"
+
+namespace slipctl {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr double kViewRateHz = 200;  // of estimates, for the view: each dot of its course sees several
+constexpr milliseconds kDrawEvery{100};
+constexpr milliseconds kCountEvery{1000};
+
+class Watcher {
+ public:
+  explicit Watcher(const WatchOptions& options) : options_(options), client_(options.socket) {
+    state_.socket = options.socket;
+    choose_sensors();
+    subscribe();
+    before_ = after_ = counts_from(client_.call("status"));
+    take_counts();
+    if (!options.json && !options.plain && ::isatty(STDOUT_FILENO) == 1) terminal_.emplace();
+  }
+
+  int run() {
+    while (!over_) {
+      wait();
+      take_signals();
+      take_keys();
+      take_notifications();
+      if (options_.seconds && elapsed_s() >= *options_.seconds) over_ = true;
+      tick();
+    }
+    return finish();
+  }
+
+ private:
+  double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  void choose_sensors() {
+    const std::vector<SensorInfo> known = sensors_from(client_.call("sensors"));
+    for (const SensorInfo& sensor : known)
+      if (options_.sensors.empty() ||
+          std::find(options_.sensors.begin(), options_.sensors.end(), sensor.name) != options_.sensors.end())
+        state_.sensors.push_back({sensor, {}, {}, {}, 0, {}});
+    for (const std::string& name : options_.sensors)
+      if (std::none_of(known.begin(), known.end(),
+                       [&](const SensorInfo& each) { return each.name == name; })) {
+        std::string names;
+        for (const SensorInfo& each : known) names += (names.empty() ? "" : ", ") + each.name;
+        throw ClientError("no sensor is called " + name +
+                          "; the daemon has: " + (names.empty() ? "none" : names));
+      }
+  }
+
+  void subscribe() {
+    nlohmann::json params{{"events", {"estimate", "alert"}}};
+    if (!options_.sensors.empty()) params["sensors"] = options_.sensors;
+    if (!options_.summary) params["max_rate_hz"] = options_.json ? options_.lines_per_s : kViewRateHz;
+    client_.call("subscribe", std::move(params));
+  }
+
+  void wait() {
+    Clock::time_point until = next_tick_;
+    if (options_.seconds)
+      until = std::min(until, start_ + std::chrono::ceil<Clock::duration>(
+                                           std::chrono::duration<double>(*options_.seconds)));
+    const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
+    pollfd wanted[] = {{client_.fd(), POLLIN, 0},
+                       {signals_.fd(), POLLIN, 0},
+                       {terminal_ && terminal_->has_keys() ? STDIN_FILENO : -1, POLLIN, 0}};
+    ::poll(wanted, std::size(wanted), static_cast<int>(std::max<std::int64_t>(0, left.count())));
+    key_pressed_ = wanted[2].revents != 0;
+  }
+
+  void take_signals() {
+    while (const auto signal = signals_.take()) {
+      if (*signal == SIGWINCH) {
+        if (terminal_) terminal_->redraw();
+        next_tick_ = Clock::now();
+      } else if (*signal == SIGTSTP) {
+        if (terminal_)
+          terminal_->suspend();
+        else
+          ::raise(SIGSTOP);
+      } else {
+        over_ = true;
+      }
+    }
+  }
+
+  void take_keys() {
+    if (!key_pressed_ || !terminal_) return;
+    const std::string keys = terminal_->read_keys();
+    if (keys.find_first_of("qQ") != std::string::npos) over_ = true;
+  }
+
+  void take_notifications() {
+    state_.elapsed_s = elapsed_s();
+    // One tick's worth at most, so that a flood cannot keep the keys from being heard.
+    while (Clock::now() < next_tick_ + kDrawEvery) {
+      const auto notification = client_.next(milliseconds(0));
+      if (!notification) return;
+      const bool is_estimate = notification->method == "estimate";
+      if (!is_estimate && notification->method != "alert") continue;
+      const Reading reading = reading_from(notification->params);
+      tally_.take(reading, is_estimate);
+      if (!is_estimate) continue;
+      take_reading(state_, reading);
+      if (options_.json) std::cout << notification->params.dump() << '\n';
+    }
+  }
+
+  void tick() {
+    const auto now = Clock::now();
+    if (now < next_tick_ && !over_) return;
+    const auto period =
+        terminal_
+            ? Clock::duration(kDrawEvery)
+            : std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(1 / options_.lines_per_s));
+    next_tick_ = std::max(next_tick_ + period, now);
+    if (now >= next_count_) {
+      after_ = counts_from(client_.call("status"));
+      take_counts();
+      next_count_ = now + kCountEvery;
+    }
+    if (terminal_) {
+      take_frames();
+      const auto [columns, rows] = terminal_->size();
+      terminal_->show(draw_watch(state_, columns, rows, terminal_->depth()));
+    } else if (!options_.json) {
+      for (const SensorWatch& sensor : state_.sensors)
+        std::cout << plain_line(sensor, state_.elapsed_s) << '\n';
+    }
+    std::cout.flush();
+  }
+
+  void take_counts() {
+    for (SensorWatch& sensor : state_.sensors)
+      for (const SensorCounts& counts : after_)
+        if (counts.name == sensor.info.name) sensor.counts = counts;
+  }
+
+  void take_frames() {
+    for (SensorWatch& sensor : state_.sensors) try {
+        take_frame(sensor, frame_from(client_.call("frame", {{"sensor", sensor.info.name}})));
+      } catch (const RpcError&) {
+        sensor.frame = {};  // none yet, or the device is away: the state says it
+      }
+  }
+
+  int finish() {
+    state_.elapsed_s = elapsed_s();
+    after_ = counts_from(client_.call("status"));
+    if (!options_.picture.empty()) take_picture();
+    terminal_.reset();
+    if (options_.summary && options_.json)
+      std::cout << nlohmann::json{{"summary", tally_.json(before_, after_, state_.elapsed_s)}}.dump() << '\n';
+    else if (options_.summary)
+      std::cout << tally_.text(before_, after_, state_.elapsed_s);
+    std::cout.flush();
+    if (options_.expect_slip && !tally_.slip_seen()) {
+      std::cerr << "slipctl: no slip was seen in " << state_.elapsed_s << " s\n";
+      return 1;
+    }
+    return 0;
+  }
+
+  void take_picture() {
+    take_frames();
+    std::ofstream file(options_.picture);
+    file << to_svg(draw_watch(state_, 80, 24, ColourDepth::rgb), "slipctl watch");
+    if (!file.flush()) throw ClientError("cannot write " + options_.picture);
+  }
+
+  const WatchOptions& options_;
+  SignalWatch signals_;
+  RpcClient client_;
+  WatchState state_;
+  Tally tally_;
+  std::vector<SensorCounts> before_, after_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point next_tick_ = start_ + kDrawEvery;
+  Clock::time_point next_count_ = start_ + kCountEvery;
+  bool over_ = false;
+  bool key_pressed_ = false;
+  std::optional<Terminal> terminal_;  // last: given back before anything else goes
+};
+
+}  // namespace
+
+int watch(const WatchOptions& options) {
+  return Watcher(options).run();
+}
+
+}  // namespace slipctl
