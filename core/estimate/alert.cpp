@@ -1,0 +1,86 @@
+#include "core/estimate/alert.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+constexpr double kForgetAfter_s = 0.02;
+
+// Starts or stops a stopwatch; true once it has run for `least_ns`.
+bool lasted(bool condition, std::int64_t now_ns, std::int64_t least_ns, std::int64_t& since_ns) noexcept {
+  if (!condition) {
+    since_ns = -1;
+    return false;
+  }
+  if (since_ns < 0) since_ns = now_ns;
+  return now_ns - since_ns >= least_ns;
+}
+
+}  // namespace
+
+Alert AlertLogic::update(std::int64_t time_ns, std::optional<double> gamma, double sigma) noexcept {
+  if (!gamma) {
+    level_ = Alert::none;
+    below_warn_since_ns_ = below_slip_since_ns_ = above_since_ns_ = -1;
+    return level_;
+  }
+  const double margin = *gamma - settings_.sigmas * sigma;
+  const auto least_ns = static_cast<std::int64_t>(settings_.min_ms * 1e6);
+  const bool slip = lasted(margin < settings_.slip_below, time_ns, least_ns, below_slip_since_ns_);
+  const bool warn = lasted(margin < settings_.warn_below, time_ns, least_ns, below_warn_since_ns_);
+  if (slip) {
+    level_ = Alert::slip;
+  } else if (warn && level_ == Alert::none) {
+    level_ = Alert::warn;
+  }
+  if (level_ == Alert::none) return level_;
+  const double leave =
+      (level_ == Alert::slip ? settings_.slip_below : settings_.warn_below) + settings_.hysteresis;
+  if (lasted(margin >= leave, time_ns, least_ns, above_since_ns_)) {
+    level_ = margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
+    above_since_ns_ = -1;
+  }
+  return level_;
+}
+
+std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<double> gamma,
+                                           double sigma) noexcept {
+  if (!gamma) {
+    weight_ = 0;
+    return std::nullopt;
+  }
+  const double passed = static_cast<double>(time_ns - last_ns_) * 1e-9;
+  last_ns_ = time_ns;
+  if (weight_ == 0 || passed <= 0 || passed > 10 * kForgetAfter_s) {
+    weight_ = 1;
+    t_ = tt_ = tg_ = 0;
+    g_ = *gamma;
+    gg_ = *gamma * *gamma;
+    return std::nullopt;
+  }
+  // Sums about the present: what was at t is at t - passed now.
+  const double keep = std::exp(-passed / kForgetAfter_s);
+  tt_ = keep * (tt_ - 2 * passed * t_ + passed * passed * weight_);
+  tg_ = keep * (tg_ - passed * g_);
+  t_ = keep * (t_ - passed * weight_);
+  weight_ = keep * weight_ + 1;
+  g_ = keep * g_ + *gamma;
+  gg_ = keep * gg_ + *gamma * *gamma;
+  const double spread = tt_ - t_ * t_ / weight_;
+  if (weight_ < 3 || spread <= 0) return std::nullopt;
+  const double slope = (tg_ - t_ * g_ / weight_) / spread;
+  const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / weight_;
+  const double slope_sigma = std::sqrt(std::max(scatter, 0.01 * sigma * sigma) / spread);
+  if (slope > -3 * slope_sigma || slope >= 0) return std::nullopt;
+  return std::max(0.0, *gamma / -slope);
+}
+
+std::optional<double> grip_increase_n(double normal_n, double shear_n, std::optional<double> friction,
+                                      double target_margin) noexcept {
+  if (!friction || !(*friction > 0)) return std::nullopt;
+  return std::max(0.0, shear_n / (*friction * (1 - target_margin)) - normal_n);
+}
+
+}  // namespace slipd

@@ -1,0 +1,45 @@
+// From a margin to a level that a controller may act on: thresholds, hysteresis, a least duration; and from
+// its course how long until slip. Estimate thread; plain state, nothing allocated.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/estimate/estimate.hpp"
+#include "core/estimate/settings.hpp"
+
+namespace slipd {
+
+class AlertLogic {
+ public:
+  explicit AlertLogic(const AlertSettings& settings) : settings_(settings) {}
+
+  // gamma less `sigmas` times sigma decides. A level is raised by the first sample at which the margin has
+  // stayed below its threshold for min_ms, and lowered when it has stayed above threshold + hysteresis for as
+  // long. An unknown margin (nullopt) is no alert: the state says why it is not known.
+  Alert update(std::int64_t time_ns, std::optional<double> gamma, double sigma) noexcept;
+
+ private:
+  AlertSettings settings_;
+  Alert level_ = Alert::none;
+  std::int64_t below_warn_since_ns_ = -1, below_slip_since_ns_ = -1, above_since_ns_ = -1;
+};
+
+// The margin's slope by least squares with exponential forgetting.
+class SlipForecast {
+ public:
+  // Seconds until gamma reaches 0 as it falls now; nullopt when it does not clearly fall. Samples in order of
+  // time.
+  std::optional<double> update(std::int64_t time_ns, std::optional<double> gamma, double sigma) noexcept;
+
+ private:
+  std::int64_t last_ns_ = 0;
+  double weight_ = 0, t_ = 0, g_ = 0, tt_ = 0, tg_ = 0, gg_ = 0;
+};
+
+// The normal force in N that is lacking for `target_margin`, 0 if none: Q/(mu (1 - target)) - P. nullopt
+// without friction.
+std::optional<double> grip_increase_n(double normal_n, double shear_n, std::optional<double> friction,
+                                      double target_margin) noexcept;
+
+}  // namespace slipd

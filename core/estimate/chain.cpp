@@ -1,0 +1,120 @@
+#include "core/estimate/chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "core/estimate/alert.hpp"
+#include "core/estimate/moments.hpp"
+#include "core/estimate/patch.hpp"
+#include "core/estimate/tracker.hpp"
+
+namespace slipd {
+namespace {
+
+// A disc of fewer taxels has no shape to speak of: its margin comes from friction over time.
+constexpr std::size_t kFewTaxels = 12;
+
+// One force vector, or a skin without the curvature that makes a contact Hertzian.
+bool only_forces(const ChainSetup& setup) {
+  return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
+         std::isinf(setup.scene.skin.radius_m);
+}
+
+Range expected_friction(const Scene& scene) {
+  Range all{0.1, 0.9};
+  if (!scene.objects.empty()) all = scene.objects.front().friction;
+  for (const auto& family : scene.objects) {
+    all = {std::min(all.low, family.friction.low), std::max(all.high, family.friction.high)};
+  }
+  return all;
+}
+
+std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
+                                        const std::shared_ptr<const Model>& /*model*/) {
+  if (only_forces(setup)) return nullptr;
+  switch (setup.estimator.method) {
+    case MethodChoice::automatic:
+    case MethodChoice::moments:
+      return std::make_unique<Moments>(setup.layout);
+    default:
+      throw std::invalid_argument("this estimator is not built in");
+  }
+}
+
+}  // namespace
+
+struct EstimatorChain::Impl {
+  Impl(const ChainSetup& s, std::shared_ptr<const Model> m)
+      : setup(s),
+        model(std::move(m)),
+        finder(s.layout),
+        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model)),
+        tracker(s.estimator, expected_friction(s.scene), s.friction),
+        alert(s.alerts) {}
+
+  ChainSetup setup;
+  std::shared_ptr<const Model> model;
+  PatchFinder finder;
+  std::unique_ptr<SlipMethod> method;
+  Tracker tracker;
+  AlertLogic alert;
+  SlipForecast forecast;
+};
+
+bool needs_model(const ChainSetup& setup) {
+  return setup.sensor_class == SensorClass::array3 && !only_forces(setup) &&
+         (setup.estimator.method == MethodChoice::svd_knn ||
+          setup.estimator.method == MethodChoice::registered);
+}
+
+EstimatorChain::EstimatorChain(const ChainSetup& setup, std::shared_ptr<const Model> model)
+    : impl_(std::make_unique<Impl>(setup, std::move(model))) {}
+EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
+EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
+EstimatorChain::~EstimatorChain() = default;
+
+Method EstimatorChain::method() const noexcept {
+  return impl_->method ? impl_->method->name() : Method::friction;
+}
+
+Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
+  auto& in = *impl_;
+  Estimate out;
+  out.sequence = frame.sequence;
+  out.time_ns = frame.time_ns;
+  const ContactPatch& patch = in.finder.find(frame);
+  if (!patch.touched) {
+    in.tracker.forget();
+    out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
+  } else {
+    out.normal_n = patch.normal_n;
+    if (in.setup.layout.size() > 1) {
+      out.center_x_m = patch.center_x_m;
+      out.center_y_m = patch.center_y_m;
+      out.radius_m = patch.radius_m;
+    }
+    if (in.setup.sensor_class == SensorClass::normal) {
+      out.state = State::no_shear;
+    } else {
+      out.shear_n = patch.shear_n;
+      const bool shaped =
+          in.method && patch.inside.size() >= kFewTaxels && patch.shear_n > 3 * patch.shear_sigma_n;
+      const Reading reading = shaped ? in.method->read(frame, patch) : Reading{};
+      in.tracker.update(patch, shaped ? &reading : nullptr, method(), out);
+      if (reading.in_family) {
+        out.center_x_m = reading.center_x_m;
+        out.center_y_m = reading.center_y_m;
+        out.radius_m = reading.radius_m;
+      }
+      out.grip_increase_n =
+          grip_increase_n(*out.normal_n, *out.shear_n, out.friction, in.setup.alerts.target_margin);
+    }
+  }
+  out.alert = in.alert.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
+  out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
+  return out;
+}
+
+}  // namespace slipd

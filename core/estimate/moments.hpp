@@ -1,0 +1,24 @@
+// The margin without any training: shear lies further out than pressure, and by how much tells how far slip
+// has come in.
+//   <r^2>_q / <r^2>_p = (1 - k^5)/(1 - k^3),  Gamma = k^3: 5/3 without load, 1 at gross slip, no friction in
+//   it.
+#pragma once
+
+#include "core/estimate/method.hpp"
+
+namespace slipd {
+
+// Gamma for a moment ratio; below 1 it is 0, above 5/3 it is 1.
+double gamma_of_moment_ratio(double ratio) noexcept;
+
+class Moments final : public SlipMethod {
+ public:
+  explicit Moments(const TaxelLayout& layout) : layout_(layout) {}
+  Method name() const noexcept override { return Method::moments; }
+  Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
+
+ private:
+  TaxelLayout layout_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,58 @@
+// Where the contact is in a frame and what it carries: the first step of every estimator. Forces come from
+// sums over the contact's own disc, in which noise of either sign cancels; a threshold only serves to find
+// that disc.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+
+namespace slipd {
+
+// All of it of one frame. Without contact (touched false) only the noise means anything.
+struct ContactPatch {
+  bool touched = false;
+  bool cut = false;                     // the disc reaches beyond the outermost taxels: its sums lack a part
+  double normal_n = 0;                  // P
+  double shear_x_n = 0, shear_y_n = 0;  // components of Q
+  double shear_n = 0;                   // |Q|
+  double toward_x = 1, toward_y = 0;  // unit vector along Q; shear is signed by it, so noise does not rectify
+  double center_x_m = 0, center_y_m = 0;  // pressure centroid
+  double radius_m = 0;                    // a, from the pressure's second moment: <r^2> = 2 a^2 / 5
+  double noise_normal_pa = 0;             // standard deviation of one taxel, measured in this frame
+  double noise_shear_pa = 0;
+  double shear_sigma_n = 0;               // standard deviation of Q
+  std::span<const std::uint32_t> inside;  // taxels of the disc, valid until the next frame
+
+  double shear_along_pa(const Frame& frame, std::uint32_t i) const noexcept {
+    return toward_x * frame.shear_x_pa[i] + toward_y * frame.shear_y_pa[i];
+  }
+};
+
+class PatchFinder {
+ public:
+  explicit PatchFinder(const TaxelLayout& layout);
+
+  // Estimate thread. Allocates nothing. `frame` has the layout's size.
+  const ContactPatch& find(const Frame& frame) noexcept;
+
+ private:
+  void measure_normal_noise(const Frame& frame) noexcept;
+  bool locate(const Frame& frame) noexcept;
+  void refine(const Frame& frame) noexcept;
+  void gather(double reach_m) noexcept;
+  void sum_shear(const Frame& frame) noexcept;
+  void measure_shear_noise(const Frame& frame) noexcept;
+
+  TaxelLayout layout_;
+  double left_m_, right_m_, bottom_m_, top_m_;  // the outermost taxels' edges
+  std::vector<float> x_m_, y_m_;
+  std::vector<std::uint32_t> inside_;
+  double peak_pa_ = 0;
+  ContactPatch patch_;
+};
+
+}  // namespace slipd

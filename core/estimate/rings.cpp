@@ -1,0 +1,61 @@
+#include "core/estimate/rings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+// Relative to mu p: what skins that are no half space, and rings cut by square taxels, may deviate.
+constexpr double kModelTolerance = 0.06;
+constexpr double kTaxelTolerance = 0.5;  // times taxel side over contact radius
+
+}  // namespace
+
+Rings sum_rings(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
+  Rings rings;
+  const double scale = Rings::kCount / patch.radius_m;
+  const double area = layout.area_m2();
+  for (const std::uint32_t i : patch.inside) {
+    const double r = std::hypot(layout.x_m()[i] - patch.center_x_m, layout.y_m()[i] - patch.center_y_m);
+    const auto ring = std::min(static_cast<std::size_t>(r * scale), Rings::kCount - 1);
+    rings.normal_n[ring] += frame.normal_pa[i] * area;
+    rings.shear_n[ring] += patch.shear_along_pa(frame, i) * area;
+    rings.taxels[ring] += 1;
+  }
+  return rings;
+}
+
+double disc_share(double k, double s0, double s1) noexcept {
+  const auto beyond = [k](double s) {
+    const double rest = 1 - s * s / (k * k);
+    return rest > 0 ? rest * std::sqrt(rest) : 0.0;
+  };
+  return beyond(s0) - beyond(s1);
+}
+
+double family_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout, double gamma,
+                     double friction) noexcept {
+  const double k = std::max(1e-9, std::cbrt(gamma));
+  const double noise_n = patch.noise_shear_pa * layout.area_m2();
+  const double open = kModelTolerance + kTaxelTolerance * layout.side_m() / patch.radius_m;
+  double sum = 0;
+  int used = 0;
+  for (std::size_t j = 0; j < Rings::kCount; ++j) {
+    if (rings.taxels[j] < 1) continue;
+    const double s0 = static_cast<double>(j) / Rings::kCount, s1 = static_cast<double>(j + 1) / Rings::kCount;
+    const double whole = disc_share(1, s0, s1);
+    // Expected as a ratio to the pressure that this very ring has, so that its taxels' number cancels.
+    const double ratio = friction * (1 - gamma * disc_share(k, s0, s1) / whole);
+    const double expected = ratio * rings.normal_n[j];
+    const double spread =
+        std::hypot(noise_n * std::sqrt(rings.taxels[j]), open * friction * rings.normal_n[j]);
+    if (!(spread > 0)) continue;
+    const double off = (rings.shear_n[j] - expected) / spread;
+    sum += off * off;
+    ++used;
+  }
+  return used > 0 ? sum / used : 0;
+}
+
+}  // namespace slipd

@@ -1,0 +1,113 @@
+#include "core/estimate/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+constexpr double kRiseAfter_s = 0.5;  // a higher friction is believed in over about this time
+constexpr double kLeastSigma = 0.02;  // of a belief, relative: contacts are not as even as their model
+constexpr double kClearly = 2.5;      // standard deviations
+
+}  // namespace
+
+// Two independent words on one margin.
+Tracker::Margin Tracker::fuse(const Margin& a, const Margin& b) noexcept {
+  const double wa = 1 / (a.sigma * a.sigma + 1e-12), wb = 1 / (b.sigma * b.sigma + 1e-12);
+  return {(wa * a.gamma + wb * b.gamma) / (wa + wb), 1 / std::sqrt(wa + wb)};
+}
+
+bool Tracker::agree(const Margin& a, const Margin& b) noexcept {
+  return std::fabs(a.gamma - b.gamma) < kClearly * std::hypot(a.sigma, b.sigma) + 0.01;
+}
+
+Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction)
+    : settings_(settings), expected_(friction_expected) {
+  if (friction) given_ = Belief{*friction, 0.05 * *friction};
+  belief_ = given_;
+}
+
+void Tracker::forget() noexcept {
+  belief_ = given_;
+}
+
+void Tracker::learn(const Reading& reading, std::int64_t time_ns) noexcept {
+  const double passed_s = static_cast<double>(time_ns - learnt_ns_) * 1e-9;
+  if (!(reading.friction_sigma < 0.3 * reading.friction)) return;
+  learnt_ns_ = time_ns;
+  const double sigma = std::max(reading.friction_sigma, kLeastSigma * reading.friction);
+  if (!belief_) {
+    belief_ = Belief{reading.friction, sigma};
+    return;
+  }
+  const double difference = reading.friction - belief_->mean;
+  if (difference < -kClearly * std::hypot(sigma, belief_->sigma)) {
+    belief_ = Belief{reading.friction, sigma};
+    return;
+  }
+  const double gain = belief_->sigma * belief_->sigma / (belief_->sigma * belief_->sigma + sigma * sigma);
+  const double most_rise = belief_->mean * std::clamp(passed_s / kRiseAfter_s, 0.0, 0.1);
+  belief_->mean += std::min(gain * difference, most_rise);
+  belief_->sigma = std::max(belief_->sigma * std::sqrt(1 - gain), kLeastSigma * belief_->mean);
+}
+
+// What can be said without this object's friction, from the friction that the scene expects: much while the
+// load is light.
+Tracker::Margin Tracker::from_scene(double load, double load_sigma) const noexcept {
+  const double low = std::clamp(1 - (load + load_sigma) / expected_.low, 0.0, 1.0);
+  const double high = std::clamp(1 - std::max(0.0, load - load_sigma) / expected_.high, 0.0, 1.0);
+  return {0.5 * (low + high), (high - low) / std::sqrt(12.0)};
+}
+
+Tracker::Margin Tracker::from_belief(double load, double load_sigma) const noexcept {
+  const double mobilised = load / belief_->mean;
+  return {std::clamp(1 - mobilised, 0.0, 1.0),
+          std::hypot(mobilised * belief_->sigma / belief_->mean, load_sigma / belief_->mean)};
+}
+
+void Tracker::update(const ContactPatch& patch, const Reading* reading, Method method,
+                     Estimate& out) noexcept {
+  const double load = patch.shear_n / patch.normal_n;
+  const double load_sigma = patch.shear_sigma_n / patch.normal_n;
+  const bool direct = reading != nullptr && reading->in_family;
+  std::optional<Margin> margin;
+  out.method = direct ? method : Method::friction;
+  if (direct) margin = Margin{reading->gamma, reading->sigma};
+
+  if (settings_.tracking) {
+    if (direct) learn(*reading, out.time_ns);
+    // Friction is never less than what it is seen to hold.
+    if (belief_ && load - 3 * load_sigma > belief_->mean) belief_->mean = load - 3 * load_sigma;
+    if (belief_) {
+      const Margin remembered = from_belief(load, load_sigma);
+      if (!margin || (!agree(*margin, remembered) && margin->gamma > remembered.gamma)) {
+        margin = remembered;
+      } else if (agree(*margin, remembered)) {
+        margin = fuse(*margin, remembered);
+      }
+    }
+  }
+  if (!margin || margin->sigma > settings_.sigma_max) {
+    const Margin expected = from_scene(load, load_sigma);
+    if (expected.sigma < settings_.sigma_max && (!margin || expected.sigma < margin->sigma))
+      margin = expected;
+  }
+
+  if (belief_) {
+    out.friction = belief_->mean;
+    out.friction_sigma = belief_->sigma;
+  } else if (direct && std::isfinite(reading->friction_sigma)) {
+    out.friction = reading->friction;
+    out.friction_sigma = reading->friction_sigma;
+  }
+  if (margin && margin->sigma <= settings_.sigma_max) {
+    out.state = State::ok;
+    out.gamma = margin->gamma;
+    out.sigma = margin->sigma;
+  } else {
+    out.state = margin || reading == nullptr ? State::learning : State::out_of_model;
+  }
+}
+
+}  // namespace slipd

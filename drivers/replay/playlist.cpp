@@ -1,0 +1,74 @@
+#include "drivers/replay/playlist.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+namespace slipd::replay {
+namespace {
+
+constexpr double kUnknownRateHz = 100;
+constexpr std::int64_t kLongestPauseNs = 3600 * std::int64_t{1000000000};
+constexpr std::int64_t kWidestGap = std::int64_t{1} << 32;
+
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return {path};
+  std::vector<std::filesystem::path> files;
+  for (std::filesystem::directory_iterator entry(path, error), none; !error && entry != none;
+       entry.increment(error)) {
+    const auto name = entry->path().filename().string();
+    const auto kind = entry->path().extension();
+    if (name.front() != '.' && (kind == ".csv" || kind == ".cbor" || kind == ".slipd"))
+      files.push_back(entry->path());
+  }
+  if (error) throw DriverError(path.string() + ": " + error.message());
+  if (files.empty())
+    throw DriverError(path.string() + ": a folder without any .csv, .cbor or .slipd to play");
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+Playlist::Playlist(const SensorSetup& sensor, Options options) : options_(std::move(options)) {
+  for (const auto& file : files_of(options_.file)) sources_.push_back(open_source(file, sensor));
+  const double rate = rate_hz() > 0 ? rate_hz() : kUnknownRateHz;
+  period_ns_ = std::max<std::int64_t>(1, std::llround(1e9 / rate));
+  time_ns_ = -period_ns_;
+}
+
+bool Playlist::turn_over() noexcept {
+  if (current_ + 1 == sources_.size()) {
+    if (!options_.loop || !frames_in_round_) return false;
+    frames_in_round_ = false;
+    current_ = 0;
+  } else {
+    ++current_;
+  }
+  sources_[current_]->rewind();
+  first_of_file_ = true;
+  return true;
+}
+
+Next Playlist::next(FrameSlot& out) noexcept {
+  Next status = sources_[current_]->next(out);
+  while (status == Next::end && turn_over()) status = sources_[current_]->next(out);
+  if (status != Next::frame) return status;
+  // Unsigned, for a damaged file may hold any number; the casts wrap back to what was meant.
+  const auto step_ns = first_of_file_ ? period_ns_
+                                      : static_cast<std::int64_t>(static_cast<std::uint64_t>(out.time_ns) -
+                                                                  static_cast<std::uint64_t>(file_time_ns_));
+  const auto frames = first_of_file_ ? 1 : static_cast<std::int64_t>(out.sequence - file_sequence_);
+  first_of_file_ = false;
+  frames_in_round_ = true;
+  file_time_ns_ = out.time_ns;
+  file_sequence_ = out.sequence;
+  out.time_ns = time_ns_ += std::clamp<std::int64_t>(step_ns, 1, kLongestPauseNs);
+  out.sequence = sequence_ += static_cast<std::uint64_t>(std::clamp<std::int64_t>(frames, 1, kWidestGap));
+  if (out.device_time_ns < 0) out.device_time_ns = out.time_ns;
+  return options_.calibration.apply(out) ? Next::frame : Next::corrupt;
+}
+
+}  // namespace slipd::replay

@@ -1,0 +1,24 @@
+// A recording (core/frame/recording.hpp) as a source of frames.
+#pragma once
+
+#include "core/frame/recording.hpp"
+#include "drivers/replay/source.hpp"
+
+namespace slipd::replay {
+
+class RecordingSource final : public FrameSource {
+ public:
+  // Throws DriverError as open_source says.
+  RecordingSource(const std::filesystem::path& file, const SensorSetup& sensor);
+
+  Next next(FrameSlot& out) noexcept override;
+  void rewind() noexcept override { reader_.rewind(); }
+  std::string fault() const override { return reader_.fault(); }
+  double rate_hz() const noexcept override { return reader_.header().rate_hz; }
+  SensorClass sensor_class() const noexcept override { return reader_.header().sensor_class; }
+
+ private:
+  RecordingReader reader_;
+};
+
+}  // namespace slipd::replay

@@ -1,0 +1,292 @@
+// A replay gives what the file holds, at the pace asked for, up to the fault; and says where the fault is.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "core/frame/recording.hpp"
+#include "drivers/pacing.hpp"
+#include "drivers/replay/replay_driver.hpp"
+#include "tests/drivers/driver_fixture.hpp"
+
+namespace slipd::replay {
+namespace {
+
+using std::chrono::microseconds;
+using test::OwnedSlot;
+using test::refusal_of;
+using test::setup_of;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kTwoTaxels = "txl1_x,txl1_y,txl1_z,txl2_x,txl2_y,txl2_z";
+const auto kPair = TaxelLayout::grid(2, 1, 0.004);
+
+struct Played {
+  std::vector<FrameSlot> frames;           // without their values
+  std::vector<std::vector<float>> values;  // normal, shear x, shear y
+  int corrupt = 0;
+  ReadStatus last = ReadStatus::frame;
+};
+
+Played play(DeviceDriver& driver, std::size_t taxels, std::size_t at_most = 100000) {
+  Played played;
+  OwnedSlot slot(taxels);
+  while (played.frames.size() < at_most) {
+    const auto result = driver.read({&slot.slot, 1}, microseconds(1000000));
+    played.last = result.status;
+    if (result.status == ReadStatus::corrupt) ++played.corrupt;
+    if (result.status == ReadStatus::end || result.status == ReadStatus::disconnected) break;
+    if (result.status != ReadStatus::frame) continue;
+    played.frames.push_back(slot.slot);
+    played.values.push_back(slot.memory);
+  }
+  return played;
+}
+
+class Replays : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("slipd-replay-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string file(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return folder_ / name;
+  }
+  static SensorSetup setup(const std::string& file, nlohmann::json more = nlohmann::json::object()) {
+    more["file"] = file;
+    if (!more.contains("speed")) more["speed"] = 0;
+    return setup_of(kPair, std::move(more), 100);
+  }
+  // What opening it says; empty if it opens.
+  static std::string opening(const SensorSetup& sensor) {
+    return refusal_of([&] { ReplayDriver({sensor}).open(); });
+  }
+  static Played play_whole(const SensorSetup& sensor) {
+    ReplayDriver driver({sensor});
+    driver.open();
+    return play(driver, sensor.layout.size());
+  }
+  std::string record(const std::string& name, std::size_t frames, std::uint64_t step = 1) const {
+    const int fd = ::open((folder_ / name).c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+    RecordingWriter writer(fd, {"left", SensorClass::array3, kPair, 1000, true, 1, 1, ""});
+    OwnedSlot slot(2);
+    for (std::size_t i = 0; i < frames; ++i) {
+      slot.memory.assign(6, static_cast<float>(i));
+      slot.slot.sequence = 100 + step * i;
+      slot.slot.time_ns = 5000000 + static_cast<std::int64_t>(i) * 1000000;
+      slot.slot.truth.gamma = 0.5;
+      EXPECT_FALSE(writer.append(slot.slot));
+    }
+    EXPECT_FALSE(writer.flush());
+    ::close(fd);
+    return folder_ / name;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Replays, OfCsvPutEachColumnWhereItBelongsInWhateverOrderTheyStand) {
+  const auto played = play_whole(setup(file(
+      "a.csv",
+      "note,txl2_z,txl1_x,txl1_y,txl1_z,txl2_x,txl2_y\r\nhello, 6.5,1,2,3,+4,-5e1\r\n\r\n,12,7,8,9,10,11")));
+  ASSERT_EQ(played.frames.size(), 2U);
+  EXPECT_EQ(played.values[0], (std::vector<float>{3, 6.5, 1, 4, 2, -50}));
+  EXPECT_EQ(played.values[1], (std::vector<float>{9, 12, 7, 10, 8, 11}));
+  EXPECT_EQ(played.last, ReadStatus::end);
+}
+
+TEST_F(Replays, TurnCountsIntoPascalByBiasAndScale) {
+  const auto path = file("a.csv", std::string(kTwoTaxels) + "\n11,12,13,21,22,23\n");
+  EXPECT_EQ(play_whole(setup(path, {{"bias", 10}, {"scale", 2}})).values[0],
+            (std::vector<float>{6, 26, 2, 22, 4, 24}));
+  EXPECT_EQ(play_whole(setup(path, {{"bias", {1, 2, 3}}, {"scale", {1, -1, 10}}})).values[0],
+            (std::vector<float>{100, 200, 10, 20, -10, -20}));
+  EXPECT_EQ(play_whole(setup(path, {{"bias", {11, 12, 13, 21, 22, 22}}})).values[0],
+            (std::vector<float>{0, 1, 0, 0, 0, 0}));
+  EXPECT_THAT(opening(setup(path, {{"bias", {1, 2, 3, 4}}})), HasSubstr("bias has 4 values"));
+}
+
+TEST_F(Replays, KeepTheTimesOfTheFileOrTheRateOfTheSensor) {
+  const auto timed =
+      play_whole(setup(file("a.csv", "time," + std::string(kTwoTaxels) +
+                                         "\n7.0,1,1,1,1,1,1\n7.25,1,1,1,1,1,1\n7.25,1,1,1,1,1,1\n")));
+  ASSERT_EQ(timed.frames.size(), 3U);
+  EXPECT_EQ(timed.frames[1].time_ns - timed.frames[0].time_ns, 250000000);
+  EXPECT_EQ(timed.frames[2].time_ns - timed.frames[1].time_ns,
+            1);  // stamps rise even where the file's clock stands
+  const auto rated =
+      play_whole(setup(file("b.csv", std::string(kTwoTaxels) + "\n1,1,1,1,1,1\n1,1,1,1,1,1\n")));
+  EXPECT_EQ(rated.frames[1].time_ns - rated.frames[0].time_ns, 10000000);
+}
+
+TEST_F(Replays, AreRefusedWhenTheDataDoNotFitTheLayout) {
+  const auto csv = file("a.csv", std::string(kTwoTaxels) + ",txl3_x\n");
+  EXPECT_THAT(opening(setup(csv)), HasSubstr("line 1, column 7: txl3_x is beyond the 2 taxels"));
+  EXPECT_THAT(opening(setup(file("b.csv", "txl1_x,txl1_y,txl1_z\n1,2,3\n"))),
+              HasSubstr("line 1: no column txl2_x"));
+  EXPECT_THAT(opening(setup(file("c.csv", std::string(kTwoTaxels) + ",txl1_x\n"))),
+              HasSubstr("a second column txl1_x"));
+  auto other = setup(record("d.cbor", 1));
+  EXPECT_THAT(opening(other), IsEmpty());
+  other.layout = TaxelLayout::grid(2, 1, 0.005);
+  EXPECT_THAT(opening(other), HasSubstr("{ \"grid\": [2, 1], \"pitch_mm\": 4 }"));
+}
+
+TEST_F(Replays, OfNothingUsefulAreRefusedWithTheName) {
+  EXPECT_THAT(opening(setup(folder_ / "none")), HasSubstr("none"));
+  EXPECT_THAT(opening(setup(folder_)), HasSubstr("a folder without any"));
+  EXPECT_THAT(opening(setup(file("a.csv", ""))), HasSubstr("empty"));
+  EXPECT_THAT(opening(setup(file("b.cbor", "\xA1\x61"))), HasSubstr("byte 2"));
+}
+
+TEST_F(Replays, OfFaultyCsvGiveTheRowsBeforeAndNameLineAndColumn) {
+  const std::string start = std::string(kTwoTaxels) + "\n1,2,3,4,5,6\n";
+  const auto fault_of = [this](const std::string& content, std::size_t frames_before) {
+    const auto path = file("a.csv", content);
+    ReplayDriver driver({setup(path)});
+    driver.open();
+    const auto played = play(driver, 2);
+    EXPECT_EQ(played.frames.size(), frames_before);
+    EXPECT_EQ(played.last, ReadStatus::disconnected);
+    driver.close();
+    return refusal_of([&] { driver.open(); });
+  };
+  EXPECT_THAT(fault_of(start + "1,2,x\x01y,4,5,6\n", 1),
+              HasSubstr("a.csv: line 3, column 3 (txl1_z): \"x?y\" is no number"));
+  EXPECT_THAT(fault_of(start + "1,2,nan,4,5,6\n", 1),
+              HasSubstr("line 3, column 3 (txl1_z): \"nan\" is no number"));
+  EXPECT_THAT(fault_of(start + "1,2,3,4,5", 1), HasSubstr("line 3, column 6 (txl2_z): the line ends before"));
+  EXPECT_THAT(fault_of(start + start.substr(start.find('\n') + 1) + "1,2,3,4,5,6,7\n", 2),
+              HasSubstr("line 4, column 7: \"7\" is one"));
+  EXPECT_THAT(fault_of(start + std::string(200000, '1'), 1), HasSubstr("line 3: is longer than any frame's"));
+}
+
+TEST_F(Replays, OfARepairedFilePlayAgain) {
+  const std::string start = std::string(kTwoTaxels) + "\n1,2,3,4,5,6\n";
+  const auto path = file("a.csv", start + "1,2\n");
+  ReplayDriver driver({setup(path)});
+  driver.open();
+  EXPECT_EQ(play(driver, 2).last, ReadStatus::disconnected);
+  EXPECT_THROW(driver.open(), DriverError);
+  file("a.csv", start);
+  std::filesystem::last_write_time(path,
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::seconds(10));
+  driver.open();
+  EXPECT_EQ(play(driver, 2).last, ReadStatus::end);
+}
+
+TEST_F(Replays, OfTruncatedRecordingsGiveAllBeforeTheCut) {
+  const auto path = record("a.cbor", 10);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 5);
+  ReplayDriver driver({setup(path)});
+  driver.open();
+  const auto played = play(driver, 2);
+  EXPECT_EQ(played.frames.size(), 9U);
+  EXPECT_EQ(played.last, ReadStatus::disconnected);
+  EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("the recording ends within the frame"));
+}
+
+TEST_F(Replays, AtSpeedZeroLoseNothingAndArePacedByTheConsumer) {
+  ReplayDriver driver({setup(record("a.cbor", 2000))});
+  driver.open();
+  EXPECT_TRUE(driver.paced_by_consumer());
+  const auto played = play(driver, 2);
+  ASSERT_EQ(played.frames.size(), 2000U);
+  for (std::size_t i = 0; i < played.frames.size(); ++i) {
+    EXPECT_EQ(played.values[i][0], static_cast<float>(i));
+    EXPECT_EQ(played.frames[i].sequence, i + 1);
+    EXPECT_EQ(played.frames[i].truth.gamma, 0.5);
+    if (i > 0) {
+      EXPECT_EQ(played.frames[i].time_ns - played.frames[i - 1].time_ns, 1000000);
+    }
+  }
+}
+
+TEST_F(Replays, TellOfTheGapsThatWereRecorded) {
+  const auto played = play_whole(setup(record("a.cbor", 3, 4)));
+  EXPECT_EQ(played.frames[2].sequence - played.frames[0].sequence, 8U);
+}
+
+TEST_F(Replays, OfFoldersPlayTheFilesInOrderAndLoopWithoutATimeThatGoesBack) {
+  record("b.cbor", 3);
+  file("a.csv", std::string(kTwoTaxels) + "\n50,50,50,50,50,50\n");
+  file("readme.txt", "no data");
+  EXPECT_EQ(play_whole(setup(folder_)).frames.size(), 4U);
+  ReplayDriver driver({setup(folder_, {{"loop", true}})});
+  EXPECT_TRUE(driver.open().simulated);
+  const auto played = play(driver, 2, 40);
+  ASSERT_EQ(played.frames.size(), 40U);
+  for (std::size_t i = 0; i < 40; ++i) {
+    EXPECT_EQ(played.values[i][0], i % 4 == 0 ? 50 : static_cast<float>(i % 4 - 1));
+    EXPECT_EQ(played.frames[i].sequence, i + 1);
+    if (i > 0) {
+      EXPECT_GT(played.frames[i].time_ns, played.frames[i - 1].time_ns);
+    }
+  }
+  ReplayDriver empty({setup(file("a.csv", std::string(kTwoTaxels) + "\n"), {{"loop", true}})});
+  empty.open();
+  EXPECT_EQ(play(empty, 2).last, ReadStatus::end);
+}
+
+TEST_F(Replays, AtASpeedHandOutEachFrameNoEarlierThanItIsDue) {
+  ReplayDriver driver({setup(record("a.cbor", 50), {{"speed", 5}})});
+  const auto info = driver.open();
+  EXPECT_EQ(info.sensors.at(0).rate_hz, 5000);
+  EXPECT_FALSE(driver.paced_by_consumer());
+  OwnedSlot slot(2);
+  std::int64_t first_ns = 0;
+  int frames = 0;
+  int timeouts = 0;
+  for (ReadResult result; result.status != ReadStatus::end;) {
+    result = driver.read({&slot.slot, 1}, microseconds(50));  // shorter than the 200 us between frames
+    if (result.status == ReadStatus::timeout) ++timeouts;
+    if (result.status != ReadStatus::frame) continue;
+    EXPECT_GE(monotonic_ns(), slot.slot.time_ns);
+    if (frames == 0) first_ns = slot.slot.time_ns;
+    EXPECT_EQ(slot.slot.time_ns - first_ns, 200000 * frames);
+    EXPECT_EQ(slot.memory[0], static_cast<float>(frames));
+    ++frames;
+  }
+  EXPECT_EQ(frames, 50);
+  EXPECT_GT(timeouts, 0);
+}
+
+TEST_F(Replays, PassOverFramesThatAreNoNumbersAndCountThem) {
+  const auto played =
+      play_whole(setup(file("a.csv", std::string(kTwoTaxels) + "\n1e300,2,3,4,5,6\n1,2,3,4,5,6\n")));
+  EXPECT_EQ(played.corrupt, 1);
+  EXPECT_EQ(played.frames.size(), 1U);
+}
+
+TEST_F(Replays, OfRealGraspsPlayThroughWhole) {
+  const char* given = std::getenv("SLIPD_SHARED");
+  const std::filesystem::path shared = given != nullptr
+                                           ? std::filesystem::path(given)
+                                           : std::filesystem::path(SLIPD_SOURCE_DIR) / ".." / "shared";
+  if (!std::filesystem::exists(shared / "data/uskin")) {
+    GTEST_SKIP() << "needs the recorded grasps in " << shared / "data/uskin"
+                 << " (SLIPD_SHARED names another place)";
+  }
+  const std::vector<std::pair<const char*, std::size_t>> trials{
+      {"2022-02-21-09-58-49", 404}, {"2022-02-21-14-10-49", 354}, {"2022-02-22-15-15-00", 259}};
+  for (const auto& [trial, rows] : trials) {
+    for (const char* name : {"xela_sensor1.csv", "xela_sensor2.csv"}) {
+      auto sensor = setup(shared / "data/uskin" / trial / name, {{"bias", {16000, 16000, 37500}}});
+      sensor.layout = TaxelLayout::grid(4, 4, 0.0047);
+      const auto played = play_whole(sensor);
+      EXPECT_EQ(played.frames.size(), rows) << trial << name;
+      EXPECT_EQ(played.last, ReadStatus::end);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slipd::replay
