@@ -40,18 +40,22 @@ class Converter {
   }
 
  private:
-  bool clean(const std::string& pointer) const { return !has_problem_below(problems_, pointer); }
+  bool clean(const std::string& pointer) const { return !is_touched(problems_, pointer); }
   void add(const std::string& pointer, const json& value, const std::string& what) {
     problems_.push_back(problem_of(pointer, value, what));
   }
 
   void sensors(Settings& s) {
     const json& list = root_["sensors"];
+    std::vector<std::size_t> well_formed;
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/sensors", i);
+      const bool converts = clean(at);
       unique_name("/sensors", list, i);
-      if (clean(at)) s.sensors.push_back(sensor(list[i], at));
-      if (clean(at)) distinguishable(list, i, at);
+      if (!converts) continue;
+      s.sensors.push_back(sensor(list[i], at));
+      distinguishable(list, well_formed, i);
+      well_formed.push_back(i);
     }
     constexpr std::size_t kCanSensors = 31;
     if (root_.contains("can") && list.size() > kCanSensors) {
@@ -72,14 +76,15 @@ class Converter {
   }
 
   // Two sensors may share a device (a board with two pads), but then something must tell them apart.
-  void distinguishable(const json& list, std::size_t i, const std::string& at) {
-    if (list[i]["device"].empty()) return;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!clean(pointer_to("/sensors", j)) || list[j]["driver"] != list[i]["driver"] ||
-          list[j]["device"] != list[i]["device"] || list[j]["options"] != list[i]["options"]) {
+  void distinguishable(const json& list, const std::vector<std::size_t>& others, std::size_t i) {
+    const json& device = list[i]["device"];
+    if (device.empty()) return;
+    for (const std::size_t j : others) {
+      if (list[j]["driver"] != list[i]["driver"] || list[j]["device"] != device ||
+          list[j]["options"] != list[i]["options"]) {
         continue;
       }
-      add(at + "/device", list[i]["device"],
+      add(pointer_to("/sensors", i) + "/device", device,
           "is the device of " + pointer_to("/sensors", j) +
               " with the same options; they need to differ in one");
       return;
@@ -183,8 +188,9 @@ class Converter {
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/grasps", i);
+      const bool converts = clean(at);
       unique_name("/grasps", list, i);
-      if (!clean(at)) continue;
+      if (!converts) continue;
       s.grasps.push_back({list[i]["name"], list[i]["sensors"]});
       for (std::size_t j = 0; j < list[i]["sensors"].size(); ++j) {
         const std::string& name = s.grasps.back().sensors[j];
@@ -304,9 +310,12 @@ class Converter {
 
 }  // namespace
 
-bool has_problem_below(const std::vector<Problem>& problems, const std::string& pointer) {
+bool is_touched(const std::vector<Problem>& problems, const std::string& pointer) {
+  const auto within = [](const std::string& inner, const std::string& outer) {
+    return inner == outer || inner.starts_with(outer + "/");
+  };
   return std::any_of(problems.begin(), problems.end(), [&](const Problem& p) {
-    return p.pointer == pointer || p.pointer.starts_with(pointer + "/");
+    return within(p.pointer, pointer) || within(pointer, p.pointer);
   });
 }
 

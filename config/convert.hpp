@@ -10,8 +10,9 @@
 
 namespace slipd {
 
-// Whether any of `problems` lies at `pointer` or below it.
-bool has_problem_below(const std::vector<Problem>& problems, const std::string& pointer);
+// Whether any of `problems` lies at `pointer`, below it, or above it (what lies in a list that is too long
+// was not looked at).
+bool is_touched(const std::vector<Problem>& problems, const std::string& pointer);
 
 // `root` is an object that check() has seen, with `problems` found; sections among which there is one are
 // left out of the result, the others are converted and checked further, so that all problems come out at

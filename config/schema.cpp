@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <utility>
@@ -101,8 +102,12 @@ class Walker {
   }
 
  private:
-  // The schema that a $ref points to, with what stands beside the $ref laid over it.
-  json resolved(const json& schema) const {
+  // The schema that a $ref points to, with what stands beside the $ref laid over it; others as they are.
+  // `schema` must outlive the walker, which remembers it by its place: merging anew for every item of a list
+  // would take most of the time.
+  const json& resolved(const json& schema) const {
+    if (!schema.contains("$ref")) return schema;
+    if (const auto known = merged_.find(&schema); known != merged_.end()) return known->second;
     constexpr std::string_view kDefs = "#/$defs/";
     const std::string& ref = schema["$ref"].get_ref<const std::string&>();
     const json* target = nullptr;
@@ -116,23 +121,25 @@ class Walker {
     for (const auto& [key, beside] : schema.items()) {
       if (key != "$ref") merged[key] = beside;
     }
-    return merged;
+    return merged_.emplace(&schema, std::move(merged)).first->second;
   }
 
   // anyOf takes the first that fits; oneOf wants exactly one.
   void choose(const json& schema, const std::string& keyword, json& value, const std::string& at, int depth,
               std::vector<Problem>& problems) const {
     json described = schema;
+    described[keyword] = json::array();
     std::vector<json> fitting;
     std::vector<std::vector<Problem>> of_same_type;
-    for (auto& choice : described[keyword]) {
-      if (choice.contains("$ref")) choice = resolved(choice);
-      if (!fitting.empty() && keyword == "anyOf") continue;
+    for (const auto& raw : schema[keyword]) {
+      const json& choice = resolved(raw);
+      described[keyword].push_back(choice);
       json copy = value;
       std::vector<Problem> found;
       walk(choice, copy, at, depth + 1, found);
       if (found.empty()) {
         fitting.push_back(std::move(copy));
+        if (keyword == "anyOf") break;
       } else if (fits_type(choice, value)) {
         of_same_type.push_back(std::move(found));
       }
@@ -218,14 +225,14 @@ class Walker {
     std::vector<std::string> known;
     for (const auto& [key, property] : properties.items()) {
       known.push_back(key);
-      const json described = property.contains("$ref") ? resolved(property) : property;
+      const json& described = resolved(property);
       if (!value.contains(key) && described.contains("default")) value[key] = described["default"];
       if (value.contains(key)) walk(described, value[key], pointer_to(at, key), depth + 1, problems);
     }
     for (const auto& key : schema.contains("required") ? schema["required"] : json::array()) {
       if (value.contains(key)) continue;
-      const json property = properties.contains(key) ? properties[key.get<std::string>()] : kNone;
-      const json described = property.contains("$ref") ? resolved(property) : property;
+      const json& property = properties.contains(key) ? properties[key.get<std::string>()] : kNone;
+      const json& described = resolved(property);
       problems.push_back({pointer_to(at, key.get_ref<const std::string&>()), "",
                           "is missing; expected " + wanted(described)});
     }
@@ -247,6 +254,7 @@ class Walker {
   }
 
   const json& root_;
+  mutable std::map<const json*, json> merged_;
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
     json& sensor = root["sensors"][i];
     const std::string at = pointer_to("/sensors", i);
     const std::string* name = string_at(sensor, "driver");
-    if (name == nullptr || has_problem_below(problems, at + "/driver")) continue;
+    if (name == nullptr || is_touched(problems, at + "/driver")) continue;
     const DriverModule* module = drivers.find(*name);
     if (module == nullptr) {
       problems.push_back(problem_of(

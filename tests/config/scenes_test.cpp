@@ -1,0 +1,57 @@
+// What lies ready in config/: the annotated default and the scenes.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "config/schema.hpp"
+#include "tests/config/support.hpp"
+#include "tests/config/violations.hpp"
+
+namespace slipd::test {
+namespace {
+
+using nlohmann::json;
+
+TEST(DefaultConfiguration, says_nothing_but_the_defaults) {
+  json written = parse_json_text(text_of("config/slipd.json")),
+       minimal = json::parse(R"({"sensors": [{"name": "left", "driver": "sim"}]})");
+  EXPECT_THAT(check(schema(), written), testing::IsEmpty());
+  EXPECT_THAT(check(schema(), minimal), testing::IsEmpty());
+  written.erase("$schema");
+  for (auto* document : {&written, &minimal}) (*document)["sensors"] = nullptr;  // compared as settings below
+  EXPECT_EQ(written, minimal);
+}
+
+TEST(DefaultConfiguration, has_one_simulated_sensor_as_a_minimal_one_has) {
+  const Settings written = parse(text_of("config/slipd.json"));
+  const Settings minimal = parse(std::string(R"({"sensors": [{"name": "left", "driver": "sim"}]})"));
+  ASSERT_EQ(written.sensors.size(), 1U);
+  const SensorSettings &a = written.sensors[0], &b = minimal.sensors[0];
+  EXPECT_EQ(a.driver, b.driver);
+  EXPECT_EQ(a.setup.rate_hz, b.setup.rate_hz);
+  EXPECT_EQ(a.stale_after, b.stale_after);
+  EXPECT_EQ(a.setup.layout, b.setup.layout);
+  EXPECT_EQ(written.scene_of(a), minimal.scene_of(b));
+  EXPECT_EQ(a.setup.options, b.setup.options);
+}
+
+TEST(DefaultConfiguration, shows_every_key_with_its_meaning) {
+  const std::string text = text_of("config/slipd.json");
+  for (const auto& path : survey(schema(), whole_document()).all) {
+    EXPECT_THAT(text, testing::HasSubstr("\"" + path.substr(path.rfind('.') + 1) + "\":"));
+  }
+}
+
+TEST(Scenes, are_all_valid) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(SLIPD_SOURCE_DIR) + "/config/scenes")) {
+    FakeCatalogue drivers;
+    EXPECT_NO_THROW(load_settings(entry.path(), drivers)) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 4);
+}
+
+}  // namespace
+}  // namespace slipd::test

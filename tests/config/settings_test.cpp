@@ -1,0 +1,242 @@
+// From JSON to Settings: units, defaults, and what no schema can check.
+#include "config/settings.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "tests/config/support.hpp"
+
+namespace slipd::test {
+namespace {
+
+using nlohmann::json;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const char* const kMinimal = R"({"sensors": [{"name": "left", "driver": "sim"}]})";
+
+// The minimal document with `value` put at `pointer`.
+json with(const std::string& pointer, const json& value) {
+  json document = json::parse(kMinimal);
+  document[json::json_pointer(pointer)] = value;
+  return document;
+}
+
+TEST(Settings, of_a_minimal_document_are_the_defaults_of_the_structs) {
+  const Settings s = parse(std::string(kMinimal)), d;
+  EXPECT_EQ(s.estimator, d.estimator);
+  EXPECT_EQ(s.noise, d.noise);
+  EXPECT_EQ(s.offset_m, d.offset_m);
+  EXPECT_EQ(s.alerts, d.alerts);
+  EXPECT_EQ(s.objects, paper_objects());
+  EXPECT_EQ(s.socket.path, d.socket.path);
+  EXPECT_EQ(s.socket.mode, d.socket.mode);
+  EXPECT_EQ(s.socket.max_clients, d.socket.max_clients);
+  EXPECT_FALSE(s.can);
+  EXPECT_EQ(s.recorder.seconds, d.recorder.seconds);
+  EXPECT_EQ(s.recorder.max_mb, d.recorder.max_mb);
+  EXPECT_EQ(s.recorder.keep, d.recorder.keep);
+  EXPECT_EQ(s.realtime.mode, d.realtime.mode);
+  EXPECT_EQ(s.realtime.priority, d.realtime.priority);
+  EXPECT_EQ(s.realtime.cpus, d.realtime.cpus);
+  EXPECT_EQ(s.realtime.lock_memory, d.realtime.lock_memory);
+  EXPECT_EQ(s.log_level, d.log_level);
+  EXPECT_TRUE(s.grasps.empty());
+}
+
+TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
+  const Settings s = parse(std::string(kMinimal));
+  ASSERT_EQ(s.sensors.size(), 1U);
+  const SensorSettings& sensor = s.sensors[0];
+  EXPECT_EQ(sensor.driver, "sim");
+  EXPECT_EQ(sensor.stale_after, std::chrono::milliseconds(20));
+  EXPECT_FALSE(sensor.friction);
+  EXPECT_EQ(sensor.setup.name, "left");
+  EXPECT_EQ(sensor.setup.rate_hz, 1000);
+  EXPECT_EQ(sensor.setup.layout, TaxelLayout::grid(100, 100, 0.144 / 1000));
+  EXPECT_EQ(sensor.setup.device, json::object());
+  EXPECT_EQ(sensor.setup.options, json::parse(R"({"seed": 1, "noise": 0.01})"));
+  EXPECT_EQ(s.scene_of(sensor), (Scene{Skin{}, paper_objects(), 0.002, 0.01}));
+}
+
+TEST(Settings, of_a_minimal_can_section_are_the_defaults_of_the_struct) {
+  const auto can = parse(with("/can", {{"interface", "can0"}})).can.value();
+  const CanSettings d;
+  EXPECT_EQ(can.interface, "can0");
+  EXPECT_EQ(can.base_id, d.base_id);
+  EXPECT_EQ(can.extended, d.extended);
+  EXPECT_EQ(can.fd, d.fd);
+  EXPECT_EQ(can.period, d.period);
+  EXPECT_EQ(can.allow_simulated, d.allow_simulated);
+}
+
+TEST(Settings, carry_every_key_in_SI_units) {
+  const Settings s = parse(whole_document());
+  const SensorSettings& left = s.sensors.at(0);
+  EXPECT_EQ(left.setup.rate_hz, 500);
+  EXPECT_EQ(left.stale_after, std::chrono::milliseconds(30));
+  EXPECT_EQ(left.setup.layout, TaxelLayout::grid(10, 20, 0.0005));
+  EXPECT_TRUE(std::isinf(left.setup.skin_radius_m));
+  EXPECT_EQ(left.setup.skin_modulus_pa, 1e6);
+  EXPECT_EQ(left.setup.skin_poisson, 0.4);
+  EXPECT_EQ(left.setup.device, json::parse(R"({"index": 1})"));
+  EXPECT_EQ(left.setup.options, json::parse(R"({"seed": 3, "noise": 0.1})"));
+  EXPECT_EQ(left.friction, 0.5);
+  EXPECT_EQ(s.sensors.at(1).setup.layout, TaxelLayout::scattered({0, 0.001, 0}, {0, 0, 0.001}));
+  EXPECT_EQ(s.sensors.at(2).setup.profile, "xela-xr1944");
+  EXPECT_EQ(s.grasps.at(0).name, "gripper");
+  EXPECT_THAT(s.grasps.at(0).sensors, ElementsAre("left", "right"));
+  EXPECT_THAT(s.objects,
+              ElementsAre(ObjectFamily{2, {1, 6}, {0.2, 0.8}, {0.005, 0.05}, 0.25, {1e6, 1e7}, {0.1, 0.2}}));
+  EXPECT_EQ(s.estimator, (EstimatorSettings{MethodChoice::fit, 60, 9, 6, false, 0.2}));
+  EXPECT_EQ(s.noise, 0.02);
+  EXPECT_EQ(s.offset_m, 0.003);
+  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 2, 0.6}));
+  EXPECT_EQ(s.socket.path, "/tmp/s");
+  EXPECT_EQ(s.socket.mode, 0600U);
+  EXPECT_EQ(s.socket.max_clients, 10U);
+  EXPECT_EQ(s.can->interface, "can1");
+  EXPECT_EQ(s.can->base_id, 0x100U);
+  EXPECT_TRUE(s.can->extended && s.can->fd && s.can->allow_simulated);
+  EXPECT_EQ(s.can->period, std::chrono::milliseconds(20));
+  EXPECT_EQ(s.recorder.seconds, 5);
+  EXPECT_EQ(s.recorder.max_mb, 10);
+  EXPECT_EQ(s.recorder.keep, 3);
+  EXPECT_EQ(s.realtime.mode, RealtimeMode::enforce);
+  EXPECT_EQ(s.realtime.priority, 50);
+  EXPECT_THAT(s.realtime.cpus, ElementsAre(1, 2));
+  EXPECT_FALSE(s.realtime.lock_memory);
+  EXPECT_EQ(s.log_level, "debug");
+}
+
+TEST(Settings, give_a_slow_sensor_three_frames_before_it_is_stale) {
+  EXPECT_EQ(parse(with("/sensors/0/rate_hz", 60)).sensors[0].stale_after, std::chrono::milliseconds(50));
+  json document = with("/sensors/0/rate_hz", 60);
+  document["sensors"][0]["stale_after_ms"] = 16;
+  EXPECT_THAT(problems_of(document),
+              ElementsAre(HasSubstr("/sensors/0/stale_after_ms = 16: is shorter than one frame")));
+}
+
+TEST(Settings, check_a_drivers_options_by_its_own_schema) {
+  EXPECT_THAT(
+      problems_of(with("/sensors/0/options", {{"noise", 2}, {"sede", 1}})),
+      ElementsAre(
+          "t.json: /sensors/0/options/noise = 2: is too large; expected a number from 0 to 1 of full scale",
+          "t.json: /sensors/0/options/sede = 1: is an unknown key; did you mean \"seed\"?"));
+}
+
+TEST(Settings, say_which_drivers_there_are) {
+  EXPECT_THAT(
+      problems_of(with("/sensors/0/driver", "smi")),
+      ElementsAre(
+          "t.json: /sensors/0/driver = \"smi\": no such driver; did you mean \"sim\"?; found: replay, sim; "
+          "looked in /nowhere"));
+}
+
+TEST(Settings, do_not_blame_the_user_for_a_drivers_schema) {
+  EXPECT_THAT(problems_of(with("/sensors/0/driver", "broken")),
+              ElementsAre(HasSubstr("the driver describes its options wrongly")));
+}
+
+TEST(Settings, want_sensors_and_grasps_that_can_be_told_apart) {
+  json document = whole_document();
+  document["sensors"][1]["name"] = "left";
+  document["grasps"].push_back({{"name", "gripper"}, {"sensors", {"real", "lfet"}}});
+  EXPECT_THAT(problems_of(document),
+              testing::IsSupersetOf({HasSubstr("/sensors/1/name = \"left\": is the name of /sensors/0 too"),
+                                     HasSubstr("/grasps/1/name = \"gripper\": is the name of /grasps/0 too"),
+                                     HasSubstr("/grasps/0/sensors/1 = \"right\": is no sensor"),
+                                     HasSubstr("/grasps/1/sensors/1 = \"lfet\": is no sensor of this "
+                                               "configuration; did you mean \"left\"?")}));
+}
+
+TEST(Settings, want_two_sensors_of_one_device_to_differ) {
+  json document = whole_document();
+  document["sensors"][1]["device"] = document["sensors"][0]["device"];
+  EXPECT_THAT(problems_of(document), testing::IsEmpty());  // their options differ
+  document["sensors"][1]["options"] = document["sensors"][0]["options"];
+  EXPECT_THAT(problems_of(document),
+              ElementsAre(HasSubstr("/sensors/1/device = {…}: is the device of /sensors/0")));
+}
+
+TEST(Settings, want_one_way_of_saying_where_the_taxels_are) {
+  const auto layout = [](const char* text) {
+    return problems_of(with("/sensors/0/layout", json::parse(text)));
+  };
+  EXPECT_THAT(layout("{}"), ElementsAre(HasSubstr("/sensors/0/layout = {}: expected either grid")));
+  EXPECT_THAT(layout(R"({"grid": [2, 2], "taxels": [[0, 0], [1, 0]], "pitch_mm": 1})"),
+              ElementsAre(HasSubstr("expected either grid")));
+  EXPECT_THAT(layout(R"({"grid": [2, 2]})"),
+              ElementsAre(HasSubstr("/sensors/0/layout/pitch_mm: is missing")));
+  EXPECT_THAT(layout(R"({"taxels": [[0, 0], [1, 0]], "pitch_mm": 1})"),
+              ElementsAre(HasSubstr("/sensors/0/layout/pitch_mm = 1: belongs to grid")));
+  EXPECT_THAT(layout(R"({"taxels": [[1, 1], [1, 1]]})"), ElementsAre(HasSubstr("are in the same place")));
+  EXPECT_THAT(layout(R"({"grid": [4096, 4096], "pitch_mm": 1})"),
+              ElementsAre(HasSubstr("has 16777216 taxels; expected up to")));
+}
+
+TEST(Settings, want_a_profile_instead_of_layout_and_skin) {
+  json document = with("/sensors/0/profile", "xela-xr1944");
+  document["sensors"][0]["skin"] = json::object();
+  document["sensors"][0]["layout"] = {{"grid", {2, 2}}, {"pitch_mm", 1}};
+  EXPECT_THAT(problems_of(document),
+              ElementsAre(HasSubstr("/sensors/0/layout = "), HasSubstr("/sensors/0/skin = ")));
+}
+
+TEST(Settings, want_ranges_that_rise_and_thresholds_in_order) {
+  json document = with("/objects", {{{"normal_n", {5, 1}}, {"poisson", {0.2, 0.2}}}, {{"weight", "x"}}});
+  document["alerts"] = {{"warn_below", 0.3}, {"slip_below", 0.4}};
+  EXPECT_THAT(problems_of(document),
+              testing::UnorderedElementsAre(
+                  HasSubstr("/objects/0/normal_n = [5,1]: falls"), HasSubstr("/objects/1/weight"),
+                  HasSubstr("/alerts/slip_below = 0.4: is above warn_below = 0.3")));
+}
+
+TEST(Settings, put_at_most_31_sensors_on_CAN) {
+  json document = json::parse(kMinimal);
+  for (int i = 0; i < 31; ++i)
+    document["sensors"].push_back({{"name", "s" + std::to_string(i)}, {"driver", "sim"}});
+  EXPECT_THAT(problems_of(document), testing::IsEmpty());
+  document["can"] = {{"interface", "can0"}};
+  EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("has 32 sensors; expected up to 31")));
+}
+
+TEST(Settings, keep_all_of_slipds_identifiers_within_CANs) {
+  const auto base = [](const json& id, bool extended) {
+    return problems_of(with("/can", {{"interface", "can0"}, {"base_id", id}, {"extended", extended}}));
+  };
+  EXPECT_THAT(base("0x7C0", false), testing::IsEmpty());
+  EXPECT_THAT(base(1984, false), testing::IsEmpty());
+  EXPECT_THAT(base("0x7C1", false), ElementsAre(HasSubstr("/can/base_id = \"0x7C1\": leaves no room")));
+  EXPECT_THAT(base("0x7C1", true), testing::IsEmpty());
+  EXPECT_THAT(base("0x1FFFFFC0", true), testing::IsEmpty());
+  EXPECT_THAT(base("0xFFFFFFFF", true), ElementsAre(HasSubstr("leaves no room")));
+}
+
+TEST(Settings, count_a_sockets_path_in_bytes) {
+  std::string path = "/";
+  for (int i = 0; i < 60; ++i) path += "é";
+  EXPECT_THAT(problems_of(with("/socket/path", path)),
+              ElementsAre(HasSubstr("has 121 bytes; expected up to 107")));
+  EXPECT_THAT(problems_of(with("/socket/path", std::string("/a\0b", 4))),
+              ElementsAre(HasSubstr("holds a zero byte")));
+}
+
+TEST(Settings, are_an_error_at_line_and_column_when_the_text_is_no_JSON) {
+  EXPECT_THAT(problems_of(std::string("{\n\"sensors\": [,]\n}")),
+              ElementsAre(testing::StartsWith("t.json:2:13: syntax error")));
+  EXPECT_THAT(problems_of(std::string("[]")), ElementsAre("t.json: / = []: is a list; expected an object"));
+}
+
+TEST(Settings, are_an_error_when_there_is_no_such_file) {
+  FakeCatalogue drivers;
+  EXPECT_THROW(load_settings("/nonexistent/slipd.json", drivers), SettingsError);
+  EXPECT_THROW(load_settings("/", drivers), SettingsError);
+  EXPECT_THROW(load_settings("/dev/zero", drivers), SettingsError);
+}
+
+}  // namespace
+}  // namespace slipd::test
