@@ -1,6 +1,7 @@
-// The whole contract between slipd and a driver. A driver turns one device's bytes into frames; the device may carry
-// several sensors (two fingers, boards on one bus). It is a loadable module, slipd-driver-NAME.so, that exports
-// `extern "C" const slipd::DriverModule* slipd_driver_module()`, which SLIPD_DRIVER_MODULE defines.
+// The whole contract between slipd and a driver. A driver turns one device's bytes into frames; the device
+// may carry several sensors (two fingers, boards on one bus). It is a loadable module, slipd-driver-NAME.so,
+// that exports `extern "C" const slipd::DriverModule* slipd_driver_module()`, which SLIPD_DRIVER_MODULE
+// defines.
 #pragma once
 
 #include <chrono>
@@ -17,29 +18,29 @@
 
 namespace slipd {
 
-// One sensor as the configuration names it. `layout`: from the configuration, for drivers whose device does not
-// dictate one. `options`: the driver's own, validated against its schema, with defaults filled in.
+// One sensor as the configuration names it. `layout`: from the configuration, for drivers whose device does
+// not dictate one. `options`: the driver's own, validated against its schema, with defaults filled in.
 struct SensorSetup {
   std::string name;
   TaxelLayout layout;
   double rate_hz = 1000;
-  double skin_radius_m = 0.01;   // infinity: flat
+  double skin_radius_m = 0.01;  // infinity: flat
   double skin_modulus_pa = 0.5e6;
   double skin_poisson = 0.45;
-  std::string profile;           // empty: none
-  nlohmann::json device;         // how to find it: serial, index, port …; an object
-  nlohmann::json options;        // an object
+  std::string profile;     // empty: none
+  nlohmann::json device;   // how to find it: serial, index, port …; an object
+  nlohmann::json options;  // an object
 };
 
 struct SensorInfo {
   SensorClass sensor_class = SensorClass::array3;
   TaxelLayout layout;
-  double rate_hz = 0;            // 0: unknown
+  double rate_hz = 0;  // 0: unknown
 };
 
 struct DeviceInfo {
-  std::string description;          // for people: "simulated 100 x 100", "XELA XR1944 on can0"
-  std::string serial;               // empty: it has none
+  std::string description;  // for people: "simulated 100 x 100", "XELA XR1944 on can0"
+  std::string serial;       // empty: it has none
   bool simulated = false;
   std::vector<SensorInfo> sensors;  // as many as SensorSetups were given, in their order
 };
@@ -67,28 +68,29 @@ class DeviceDriver {
  public:
   virtual ~DeviceDriver() = default;
 
-  // Set-up thread. May allocate and take its time (some seconds). Throws DriverError. Called again after close.
+  // Set-up thread. May allocate and take its time (some seconds). Throws DriverError. Called again after
+  // close.
   virtual DeviceInfo open() = 0;
 
-  // Acquire thread. Fills slots[i] of the sensor i it says (spans sized by that sensor's layout) and returns within
-  // about `timeout`. Must not allocate, lock, log or throw in its own code.
+  // Acquire thread. Fills slots[i] of the sensor i it says (spans sized by that sensor's layout) and returns
+  // within about `timeout`. Must not allocate, lock, log or throw in its own code.
   virtual ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept = 0;
 
   // Set-up or acquire thread. Idempotent.
   virtual void close() noexcept = 0;
 
-  // Whether frames come from a clock that can be held back (a recording played as fast as it goes): then slipd
-  // waits for the estimator instead of skipping. Constant after open.
+  // Whether frames come from a clock that can be held back (a recording played as fast as it goes): then
+  // slipd waits for the estimator instead of skipping. Constant after open.
   virtual bool paced_by_consumer() const noexcept { return false; }
 };
 
-// The module's table. `options_schema` is a JSON Schema (the subset of config/schema.hpp, with "unit"): the one source
-// for validation, defaults, `slipd --list-drivers` and the documentation.
+// The module's table. `options_schema` is a JSON Schema (the subset of config/schema.hpp, with "unit"): the
+// one source for validation, defaults, `slipd --list-drivers` and the documentation.
 struct DriverModule {
-  std::uint32_t abi;            // kDriverAbi of the headers it was built with
-  const char* name;             // "sim"; the file is slipd-driver-sim.so
-  const char* summary;          // one line
-  const char* options_schema;   // JSON text, of an object
+  std::uint32_t abi;           // kDriverAbi of the headers it was built with
+  const char* name;            // "sim"; the file is slipd-driver-sim.so
+  const char* summary;         // one line
+  const char* options_schema;  // JSON text, of an object
   // Setup sensors of one device; throws DriverError for what a schema cannot say.
   std::unique_ptr<DeviceDriver> (*create)(const std::vector<SensorSetup>& sensors);
 };
@@ -98,7 +100,7 @@ inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 
 }  // namespace slipd
 
-#define SLIPD_DRIVER_MODULE(table)                                                       \
+#define SLIPD_DRIVER_MODULE(table)                                                                     \
   extern "C" __attribute__((visibility("default"))) const slipd::DriverModule* slipd_driver_module() { \
-    return &(table);                                                                     \
+    return &(table);                                                                                   \
   }

@@ -1,4 +1,5 @@
-// Frames of a known contact, for tests: a load history averaged over taxels, turned into a direction, with noise.
+// Frames of a known contact, for tests: a load history averaged over taxels, turned into a direction, with
+// noise.
 #pragma once
 
 #include <cmath>
@@ -38,17 +39,18 @@ class FrameMaker {
         x_(layout_.size()),
         y_(layout_.size()) {}
 
-  // The noise's half-width is `noise` times the frame's maximum: of p on p and of q on q (relative), or of p on all
-  // three channels (sensor).
-  Frame make(const contact::LoadHistory& contact, double center_x_m, double center_y_m, double direction_rad, double noise,
-             Noise kind = Noise::relative) {
+  // The noise's half-width is `noise` times the frame's maximum: of p on p and of q on q (relative), or of p
+  // on all three channels (sensor).
+  Frame make(const contact::LoadHistory& contact, double center_x_m, double center_y_m, double direction_rad,
+             double noise, Noise kind = Noise::relative) {
     contact::taxel_averages(layout_, center_x_m, center_y_m, contact, normal_, shear_);
     float peak_p = 0, peak_q = 0;
     for (std::size_t i = 0; i < normal_.size(); ++i) {
       peak_p = std::max(peak_p, normal_[i]);
       peak_q = std::max(peak_q, std::fabs(shear_[i]));
     }
-    const auto c = static_cast<float>(std::cos(direction_rad)), s = static_cast<float>(std::sin(direction_rad));
+    const auto c = static_cast<float>(std::cos(direction_rad)),
+               s = static_cast<float>(std::sin(direction_rad));
     std::uniform_real_distribution<float> unit(-1, 1);
     const auto width = static_cast<float>(noise);
     for (std::size_t i = 0; i < normal_.size(); ++i) {
