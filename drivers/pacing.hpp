@@ -5,7 +5,6 @@
 #include <time.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstdint>
 
 namespace slipd {
@@ -16,9 +15,8 @@ inline std::int64_t monotonic_ns() noexcept {
   return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
 }
 
-// Sleeps until `due_ns` or until `timeout` is over, whichever is first. True if it is due.
-inline bool sleep_until(std::int64_t due_ns, std::chrono::microseconds timeout) noexcept {
-  const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
+// Sleeps until `due_ns` or `give_up_ns`, whichever is first. True if it is due.
+inline bool sleep_until(std::int64_t due_ns, std::int64_t give_up_ns) noexcept {
   const std::int64_t wake_ns = due_ns < give_up_ns ? due_ns : give_up_ns;
   const timespec wake{static_cast<time_t>(wake_ns / 1000000000), static_cast<long>(wake_ns % 1000000000)};
   while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr) == EINTR) {

@@ -102,7 +102,8 @@ ReadResult ReplayDriver::read(std::span<FrameSlot> slots, std::chrono::microseco
     return {damaged ? ReadStatus::disconnected : ReadStatus::end, 0};
   }
   Player& player = players_[*first];
-  if (speed_ != 0 && !sleep_until(player.due_ns, timeout)) return {ReadStatus::timeout, *first};
+  const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
+  if (speed_ != 0 && !sleep_until(player.due_ns, give_up_ns)) return {ReadStatus::timeout, *first};
   FrameSlot& out = slots[*first];
   const FrameSlot& in = player.staged;
   std::copy(in.normal_pa.begin(), in.normal_pa.end(), out.normal_pa.begin());

@@ -1,0 +1,104 @@
+#include "drivers/sim/imperfections.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace slipd::sim {
+namespace {
+
+enum Stream : std::uint64_t {
+  noise_stream,
+  loss_stream,
+  delay_stream,
+  gain_stream,
+  drift_stream,
+  dead_stream
+};
+
+float largest(std::span<const float> values) noexcept {
+  float most = 0;
+  for (const float v : values) most = std::max(most, std::fabs(v));
+  return most;
+}
+
+// Exactly the share asked for, so that a sensor of few taxels has as many dead ones as it says.
+std::vector<std::uint32_t> drawn(const Draws& draws, std::size_t taxels, double share) {
+  std::vector<std::uint32_t> all(taxels);
+  std::iota(all.begin(), all.end(), 0U);
+  const auto count = static_cast<std::size_t>(std::llround(share * static_cast<double>(taxels)));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto other = i + static_cast<std::size_t>(draws.uniform(i) * static_cast<double>(taxels - i));
+    std::swap(all[i], all[other]);
+  }
+  all.resize(count);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+}  // namespace
+
+Imperfections::Imperfections(const ImperfectionSettings& settings, std::size_t taxels)
+    : settings_(settings),
+      noise_(Draws(settings.seed).stream(noise_stream)),
+      loss_(Draws(settings.seed).stream(loss_stream)),
+      delay_(Draws(settings.seed).stream(delay_stream)),
+      dead_(drawn(Draws(settings.seed).stream(dead_stream), taxels, settings.dead)) {
+  if (settings.gain_spread > 0) {
+    gain_.assign(taxels, 1.0F);
+    Draws(settings.seed)
+        .stream(gain_stream)
+        .add_noise(gain_.data(), taxels, static_cast<float>(settings.gain_spread));
+  }
+  if (settings.drift_pa_s > 0) {
+    drift_pa_s_.assign(3 * taxels, 0.0F);
+    Draws(settings.seed)
+        .stream(drift_stream)
+        .add_noise(drift_pa_s_.data(), 3 * taxels, static_cast<float>(settings.drift_pa_s));
+  }
+}
+
+void Imperfections::apply(FrameSlot& frame, std::uint64_t number, double elapsed_s) const noexcept {
+  const std::size_t taxels = frame.normal_pa.size();
+  std::span<float> const channels[] = {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa};
+  if (!gain_.empty()) {
+    for (const auto& values : channels) {
+      for (std::size_t i = 0; i < taxels; ++i) values[i] *= gain_[i];
+    }
+  }
+  if (settings_.noise > 0) add_noise(frame, number);
+  if (!drift_pa_s_.empty()) {
+    const auto seconds = static_cast<float>(elapsed_s);
+    const float* rate = drift_pa_s_.data();
+    for (const auto& values : channels) {
+      for (std::size_t i = 0; i < taxels; ++i) values[i] += seconds * rate[i];
+      rate += taxels;
+    }
+  }
+  for (const auto taxel : dead_) {
+    for (const auto& values : channels) values[taxel] = 0;
+  }
+}
+
+void Imperfections::add_noise(FrameSlot& frame, std::uint64_t number) const noexcept {
+  const auto share = static_cast<float>(settings_.noise);
+  const auto full = static_cast<float>(settings_.full_scale_pa);
+  const bool relative = settings_.noise_kind == NoiseKind::relative;
+  const float pressure = share * (relative ? largest(frame.normal_pa) : full);
+  const float shear =
+      share * (relative ? std::max(largest(frame.shear_x_pa), largest(frame.shear_y_pa)) : full);
+  const Draws draws = noise_.stream(number);
+  draws.stream(0).add_noise(frame.normal_pa.data(), frame.normal_pa.size(), pressure);
+  draws.stream(1).add_noise(frame.shear_x_pa.data(), frame.shear_x_pa.size(), shear);
+  draws.stream(2).add_noise(frame.shear_y_pa.data(), frame.shear_y_pa.size(), shear);
+}
+
+bool Imperfections::lost(std::uint64_t number) const noexcept {
+  return loss_.uniform(number) < settings_.drop;
+}
+
+std::int64_t Imperfections::late_ns(std::uint64_t number) const noexcept {
+  return static_cast<std::int64_t>(delay_.uniform(number) * settings_.late_ms * 1e6);
+}
+
+}  // namespace slipd::sim

@@ -1,0 +1,90 @@
+#include "drivers/sim/options.hpp"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "embedded/sim_options.hpp"
+
+namespace slipd::sim {
+namespace {
+
+using nlohmann::json;
+
+// An object with the defaults of its schema where it says nothing.
+json filled(json value, const json& schema) {
+  if (!value.is_object()) value = json::object();
+  for (const auto& [key, property] : schema.at("properties").items()) {
+    if (!value.contains(key) && property.contains("default")) value[key] = property["default"];
+    if (value.contains(key) && property.value("type", "") == "object")
+      value[key] = filled(value[key], property);
+  }
+  return value;
+}
+
+std::optional<Ramp> ramp(const json& phase, const char* key) {
+  const auto found = phase.find(key);
+  if (found == phase.end()) return std::nullopt;
+  if (found->is_number()) return Ramp{found->get<double>(), found->get<double>()};
+  return Ramp{found->at(0).get<double>(), found->at(1).get<double>()};
+}
+
+Phase phase_of(const json& item) {
+  Phase phase;
+  phase.duration_ns = std::llround(item.at("ms").get<double>() * 1e6);
+  phase.normal_n = ramp(item, "normal_n");
+  phase.shear_n = ramp(item, "shear_n");
+  phase.load = ramp(item, "load");
+  if (item.contains("friction")) phase.friction = item["friction"].get<double>();
+  return phase;
+}
+
+Options options_of(const SensorSetup& sensor) {
+  const json options = filled(sensor.options, json::parse(sim_options));
+  Options out;
+  auto& s = out.sensor;
+  s.skin = {sensor.skin_radius_m, sensor.skin_modulus_pa, sensor.skin_poisson};
+  const auto& object = options.at("object");
+  const auto& radius = object.at("radius_mm");
+  s.object.radius_m =
+      radius.is_string() ? std::numeric_limits<double>::infinity() : 1e-3 * radius.get<double>();
+  s.object.modulus_pa = 1e6 * object.at("modulus_mpa").get<double>();
+  s.object.poisson = object.at("poisson").get<double>();
+  s.offset_x_m = 1e-3 * options.at("offset_mm").at(0).get<double>();
+  s.offset_y_m = 1e-3 * options.at("offset_mm").at(1).get<double>();
+  for (const auto& phase : options.at("cycle")) s.cycle.push_back(phase_of(phase));
+  auto& i = s.imperfections;
+  i.seed = options.at("seed").get<std::uint64_t>();
+  i.noise = options.at("noise").get<double>();
+  i.noise_kind = options.at("noise_kind") == "relative" ? NoiseKind::relative : NoiseKind::sensor;
+  i.full_scale_pa = 1e3 * options.at("full_scale_kpa").get<double>();
+  i.drop = options.at("drop").get<double>();
+  i.late_ms = options.at("late_ms").get<double>();
+  i.dead = options.at("dead").get<double>();
+  i.gain_spread = options.at("gain_spread").get<double>();
+  i.drift_pa_s = 1e3 * options.at("drift_kpa_s").get<double>();
+  out.grip_input = options.value("grip_input", "");
+  return out;
+}
+
+}  // namespace
+
+Options parse_options(const SensorSetup& sensor) {
+  const std::string who = "sensor \"" + sensor.name + "\": simulated sensor: ";
+  try {
+    Options options = options_of(sensor);
+    static_cast<void>(Script(options.sensor.cycle));
+    static_cast<void>(contact::make_pair(options.sensor.skin, options.sensor.object));
+    return options;
+  } catch (const contact::ContactError& e) {
+    throw DriverError(
+        who + e.what() +
+        ": a flat skin needs a round object (options: object.radius_mm), a hollow object a narrower skin");
+  } catch (const json::exception& e) {
+    throw DriverError(who + "its options do not fit their schema: " + e.what());
+  } catch (const std::invalid_argument& e) {
+    throw DriverError(who + e.what());
+  }
+}
+
+}  // namespace slipd::sim

@@ -1,0 +1,20 @@
+// The options of `sim` as its schema (options.json) has them → settings in SI units. Set-up thread.
+#pragma once
+
+#include <string>
+
+#include "drivers/driver.hpp"
+#include "drivers/sim/simulated_sensor.hpp"
+
+namespace slipd::sim {
+
+struct Options {
+  SensorSettings sensor;
+  std::string grip_input;  // path; empty: none
+};
+
+// Throws DriverError for what the schema cannot say (shear_n and load in one phase). A key that is absent has
+// the schema's default, whoever filled it in.
+Options parse_options(const SensorSetup& sensor);
+
+}  // namespace slipd::sim

@@ -1,0 +1,78 @@
+#include "drivers/sim/simulated_sensor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/contact/averages.hpp"
+
+namespace slipd::sim {
+namespace {
+constexpr double kStrongestGripN = 1000;
+}
+
+SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& settings)
+    : layout_(std::move(layout)),
+      one_vector_(layout_.size() == 1 && !layout_.regular()),
+      offset_x_m_(settings.offset_x_m),
+      offset_y_m_(settings.offset_y_m),
+      script_(settings.cycle),
+      load_(contact::make_pair(settings.skin, settings.object)),
+      imperfections_(settings.imperfections, layout_.size()),
+      normal_pa_(layout_.size()),
+      shear_pa_(layout_.size()) {
+  script_.walk(0, 0, [this](const Demand& demand) { meet(demand); });
+}
+
+void SimulatedSensor::advance(std::chrono::nanoseconds by) noexcept {
+  const std::int64_t from_ns =
+      std::exchange(elapsed_ns_, elapsed_ns_ + std::max<std::int64_t>(0, by.count()));
+  script_.walk(from_ns, elapsed_ns_, [this](const Demand& demand) { meet(demand); });
+}
+
+void SimulatedSensor::grip(std::optional<double> normal_n) noexcept {
+  if (normal_n) normal_n = std::isnan(*normal_n) ? 0 : std::clamp(*normal_n, 0.0, kStrongestGripN);
+  grip_n_ = normal_n;
+}
+
+void SimulatedSensor::meet(const Demand& demand) noexcept {
+  const double normal_n = grip_n_.value_or(demand.normal_n);
+  const double was_normal_n = load_.normal_n(), was_shear_n = load_.shear_n(),
+               was_friction = load_.friction();
+  // Throws for numbers without meaning only, which neither the checked script nor grip() lets through.
+  load_.move_to(normal_n, demand.shear_n(normal_n), demand.friction);
+  moved_ = moved_ || load_.normal_n() != was_normal_n || load_.shear_n() != was_shear_n ||
+           load_.friction() != was_friction;
+}
+
+void SimulatedSensor::feel() noexcept {
+  if (!std::exchange(moved_, false)) return;
+  if (one_vector_) {
+    normal_pa_[0] = static_cast<float>(load_.normal_n() / layout_.area_m2());
+    shear_pa_[0] = static_cast<float>(load_.shear_n() / layout_.area_m2());
+    return;
+  }
+  contact::taxel_averages(layout_, offset_x_m_, offset_y_m_, load_, normal_pa_, shear_pa_);
+}
+
+bool SimulatedSensor::sample(FrameSlot& out) noexcept {
+  const std::uint64_t number = number_++;
+  if (imperfections_.lost(number)) return false;
+  feel();
+  out.sequence = number;
+  out.time_ns = elapsed_ns_;
+  out.device_time_ns = elapsed_ns_;
+  out.truth = truth();
+  std::copy(normal_pa_.begin(), normal_pa_.end(), out.normal_pa.begin());
+  std::copy(shear_pa_.begin(), shear_pa_.end(), out.shear_x_pa.begin());
+  std::fill(out.shear_y_pa.begin(), out.shear_y_pa.end(), 0.0F);
+  imperfections_.apply(out, number, 1e-9 * static_cast<double>(elapsed_ns_));
+  return true;
+}
+
+Truth SimulatedSensor::truth() const noexcept {
+  if (load_.normal_n() == 0) return {};
+  return {load_.safety_margin(), load_.friction()};
+}
+
+}  // namespace slipd::sim
