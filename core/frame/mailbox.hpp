@@ -18,6 +18,15 @@
 
 namespace slipd {
 
+// What the acquire thread had counted when it published a frame. It travels with the frame, so that the
+// estimate thread's sums belong together: what it takes as number n after number m means that n - m - 1 were
+// skipped.
+struct Tally {
+  std::uint64_t received = 0;  // frames so far, this one included
+  std::uint64_t gaps = 0;      // jumps of the sequence number
+  std::uint64_t lost = 0;      // sequence numbers that those jumps left out
+};
+
 class FrameMailbox {
  public:
   // All memory there ever is: three slots of 3 x taxels floats, touched here so that no page fault comes
@@ -31,8 +40,9 @@ class FrameMailbox {
 
   // Acquire thread: hands over `filled`, which writable() gave and the driver filled. True if an unread frame
   // was replaced by it (which is then counted as skipped).
-  bool publish(const FrameSlot& filled) noexcept {
+  bool publish(const FrameSlot& filled, const Tally& tally = {}) noexcept {
     slots_[write_] = filled;
+    tallies_[write_] = tally;
     // Release: the estimate thread's acquire in take() sees the slot's contents. Acquire: pairs with the
     // release in take(), so that its reads of the slot we get back are over before we write there.
     const std::uint32_t was = middle_.exchange(write_ | kFresh, std::memory_order_acq_rel);
@@ -52,11 +62,15 @@ class FrameMailbox {
     return &slots_[read_];
   }
 
+  // Estimate thread: what was published with the frame last taken.
+  const Tally& tally() const noexcept { return tallies_[read_]; }
+
  private:
   static constexpr std::uint32_t kIndex = 3;
   static constexpr std::uint32_t kFresh = 4;
   std::vector<float> memory_;
   std::array<FrameSlot, 3> slots_;
+  std::array<Tally, 3> tallies_{};
   alignas(64) std::uint32_t write_ = 0;  // acquire thread's
   alignas(64) std::uint32_t read_ = 1;   // estimate thread's
   alignas(64) std::atomic<std::uint32_t> middle_{2};

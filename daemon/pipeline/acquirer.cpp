@@ -1,0 +1,182 @@
+#include "daemon/pipeline/acquirer.hpp"
+
+#include <algorithm>
+
+namespace slipd {
+namespace {
+
+using Clock = Doorbell::Clock;
+using namespace std::chrono_literals;
+
+constexpr auto kReadTimeout = 50ms;  // how long a stop may have to wait for a driver that behaves
+constexpr auto kFirstBackOff = 100ms;
+constexpr auto kLongestBackOff = 5000ms;
+constexpr std::size_t kStackBytes = 512 * 1024;
+
+}  // namespace
+
+Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, std::vector<std::size_t> sensors,
+                   std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& estimate,
+                   FeedOpened opened)
+    : driver_(std::move(driver)), log_(log), estimate_(estimate), opened_(std::move(opened)) {
+  for (const std::size_t sensor : sensors) {
+    Outlet& outlet = outlets_.emplace_back();
+    outlet.sensor = sensor;
+    outlet.seat = seats[sensor].get();
+    name_ += (name_.empty() ? "" : ", ") + outlet.seat->panel.name;
+  }
+  slots_.resize(outlets_.size());
+}
+
+void Acquirer::start(const RealtimeSettings& settings, const RealtimeGrant& grant) {
+  realtime_ = settings;
+  grant_ = grant;
+  thread_ = Thread("acq:" + name_, kStackBytes, [this] { run(); });
+}
+
+void Acquirer::ask_to_stop() noexcept {
+  stop_.store(true, std::memory_order_relaxed);
+  stop_bell_.ring();
+}
+
+void Acquirer::run() {
+  auto back_off = Clock::duration(kFirstBackOff);
+  while (!stopping()) {
+    const std::uint32_t rung = stop_bell_.rung();
+    if (!open()) {
+      set_link(Link::absent);
+      stop_bell_.wait(rung, Clock::now() + back_off);
+      back_off = std::min<Clock::duration>(2 * back_off, kLongestBackOff);
+      continue;
+    }
+    back_off = kFirstBackOff;
+    set_link(Link::open);
+    enter_realtime(realtime_, grant_);
+    const Ending ending = pump();
+    leave_realtime(grant_);
+    driver_->close();
+    if (ending == Ending::ended) {
+      log_.write(LogLevel::info, "%s: the recording has ended", name_.c_str());
+      set_link(Link::ended);
+      break;
+    }
+    if (ending == Ending::disconnected) {
+      log_.write(LogLevel::warning, "%s: the device is gone; it will be reopened when it is back",
+                 name_.c_str());
+      for (auto& outlet : outlets_)
+        outlet.seat->panel.change_facts([](DeviceFacts& f) { f.trouble = "the device is gone"; });
+      set_link(Link::absent);
+      stop_bell_.wait(stop_bell_.rung(), Clock::now() + back_off);
+    }
+  }
+}
+
+bool Acquirer::open() {
+  std::string trouble;
+  try {
+    const DeviceInfo info = driver_->open();
+    if (info.sensors.size() == outlets_.size()) {
+      wire(info);
+      log_.write(LogLevel::info, "%s: open: %s", name_.c_str(), info.description.c_str());
+      last_trouble_.clear();
+      return true;
+    }
+    trouble = "the driver speaks of " + std::to_string(info.sensors.size()) + " sensors where " +
+              std::to_string(outlets_.size()) + " are configured";
+  } catch (const std::exception& error) {
+    trouble = error.what();
+  } catch (...) {
+    trouble = "the driver threw something that is no std::exception";
+  }
+  driver_->close();
+  if (trouble != last_trouble_) {
+    log_.write(LogLevel::error, "%s: %s (tried again until it works)", name_.c_str(), trouble.c_str());
+    last_trouble_ = trouble;
+    for (auto& outlet : outlets_)
+      outlet.seat->panel.change_facts([&](DeviceFacts& f) { f.trouble = trouble; });
+  }
+  return false;
+}
+
+void Acquirer::wire(const DeviceInfo& info) {
+  for (std::size_t i = 0; i < outlets_.size(); ++i) {
+    Outlet& outlet = outlets_[i];
+    const SensorInfo& sensor = info.sensors[i];
+    Panel& panel = outlet.seat->panel;
+    panel.change_facts([&](DeviceFacts& facts) {
+      facts.description = info.description;
+      facts.serial = info.serial;
+      facts.simulated = info.simulated;
+      facts.sensor_class = sensor.sensor_class;
+      facts.layout = sensor.layout;
+      facts.rate_hz = sensor.rate_hz;
+      facts.trouble.clear();
+    });
+    outlet.last_sequence.reset();
+    if (was_open_) panel.reconnects.fetch_add(1, std::memory_order_relaxed);
+    const bool paced = driver_->paced_by_consumer();
+    const bool same = outlet.feed && outlet.feed->info.layout == sensor.layout &&
+                      outlet.feed->info.sensor_class == sensor.sensor_class && outlet.feed->paced == paced;
+    if (!same) {
+      outlet.feed = std::make_shared<Feed>(sensor, paced);
+      opened_(outlet.sensor, outlet.feed);
+    }
+    slots_[i] = outlet.feed->mailbox.writable();
+  }
+  was_open_ = true;
+}
+
+void Acquirer::set_link(Link link) noexcept {
+  // Release: whoever reads it also finds the frames that came before.
+  for (auto& outlet : outlets_) outlet.seat->panel.link.store(link, std::memory_order_release);
+  estimate_.ring();
+}
+
+Acquirer::Ending Acquirer::pump() noexcept {
+  while (!stopping()) {
+    const ReadResult result = driver_->read(slots_, kReadTimeout);
+    // A driver that names a sensor it does not have is at fault; what it read is of no use.
+    const bool known = result.sensor < outlets_.size();
+    Panel& panel = outlets_[known ? result.sensor : 0].seat->panel;
+    switch (known || result.status != ReadStatus::frame ? result.status : ReadStatus::corrupt) {
+      case ReadStatus::frame:
+        if (!deliver(result.sensor)) return Ending::stopped;
+        break;
+      case ReadStatus::timeout:
+        panel.timeouts.fetch_add(1, std::memory_order_relaxed);
+        break;
+      case ReadStatus::corrupt:
+        panel.corrupt.fetch_add(1, std::memory_order_relaxed);
+        break;
+      case ReadStatus::disconnected:
+        return Ending::disconnected;
+      case ReadStatus::end:
+        return Ending::ended;
+    }
+  }
+  return Ending::stopped;
+}
+
+// False: told to stop while waiting for the frame before to be taken.
+bool Acquirer::deliver(std::size_t index) noexcept {
+  Outlet& outlet = outlets_[index];
+  FrameSlot& slot = slots_[index];
+  Feed& feed = *outlet.feed;
+  while (feed.paced && feed.mailbox.unread()) {
+    if (stopping()) return false;
+    const std::uint32_t rung = feed.taken.rung();
+    if (feed.mailbox.unread()) feed.taken.wait(rung, Clock::now() + kReadTimeout);
+  }
+  ++outlet.tally.received;
+  if (outlet.last_sequence && slot.sequence > *outlet.last_sequence + 1) {
+    ++outlet.tally.gaps;
+    outlet.tally.lost += slot.sequence - *outlet.last_sequence - 1;
+  }
+  outlet.last_sequence = slot.sequence;
+  feed.mailbox.publish(slot, outlet.tally);
+  slot = feed.mailbox.writable();
+  estimate_.ring();
+  return true;
+}
+
+}  // namespace slipd

@@ -1,0 +1,66 @@
+// One device: opened, read, and reopened with back-off for ever, in a thread of its own. A driver that hangs
+// holds up this thread and nobody else's.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/realtime.hpp"
+#include "daemon/pipeline/seat.hpp"
+#include "daemon/pipeline/thread.hpp"
+
+namespace slipd {
+
+// Asks for an estimator for a sensor whose device has just been opened. Called by the acquire thread while
+// setting up.
+using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<Feed> feed)>;
+
+class Acquirer {
+ public:
+  // `sensors`: the indices of `seats` that this device carries, in the driver's order.
+  Acquirer(std::unique_ptr<DeviceDriver> driver, std::vector<std::size_t> sensors,
+           std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& estimate, FeedOpened opened);
+
+  void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
+  void ask_to_stop() noexcept;
+  bool join_until(std::chrono::system_clock::time_point deadline) { return thread_.join_until(deadline); }
+
+ private:
+  struct Outlet {
+    std::size_t sensor = 0;
+    Seat* seat = nullptr;
+    std::shared_ptr<Feed> feed;
+    Tally tally;
+    std::optional<std::uint64_t> last_sequence;  // none: just (re)opened
+  };
+  enum class Ending : std::uint8_t { stopped, disconnected, ended };
+
+  void run();
+  bool open();
+  void wire(const DeviceInfo& info);
+  Ending pump() noexcept;
+  bool deliver(std::size_t index) noexcept;
+  void set_link(Link link) noexcept;
+  bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
+
+  std::unique_ptr<DeviceDriver> driver_;
+  std::vector<Outlet> outlets_;
+  std::vector<FrameSlot> slots_;
+  LogRing& log_;
+  Doorbell& estimate_;
+  FeedOpened opened_;
+  std::string name_;          // its sensors' names, for the log
+  std::string last_trouble_;  // said once, not at each attempt
+  bool was_open_ = false;
+  RealtimeSettings realtime_;
+  RealtimeGrant grant_;
+  Doorbell stop_bell_;
+  std::atomic<bool> stop_{false};  // relaxed: nothing else is read on its word
+  Thread thread_;
+};
+
+}  // namespace slipd

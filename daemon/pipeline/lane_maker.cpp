@@ -1,0 +1,86 @@
+#include "daemon/pipeline/lane_maker.hpp"
+
+#include <utility>
+
+namespace slipd {
+namespace {
+
+constexpr std::size_t kStackBytes = 1024 * 1024;
+
+}  // namespace
+
+LaneMaker::LaneMaker(const Settings& settings, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log,
+                     Doorbell& estimate, ModelSource models)
+    : settings_(settings), seats_(seats), log_(log), estimate_(estimate), models_(std::move(models)) {}
+
+LaneMaker::~LaneMaker() = default;
+
+void LaneMaker::start() {
+  thread_ = Thread("set-up", kStackBytes, [this] { run(); });
+}
+
+void LaneMaker::ask_to_stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_one();
+}
+
+void LaneMaker::want(std::size_t sensor, std::shared_ptr<Feed> feed) {
+  {
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back({sensor, std::move(feed)});
+  }
+  changed_.notify_one();
+}
+
+void LaneMaker::run() {
+  for (;;) {
+    Job job;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
+      if (stop_) return;
+      job = std::move(jobs_.front());
+      jobs_.pop_front();
+    }
+    free_retired();
+    make(job);
+  }
+}
+
+void LaneMaker::make(const Job& job) {
+  Seat& seat = *seats_[job.sensor];
+  try {
+    const ChainSetup setup{.layout = job.feed->info.layout,
+                           .sensor_class = job.feed->info.sensor_class,
+                           .scene = settings_.scene_of(seat.settings),
+                           .estimator = settings_.estimator,
+                           .alerts = settings_.alerts,
+                           .friction = seat.settings.friction};
+    std::shared_ptr<const Model> model;
+    if (needs_model(setup)) model = models_(seat.panel.name, setup);
+    lanes_.push_back(std::make_unique<Lane>(job.feed, EstimatorChain(setup, std::move(model))));
+    Lane* const lane = lanes_.back().get();
+    const std::string method(to_string(lane->chain.method()));
+    seat.panel.change_facts([&](DeviceFacts& facts) { facts.method = method; });
+    seat.refused.store(false, std::memory_order_relaxed);
+    // One that the estimate thread never came to take is retired by nobody else.
+    if (Lane* untaken = seat.incoming.exchange(lane, std::memory_order_acq_rel)) untaken->retired = true;
+    log_.write(LogLevel::info, "%s: estimating by %s", seat.panel.name.c_str(), method.c_str());
+  } catch (const std::exception& error) {
+    const std::string trouble = error.what();
+    seat.panel.change_facts([&](DeviceFacts& facts) { facts.trouble = trouble; });
+    seat.refused.store(true, std::memory_order_relaxed);
+    log_.write(LogLevel::error, "%s: no estimator: %s", seat.panel.name.c_str(), trouble.c_str());
+  }
+  estimate_.ring();
+}
+
+void LaneMaker::free_retired() {
+  // Acquire: pairs with the estimate thread's release, so that its last use is over.
+  std::erase_if(lanes_, [](const auto& lane) { return lane->retired.load(std::memory_order_acquire); });
+}
+
+}  // namespace slipd

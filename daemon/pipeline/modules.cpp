@@ -1,0 +1,117 @@
+#include "daemon/pipeline/modules.hpp"
+
+#include <dlfcn.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <system_error>
+
+namespace slipd {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kPrefix = "slipd-driver-";
+constexpr const char* kSuffix = ".so";
+
+fs::path default_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path beside = program.parent_path().parent_path() / "drivers";
+  if (!error && fs::is_directory(beside, error)) return beside;
+  return SLIPD_INSTALLED_DRIVERS;
+}
+
+std::string why_untrusted_one(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) {
+    return path.string() + ": " + std::generic_category().message(errno);
+  }
+  if (status.st_uid != 0 && status.st_uid != geteuid()) {
+    return path.string() + " belongs to user " + std::to_string(status.st_uid) +
+           ": only root or slipd's own user may own it; use chown";
+  }
+  // A sticky folder such as /tmp lets nobody replace another's file.
+  const bool sticky_folder = S_ISDIR(status.st_mode) && (status.st_mode & S_ISVTX) != 0;
+  if ((status.st_mode & S_IWOTH) != 0 && !sticky_folder) {
+    return path.string() + " can be written by everybody: use chmod o-w";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string why_untrusted(const fs::path& file) {
+  const std::string trouble = why_untrusted_one(file);
+  return trouble.empty() ? why_untrusted_one(file.parent_path()) : trouble;
+}
+
+DriverModules::DriverModules(const std::optional<fs::path>& given)
+    : folder_(fs::absolute(given ? *given : default_folder())) {}
+
+const DriverModules::Loaded& DriverModules::load(const std::string& name) {
+  if (const auto known = loaded_.find(name); known != loaded_.end()) return known->second;
+  Loaded& entry = loaded_[name];
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), allowed)) {
+    entry.trouble = "a driver's name has only a-z, 0-9, - and _";
+    return entry;
+  }
+  const fs::path file = folder_ / (kPrefix + name + kSuffix);
+  std::error_code error;
+  if (!fs::exists(file, error)) {
+    entry.trouble = "there is no " + file.string() + "; there are: ";
+    const auto there = names();
+    for (std::size_t i = 0; i < there.size(); ++i) entry.trouble += (i == 0 ? "" : ", ") + there[i];
+    if (there.empty()) entry.trouble += "none";
+    return entry;
+  }
+  entry.trouble = why_untrusted(file);
+  if (!entry.trouble.empty()) return entry;
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    entry.trouble =
+        std::string("it cannot be loaded: ") + dlerror();  // NOLINT(concurrency-mt-unsafe): set-up thread
+    return entry;
+  }
+  using Entry = const DriverModule* (*)();
+  const auto symbol = reinterpret_cast<Entry>(dlsym(library, kDriverSymbol));
+  const DriverModule* module = symbol != nullptr ? symbol() : nullptr;
+  if (module == nullptr) {
+    entry.trouble = file.string() + " is no slipd driver: it lacks the symbol " + kDriverSymbol;
+  } else if (module->abi != kDriverAbi) {
+    entry.trouble = file.string() + " was built for driver interface " + std::to_string(module->abi) +
+                    ", this slipd has " + std::to_string(kDriverAbi) + ": build it anew against this slipd";
+  } else if (module->name != name) {
+    entry.trouble = file.string() + " calls itself \"" + module->name + "\": name the file after it";
+  } else {
+    entry.module = module;
+  }
+  return entry;
+}
+
+const DriverModule* DriverModules::find(const std::string& name) {
+  return load(name).module;
+}
+
+std::string DriverModules::why_not(const std::string& name) {
+  return load(name).trouble;
+}
+
+std::vector<std::string> DriverModules::names() {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const auto& item : fs::directory_iterator(folder_, error)) {
+    const std::string file = item.path().filename().string();
+    if (file.starts_with(kPrefix) && file.ends_with(kSuffix)) {
+      found.push_back(file.substr(std::char_traits<char>::length(kPrefix),
+                                  file.size() - std::char_traits<char>::length(kPrefix) - 3));
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace slipd

@@ -1,0 +1,92 @@
+#include "daemon/pipeline/pipeline.hpp"
+
+#include <algorithm>
+
+namespace slipd {
+namespace {
+
+constexpr std::size_t kEstimateStackBytes = 512 * 1024;
+
+std::vector<std::unique_ptr<Seat>> seats_for(const Settings& settings, Board& board) {
+  std::vector<std::unique_ptr<Seat>> seats;
+  for (const auto& sensor : settings.sensors) {
+    board.sensors.push_back(std::make_unique<Panel>(sensor.setup.name, sensor.driver));
+    seats.push_back(std::make_unique<Seat>(sensor, *board.sensors.back()));
+  }
+  return seats;
+}
+
+// The sensors of each device, by index. A sensor that names no device has one of its own.
+std::vector<std::vector<std::size_t>> devices_of(const std::vector<SensorSettings>& sensors) {
+  std::vector<std::vector<std::size_t>> devices;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const auto same = std::find_if(devices.begin(), devices.end(), [&](const auto& device) {
+      const SensorSettings& other = sensors[device.front()];
+      return other.driver == sensors[i].driver && !sensors[i].setup.device.empty() &&
+             other.setup.device == sensors[i].setup.device;
+    });
+    if (same != devices.end()) {
+      same->push_back(i);
+    } else {
+      devices.push_back({i});
+    }
+  }
+  return devices;
+}
+
+LogRing& new_log(Board& board) {
+  return board.logs.emplace_back();
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models)
+    : settings_(settings),
+      seats_(seats_for(settings, board)),
+      maker_(settings, seats_, new_log(board), bell_, std::move(models)),
+      estimating_(board, seats_, new_log(board), bell_) {
+  std::vector<std::string> problems;
+  for (const auto& device : devices_of(settings.sensors)) {
+    const SensorSettings& first = settings.sensors[device.front()];
+    const std::string place = "/sensors/" + std::to_string(device.front());
+    const DriverModule* module = drivers.find(first.driver);
+    if (module == nullptr) {
+      problems.push_back(place + "/driver = \"" + first.driver + "\": " + drivers.why_not(first.driver));
+      continue;
+    }
+    std::vector<SensorSetup> setups;
+    for (const std::size_t sensor : device) setups.push_back(settings.sensors[sensor].setup);
+    try {
+      auto opened = [this](std::size_t sensor, std::shared_ptr<Feed> feed) {
+        maker_.want(sensor, std::move(feed));
+      };
+      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, seats_, new_log(board),
+                                                      bell_, std::move(opened)));
+    } catch (const std::exception& error) {
+      problems.push_back(place + " (" + first.setup.name + ", driver " + first.driver + "): " + error.what());
+    }
+  }
+  if (!problems.empty()) throw SettingsError(std::move(problems));
+}
+
+void Pipeline::start(const RealtimeGrant& grant) {
+  maker_.start();
+  estimate_thread_ = Thread("estimate", kEstimateStackBytes, [this, grant] {
+    enter_realtime(settings_.realtime, grant);
+    estimating_.run(stop_estimating_);
+  });
+  for (auto& acquirer : acquirers_) acquirer->start(settings_.realtime, grant);
+}
+
+bool Pipeline::stop(std::chrono::system_clock::time_point deadline) {
+  for (auto& acquirer : acquirers_) acquirer->ask_to_stop();
+  maker_.ask_to_stop();
+  bool all = true;
+  for (auto& acquirer : acquirers_) all = acquirer->join_until(deadline) && all;
+  stop_estimating_.store(true, std::memory_order_relaxed);
+  bell_.ring();
+  all = estimate_thread_.join_until(deadline + std::chrono::milliseconds(500)) && all;
+  return maker_.join_until(deadline + std::chrono::milliseconds(500)) && all;
+}
+
+}  // namespace slipd

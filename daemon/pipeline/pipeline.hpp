@@ -1,0 +1,42 @@
+// All that runs between the devices and the board: drivers made, threads started and stopped. Called by io.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "daemon/pipeline/acquirer.hpp"
+#include "daemon/pipeline/estimating.hpp"
+#include "daemon/pipeline/lane_maker.hpp"
+
+namespace slipd {
+
+class Pipeline {
+ public:
+  // Groups the sensors by device (equal driver and equal device, if that says anything) and makes their
+  // drivers. Throws SettingsError with all that the drivers refuse. `settings` and `board` outlive it.
+  Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models);
+
+  void start(const RealtimeGrant& grant);
+
+  // Ends every thread, by `deadline`. False: a driver still hangs in its thread; nothing that it may touch
+  // must be destroyed any more, so the process can only _exit.
+  bool stop(std::chrono::system_clock::time_point deadline);
+
+  std::uint64_t heartbeat() const noexcept { return estimating_.heartbeat(); }
+
+  // After a request was left on the board that concerns the estimate thread.
+  void ring() noexcept { bell_.ring(); }
+
+ private:
+  const Settings& settings_;
+  Doorbell bell_;
+  std::vector<std::unique_ptr<Seat>> seats_;
+  LaneMaker maker_;
+  Estimating estimating_;
+  std::vector<std::unique_ptr<Acquirer>> acquirers_;
+  std::atomic<bool> stop_estimating_{false};
+  Thread estimate_thread_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,182 @@
+#include "daemon/serve/client.hpp"
+
+#include <array>
+#include <asio/post.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include "daemon/serve/rpc.hpp"
+
+namespace slipd {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr std::size_t kMostNotifications = 256;        // that wait for one client
+constexpr std::size_t kMostAnswerBytes = 1024 * 1024;  // that wait, before no more is read
+constexpr std::size_t kMostPassedFds = 4;
+constexpr auto kPatience = seconds(1);
+
+}  // namespace
+
+Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
+    : socket_(io, socket.release()), patience_(io), owner_(owner), backlog_(kMostNotifications) {}
+
+void Client::read_when_ready() {
+  if (closed_ || reading_ || input_ended_ || backlog_.answer_bytes() > kMostAnswerBytes) return;
+  reading_ = true;
+  socket_.async_wait(asio::posix::stream_descriptor::wait_read,
+                     [self = shared_from_this()](const std::error_code& error) {
+                       self->reading_ = false;
+                       if (error || self->closed_) return;
+                       self->on_readable();
+                     });
+}
+
+// One piece at a time, so that a client that sends without end does not keep the loop from the others.
+void Client::on_readable() {
+  if (receive()) split_lines();
+  if (input_ended_ && !input_.empty() && !discarding_)
+    owner_.line(shared_from_this(), std::exchange(input_, {}));
+  flush();
+  let_go_if_done();
+  read_when_ready();
+}
+
+bool Client::receive() {
+  std::array<char, 16 * 1024> bytes;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMostPassedFds)> control;
+  iovec piece{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const auto got = recvmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (got < 0) {
+    if (errno != EAGAIN && errno != EINTR) close();
+    return false;
+  }
+  for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
+    if (item->cmsg_level != SOL_SOCKET || item->cmsg_type != SCM_RIGHTS) continue;
+    const std::size_t count = (item->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (std::size_t i = 0; i < count; ++i) {
+      int fd = -1;
+      std::memcpy(&fd, CMSG_DATA(item) + i * sizeof(int), sizeof fd);
+      passed_.emplace_back(fd);
+      if (passed_.size() > kMostPassedFds) passed_.pop_front();
+    }
+  }
+  if (got == 0) {
+    input_ended_ = true;
+  } else if (!discarding_) {
+    input_.append(bytes.data(), static_cast<std::size_t>(got));
+  }
+  return got > 0;
+}
+
+void Client::split_lines() {
+  std::size_t start = 0;
+  while (!closed_ && !discarding_) {
+    const std::size_t end = input_.find('\n', start);
+    if ((end == std::string::npos ? input_.size() : end) - start > rpc::kLongestLine)
+      return refuse_long_line();
+    if (end == std::string::npos) break;
+    std::string line = input_.substr(start, end - start);
+    start = end + 1;
+    if (line.find_first_not_of(" \t\r") != std::string::npos)
+      owner_.line(shared_from_this(), std::move(line));
+  }
+  input_.erase(0, start);
+}
+
+void Client::refuse_long_line() {
+  input_.clear();
+  discarding_ = true;
+  backlog_.answer(rpc::error_text(nullptr, rpc::kInvalidRequest,
+                                  "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long"));
+  subscriptions.clear();
+  patience_.expires_after(kPatience);
+  patience_.async_wait([self = shared_from_this()](const std::error_code& error) {
+    if (!error) self->close();
+  });
+}
+
+void Client::answer(std::string text) {
+  if (awaited_ > 0) --awaited_;
+  if (closed_) return;
+  if (!text.empty()) backlog_.answer(std::move(text));
+  flush();
+  let_go_if_done();
+  read_when_ready();
+}
+
+void Client::notify(std::shared_ptr<const std::string> head, std::uint64_t lost) {
+  if (closed_) return;
+  backlog_.notify(std::move(head), lost);
+  flush();
+}
+
+void Client::flush() {
+  while (!closed_ && !writing_) {
+    if (sent_ == output_.size()) {
+      auto next = backlog_.next();
+      if (!next) break;
+      output_ = std::move(*next);
+      sent_ = 0;
+    }
+    const auto sent = send(socket_.native_handle(), output_.data() + sent_, output_.size() - sent_,
+                           MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent >= 0) {
+      sent_ += static_cast<std::size_t>(sent);
+    } else if (errno == EAGAIN) {
+      writing_ = true;
+      socket_.async_wait(asio::posix::stream_descriptor::wait_write,
+                         [self = shared_from_this()](const std::error_code& error) {
+                           self->writing_ = false;
+                           if (error || self->closed_) return;
+                           self->flush();
+                           self->let_go_if_done();
+                           self->read_when_ready();
+                         });
+    } else if (errno != EINTR) {
+      close();
+    }
+  }
+  if (!closed_ && discarding_ && backlog_.empty() && sent_ == output_.size()) {
+    shutdown(socket_.native_handle(), SHUT_WR);
+  }
+}
+
+void Client::let_go_if_done() {
+  const bool all_said = backlog_.empty() && sent_ == output_.size();
+  if (input_ended_ && all_said && awaited_ == 0 && subscriptions.empty()) close();
+}
+
+void Client::close() {
+  if (closed_) return;
+  closed_ = true;
+  patience_.cancel();
+  std::error_code ignored;
+  socket_.close(ignored);
+  // Later: the owner may just be going through its clients.
+  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.gone(self); });
+}
+
+ucred Client::peer() const noexcept {
+  ucred who{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
+  socklen_t length = sizeof who;
+  getsockopt(const_cast<asio::posix::stream_descriptor&>(socket_).native_handle(), SOL_SOCKET, SO_PEERCRED,
+             &who, &length);
+  return who;
+}
+
+UniqueFd Client::take_fd() {
+  if (passed_.empty()) return {};
+  UniqueFd fd = std::move(passed_.front());
+  passed_.pop_front();
+  return fd;
+}
+
+}  // namespace slipd

@@ -1,0 +1,71 @@
+// One connection: lines in, lines out, descriptors passed along. Reads and writes what the socket takes at
+// once and never waits for it. io thread.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <asio/io_context.hpp>
+#include <asio/posix/stream_descriptor.hpp>
+#include <asio/steady_timer.hpp>
+#include <deque>
+#include <functional>
+#include <list>
+#include <memory>
+#include <string>
+
+#include "daemon/serve/backlog.hpp"
+#include "daemon/serve/subscription.hpp"
+#include "daemon/serve/unique_fd.hpp"
+
+namespace slipd {
+
+class Client : public std::enable_shared_from_this<Client> {
+ public:
+  struct Owner {
+    std::function<void(const std::shared_ptr<Client>&, std::string line)>
+        line;                                                  // a whole line, without its end
+    std::function<void(const std::shared_ptr<Client>&)> gone;  // said once
+  };
+
+  Client(asio::io_context& io, UniqueFd socket, Owner& owner);
+
+  void start() { read_when_ready(); }
+  void answer(std::string text);  // one whole answer; empty: there is nothing to say
+  void notify(std::shared_ptr<const std::string> head, std::uint64_t lost);
+  void close();
+
+  // An answer will come later: until then a client that has stopped sending is not let go.
+  void await_answer() { ++awaited_; }
+
+  ucred peer() const noexcept;  // who is at the other end: process, user, group
+  UniqueFd take_fd();           // the descriptor that was passed longest ago; empty: none
+  std::uint64_t dropped() const noexcept { return backlog_.dropped(); }
+
+  std::list<Subscription> subscriptions;
+
+ private:
+  void read_when_ready();
+  void on_readable();
+  bool receive();  // false: nothing more for now
+  void split_lines();
+  void refuse_long_line();
+  void flush();
+  void let_go_if_done();
+
+  asio::posix::stream_descriptor socket_;
+  asio::steady_timer patience_;  // for a client that is to be closed but goes on sending
+  Owner& owner_;
+  Backlog backlog_;
+  std::string input_;
+  std::string output_;    // the line that is being sent
+  std::size_t sent_ = 0;  // of output_
+  std::deque<UniqueFd> passed_;
+  int awaited_ = 0;
+  bool reading_ = false;  // a wait for input is pending
+  bool writing_ = false;  // a wait for room is pending
+  bool input_ended_ = false;
+  bool discarding_ = false;  // said too much in one line: read on to be polite, then close
+  bool closed_ = false;
+};
+
+}  // namespace slipd

@@ -1,0 +1,178 @@
+#include "daemon/serve/methods.hpp"
+
+#include <algorithm>
+
+#include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/names.hpp"
+#include "daemon/serve/status.hpp"
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+using rpc::Reply;
+
+json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
+  std::vector<double> x_mm(layout.x_m().begin(), layout.x_m().end());
+  std::vector<double> y_mm(layout.y_m().begin(), layout.y_m().end());
+  for (auto* axis : {&x_mm, &y_mm}) {
+    for (double& value : *axis) value *= 1e3;
+  }
+  return {{"seq", frame.sequence},
+          {"time_ns", now.realtime_of(frame.time_ns)},
+          {"normal_pa", frame.normal_pa},
+          {"shear_x_pa", frame.shear_x_pa},
+          {"shear_y_pa", frame.shear_y_pa},
+          {"x_mm", x_mm},
+          {"y_mm", y_mm}};
+}
+
+}  // namespace
+
+Methods::Methods(World& world) : world_(world), frames_wanted_(world.board.sensors.size()) {
+  // A method that needs neither its client nor time: parameters in, result out.
+  const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
+    methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
+                                                                          const Reply& reply) {
+      refuse_unknown(params, known);
+      reply.result(body(params));
+    };
+  };
+  plain("version", {}, [](const Params&) {
+    return json{{"name", "slipd"}, {"version", SLIPD_VERSION}, {"protocol", 1}};
+  });
+  plain("sensors", {}, [this](const Params&) { return sensors_json(world_); });
+  plain("status", {}, [this](const Params&) { return status_json(world_); });
+  plain("metrics", {}, [this](const Params&) { return json(metrics_text(world_)); });
+  plain("gamma", {"sensor"}, [this](const Params& params) { return gamma(params); });
+  plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
+    required_sensor(params, world_.board);
+    throw rpc::Error(rpc::kNotPossible,
+                     "this sensor's method was not chosen from a table: it is not estimator.method auto");
+  });
+  plain("rebias", {"sensor"}, [this](const Params& params) -> json {
+    required_sensor(params, world_.board);
+    throw rpc::Error(rpc::kNotPossible, "this sensor has no bias that slipd could take anew");
+  });
+  methods_["frame"] = [this](Client&, const Params& params, const Reply& reply) { frame(params, reply); };
+  methods_["subscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
+    subscribe(client, params, reply);
+  };
+  methods_["unsubscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
+    unsubscribe(client, params, reply);
+  };
+}
+
+void Methods::line(const std::shared_ptr<Client>& client, const std::string& text) {
+  client->await_answer();
+  const rpc::Line parsed = rpc::parse(text);
+  if (!parsed.refusal.empty()) return client->answer(parsed.refusal);
+  const auto answers = std::make_shared<rpc::Answers>(
+      parsed.batch, parsed.requests.size(), [client](std::string all) { client->answer(std::move(all)); });
+  for (const rpc::Request& request : parsed.requests) {
+    if (request.refusal) {
+      answers->add(*request.refusal);
+    } else {
+      call(*client, request, Reply(request, answers));
+    }
+  }
+}
+
+void Methods::call(Client& client, const rpc::Request& request, const Reply& reply) {
+  const auto method = methods_.find(request.method);
+  if (method == methods_.end()) {
+    return reply.error(rpc::kMethodNotFound, "there is no method \"" + request.method + "\"");
+  }
+  try {
+    method->second(client, request.params, reply);
+  } catch (const rpc::Error& error) {
+    reply.error(error.code(), error.what());
+  } catch (const std::exception& error) {
+    reply.error(rpc::kInternalError, error.what());
+  }
+}
+
+json Methods::gamma(const Params& params) const {
+  const Board& board = world_.board;
+  const bool all = !params.contains("sensor");
+  const std::size_t only = all ? 0 : required_sensor(params, board);
+  const Now now = Now::read();
+  std::vector<Estimate> estimates;
+  for (const auto& panel : board.sensors) estimates.push_back(panel->latest.load().estimate);
+  json sensors = json::array();
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (!all && i != only) continue;
+    sensors.push_back(
+        estimate_json(estimates[i], board.sensors[i]->name, board.sensors[i]->facts().simulated, now));
+  }
+  json grasps = json::array();
+  for (const GraspSettings& grasp : world_.settings.grasps) {
+    std::vector<Estimate> members;
+    bool concerned = all;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+      if (std::find(grasp.sensors.begin(), grasp.sensors.end(), board.sensors[i]->name) ==
+          grasp.sensors.end())
+        continue;
+      members.push_back(estimates[i]);
+      concerned = concerned || i == only;
+    }
+    if (concerned)
+      grasps.push_back(grasp_json(grasp_margin(members, world_.settings.alerts), grasp.name, grasp.sensors));
+  }
+  return {{"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}};
+}
+
+void Methods::subscribe(Client& client, const Params& params, const Reply& reply) {
+  constexpr std::size_t kMostSubscriptions = 16;
+  if (client.subscriptions.size() >= kMostSubscriptions) {
+    throw rpc::Error(rpc::kInvalidParams, "a client has at most 16 subscriptions; unsubscribe one first");
+  }
+  client.subscriptions.emplace_back(++subscriptions_, params, world_.board);
+  reply.result({{"subscription", subscriptions_}});
+}
+
+void Methods::unsubscribe(Client& client, const Params& params, const Reply& reply) {
+  refuse_unknown(params, {"subscription"});
+  const auto id = params.find("subscription");
+  if (id == params.end() || !id->is_number_integer()) {
+    throw rpc::Error(rpc::kInvalidParams, "\"subscription\" must be the number that subscribe gave");
+  }
+  if (std::erase_if(client.subscriptions, [&](const Subscription& each) { return each.id() == *id; }) == 0) {
+    throw rpc::Error(rpc::kInvalidParams, "this client has no subscription " + id->dump());
+  }
+  reply.result(true);
+}
+
+void Methods::frame(const Params& params, const Reply& reply) {
+  refuse_unknown(params, {"sensor"});
+  const std::size_t sensor = required_sensor(params, world_.board);
+  Panel& panel = *world_.board.sensors[sensor];
+  const auto layout = panel.facts().layout;
+  if (!layout) throw rpc::Error(rpc::kNotPossible, "no frame of this sensor has come yet");
+  frames_wanted_[sensor].push_back(reply);
+  panel.frame.request(layout->size());
+  world_.ring_estimate();
+}
+
+void Methods::answer_frames() {
+  const Now now = Now::read();
+  for (std::size_t i = 0; i < frames_wanted_.size(); ++i) {
+    Panel& panel = *world_.board.sensors[i];
+    const FrameCopy::Content* frame = panel.frame.answer();
+    if (frame == nullptr) continue;
+    const auto waiting = std::exchange(frames_wanted_[i], {});
+    const auto layout = panel.facts().layout;
+    const bool usable = frame->any && layout && layout->size() == frame->normal_pa.size();
+    const json result = usable ? frame_json(*frame, *layout, now) : json();
+    panel.frame.release();
+    for (const Reply& reply : waiting) {
+      if (usable) {
+        reply.result(result);
+      } else {
+        reply.error(rpc::kNotPossible, "no frame of this sensor has come yet");
+      }
+    }
+  }
+}
+
+}  // namespace slipd

@@ -1,0 +1,43 @@
+// The methods on the socket, by name. A method answers at once, or keeps its Reply until what it waits for
+// has come. io thread.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/serve/client.hpp"
+#include "daemon/serve/rpc.hpp"
+#include "daemon/serve/world.hpp"
+
+namespace slipd {
+
+class Methods {
+ public:
+  explicit Methods(World& world);
+
+  // Answers one line of a client, through Client::answer.
+  void line(const std::shared_ptr<Client>& client, const std::string& text);
+
+  // The estimate thread may have left frames that were asked for: answers those who wait for them.
+  void answer_frames();
+
+ private:
+  using Params = nlohmann::json;
+  using Method = std::function<void(Client&, const Params&, const rpc::Reply&)>;
+
+  void call(Client& client, const rpc::Request& request, const rpc::Reply& reply);
+  nlohmann::json gamma(const Params& params) const;
+  void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
+  void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
+  void frame(const Params& params, const rpc::Reply& reply);
+
+  World& world_;
+  std::map<std::string, Method, std::less<>> methods_;
+  std::vector<std::vector<rpc::Reply>> frames_wanted_;  // per sensor
+  int subscriptions_ = 0;
+};
+
+}  // namespace slipd

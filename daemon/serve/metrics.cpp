@@ -1,0 +1,120 @@
+// OpenMetrics text: each family with its type and help, one line a sensor, ended by # EOF.
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include "daemon/serve/status.hpp"
+
+namespace slipd {
+namespace {
+
+std::string label_text(const std::string& value) {
+  std::string text;
+  for (const char c : value) {
+    if (c == '\n') {
+      text += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text;
+}
+
+class Families {
+ public:
+  explicit Families(const World& world) : world_(world) {
+    out_.precision(std::numeric_limits<double>::max_digits10);
+  }
+
+  // One line for each sensor whose value is known (not NaN). A counter's lines end in _total.
+  void add(const std::string& name, const char* type, const char* help,
+           const std::function<double(std::size_t)>& value) {
+    out_ << "# TYPE " << name << ' ' << type << "\n# HELP " << name << ' ' << help << '\n';
+    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+      const double number = value(i);
+      if (std::isnan(number)) continue;
+      out_ << name << (std::string(type) == "counter" ? "_total" : "") << "{sensor=\""
+           << label_text(world_.board.sensors[i]->name) << "\"} " << number << '\n';
+    }
+  }
+
+  void add_one(const std::string& name, const char* type, const char* help, double value) {
+    out_ << "# TYPE " << name << ' ' << type << "\n# HELP " << name << ' ' << help << '\n'
+         << name << (std::string(type) == "counter" ? "_total " : " ") << value << '\n';
+  }
+
+  void latencies() {
+    out_ << "# TYPE slipd_latency_seconds summary\n# UNIT slipd_latency_seconds seconds\n"
+            "# HELP slipd_latency_seconds From the sample to its published estimate.\n";
+    for (const auto& panel : world_.board.sensors) {
+      const auto latency = panel->latency.summary();
+      if (latency.count == 0) continue;
+      const std::string sensor = "sensor=\"" + label_text(panel->name) + "\"";
+      const auto line = [&](const char* quantile, double microseconds) {
+        out_ << "slipd_latency_seconds{" << sensor << ",quantile=\"" << quantile << "\"} "
+             << microseconds * 1e-6 << '\n';
+      };
+      line("0.5", latency.p50_us);
+      line("0.99", latency.p99_us);
+      line("0.999", latency.p999_us);
+      line("1", latency.max_us);
+      out_ << "slipd_latency_seconds_count{" << sensor << "} " << latency.count << '\n';
+    }
+  }
+
+  std::string text() const { return out_.str() + "# EOF\n"; }
+
+ private:
+  const World& world_;
+  std::ostringstream out_;
+};
+
+}  // namespace
+
+std::string metrics_text(const World& world) {
+  std::vector<Reading> readings;
+  for (const auto& panel : world.board.sensors) readings.push_back(panel->latest.load());
+  const auto panel = [&](std::size_t i) -> const Panel& { return *world.board.sensors[i]; };
+  const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
+  const auto known = [](const std::optional<double>& value) { return value.value_or(kUnknown); };
+  Families families(world);
+  families.add("slipd_frames_received", "counter", "Frames that the driver handed over.",
+               [&](std::size_t i) { return number(readings[i].counts.received); });
+  families.add("slipd_frames_estimated", "counter", "Frames that were answered by an estimate.",
+               [&](std::size_t i) { return number(readings[i].counts.estimated); });
+  families.add("slipd_frames_skipped", "counter",
+               "Frames replaced by a newer one before the estimator came to them.",
+               [&](std::size_t i) { return number(readings[i].counts.skipped); });
+  families.add("slipd_frames_corrupt", "counter", "Packets or frames that the driver threw away.",
+               [&](std::size_t i) { return number(panel(i).corrupt.load(std::memory_order_relaxed)); });
+  families.add("slipd_frames_lost", "counter",
+               "Frames missing between those received, by their sequence numbers.",
+               [&](std::size_t i) { return number(readings[i].counts.lost); });
+  families.add("slipd_gaps", "counter", "Jumps of the sequence number.",
+               [&](std::size_t i) { return number(readings[i].counts.gaps); });
+  families.add("slipd_reconnects", "counter", "Times that the device was opened again.",
+               [&](std::size_t i) { return number(panel(i).reconnects.load(std::memory_order_relaxed)); });
+  families.add("slipd_connected", "gauge", "1 while the device is open.", [&](std::size_t i) {
+    return panel(i).link.load(std::memory_order_relaxed) == Link::open ? 1.0 : 0.0;
+  });
+  families.add("slipd_state", "gauge",
+               "0 ok, 1 no_contact, 2 learning, 3 out_of_model, 4 no_shear, 5 unzeroed, 6 stale, 7 fault.",
+               [&](std::size_t i) { return static_cast<double>(readings[i].estimate.state); });
+  families.add("slipd_gamma", "gauge", "Safety margin, 1 no tangential load, 0 gross slip; only in state ok.",
+               [&](std::size_t i) {
+                 const Estimate& estimate = readings[i].estimate;
+                 return estimate.state == State::ok ? known(estimate.gamma) : kUnknown;
+               });
+  families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
+               [&](std::size_t i) { return static_cast<double>(readings[i].estimate.alert); });
+  families.latencies();
+  families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(world.clients));
+  families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
+                   number(world.notifications_dropped));
+  return families.text();
+}
+
+}  // namespace slipd

@@ -1,0 +1,131 @@
+#include "daemon/serve/rpc.hpp"
+
+#include <algorithm>
+
+namespace slipd::rpc {
+namespace {
+
+using nlohmann::json;
+
+// Brackets outside strings. The text need not be JSON: then it is at worst called too deep instead of
+// malformed.
+bool nested_too_deep(std::string_view text) noexcept {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kDeepestNesting) return true;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return false;
+}
+
+std::string dump(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Request refused(const json& id, int code, const std::string& message) {
+  Request request;
+  request.refusal = error_text(id, code, message);
+  return request;
+}
+
+Request request_from(const json& item) {
+  if (!item.is_object()) return refused(nullptr, kInvalidRequest, "a request is an object");
+  const auto id = item.find("id");
+  const bool id_legal = id == item.end() || id->is_string() || id->is_number() || id->is_null();
+  if (!id_legal) return refused(nullptr, kInvalidRequest, "id must be a string, a number or null");
+  const json known_id = id == item.end() ? json(nullptr) : *id;
+  const auto version = item.find("jsonrpc");
+  if (version == item.end() || *version != "2.0") {
+    return refused(known_id, kInvalidRequest, "\"jsonrpc\" must be \"2.0\"");
+  }
+  const auto method = item.find("method");
+  if (method == item.end() || !method->is_string()) {
+    return refused(known_id, kInvalidRequest, "\"method\" must be a string");
+  }
+  Request request;
+  request.method = method->get<std::string>();
+  request.id = known_id;
+  request.notification = id == item.end();
+  request.params = json::object();
+  if (const auto params = item.find("params"); params != item.end()) {
+    const bool empty_list = params->is_array() && params->empty();
+    if (!params->is_structured()) return refused(known_id, kInvalidRequest, "\"params\" must be an object");
+    if (params->is_object()) {
+      request.params = *params;
+    } else if (!empty_list) {
+      request.refusal = request.notification
+                            ? ""
+                            : error_text(known_id, kInvalidParams, "params go by name: use an object");
+    }
+  }
+  return request;
+}
+
+}  // namespace
+
+Line parse(std::string_view text) {
+  Line line;
+  if (nested_too_deep(text)) {
+    line.refusal =
+        error_text(nullptr, kParseError, "nested deeper than " + std::to_string(kDeepestNesting) + " levels");
+    return line;
+  }
+  json document;
+  try {
+    document = json::parse(text);
+  } catch (const json::exception& error) {
+    line.refusal = error_text(nullptr, kParseError, std::string("not JSON: ") + error.what());
+    return line;
+  }
+  if (!document.is_array()) {
+    line.requests.push_back(request_from(document));
+  } else if (document.empty()) {
+    line.refusal = error_text(nullptr, kInvalidRequest, "an empty batch");
+  } else {
+    line.batch = true;
+    for (const json& item : document) line.requests.push_back(request_from(item));
+  }
+  return line;
+}
+
+std::string result_text(const json& id, const json& result) {
+  return R"({"jsonrpc":"2.0","id":)" + dump(id) + R"(,"result":)" + dump(result) + "}";
+}
+
+std::string error_text(const json& id, int code, const std::string& message) {
+  return R"({"jsonrpc":"2.0","id":)" + dump(id) + R"(,"error":)" +
+         dump({{"code", code}, {"message", message}}) + "}";
+}
+
+Answers::Answers(bool batch, std::size_t expected, std::function<void(std::string)> done)
+    : batch_(batch), missing_(expected), done_(std::move(done)) {}
+
+void Answers::add(const std::string& text) {
+  if (!text.empty()) collected_ += (collected_.empty() ? "" : ",") + text;
+  if (--missing_ > 0) return;
+  if (batch_ && !collected_.empty()) collected_ = "[" + collected_ + "]";
+  done_(std::move(collected_));
+}
+
+Reply::Reply(const Request& request, std::shared_ptr<Answers> answers)
+    : id_(request.id), notification_(request.notification), answers_(std::move(answers)) {}
+
+void Reply::result(const json& value) const {
+  answers_->add(notification_ ? "" : result_text(id_, value));
+}
+
+void Reply::error(int code, const std::string& message) const {
+  answers_->add(notification_ ? "" : error_text(id_, code, message));
+}
+
+}  // namespace slipd::rpc

@@ -1,0 +1,89 @@
+// JSON-RPC 2.0, the part without a socket: a line in, requests or errors out; a result or an error in, a
+// line's text out. io thread. Whatever the bytes are, nothing here throws at its caller, and nesting is
+// limited before anything is parsed.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slipd::rpc {
+
+inline constexpr int kParseError = -32700;
+inline constexpr int kInvalidRequest = -32600;
+inline constexpr int kMethodNotFound = -32601;
+inline constexpr int kInvalidParams = -32602;
+inline constexpr int kInternalError = -32603;
+inline constexpr int kTooManyClients = -32000;
+inline constexpr int kUnknownSensor = -32001;
+inline constexpr int kNotPermitted = -32002;
+inline constexpr int kNotPossible = -32003;
+
+inline constexpr std::size_t kLongestLine = 64 * 1024;
+inline constexpr int kDeepestNesting = 32;
+
+// Thrown by methods.
+class Error : public std::runtime_error {
+ public:
+  Error(int code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  int code() const noexcept { return code_; }
+
+ private:
+  int code_;
+};
+
+struct Request {
+  std::string method;
+  nlohmann::json params;  // an object; empty if there were none
+  nlohmann::json id;
+  bool notification = false;  // no id: nobody waits for an answer
+  std::optional<std::string>
+      refusal;  // the answer, if it is no request: an error, or nothing for a notification
+};
+
+struct Line {
+  bool batch = false;
+  std::vector<Request> requests;
+  std::string refusal;  // of the line as a whole: the answer to it, complete
+};
+
+// `text`: one line without its end.
+Line parse(std::string_view text);
+
+// Answers, complete but for the end of line. Bytes that are no UTF-8 are replaced.
+std::string result_text(const nlohmann::json& id, const nlohmann::json& result);
+std::string error_text(const nlohmann::json& id, int code, const std::string& message);
+
+// The answers to one line: collected until the last has come, then handed on as one text (one object, or an
+// array for a batch), or not at all if there is nothing to say.
+class Answers {
+ public:
+  Answers(bool batch, std::size_t expected, std::function<void(std::string)> done);
+  void add(const std::string& text);  // one answer; empty: a notification's
+
+ private:
+  bool batch_;
+  std::size_t missing_;
+  std::string collected_;
+  std::function<void(std::string)> done_;
+};
+
+// The right to answer one request, once, now or later.
+class Reply {
+ public:
+  Reply(const Request& request, std::shared_ptr<Answers> answers);
+  void result(const nlohmann::json& value) const;
+  void error(int code, const std::string& message) const;
+
+ private:
+  nlohmann::json id_;
+  bool notification_;
+  std::shared_ptr<Answers> answers_;
+};
+
+}  // namespace slipd::rpc

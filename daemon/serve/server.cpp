@@ -1,0 +1,157 @@
+#include "daemon/serve/server.hpp"
+
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <nlohmann/json.hpp>
+
+#include "daemon/serve/estimate_json.hpp"
+
+namespace slipd {
+namespace {
+
+using namespace std::chrono_literals;
+using asio::posix::stream_descriptor;
+
+}  // namespace
+
+Server::Server(asio::io_context& io, World& world)
+    : io_(io),
+      world_(world),
+      methods_(world),
+      file_(world.settings.socket.path, world.settings.socket.mode),
+      listener_(io, file_.release_listener()),
+      news_(io, dup(world.board.io.fd())),
+      pause_(io),
+      rates_(io),
+      last_(world.board.sensors.size()),
+      last_estimated_(world.board.sensors.size()),
+      last_measured_(std::chrono::steady_clock::now()) {
+  owner_.line = [this](const auto& client, const std::string& line) { methods_.line(client, line); };
+  owner_.gone = [this](const auto& client) {
+    dropped_for_gone_ += client->dropped();
+    clients_.erase(client);
+    world_.clients = clients_.size();
+  };
+  world_.rates_hz.resize(world.board.sensors.size());
+  accept_when_ready();
+  listen_for_news();
+  measure_rates();
+}
+
+Server::~Server() {
+  stop();
+}
+
+void Server::stop() {
+  std::error_code ignored;
+  listener_.close(ignored);
+  news_.close(ignored);
+  pause_.cancel();
+  rates_.cancel();
+  for (const auto& client : clients_) client->close();
+  clients_.clear();
+}
+
+void Server::accept_when_ready() {
+  listener_.async_wait(stream_descriptor::wait_read, [this](const std::error_code& error) {
+    if (!error) accept_one();
+  });
+}
+
+void Server::accept_one() {
+  UniqueFd socket(accept4(listener_.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket && (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)) {
+    pause_.expires_after(100ms);
+    pause_.async_wait([this](const std::error_code& error) {
+      if (!error) accept_when_ready();
+    });
+    return;
+  }
+  if (socket && clients_.size() >= world_.settings.socket.max_clients) {
+    turn_away(std::move(socket));
+  } else if (socket) {
+    const auto client = std::make_shared<Client>(io_, std::move(socket), owner_);
+    clients_.insert(client);
+    world_.clients = clients_.size();
+    client->start();
+  }
+  accept_when_ready();
+}
+
+void Server::turn_away(UniqueFd socket) {
+  const std::string text =
+      rpc::error_text(nullptr, rpc::kTooManyClients,
+                      "all " + std::to_string(world_.settings.socket.max_clients) +
+                          " places are taken; close a client or raise socket.max_clients") +
+      "\n";
+  // A fresh socket has room for it.
+  [[maybe_unused]] const auto sent =
+      send(socket.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+void Server::listen_for_news() {
+  news_.async_wait(stream_descriptor::wait_read, [this](const std::error_code& error) {
+    if (error) return;
+    world_.board.io.clear();
+    Event event;
+    // As many as were there at first, so that a flood does not keep the loop from the clients.
+    for (std::size_t left = world_.board.events.read_available(); left > 0 && world_.board.events.pop(event);
+         --left) {
+      tell(event);
+    }
+    if (world_.board.events.read_available() > 0) world_.board.io.ring();
+    methods_.answer_frames();
+    listen_for_news();
+  });
+}
+
+void Server::tell(const Event& event) {
+  Last& last = last_[event.sensor];
+  tell(event, EventKind::estimate);
+  if (event.estimate.alert != last.alert) tell(event, EventKind::alert);
+  if (event.estimate.state != last.state) tell(event, EventKind::state);
+  last = {event.estimate.state, event.estimate.alert};
+}
+
+void Server::tell(const Event& event, EventKind kind) {
+  static constexpr const char* kMethods[kEventKinds] = {"estimate", "alert", "state"};
+  std::shared_ptr<const std::string> head;  // made for the first that wants it
+  for (const auto& client : clients_) {
+    for (Subscription& subscription : client->subscriptions) {
+      std::uint64_t lost = 0;
+      if (!subscription.wants(event, kind, lost)) continue;
+      if (!head) {
+        const Panel& panel = *world_.board.sensors[event.sensor];
+        std::string text =
+            estimate_json(event.estimate, panel.name, panel.facts().simulated, Now::read()).dump();
+        text.pop_back();  // its last brace: `dropped` comes before it
+        head = std::make_shared<const std::string>(std::string(R"({"jsonrpc":"2.0","method":")") +
+                                                   kMethods[static_cast<std::size_t>(kind)] +
+                                                   R"(","params":)" + text);
+      }
+      client->notify(head, lost);
+    }
+  }
+}
+
+void Server::measure_rates() {
+  rates_.expires_after(1s);
+  rates_.async_wait([this](const std::error_code& error) {
+    if (error) return;
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> passed = now - last_measured_;
+    last_measured_ = now;
+    for (std::size_t i = 0; i < last_estimated_.size(); ++i) {
+      const std::uint64_t estimated = world_.board.sensors[i]->latest.load().counts.estimated;
+      world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
+      last_estimated_[i] = estimated;
+    }
+    std::uint64_t dropped = dropped_for_gone_;
+    for (const auto& client : clients_) dropped += client->dropped();
+    world_.notifications_dropped = dropped;
+    measure_rates();
+  });
+}
+
+}  // namespace slipd

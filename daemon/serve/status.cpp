@@ -1,0 +1,92 @@
+#include "daemon/serve/status.hpp"
+
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+
+json realtime_json(const World& world) {
+  const RealtimeSettings& asked = world.settings.realtime;
+  static constexpr const char* kModes[] = {"enforce", "prefer", "off"};
+  json result{{"mode", kModes[static_cast<std::size_t>(asked.mode)]}, {"asked", nullptr}, {"got", nullptr}};
+  if (asked.mode == RealtimeMode::off) return result;
+  result["asked"] = {{"priority", asked.priority}, {"cpus", asked.cpus}, {"lock_memory", asked.lock_memory}};
+  result["got"] = {{"priority", world.realtime.scheduling ? json(asked.priority) : json(nullptr)},
+                   {"cpus", world.realtime.cpus ? json(asked.cpus) : json::array()},
+                   {"lock_memory", world.realtime.memory_locked}};
+  if (!world.realtime.refusal.empty()) result["refused"] = world.realtime.refusal;
+  return result;
+}
+
+json sensor_status(const World& world, std::size_t sensor) {
+  const Panel& panel = *world.board.sensors[sensor];
+  const Reading reading = panel.latest.load();
+  const auto latency = panel.latency.summary();
+  const auto known = [&](double value) { return latency.count > 0 ? json(value) : json(nullptr); };
+  const DeviceFacts facts = panel.facts();
+  const Counts& counts = reading.counts;
+  return {{"name", panel.name},
+          {"state", to_string(reading.estimate.state)},
+          {"device", facts.description},
+          {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
+          {"received", counts.received},
+          {"estimated", counts.estimated},
+          {"skipped", counts.skipped},
+          {"gaps", counts.gaps},
+          {"lost", counts.lost},
+          {"corrupt", panel.corrupt.load(std::memory_order_relaxed)},
+          {"timeouts", panel.timeouts.load(std::memory_order_relaxed)},
+          {"reconnects", panel.reconnects.load(std::memory_order_relaxed)},
+          {"events_lost", panel.events_lost.load(std::memory_order_relaxed)},
+          {"rate_hz", world.rates_hz[sensor]},
+          {"latency_us",
+           {{"p50", known(latency.p50_us)},
+            {"p99", known(latency.p99_us)},
+            {"p99.9", known(latency.p999_us)},
+            {"max", known(latency.max_us)}}}};
+}
+
+}  // namespace
+
+json status_json(const World& world) {
+  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
+  json sensors = json::array();
+  for (std::size_t i = 0; i < world.board.sensors.size(); ++i) sensors.push_back(sensor_status(world, i));
+  return {{"uptime_s", uptime.count()},
+          {"pid", getpid()},
+          {"sensors", std::move(sensors)},
+          {"realtime", realtime_json(world)},
+          {"outputs",
+           {{"socket",
+             {{"path", world.settings.socket.path.string()}, {"dropped", world.notifications_dropped}}}}},
+          {"clients", world.clients}};
+}
+
+json sensors_json(const World& world) {
+  static constexpr const char* kClasses[] = {"array3", "wrench", "normal"};
+  json sensors = json::array();
+  for (std::size_t i = 0; i < world.board.sensors.size(); ++i) {
+    const Panel& panel = *world.board.sensors[i];
+    const DeviceFacts facts = panel.facts();
+    const SensorSetup& setup = world.settings.sensors[i].setup;
+    const bool opened = facts.layout.has_value();
+    sensors.push_back(
+        {{"name", panel.name},
+         {"driver", panel.driver},
+         {"class", opened ? json(kClasses[static_cast<std::size_t>(facts.sensor_class)]) : json(nullptr)},
+         {"taxels", opened ? json(facts.layout->size()) : json(nullptr)},
+         {"rate_hz", facts.rate_hz > 0 ? facts.rate_hz : setup.rate_hz},
+         {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
+         {"simulated", facts.simulated},
+         {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
+         {"device", facts.description},
+         {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});
+  }
+  return {{"sensors", std::move(sensors)}};
+}
+
+}  // namespace slipd

@@ -1,0 +1,18 @@
+// What slipd says of itself: counts, rates, latencies, what the system granted. io thread.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "daemon/serve/world.hpp"
+
+namespace slipd {
+
+nlohmann::json status_json(const World& world);
+
+// The same as OpenMetrics text, for a scraper.
+std::string metrics_text(const World& world);
+
+nlohmann::json sensors_json(const World& world);
+
+}  // namespace slipd

@@ -1,0 +1,25 @@
+// What the methods on the socket may look at. Made by the service, read by io.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <vector>
+
+#include "config/settings.hpp"
+#include "daemon/board/board.hpp"
+#include "daemon/pipeline/realtime.hpp"
+
+namespace slipd {
+
+struct World {
+  const Settings& settings;
+  Board& board;
+  RealtimeGrant realtime;
+  std::function<void()> ring_estimate;  // after a request for the estimate thread was left on the board
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  std::size_t clients = 0;
+  std::uint64_t notifications_dropped = 0;  // for clients that were too slow, over all
+  std::vector<double> rates_hz;             // estimates a second, per sensor, over the last second or so
+};
+
+}  // namespace slipd
