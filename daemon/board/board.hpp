@@ -45,7 +45,6 @@ enum class Link : std::uint8_t {
 // Known once the device is open. Written by set-up threads, read by io; no real-time thread comes near it.
 struct DeviceFacts {
   std::string description, serial;
-  bool simulated = false;
   SensorClass sensor_class = SensorClass::array3;
   std::optional<TaxelLayout> layout;
   double rate_hz = 0;   // 0: the device does not say
@@ -62,6 +61,7 @@ class Panel {
   Latest<Reading> latest;                 // estimate thread writes
   LatencyHistogram latency;               // estimate thread writes: sample → published
   FrameCopy frame;                        // io and estimate thread
+  std::atomic<bool> simulated{false};     // acquire thread writes, while setting up
   std::atomic<Link> link{Link::opening};  // acquire thread writes
   // Acquire thread writes. Relaxed: each is a number of its own.
   std::atomic<std::uint64_t> corrupt{0}, timeouts{0}, reconnects{0};

@@ -106,12 +106,12 @@ void Acquirer::wire(const DeviceInfo& info) {
     panel.change_facts([&](DeviceFacts& facts) {
       facts.description = info.description;
       facts.serial = info.serial;
-      facts.simulated = info.simulated;
       facts.sensor_class = sensor.sensor_class;
       facts.layout = sensor.layout;
       facts.rate_hz = sensor.rate_hz;
       facts.trouble.clear();
     });
+    panel.simulated.store(info.simulated, std::memory_order_relaxed);
     outlet.last_sequence.reset();
     if (was_open_) panel.reconnects.fetch_add(1, std::memory_order_relaxed);
     const bool paced = driver_->paced_by_consumer();

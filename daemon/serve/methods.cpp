@@ -102,8 +102,8 @@ json Methods::gamma(const Params& params) const {
   json sensors = json::array();
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     if (!all && i != only) continue;
-    sensors.push_back(
-        estimate_json(estimates[i], board.sensors[i]->name, board.sensors[i]->facts().simulated, now));
+    sensors.push_back(estimate_json(estimates[i], board.sensors[i]->name,
+                                    board.sensors[i]->simulated.load(std::memory_order_relaxed), now));
   }
   json grasps = json::array();
   for (const GraspSettings& grasp : world_.settings.grasps) {

@@ -123,8 +123,9 @@ void Server::tell(const Event& event, EventKind kind) {
       if (!subscription.wants(event, kind, lost)) continue;
       if (!head) {
         const Panel& panel = *world_.board.sensors[event.sensor];
-        std::string text =
-            estimate_json(event.estimate, panel.name, panel.facts().simulated, Now::read()).dump();
+        std::string text = estimate_json(event.estimate, panel.name,
+                                         panel.simulated.load(std::memory_order_relaxed), Now::read())
+                               .dump();
         text.pop_back();  // its last brace: `dropped` comes before it
         head = std::make_shared<const std::string>(std::string(R"({"jsonrpc":"2.0","method":")") +
                                                    kMethods[static_cast<std::size_t>(kind)] +

@@ -81,7 +81,7 @@ json sensors_json(const World& world) {
          {"taxels", opened ? json(facts.layout->size()) : json(nullptr)},
          {"rate_hz", facts.rate_hz > 0 ? facts.rate_hz : setup.rate_hz},
          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
-         {"simulated", facts.simulated},
+         {"simulated", panel.simulated.load(std::memory_order_relaxed)},
          {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
          {"device", facts.description},
          {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});

@@ -1,5 +1,5 @@
-// slipd-driver-trial.so: a device for tests of the daemon. It presses a sphere and loads it to a margin that it states as
-// the truth, and misbehaves as its options ask. Not installed.
+// slipd-driver-trial.so: a device for tests of the daemon. It presses a sphere and loads it to a margin that
+// it states as the truth, and misbehaves as its options ask. Not installed.
 #include <atomic>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -30,7 +30,8 @@ constexpr const char* kOptions = R"({"type": "object", "additionalProperties": f
 
 class TrialDriver : public DeviceDriver {
  public:
-  explicit TrialDriver(const std::vector<SensorSetup>& sensors) : sensors_(sensors), options_(sensors.front().options) {
+  explicit TrialDriver(const std::vector<SensorSetup>& sensors)
+      : sensors_(sensors), options_(sensors.front().options) {
     behaviour_ = options_.at("behaviour");
     after_ = options_.at("after");
     gap_every_ = options_.at("gap_every");
@@ -50,7 +51,8 @@ class TrialDriver : public DeviceDriver {
     if (behaviour_ == "hang_in_open") hang();
     if (behaviour_ == "throw_in_open") throw DriverError("trial device 7 is not there: plug it in");
     DeviceInfo info{.description = "trial device", .serial = "7", .simulated = true, .sensors = {}};
-    for (const auto& sensor : sensors_) info.sensors.push_back({SensorClass::array3, sensor.layout, sensor.rate_hz});
+    for (const auto& sensor : sensors_)
+      info.sensors.push_back({SensorClass::array3, sensor.layout, sensor.rate_hz});
     given_ = 0;
     next_ = Clock::now();
     return info;
@@ -122,7 +124,8 @@ std::unique_ptr<DeviceDriver> create(const std::vector<SensorSetup>& sensors) {
   return std::make_unique<TrialDriver>(sensors);
 }
 
-const DriverModule kModule{kDriverAbi, "trial", "a device that misbehaves as it is told, for tests", kOptions, create};
+const DriverModule kModule{kDriverAbi, "trial", "a device that misbehaves as it is told, for tests", kOptions,
+                           create};
 
 }  // namespace
 
