@@ -1,0 +1,108 @@
+// A device on a bus that is a pair of sockets: the host's end sees what a SocketCAN interface would give.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <linux/can.h>
+#include <sys/socket.h>
+
+#include <sstream>
+
+#include "tests/support/devices/contacts.hpp"
+
+namespace slipd::devices {
+namespace {
+
+using testing::HasSubstr;
+
+class CanDevice : public testing::Test {
+ protected:
+  CanDevice() {
+    int pair[2];
+    checked(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), "socketpair");
+    host_ = Fd(pair[0]);
+    player_ = std::make_unique<Player>(xela_xr1944(), pattern(xela_xr1944()),
+                                       make_can_port(xela_xr1944(), pair[1]), &truth_);
+  }
+
+  void start() {
+    can_frame command{};
+    command.can_id = 0x201;
+    command.len = 2;
+    command.data[0] = 0x07;
+    ASSERT_EQ(::send(host_.get(), &command, sizeof command, 0), static_cast<ssize_t>(sizeof command));
+    player_->port().serve();
+  }
+
+  std::vector<can_frame> received() {
+    std::vector<can_frame> frames;
+    for (can_frame frame{}; ::recv(host_.get(), &frame, sizeof frame, MSG_DONTWAIT) > 0;)
+      frames.push_back(frame);
+    return frames;
+  }
+
+  std::ostringstream truth_;
+  Fd host_;
+  std::unique_ptr<Player> player_;
+};
+
+TEST_F(CanDevice, IsSilentUntilItIsStarted) {
+  player_->step();
+  EXPECT_TRUE(received().empty());
+  start();
+  player_->step();
+  const auto frames = received();
+  ASSERT_EQ(frames.size(), 16);
+  EXPECT_EQ(frames[0].can_id, 0x710);
+  EXPECT_EQ(frames[0].len, 7);
+  EXPECT_EQ(frames[15].can_id, 0x71F);
+}
+
+TEST_F(CanDevice, MisbehavesForAsManyScansAsItWasToldTo) {
+  start();
+  player_->order("lose 2");
+  for (const std::size_t expected : {15U, 15U, 16U}) {
+    player_->step();
+    EXPECT_EQ(received().size(), expected);
+  }
+}
+
+TEST_F(CanDevice, StallsAndComesBack) {
+  start();
+  player_->order_at(1, "stall 2");
+  for (const std::size_t expected : {16U, 0U, 0U, 16U}) {
+    player_->step();
+    EXPECT_EQ(received().size(), expected);
+  }
+}
+
+TEST_F(CanDevice, MustBeStartedAgainAfterItWasUnplugged) {
+  start();
+  player_->order("unplug");
+  player_->step();
+  EXPECT_TRUE(received().empty());
+  player_->order("plug");
+  player_->step();
+  EXPECT_TRUE(received().empty()) << "it has forgotten that it was started";
+  start();
+  player_->step();
+  EXPECT_EQ(received().size(), 16);
+}
+
+TEST_F(CanDevice, WritesDownWhatItSentAndWhatItWasTold) {
+  start();
+  player_->step();
+  player_->order("garbage");
+  player_->step();
+  // 16 taxels of 4.7 mm: 1000 Pa x (1 + … + 16) x 22.09 mm² = 3.00424 N.
+  EXPECT_THAT(truth_.str(),
+              HasSubstr(R"("gamma":null,"friction":null,"normal_n":3.00424,"shear_n":1.67942)"));
+  EXPECT_THAT(truth_.str(), HasSubstr(R"({"scan":1,"order":"garbage"})"));
+}
+
+TEST_F(CanDevice, EndsWhenToldTo) {
+  EXPECT_TRUE(player_->step());
+  player_->order("quit");
+  EXPECT_FALSE(player_->step());
+}
+
+}  // namespace
+}  // namespace slipd::devices

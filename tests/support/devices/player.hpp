@@ -1,0 +1,64 @@
+// A simulated device at work: takes what its sensors feel, puts it into the device's bytes, distorts them as
+// ordered, sends them through its port and writes the truth down. step() is one scan and knows no clock;
+// run() gives it one.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <ostream>
+#include <stop_token>
+
+#include "tests/support/devices/misbehaviour.hpp"
+#include "tests/support/devices/port.hpp"
+
+namespace slipd::devices {
+
+// Fills the next frame of one sensor, with its truth. The slot's spans have the layout's size.
+using Contact = std::function<void(FrameSlot&)>;
+
+class Player {
+ public:
+  // `contacts`: one a sensor of the sheet. `truth` may be null; it gets a line of JSON for each frame sent
+  // and each order carried out. The port is plugged in here. Throws as Port::plug does.
+  Player(const Sheet& sheet, std::vector<Contact> contacts, std::unique_ptr<Port> port,
+         std::ostream* truth = nullptr);
+  ~Player();
+
+  // Any thread: carried out before the next scan, or before that number. Throws std::invalid_argument.
+  void order(const std::string& text);
+  void order_at(std::uint64_t scan, const std::string& text);
+
+  // One scan. False when told to quit.
+  bool step();
+
+  // Serves the port and steps at `rate_hz`, until told to stop or to quit, or after `scans` scans (0: no
+  // end).
+  void run(std::stop_token stop, double rate_hz, std::uint64_t scans = 0);
+
+  Port& port() { return *port_; }
+
+ private:
+  struct Sensor {
+    Contact contact;
+    std::vector<float> memory;
+    FrameSlot slot;
+  };
+
+  bool carry_out_orders();
+  std::vector<Packet> next_scan();
+  void write_truth();
+
+  const Sheet& sheet_;
+  std::vector<Sensor> sensors_;
+  std::unique_ptr<Port> port_;
+  std::ostream* truth_;
+  std::uint64_t scan_ = 0;
+  Misbehaviour misbehaviour_;
+  Misbehaviour::Order now_{};  // distorts, for so many scans more
+  int stalled_ = 0;            // scans of silence to come
+  std::mutex mutex_;           // orders_
+  std::multimap<std::uint64_t, std::string> orders_;
+};
+
+}  // namespace slipd::devices

@@ -1,0 +1,39 @@
+#include "tests/support/devices/port.hpp"
+
+#include <unistd.h>
+
+#include <stdexcept>
+
+namespace slipd::devices {
+
+Fd::~Fd() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+int checked(int result, const std::string& what) {
+  if (result < 0) throw std::system_error(errno, std::generic_category(), what);
+  return result;
+}
+
+std::unique_ptr<Port> make_port(const Sheet& sheet, const std::string& place, const std::string& serial) {
+  const std::size_t colon = place.find(':');
+  const std::string kind = place.substr(0, colon);
+  const std::string where = colon == std::string::npos ? "" : place.substr(colon + 1);
+  if (kind == "can" || kind == "fd") {
+    if (!sheet.usb && !sheet.hid && !sheet.modbus) {
+      return kind == "can" ? make_can_port(sheet, where) : make_can_port(sheet, std::stoi(where));
+    }
+  } else if (kind == "usbip" && sheet.usb) {
+    return make_usbip_port(sheet, std::stoi(where), serial);
+  } else if (kind == "uhid" && sheet.hid) {
+    return make_uhid_port(sheet, serial);
+  } else if (kind == "tcp" && sheet.modbus) {
+    return make_modbus_tcp_port(sheet, std::stoi(where));
+  } else if (kind == "pty" && sheet.modbus) {
+    return make_modbus_pty_port(sheet, where);
+  }
+  throw std::invalid_argument(std::string(sheet.name) + " cannot be plugged into '" + place +
+                              "': say can:, fd:, usbip:, uhid, tcp: or pty:, as the device needs");
+}
+
+}  // namespace slipd::devices

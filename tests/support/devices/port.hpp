@@ -1,0 +1,87 @@
+// Where a simulated device is plugged in. A port owns its file descriptors, never blocks for long and has no
+// thread or clock of its own: whoever runs the device waits on the descriptors of watch() and then calls
+// serve().
+#pragma once
+
+#include <poll.h>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "tests/support/devices/sheet.hpp"
+
+namespace slipd::devices {
+
+class Port {
+ public:
+  explicit Port(const Sheet& sheet) : sheet_(sheet) {}
+  Port(const Port&) = delete;
+  Port& operator=(const Port&) = delete;
+  virtual ~Port() = default;
+
+  virtual void watch(std::vector<pollfd>& waits) const = 0;  // appends what is worth waiting on
+  virtual void serve() = 0;                                  // takes what the host has said, if anything
+  virtual void send(std::span<const Packet> scan) = 0;
+  virtual void plug() = 0;    // throws std::system_error
+  virtual void unplug() = 0;  // as if the cable were pulled
+  virtual void silence(bool /*on*/) {
+  }  // a device that is asked says nothing; those that talk by themselves just do not
+
+  // Where a host finds it: an interface, a port, a path.
+  virtual std::string place() const = 0;
+
+  // What the host has told the device since it was plugged in.
+  bool streaming() const { return plugged_ && talk_.streaming; }
+
+ protected:
+  const Sheet& sheet_;
+  Talk talk_;
+  bool plugged_ = false;
+
+  void start() {
+    plugged_ = true;
+    talk_ = {.streaming = sheet_.starts_by_itself};
+  }
+};
+
+// A file descriptor that closes itself.
+class Fd {
+ public:
+  Fd() = default;
+  explicit Fd(int fd) : fd_(fd) {}
+  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Fd& operator=(Fd&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Fd();
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+// The result of a system call, or std::system_error that says what was tried.
+int checked(int result, const std::string& what);
+
+// `place` is one of
+//   can:INTERFACE  a SocketCAN interface      fd:N       a socket that carries struct can_frame
+//   usbip:PORT     a USB/IP server            uhid       /dev/uhid
+//   tcp:PORT       a Modbus TCP slave         pty:PATH   a Modbus RTU slave at a symbolic link
+// Port 0 means any that is free. Throws std::invalid_argument where the device does not fit,
+// std::system_error otherwise.
+std::unique_ptr<Port> make_port(const Sheet& sheet, const std::string& place, const std::string& serial);
+
+std::unique_ptr<Port> make_can_port(const Sheet& sheet, const std::string& interface);
+std::unique_ptr<Port> make_can_port(const Sheet& sheet, int socket);  // which it then owns
+std::unique_ptr<Port> make_usbip_port(const Sheet& sheet, int tcp_port, const std::string& serial);
+std::unique_ptr<Port> make_uhid_port(const Sheet& sheet, const std::string& serial);
+std::unique_ptr<Port> make_modbus_tcp_port(const Sheet& sheet, int tcp_port);
+std::unique_ptr<Port> make_modbus_pty_port(const Sheet& sheet, const std::string& link);
+
+}  // namespace slipd::devices

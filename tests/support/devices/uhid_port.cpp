@@ -1,0 +1,102 @@
+// A HID device made through /dev/uhid: the kernel gives it a hidraw node as if it hung on USB.
+#include <fcntl.h>
+#include <linux/input.h>
+#include <linux/uhid.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "tests/support/devices/port.hpp"
+
+namespace slipd::devices {
+namespace {
+
+template <std::size_t N>
+void set_text(std::uint8_t (&field)[N], std::string_view text) {
+  std::copy_n(text.begin(), std::min(text.size(), N - 1), field);
+}
+
+class UhidPort final : public Port {
+ public:
+  UhidPort(const Sheet& sheet, std::string serial)
+      : Port(sheet),
+        serial_(std::move(serial)),
+        fd_(checked(::open("/dev/uhid", O_RDWR | O_CLOEXEC), "/dev/uhid")) {}
+
+  void watch(std::vector<pollfd>& waits) const override { waits.push_back({fd_.get(), POLLIN, 0}); }
+
+  void serve() override {
+    uhid_event event{};
+    if (::read(fd_.get(), &event, sizeof event) < 0) return;
+    if (event.type == UHID_OUTPUT && sheet_.hear) {
+      const std::uint8_t* data = event.u.output.data;
+      sheet_.hear({0, Bytes(data, data + std::min<std::size_t>(event.u.output.size, UHID_DATA_MAX))}, talk_);
+    } else if (event.type == UHID_GET_REPORT) {
+      uhid_event answer{};
+      answer.type = UHID_GET_REPORT_REPLY;
+      answer.u.get_report_reply.id = event.u.get_report.id;
+      answer.u.get_report_reply.err = EIO;
+      write(answer);
+    } else if (event.type == UHID_SET_REPORT) {
+      uhid_event answer{};
+      answer.type = UHID_SET_REPORT_REPLY;
+      answer.u.set_report_reply.id = event.u.set_report.id;
+      answer.u.set_report_reply.err = EIO;
+      write(answer);
+    }
+  }
+
+  void send(std::span<const Packet> scan) override {
+    for (const Packet& packet : scan) {
+      uhid_event event{};
+      event.type = UHID_INPUT2;
+      event.u.input2.size =
+          static_cast<std::uint16_t>(std::min<std::size_t>(packet.bytes.size(), UHID_DATA_MAX));
+      std::copy_n(packet.bytes.begin(), event.u.input2.size, event.u.input2.data);
+      write(event);
+    }
+  }
+
+  void plug() override {
+    if (plugged_) return;
+    uhid_event event{};
+    event.type = UHID_CREATE2;
+    uhid_create2_req& made = event.u.create2;
+    set_text(made.name, sheet_.summary);
+    set_text(made.uniq, serial_);
+    made.bus = BUS_USB;
+    made.vendor = sheet_.hid->vendor;
+    made.product = sheet_.hid->product;
+    made.rd_size = static_cast<std::uint16_t>(sheet_.hid->report_descriptor.size());
+    std::ranges::copy(sheet_.hid->report_descriptor, made.rd_data);
+    write(event);
+    start();
+  }
+
+  void unplug() override {
+    if (!plugged_) return;
+    uhid_event event{};
+    event.type = UHID_DESTROY;
+    write(event);
+    plugged_ = false;
+  }
+
+  std::string place() const override { return "/dev/uhid"; }
+
+ private:
+  void write(const uhid_event& event) {
+    checked(static_cast<int>(::write(fd_.get(), &event, sizeof event)), "write to /dev/uhid");
+  }
+
+  std::string serial_;
+  Fd fd_;
+};
+
+}  // namespace
+
+std::unique_ptr<Port> make_uhid_port(const Sheet& sheet, const std::string& serial) {
+  return std::make_unique<UhidPort>(sheet, serial);
+}
+
+}  // namespace slipd::devices

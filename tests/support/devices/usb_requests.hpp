@@ -1,0 +1,31 @@
+// What a USB device answers on endpoint 0: descriptors from its sheet, the standard requests, its own.
+#pragma once
+
+#include <string>
+
+#include "tests/support/devices/sheet.hpp"
+
+namespace slipd::devices {
+
+class UsbRequests {
+ public:
+  UsbRequests(const Sheet& sheet, Talk& talk, std::string serial);
+
+  // `setup`: the eight bytes of a request. Data to the host (empty for requests without), or nothing for a
+  // stall.
+  std::optional<Bytes> control(std::span<const std::uint8_t> setup);
+
+  // How USB/IP describes the device, with or without its interfaces.
+  Bytes usbip_record(bool with_interfaces) const;
+
+ private:
+  std::optional<Bytes> descriptor(std::uint16_t which) const;
+  Bytes device_descriptor() const;
+
+  const Sheet& sheet_;
+  Talk& talk_;
+  std::string serial_;
+  Bytes configuration_;
+};
+
+}  // namespace slipd::devices
