@@ -8,7 +8,9 @@
 #include "core/estimate/alert.hpp"
 #include "core/estimate/moments.hpp"
 #include "core/estimate/patch.hpp"
+#include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
+#include "core/model/model.hpp"
 
 namespace slipd {
 namespace {
@@ -32,12 +34,17 @@ Range expected_friction(const Scene& scene) {
 }
 
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
-                                        const std::shared_ptr<const Model>& /*model*/) {
+                                        const std::shared_ptr<const Model>& model) {
   if (only_forces(setup)) return nullptr;
+  if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
+    throw std::invalid_argument("the estimator needs a model trained for this very layout");
+  }
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
+    case MethodChoice::svd_knn:
+      return std::make_unique<SvdKnn>(model);
     default:
       throw std::invalid_argument("this estimator is not built in");
   }

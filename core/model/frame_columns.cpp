@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -17,17 +18,36 @@ namespace {
 constexpr std::uint64_t kNoiseStream = ~std::uint64_t{1};
 constexpr std::uint64_t kLoadStream = ~std::uint64_t{2};
 
-// sqrt(radius² - r²) averaged over each taxel, in m; 0 where the disc does not reach.
-void disc_averages(const TaxelSet& taxels, const ContactDraw& draw, double radius_m,
-                   std::vector<double>& averages) {
-  for (std::size_t i = 0; i < taxels.size(); ++i) {
-    averages[i] =
-        contact::disc_average(radius_m, taxels.x_m[i] - draw.x_m, taxels.y_m[i] - draw.y_m, taxels.side_m);
+// One contact on the taxels that it touches. Off them nothing is computed: noise never passes the mask there.
+class Touched {
+ public:
+  Touched(const TaxelSet& taxels, const ContactDraw& draw, double radius_m) : side_m_(taxels.side_m) {
+    const double reach = radius_m + 0.7072 * side_m_;
+    for (std::size_t i = 0; i < taxels.size(); ++i) {
+      const double u = taxels.x_m[i] - draw.x_m, v = taxels.y_m[i] - draw.y_m;
+      if (u * u + v * v >= reach * reach) continue;
+      taxel.push_back(i);
+      u_m_.push_back(u);
+      v_m_.push_back(v);
+    }
   }
-}
+
+  // sqrt(radius² - r²) averaged over each taxel, in m.
+  void averages(double radius_m, std::vector<double>& out) const {
+    out.resize(taxel.size());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = contact::disc_average(radius_m, u_m_[i], v_m_[i], side_m_);
+  }
+
+  std::vector<std::size_t> taxel;
+
+ private:
+  double side_m_;
+  std::vector<double> u_m_, v_m_;
+};
 
 float largest_of(const std::vector<float>& values) noexcept {
-  return *std::max_element(values.begin(), values.end());
+  return values.empty() ? 0.0F : *std::max_element(values.begin(), values.end());
 }
 
 }  // namespace
@@ -52,8 +72,10 @@ double FrameColumns::friction(std::size_t column) const {
 
 void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const {
   const std::size_t n = rows();
-  std::vector<double> whole(n), stick(n);
-  std::vector<float> normal(n), shear(n), across(n, 0.0F);
+  const auto fraction = static_cast<float>(scene_.noise);
+  std::vector<double> whole, stick;
+  std::vector<float> normal, shear, across, angle;
+  std::optional<Touched> touched;
   ContactDraw draw;
   contact::Pair pair;
   double radius_m = 0;
@@ -63,26 +85,32 @@ void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const 
       pair =
           contact::make_pair(contact::body_of(scene_.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
       radius_m = pair.contact_radius_m(draw.normal_n);
-      disc_averages(taxels_, draw, radius_m, whole);
+      touched.emplace(taxels_, draw, radius_m);
+      touched->averages(radius_m, whole);
     }
     // Cattaneo and Mindlin: q = mu (D_a - D_c), c = a cbrt(Gamma).
-    const double margin = gamma(j);
-    disc_averages(taxels_, draw, radius_m * std::cbrt(margin), stick);
-    const double scale = pair.disc_scale_pa_per_m();
-    for (std::size_t i = 0; i < n; ++i) {
+    const double margin = gamma(j), scale = pair.disc_scale_pa_per_m();
+    touched->averages(radius_m * std::cbrt(margin), stick);
+    const std::size_t size = whole.size();
+    normal.resize(size);
+    shear.resize(size);
+    across.assign(size, 0.0F);
+    angle.resize(size);
+    for (std::size_t i = 0; i < size; ++i) {
       normal[i] = static_cast<float>(scale * whole[i]);
       shear[i] = margin < 1 ? static_cast<float>(scale * draw.friction * (whole[i] - stick[i])) : 0.0F;
     }
-    if (scene_.noise != 0) {
-      const auto fraction = static_cast<float>(scene_.noise);
+    if (fraction != 0) {
       const Draws noise = Draws(seed_).stream(kNoiseStream).stream(contact(j)).stream(j % choice_.size.loads);
-      const float on_normal = fraction * largest_of(normal), on_shear = fraction * largest_of(shear);
-      noise.stream(0).add_noise(normal.data(), n, on_normal);
-      noise.stream(1).add_noise(shear.data(), n, on_shear);
+      noise.stream(0).add_noise(normal.data(), size, fraction * largest_of(normal));
+      noise.stream(1).add_noise(shear.data(), size, fraction * largest_of(shear));
     }
-    const AlphaMask mask{.least_pa = mask_fraction(scene_.noise) * largest_of(normal)};
-    alpha_of(normal, shear, across, mask, {out, n});
-    for (std::size_t i = 0; i < taxels_.weight.size(); ++i) out[i] *= taxels_.weight[i];
+    alpha_of(normal, shear, across, {.least_pa = mask_fraction(scene_.noise) * largest_of(normal)}, angle);
+    std::fill_n(out, n, 0.0F);
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t taxel = touched->taxel[i];
+      out[taxel] = taxels_.weight.empty() ? angle[i] : angle[i] * taxels_.weight[taxel];
+    }
   }
 }
 

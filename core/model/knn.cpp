@@ -24,7 +24,8 @@ KnnAnswer answer_of(Neighbours::Query& query, std::span<const float> point, std:
           .gamma = std::clamp(mean, 0.0F, 1.0F),
           .friction = frictions / weights,
           .spread = std::sqrt(std::max(0.0F, squares / weights - mean * mean)),
-          .distance = std::sqrt(query.squared_distances()[0])};
+          .distance = std::sqrt(query.squared_distances()[0]),
+          .reach = std::sqrt(query.squared_distances()[found - 1])};
 }
 
 }  // namespace slipd

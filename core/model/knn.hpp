@@ -15,6 +15,7 @@ struct KnnAnswer {
   float friction = 0;  // likewise
   float spread = 0;    // standard deviation of the neighbours' gammas, same weights
   float distance = 0;  // to the nearest, rad
+  float reach = 0;     // to the furthest of them, rad
 };
 
 // `gamma` and `friction`: of the points that `query` searches.

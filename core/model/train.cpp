@@ -15,10 +15,10 @@
 namespace slipd {
 namespace {
 
-// The basis changes little with the number of load steps, the time does.
-constexpr std::size_t kBasisLoads = 10;
+// The basis changes little with the number of columns, the time does: it is made from this many at most.
+constexpr DataSetSize kBasisSize{.contacts = 320, .loads = 10};
 // Contacts of their own to measure errors on.
-constexpr DataSetSize kUnseen{.contacts = 400, .loads = 20};
+constexpr DataSetSize kUnseen{.contacts = 800, .loads = 10};
 constexpr std::size_t kErrorBins = 12;
 constexpr double kWithinSigma = 0.683;
 constexpr double kRare = 0.999;
@@ -29,9 +29,13 @@ Progress part(const Progress& progress, double from, double to) {
       [&progress, from, to](double share, const char* what) { progress(from + (to - from) * share, what); };
 }
 
+DataSetSize basis_size(const DataSetSize& size) noexcept {
+  return {std::min(size.contacts, kBasisSize.contacts), std::min(size.loads, kBasisSize.loads)};
+}
+
 Svd basis_of(const ModelSetup& setup, unsigned threads, const Progress& progress) {
   const SvdOptions options{.rank = setup.rank, .tolerance = 1e-5, .threads = threads, .seed = setup.seed};
-  const FrameChoice choice{.size = {setup.size.contacts, std::min(setup.size.loads, kBasisLoads)}};
+  const FrameChoice choice{.size = basis_size(setup.size)};
   const bool symmetric = setup.scene.noise == 0 && setup.scene.offset_m == 0;
   if (const auto folded = symmetric ? fold(setup.layout) : std::nullopt) {
     const FrameColumns columns(TaxelSet(setup.layout, *folded), setup.scene, setup.seed, choice);
@@ -131,12 +135,11 @@ ModelData train(const ModelSetup& setup, unsigned threads, const Progress& progr
     throw ModelError("the scene's contacts leave too little on the taxels: check layout, offset and objects");
   }
   ModelData data{setup, 0, {}, {}, {}, {}, {}, {}};
-  // Of the whole data set, of which the basis saw some load steps.
-  const double loads_left_out =
-      static_cast<double>(setup.size.loads) / static_cast<double>(std::min(setup.size.loads, kBasisLoads));
-  data.total_variance = svd.total_variance * loads_left_out;
-  for (const double value : svd.singular_values)
-    data.singular_values.push_back(value * std::sqrt(loads_left_out));
+  // Of the whole data set, of which the basis saw a part.
+  const double whole =
+      static_cast<double>(setup.size.columns()) / static_cast<double>(basis_size(setup.size).columns());
+  data.total_variance = svd.total_variance * whole;
+  for (const double value : svd.singular_values) data.singular_values.push_back(value * std::sqrt(whole));
   const Eigen::MatrixXf by_taxel = svd.basis.transpose();
   data.basis.assign(by_taxel.data(), by_taxel.data() + by_taxel.size());
 

@@ -1,0 +1,89 @@
+#include "core/estimate/svd_knn.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/model/alpha.hpp"
+#include "core/model/knn.hpp"
+
+namespace slipd {
+namespace {
+
+// Further than this many times what all but 1 in 1000 of the unseen contacts kept, a frame is none of the
+// scene's.
+constexpr float kBeyond = 1.5F;
+
+}  // namespace
+
+SvdKnn::SvdKnn(std::shared_ptr<const Model> model)
+    : model_(std::move(model)),
+      query_(model_->neighbours(), static_cast<std::size_t>(model_->setup().neighbours)),
+      moments_(model_->setup().layout),
+      alpha_(model_->setup().layout.size()),
+      point_(model_->rank()) {}
+
+bool SvdKnn::project(const Frame& frame, const ContactPatch& patch, float& noise) noexcept {
+  float peak = 0;
+  for (const std::uint32_t i : patch.inside) peak = std::max(peak, frame.normal_pa[i]);
+  const AlphaMask mask{.least_pa = peak * mask_fraction(model_->setup().scene.noise),
+                       .along_x = static_cast<float>(patch.toward_x),
+                       .along_y = static_cast<float>(patch.toward_y)};
+  alpha_of(frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa, mask, alpha_);
+
+  const float* basis = model_->data().basis.data();
+  const std::size_t rank = point_.size();
+  std::fill(point_.begin(), point_.end(), 0.0F);
+  float squares = 0, inverse_squares = 0;
+  std::size_t taken = 0;
+  for (const std::uint32_t i : patch.inside) {
+    if (!(frame.normal_pa[i] > mask.least_pa)) continue;
+    const float alpha = alpha_[i];
+    const float* row = basis + i * rank;
+    for (std::size_t k = 0; k < rank; ++k) point_[k] += alpha * row[k];
+    squares += alpha * alpha;
+    inverse_squares += 1 / (frame.normal_pa[i] * frame.normal_pa[i]);
+    ++taken;
+  }
+  if (taken == 0) return false;
+  // d(alpha) = dq/p at most, and each basis has norm 1: the mean over the taxels is what a coordinate sees.
+  noise = static_cast<float>(patch.noise_shear_pa) * std::sqrt(inverse_squares / static_cast<float>(taken));
+  float kept = 0;
+  for (const float z : point_) kept += z * z;
+  const float noise_squares = noise * noise * static_cast<float>(taken);
+  return squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 2 * noise_squares;
+}
+
+Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
+  Reading out;
+  out.center_x_m = patch.center_x_m;
+  out.center_y_m = patch.center_y_m;
+  out.radius_m = patch.radius_m;
+  float noise = 0;
+  if (!project(frame, patch, noise)) return out;
+  const KnnAnswer answer = answer_of(query_, point_, model_->data().gamma, model_->data().friction);
+  const float all_noise = noise * std::sqrt(static_cast<float>(point_.size()));
+  if (!answer.known || answer.distance > kBeyond * model_->data().errors.distance_limit + 3 * all_noise)
+    return out;
+
+  out.gamma = answer.gamma;
+  // What unseen contacts were off by, and what noise adds: gamma changes by its spread over the neighbours'
+  // reach.
+  const double by_noise = answer.reach > 0 ? answer.spread * std::min(noise / answer.reach, 10.0F) : 0.0F;
+  out.sigma = std::hypot(model_->gamma_error(answer.spread), by_noise);
+
+  // Friction from the margin where there is load enough, else from the neighbours.
+  const double load = 1 - out.gamma;
+  const double from_load = load > 0 ? patch.shear_n / patch.normal_n / load : 0;
+  const double from_load_sigma =
+      out.sigma < 0.5 * load ? from_load * out.sigma / load : std::numeric_limits<double>::infinity();
+  const double from_neighbours_sigma = model_->friction_error(answer.spread);
+  const bool by_load = from_load_sigma < from_neighbours_sigma;
+  out.friction = by_load ? from_load : static_cast<double>(answer.friction);
+  out.friction_sigma = by_load ? from_load_sigma : from_neighbours_sigma;
+  out.in_family = moments_.read(frame, patch).in_family;
+  return out;
+}
+
+}  // namespace slipd

@@ -1,0 +1,35 @@
+// The paper's way to the margin (sections II.C and III.B): alpha on the sensor's own grid, projected on the
+// few bases that explain most of the scene's contacts, answered by the nearest of them. Bound to where the
+// training had its contacts: a scene with room for offset costs it most of its accuracy.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/estimate/method.hpp"
+#include "core/estimate/moments.hpp"
+#include "core/model/model.hpp"
+
+namespace slipd {
+
+class SvdKnn final : public SlipMethod {
+ public:
+  explicit SvdKnn(std::shared_ptr<const Model> model);
+  Method name() const noexcept override { return Method::svd_knn; }
+
+  // slipd's code allocates nothing; FLANN makes one small array (see Neighbours::Query::find).
+  Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
+
+ private:
+  // Fills point_; returns whether it lies where the training's contacts did. `noise` gets the standard
+  // deviation of each of its coordinates that comes of the frame's shear noise, rad.
+  bool project(const Frame& frame, const ContactPatch& patch, float& noise) noexcept;
+
+  std::shared_ptr<const Model> model_;
+  Neighbours::Query query_;
+  Moments moments_;           // whether the load has only risen: a question that needs no model
+  std::vector<float> alpha_;  // of every taxel
+  std::vector<float> point_;  // rank
+};
+
+}  // namespace slipd
