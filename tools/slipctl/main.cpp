@@ -1,6 +1,6 @@
 // slipctl: asks a running slipd. Exit 0 fine, 1 it failed, 2 wrong use.
 #include <CLI/CLI.hpp>
-#include <iostream>
+#include <cstdio>
 
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/commands.hpp"
@@ -65,7 +65,7 @@ void add_watch(CLI::App& app, Choices& choices) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   Choices choices;
   CLI::App app{"Asks a running slipd how far each grasp is from slipping.", "slipctl"};
   app.set_version_flag("--version", "slipctl " SLIPD_VERSION);
@@ -80,10 +80,10 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
     return app.exit(wrong) == 0 ? 0 : 2;
-  } catch (const std::exception& failed) {
-    std::cout.flush();
-    std::cerr << "slipctl: " << failed.what() << '\n';
-    return 1;
   }
   return choices.exit_code;
+} catch (const std::exception& failed) {
+  std::fflush(stdout);
+  std::fprintf(stderr, "slipctl: %s\n", failed.what());
+  return 1;
 }

@@ -83,6 +83,7 @@ std::string table_of(const json& objects, const std::vector<const char*>& keys) 
   std::vector<std::vector<std::string>> rows{{keys.begin(), keys.end()}};
   for (const json& object : objects) {
     std::vector<std::string> row;
+    row.reserve(keys.size());
     for (const char* key : keys) row.push_back(object.contains(key) ? cell(object[key]) : "–");
     rows.push_back(std::move(row));
   }

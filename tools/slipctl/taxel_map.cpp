@@ -82,7 +82,7 @@ Raster rasterise(const TaxelFrame& frame, std::span<const double> values, int co
     const PixelRange down = covered(from_top * per_mm_y, area.side * per_mm_y / 2, rows);
     for (int row = down.first; row <= down.last; ++row)
       for (int column = across.first; column <= across.last; ++column) {
-        const std::size_t pixel = static_cast<std::size_t>(row * columns + column);
+        const std::size_t pixel = raster.index(column, row);
         sum[pixel] += values[i];
         ++count[pixel];
       }

@@ -16,10 +16,11 @@ namespace slipctl {
 struct Raster {
   int columns = 0, rows = 0;
   std::vector<std::optional<double>> values;
-  const std::optional<double>& at(int column, int row) const {
-    return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                  static_cast<std::size_t>(column)];
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
   }
+  const std::optional<double>& at(int column, int row) const { return values[index(column, row)]; }
 };
 
 Raster rasterise(const TaxelFrame& frame, std::span<const double> values, int columns, int rows);
