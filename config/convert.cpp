@@ -1,8 +1,6 @@
 #include "config/convert.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -11,13 +9,6 @@ namespace slipd {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMmPerMetre = 1e3;  // divided by, so that 2 mm is the double nearest to 0.002
-constexpr double kPascalPerMpa = 1e6;
-
-double metres(const json& mm) {
-  return mm.get<double>() / kMmPerMetre;
-}
 
 // The conversion and the problems it adds to.
 class Converter {
@@ -47,138 +38,18 @@ class Converter {
 
   void sensors(Settings& s) {
     const json& list = root_["sensors"];
-    std::vector<std::size_t> well_formed;
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const std::string at = pointer_to("/sensors", i);
-      const bool converts = clean(at);
-      unique_name("/sensors", list, i);
-      if (!converts) continue;
-      s.sensors.push_back(sensor(list[i], at));
-      distinguishable(list, well_formed, i);
-      well_formed.push_back(i);
-    }
-    constexpr std::size_t kCanSensors = 31;
-    if (root_.contains("can") && list.size() > kCanSensors) {
+    s.sensors = convert_sensors(list, problems_);
+    constexpr std::size_t kMostOnCan = 31;
+    if (root_.contains("can") && list.size() > kMostOnCan) {
       add("/sensors", list,
           "has " + std::to_string(list.size()) + " sensors; expected up to 31, more do not go on CAN");
     }
   }
 
-  void unique_name(const std::string& list_at, const json& list, std::size_t i) {
-    if (!list[i].is_object() || !list[i].contains("name")) return;
-    const json& name = list[i]["name"];
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!list[j].is_object() || !list[j].contains("name") || list[j]["name"] != name) continue;
-      add(pointer_to(list_at, i) + "/name", name,
-          "is the name of " + pointer_to(list_at, j) + " too; expected one of its own");
-      return;
-    }
-  }
-
-  // Two sensors may share a device (a board with two pads), but then something must tell them apart.
-  void distinguishable(const json& list, const std::vector<std::size_t>& others, std::size_t i) {
-    const json& device = list[i]["device"];
-    if (device.empty()) return;
-    for (const std::size_t j : others) {
-      if (list[j]["driver"] != list[i]["driver"] || list[j]["device"] != device ||
-          list[j]["options"] != list[i]["options"]) {
-        continue;
-      }
-      add(pointer_to("/sensors", i) + "/device", device,
-          "is the device of " + pointer_to("/sensors", j) +
-              " with the same options; they need to differ in one");
-      return;
-    }
-  }
-
-  SensorSettings sensor(const json& in, const std::string& at) {
-    SensorSettings s{.setup = {.name = in["name"],
-                               .layout = layout(in, at),
-                               .rate_hz = in["rate_hz"],
-                               .profile = in.value("profile", ""),
-                               .device = in["device"],
-                               .options = in["options"]},
-                     .driver = in["driver"],
-                     .friction = std::nullopt};
-    if (in.contains("friction")) s.friction = in["friction"].get<double>();
-    if (in.contains("skin")) skin(in["skin"], s.setup);
-    if (in.contains("profile")) {
-      for (const char* key : {"layout", "skin"}) {
-        if (in.contains(key))
-          add(pointer_to(at, key), in[key], "the profile brings its own; expected only one of the two");
-      }
-    }
-    stale_after(in, at, s);
-    return s;
-  }
-
-  TaxelLayout layout(const json& sensor, const std::string& sensor_at) {
-    const TaxelLayout usual = TaxelLayout::grid(100, 100, 0.144 / kMmPerMetre);
-    if (!sensor.contains("layout")) return usual;
-    const json& in = sensor["layout"];
-    const std::string at = sensor_at + "/layout";
-    if (in.contains("grid") == in.contains("taxels")) {
-      add(at, in,
-          "expected either grid (columns and rows) with pitch_mm, or taxels (a list of [x, y] in mm)");
-      return usual;
-    }
-    if (in.contains("grid") != in.contains("pitch_mm")) {
-      if (in.contains("grid"))
-        problems_.push_back({at + "/pitch_mm", "", "is missing; the grid needs it, in mm"});
-      if (in.contains("taxels")) add(at + "/pitch_mm", in["pitch_mm"], "belongs to grid, not to taxels");
-      return usual;
-    }
-    return in.contains("grid") ? grid(in, at, usual) : taxels(in, at, usual);
-  }
-
-  TaxelLayout grid(const json& in, const std::string& at, const TaxelLayout& usual) {
-    const std::size_t columns = in["grid"][0], rows = in["grid"][1];
-    constexpr std::size_t kMost = 1'000'000;  // 36 MB a sensor in frames alone
-    if (columns * rows <= kMost) return TaxelLayout::grid(columns, rows, metres(in["pitch_mm"]));
-    add(at + "/grid", in["grid"],
-        "has " + std::to_string(columns * rows) + " taxels; expected up to 1000000");
-    return usual;
-  }
-
-  TaxelLayout taxels(const json& in, const std::string& at, const TaxelLayout& usual) {
-    std::vector<double> x_m, y_m;
-    for (const auto& taxel : in["taxels"]) {
-      x_m.push_back(metres(taxel[0]));
-      y_m.push_back(metres(taxel[1]));
-    }
-    try {
-      return TaxelLayout::scattered(std::move(x_m), std::move(y_m));
-    } catch (const std::invalid_argument& e) {
-      add(at + "/taxels", in["taxels"], e.what());
-      return usual;
-    }
-  }
-
-  static void skin(const json& in, SensorSetup& setup) {
-    const bool flat = in["radius_mm"].is_string();
-    setup.skin_radius_m = flat ? std::numeric_limits<double>::infinity() : metres(in["radius_mm"]);
-    setup.skin_modulus_pa = in["modulus_mpa"].get<double>() * kPascalPerMpa;
-    setup.skin_poisson = in["poisson"];
-  }
-
-  // Not a schema's default, as it follows the rate: a slow sensor must not be stale between any two of its
-  // frames.
-  void stale_after(const json& in, const std::string& at, SensorSettings& s) {
-    const double frame_ms = 1000 / s.setup.rate_hz;
-    if (!in.contains("stale_after_ms")) {
-      s.stale_after =
-          std::max(s.stale_after, std::chrono::milliseconds(std::llround(std::ceil(3 * frame_ms))));
-      return;
-    }
-    s.stale_after = std::chrono::milliseconds(in["stale_after_ms"].get<int>());
-    if (static_cast<double>(s.stale_after.count()) >= frame_ms) return;
-    add(at + "/stale_after_ms", in["stale_after_ms"],
-        "is shorter than one frame at rate_hz; expected at least " +
-            std::to_string(std::llround(std::ceil(frame_ms))) + " ms");
-  }
-
   void grasps(Settings& s) {
     const json& list = root_["grasps"];
+    const std::vector<Problem> found = problems_;
+    check_names_differ(list, "/grasps", problems_);
     std::vector<std::string> known;
     if (root_.contains("sensors") && root_["sensors"].is_array()) {
       for (const auto& sensor : root_["sensors"]) {
@@ -188,9 +59,7 @@ class Converter {
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/grasps", i);
-      const bool converts = clean(at);
-      unique_name("/grasps", list, i);
-      if (!converts) continue;
+      if (is_touched(found, at)) continue;
       s.grasps.push_back({list[i]["name"], list[i]["sensors"]});
       for (std::size_t j = 0; j < list[i]["sensors"].size(); ++j) {
         const std::string& name = s.grasps.back().sensors[j];
@@ -213,13 +82,16 @@ class Converter {
       const std::string at = pointer_to("/objects", i);
       if (!clean(at)) continue;
       const auto ranged = [&](const char* key) { return range(list[i][key], pointer_to(at, key)); };
-      const Range radius_mm = ranged("radius_mm"), modulus_mpa = ranged("modulus_mpa");
+      const auto scaled = [&](const char* key, double (*unit)(const json&)) {
+        ranged(key);
+        return Range{unit(list[i][key][0]), unit(list[i][key][1])};
+      };
       s.objects.push_back({.weight = list[i]["weight"],
                            .normal_n = ranged("normal_n"),
                            .friction = ranged("friction"),
-                           .radius_m = {radius_mm.low / kMmPerMetre, radius_mm.high / kMmPerMetre},
+                           .radius_m = scaled("radius_mm", metres_of_mm),
                            .flat_share = list[i]["flat_share"],
-                           .modulus_pa = {modulus_mpa.low * kPascalPerMpa, modulus_mpa.high * kPascalPerMpa},
+                           .modulus_pa = scaled("modulus_mpa", pascals_of_mpa),
                            .poisson = ranged("poisson")});
     }
   }
@@ -238,7 +110,7 @@ class Converter {
                    .tracking = in["tracking"],
                    .sigma_max = in["sigma_max"]};
     s.noise = in["noise"];
-    s.offset_m = metres(in["offset_mm"]);
+    s.offset_m = metres_of_mm(in["offset_mm"]);
   }
 
   void alerts(AlertSettings& a) {
@@ -317,6 +189,18 @@ bool is_touched(const std::vector<Problem>& problems, const std::string& pointer
   return std::any_of(problems.begin(), problems.end(), [&](const Problem& p) {
     return within(p.pointer, pointer) || within(pointer, p.pointer);
   });
+}
+
+void check_names_differ(const json& list, const std::string& at, std::vector<Problem>& problems) {
+  const auto named = [](const json& one) { return one.is_object() && one.contains("name"); };
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    for (std::size_t j = 0; j < i && named(list[i]); ++j) {
+      if (!named(list[j]) || list[j]["name"] != list[i]["name"]) continue;
+      problems.push_back(problem_of(pointer_to(at, i) + "/name", list[i]["name"],
+                                    "is the name of " + pointer_to(at, j) + " too; expected one of its own"));
+      break;
+    }
+  }
 }
 
 Settings convert(const json& root, std::vector<Problem>& problems) {

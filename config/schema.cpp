@@ -9,42 +9,12 @@
 #include <utility>
 
 #include "config/schema_words.hpp"
+#include "embedded/slipd_meta_schema.hpp"
 
 namespace slipd {
 namespace {
 
 using nlohmann::json;
-
-// What a schema may say. Schemas are checked against it by the walker itself before they are used, so the
-// walker need not doubt them.
-constexpr std::string_view kMetaSchema = R"({
-  "type": ["object"], "additionalProperties": false,
-  "properties": {
-    "type": { "anyOf": [ { "$ref": "#/$defs/type" },
-                         { "type": "array", "minItems": 1, "items": { "$ref": "#/$defs/type" } } ] },
-    "enum": { "type": "array", "minItems": 1 },
-    "minimum": { "type": "number" }, "maximum": { "type": "number" },
-    "exclusiveMinimum": { "type": "number" }, "exclusiveMaximum": { "type": "number" },
-    "minLength": { "$ref": "#/$defs/count" }, "maxLength": { "$ref": "#/$defs/count" },
-    "minItems": { "$ref": "#/$defs/count" }, "maxItems": { "$ref": "#/$defs/count" },
-    "uniqueItems": { "type": "boolean" }, "pattern": { "type": "string" },
-    "properties": { "$ref": "#/$defs/schemas" }, "$defs": { "$ref": "#/$defs/schemas" },
-    "required": { "type": "array", "items": { "type": "string" } },
-    "additionalProperties": { "anyOf": [ { "type": "boolean" }, { "$ref": "#" } ] },
-    "items": { "$ref": "#" },
-    "anyOf": { "$ref": "#/$defs/choice" }, "oneOf": { "$ref": "#/$defs/choice" },
-    "$ref": { "type": "string" }, "default": {}, "examples": { "type": "array" },
-    "unit": { "type": "string" }, "form": { "type": "string" },
-    "title": { "type": "string" }, "description": { "type": "string" }, "$comment": { "type": "string" },
-    "$schema": { "type": "string" }, "$id": { "type": "string" }
-  },
-  "$defs": {
-    "type": { "enum": [ "null", "boolean", "integer", "number", "string", "array", "object" ] },
-    "count": { "type": "integer", "minimum": 0, "maximum": 1000000000 },
-    "schemas": { "type": "object", "additionalProperties": { "$ref": "#" } },
-    "choice": { "type": "array", "minItems": 1, "items": { "$ref": "#" } }
-  }
-})";
 
 constexpr int kDeepest = 200;                         // steps of the walk, $ref and anyOf among them
 constexpr double kLargestExact = 9007199254740992.0;  // 2^53: integers beyond are not told apart by a double
@@ -260,7 +230,9 @@ class Walker {
 }  // namespace
 
 std::vector<Problem> check(const json& schema, json& value, const std::string& at) {
-  static const json kMeta = json::parse(kMetaSchema);
+  // What a schema may say. Once the walker has checked a schema by it, it need not doubt that schema any
+  // more.
+  static const json kMeta = json::parse(slipd_meta_schema);
   json copy = schema;
   std::vector<Problem> problems;
   Walker(kMeta).walk(kMeta, copy, "", 0, problems);

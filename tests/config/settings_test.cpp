@@ -12,7 +12,6 @@ namespace slipd::test {
 namespace {
 
 using nlohmann::json;
-using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 

@@ -41,8 +41,10 @@ class Surveyor {
   void list_keys(const std::string& path, const json& schema) {
     if (schema.contains("properties")) {
       for (const auto& [key, property] : schema["properties"].items()) {
-        found.all.insert(path + "." + key);
-        list_keys(path + "." + key, property);
+        std::string name = path;
+        name.append(".").append(key);
+        list_keys(name, property);
+        found.all.insert(std::move(name));
       }
     }
     if (!schema.contains("$defs")) return;

@@ -96,7 +96,7 @@ void describes_itself(const json& schema, const std::string& at, bool needs_word
   for (const char* keyword : {"properties", "$defs"}) {
     if (!schema.contains(keyword)) continue;
     for (const auto& [key, sub] : schema[keyword].items())
-      describes_itself(sub, at + "." + key, keyword[0] == 'p');
+      describes_itself(sub, std::string(at).append(".").append(key), keyword[0] == 'p');
   }
   if (schema.contains("items")) describes_itself(schema["items"], at + "[]", false);
   if (!schema.contains("anyOf")) return;

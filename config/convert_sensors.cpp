@@ -1,0 +1,151 @@
+// The sensors' part of convert().
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "config/convert.hpp"
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+
+class SensorConverter {
+ public:
+  explicit SensorConverter(std::vector<Problem>& problems) : found_(problems), problems_(problems) {}
+
+  std::vector<SensorSettings> sensors(const json& list) {
+    std::vector<SensorSettings> converted;
+    std::vector<std::size_t> well_formed;
+    check_names_differ(list, "/sensors", problems_);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string at = pointer_to("/sensors", i);
+      if (is_touched(found_, at)) continue;
+      converted.push_back(sensor(list[i], at));
+      distinguishable(list, well_formed, i);
+      well_formed.push_back(i);
+    }
+    return converted;
+  }
+
+ private:
+  void add(const std::string& pointer, const json& value, const std::string& what) {
+    problems_.push_back(problem_of(pointer, value, what));
+  }
+
+  // Two sensors may share a device (a board with two pads), but then something must tell them apart.
+  void distinguishable(const json& list, const std::vector<std::size_t>& others, std::size_t i) {
+    const json& device = list[i]["device"];
+    if (device.empty()) return;
+    for (const std::size_t j : others) {
+      if (list[j]["driver"] != list[i]["driver"] || list[j]["device"] != device ||
+          list[j]["options"] != list[i]["options"]) {
+        continue;
+      }
+      add(pointer_to("/sensors", i) + "/device", device,
+          "is the device of " + pointer_to("/sensors", j) +
+              " with the same options; they need to differ in one");
+      return;
+    }
+  }
+
+  SensorSettings sensor(const json& in, const std::string& at) {
+    SensorSettings s{.setup = {.name = in["name"],
+                               .layout = layout(in, at),
+                               .rate_hz = in["rate_hz"],
+                               .profile = in.value("profile", ""),
+                               .device = in["device"],
+                               .options = in["options"]},
+                     .driver = in["driver"],
+                     .friction = std::nullopt};
+    if (in.contains("friction")) s.friction = in["friction"].get<double>();
+    if (in.contains("skin")) skin(in["skin"], s.setup);
+    if (in.contains("profile")) {
+      for (const char* key : {"layout", "skin"}) {
+        if (in.contains(key))
+          add(pointer_to(at, key), in[key], "the profile brings its own; expected only one of the two");
+      }
+    }
+    stale_after(in, at, s);
+    return s;
+  }
+
+  TaxelLayout layout(const json& sensor, const std::string& sensor_at) {
+    TaxelLayout usual = TaxelLayout::grid(100, 100, metres_of_mm(0.144));
+    if (!sensor.contains("layout")) return usual;
+    const json& in = sensor["layout"];
+    const std::string at = sensor_at + "/layout";
+    if (in.contains("grid") == in.contains("taxels")) {
+      add(at, in,
+          "expected either grid (columns and rows) with pitch_mm, or taxels (a list of [x, y] in mm)");
+      return usual;
+    }
+    if (in.contains("grid") != in.contains("pitch_mm")) {
+      if (in.contains("grid"))
+        problems_.push_back({at + "/pitch_mm", "", "is missing; the grid needs it, in mm"});
+      if (in.contains("taxels")) add(at + "/pitch_mm", in["pitch_mm"], "belongs to grid, not to taxels");
+      return usual;
+    }
+    return in.contains("grid") ? grid(in, at, usual) : taxels(in, at, usual);
+  }
+
+  TaxelLayout grid(const json& in, const std::string& at, const TaxelLayout& usual) {
+    const std::size_t columns = in["grid"][0], rows = in["grid"][1];
+    constexpr std::size_t kMost = 1'000'000;  // 36 MB a sensor in frames alone
+    if (columns * rows <= kMost) return TaxelLayout::grid(columns, rows, metres_of_mm(in["pitch_mm"]));
+    add(at + "/grid", in["grid"],
+        "has " + std::to_string(columns * rows) + " taxels; expected up to 1000000");
+    return usual;
+  }
+
+  TaxelLayout taxels(const json& in, const std::string& at, const TaxelLayout& usual) {
+    std::vector<double> x_m, y_m;
+    for (const auto& taxel : in["taxels"]) {
+      x_m.push_back(metres_of_mm(taxel[0]));
+      y_m.push_back(metres_of_mm(taxel[1]));
+    }
+    try {
+      return TaxelLayout::scattered(std::move(x_m), std::move(y_m));
+    } catch (const std::invalid_argument& e) {
+      add(at + "/taxels", in["taxels"], e.what());
+      return usual;
+    }
+  }
+
+  static void skin(const json& in, SensorSetup& setup) {
+    const bool flat = in["radius_mm"].is_string();
+    setup.skin_radius_m = flat ? std::numeric_limits<double>::infinity() : metres_of_mm(in["radius_mm"]);
+    setup.skin_modulus_pa = pascals_of_mpa(in["modulus_mpa"]);
+    setup.skin_poisson = in["poisson"];
+  }
+
+  // Not a schema's default, as it follows the rate: a slow sensor must not be stale between any two of its
+  // frames.
+  void stale_after(const json& in, const std::string& at, SensorSettings& s) {
+    const double frame_ms = 1000 / s.setup.rate_hz;
+    if (!in.contains("stale_after_ms")) {
+      s.stale_after =
+          std::max(s.stale_after, std::chrono::milliseconds(std::llround(std::ceil(3 * frame_ms))));
+      return;
+    }
+    s.stale_after = std::chrono::milliseconds(in["stale_after_ms"].get<int>());
+    if (static_cast<double>(s.stale_after.count()) >= frame_ms) return;
+    add(at + "/stale_after_ms", in["stale_after_ms"],
+        "is shorter than one frame at rate_hz; expected at least " +
+            std::to_string(std::llround(std::ceil(frame_ms))) + " ms");
+  }
+
+  const std::vector<Problem> found_;  // before this began
+  std::vector<Problem>& problems_;
+};
+
+}  // namespace
+
+std::vector<SensorSettings> convert_sensors(const json& list, std::vector<Problem>& problems) {
+  return SensorConverter(problems).sensors(list);
+}
+
+}  // namespace slipd
