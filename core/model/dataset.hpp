@@ -28,6 +28,9 @@ struct DataSetSize {
   bool operator==(const DataSetSize&) const = default;
 };
 
+// As many columns, spread over more contacts: better on contacts that training has not seen.
+inline constexpr DataSetSize kUnseenFirst{.contacts = 1600, .loads = 10};
+
 // Contact `index` of the data set that `seed` names. Throws std::invalid_argument for a scene without objects
 // or without any weight on them.
 ContactDraw draw_contact(const Scene& scene, std::uint64_t seed, std::size_t index);

@@ -1,0 +1,29 @@
+// What sliplab's commands share. One file a command, which adds itself to the command line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+
+namespace CLI {
+class App;
+}
+
+namespace sliplab {
+
+struct Common {
+  std::filesystem::path out;  // --out: where files go; empty: none are written
+  bool json = false;          // --json: results as one JSON object
+  std::uint64_t seed = 1;
+};
+
+// Input that makes no sense: ends the program with 2, as a wrong option does.
+class WrongUse : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Each adds its subcommand, which runs while the command line is parsed and throws when it fails.
+void add_train(CLI::App& app, const Common& common);
+
+}  // namespace sliplab

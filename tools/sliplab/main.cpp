@@ -1,0 +1,36 @@
+// sliplab: what is computed without a sensor and without the daemon. Exit 0 fine, 1 it failed, 2 wrong use.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "tools/sliplab/command.hpp"
+
+int main(int argc, char** argv) {
+  using namespace sliplab;
+  Common common;
+  CLI::App app{"Contacts, models and accuracy, offline.", "sliplab"};
+  app.set_version_flag("--version", "sliplab " SLIPD_VERSION);
+  app.add_option("--out", common.out, "folder for the files that a command writes");
+  app.add_flag("--json", common.json, "the result as one JSON object");
+  app.add_option("--seed", common.seed, "of all that is drawn")->capture_default_str();
+  app.require_subcommand(1);
+  app.fallthrough();
+  add_train(app, common);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& wrong) {
+    return app.exit(wrong) == 0 ? 0 : 2;
+  } catch (const WrongUse& wrong) {
+    std::cerr << "sliplab: " << wrong.what() << '\n';
+    return 2;
+  } catch (const std::exception& failed) {
+    std::cout.flush();
+    std::cerr << "sliplab: " << failed.what() << '\n';
+    return 1;
+  }
+  std::cout.flush();
+  if (!std::cout) {
+    std::cerr << "sliplab: the result could not be written to standard output\n";
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,28 @@
+// Long work on stderr: a bar on a terminal, elsewhere a line for each tenth.
+#pragma once
+
+#include <string>
+
+#include "core/model/column_source.hpp"
+
+namespace sliplab {
+
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::string title);
+  ~ProgressBar();  // leaves the terminal's line empty
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void show(double share, const char* what);
+  slipd::Progress callback() {
+    return [this](double share, const char* what) { show(share, what); };
+  }
+
+ private:
+  std::string title_;
+  bool terminal_;
+  int shown_ = -1;  // percent on a terminal, else tenth
+};
+
+}  // namespace sliplab

@@ -1,0 +1,142 @@
+// sliplab train: makes the model of a scene and puts it where slipd looks for it. slipd starts it as a child
+// when there is none yet, so that training takes neither time nor memory of the process that estimates.
+#include "core/model/train.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "config/settings.hpp"
+#include "core/estimate/model_setup.hpp"
+#include "core/model/model_file.hpp"
+#include "core/model/setup_json.hpp"
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/progress.hpp"
+
+namespace sliplab {
+namespace {
+
+using nlohmann::json;
+using namespace slipd;
+
+struct Choices {
+  std::string config, sensor, setup;
+  std::string model;  // where it goes
+  unsigned threads = 2;
+  bool anew = false;
+};
+
+// Training asks nothing of drivers: any name and any options will do.
+class AnyDriver final : public DriverCatalogue {
+ public:
+  const DriverModule* find(const std::string&) override { return &any_; }
+  std::string why_not(const std::string&) override { return {}; }
+  std::vector<std::string> names() override { return {}; }
+
+ private:
+  DriverModule any_{kDriverAbi, "any", "", R"({"type": "object"})", nullptr};
+};
+
+ModelSetup setup_from_config(const std::string& file, const std::string& name) {
+  AnyDriver drivers;
+  const Settings settings = load_settings(file, drivers);
+  std::string known;
+  for (const auto& sensor : settings.sensors) {
+    if (sensor.setup.name == name) {
+      return model_setup_of({.layout = sensor.setup.layout,
+                             .sensor_class = SensorClass::array3,
+                             .scene = settings.scene_of(sensor),
+                             .estimator = settings.estimator,
+                             .alerts = settings.alerts,
+                             .friction = sensor.friction});
+    }
+    known += (known.empty() ? "" : ", ") + sensor.setup.name;
+  }
+  throw WrongUse(file + ": has no sensor " + name + "; it has " + known);
+}
+
+ModelSetup setup_from_json(const std::string& file) {
+  std::ifstream stream;
+  if (file != "-") {
+    stream.open(file);
+    if (!stream) throw WrongUse(file + ": cannot be read");
+  }
+  std::istream& from = file == "-" ? std::cin : stream;
+  const std::string text{std::istreambuf_iterator<char>(from), {}};
+  try {
+    return setup_of(json::parse(text));
+  } catch (const std::exception& error) {
+    throw WrongUse(file + ": is no model setup: " + error.what());
+  }
+}
+
+json report(const Model& model, const std::filesystem::path& file, double seconds) {
+  json explained = json::array();
+  for (std::size_t i = 1; i <= model.rank(); ++i) explained.push_back(model.explained(i));
+  return {{"file", file.string()},
+          {"seconds", seconds},
+          {"taxels", model.setup().layout.size()},
+          {"columns", model.setup().size.columns()},
+          {"explained", explained},
+          {"error_68", model.data().errors.gamma}};
+}
+
+void print(const json& result) {
+  std::cout << result["file"].get<std::string>() << "\n"
+            << result["columns"] << " columns of " << result["taxels"] << " taxels; "
+            << result["explained"].size() << " bases explain "
+            << std::round(1000 * result["explained"].back().get<double>()) / 10 << " % of the variance\n";
+}
+
+void run(const Choices& choices, const Common& common) {
+  const ModelSetup setup = choices.setup.empty() ? setup_from_config(choices.config, choices.sensor)
+                                                 : setup_from_json(choices.setup);
+  const std::filesystem::path file = choices.model.empty() ? model_cache_file(setup, model_cache_directory())
+                                                           : std::filesystem::path(choices.model);
+  const auto started = std::chrono::steady_clock::now();
+  const auto tell = [&](const Model& model) {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - started;
+    const json result = report(model, file, taken.count());
+    common.json ? void(std::cout << result << '\n') : print(result);
+  };
+  if (!choices.anew && std::filesystem::exists(file)) {
+    try {
+      const Model kept = load_model(file);
+      if (kept.setup() == setup) return tell(kept);
+      std::cerr << "sliplab: " << file.string() << ": is a model of another scene: it is made anew\n";
+    } catch (const ModelError& error) {
+      std::cerr << "sliplab: " << error.what() << ": it is made anew\n";
+    }
+  }
+  ProgressBar bar("training");
+  const ModelData data = train(setup, choices.threads, bar.callback());
+  save_model(data, file);
+  tell(load_model(file));
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, const Common& common) {
+  auto choices = std::make_shared<Choices>();
+  CLI::App* command = app.add_subcommand("train", "make the model that a sensor's estimator needs");
+  auto* config = command->add_option("--config", choices->config, "slipd's configuration");
+  auto* sensor = command->add_option("--sensor", choices->sensor, "a sensor of it")->needs(config);
+  config->needs(sensor);
+  command->add_option("--setup", choices->setup, "instead: what to train for, as JSON; - for standard input")
+      ->excludes(config);
+  command->add_option("--model", choices->model, "the file to write; slipd's own place if not given");
+  command->add_option("--threads", choices->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->add_flag("--anew", choices->anew, "train even if there is a good model already");
+  command->callback([choices, &common] {
+    if (choices->config.empty() && choices->setup.empty()) {
+      throw CLI::RequiredError("--config with --sensor, or --setup,");
+    }
+    run(*choices, common);
+  });
+}
+
+}  // namespace sliplab
