@@ -97,13 +97,10 @@ class Walker {
   // anyOf takes the first that fits; oneOf wants exactly one.
   void choose(const json& schema, const std::string& keyword, json& value, const std::string& at, int depth,
               std::vector<Problem>& problems) const {
-    json described = schema;
-    described[keyword] = json::array();
     std::vector<json> fitting;
     std::vector<std::vector<Problem>> of_same_type;
     for (const auto& raw : schema[keyword]) {
       const json& choice = resolved(raw);
-      described[keyword].push_back(choice);
       json copy = value;
       std::vector<Problem> found;
       walk(choice, copy, at, depth + 1, found);
@@ -114,18 +111,22 @@ class Walker {
         of_same_type.push_back(std::move(found));
       }
     }
-    const std::string expected = "; expected " + wanted(described);
     if (fitting.size() == 1) {
       value = std::move(fitting.front());
-    } else if (fitting.size() > 1) {
+      return;
+    }
+    json described = schema;
+    described[keyword] = json::array();
+    for (const auto& raw : schema[keyword]) described[keyword].push_back(resolved(raw));
+    const std::string expected = "; expected " + wanted(described);
+    if (fitting.size() > 1) {
       problems.push_back(problem_of(at, value, "fits more than one of these" + expected));
     } else if (of_same_type.size() != 1) {
       problems.push_back(problem_of(at, value, "is " + kind_of(value) + expected));
-    } else {  // this one was meant, and knows best what is wrong; of the value itself there was more to
-              // choose
+    } else {  // this one was meant and knows the cause; of the value itself there was more to choose
       for (auto& problem : of_same_type.front()) {
-        if (problem.pointer == at)
-          problem.what = problem.what.substr(0, problem.what.find("; expected ")) + expected;
+        const bool itself = problem.pointer == at;
+        if (itself) problem.what = problem.what.substr(0, problem.what.find("; expected ")) + expected;
         problems.push_back(std::move(problem));
       }
     }
@@ -150,7 +151,7 @@ class Walker {
   }
 
   template <typename Wrong>
-  static void walk_string(const json& schema, const std::string& text, const Wrong& wrong) {
+  void walk_string(const json& schema, const std::string& text, const Wrong& wrong) const {
     const std::size_t length = characters(text);
     if (schema.contains("minLength") && length < schema["minLength"].get<std::size_t>())
       return wrong("is too short");
@@ -159,12 +160,15 @@ class Walker {
     if (!schema.contains("pattern")) return;
     constexpr std::size_t kLongest = 4096;  // std::regex recurses over the text
     if (text.size() > kLongest) return wrong("is too long");
+    if (!std::regex_search(text, pattern(schema["pattern"]))) wrong("has another form");
+  }
+
+  const std::regex& pattern(const std::string& text) const {
+    if (const auto known = patterns_.find(text); known != patterns_.end()) return known->second;
     try {
-      if (!std::regex_search(text, std::regex(schema["pattern"].get<std::string>())))
-        wrong("has another form");
+      return patterns_.emplace(text, text).first->second;
     } catch (const std::regex_error& e) {
-      throw SchemaError("the schema's pattern " + schema["pattern"].dump() +
-                        " is no regular expression: " + e.what());
+      throw SchemaError("the schema's pattern " + text + " is no regular expression: " + e.what());
     }
   }
 
@@ -192,9 +196,7 @@ class Walker {
     static const json kNone = json::object();
     const json& properties = schema.contains("properties") ? schema["properties"] : kNone;
     const json& others = schema.contains("additionalProperties") ? schema["additionalProperties"] : kNone;
-    std::vector<std::string> known;
     for (const auto& [key, property] : properties.items()) {
-      known.push_back(key);
       const json& described = resolved(property);
       if (!value.contains(key) && described.contains("default")) value[key] = described["default"];
       if (value.contains(key)) walk(described, value[key], pointer_to(at, key), depth + 1, problems);
@@ -211,12 +213,15 @@ class Walker {
       if (others.is_object()) {
         walk(others, member, pointer_to(at, key), depth + 1, problems);
       } else if (!others.get<bool>()) {
-        problems.push_back(problem_of(pointer_to(at, key), member, "is an unknown key" + hint(key, known)));
+        problems.push_back(
+            problem_of(pointer_to(at, key), member, "is an unknown key" + hint(key, properties)));
       }
     }
   }
 
-  static std::string hint(const std::string& key, const std::vector<std::string>& known) {
+  static std::string hint(const std::string& key, const json& properties) {
+    std::vector<std::string> known;
+    for (const auto& [name, property] : properties.items()) known.push_back(name);
     std::string text = did_you_mean(key, known);
     if (!text.empty()) return text;
     for (const auto& one : known) text += (text.empty() ? "; known here: " : ", ") + one;
@@ -225,6 +230,7 @@ class Walker {
 
   const json& root_;
   mutable std::map<const json*, json> merged_;
+  mutable std::map<std::string, std::regex> patterns_;
 };
 
 }  // namespace

@@ -114,7 +114,7 @@ void expect_plain_answer(const std::string& text, unsigned seed) {
 }
 
 TEST(Mutations, of_the_document_end_in_settings_or_in_errors_that_name_a_place) {
-  for (unsigned seed = 0; seed < 1000; ++seed) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
     Damage damage(seed);
     json document = whole_document();
     for (std::size_t n = 1 + damage.below(5); n > 0; --n) damage.to(document);
@@ -124,7 +124,7 @@ TEST(Mutations, of_the_document_end_in_settings_or_in_errors_that_name_a_place) 
 
 TEST(Mutations, of_the_text_end_in_settings_or_in_errors_that_name_a_place) {
   const std::string whole = text_of("config/slipd.json");
-  for (unsigned seed = 0; seed < 1000; ++seed) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
     Damage damage(seed);
     std::string text = whole;
     for (std::size_t n = 1 + damage.below(5); n > 0; --n) damage.to(text);
