@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "daemon/log.hpp"
+#include "daemon/models.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/serve/server.hpp"
 
@@ -76,10 +77,10 @@ int serve(const Settings& settings, DriverModules& drivers) {
   std::signal(SIGPIPE, SIG_IGN);
 
   Board board;
-  const ModelSource models = [](const std::string&, const ChainSetup&) -> std::shared_ptr<const Model> {
-    throw std::runtime_error("models cannot be made yet");
-  };
-  Pipeline pipeline(settings, drivers, board, models);
+  Models models(trainer_beside_program());
+  Pipeline pipeline(settings, drivers, board, [&](const std::string& sensor, const ChainSetup& setup) {
+    return models.get(sensor, setup);
+  });
   World world{.settings = settings,
               .board = board,
               .realtime = {},
@@ -102,8 +103,10 @@ int serve(const Settings& settings, DriverModules& drivers) {
   io.run();
 
   sd_notify(0, "STOPPING=1");
+  const auto deadline = std::chrono::system_clock::now() + kStopPatience;
+  models.stop();
   server.reset();
-  const bool clean = pipeline.stop(std::chrono::system_clock::now() + kStopPatience);
+  const bool clean = pipeline.stop(deadline);
   drain_logs(board);
   if (!clean) {
     spdlog::error("a driver hangs and is left behind; the process ends without it");

@@ -17,6 +17,7 @@
 #include "daemon/board/latency.hpp"
 #include "daemon/board/latest.hpp"
 #include "daemon/board/log_ring.hpp"
+#include "daemon/board/record_tap.hpp"
 #include "daemon/board/wake.hpp"
 
 namespace slipd {
@@ -61,6 +62,7 @@ class Panel {
   Latest<Reading> latest;                 // estimate thread writes
   LatencyHistogram latency;               // estimate thread writes: sample → published
   FrameCopy frame;                        // io and estimate thread
+  RecordTap tap;                          // acquire thread and whoever records
   std::atomic<bool> simulated{false};     // acquire thread writes, while setting up
   std::atomic<Link> link{Link::opening};  // acquire thread writes
   // Acquire thread writes. Relaxed: each is a number of its own.

@@ -173,6 +173,7 @@ bool Acquirer::deliver(std::size_t index) noexcept {
     outlet.tally.lost += slot.sequence - *outlet.last_sequence - 1;
   }
   outlet.last_sequence = slot.sequence;
+  outlet.seat->panel.tap.offer(slot);
   feed.mailbox.publish(slot, outlet.tally);
   slot = feed.mailbox.writable();
   estimate_.ring();

@@ -70,6 +70,7 @@ bool Client::receive() {
   }
   if (got == 0) {
     input_ended_ = true;
+    *left_ = true;
   } else if (!discarding_) {
     input_.append(bytes.data(), static_cast<std::size_t>(got));
   }
@@ -157,6 +158,7 @@ void Client::let_go_if_done() {
 void Client::close() {
   if (closed_) return;
   closed_ = true;
+  *left_ = true;
   patience_.cancel();
   std::error_code ignored;
   socket_.close(ignored);

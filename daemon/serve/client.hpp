@@ -7,6 +7,7 @@
 #include <asio/io_context.hpp>
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/steady_timer.hpp>
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <list>
@@ -39,6 +40,8 @@ class Client : public std::enable_shared_from_this<Client> {
 
   ucred peer() const noexcept;  // who is at the other end: process, user, group
   UniqueFd take_fd();           // the descriptor that was passed longest ago; empty: none
+  // True once it sends no more or is gone. For threads that work for it.
+  std::shared_ptr<std::atomic<bool>> left() const { return left_; }
   std::uint64_t dropped() const noexcept { return backlog_.dropped(); }
 
   std::list<Subscription> subscriptions;
@@ -60,6 +63,7 @@ class Client : public std::enable_shared_from_this<Client> {
   std::string output_;    // the line that is being sent
   std::size_t sent_ = 0;  // of output_
   std::deque<UniqueFd> passed_;
+  std::shared_ptr<std::atomic<bool>> left_ = std::make_shared<std::atomic<bool>>(false);
   int awaited_ = 0;
   bool reading_ = false;  // a wait for input is pending
   bool writing_ = false;  // a wait for room is pending

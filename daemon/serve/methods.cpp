@@ -29,7 +29,8 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
 
 }  // namespace
 
-Methods::Methods(World& world) : world_(world), frames_wanted_(world.board.sensors.size()) {
+Methods::Methods(World& world, Recorder& recorder)
+    : world_(world), recorder_(recorder), frames_wanted_(world.board.sensors.size()) {
   // A method that needs neither its client nor time: parameters in, result out.
   const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
     methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
@@ -55,6 +56,9 @@ Methods::Methods(World& world) : world_(world), frames_wanted_(world.board.senso
     throw rpc::Error(rpc::kNotPossible, "this sensor has no bias that slipd could take anew");
   });
   methods_["frame"] = [this](Client&, const Params& params, const Reply& reply) { frame(params, reply); };
+  methods_["record"] = [this](Client& client, const Params& params, const Reply& reply) {
+    record(client, params, reply);
+  };
   methods_["subscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
     subscribe(client, params, reply);
   };
@@ -152,6 +156,31 @@ void Methods::frame(const Params& params, const Reply& reply) {
   frames_wanted_[sensor].push_back(reply);
   panel.frame.request(layout->size());
   world_.ring_estimate();
+}
+
+void Methods::record(Client& client, const Params& params, const Reply& reply) {
+  constexpr double kLongest = 24 * 3600;
+  UniqueFd file = client.take_fd();
+  refuse_unknown(params, {"sensor", "seconds"});
+  const std::size_t sensor = required_sensor(params, world_.board);
+  const auto seconds = params.find("seconds");
+  if (seconds == params.end() || !seconds->is_number() || !(*seconds > 0 && *seconds <= kLongest)) {
+    throw rpc::Error(rpc::kInvalidParams, "\"seconds\" must be a number, above 0 and at most 86400");
+  }
+  if (!file)
+    throw rpc::Error(rpc::kInvalidParams, "pass the file to record into along, as a descriptor (SCM_RIGHTS)");
+  recorder_.start(*world_.board.sensors[sensor], std::move(file), seconds->get<double>(), client.left(),
+                  [reply, name = world_.board.sensors[sensor]->name](const RecordingResult& result) {
+                    if (!result.trouble.empty()) {
+                      return reply.error(rpc::kInternalError, result.trouble + ", after " +
+                                                                  std::to_string(result.frames) + " frames");
+                    }
+                    reply.result({{"sensor", name},
+                                  {"frames", result.frames},
+                                  {"missed", result.missed},
+                                  {"bytes", result.bytes},
+                                  {"seconds", result.seconds}});
+                  });
 }
 
 void Methods::answer_frames() {

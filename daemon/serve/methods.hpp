@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/serve/client.hpp"
+#include "daemon/serve/recorder.hpp"
 #include "daemon/serve/rpc.hpp"
 #include "daemon/serve/world.hpp"
 
@@ -16,7 +17,7 @@ namespace slipd {
 
 class Methods {
  public:
-  explicit Methods(World& world);
+  Methods(World& world, Recorder& recorder);
 
   // Answers one line of a client, through Client::answer.
   void line(const std::shared_ptr<Client>& client, const std::string& text);
@@ -33,8 +34,10 @@ class Methods {
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void frame(const Params& params, const rpc::Reply& reply);
+  void record(Client& client, const Params& params, const rpc::Reply& reply);
 
   World& world_;
+  Recorder& recorder_;
   std::map<std::string, Method, std::less<>> methods_;
   std::vector<std::vector<rpc::Reply>> frames_wanted_;  // per sensor
   int subscriptions_ = 0;

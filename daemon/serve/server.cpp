@@ -1,6 +1,7 @@
 #include "daemon/serve/server.hpp"
 
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <nlohmann/json.hpp>
@@ -18,7 +19,8 @@ using asio::posix::stream_descriptor;
 Server::Server(asio::io_context& io, World& world)
     : io_(io),
       world_(world),
-      methods_(world),
+      recorder_(io),
+      methods_(world, recorder_),
       file_(world.settings.socket.path, world.settings.socket.mode),
       listener_(io, file_.release_listener()),
       news_(io, dup(world.board.io.fd())),

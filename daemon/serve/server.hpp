@@ -40,6 +40,7 @@ class Server {
 
   asio::io_context& io_;
   World& world_;
+  Recorder recorder_;
   Methods methods_;
   SocketFile file_;
   asio::posix::stream_descriptor listener_, news_;

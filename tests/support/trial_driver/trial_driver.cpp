@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kOptions = R"({"type": "object", "additionalProperties": false, "properties": {
   "behaviour": {"enum": ["steady", "hang_in_read", "hang_in_open", "throw_in_create", "throw_in_open",
-    "vanish", "end", "wrong_sensor"], "default": "steady", "description": "What goes wrong, after `after` frames."},
+    "vanish", "end", "wrong_sensor", "allocate"], "default": "steady", "description": "What goes wrong, after `after` frames."},
   "after": {"type": "integer", "minimum": 0, "default": 0, "unit": "frames", "description": "Frames before that."},
   "gap_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Leave a sequence number out."},
   "corrupt_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Report a corrupt packet."},
@@ -44,6 +44,7 @@ class TrialDriver : public DeviceDriver {
     hangs_ = behaviour_ == "hang_in_read";
     ends_ = behaviour_ == "end";
     lies_ = behaviour_ == "wrong_sensor";
+    allocates_ = behaviour_ == "allocate";
     draw();
   }
 
@@ -60,6 +61,7 @@ class TrialDriver : public DeviceDriver {
 
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override {
     const std::uint64_t turn = ++turns_;
+    if (allocates_) garbage_ = std::make_unique<std::string>(100, 'x');
     if (corrupt_every_ > 0 && turn % corrupt_every_ == 0) return {ReadStatus::corrupt, 0};
     if (given_ >= after_) {
       if (hangs_) hang();
@@ -113,8 +115,10 @@ class TrialDriver : public DeviceDriver {
   nlohmann::json options_;
   std::string behaviour_;
   std::uint64_t after_ = 0, gap_every_ = 0, corrupt_every_ = 0;
-  bool burst_ = false, paced_ = false, vanishes_ = false, hangs_ = false, ends_ = false, lies_ = false;
+  bool burst_ = false, paced_ = false, vanishes_ = false, hangs_ = false, ends_ = false, lies_ = false,
+       allocates_ = false;
   double gamma_ = 0.5;
+  std::unique_ptr<std::string> garbage_;
   std::vector<std::vector<float>> normal_, shear_;
   std::uint64_t turns_ = 0, given_ = 0, sequence_ = 0;
   Clock::time_point next_;

@@ -1,0 +1,132 @@
+#include "daemon/models.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <spdlog/spdlog.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/estimate/model_setup.hpp"
+#include "core/model/model_file.hpp"
+#include "core/model/setup_json.hpp"
+#include "daemon/serve/unique_fd.hpp"
+
+extern char** environ;
+
+namespace slipd {
+namespace {
+
+constexpr int kTrainingNice = 10;
+constexpr int kLookMs = 100;  // how soon a stop is seen
+
+// A file in memory that holds `text`, to be read from its beginning.
+UniqueFd file_of(const std::string& text) {
+  UniqueFd file(memfd_create("slipd-model-setup", MFD_CLOEXEC));
+  if (!file || write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
+      lseek(file.get(), 0, SEEK_SET) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot pass on what to train");
+  }
+  return file;
+}
+
+// The program with `in` as its input and `errors` for what it has to say, undisturbed by our signal mask.
+pid_t start(const std::filesystem::path& program, const UniqueFd& in, const UniqueFd& errors) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, in.get(), STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, errors.get(), STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigset_t defaults;
+  sigemptyset(&none);
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  std::array<std::string, 4> words{program.string(), "train", "--setup", "-"};
+  std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  pid_t child = -1;
+  const int error = posix_spawnp(&child, words[0].c_str(), &files, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  if (error != 0) {
+    throw std::runtime_error("cannot start " + program.string() +
+                             " to train a model: " + std::generic_category().message(error) +
+                             "; install sliplab, or choose estimator.method moments");
+  }
+  setpriority(PRIO_PROCESS, static_cast<id_t>(child), kTrainingNice);
+  return child;
+}
+
+}  // namespace
+
+std::filesystem::path trainer_beside_program() {
+  std::error_code error;
+  const auto beside = std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "sliplab";
+  return !error && std::filesystem::exists(beside, error) ? beside : std::filesystem::path("sliplab");
+}
+
+std::shared_ptr<const Model> Models::get(const std::string& sensor, const ChainSetup& setup) {
+  const ModelSetup wanted = model_setup_of(setup);
+  const auto folder = model_cache_directory();
+  const auto file = model_cache_file(wanted, folder);
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) {
+    try {
+      return std::make_shared<const Model>(load_cached_model(wanted, folder));
+    } catch (const ModelError& error) {
+      spdlog::warn("{}: {}; it is made anew", sensor, error.what());
+    }
+  }
+  spdlog::info("{}: training a model of its scene; until it is there, the sensor is learning", sensor);
+  train(sensor, to_json(wanted).dump());
+  return std::make_shared<const Model>(load_cached_model(wanted, folder));
+}
+
+void Models::train(const std::string& sensor, const std::string& setup_json) {
+  const UniqueFd in = file_of(setup_json);
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+  const UniqueFd heard(ends[0]);
+  UniqueFd said(ends[1]);
+  const pid_t child = start(trainer_, in, said);
+  said = UniqueFd();
+  std::string text;
+  std::string last;
+  bool killed = false;
+  for (;;) {
+    if (stop_.load(std::memory_order_relaxed) && !killed) killed = kill(child, SIGKILL) == 0;
+    pollfd news{heard.get(), POLLIN, 0};
+    if (poll(&news, 1, kLookMs) <= 0) continue;
+    std::array<char, 1024> bytes{};
+    const auto got = read(heard.get(), bytes.data(), bytes.size());
+    if (got <= 0) break;
+    text.append(bytes.data(), static_cast<std::size_t>(got));
+    for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {
+      last = text.substr(0, end);
+      text.erase(0, end + 1);
+      spdlog::info("{}: {}", sensor, last);
+    }
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (killed) throw std::runtime_error("training was broken off: slipd is stopping");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw std::runtime_error("training failed" + (last.empty() ? "" : ": " + last));
+  }
+}
+
+}  // namespace slipd

@@ -1,0 +1,36 @@
+// Where a chain's trained model comes from: the cache, or `sliplab train`, started as a child so that
+// training takes neither memory nor time of the process that estimates. Called by the set-up thread; stop by
+// io.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "core/estimate/chain.hpp"
+
+namespace slipd {
+
+class Models {
+ public:
+  // `trainer`: the program sliplab.
+  explicit Models(std::filesystem::path trainer) : trainer_(std::move(trainer)) {}
+
+  // The model of this scene. A cached one that is damaged or foreign is named in the log and made anew. May
+  // take minutes. Throws std::runtime_error if none can be had, or if stop came first.
+  std::shared_ptr<const Model> get(const std::string& sensor, const ChainSetup& setup);
+
+  // Any thread: a training under way ends soon, and none begins.
+  void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+
+ private:
+  void train(const std::string& sensor, const std::string& setup_json);
+  std::filesystem::path trainer_;
+  std::atomic<bool> stop_{false};
+};
+
+// sliplab beside the running program, else the one that PATH finds.
+std::filesystem::path trainer_beside_program();
+
+}  // namespace slipd

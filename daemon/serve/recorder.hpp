@@ -1,0 +1,43 @@
+// Recordings that clients have asked for: each has a writer thread of its own, so that a slow disk holds up
+// nobody. io thread, but for the writers themselves.
+#pragma once
+
+#include <asio/io_context.hpp>
+#include <functional>
+#include <list>
+#include <memory>
+#include <string>
+
+#include "daemon/board/board.hpp"
+#include "daemon/serve/unique_fd.hpp"
+
+namespace slipd {
+
+struct RecordingResult {
+  std::uint64_t frames = 0;
+  std::uint64_t missed = 0;  // the disk was too slow for
+  std::uint64_t bytes = 0;
+  double seconds = 0;   // that it took
+  std::string trouble;  // why it ended early; empty: it did not
+};
+
+class Recorder {
+ public:
+  explicit Recorder(asio::io_context& io);
+  ~Recorder();  // ends all recordings; what they have is on disk then
+
+  // Starts one into `file`. `done` is called in the io thread. `abandoned` ends it early, without trouble.
+  // Throws rpc::Error if the sensor is being recorded, or has no layout yet, or the file cannot be written
+  // to.
+  void start(Panel& panel, UniqueFd file, double seconds, std::shared_ptr<std::atomic<bool>> abandoned,
+             std::function<void(const RecordingResult&)> done);
+
+ private:
+  struct Job;
+  static RecordingResult write(Job& job);
+  asio::io_context& io_;
+  std::atomic<bool> stop_{false};
+  std::list<std::unique_ptr<Job>> jobs_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,68 @@
+// What waits for a client: answers all of it, notifications only the newest.
+#include "daemon/serve/backlog.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace slipd {
+namespace {
+
+std::shared_ptr<const std::string> head(int number) {
+  return std::make_shared<const std::string>(R"({"method":"estimate","params":{"seq":)" +
+                                             std::to_string(number));
+}
+
+nlohmann::json params(const std::optional<std::string>& line) {
+  EXPECT_EQ(line->back(), '\n');
+  return nlohmann::json::parse(*line).at("params");
+}
+
+TEST(Backlog, LosesTheOldestNotificationsAndTheNextOneSaysHowMany) {
+  Backlog backlog(3);
+  for (int i = 0; i < 10; ++i) backlog.notify(head(i), 0);
+  const auto first = params(backlog.next());
+  EXPECT_EQ(first["seq"], 7);
+  EXPECT_EQ(first["dropped"], 7);
+  EXPECT_EQ(params(backlog.next())["dropped"], 0);
+  EXPECT_EQ(params(backlog.next())["seq"], 9);
+  EXPECT_FALSE(backlog.next());
+  EXPECT_EQ(backlog.dropped(), 7U);
+}
+
+TEST(Backlog, NeverLosesAnAnswerAndKeepsTheOrder) {
+  Backlog backlog(1);
+  backlog.answer("a");
+  backlog.notify(head(1), 0);
+  backlog.answer("b");
+  backlog.notify(head(2), 0);
+  EXPECT_EQ(backlog.answer_bytes(), 2U);
+  EXPECT_EQ(backlog.next(), "a\n");
+  EXPECT_EQ(backlog.next(), "b\n");
+  EXPECT_EQ(params(backlog.next())["seq"], 2);
+  EXPECT_TRUE(backlog.empty());
+  EXPECT_EQ(backlog.answer_bytes(), 0U);
+}
+
+TEST(Backlog, WhatIsSentAndWhatIsDroppedIsAllThereWas) {
+  Backlog backlog(4);
+  std::uint64_t told = 0;
+  std::uint64_t dropped = 0;
+  constexpr int kAll = 1000;
+  for (int i = 0; i < kAll; ++i) {
+    backlog.notify(head(i), i % 10 == 0 ? 2 : 0);  // some were lost on the way already
+    if (i % 7 == 0) {
+      dropped += params(backlog.next())["dropped"].get<std::uint64_t>();
+      ++told;
+    }
+  }
+  while (const auto line = backlog.next()) {
+    dropped += params(line)["dropped"].get<std::uint64_t>();
+    ++told;
+  }
+  EXPECT_EQ(told + dropped, kAll + 2 * kAll / 10);
+  EXPECT_EQ(dropped, backlog.dropped());
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,55 @@
+// The doorbell between threads: nothing rung is missed, and no wait is without end.
+#include "daemon/pipeline/doorbell.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace slipd {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = Doorbell::Clock;
+
+TEST(Doorbell, AWaitEndsAtItsTime) {
+  Doorbell bell;
+  const auto until = Clock::now() + 20ms;
+  while (bell.wait(bell.rung(), until)) {
+  }
+  EXPECT_GE(Clock::now(), until);
+}
+
+TEST(Doorbell, WhatRangBeforeTheWaitEndsItAtOnce) {
+  Doorbell bell;
+  const auto seen = bell.rung();
+  bell.ring();
+  EXPECT_TRUE(bell.wait(seen, Clock::now() + 1h));
+}
+
+TEST(Doorbell, EveryRingIsHeardInTime) {
+  Doorbell there;
+  Doorbell back;
+  std::atomic<int> ball{0};
+  constexpr int kThrows = 20000;
+  const auto play = [&](Doorbell& mine, Doorbell& theirs, int parity) {
+    for (;;) {
+      const auto seen = mine.rung();
+      const int now = ball.load();
+      if (now >= kThrows) break;
+      if (now % 2 == parity) {
+        ball.store(now + 1);
+        theirs.ring();
+      } else {
+        ASSERT_TRUE(mine.wait(seen, Clock::now() + 60s)) << "throw " << now << " was not heard";
+      }
+    }
+    theirs.ring();
+  };
+  std::thread other([&] { play(back, there, 1); });
+  play(there, back, 0);
+  other.join();
+  EXPECT_EQ(ball.load(), kThrows);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,76 @@
+// Estimates as clients see them: nothing unknown becomes a number, no gamma outside state ok.
+#include "daemon/serve/estimate_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace slipd {
+namespace {
+
+const Now kNow{.monotonic_ns = 5'000'000'000, .realtime_ns = 1'790'000'005'000'000'000};
+
+Estimate known() {
+  Estimate estimate;
+  estimate.state = State::ok;
+  estimate.gamma = 0.62;
+  estimate.sigma = 0.01;
+  estimate.center_x_m = 1e-4;
+  estimate.center_y_m = -4e-4;
+  estimate.radius_m = 3.1e-3;
+  estimate.time_to_slip_s = 0.05;
+  estimate.time_ns = 4'999'000'000;
+  estimate.published_ns = 4'999'035'200;
+  estimate.truth = {0.615, 0.44};
+  return estimate;
+}
+
+TEST(EstimateJson, UnitsAreThoseOfTheSocket) {
+  const auto json = estimate_json(known(), "left", true, kNow);
+  EXPECT_EQ(json["time_ns"], 1'790'000'004'999'000'000);
+  EXPECT_DOUBLE_EQ(json["radius_mm"], 3.1);
+  EXPECT_DOUBLE_EQ(json["center_mm"][1], -0.4);
+  EXPECT_DOUBLE_EQ(json["time_to_slip_ms"], 50);
+  EXPECT_DOUBLE_EQ(json["age_ms"], 1);
+  EXPECT_DOUBLE_EQ(json["latency_us"], 35.2);
+  EXPECT_EQ(json["class"], 4);
+  EXPECT_DOUBLE_EQ(json["truth"]["gamma"], 0.615);
+}
+
+TEST(EstimateJson, GammaIsANumberOnlyInStateOk) {
+  for (int state = 0; state <= static_cast<int>(State::fault); ++state) {
+    Estimate estimate = known();
+    estimate.state = static_cast<State>(state);
+    const auto json = estimate_json(estimate, "left", false, kNow);
+    EXPECT_EQ(json["gamma"].is_number(), estimate.state == State::ok) << json["state"];
+    EXPECT_EQ(json["class"].is_number(), estimate.state == State::ok) << json["state"];
+  }
+}
+
+TEST(EstimateJson, WhatIsUnknownIsNull) {
+  Estimate estimate;
+  estimate.state = State::ok;
+  estimate.gamma = std::nan("");
+  const auto json = estimate_json(estimate, "left", true, kNow);
+  for (const char* key :
+       {"gamma", "class", "sigma", "friction", "normal_n", "center_mm", "time_ns", "age_ms", "latency_us"}) {
+    EXPECT_TRUE(json[key].is_null()) << key;
+  }
+  EXPECT_TRUE(json["truth"]["gamma"].is_null());
+}
+
+TEST(EstimateJson, ARealSensorHasNoTruth) {
+  EXPECT_FALSE(estimate_json(known(), "left", false, kNow).contains("truth"));
+}
+
+TEST(EstimateJson, ASampleFromAClockThatRunsAheadHasNoNegativeAge) {
+  Estimate estimate = known();
+  estimate.time_ns = kNow.monotonic_ns + 1'000'000'000;
+  const auto json = estimate_json(estimate, "left", false, kNow);
+  EXPECT_EQ(json["age_ms"], 0);
+  EXPECT_EQ(json["latency_us"], 0);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,82 @@
+// Lines in, answers out, without a socket.
+#include "daemon/serve/rpc.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace slipd::rpc {
+namespace {
+
+using nlohmann::json;
+
+int code_of(const std::string& text) {
+  return json::parse(text).at("error").at("code");
+}
+
+TEST(Rpc, ARequestIsReadWithItsParameters) {
+  const Line line = parse(R"({"jsonrpc":"2.0","id":3,"method":"gamma","params":{"sensor":"left"}})");
+  ASSERT_EQ(line.requests.size(), 1U);
+  EXPECT_FALSE(line.batch);
+  EXPECT_EQ(line.requests[0].method, "gamma");
+  EXPECT_EQ(line.requests[0].id, 3);
+  EXPECT_EQ(line.requests[0].params["sensor"], "left");
+  EXPECT_FALSE(line.requests[0].notification);
+}
+
+TEST(Rpc, NestingIsAllowedUpToItsLimitAndBracketsInStringsDoNotCount) {
+  const auto nested = [](int depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  EXPECT_TRUE(parse(nested(kDeepestNesting)).refusal.empty());
+  EXPECT_EQ(code_of(parse(nested(kDeepestNesting + 1)).refusal), kParseError);
+  const std::string text = R"({"jsonrpc":"2.0","id":"\"[[","method":")" + std::string(1000, '[') + "\"}";
+  EXPECT_TRUE(parse(text).refusal.empty());
+}
+
+TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
+  std::mt19937 random(1);
+  const std::string good =
+      R"([{"jsonrpc":"2.0","id":1,"method":"gamma","params":{"sensor":"left"}},{"a":[1e5,"\u00e9"]}])";
+  for (int i = 0; i < 20000; ++i) {
+    std::string text = good;
+    for (std::uint32_t changes = random() % 4 + 1; changes > 0; --changes) {
+      text[random() % text.size()] = static_cast<char>(random());
+    }
+    const Line line = parse(text);
+    ASSERT_TRUE(!line.refusal.empty() || !line.requests.empty());
+    if (!line.refusal.empty()) {
+      ASSERT_TRUE(json::accept(line.refusal)) << line.refusal;
+    }
+    for (const Request& request : line.requests) {
+      if (request.refusal && !request.refusal->empty()) {
+        ASSERT_TRUE(json::accept(*request.refusal));
+      }
+      ASSERT_TRUE(json::accept(error_text(request.id, 1, request.method)));
+    }
+  }
+}
+
+TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
+  std::string all = "not yet";
+  const auto answers = std::make_shared<Answers>(true, 3, [&](std::string text) { all = std::move(text); });
+  Request asked;
+  asked.id = 1;
+  Request told;
+  told.notification = true;
+  Reply(told, answers).result(true);
+  Reply(asked, answers).result(2);
+  EXPECT_EQ(all, "not yet");
+  asked.id = 2;
+  Reply(asked, answers).error(kNotPossible, "no");
+  EXPECT_EQ(json::parse(all).size(), 2U);
+}
+
+TEST(Rpc, ABatchOfNotificationsHasNoAnswer) {
+  std::string all = "not yet";
+  Answers answers(true, 2, [&](std::string text) { all = std::move(text); });
+  answers.add("");
+  answers.add("");
+  EXPECT_EQ(all, "");
+}
+
+}  // namespace
+}  // namespace slipd::rpc

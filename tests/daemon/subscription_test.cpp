@@ -1,0 +1,81 @@
+// What a subscriber is told, and what it is spared.
+#include "daemon/serve/subscription.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/serve/rpc.hpp"
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+
+class Subscribed : public ::testing::Test {
+ protected:
+  Subscribed() {
+    board_.sensors.push_back(std::make_unique<Panel>("left", "trial"));
+    board_.sensors.push_back(std::make_unique<Panel>("right", "trial"));
+  }
+  static Event at_ms(double ms, State state = State::ok) {
+    Event event;
+    event.estimate.state = state;
+    event.estimate.published_ns = static_cast<std::int64_t>(ms * 1e6) + 1'000'000'000;
+    return event;
+  }
+  int told(Subscription& subscription, double every_ms, double for_ms) {
+    int count = 0;
+    for (double ms = 0; ms < for_ms; ms += every_ms) {
+      count += subscription.wants(at_ms(ms), EventKind::estimate, lost_) ? 1 : 0;
+    }
+    return count;
+  }
+  Board board_;
+  std::uint64_t lost_ = 0;
+};
+
+TEST_F(Subscribed, EstimatesAreThinnedToTheRateAskedFor) {
+  for (const double hz : {1.0, 30.0, 99.0, 500.0}) {
+    Subscription subscription(1, {{"max_rate_hz", hz}}, board_);
+    const int count = told(subscription, 1, 10000);
+    EXPECT_LE(count, 10 * hz + 1) << hz;
+    EXPECT_GE(count, 10 * hz * 0.9) << hz;
+  }
+  Subscription all(2, json::object(), board_);
+  EXPECT_EQ(told(all, 1, 1000), 1000);
+}
+
+TEST_F(Subscribed, AChangeOfStateIsToldWhateverTheRate) {
+  Subscription slow(1, {{"max_rate_hz", 1}}, board_);
+  EXPECT_TRUE(slow.wants(at_ms(0), EventKind::estimate, lost_));
+  EXPECT_FALSE(slow.wants(at_ms(1), EventKind::estimate, lost_));
+  EXPECT_TRUE(slow.wants(at_ms(2, State::stale), EventKind::estimate, lost_));
+}
+
+TEST_F(Subscribed, WhatWasLostOnTheWayIsAddedUpUntilTheNextIsTold) {
+  Subscription slow(1, {{"max_rate_hz", 1}}, board_);
+  slow.wants(at_ms(0), EventKind::estimate, lost_);
+  Event event = at_ms(10);
+  event.lost_before = 3;
+  EXPECT_FALSE(slow.wants(event, EventKind::estimate, lost_));
+  event = at_ms(2000);
+  event.lost_before = 4;
+  EXPECT_TRUE(slow.wants(event, EventKind::estimate, lost_));
+  EXPECT_EQ(lost_, 7U);
+}
+
+TEST_F(Subscribed, OnlyTheSensorsAndEventsAskedForAreTold) {
+  Subscription subscription(1, {{"sensors", {"right"}}, {"events", {"alert"}}}, board_);
+  Event event = at_ms(0);
+  EXPECT_FALSE(subscription.wants(event, EventKind::alert, lost_));
+  event.sensor = 1;
+  EXPECT_TRUE(subscription.wants(event, EventKind::alert, lost_));
+  EXPECT_FALSE(subscription.wants(event, EventKind::estimate, lost_));
+  EXPECT_THROW(Subscription(2, {{"sensors", {"middle"}}}, board_), rpc::Error);
+  EXPECT_THROW(Subscription(2, {{"sensors", "left"}}, board_), rpc::Error);
+  EXPECT_THROW(Subscription(2, {{"events", "alert"}}, board_), rpc::Error);
+}
+
+}  // namespace
+}  // namespace slipd

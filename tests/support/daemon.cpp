@@ -1,0 +1,103 @@
+#include "tests/support/daemon.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <thread>
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+// What a service manager would listen on for READY=1.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const std::filesystem::path& path)
+      : fd_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    if (bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("bind");
+  }
+  ~NotifySocket() { close(fd_); }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+
+  bool says_ready(std::chrono::milliseconds patience) const {
+    pollfd ready{fd_, POLLIN, 0};
+    if (poll(&ready, 1, static_cast<int>(patience.count())) <= 0) return false;
+    std::array<char, 512> text{};
+    const auto got = recv(fd_, text.data(), text.size(), 0);
+    return got > 0 &&
+           std::string_view(text.data(), static_cast<std::size_t>(got)).find("READY=1") != std::string::npos;
+  }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+std::filesystem::path trial_drivers() {
+  return std::filesystem::path(SLIPD_BINARY_DIR) / "test-drivers";
+}
+std::filesystem::path real_drivers() {
+  return std::filesystem::path(SLIPD_BINARY_DIR) / "drivers";
+}
+
+json config_with(const TempFolder& folder, const json& sensors, const json& more) {
+  json config{{"sensors", sensors},
+              {"socket", {{"path", folder.file("s.sock").string()}}},
+              {"estimator", {{"method", "moments"}}},
+              {"realtime", {{"mode", "off"}}}};
+  config.merge_patch(more);
+  return config;
+}
+
+Daemon::Daemon(const json& config, const std::filesystem::path& drivers, const Program::Environment& more)
+    : socket_(config.at("socket").at("path").get<std::string>()) {
+  const auto file = folder_.write("slipd.json", config.dump(2));
+  const NotifySocket notify(folder_.file("notify"));
+  Program::Environment environment = more;
+  environment.emplace_back("NOTIFY_SOCKET", folder_.file("notify").string());
+  program_ =
+      std::make_unique<Program>(folder_, "slipd",
+                                std::vector<std::string>{(program_folder() / "slipd").string(), "--config",
+                                                         file.string(), "--driver-dir", drivers.string()},
+                                environment);
+  const auto until = std::chrono::steady_clock::now() + 30s;
+  while (!notify.says_ready(50ms)) {
+    const auto code = program_->wait(0ms);
+    if (code || std::chrono::steady_clock::now() > until) {
+      throw std::runtime_error("slipd does not come up (" + (code ? std::to_string(*code) : "it runs") +
+                               "): " + program_->errors());
+    }
+  }
+}
+
+json Daemon::wait_for(const std::string& method, const std::function<bool(const json&)>& enough) const {
+  RpcClient client(socket_);
+  const auto until = std::chrono::steady_clock::now() + 30s;
+  for (;;) {
+    json result = client.result(method);
+    if (enough(result)) return result;
+    if (std::chrono::steady_clock::now() > until)
+      throw std::runtime_error("waited in vain; last: " + result.dump());
+    std::this_thread::sleep_for(5ms);
+  }
+}
+
+std::optional<int> Daemon::stop(std::chrono::milliseconds patience) {
+  program_->signal(SIGTERM);
+  return program_->wait(patience);
+}
+
+}  // namespace slipd::testing

@@ -1,0 +1,43 @@
+// slipd itself, the real program, on a socket of its own: up when the constructor returns.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "tests/support/program.hpp"
+#include "tests/support/rpc_client.hpp"
+
+namespace slipd::testing {
+
+// The folder of the modules that are for tests only (trial), and that of the real ones.
+std::filesystem::path trial_drivers();
+std::filesystem::path real_drivers();
+
+// A configuration with these sensors and a socket in the folder; more top-level members as they are given.
+nlohmann::json config_with(const TempFolder& folder, const nlohmann::json& sensors,
+                           const nlohmann::json& more = nlohmann::json::object());
+
+class Daemon {
+ public:
+  // Starts it and waits until it says READY=1. Throws std::runtime_error with its errors if it ends before.
+  Daemon(const nlohmann::json& config, const std::filesystem::path& drivers,
+         const Program::Environment& more = {});
+
+  RpcClient client() const { return RpcClient(socket_); }
+  const std::filesystem::path& socket() const { return socket_; }
+  Program& program() { return *program_; }
+
+  // Asks again and again until `enough` is pleased; the last `method` result. Throws if it never is.
+  nlohmann::json wait_for(const std::string& method,
+                          const std::function<bool(const nlohmann::json&)>& enough) const;
+
+  // SIGTERM, then its exit code; none if it takes more than `patience`.
+  std::optional<int> stop(std::chrono::milliseconds patience = std::chrono::seconds(10));
+
+ private:
+  TempFolder folder_;
+  std::filesystem::path socket_;
+  std::unique_ptr<Program> program_;
+};
+
+}  // namespace slipd::testing

@@ -1,0 +1,114 @@
+#include "tests/support/rpc_client.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <stdexcept>
+
+namespace slipd::testing {
+
+using nlohmann::json;
+
+RpcClient::RpcClient(const std::filesystem::path& socket_path)
+    : fd_(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, socket_path.c_str(), sizeof address.sun_path - 1);
+  if (connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    const std::string why = std::strerror(errno);
+    close(fd_);
+    throw std::runtime_error("connect to " + socket_path.string() + ": " + why);
+  }
+}
+
+RpcClient::~RpcClient() {
+  close(fd_);
+}
+
+bool RpcClient::send(const std::string& bytes, int descriptor) {
+  std::size_t sent = 0;
+  while (sent < bytes.size()) {
+    iovec piece{const_cast<char*>(bytes.data()) + sent, bytes.size() - sent};
+    msghdr message{};
+    message.msg_iov = &piece;
+    message.msg_iovlen = 1;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+    if (descriptor >= 0 && sent == 0) {
+      message.msg_control = control.data();
+      message.msg_controllen = control.size();
+      cmsghdr* const item = CMSG_FIRSTHDR(&message);
+      item->cmsg_level = SOL_SOCKET;
+      item->cmsg_type = SCM_RIGHTS;
+      item->cmsg_len = CMSG_LEN(sizeof(int));
+      std::memcpy(CMSG_DATA(item), &descriptor, sizeof descriptor);
+    }
+    const auto done = sendmsg(fd_, &message, MSG_NOSIGNAL);
+    if (done < 0) return false;
+    sent += static_cast<std::size_t>(done);
+  }
+  return true;
+}
+
+std::optional<std::string> RpcClient::line(std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  for (;;) {
+    if (const auto end = input_.find('\n'); end != std::string::npos) {
+      std::string text = input_.substr(0, end);
+      input_.erase(0, end + 1);
+      return text;
+    }
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+    pollfd ready{fd_, POLLIN, 0};
+    if (ended_ || left.count() < 0 || poll(&ready, 1, static_cast<int>(left.count())) <= 0)
+      return std::nullopt;
+    std::array<char, 65536> bytes{};
+    const auto got = recv(fd_, bytes.data(), bytes.size(), 0);
+    if (got <= 0) {
+      ended_ = true;
+    } else {
+      input_.append(bytes.data(), static_cast<std::size_t>(got));
+    }
+  }
+}
+
+bool RpcClient::closed_by_peer(std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!ended_ && std::chrono::steady_clock::now() < until) line(std::chrono::milliseconds(100));
+  return ended_;
+}
+
+json RpcClient::call(const std::string& method, const json& params, int descriptor) {
+  const int id = ++next_id_;
+  send(json{{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", params}}.dump() + "\n",
+       descriptor);
+  while (const auto text = line()) {
+    json message = json::parse(*text);
+    if (message.contains("id") && message["id"] == id) return message;
+    notifications_.push_back(std::move(message));
+  }
+  throw std::runtime_error("no answer to " + method);
+}
+
+json RpcClient::result(const std::string& method, const json& params) {
+  const json answer = call(method, params);
+  if (!answer.contains("result")) throw std::runtime_error(method + ": " + answer.dump());
+  return answer["result"];
+}
+
+json RpcClient::notification() {
+  if (notifications_.empty()) {
+    const auto text = line();
+    if (!text) throw std::runtime_error("no notification came");
+    return json::parse(*text);
+  }
+  json first = std::move(notifications_.front());
+  notifications_.pop_front();
+  return first;
+}
+
+}  // namespace slipd::testing

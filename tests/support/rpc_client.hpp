@@ -1,0 +1,48 @@
+// A client of slipd's socket for tests: lines, requests, descriptors passed along. Every wait has an end.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace slipd::testing {
+
+class RpcClient {
+ public:
+  static constexpr std::chrono::milliseconds kPatience{10000};
+
+  explicit RpcClient(const std::filesystem::path& socket);  // throws std::runtime_error if nobody listens
+  ~RpcClient();
+  RpcClient(const RpcClient&) = delete;
+  RpcClient& operator=(const RpcClient&) = delete;
+
+  // All of `bytes`, as far as the other end takes them; false if it has closed.
+  bool send(const std::string& bytes, int descriptor = -1);
+  bool send_line(const std::string& line) { return send(line + "\n"); }
+
+  // The next line without its end; none if the other end closed first or time ran out.
+  std::optional<std::string> line(std::chrono::milliseconds patience = kPatience);
+  bool closed_by_peer(
+      std::chrono::milliseconds patience = kPatience);  // within that time; lines are thrown away
+
+  // The whole answer to one request; notifications before it are kept. Throws std::runtime_error if none
+  // comes.
+  nlohmann::json call(const std::string& method, const nlohmann::json& params = nlohmann::json::object(),
+                      int descriptor = -1);
+  nlohmann::json result(const std::string& method, const nlohmann::json& params = nlohmann::json::object());
+
+  // The next notification. Throws std::runtime_error if none comes.
+  nlohmann::json notification();
+
+ private:
+  int fd_;
+  int next_id_ = 0;
+  std::string input_;
+  std::deque<nlohmann::json> notifications_;
+  bool ended_ = false;
+};
+
+}  // namespace slipd::testing

@@ -1,0 +1,96 @@
+// slipd's real-time threads allocate and free nothing once they run: shown on the real program, with every
+// allocation function replaced by one that counts.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <new>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+
+class SharedCounts {
+ public:
+  explicit SharedCounts(const std::filesystem::path& file) {
+    const int fd = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (ftruncate(fd, sizeof(AllocationCounts)) != 0) throw std::runtime_error("ftruncate");
+    void* const memory = mmap(nullptr, sizeof(AllocationCounts), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    close(fd);
+    counts_ = new (memory) AllocationCounts;
+  }
+  ~SharedCounts() { munmap(counts_, sizeof(AllocationCounts)); }
+  SharedCounts(const SharedCounts&) = delete;
+  SharedCounts& operator=(const SharedCounts&) = delete;
+  AllocationCounts* operator->() { return counts_; }
+
+ private:
+  AllocationCounts* counts_;
+};
+
+std::uint64_t estimated(const json& status) {
+  std::uint64_t least = UINT64_MAX;
+  for (const json& sensor : status["sensors"])
+    least = std::min(least, sensor["estimated"].get<std::uint64_t>());
+  return least;
+}
+
+// Runs slipd until each of its sensors has answered some frames, arms the guard, and lets it answer a
+// thousand more while clients ask for everything.
+void watch(const json& sensors, const std::filesystem::path& drivers, SharedCounts& counts,
+           const TempFolder& folder) {
+  Daemon daemon(config_with(folder, sensors), drivers,
+                {{"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-allocation-guard.so"},
+                 {kAllocationGuardFile, folder.file("counts").string()}});
+  const auto begin = estimated(daemon.wait_for("status", [](const json& s) { return estimated(s) >= 20; }));
+  counts->armed = true;
+  auto client = daemon.client();
+  client.result("subscribe");
+  const std::string name = sensors[0]["name"];
+  const int fd = open(folder.file("recording").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  EXPECT_TRUE(client.call("record", {{"sensor", name}, {"seconds", 0.1}}, fd).contains("result"));
+  close(fd);
+  daemon.wait_for("status", [&](const json& s) {
+    client.result("frame", {{"sensor", name}});
+    return estimated(s) >= begin + 1000;
+  });
+  counts->armed = false;
+}
+
+bool sanitized() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return true;
+#else
+  return false;
+#endif
+}
+
+TEST(Allocation, NoneInTheThreadsOfFramesAndEstimates) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
+  const TempFolder folder;
+  SharedCounts counts(folder.file("counts"));
+  watch({{{"name", "left"}, {"driver", "trial"}, {"options", {{"gap_every", 3}, {"corrupt_every", 5}}}},
+         {{"name", "right"}, {"driver", "trial"}, {"layout", {{"grid", {4, 4}}, {"pitch_mm", 4}}}}},
+        trial_drivers(), counts, folder);
+  EXPECT_EQ(counts->acquire, 0U);
+  EXPECT_EQ(counts->estimate, 0U);
+  EXPECT_GT(counts->others, 0U) << "the guard must have counted something";
+}
+
+TEST(Allocation, TheGuardSeesADriverThatAllocates) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
+  const TempFolder folder;
+  SharedCounts counts(folder.file("counts"));
+  watch({{{"name", "left"}, {"driver", "trial"}, {"options", {{"behaviour", "allocate"}}}}}, trial_drivers(),
+        counts, folder);
+  EXPECT_GT(counts->acquire, 0U);
+  EXPECT_EQ(counts->estimate, 0U);
+}
+
+}  // namespace
+}  // namespace slipd::testing

@@ -1,0 +1,163 @@
+// How slipd starts and ends: wrong use, configurations, a second instance, what a crash left behind, a stop
+// in time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+constexpr auto kStopTime = 2s;  // what a stop may take
+
+const std::string kSlipd = (program_folder() / "slipd").string();
+
+json well(const TempFolder& folder) {
+  return config_with(folder, {{{"name", "left"}, {"driver", "trial"}}});
+}
+
+Ran start_with(const TempFolder& folder, const std::string& config, const std::string& more = "") {
+  std::vector<std::string> command{kSlipd, "--config", folder.write("c.json", config).string(),
+                                   "--driver-dir", trial_drivers().string()};
+  if (!more.empty()) command.push_back(more);
+  return run(command);
+}
+
+TEST(Life, EndsInTimeOnSigtermAndSigint) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const TempFolder folder;
+    Daemon daemon(well(folder), trial_drivers());
+    RpcClient silent(daemon.socket());
+    silent.result("subscribe");
+    daemon.program().signal(signal);
+    EXPECT_EQ(daemon.program().wait(kStopTime), 0);
+    EXPECT_FALSE(std::filesystem::exists(daemon.socket())) << "the socket goes with it";
+    EXPECT_FALSE(std::filesystem::exists(daemon.socket().string() + ".lock"));
+  }
+}
+
+TEST(Life, EndsInTimeWhileADriverHangs) {
+  for (const char* behaviour : {"hang_in_read", "hang_in_open"}) {
+    const TempFolder folder;
+    json config = well(folder);
+    config["sensors"].push_back(
+        {{"name", "ill"}, {"driver", "trial"}, {"options", {{"behaviour", behaviour}}}});
+    Daemon daemon(config, trial_drivers());
+    daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+    EXPECT_EQ(daemon.stop(kStopTime), 0) << behaviour;
+    EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
+    EXPECT_THAT(daemon.program().errors(), HasSubstr("hangs"));
+  }
+}
+
+TEST(Life, ASecondInstanceIsRefusedAndTheFirstGoesOn) {
+  const TempFolder folder;
+  Daemon daemon(well(folder), trial_drivers());
+  const Ran second = start_with(folder, well(folder).dump());
+  EXPECT_EQ(second.code, 1);
+  EXPECT_THAT(second.errors,
+              HasSubstr("another slipd (process " + std::to_string(daemon.program().pid()) + ")"));
+  EXPECT_EQ(daemon.client().result("version")["name"], "slipd");
+}
+
+TEST(Life, ASocketThatACrashLeftBehindIsReplaced) {
+  const TempFolder folder;
+  {
+    Daemon crashed(well(folder), trial_drivers());
+    crashed.program().signal(SIGKILL);
+    crashed.program().wait(10s);
+    ASSERT_TRUE(std::filesystem::exists(crashed.socket()));
+  }
+  Daemon daemon(well(folder), trial_drivers());
+  EXPECT_EQ(daemon.client().result("version")["name"], "slipd");
+}
+
+TEST(Life, AFileInTheSocketsPlaceIsLeftAlone) {
+  const TempFolder folder;
+  folder.write("s.sock", "somebody's notes");
+  const Ran ran = start_with(folder, well(folder).dump());
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_THAT(ran.errors, HasSubstr("is no socket"));
+  EXPECT_EQ(std::filesystem::file_size(folder.file("s.sock")), 16U);
+}
+
+TEST(Life, ASocketWhereNoneCanBeSaysWhy) {
+  const TempFolder folder;
+  json config = well(folder);
+  config["socket"]["path"] = "/nowhere/s.sock";
+  EXPECT_THAT(start_with(folder, config.dump()).errors,
+              HasSubstr("/nowhere/s.sock.lock: No such file or directory"));
+  config["socket"]["path"] = folder.file(std::string(150, 'x')).string();
+  EXPECT_THAT(start_with(folder, config.dump()).errors, HasSubstr("1 to 107 characters"));
+}
+
+TEST(Life, AllThatIsWrongWithAConfigurationIsSaidAtOnce) {
+  const TempFolder folder;
+  const Ran ran = start_with(folder, R"({
+    // comments are allowed
+    "sensors": [ {"name": "left", "driver": "nosuch"}, {"name": "right", "driver": "trial", "rate_hz": -1},
+                 {"name": "third", "driver": "trial", "options": {"behavior": "steady"}} ],
+    "alert": {}, "log": {"level": 7} })");
+  EXPECT_EQ(ran.code, 2);
+  for (const char* place :
+       {"/sensors/0/driver", "/sensors/1/rate_hz", "/sensors/2/options", "/alert", "/log/level"}) {
+    EXPECT_THAT(ran.errors, HasSubstr(place));
+  }
+}
+
+TEST(Life, WhatADriverRefusesIsAConfigurationError) {
+  const TempFolder folder;
+  json config = well(folder);
+  config["sensors"][0]["options"] = {{"behaviour", "throw_in_create"}};
+  const Ran ran = start_with(folder, config.dump());
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_THAT(ran.errors, HasSubstr("/sensors/0"));
+  EXPECT_THAT(ran.errors, HasSubstr("the trial device cannot be made"));
+}
+
+TEST(Life, ChecksAConfigurationWithoutServing) {
+  const TempFolder folder;
+  EXPECT_EQ(start_with(folder, well(folder).dump(), "--check-config").code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("s.sock")));
+  EXPECT_EQ(start_with(folder, "{", "--check-config").code, 2);
+}
+
+TEST(Life, WrongUseIsExitTwo) {
+  EXPECT_EQ(run({kSlipd}).code, 2);
+  EXPECT_EQ(run({kSlipd, "--nonsense"}).code, 2);
+  EXPECT_EQ(run({kSlipd, "--check-config"}).code, 2);
+  EXPECT_EQ(run({kSlipd, "--config", "/nowhere/slipd.json"}).code, 2);
+  EXPECT_EQ(run({kSlipd, "--version"}).code, 0);
+}
+
+TEST(Life, ListsItsDriversWithTheirOptions) {
+  const Ran ran = run({kSlipd, "--driver-dir", trial_drivers().string(), "--list-drivers"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_THAT(ran.output, HasSubstr("trial: a device that misbehaves"));
+  EXPECT_THAT(ran.output, HasSubstr("gap_every (integer"));
+}
+
+TEST(Life, AModuleThatEverybodyMayWriteToIsNotLoaded) {
+  const TempFolder folder;
+  const auto copy = folder.file("slipd-driver-trial.so");
+  std::filesystem::copy_file(trial_drivers() / "slipd-driver-trial.so", copy);
+  chmod(copy.c_str(), 0666);
+  const Ran ran = run({kSlipd, "--driver-dir", folder.path().string(), "--list-drivers"});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_THAT(ran.output, HasSubstr("can be written by everybody"));
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  chmod(copy.c_str(), 0644);
+  ASSERT_EQ(chown(copy.c_str(), 12345, 12345), 0);
+  EXPECT_THAT(run({kSlipd, "--driver-dir", folder.path().string(), "--list-drivers"}).output,
+              HasSubstr("belongs to user 12345"));
+}
+
+}  // namespace
+}  // namespace slipd::testing

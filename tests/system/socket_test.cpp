@@ -1,0 +1,264 @@
+// The socket of the real daemon, used well and badly. Whatever one client does, the next one is served.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "core/frame/recording.hpp"
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+const json kSensors = {
+    {{"name", "left"}, {"driver", "trial"}, {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}},
+    {{"name", "right"}, {"driver", "trial"}, {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}}};
+
+class Socket : public ::testing::Test {
+ protected:
+  static json config(const TempFolder& folder) {
+    return config_with(folder, kSensors,
+                       {{"grasps", {{{"name", "gripper"}, {"sensors", {"left", "right"}}}}},
+                        {"socket", {{"max_clients", 4}, {"mode", "0600"}}}});
+  }
+  static int error_code(const std::optional<std::string>& line) {
+    return line ? json::parse(*line).at("error").at("code").get<int>() : 0;
+  }
+  // The sensor answers, so slipd has outlived what was done to it.
+  void expect_served() {
+    RpcClient client(daemon_.socket());
+    EXPECT_EQ(client.result("version").at("name"), "slipd");
+  }
+
+  TempFolder folder_;
+  Daemon daemon_{config(folder_), trial_drivers()};
+};
+
+TEST_F(Socket, GammaComesWithTruthAndUnitsAndTheGraspAddsUp) {
+  const json all = daemon_.wait_for("gamma", [](const json& r) {
+    return r["sensors"][0]["state"] == "ok" && r["sensors"][1]["state"] == "ok";
+  });
+  for (const json& sensor : all["sensors"]) {
+    EXPECT_NEAR(sensor["gamma"].get<double>(), sensor["truth"]["gamma"].get<double>(), 0.05);
+    EXPECT_EQ(sensor["class"], 3);
+    EXPECT_EQ(sensor["simulated"], true);
+    EXPECT_GE(sensor["age_ms"].get<double>(), 0);
+    EXPECT_NEAR(sensor["time_ns"].get<double>() * 1e-9, static_cast<double>(std::time(nullptr)), 60);
+  }
+  const json& grasp = all["grasps"][0];
+  EXPECT_EQ(grasp["state"], "ok");
+  EXPECT_NEAR(grasp["gamma"].get<double>(), 0.5, 0.05);
+  EXPECT_NEAR(grasp["normal_n"].get<double>(),
+              all["sensors"][0]["normal_n"].get<double>() + all["sensors"][1]["normal_n"].get<double>(),
+              1e-9);
+}
+
+TEST_F(Socket, OneSensorIsAskedForByName) {
+  auto client = daemon_.client();
+  const json one = client.result("gamma", {{"sensor", "right"}});
+  ASSERT_EQ(one["sensors"].size(), 1U);
+  EXPECT_EQ(one["sensors"][0]["sensor"], "right");
+  EXPECT_EQ(client.call("gamma", {{"sensor", "middle"}})["error"]["code"], -32001);
+  EXPECT_THAT(client.call("gamma", {{"sensor", "middle"}})["error"]["message"].get<std::string>(),
+              ::testing::HasSubstr("left, right"));
+}
+
+TEST_F(Socket, AFrameHasAColumnForEveryTaxel) {
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  auto client = daemon_.client();
+  const json frame = client.result("frame", {{"sensor", "left"}});
+  for (const char* column : {"normal_pa", "shear_x_pa", "shear_y_pa", "x_mm", "y_mm"}) {
+    EXPECT_EQ(frame[column].size(), 400U) << column;
+  }
+  EXPECT_NEAR(frame["x_mm"][0].get<double>(), -9.5 * 0.72, 1e-9);
+}
+
+TEST_F(Socket, WrongRequestsGetTheStandardsCodes) {
+  auto client = daemon_.client();
+  const auto code_of = [&](const std::string& line) {
+    client.send_line(line);
+    return error_code(client.line());
+  };
+  EXPECT_EQ(code_of("{"), -32700);
+  EXPECT_EQ(code_of("hello"), -32700);
+  EXPECT_EQ(code_of(std::string("\x00\xff\xfe\x80", 4)), -32700);
+  EXPECT_EQ(code_of("42"), -32600);
+  EXPECT_EQ(code_of("[]"), -32600);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"1.0","id":1,"method":"version"})"), -32600);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":{},"method":"version"})"), -32600);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":7})"), -32600);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"grip"})"), -32601);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"frame"})"), -32602);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"gamma","params":["left"]})"), -32602);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"gamma","params":{"sensr":"left"}})"), -32602);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"events":["all"]}})"), -32602);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"max_rate_hz":-1}})"), -32602);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"rebias","params":{"sensor":"left"}})"), -32003);
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":1}})"),
+            -32602);
+  EXPECT_EQ(client.result("version")["protocol"], 1);
+}
+
+TEST_F(Socket, DeepNestingIsRefusedWhetherItIsClosedOrNot) {
+  for (const std::string& open : {std::string("["), std::string("{\"a\":")}) {
+    auto client = daemon_.client();
+    std::string deep;
+    while (deep.size() + open.size() < 60000) deep += open;
+    client.send_line(deep);
+    EXPECT_EQ(error_code(client.line()), -32700);
+    std::string closed(30000, '[');
+    closed += std::string(30000, ']');
+    client.send_line(closed);
+    EXPECT_EQ(error_code(client.line()), -32700);
+  }
+  expect_served();
+}
+
+TEST_F(Socket, ALineOver64KiBIsRefusedAndTheConnectionClosed) {
+  for (const std::size_t length : {std::size_t{65537}, std::size_t{3000000}}) {
+    auto client = daemon_.client();
+    client.send(std::string(length, 'x'));
+    const auto answer = client.line();
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(error_code(answer), -32600);
+    EXPECT_EQ(json::parse(*answer)["id"], nullptr);
+    EXPECT_TRUE(client.closed_by_peer());
+  }
+  auto client = daemon_.client();
+  const std::string request = R"({"jsonrpc":"2.0","id":1,"method":"version"})";
+  client.send_line(request + std::string(65536 - request.size(), ' '));
+  EXPECT_TRUE(json::parse(client.line().value()).contains("result")) << "64 KiB are still allowed";
+}
+
+TEST_F(Socket, ABatchIsAnsweredAtOnceAndNotificationsNotAtAll) {
+  auto client = daemon_.client();
+  client.send_line(R"([{"jsonrpc":"2.0","method":"version"},{"jsonrpc":"2.0","method":"nonsense"}])");
+  client.send_line(R"({"jsonrpc":"2.0","method":"version"})");
+  client.send_line(R"([{"jsonrpc":"2.0","id":"a","method":"version"},{"jsonrpc":"2.0","method":"version"},7,)"
+                   R"({"jsonrpc":"2.0","id":"b","method":"frame","params":{"sensor":"left"}}])");
+  const json answers = json::parse(client.line().value());
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_EQ(answers[0]["id"], "a");
+  EXPECT_EQ(answers[1]["error"]["code"], -32600);
+  EXPECT_EQ(answers[2]["id"], "b");
+}
+
+TEST_F(Socket, ALineMayComeInPieces) {
+  auto client = daemon_.client();
+  const std::string request = R"({"jsonrpc":"2.0","id":1,"method":"version"})"
+                              "\n";
+  for (const char c : request) client.send(std::string(1, c));
+  EXPECT_TRUE(client.line());
+}
+
+TEST_F(Socket, SubscribersHearOfEstimatesUntilTheyUnsubscribe) {
+  auto client = daemon_.client();
+  const json id = client.result("subscribe", {{"sensors", {"left"}}, {"max_rate_hz", 100}})["subscription"];
+  std::uint64_t last = 0;
+  for (int i = 0; i < 5; ++i) {
+    const json told = client.notification();
+    EXPECT_EQ(told["method"], "estimate");
+    EXPECT_EQ(told["params"]["sensor"], "left");
+    EXPECT_FALSE(told.contains("id"));
+    EXPECT_TRUE(told["params"].contains("dropped"));
+    EXPECT_GT(told["params"]["seq"].get<std::uint64_t>(), last);
+    last = told["params"]["seq"];
+  }
+  EXPECT_EQ(client.result("unsubscribe", {{"subscription", id}}), true);
+  EXPECT_EQ(client.call("unsubscribe", {{"subscription", id}})["error"]["code"], -32602);
+}
+
+TEST_F(Socket, AClientThatReadsLateLosesTheOldestAndIsToldHowMany) {
+  auto client = daemon_.client();
+  client.result("subscribe", {{"sensors", {"left"}}});
+  daemon_.wait_for("status", [](const json& s) { return s["outputs"]["socket"]["dropped"] > 500; });
+  // Every line is whole, and what is missing between two of them is what the second one says.
+  std::uint64_t dropped = 0;
+  std::optional<std::uint64_t> last;
+  while (dropped == 0) {
+    const json told = client.notification()["params"];
+    dropped = told["dropped"];
+    const std::uint64_t sequence = told["seq"];
+    if (last) {
+      EXPECT_GE(sequence - *last - 1, dropped) << "skipped frames may be missing too, dropped ones must be";
+    }
+    last = sequence;
+  }
+  EXPECT_GT(dropped, 100U);
+}
+
+TEST_F(Socket, TheClientTooManyIsToldSo) {
+  std::vector<std::unique_ptr<RpcClient>> clients;
+  for (int i = 0; i < 4; ++i) {
+    clients.push_back(std::make_unique<RpcClient>(daemon_.socket()));
+    clients.back()->result("version");
+  }
+  RpcClient fifth(daemon_.socket());
+  const auto refusal = fifth.line();
+  ASSERT_TRUE(refusal);
+  EXPECT_THAT(*refusal, ::testing::HasSubstr("max_clients"));
+  EXPECT_TRUE(fifth.closed_by_peer());
+  EXPECT_EQ(clients[0]->result("status")["clients"], 4);
+}
+
+TEST_F(Socket, TheModeIsAsConfigured) {
+  struct stat there {};
+  ASSERT_EQ(stat(daemon_.socket().c_str(), &there), 0);
+  EXPECT_EQ(there.st_mode & 0777, 0600U);
+}
+
+TEST_F(Socket, MetricsAreOpenMetricsAndAgreeWithStatus) {
+  auto client = daemon_.client();
+  const auto text = client.result("metrics").get<std::string>();
+  EXPECT_THAT(text, ::testing::HasSubstr("slipd_frames_received_total{sensor=\"left\"} "));
+  EXPECT_THAT(text, ::testing::HasSubstr("# TYPE slipd_gamma gauge\n"));
+  EXPECT_THAT(text, ::testing::EndsWith("# EOF\n"));
+}
+
+TEST_F(Socket, RecordsIntoADescriptorThatIsPassedAlong) {
+  const auto file = folder_.file("left.slipd");
+  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  auto client = daemon_.client();
+  const json answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.2}}, fd);
+  close(fd);
+  ASSERT_TRUE(answer.contains("result")) << answer;
+  RecordingReader reader(file);
+  EXPECT_EQ(reader.header().sensor, "left");
+  std::vector<float> memory(1200);
+  FrameSlot slot;
+  slot.normal_pa = std::span(memory).subspan(0, 400);
+  slot.shear_x_pa = std::span(memory).subspan(400, 400);
+  slot.shear_y_pa = std::span(memory).subspan(800, 400);
+  std::uint64_t frames = 0;
+  while (reader.next(slot) == RecordingReader::Status::frame) ++frames;
+  EXPECT_EQ(reader.fault(), "");
+  EXPECT_EQ(answer["result"]["frames"], frames);
+  EXPECT_GT(frames, 0U);
+}
+
+TEST_F(Socket, ARecordingEndsWithItsClient) {
+  const auto file = folder_.file("left.slipd");
+  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  {
+    auto client = daemon_.client();
+    client.send(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":3600}})"
+                "\n",
+                fd);
+    EXPECT_EQ(client.result("version")["name"], "slipd");
+  }
+  const auto until = std::chrono::steady_clock::now() + 10s;
+  json answer;
+  do {  // the sensor can be recorded again as soon as the first recording is over
+    auto client = daemon_.client();
+    answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.01}}, fd);
+  } while (!answer.contains("result") && std::chrono::steady_clock::now() < until);
+  close(fd);
+  EXPECT_TRUE(answer.contains("result")) << answer;
+}
+
+}  // namespace
+}  // namespace slipd::testing
