@@ -90,12 +90,12 @@ TEST_F(CanDevice, MustBeStartedAgainAfterItWasUnplugged) {
 TEST_F(CanDevice, WritesDownWhatItSentAndWhatItWasTold) {
   start();
   player_->step();
-  player_->order("garbage");
+  player_->order("garbage\n");
   player_->step();
   // 16 taxels of 4.7 mm: 1000 Pa x (1 + … + 16) x 22.09 mm² = 3.00424 N.
   EXPECT_THAT(truth_.str(),
               HasSubstr(R"("gamma":null,"friction":null,"normal_n":3.00424,"shear_n":1.67942)"));
-  EXPECT_THAT(truth_.str(), HasSubstr(R"({"scan":1,"order":"garbage"})"));
+  EXPECT_THAT(truth_.str(), HasSubstr(R"({"scan":1,"order":"garbage 1"})"));
 }
 
 TEST_F(CanDevice, EndsWhenToldTo) {

@@ -1,5 +1,6 @@
 #include "tests/support/devices/misbehaviour.hpp"
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 #include <stdexcept>
@@ -21,6 +22,11 @@ constexpr std::array<std::pair<std::string_view, Kind>, 10> kOrders{{{"lose", Ki
                                                                      {"quit", Kind::quit}}};
 
 }  // namespace
+
+std::string Misbehaviour::Order::text() const {
+  const auto* named = std::ranges::find(kOrders, kind, &std::pair<std::string_view, Kind>::second);
+  return std::string(named->first) + " " + std::to_string(scans);
+}
 
 Misbehaviour::Order Misbehaviour::parse(const std::string& text) {
   std::istringstream words(text);

@@ -37,6 +37,7 @@ class Misbehaviour {
   struct Order {
     Kind kind = Kind::none;
     int scans = 1;
+    std::string text() const;  // as it would be ordered: "lose 3"
   };
 
   // Throws std::invalid_argument that says which orders there are.

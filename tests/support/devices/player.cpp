@@ -49,18 +49,17 @@ void Player::order(const std::string& text) {
 }
 
 void Player::order_at(std::uint64_t scan, const std::string& text) {
-  Misbehaviour::parse(text);  // throws here, where the one who orders hears of it
+  const Misbehaviour::Order order = Misbehaviour::parse(text);
   const std::lock_guard lock(mutex_);
-  orders_.emplace(scan, text);
+  orders_.emplace(scan, order);
 }
 
 bool Player::carry_out_orders() {
   const std::lock_guard lock(mutex_);
   while (!orders_.empty() && orders_.begin()->first <= scan_) {
-    const std::string text = orders_.begin()->second;
+    const Misbehaviour::Order order = orders_.begin()->second;
     orders_.erase(orders_.begin());
-    if (truth_) *truth_ << "{\"scan\":" << scan_ << ",\"order\":\"" << text << "\"}" << std::endl;
-    const Misbehaviour::Order order = Misbehaviour::parse(text);
+    if (truth_) *truth_ << "{\"scan\":" << scan_ << ",\"order\":\"" << order.text() << "\"}" << std::endl;
     switch (order.kind) {
       case Misbehaviour::Kind::quit:
         return false;

@@ -55,10 +55,10 @@ class Player {
   std::ostream* truth_;
   std::uint64_t scan_ = 0;
   Misbehaviour misbehaviour_;
-  Misbehaviour::Order now_{};  // distorts, for so many scans more
-  int stalled_ = 0;            // scans of silence to come
-  std::mutex mutex_;           // orders_
-  std::multimap<std::uint64_t, std::string> orders_;
+  Misbehaviour::Order now_{.scans = 0};  // distorts so many scans more
+  int stalled_ = 0;                      // scans of silence to come
+  std::mutex mutex_;                     // orders_
+  std::multimap<std::uint64_t, Misbehaviour::Order> orders_;
 };
 
 }  // namespace slipd::devices

@@ -22,7 +22,7 @@ class UhidPort final : public Port {
   UhidPort(const Sheet& sheet, std::string serial)
       : Port(sheet),
         serial_(std::move(serial)),
-        fd_(checked(::open("/dev/uhid", O_RDWR | O_CLOEXEC), "/dev/uhid")) {}
+        fd_(checked(::open("/dev/uhid", O_RDWR | O_NONBLOCK | O_CLOEXEC), "/dev/uhid")) {}
 
   void watch(std::vector<pollfd>& waits) const override { waits.push_back({fd_.get(), POLLIN, 0}); }
 

@@ -1,12 +1,16 @@
 # What guest scripts share. A script runs in /share with -eu: any command that fails ends the test.
 PATH=/build/bin:/build/test-bin:$PATH
 
-fail() { echo "FAILED: $*"; exit 1; }
+fail() {
+  echo "FAILED: $*"
+  dmesg | tail -n 20
+  exit 1
+}
 skip() { echo "skipped: $*"; exit 77; }
 
-# awaits WHAT COMMAND…: until it succeeds, at most 10 s. Nothing is slept for that can be awaited.
+# awaits WHAT COMMAND…: until it succeeds, at most 30 s. Nothing is slept for that can be awaited.
 awaits() {
-  local what=$1 end=$((SECONDS + 10))
+  local what=$1 end=$((SECONDS + 30))
   shift
   until "$@" >/dev/null 2>&1; do
     ((SECONDS < end)) || fail "waited in vain for: $what"
@@ -37,12 +41,13 @@ in_background() {
   background=$!
 }
 
-# can_up NAME…: controllers at 1 Mbit/s, the rate of the sensors.
+# can_up NAME…: controllers at 1 Mbit/s, the rate of the sensors, with a queue for several scans of 16 frames: the default,
+# 10 frames, loses some that a sensor on the bus would have sent.
 can_up() {
   local name
   for name in "$@"; do
     ip link set "$name" type can bitrate 1000000 berr-reporting on restart-ms 100
-    ip link set "$name" up
+    ip link set "$name" up txqueuelen 256
   done
 }
 
@@ -50,4 +55,11 @@ can_up() {
 captures() {
   in_background "$2" stdbuf -oL candump -L "$1"
   awaits "candump on $1" grep -q "^ *$1 " /proc/net/can/rcvlist_all
+}
+
+# order SOCKET WORDS…: what a simulated device shall do.
+order() {
+  local socket=$1
+  shift
+  echo "$@" | socat - "UNIX-SENDTO:$socket"
 }

@@ -1,0 +1,23 @@
+# A simulated CAN sensor is started over a real controller, sends its frames over the wire, and misbehaves when told to.
+source /source/tests/vm/guest/check.sh
+
+can_up can0 can1
+in_background device.log simulated-device xela-xr1944 --at can:can0 --rate-hz 20 --truth truth.jsonl --control /tmp/device
+awaits "the sensor" grep -q ready device.log
+captures can1 wire.log
+same "it is silent until it is started" "$(wc -l <wire.log)" 0
+cansend can1 201#0700
+awaits "three scans" eval 'test "$(grep -c 71F# wire.log)" -ge 3'
+same "the sixteen taxels of a scan, in order" "$(grep -m 1 -A 15 710# wire.log | cut -d' ' -f3 | cut -d'#' -f1 | xargs)" \
+  "710 711 712 713 714 715 716 717 718 719 71A 71B 71C 71D 71E 71F"
+same "the bytes of taxel 0" "$(grep -m 1 -o '710#.*' wire.log)" "710#00754975247549"
+
+order /tmp/device lose 3
+awaits "the order is carried out" grep -q '"order":"lose 3"' truth.jsonl
+awaits "three scans lack taxel 8" eval 'test $(($(grep -c 71F# wire.log) - $(grep -c 718# wire.log))) = 3'
+order /tmp/device unplug
+awaits "it is unplugged" grep -q unplug truth.jsonl
+sent=$(wc -l <wire.log)
+order /tmp/device plug
+awaits "it is back" grep -q '"order":"plug' truth.jsonl
+same "and silent until it is started again" "$(wc -l <wire.log)" "$sent"
