@@ -92,9 +92,11 @@ std::int64_t ReplayDriver::due_ns(std::int64_t recorded_ns) const noexcept {
 
 ReadResult ReplayDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
   std::optional<std::uint16_t> first;
-  for (std::uint16_t i = 0; i < players_.size(); ++i) {
-    if (const auto result = stage(i)) return *result;
-    if (players_[i].is_staged && (!first || players_[i].due_ns < players_[*first].due_ns)) first = i;
+  std::uint16_t sensor = 0;
+  for (const Player& player : players_) {
+    if (const auto result = stage(sensor)) return *result;
+    if (player.is_staged && (!first || player.due_ns < players_[*first].due_ns)) first = sensor;
+    ++sensor;
   }
   if (!first) {
     const bool damaged =
