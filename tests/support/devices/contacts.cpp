@@ -1,6 +1,27 @@
 #include "tests/support/devices/contacts.hpp"
 
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "drivers/sim/options.hpp"
+
 namespace slipd::devices {
+
+std::vector<Contact> scripted(const Sheet& sheet, double rate_hz, const nlohmann::json& options) {
+  const std::chrono::nanoseconds period(std::llround(1e9 / rate_hz));
+  std::vector<Contact> contacts;
+  for (std::size_t sensor = 0; sensor < sheet.sensors; ++sensor) {
+    SensorSetup setup{std::string(sheet.name), sheet.layout, rate_hz, 0.01, 0.5e6, 0.45, "", {}, options};
+    sim::SensorSettings settings = sim::parse_options(setup).sensor;
+    settings.imperfections.seed += sensor;
+    const auto felt = std::make_shared<sim::SimulatedSensor>(sheet.layout, settings);
+    contacts.push_back([felt, period](FrameSlot& slot) {
+      felt->advance(period);
+      felt->sample(slot);
+    });
+  }
+  return contacts;
+}
 
 std::vector<Contact> pattern(const Sheet& sheet) {
   std::vector<Contact> contacts;

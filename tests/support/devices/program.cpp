@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "tests/support/devices/contacts.hpp"
@@ -42,14 +43,17 @@ void listen_for_orders(const std::string& path, Player& player) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Plays a simulated tactile device on a bus of this machine"};
-  std::string name, place, truth_file, control, serial = "SIM0001";
+  std::string name, place, truth_file, control, script, serial = "SIM0001";
   std::vector<std::string> orders;
   double rate_hz = 0;
+  bool with_pattern = false;
   std::uint64_t scans = 0;
   app.add_option("model", name, "its name; --help lists them")->required();
   app.add_option("--at", place, "can:INTERFACE, fd:N, usbip:PORT, uhid, tcp:PORT or pty:PATH")->required();
   app.add_option("--rate-hz", rate_hz, "scans a second, unless the device's own")->check(CLI::PositiveNumber);
   app.add_option("--scans", scans, "quit after so many");
+  app.add_option("--script", script, "a JSON file of driver sim's options: contact, cycle, noise");
+  app.add_flag("--pattern", with_pattern, "no contact but a fixed pattern in which every taxel differs");
   app.add_option("--truth", truth_file, "write what was sent here, a line of JSON a frame");
   app.add_option("--do", orders, "an order at a scan: '100 lose 3'");
   app.add_option("--control", control, "take orders as datagrams on this Unix socket");
@@ -69,7 +73,11 @@ int main(int argc, char** argv) {
     if (!truth_file.empty()) truth.open(truth_file);
     if (!truth_file.empty() && !truth) throw std::invalid_argument("cannot write " + truth_file);
 
-    Player player(*sheet, pattern(*sheet), make_port(*sheet, place, serial),
+    if (rate_hz <= 0) rate_hz = sheet->rate_hz;
+    const auto options =
+        script.empty() ? nlohmann::json::object() : nlohmann::json::parse(std::ifstream(script));
+    std::vector<Contact> contacts = with_pattern ? pattern(*sheet) : scripted(*sheet, rate_hz, options);
+    Player player(*sheet, std::move(contacts), make_port(*sheet, place, serial),
                   truth_file.empty() ? nullptr : &truth);
     for (const std::string& order : orders) {
       std::size_t length = 0;
@@ -79,7 +87,7 @@ int main(int argc, char** argv) {
     if (!control.empty()) listen_for_orders(control, player);
 
     std::cout << "ready: " << sheet->summary << " at " << player.port().place() << std::endl;
-    player.run({}, rate_hz > 0 ? rate_hz : sheet->rate_hz, scans);
+    player.run({}, rate_hz, scans);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "simulated-device: " << error.what() << "\n";

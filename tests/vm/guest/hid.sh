@@ -2,7 +2,7 @@
 source /source/tests/vm/guest/check.sh
 
 modprobe uhid
-in_background device.log simulated-device vendor-hid --at uhid --serial HID42 --truth truth.jsonl --control /tmp/device
+in_background device.log simulated-device vendor-hid --pattern --at uhid --serial HID42 --truth truth.jsonl --control /tmp/device
 awaits "the device's node" test -e /dev/hidraw0
 in_background client.log hid-client 1209 0001 14
 client=$background

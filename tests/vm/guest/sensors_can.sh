@@ -2,7 +2,7 @@
 source /source/tests/vm/guest/check.sh
 
 can_up can0 can1
-in_background device.log simulated-device xela-xr1944 --at can:can0 --rate-hz 5 --truth truth.jsonl --control /tmp/device
+in_background device.log simulated-device xela-xr1944 --pattern --at can:can0 --rate-hz 5 --truth truth.jsonl --control /tmp/device
 awaits "the sensor" grep -q ready device.log
 captures can1 wire.log
 same "it is silent until it is started" "$(wc -l <wire.log)" 0

@@ -7,7 +7,7 @@ plays() {
   local model=$1 vendor=$2 product=$3 interface=$4
   shift 4
   client_log=$model.client
-  in_background "$model.log" simulated-device "$model" --at usbip:3240 --serial USB42 --control "/tmp/$model"
+  in_background "$model.log" simulated-device "$model" --pattern --at usbip:3240 --serial USB42 --control "/tmp/$model"
   local device=$background
   awaits "$model is served" grep -q ready "$model.log"
   usbip attach -r 127.0.0.1 -b 1-1
