@@ -25,6 +25,10 @@ using ::testing::HasSubstr;
 FakeDaemon::Answer holding() {
   return by_method({{"sensors", [](const json&) { return sensors_sample({"left"}); }},
                     {"status", [](const json&) { return status_sample({"left"}, 100); }},
+                    {"gamma",
+                     [](const json&) {
+                       return json{{"grasps", json::array()}};
+                     }},
                     {"frame", [](const json&) { return frame_sample(16, 16); }},
                     {"subscribe", [](const json&) {
                        return json{{"subscription", 1}};

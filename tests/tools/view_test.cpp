@@ -79,6 +79,21 @@ TEST(View, FillsTheBarInProportionToTheMargin) {
   EXPECT_GT(filled(1), 25);
 }
 
+TEST(View, ShowsGraspsBelowTheirSensors) {
+  WatchState state = watch_sample(2);
+  Reading grasp = *state.sensors[0].latest;
+  grasp.sensor = "gripper";
+  grasp.gamma = 0.31;
+  grasp.alert = "warn";
+  state.grasps = {grasp};
+  const Canvas canvas = draw_watch(state, 80, 24, ColourDepth::rgb);
+  EXPECT_THAT(canvas.row_text(23),
+              AllOf(HasSubstr("gripper"), HasSubstr("███"), HasSubstr("0.31"), HasSubstr("warn")));
+  state.grasps[0].gamma.reset();
+  state.grasps[0].state = "learning";
+  EXPECT_THAT(screen(state), HasSubstr("learning"));
+}
+
 TEST(View, MarksTheSimulatedOnesOnly) {
   WatchState state = watch_sample(1);
   state.sensors[0].info.simulated = false;

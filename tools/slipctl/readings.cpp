@@ -92,10 +92,13 @@ Reading reading_from(const json& estimate) {
   return reading;
 }
 
-std::vector<Reading> readings_from(const json& result) {
-  std::vector<Reading> readings;
-  for (const json& each : member(result, "sensors")) readings.push_back(reading_from(each));
-  return readings;
+std::vector<Reading> grasps_from(const json& result) {
+  std::vector<Reading> grasps;
+  for (const json& each : member(result, "grasps")) {
+    grasps.push_back(reading_from(each));
+    grasps.back().sensor = text(each, "grasp");
+  }
+  return grasps;
 }
 
 TaxelFrame frame_from(const json& result) {

@@ -51,7 +51,7 @@ struct SensorCounts {
 
 std::vector<SensorInfo> sensors_from(const nlohmann::json& result);  // of `sensors`
 Reading reading_from(const nlohmann::json& estimate);                // one estimate
-std::vector<Reading> readings_from(const nlohmann::json& result);    // of `gamma`
+std::vector<Reading> grasps_from(const nlohmann::json& result);  // of `gamma`; `sensor` is the grasp's name
 TaxelFrame frame_from(const nlohmann::json& result);  // of `frame`; throws ClientError if lengths differ
 std::vector<SensorCounts> counts_from(const nlohmann::json& result);  // of `status`
 

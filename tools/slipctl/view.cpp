@@ -146,6 +146,18 @@ void draw_sensor(Canvas& canvas, const Box& box, const SensorWatch& sensor, doub
   if (maps) draw_maps(canvas, {0, box.row + 2 + course_rows, box.columns, rest - course_rows}, sensor, depth);
 }
 
+// One row: name, state, bar, number, alert.
+void draw_grasp(Canvas& canvas, int row, const Reading& grasp) {
+  constexpr int kNameColumns = 14;
+  constexpr int kNumberColumns = 26;
+  canvas.text(0, row, grasp.sensor, kStrong, kNameColumns - 1);
+  const int bar_columns = std::max(0, canvas.columns() - kNameColumns - kNumberColumns);
+  draw_bar(canvas, {kNameColumns, row, bar_columns, 1}, grasp.gamma, std::nullopt);
+  canvas.text(kNameColumns + bar_columns + 2, row, grasp.gamma ? fixed(grasp.gamma, 2) : grasp.state, kPlain,
+              16);
+  text_up_to(canvas, canvas.columns(), row, " " + grasp.alert + " ", alert_style(grasp.alert));
+}
+
 }  // namespace
 
 Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth depth) {
@@ -159,7 +171,11 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
   const int sensors = static_cast<int>(state.sensors.size());
   if (sensors == 0) canvas.text(1, 2, "the daemon has no sensors");
   // A sensor needs two rows to say anything; those that find none are counted in the last row.
-  const int space = canvas.rows() - 1;
+  const int grasps =
+      std::min(static_cast<int>(state.grasps.size()), std::max(0, canvas.rows() - 1 - 2 * sensors));
+  const int space = canvas.rows() - 1 - grasps;
+  for (int i = 0; i < grasps; ++i)
+    draw_grasp(canvas, 1 + space + i, state.grasps[static_cast<std::size_t>(i)]);
   const int shown = 2 * sensors <= space ? sensors : std::max(0, (space - 1) / 2);
   const int left_out = sensors - shown;
   const int share = shown > 0 ? (space - (left_out > 0 ? 1 : 0)) / shown : 0;
@@ -169,8 +185,7 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
                 state.sensors[static_cast<std::size_t>(i)], state.elapsed_s, depth);
   }
   if (left_out > 0)
-    canvas.text(0, canvas.rows() - 1, "and " + std::to_string(left_out) + " more: make the window higher",
-                kFaint);
+    canvas.text(0, space, "and " + std::to_string(left_out) + " more: make the window higher", kFaint);
   return canvas;
 }
 

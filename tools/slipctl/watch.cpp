@@ -135,10 +135,12 @@ class Watcher {
     if (now >= next_count_) {
       after_ = counts_from(client_.call("status"));
       take_counts();
+      take_facts();
       next_count_ = now + kCountEvery;
     }
     if (terminal_) {
       take_frames();
+      state_.grasps = grasps_from(client_.call("gamma"));
       const auto [columns, rows] = terminal_->size();
       terminal_->show(draw_watch(state_, columns, rows, terminal_->depth()));
     } else if (!options_.json) {
@@ -152,6 +154,13 @@ class Watcher {
     for (SensorWatch& sensor : state_.sensors)
       for (const SensorCounts& counts : after_)
         if (counts.name == sensor.info.name) sensor.counts = counts;
+  }
+
+  // What a sensor is may change: a device comes back, a model is ready.
+  void take_facts() {
+    for (const SensorInfo& info : sensors_from(client_.call("sensors")))
+      for (SensorWatch& sensor : state_.sensors)
+        if (sensor.info.name == info.name) sensor.info = info;
   }
 
   void take_frames() {
@@ -181,6 +190,7 @@ class Watcher {
 
   void take_picture() {
     take_frames();
+    state_.grasps = grasps_from(client_.call("gamma"));
     std::ofstream file(options_.picture);
     file << to_svg(draw_watch(state_, 80, 24, ColourDepth::rgb), "slipctl watch");
     if (!file.flush()) throw ClientError("cannot write " + options_.picture);

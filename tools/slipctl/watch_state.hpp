@@ -30,6 +30,7 @@ struct WatchState {
   std::string socket;
   double elapsed_s = 0;
   std::vector<SensorWatch> sensors;
+  std::vector<Reading> grasps;  // `sensor` is the grasp's name
 };
 
 // Takes a reading in: the latest one and the course. Readings of sensors that are not watched are ignored.
