@@ -120,6 +120,18 @@ TEST(View, DrawsTheCourseHighForASafeGripAndLowForASlip) {
   }
 }
 
+TEST(View, DrawsASteepCourseAsALineWithoutHoles) {
+  WatchState state = watch_sample(1);
+  for (CoursePoint& point : state.sensors[0].course) point.gamma = point.time_s < 5 ? 1.0 : 0.0;
+  const Canvas canvas = draw_watch(state, 80, 24, ColourDepth::rgb);
+  const auto drawn = [&](int row) {
+    for (int column = 2; column < 80; ++column)
+      if (canvas.at(column, row).glyph != U' ') return true;
+    return false;
+  };
+  for (const int row : {3, 4, 5, 6}) EXPECT_TRUE(drawn(row)) << "row " << row;
+}
+
 TEST(View, DrawsBeforeAnythingHasCome) {
   WatchState state = watch_sample(1);
   state.sensors[0] = SensorWatch{state.sensors[0].info, {}, {}, {}, 0, {}};

@@ -47,17 +47,25 @@ void draw_bar(Canvas& canvas, const Box& box, std::optional<double> gamma, std::
 void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& course, double now_s) {
   if (box.columns < 1 || box.rows < 1) return;
   const Columns lowest = lowest_by_column(course, now_s, 2 * box.columns);
-  const int height = 4 * box.rows;
+  const auto height_of = [&](double gamma) {
+    return static_cast<int>(std::lround((1 - std::clamp(gamma, 0.0, 1.0)) * (4 * box.rows - 1)));
+  };
   for (int i = 0; i < box.columns; ++i) {
     std::vector<char32_t> cells(static_cast<std::size_t>(box.rows), 0);
     std::optional<double> worst;
     for (std::size_t half = 0; half < 2; ++half) {
-      const auto gamma = lowest[2 * static_cast<std::size_t>(i) + half];
+      const std::size_t column = 2 * static_cast<std::size_t>(i) + half;
+      const auto gamma = lowest[column];
       if (!gamma) continue;
       worst = std::min(worst.value_or(*gamma), *gamma);
-      const auto dot =
-          static_cast<std::size_t>(std::lround((1 - std::clamp(*gamma, 0.0, 1.0)) * (height - 1)));
-      cells[dot / 4] |= kDots[half][dot % 4];
+      const int here = height_of(*gamma);
+      // From next to where the column before ended, so that steep courses stay a line.
+      const auto before = column > 0 ? lowest[column - 1] : std::nullopt;
+      const int from = before ? height_of(*before) : here;
+      const int first = std::min(here, from + 1);
+      const int last = std::max(here, from - 1);
+      for (int dot = first; dot <= last; ++dot)
+        cells[static_cast<std::size_t>(dot / 4)] |= kDots[half][dot % 4];
     }
     for (int row = 0; row < box.rows; ++row)
       if (const char32_t dots = cells[static_cast<std::size_t>(row)])
