@@ -12,9 +12,10 @@ namespace {
 constexpr std::int64_t kLongestLagNs = 100'000'000;
 
 std::string size_of(const TaxelLayout& layout) {
-  if (const auto& grid = layout.regular())
-    return std::to_string(grid->columns) + " x " + std::to_string(grid->rows);
-  return layout.size() == 1 ? "force vector" : std::to_string(layout.size()) + " taxels";
+  if (layout.size() == 1) return "force vector";
+  const auto& grid = layout.regular();
+  return grid ? std::to_string(grid->columns) + " x " + std::to_string(grid->rows)
+              : std::to_string(layout.size()) + " taxels";
 }
 
 }  // namespace
@@ -39,9 +40,8 @@ DeviceInfo SimDriver::open() {
     channel.sensor.emplace(layout, channel.options.sensor);
     if (!channel.options.grip_input.empty())
       channel.grip = std::make_unique<GripInput>(channel.options.grip_input);
-    const bool one_vector = layout.size() == 1 && !layout.regular();
     info.sensors.push_back(
-        {one_vector ? SensorClass::wrench : SensorClass::array3, layout, channel.setup.rate_hz});
+        {layout.size() == 1 ? SensorClass::wrench : SensorClass::array3, layout, channel.setup.rate_hz});
     info.description += (info.description.empty() ? "simulated " : ", ") + size_of(layout);
   }
   const std::int64_t start_ns = monotonic_ns();

@@ -13,7 +13,7 @@ constexpr double kStrongestGripN = 1000;
 
 SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& settings)
     : layout_(std::move(layout)),
-      one_vector_(layout_.size() == 1 && !layout_.regular()),
+      one_vector_(layout_.size() == 1),
       offset_x_m_(settings.offset_x_m),
       offset_y_m_(settings.offset_y_m),
       script_(settings.cycle),

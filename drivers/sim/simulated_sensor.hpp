@@ -28,7 +28,8 @@ struct SensorSettings {
 class SimulatedSensor {
  public:
   // Throws contact::ContactError for bodies that have no Hertzian contact (both flat), std::invalid_argument
-  // for a cycle without meaning. A layout of one taxel that is no grid is one force vector for the whole pad.
+  // for a cycle without meaning. A layout of one taxel is one force vector for the
+  // whole pad, wherever the contact lies.
   SimulatedSensor(TaxelLayout layout, const SensorSettings& settings);
 
   // What follows is for one thread, allocates nothing and does not throw.

@@ -115,11 +115,13 @@ TEST(SimulatedSensors, ReachTheSameStateHoweverTimeIsCut) {
 TEST(SimulatedSensors, OfOneForceVectorGiveItWholeWhereverTheContactLies) {
   auto settings = settings_of({{100 * kMs, Ramp{2, 2}, Ramp{0.5, 0.5}, {}, 0.6}});
   settings.offset_x_m = 1;
-  SimulatedSensor sensor(TaxelLayout::wrench(0.02), settings);
-  run(sensor, 3, [](const FrameSlot& frame, const SimulatedSensor&) {
-    EXPECT_FLOAT_EQ(frame.normal_pa[0] * 4e-4F, 2);
-    EXPECT_FLOAT_EQ(frame.shear_x_pa[0] * 4e-4F, 0.5);
-  });
+  for (const auto& layout : {TaxelLayout::wrench(0.02), TaxelLayout::grid(1, 1, 0.02)}) {
+    SimulatedSensor sensor(layout, settings);
+    run(sensor, 3, [](const FrameSlot& frame, const SimulatedSensor&) {
+      EXPECT_FLOAT_EQ(frame.normal_pa[0] * 4e-4F, 2);
+      EXPECT_FLOAT_EQ(frame.shear_x_pa[0] * 4e-4F, 0.5);
+    });
+  }
 }
 
 TEST(SimulatedSensors, OfOneSeedRepeatEveryBitAndOfAnotherDoNot) {
