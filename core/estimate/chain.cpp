@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/estimate/alert.hpp"
+#include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
 #include "core/estimate/patch.hpp"
 #include "core/estimate/svd_knn.hpp"
@@ -33,14 +34,15 @@ Range expected_friction(const Scene& scene) {
   return all;
 }
 
-std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
-                                        const std::shared_ptr<const Model>& model) {
+std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model) {
   if (only_forces(setup)) return nullptr;
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
+    case MethodChoice::fit:
+      return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/patch.hpp"
+#include "core/estimate/rings.hpp"
 
 namespace slipd {
 
@@ -12,6 +12,7 @@ namespace slipd {
 // infinite where the frame does not tell friction (no load).
 struct Reading {
   bool in_family = false;
+  RimReading rim;
   double gamma = 0, sigma = 0;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;

@@ -54,6 +54,8 @@ Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.radius_m = patch.radius_m;
   if (!(p > 0 && q > 0) || patch.cut) return out;
 
+  const Rings rings = sum_rings(frame, patch, layout_);
+  out.rim = read_rim(rings, patch, layout_);
   const double spread = layout_.area_m2() / 6;  // a square's own, in each of the sums
   const double mean_p = p2 / p - spread, mean_q = q2 / q - spread;
   if (!(mean_p > 0)) return out;
@@ -80,8 +82,7 @@ Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
       out.sigma < 0.5 * load
           ? out.friction * std::hypot(out.sigma / load, patch.noise_shear_pa * std::sqrt(n) / q)
           : std::numeric_limits<double>::infinity();
-  out.in_family =
-      family_misfit(sum_rings(frame, patch, layout_), patch, layout_, out.gamma, out.friction) < kMostMisfit;
+  out.in_family = family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
   return out;
 }
 

@@ -113,6 +113,12 @@ void PatchFinder::refine(const Frame& frame) noexcept {
     patch_.radius_m = std::sqrt(2.5 * std::max(spread, 0.05 * side * side));
     patch_.normal_n = p * layout_.area_m2();
   }
+  // One taxel may stand out by chance; a contact does so as a whole.
+  const double chance = patch_.noise_normal_pa * std::sqrt(static_cast<double>(inside_.size()));
+  if (patch_.normal_n < kStandsOut * chance * layout_.area_m2()) {
+    patch_.touched = false;
+    return;
+  }
   const double a = patch_.radius_m - 0.25 * side;
   patch_.cut = patch_.center_x_m - a < left_m_ || patch_.center_x_m + a > right_m_ ||
                patch_.center_y_m - a < bottom_m_ || patch_.center_y_m + a > top_m_;

@@ -34,10 +34,36 @@ double disc_share(double k, double s0, double s1) noexcept {
   return beyond(s0) - beyond(s1);
 }
 
+RimReading read_rim(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
+  constexpr std::size_t kInner = 13, kOuter = 14;  // of 16: from 0.81 a and 0.87 a
+  constexpr double kFewest = 6;                    // taxels of an annulus that still tell its ratio
+  const double noise_n = std::hypot(patch.noise_shear_pa, patch.noise_normal_pa) * layout.area_m2();
+  struct Annulus {
+    double p = 0, q = 0, n = 0;
+    void add(const Rings& r, std::size_t j) noexcept {
+      p += r.normal_n[j];
+      q += r.shear_n[j];
+      n += r.taxels[j];
+    }
+  } inner, outer;
+  for (std::size_t j = kInner; j < Rings::kCount; ++j) (j < kOuter ? inner : outer).add(rings, j);
+  RimReading out;
+  if (inner.n < kFewest || outer.n < kFewest || !(inner.p > 0) || !(outer.p > 0)) return out;
+  const double in = inner.q / inner.p, at = outer.q / outer.p;
+  const double in_sigma = noise_n * std::sqrt(inner.n) / inner.p,
+               at_sigma = noise_n * std::sqrt(outer.n) / outer.p;
+  out.ratio = (inner.q + outer.q) / (inner.p + outer.p);
+  out.sigma = noise_n * std::sqrt(inner.n + outer.n) / (inner.p + outer.p);
+  out.even = std::fabs(in - at) < 3 * std::hypot(in_sigma, at_sigma) + 0.02 * std::fabs(out.ratio) &&
+             out.sigma < 0.02 * std::fabs(out.ratio);
+  return out;
+}
+
 double family_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout, double gamma,
                      double friction) noexcept {
   const double k = std::max(1e-9, std::cbrt(gamma));
-  const double noise_n = patch.noise_shear_pa * layout.area_m2();
+  const double noise_n =
+      std::hypot(patch.noise_shear_pa, friction * patch.noise_normal_pa) * layout.area_m2();
   const double open = kModelTolerance + kTaxelTolerance * layout.side_m() / patch.radius_m;
   double sum = 0;
   int used = 0;

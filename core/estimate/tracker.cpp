@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kRiseAfter_s = 0.5;  // a higher friction is believed in over about this time
 constexpr double kLeastSigma = 0.02;  // of a belief, relative: contacts are not as even as their model
+constexpr double kSliding = 0.1;      // a margin below which the whole contact may as well stick
 constexpr double kClearly = 2.5;      // standard deviations
 
 }  // namespace
@@ -30,20 +31,21 @@ Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std
 
 void Tracker::forget() noexcept {
   belief_ = given_;
+  growth_.reset();
 }
 
-void Tracker::learn(const Reading& reading, std::int64_t time_ns) noexcept {
+void Tracker::learn(double friction, double sigma, std::int64_t time_ns) noexcept {
   const double passed_s = static_cast<double>(time_ns - learnt_ns_) * 1e-9;
-  if (!(reading.friction_sigma < 0.3 * reading.friction)) return;
+  if (!(sigma < 0.3 * friction)) return;
   learnt_ns_ = time_ns;
-  const double sigma = std::max(reading.friction_sigma, kLeastSigma * reading.friction);
+  sigma = std::max(sigma, kLeastSigma * friction);
   if (!belief_) {
-    belief_ = Belief{reading.friction, sigma};
+    belief_ = Belief{friction, sigma};
     return;
   }
-  const double difference = reading.friction - belief_->mean;
+  const double difference = friction - belief_->mean;
   if (difference < -kClearly * std::hypot(sigma, belief_->sigma)) {
-    belief_ = Belief{reading.friction, sigma};
+    belief_ = Belief{friction, sigma};
     return;
   }
   const double gain = belief_->sigma * belief_->sigma / (belief_->sigma * belief_->sigma + sigma * sigma);
@@ -66,17 +68,32 @@ Tracker::Margin Tracker::from_belief(double load, double load_sigma) const noexc
           std::hypot(mobilised * belief_->sigma / belief_->mean, load_sigma / belief_->mean)};
 }
 
+// Nowhere is more friction mobilised than at a slipping rim, so its ratio is at least the whole contact's.
+bool Tracker::rim_slips(const RimReading& rim, double load, double load_sigma) const noexcept {
+  return rim.even && std::fabs(rim.ratio) > load - 3 * load_sigma - 0.02 * load &&
+         !growth_.explains(rim.ratio, rim.sigma);
+}
+
 void Tracker::update(const ContactPatch& patch, const Reading* reading, Method method,
                      Estimate& out) noexcept {
   const double load = patch.shear_n / patch.normal_n;
   const double load_sigma = patch.shear_sigma_n / patch.normal_n;
-  const bool direct = reading != nullptr && reading->in_family;
+  growth_.update(out.time_ns, patch.normal_n, patch.shear_n);
+  // A contact that sticks all over while both forces grew looks like one that slides: neither is told from
+  // the other.
+  const bool direct =
+      reading != nullptr && reading->in_family &&
+      !(reading->gamma < kSliding && growth_.explains(reading->friction, reading->friction_sigma));
   std::optional<Margin> margin;
   out.method = direct ? method : Method::friction;
   if (direct) margin = Margin{reading->gamma, reading->sigma};
 
   if (settings_.tracking) {
-    if (direct) learn(*reading, out.time_ns);
+    if (direct) {
+      learn(reading->friction, reading->friction_sigma, out.time_ns);
+    } else if (reading != nullptr && rim_slips(reading->rim, load, load_sigma)) {
+      learn(std::fabs(reading->rim.ratio), reading->rim.sigma, out.time_ns);
+    }
     // Friction is never less than what it is seen to hold.
     if (belief_ && load - 3 * load_sigma > belief_->mean) belief_->mean = load - 3 * load_sigma;
     if (belief_) {

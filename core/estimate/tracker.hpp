@@ -9,6 +9,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/estimate.hpp"
+#include "core/estimate/growth.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/settings.hpp"
 
@@ -35,13 +36,15 @@ class Tracker {
   };
   static Margin fuse(const Margin& a, const Margin& b) noexcept;
   static bool agree(const Margin& a, const Margin& b) noexcept;
+  bool rim_slips(const RimReading& rim, double load, double load_sigma) const noexcept;
   Margin from_scene(double load, double load_sigma) const noexcept;
   Margin from_belief(double load, double load_sigma) const noexcept;
-  void learn(const Reading& reading, std::int64_t time_ns) noexcept;
+  void learn(double friction, double sigma, std::int64_t time_ns) noexcept;
 
   EstimatorSettings settings_;
   Range expected_;
   std::optional<Belief> given_, belief_;
+  Growth growth_;
   std::int64_t learnt_ns_ = 0;
 };
 

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", common.seed, "of all that is drawn")->capture_default_str();
   app.require_subcommand(1);
   app.fallthrough();
+  add_contact(app, common);
   add_train(app, common);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,74 @@
+// The dome sqrt(x^2 - r^2) averaged over many taxels at once, with its derivatives: what fitting a contact to
+// taxels evaluates thousands of times a second. The same closed form as disc_average_exact, written so that
+// the compiler turns it into vector instructions: no branch, and an arc tangent of its own that is good to
+// 1e-14.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+namespace slipd::contact {
+
+// atan(t) for t = y / x with x >= 0, y of any sign; 0 where both vanish. Absolute error below 2e-15.
+inline double angle_from_height(double y, double x) noexcept {
+  const double ay = std::fabs(y);
+  const double small = std::min(ay, x), large = std::max(std::max(ay, x), std::numeric_limits<double>::min());
+  // Two reductions, small/large in [0, 1] and then to |z| <= sqrt(2) - 1, taken by one division.
+  const bool upper = small > (std::numbers::sqrt2 - 1) * large;
+  const double z = upper ? (small - large) / (small + large) : small / large;
+  const double w = z * z;
+  double series = -0.02531472973194233;
+  series = series * w + 0.050246342455960435;
+  series = series * w - 0.06505944155503311;
+  series = series * w + 0.07673529098467827;
+  series = series * w - 0.09089529357362555;
+  series = series * w + 0.11111048820585145;
+  series = series * w - 0.14285712660659053;
+  series = series * w + 0.1999999997837687;
+  series = series * w - 0.33333333333221343;
+  series = series * w + 0.999999999999999;
+  double angle = z * series + (upper ? std::numbers::pi / 4 : 0.0);
+  angle = ay > x ? std::numbers::pi / 2 - angle : angle;
+  return y < 0 ? -angle : angle;
+}
+
+// One taxel's average and derivatives, in units of lengths as given.
+struct DomeAverage {
+  double value = 0;  // average of sqrt(x^2 - r^2) where real, else 0
+  double d_x = 0;    // by the dome's radius x
+  double d_u = 0;    // by the taxel's place relative to the dome's centre
+  double d_v = 0;
+};
+
+// The integral over the rectangle from the origin to (u, v) and its derivatives; w is the height above the
+// corner.
+struct DomeCorner {
+  double value, d_x, d_u, d_v;
+};
+
+inline DomeCorner dome_corner(double x, double u, double v) noexcept {
+  u = std::clamp(u, -x, x);
+  v = std::clamp(v, -x, x);
+  const double w = std::sqrt(std::max(0.0, x * x - u * u - v * v));
+  const double over_u = angle_from_height(v, w), over_v = angle_from_height(u, w);
+  const double over_both = angle_from_height(u * v, x * w);
+  const double xx = x * x, uu = u * u, vv = v * v;
+  return {
+      (2 * u * v * w + u * (3 * xx - uu) * over_u + v * (3 * xx - vv) * over_v - 2 * xx * x * over_both) / 6,
+      x * (u * over_u + v * over_v - x * over_both), 0.5 * (v * w + (xx - uu) * over_u),
+      0.5 * (u * w + (xx - vv) * over_v)};
+}
+
+// The average over the square of `side` about (u, v). x >= 0.
+inline DomeAverage dome_average(double x, double u, double v, double side) noexcept {
+  const double h = side / 2, per_area = 1 / (side * side);
+  const DomeCorner a = dome_corner(x, u + h, v + h), b = dome_corner(x, u - h, v + h);
+  const DomeCorner c = dome_corner(x, u + h, v - h), d = dome_corner(x, u - h, v - h);
+  return {(a.value - b.value - c.value + d.value) * per_area, (a.d_x - b.d_x - c.d_x + d.d_x) * per_area,
+          (a.d_u - b.d_u - c.d_u + d.d_u) * per_area, (a.d_v - b.d_v - c.d_v + d.d_v) * per_area};
+}
+
+}  // namespace slipd::contact

@@ -1,0 +1,232 @@
+#include "core/estimate/fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/estimate/moments.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr double kLeastGamma = 1e-6, kMostGamma = 1 - 1e-4;
+constexpr double kUneven = 0.02;       // of mu p: what a real skin may deviate, ring by ring
+constexpr double kUnevenSigma = 0.03;  // of a margin read off a skin as uneven as that
+constexpr double kMostMisfit = 4;      // mean square over rings, about 1 in the family
+constexpr double kConverged = 1e-3;    // of each unknown's own standard deviation
+constexpr std::size_t kRings = 12;
+constexpr double kOpen = 0.04;         // a sigma of Gamma beyond which the scene is asked
+constexpr std::size_t kSteps = 24;     // of Gamma in 0 … 1, weighed by likelihood and scene
+constexpr double kSceneSpread = 0.15;  // how softly the scene's range of friction ends, in log mu
+
+}  // namespace
+
+Fit::Fit(const TaxelLayout& layout, Range friction_expected)
+    : layout_(layout), expected_(friction_expected), sheet_(layout.size(), layout.side_m()) {
+  for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(layout.size());
+  for (auto* sheet : {&outer_, &inner_}) {
+    for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(layout.size());
+  }
+}
+
+// Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
+void Fit::collect(const Frame& frame, const ContactPatch& patch) noexcept {
+  count_ = 0;
+  for (const std::uint32_t i : patch.inside) {
+    x_[count_] = layout_.x_m()[i] - patch.center_x_m;
+    y_[count_] = layout_.y_m()[i] - patch.center_y_m;
+    p_[count_] = frame.normal_pa[i];
+    q_[count_] = patch.shear_along_pa(frame, i);
+    ++count_;
+  }
+}
+
+Fit::Vector Fit::start(const ContactPatch& patch) const noexcept {
+  double p = 0, q = 0, p2 = 0, q2 = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double square = x_[i] * x_[i] + y_[i] * y_[i];
+    p += p_[i];
+    q += q_[i];
+    p2 += p_[i] * square;
+    q2 += q_[i] * square;
+  }
+  const double spread = layout_.area_m2() / 6;
+  const double ratio = (q2 / q - spread) / std::max(p2 / p - spread, 1e-300);
+  const double a = patch.radius_m;
+  Vector at;
+  at[center_x] = at[center_y] = 0;
+  at[radius] = a;
+  at[height] = 1.5 * patch.normal_n / (3.141592653589793 * a * a * a);
+  at[load] = q / p;
+  at[margin] = std::clamp(gamma_of_moment_ratio(ratio), 0.05, 0.95);
+  return at;
+}
+
+double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept {
+  const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, b = at[height], t = at[load];
+  const double a = at[radius];
+  const std::span<double> u(u_.data(), count_), v(v_.data(), count_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    u[i] = x_[i] - at[center_x];
+    v[i] = y_[i] - at[center_y];
+  }
+  const auto sheet = [&](double x, Sheet& out) {
+    sheet_.evaluate(x, u, v, {out.value.data(), count_}, {out.d_x.data(), count_}, {out.d_u.data(), count_},
+                    {out.d_v.data(), count_});
+  };
+  sheet(a, outer_);
+  sheet(k * a, inner_);
+
+  const double wp = 1 / noise_normal_, wq = 1 / noise_shear_, shape = b * t / rest;
+  const double dk = a / (3 * k * k);  // of k a by Gamma
+  double cost = 0;
+  gradient.setZero();
+  hessian.setZero();
+  for (std::size_t i = 0; i < count_; ++i) {
+    Vector jp, jq;
+    const double ring = outer_.value[i] - inner_.value[i];
+    jp << -b * outer_.d_u[i], -b * outer_.d_v[i], b * outer_.d_x[i], outer_.value[i], 0, 0;
+    jq << -shape * (outer_.d_u[i] - inner_.d_u[i]), -shape * (outer_.d_v[i] - inner_.d_v[i]),
+        shape * (outer_.d_x[i] - k * inner_.d_x[i]), shape / b * ring, b / rest * ring,
+        shape * (ring / rest - dk * inner_.d_x[i]);
+    const double rp = (b * outer_.value[i] - p_[i]) * wp, rq = (shape * ring - q_[i]) * wq;
+    cost += 0.5 * (rp * rp + rq * rq);
+    gradient += (rp * wp) * jp + (rq * wq) * jq;
+    hessian.noalias() += (wp * wp) * jp * jp.transpose() + (wq * wq) * jq * jq.transpose();
+  }
+  return cost;
+}
+
+// What is left over, ring by ring: noise averages out in a ring, another history does not.
+double Fit::ring_misfit(const Vector& at, double uneven_share) const noexcept {
+  const double shape = at[height] * at[load] / (1 - at[margin]);
+  struct Ring {
+    double off = 0, held = 0, taxels = 0;
+  };
+  std::array<Ring, kRings> rings;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double s = std::hypot(u_[i], v_[i]) / at[radius];
+    auto& ring = rings[std::min(static_cast<std::size_t>(s * kRings), kRings - 1)];
+    ring.off += shape * (outer_.value[i] - inner_.value[i]) - q_[i];
+    ring.held += shape * outer_.value[i];
+    ring.taxels += 1;
+  }
+  double sum = 0;
+  int used = 0;
+  for (const auto& ring : rings) {
+    if (ring.taxels < 1) continue;
+    const double uneven = uneven_share * ring.held;
+    sum += ring.off * ring.off / (noise_shear_ * noise_shear_ * ring.taxels + uneven * uneven);
+    ++used;
+  }
+  return used > 0 ? sum / used : 0;
+}
+
+// Where noise leaves the margin open, a parabola about the best fit is no honest picture of it. The whole
+// range is weighed instead: the likelihood of each margin, times what friction the scene expects of it. Mean
+// and deviation of that.
+void Fit::weigh_by_scene(const Vector& at, Reading& out) noexcept {
+  std::array<double, kSteps> misfit, friction;
+  double least = std::numeric_limits<double>::infinity();
+  const auto n = static_cast<Eigen::Index>(count_);
+  const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
+  Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
+  for (std::size_t j = 0; j < kSteps; ++j) {
+    const double gamma = (static_cast<double>(j) + 0.5) / kSteps;
+    sheet_.evaluate(std::cbrt(gamma) * at[radius], {u_.data(), count_}, {v_.data(), count_},
+                    {inner_.value.data(), count_}, {inner_.d_x.data(), count_}, {inner_.d_u.data(), count_},
+                    {inner_.d_v.data(), count_});
+    ring = (outer - ring) * (at[height] / (1 - gamma));
+    const double square = ring.square().sum(), product = (ring * q).sum();
+    const double t = std::max(1e-6, product / square);
+    friction[j] = t / (1 - gamma);
+    const double unexpected =
+        std::max({0.0, std::log(friction[j] / expected_.high), std::log(expected_.low / friction[j])});
+    misfit[j] = 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_) +
+                0.5 * unexpected * unexpected / (kSceneSpread * kSceneSpread);
+    least = std::min(least, misfit[j]);
+  }
+  double weight = 0, mean = 0, square = 0, mu = 0, mu2 = 0;
+  for (std::size_t j = 0; j < kSteps; ++j) {
+    const double w = std::exp(least - misfit[j]), gamma = (static_cast<double>(j) + 0.5) / kSteps;
+    weight += w;
+    mean += w * gamma;
+    square += w * gamma * gamma;
+    mu += w * friction[j];
+    mu2 += w * friction[j] * friction[j];
+  }
+  mean /= weight;
+  mu /= weight;
+  out.gamma = mean;
+  out.sigma = std::sqrt(std::max(0.0, square / weight - mean * mean) + 1.0 / (12 * kSteps * kSteps));
+  out.friction = mu;
+  const double step =
+      mu / std::max(1 - mean, 0.5 / kSteps) / kSteps;  // what one step of Gamma means for friction
+  out.friction_sigma = std::sqrt(std::max(0.0, mu2 / weight - mu * mu) + step * step / 12);
+}
+
+Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
+  Reading out;
+  collect(frame, patch);
+  const double peak = 1.5 * patch.normal_n / (3.141592653589793 * patch.radius_m * patch.radius_m);
+  noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
+  noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
+  Vector at = start(patch), gradient, trial_gradient;
+  out.rim = read_rim(sum_rings(frame, patch, layout_), patch, layout_);
+  if (!(at[load] > 0) || count_ < kUnknowns) return out;
+  Square hessian, trial_hessian;
+  double cost = evaluate(at, gradient, hessian), damping = 1e-3;
+  bool converged = false;
+  for (steps_ = 0; steps_ < kMostSteps && !converged; ++steps_) {
+    Square damped = hessian;
+    damped.diagonal() *= 1 + damping;
+    const Vector step = -damped.ldlt().solve(gradient);
+    Vector trial = at + step;
+    trial[margin] = std::clamp(trial[margin], kLeastGamma, kMostGamma);
+    trial[radius] = std::clamp(trial[radius], 0.5 * at[radius], 2 * at[radius]);
+    if (!trial.allFinite()) break;
+    const double trial_cost = evaluate(trial, trial_gradient, trial_hessian);
+    if (trial_cost <= cost) {
+      const Vector moved = trial - at;
+      const double small = (moved.array().abs() * hessian.diagonal().array().sqrt()).maxCoeff();
+      at = trial;
+      cost = trial_cost;
+      gradient = trial_gradient;
+      hessian = trial_hessian;
+      damping = std::max(1e-9, damping / 10);
+      converged = small < kConverged;
+    } else {
+      damping *= 10;
+      converged = damping > 1e6;
+    }
+  }
+  if (!converged) return out;
+  const Square covariance = hessian.inverse();
+  const double variance = covariance(margin, margin);
+  if (!(variance > 0) || !std::isfinite(variance)) return out;
+  out.gamma = at[margin];
+  out.sigma = std::sqrt(variance);
+  const double rest = 1 - out.gamma;
+  out.friction = at[load] / rest;
+  out.friction_sigma =
+      out.sigma < 0.5 * rest
+          ? out.friction * std::hypot(out.sigma / rest, std::sqrt(covariance(load, load)) / at[load])
+          : std::numeric_limits<double>::infinity();
+  out.center_x_m = patch.center_x_m + at[center_x];
+  out.center_y_m = patch.center_y_m + at[center_y];
+  out.radius_m = at[radius];
+  const double beyond_noise = ring_misfit(at, 0);
+  out.in_family = ring_misfit(at, kUneven) < kMostMisfit;
+  if (out.sigma > kOpen) weigh_by_scene(at, out);
+  if (beyond_noise >
+      kMostMisfit) {  // accepted as an uneven skin; it may as well be a little of another history
+    out.sigma = std::hypot(out.sigma, kUnevenSigma);
+    out.friction_sigma = std::hypot(out.friction_sigma, 2 * kUnevenSigma * out.friction);
+  }
+  return out;
+}
+
+}  // namespace slipd

@@ -1,0 +1,58 @@
+// Maximum likelihood: the contact model itself, averaged over every taxel, fitted to pressure and shear
+// together. The dearest way to the margin and the one that comes near what the noise allows (the Cramer-Rao
+// limit), on any layout, with part of the contact beyond the sensor's edge, or with taxels dead.
+//
+// Unknown are the centre, the radius a, the pressure's height B = p0/a, the load T = Q/P and Gamma:
+//   p = B A(a),   q = B T (A(a) - A(k a)) / (1 - Gamma),   k^3 = Gamma,   A(x) the average of sqrt(x^2 -
+//   r^2).
+// T and Gamma stay well apart at any load, where mu and k would not: near no load only mu (1 - k) is felt.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/contact/dome_sheet.hpp"
+#include "core/contact/scene.hpp"
+#include "core/estimate/method.hpp"
+
+namespace slipd {
+
+class Fit final : public SlipMethod {
+ public:
+  // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
+  Fit(const TaxelLayout& layout, Range friction_expected);
+  Method name() const noexcept override { return Method::fit; }
+
+  // Levenberg-Marquardt from the moments' start, at most kMostSteps steps. Not in the family if it did not
+  // converge or if what is left over is more than noise and the skin's unevenness explain.
+  Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
+
+  static constexpr int kMostSteps = 15;
+  int steps() const noexcept { return steps_; }  // that the last frame took
+
+ private:
+  enum Unknown { center_x, center_y, radius, height, load, margin, kUnknowns };
+  using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+  using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+  void collect(const Frame& frame, const ContactPatch& patch) noexcept;
+  Vector start(const ContactPatch& patch) const noexcept;
+  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
+  double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
+  double ring_misfit(const Vector& at, double uneven) const noexcept;
+  void weigh_by_scene(const Vector& at, Reading& out) noexcept;
+
+  TaxelLayout layout_;
+  Range expected_;
+  contact::DomeSheet sheet_;
+  std::size_t count_ = 0;
+  double noise_normal_ = 1, noise_shear_ = 1;
+  int steps_ = 0;
+  std::vector<double> x_, y_, p_, q_, u_, v_;
+  struct Sheet {
+    std::vector<double> value, d_x, d_u, d_v;
+  } outer_, inner_;
+};
+
+}  // namespace slipd

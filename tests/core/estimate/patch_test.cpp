@@ -1,0 +1,82 @@
+#include "core/estimate/patch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+using synthetic::FrameMaker;
+using synthetic::Noise;
+
+TEST(PatchFinder, FindsForcesPlaceAndRadiusOfAContactAnywhereOnThePad) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  FrameMaker maker(TaxelLayout::grid(100, 100, 0.00016));
+  PatchFinder finder(maker.layout());
+  for (int i = 0; i < 50; ++i) {
+    contact::LoadHistory contact(synthetic::random_pair(random));
+    const double normal = 0.5 + 4 * unit(random), friction = 0.2 + 0.6 * unit(random);
+    contact.move_to(normal, 0, friction);
+    contact.move_to(normal, 0.7 * friction * normal, friction);
+    const double x = 0.001 * (2 * unit(random) - 1), y = 0.001 * (2 * unit(random) - 1),
+                 toward = 6.28 * unit(random);
+    const auto& patch = finder.find(maker.make(contact, x, y, toward, 0.02));
+    ASSERT_TRUE(patch.touched);
+    EXPECT_NEAR(patch.normal_n / normal, 1, 0.005);
+    EXPECT_NEAR(patch.shear_n / contact.shear_n(), 1, 0.005);
+    EXPECT_NEAR(patch.center_x_m, x, 2e-5);
+    EXPECT_NEAR(patch.center_y_m, y, 2e-5);
+    EXPECT_NEAR(patch.radius_m / contact.contact_radius_m(), 1, 0.01);
+    EXPECT_NEAR(patch.toward_x, std::cos(toward), 0.01);
+    EXPECT_NEAR(patch.toward_y, std::sin(toward), 0.01);
+  }
+}
+
+TEST(PatchFinder, MeasuresTheNoiseInsteadOfAssumingIt) {
+  FrameMaker maker(TaxelLayout::grid(100, 100, 0.00016));
+  PatchFinder finder(maker.layout());
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0, 0.5);
+  contact.move_to(2, 0.6, 0.5);
+  for (const double noise : {0.01, 0.05, 0.1}) {
+    const auto& patch = finder.find(maker.make(contact, 0, 0, 0, noise, Noise::sensor));
+    // Uniform noise of half-width w has the deviation w / sqrt(3); the frame's maximum is the centre's
+    // pressure.
+    const double want = noise * synthetic::paper_pair().peak_pressure_pa(2) / std::sqrt(3.0);
+    EXPECT_NEAR(patch.noise_normal_pa / want, 1, 0.05);
+    EXPECT_NEAR(patch.noise_shear_pa / want, 1, 0.05);
+  }
+}
+
+TEST(PatchFinder, NoiseAloneIsNoContact) {
+  const auto layout = TaxelLayout::grid(64, 64, 0.00025);
+  PatchFinder finder(layout);
+  std::mt19937_64 random(12);
+  std::normal_distribution<float> noise(0, 500);
+  std::vector<float> p(layout.size()), x(layout.size()), y(layout.size());
+  for (int i = 0; i < 200; ++i) {
+    for (auto* channel : {&p, &x, &y}) {
+      for (auto& value : *channel) value = noise(random);
+    }
+    EXPECT_FALSE(finder.find({1, 1, p, x, y}).touched);
+  }
+  std::fill(p.begin(), p.end(), 0.0F);
+  EXPECT_FALSE(finder.find({1, 1, p, x, y}).touched);
+}
+
+TEST(PatchFinder, TellsAContactThatTheEdgeCuts) {
+  FrameMaker maker(TaxelLayout::grid(50, 50, 0.0003));
+  PatchFinder finder(maker.layout());
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0.5, 0.5);
+  EXPECT_FALSE(finder.find(maker.make(contact, 0.002, 0, 0, 0.01)).cut);
+  EXPECT_TRUE(finder.find(maker.make(contact, 0.0065, 0, 0, 0.01)).cut);
+}
+
+}  // namespace
+}  // namespace slipd
