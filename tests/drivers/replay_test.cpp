@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 
 #include "core/frame/recording.hpp"
 #include "drivers/pacing.hpp"
@@ -265,6 +266,31 @@ TEST_F(Replays, PassOverFramesThatAreNoNumbersAndCountThem) {
       play_whole(setup(file("a.csv", std::string(kTwoTaxels) + "\n1e300,2,3,4,5,6\n1,2,3,4,5,6\n")));
   EXPECT_EQ(played.corrupt, 1);
   EXPECT_EQ(played.frames.size(), 1U);
+}
+
+TEST_F(Replays, OfCsvWithBytesAtRandomNeverCrashAndAlwaysSayWhere) {
+  std::mt19937_64 random(5);  // NOLINT: the same bytes each time
+  std::string whole = std::string(kTwoTaxels) + ",time\n";
+  for (int i = 0; i < 5; ++i) whole += "1.5,-2,3e4,4,5,6," + std::to_string(i) + "\n";
+  const std::string likely = "0123456789.,-+eE\n\r \"x_ntl\0\xff";
+  int faults = 0;
+  for (int round = 0; round < 400; ++round) {
+    auto content = whole;
+    for (auto flips = 1 + random() % 5; flips > 0; --flips)
+      content[random() % content.size()] = likely[random() % likely.size()];
+    ReplayDriver driver({setup(file("a.csv", content))});
+    const auto refused = refusal_of([&] { driver.open(); });
+    if (!refused.empty()) {
+      EXPECT_THAT(refused, ::testing::AnyOf(HasSubstr("a.csv: line 1"), HasSubstr("a.csv: byte"))) << content;
+      continue;
+    }
+    const auto played = play(driver, 2);
+    EXPECT_LE(played.frames.size(), 10U);
+    if (played.last != ReadStatus::disconnected) continue;
+    ++faults;
+    EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("a.csv: line ")) << content;
+  }
+  EXPECT_GT(faults, 50);
 }
 
 // Where the recorded grasps of two real sensors are, if they are here at all.
