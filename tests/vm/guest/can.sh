@@ -1,4 +1,4 @@
-# CAN frames cross a virtual bus, and two controllers on one wire, from program to program.
+# CAN frames cross a virtual bus, and two controllers on one wire, from program to program and from a sensor.
 source /source/tests/vm/guest/check.sh
 
 modprobe vcan
@@ -16,6 +16,13 @@ same "classic, extended, remote and FD frames on the virtual bus" "$(cut -d' ' -
 12345678#DEADBEEF
 123#R
 123##500112233445566778899AABB"
+
+# A simulated sensor speaks on the same bus once it is started: iCub's skin, two frames a triangle.
+in_background skin.log simulated-device icub-skin --pattern --rate-hz 5 --at can:vcan0
+awaits "the skin" grep -q ready skin.log
+cansend vcan0 201#0700
+awaits "a scan of four triangles" grep -q '413#80' vcan.log
+same "the taxels of the first" "$(grep -m 2 -o '410#.*' vcan.log | xargs)" "410#00F3F1EFEDEBE9E7 410#80E5E3E1DFDD0000"
 
 can_up can0 can1
 captures can1 wire.log
