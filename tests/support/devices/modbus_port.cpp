@@ -90,7 +90,7 @@ class TcpPort final : public ModbusPort {
     checked(::bind(listener.get(), generic, size), "TCP port " + std::to_string(port_));
     checked(::listen(listener.get(), 1), "listen");
     checked(::getsockname(listener.get(), generic, &size), "getsockname");
-    port_ = ntohs(address.sin_port);
+    if (port_ == 0) port_ = ntohs(address.sin_port);  // and stays there
     listener_ = std::move(listener);
     start();
   }
