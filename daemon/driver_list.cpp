@@ -8,18 +8,32 @@ namespace {
 
 using nlohmann::json;
 
-void print_option(const std::string& key, const json& option, std::ostream& out) {
-  out << "    " << key;
-  const json type = option.value("type", json());
-  if (type.is_string()) out << " (" << type.get<std::string>();
-  if (type.is_array()) out << " (" << type.dump();
-  if (option.contains("unit")) out << ", " << option["unit"].get<std::string>();
-  if (option.contains("minimum") || option.contains("maximum")) {
-    out << ", " << option.value("minimum", json("")).dump() << " to "
-        << option.value("maximum", json("")).dump();
+// "number, kPa, 0 to 10, default 1": as much of it as the schema says.
+std::string form_of(const json& option) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  const auto plain = [](const json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  if (option.contains("type")) add(plain(option["type"]));
+  if (option.contains("enum")) {
+    std::string choices;
+    for (const json& choice : option["enum"]) choices += (choices.empty() ? "" : " | ") + plain(choice);
+    add(choices);
   }
-  if (option.contains("default")) out << ", default " << option["default"].dump();
-  out << (type.is_null() ? "" : ")");
+  if (option.contains("unit")) add(plain(option["unit"]));
+  const bool from = option.contains("minimum");
+  const bool to = option.contains("maximum");
+  if (from && to) add(plain(option["minimum"]) + " to " + plain(option["maximum"]));
+  if (from && !to) add("at least " + plain(option["minimum"]));
+  if (to && !from) add("at most " + plain(option["maximum"]));
+  if (option.contains("default")) add("default " + option["default"].dump());
+  return text;
+}
+
+void print_option(const std::string& key, const json& option, std::ostream& out) {
+  const std::string form = form_of(option);
+  out << "    " << key << (form.empty() ? "" : " (" + form + ")");
   if (option.contains("description")) out << ": " << option["description"].get<std::string>();
   out << '\n';
 }

@@ -16,9 +16,26 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUse = 2;
 
-int print_problems(const slipd::SettingsError& error) {
-  for (const std::string& problem : error.problems()) std::cerr << problem << '\n';
+int print_problems(const slipd::SettingsError& error, const std::string& before = "") {
+  for (const std::string& problem : error.problems()) std::cerr << before << problem << '\n';
   return kWrongUse;
+}
+
+// Serves, or only says whether it would.
+int use(const slipd::Settings& settings, slipd::DriverModules& drivers, const std::string& config,
+        bool only_check) {
+  try {
+    if (only_check) {
+      slipd::check_drivers(settings, drivers);
+      std::cout << config << ": fine: " << settings.sensors.size() << " sensor"
+                << (settings.sensors.size() == 1 ? "" : "s") << '\n';
+      return 0;
+    }
+    slipd::set_up_log(settings.log_level);
+    return slipd::serve(settings, drivers);
+  } catch (const slipd::SettingsError& error) {
+    return print_problems(error, config + ": ");
+  }
 }
 
 int run(int argc, char** argv) {
@@ -47,14 +64,7 @@ int run(int argc, char** argv) {
     return kWrongUse;
   }
   try {
-    const slipd::Settings settings = slipd::load_settings(config, drivers);
-    if (check) {
-      std::cout << config << ": fine: " << settings.sensors.size() << " sensor"
-                << (settings.sensors.size() == 1 ? "" : "s") << '\n';
-      return 0;
-    }
-    slipd::set_up_log(settings.log_level);
-    return slipd::serve(settings, drivers);
+    return use(slipd::load_settings(config, drivers), drivers, config, check);
   } catch (const slipd::SettingsError& error) {
     return print_problems(error);
   }

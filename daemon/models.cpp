@@ -83,17 +83,24 @@ std::shared_ptr<const Model> Models::get(const std::string& sensor, const ChainS
   const ModelSetup wanted = model_setup_of(setup);
   const auto folder = model_cache_directory();
   const auto file = model_cache_file(wanted, folder);
+  std::weak_ptr<const Model>& known = loaded_[file];
+  if (auto model = known.lock()) return model;
+  const auto load = [&] {
+    auto model = std::make_shared<const Model>(load_cached_model(wanted, folder));
+    known = model;
+    return model;
+  };
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) {
     try {
-      return std::make_shared<const Model>(load_cached_model(wanted, folder));
+      return load();
     } catch (const ModelError& error) {
       spdlog::warn("{}: {}; it is made anew", sensor, error.what());
     }
   }
   spdlog::info("{}: training a model of its scene; until it is there, the sensor is learning", sensor);
   train(sensor, to_json(wanted).dump());
-  return std::make_shared<const Model>(load_cached_model(wanted, folder));
+  return load();
 }
 
 void Models::train(const std::string& sensor, const std::string& setup_json) {

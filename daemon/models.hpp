@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -27,6 +28,7 @@ class Models {
  private:
   void train(const std::string& sensor, const std::string& setup_json);
   std::filesystem::path trainer_;
+  std::map<std::filesystem::path, std::weak_ptr<const Model>> loaded_;  // shared by sensors of one scene
   std::atomic<bool> stop_{false};
 };
 

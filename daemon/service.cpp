@@ -71,6 +71,11 @@ std::optional<Ticker> watchdog(asio::io_context& io, const Pipeline& pipeline) {
 
 }  // namespace
 
+void check_drivers(const Settings& settings, DriverModules& drivers) {
+  Board board;
+  const Pipeline never_started(settings, drivers, board, {});
+}
+
 int serve(const Settings& settings, DriverModules& drivers) {
   asio::io_context io(1);
   asio::signal_set signals(io, SIGTERM, SIGINT);

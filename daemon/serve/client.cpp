@@ -1,5 +1,6 @@
 #include "daemon/serve/client.hpp"
 
+#include <algorithm>
 #include <array>
 #include <asio/post.hpp>
 #include <cerrno>
@@ -15,6 +16,7 @@ using std::chrono::seconds;
 
 constexpr std::size_t kMostNotifications = 256;        // that wait for one client
 constexpr std::size_t kMostAnswerBytes = 1024 * 1024;  // that wait, before no more is read
+constexpr int kMostAwaited = 16;                       // answers under way, before no more is read
 constexpr std::size_t kMostPassedFds = 4;
 constexpr auto kPatience = seconds(1);
 
@@ -24,7 +26,7 @@ Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
     : socket_(io, socket.release()), patience_(io), owner_(owner), backlog_(kMostNotifications) {}
 
 void Client::read_when_ready() {
-  if (closed_ || reading_ || input_ended_ || backlog_.answer_bytes() > kMostAnswerBytes) return;
+  if (closed_ || reading_ || input_ended_ || crowded()) return;
   reading_ = true;
   socket_.async_wait(asio::posix::stream_descriptor::wait_read,
                      [self = shared_from_this()](const std::error_code& error) {
@@ -34,17 +36,21 @@ void Client::read_when_ready() {
                      });
 }
 
+// A client that asks faster than it takes its answers has to wait.
+bool Client::crowded() const noexcept {
+  return awaited_ >= kMostAwaited || backlog_.answer_bytes() > kMostAnswerBytes;
+}
+
 // One piece at a time, so that a client that sends without end does not keep the loop from the others.
 void Client::on_readable() {
-  if (receive()) split_lines();
-  if (input_ended_ && !input_.empty() && !discarding_)
-    owner_.line(shared_from_this(), std::exchange(input_, {}));
+  receive();
+  take_lines();
   flush();
   let_go_if_done();
   read_when_ready();
 }
 
-bool Client::receive() {
+void Client::receive() {
   std::array<char, 16 * 1024> bytes;
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMostPassedFds)> control;
   iovec piece{bytes.data(), bytes.size()};
@@ -56,7 +62,7 @@ bool Client::receive() {
   const auto got = recvmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (got < 0) {
     if (errno != EAGAIN && errno != EINTR) close();
-    return false;
+    return;
   }
   for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
     if (item->cmsg_level != SOL_SOCKET || item->cmsg_type != SCM_RIGHTS) continue;
@@ -74,22 +80,28 @@ bool Client::receive() {
   } else if (!discarding_) {
     input_.append(bytes.data(), static_cast<std::size_t>(got));
   }
-  return got > 0;
 }
 
-void Client::split_lines() {
+void Client::take_lines() {
+  if (taking_) return;
+  taking_ = true;
   std::size_t start = 0;
-  while (!closed_ && !discarding_) {
-    const std::size_t end = input_.find('\n', start);
-    if ((end == std::string::npos ? input_.size() : end) - start > rpc::kLongestLine)
-      return refuse_long_line();
-    if (end == std::string::npos) break;
+  while (!closed_ && !discarding_ && !crowded() && start < input_.size()) {
+    const std::size_t newline = input_.find('\n', start);
+    const std::size_t end = std::min(newline, input_.size());
+    if (end - start > rpc::kLongestLine) {
+      refuse_long_line();
+      start = 0;
+      break;
+    }
+    if (newline == std::string::npos && !input_ended_) break;  // the last line may do without its end
     std::string line = input_.substr(start, end - start);
-    start = end + 1;
+    start = std::min(end + 1, input_.size());
     if (line.find_first_not_of(" \t\r") != std::string::npos)
       owner_.line(shared_from_this(), std::move(line));
   }
   input_.erase(0, start);
+  taking_ = false;
 }
 
 void Client::refuse_long_line() {
@@ -109,6 +121,7 @@ void Client::answer(std::string text) {
   if (closed_) return;
   if (!text.empty()) backlog_.answer(std::move(text));
   flush();
+  take_lines();
   let_go_if_done();
   read_when_ready();
 }
@@ -138,6 +151,7 @@ void Client::flush() {
                            self->writing_ = false;
                            if (error || self->closed_) return;
                            self->flush();
+                           self->take_lines();
                            self->let_go_if_done();
                            self->read_when_ready();
                          });
@@ -152,7 +166,7 @@ void Client::flush() {
 
 void Client::let_go_if_done() {
   const bool all_said = backlog_.empty() && sent_ == output_.size();
-  if (input_ended_ && all_said && awaited_ == 0 && subscriptions.empty()) close();
+  if (input_ended_ && input_.empty() && all_said && awaited_ == 0 && subscriptions.empty()) close();
 }
 
 void Client::close() {

@@ -49,8 +49,9 @@ class Client : public std::enable_shared_from_this<Client> {
  private:
   void read_when_ready();
   void on_readable();
-  bool receive();  // false: nothing more for now
-  void split_lines();
+  void receive();
+  void take_lines();
+  bool crowded() const noexcept;
   void refuse_long_line();
   void flush();
   void let_go_if_done();
@@ -67,6 +68,7 @@ class Client : public std::enable_shared_from_this<Client> {
   int awaited_ = 0;
   bool reading_ = false;  // a wait for input is pending
   bool writing_ = false;  // a wait for room is pending
+  bool taking_ = false;   // lines out of input_: not to be begun again by an answer to one of them
   bool input_ended_ = false;
   bool discarding_ = false;  // said too much in one line: read on to be polite, then close
   bool closed_ = false;

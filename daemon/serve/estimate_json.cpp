@@ -8,7 +8,7 @@
 namespace slipd {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 json number(std::optional<double> value, double factor = 1) {
   return value && std::isfinite(*value) ? json(*value * factor) : json(nullptr);

@@ -10,12 +10,12 @@
 
 namespace slipd {
 
-// An unknown number is null, never NaN. Before the first frame there is no sample: times and age are null.
-// `truth` is there only for a simulated sensor.
-nlohmann::json estimate_json(const Estimate& estimate, const std::string& sensor, bool simulated,
-                             const Now& now);
+// Members in the order in which a person reads them. An unknown number is null, never NaN. Before the first
+// frame there is no sample: times and age are null. `truth` is there only for a simulated sensor.
+nlohmann::ordered_json estimate_json(const Estimate& estimate, const std::string& sensor, bool simulated,
+                                     const Now& now);
 
-nlohmann::json grasp_json(const GraspMargin& margin, const std::string& name,
-                          const std::vector<std::string>& sensors);
+nlohmann::ordered_json grasp_json(const GraspMargin& margin, const std::string& name,
+                                  const std::vector<std::string>& sensors);
 
 }  // namespace slipd

@@ -1,5 +1,7 @@
 #include "daemon/serve/methods.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 
 #include "daemon/serve/estimate_json.hpp"
@@ -9,7 +11,7 @@
 namespace slipd {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;  // results, in the order in which a person reads them
 using rpc::Reply;
 
 json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
@@ -51,10 +53,15 @@ Methods::Methods(World& world, Recorder& recorder)
     throw rpc::Error(rpc::kNotPossible,
                      "this sensor's method was not chosen from a table: it is not estimator.method auto");
   });
-  plain("rebias", {"sensor"}, [this](const Params& params) -> json {
+  methods_["rebias"] = [this](Client& client, const Params& params, const Reply&) {
+    refuse_unknown(params, {"sensor"});
     required_sensor(params, world_.board);
+    const uid_t user = client.peer().uid;
+    if (user != 0 && user != geteuid()) {
+      throw rpc::Error(rpc::kNotPermitted, "only root and slipd's own user may take a bias anew");
+    }
     throw rpc::Error(rpc::kNotPossible, "this sensor has no bias that slipd could take anew");
-  });
+  };
   methods_["frame"] = [this](Client&, const Params& params, const Reply& reply) { frame(params, reply); };
   methods_["record"] = [this](Client& client, const Params& params, const Reply& reply) {
     record(client, params, reply);

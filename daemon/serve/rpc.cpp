@@ -28,8 +28,9 @@ bool nested_too_deep(std::string_view text) noexcept {
   return false;
 }
 
-std::string dump(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+template <typename Json>
+std::string dump(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Request refused(const json& id, int code, const std::string& message) {
@@ -91,6 +92,9 @@ Line parse(std::string_view text) {
     line.requests.push_back(request_from(document));
   } else if (document.empty()) {
     line.refusal = error_text(nullptr, kInvalidRequest, "an empty batch");
+  } else if (document.size() > kLargestBatch) {
+    line.refusal = error_text(nullptr, kInvalidRequest,
+                              "a batch has at most " + std::to_string(kLargestBatch) + " requests");
   } else {
     line.batch = true;
     for (const json& item : document) line.requests.push_back(request_from(item));
@@ -98,13 +102,13 @@ Line parse(std::string_view text) {
   return line;
 }
 
-std::string result_text(const json& id, const json& result) {
+std::string result_text(const json& id, const nlohmann::ordered_json& result) {
   return R"({"jsonrpc":"2.0","id":)" + dump(id) + R"(,"result":)" + dump(result) + "}";
 }
 
 std::string error_text(const json& id, int code, const std::string& message) {
   return R"({"jsonrpc":"2.0","id":)" + dump(id) + R"(,"error":)" +
-         dump({{"code", code}, {"message", message}}) + "}";
+         dump(json{{"code", code}, {"message", message}}) + "}";
 }
 
 Answers::Answers(bool batch, std::size_t expected, std::function<void(std::string)> done)
@@ -120,7 +124,7 @@ void Answers::add(const std::string& text) {
 Reply::Reply(const Request& request, std::shared_ptr<Answers> answers)
     : id_(request.id), notification_(request.notification), answers_(std::move(answers)) {}
 
-void Reply::result(const json& value) const {
+void Reply::result(const nlohmann::ordered_json& value) const {
   answers_->add(notification_ ? "" : result_text(id_, value));
 }
 

@@ -26,6 +26,7 @@ inline constexpr int kNotPossible = -32003;
 
 inline constexpr std::size_t kLongestLine = 64 * 1024;
 inline constexpr int kDeepestNesting = 32;
+inline constexpr std::size_t kLargestBatch = 64;
 
 // Thrown by methods.
 class Error : public std::runtime_error {
@@ -56,7 +57,7 @@ struct Line {
 Line parse(std::string_view text);
 
 // Answers, complete but for the end of line. Bytes that are no UTF-8 are replaced.
-std::string result_text(const nlohmann::json& id, const nlohmann::json& result);
+std::string result_text(const nlohmann::json& id, const nlohmann::ordered_json& result);
 std::string error_text(const nlohmann::json& id, int code, const std::string& message);
 
 // The answers to one line: collected until the last has come, then handed on as one text (one object, or an
@@ -77,7 +78,7 @@ class Answers {
 class Reply {
  public:
   Reply(const Request& request, std::shared_ptr<Answers> answers);
-  void result(const nlohmann::json& value) const;
+  void result(const nlohmann::ordered_json& value) const;
   void error(int code, const std::string& message) const;
 
  private:

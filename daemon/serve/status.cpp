@@ -7,7 +7,7 @@
 namespace slipd {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 json realtime_json(const World& world) {
   const RealtimeSettings& asked = world.settings.realtime;

@@ -8,11 +8,11 @@
 
 namespace slipd {
 
-nlohmann::json status_json(const World& world);
+nlohmann::ordered_json status_json(const World& world);
 
 // The same as OpenMetrics text, for a scraper.
 std::string metrics_text(const World& world);
 
-nlohmann::json sensors_json(const World& world);
+nlohmann::ordered_json sensors_json(const World& world);
 
 }  // namespace slipd

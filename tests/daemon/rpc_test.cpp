@@ -55,6 +55,12 @@ TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
   }
 }
 
+TEST(Rpc, ABatchHasALimit) {
+  const auto batch = [](std::size_t count) { return json(std::vector<int>(count, 1)).dump(); };
+  EXPECT_TRUE(parse(batch(kLargestBatch)).refusal.empty());
+  EXPECT_EQ(code_of(parse(batch(kLargestBatch + 1)).refusal), kInvalidRequest);
+}
+
 TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
   std::string all = "not yet";
   const auto answers = std::make_shared<Answers>(true, 3, [&](std::string text) { all = std::move(text); });

@@ -53,6 +53,10 @@ bool RpcClient::send(const std::string& bytes, int descriptor) {
   return true;
 }
 
+void RpcClient::finish() {
+  shutdown(fd_, SHUT_WR);
+}
+
 std::optional<std::string> RpcClient::line(std::chrono::milliseconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
   for (;;) {

@@ -23,6 +23,8 @@ class RpcClient {
   bool send(const std::string& bytes, int descriptor = -1);
   bool send_line(const std::string& line) { return send(line + "\n"); }
 
+  void finish();  // sends no more, still reads
+
   // The next line without its end; none if the other end closed first or time ran out.
   std::optional<std::string> line(std::chrono::milliseconds patience = kPatience);
   bool closed_by_peer(

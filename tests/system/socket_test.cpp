@@ -5,6 +5,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <set>
+#include <thread>
+
 #include "core/frame/recording.hpp"
 #include "tests/support/daemon.hpp"
 
@@ -145,6 +148,33 @@ TEST_F(Socket, ABatchIsAnsweredAtOnceAndNotificationsNotAtAll) {
   EXPECT_EQ(answers[0]["id"], "a");
   EXPECT_EQ(answers[1]["error"]["code"], -32600);
   EXPECT_EQ(answers[2]["id"], "b");
+}
+
+TEST_F(Socket, AClientThatAsksWithoutReadingIsHeldBackAndThenGetsEveryAnswer) {
+  auto client = daemon_.client();
+  constexpr int kRequests = 3000;  // each answered by some ten times its length
+  std::thread asking([&] {
+    for (int i = 0; i < kRequests; ++i) {
+      client.send_line(R"({"jsonrpc":"2.0","id":)" + std::to_string(i) +
+                       R"(,"method":"frame","params":{"sensor":"left"}})");
+    }
+  });
+  expect_served();
+  std::set<int> answered;
+  while (answered.size() < kRequests) {
+    const auto answer = client.line();
+    ASSERT_TRUE(answer) << answered.size() << " answers came";
+    answered.insert(json::parse(*answer)["id"].get<int>());
+  }
+  asking.join();
+}
+
+TEST_F(Socket, ALastLineWithoutItsEndIsAnswered) {
+  auto client = daemon_.client();
+  client.send(R"({"jsonrpc":"2.0","id":1,"method":"version"})");
+  client.finish();
+  EXPECT_TRUE(client.line());
+  EXPECT_TRUE(client.closed_by_peer());
 }
 
 TEST_F(Socket, ALineMayComeInPieces) {

@@ -1,0 +1,58 @@
+// Models are made on first use, kept, and made anew when what was kept cannot be trusted.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Models : public ::testing::Test {
+ protected:
+  std::unique_ptr<Daemon> start() {
+    const json sensor{
+        {"name", "left"}, {"driver", "trial"}, {"layout", {{"grid", {12, 12}}, {"pitch_mm", 1.2}}}};
+    return std::make_unique<Daemon>(
+        config_with(folder_, json::array({sensor}), {{"estimator", {{"method", "svd-knn"}}}}),
+        trial_drivers(), Program::Environment{{"STATE_DIRECTORY", folder_.path().string()}});
+  }
+  static std::string wait_until_estimating(Daemon& daemon) {
+    daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
+    EXPECT_EQ(daemon.client().result("sensors")["sensors"][0]["method"], "svd-knn");
+    EXPECT_EQ(daemon.stop(), 0);
+    return daemon.program().errors();
+  }
+  std::filesystem::path model() const {
+    for (const auto& file : std::filesystem::recursive_directory_iterator(folder_.path() / "models")) {
+      if (file.is_regular_file()) return file.path();
+    }
+    throw std::runtime_error("no model was kept");
+  }
+  TempFolder folder_;
+};
+
+TEST_F(Models, AreTrainedOnceAndMadeAnewWhenDamaged) {
+  auto first = start();
+  EXPECT_EQ(first->client().result("gamma")["sensors"][0]["gamma"], nullptr) << "nothing is known yet";
+  EXPECT_THAT(wait_until_estimating(*first), HasSubstr("left: training: 100 %"));
+
+  EXPECT_THAT(wait_until_estimating(*start()), Not(HasSubstr("training")));
+
+  std::filesystem::resize_file(model(), std::filesystem::file_size(model()) / 2);
+  const std::string said = wait_until_estimating(*start());
+  EXPECT_THAT(said, HasSubstr(model().string()));
+  EXPECT_THAT(said, HasSubstr("made anew"));
+}
+
+TEST_F(Models, ATrainingUnderWayDoesNotHoldUpAStop) {
+  auto daemon = start();
+  daemon->wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] != "stale"; });
+  EXPECT_EQ(daemon->stop(std::chrono::seconds(2)), 0);
+}
+
+}  // namespace
+}  // namespace slipd::testing
