@@ -69,6 +69,7 @@ Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const 
   const auto rows = static_cast<Index>(source.rows());
   const Index side = std::min(rows, static_cast<Index>(source.columns()));
   const Index rank = std::min<Index>(options.rank, side);
+  const Index settled = options.settled > 0 ? std::min<Index>(options.settled, rank) : rank;
   const Index width = std::min<Index>(rank + options.oversampling, side);
 
   Svd result;
@@ -85,7 +86,7 @@ Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const 
     const MatrixXd small = q.cast<double>().transpose() * pass.image;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (small + small.transpose()));
     const VectorXd values = ritz.eigenvalues().reverse().head(rank).cwiseMax(0).cwiseSqrt();
-    const double change = ((values - before).array().abs() / values.array().max(1e-300)).maxCoeff();
+    const double change = ((values - before).array().abs() / values.array().max(1e-300)).head(settled).maxCoeff();
     before = values;
     if ((result.passes > 1 && change < options.tolerance) || result.passes >= options.max_passes ||
         width == rows) {

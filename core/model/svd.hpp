@@ -12,7 +12,8 @@ struct SvdOptions {
   int rank = 8;             // clipped to the matrix's smaller side
   int oversampling = 10;    // more directions carried along, so that the kept ones converge fast
   int max_passes = 24;      // over the matrix
-  double tolerance = 1e-6;  // relative change of the kept singular values at which it ends
+  double tolerance = 1e-6;  // relative change of the singular values at which it ends
+  int settled = 0;          // of how many of them, counted from the largest; 0: of all that are kept
   unsigned threads = 2;
   std::uint64_t seed = 1;  // of the start
 };

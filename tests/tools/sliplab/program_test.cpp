@@ -1,0 +1,89 @@
+// sliplab itself, as a user or the daemon runs it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/run_program.hpp"
+
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class Sliplab : public ::testing::Test {
+ protected:
+  Sliplab() { fs::create_directories(folder_); }
+  ~Sliplab() override { fs::remove_all(folder_); }
+  slipctl::testing::Ran run(const std::vector<std::string>& arguments) const {
+    return slipctl::testing::run_program(SLIPD_BINARY_DIR "/bin/sliplab", arguments);
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  const fs::path folder_ = fs::temp_directory_path() / ("sliplab-test-" + std::to_string(::getpid()));
+};
+
+constexpr const char* kConfig = R"({ "sensors": [ { "name": "left", "driver": "sim",
+  "layout": { "grid": [16, 16], "pitch_mm": 0.9 } } ], "estimator": { "offset_mm": 0 } })";
+
+TEST_F(Sliplab, TrainsOnceAndThenFindsTheModel) {
+  const std::vector<std::string> words{"--json",   "train", "--config", write("c.json", kConfig),
+                                       "--sensor", "left",  "--model",  folder_ / "m.cbor"};
+  const auto first = run(words);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("100 %"));
+  EXPECT_EQ(json::parse(first.out)["taxels"], 256);
+  const auto second = run(words);
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_EQ(second.err, "");
+
+  std::fstream file(folder_ / "m.cbor", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(5000);
+  file.put('\x55').put('\x55');
+  file.close();
+  const auto third = run(words);
+  EXPECT_EQ(third.exit_code, 0);
+  EXPECT_THAT(third.err, HasSubstr("damaged"));
+  EXPECT_EQ(run(words).err, "");
+}
+
+TEST_F(Sliplab, WrongUseEndsWithTwo) {
+  EXPECT_EQ(run({}).exit_code, 2);
+  EXPECT_EQ(run({"train"}).exit_code, 2);
+  EXPECT_EQ(run({"train", "--setup", write("s.json", "{}")}).exit_code, 2);
+  const auto unknown = run({"train", "--config", write("c.json", kConfig), "--sensor", "right"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("left"));
+}
+
+TEST_F(Sliplab, AModelThatCannotBeWrittenEndsWithOne) {
+  const auto ran = run({"train", "--config", write("c.json", kConfig), "--sensor", "left", "--model",
+                        write("file", "") + "/model.cbor"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, HasSubstr("cannot be made"));
+}
+
+TEST_F(Sliplab, PaperGivesTableJsonAndFigures) {
+  const auto table = run({"paper", "--fast", "--seeds", "2", "--out", folder_ / "figures"});
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("split by contact"));
+  for (const char* name : {"figure3.csv", "figure3.svg", "figure4.csv", "figure4.svg"}) {
+    EXPECT_GT(fs::file_size(folder_ / "figures" / name), 500U) << name;
+  }
+  const auto result = json::parse(run({"--json", "paper", "--fast", "--seeds", "1"}).out);
+  EXPECT_GE(result["rows"].size(), 6U);
+  for (const auto& row : result["rows"]) {
+    for (const auto& cell : row["knn"]) {
+      EXPECT_GE(cell["random"]["mean"], 0.0);
+      EXPECT_LE(cell["random"]["mean"], 1.0);
+    }
+  }
+}
+
+}  // namespace

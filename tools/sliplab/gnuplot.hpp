@@ -1,0 +1,16 @@
+// Plots by gnuplot, from data files that are written beside them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace sliplab {
+
+// Writes `text`; throws std::runtime_error with the file's name.
+void write_file(const std::filesystem::path& file, const std::string& text);
+
+// Writes `script` as NAME.gp into `folder` and runs gnuplot on it there. Throws std::runtime_error where
+// there is no gnuplot, or it fails.
+void plot(const std::filesystem::path& folder, const std::string& name, const std::string& script);
+
+}  // namespace sliplab

@@ -1,0 +1,59 @@
+// sliplab paper: the paper's experiment (its sections II.B to III.B) again, its figures beside ours, and what
+// they look like when no contact is on both sides of the split, or the contact is not in the middle.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/paper/figures.hpp"
+#include "tools/sliplab/paper/protocol.hpp"
+#include "tools/sliplab/paper/table.hpp"
+#include "tools/sliplab/progress.hpp"
+
+namespace sliplab {
+namespace {
+
+// The row that the figures show: the paper's own case, noise 4 %.
+const Row& shown_in_figures(const std::vector<Row>& rows) {
+  return *std::find_if(rows.begin(), rows.end(), [](const Row& row) {
+    return row.experiment.quantity == slipd::Quantity::alpha && row.experiment.noise == 0.04;
+  });
+}
+
+void run_command(const ProtocolOptions& options, const Common& common) {
+  std::vector<Row> rows;
+  {
+    ProgressBar bar("paper");
+    rows = run_protocol(options, [&](double share, const char* what) { bar.show(share, what); });
+  }
+  if (common.json) {
+    std::cout << nlohmann::json{{"rows", to_json(rows)}, {"fast", options.fast}} << '\n';
+  } else {
+    print_table(std::cout, rows);
+  }
+  if (!common.out.empty()) {
+    write_figures(common.out, shown_in_figures(rows));
+    if (!common.json) std::cout << "\nfigures 3 and 4 are in " << common.out.string() << '\n';
+  }
+}
+
+}  // namespace
+
+void add_paper(CLI::App& app, const Common& common) {
+  auto options = std::make_shared<ProtocolOptions>();
+  CLI::App* command = app.add_subcommand("paper", "the paper's experiment, and what its figures hide");
+  command->add_option("--seeds", options->seeds, "how often, each with contacts, noise and split of its own")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->add_flag("--fast", options->fast,
+                    "few contacts on a small grid: shows that it works, and nothing else");
+  command->callback([options, &common] {
+    options->first_seed = common.seed;
+    run_command(*options, common);
+  });
+}
+
+}  // namespace sliplab

@@ -1,0 +1,14 @@
+// The paper's figures 3 and 4 as CSV and SVG.
+#pragma once
+
+#include <filesystem>
+
+#include "tools/sliplab/paper/protocol.hpp"
+
+namespace sliplab {
+
+// Writes figure3.csv, figure3.svg, figure4.csv and figure4.svg into the folder, which is made. `row`: what is
+// shown.
+void write_figures(const std::filesystem::path& folder, const Row& row);
+
+}  // namespace sliplab
