@@ -49,7 +49,7 @@ void Acquirer::run() {
       back_off = std::min<Clock::duration>(2 * back_off, kLongestBackOff);
       continue;
     }
-    back_off = kFirstBackOff;
+    delivered_ = false;
     set_link(Link::open);
     enter_realtime(realtime_, grant_);
     const Ending ending = pump();
@@ -66,7 +66,10 @@ void Acquirer::run() {
       for (auto& outlet : outlets_)
         outlet.seat->panel.change_facts([](DeviceFacts& f) { f.trouble = "the device is gone"; });
       set_link(Link::absent);
-      stop_bell_.wait(stop_bell_.rung(), Clock::now() + back_off);
+      // A device that opens but says nothing is no better than one that does not open.
+      back_off = delivered_ ? Clock::duration(kFirstBackOff)
+                            : std::min<Clock::duration>(2 * back_off, kLongestBackOff);
+      stop_bell_.wait(rung, Clock::now() + back_off);
     }
   }
 }
@@ -168,6 +171,7 @@ bool Acquirer::deliver(std::size_t index) noexcept {
     if (feed.mailbox.unread()) feed.taken.wait(rung, Clock::now() + kReadTimeout);
   }
   ++outlet.tally.received;
+  delivered_ = true;
   if (outlet.last_sequence && slot.sequence > *outlet.last_sequence + 1) {
     ++outlet.tally.gaps;
     outlet.tally.lost += slot.sequence - *outlet.last_sequence - 1;

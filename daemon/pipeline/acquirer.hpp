@@ -56,6 +56,7 @@ class Acquirer {
   std::string name_;          // its sensors' names, for the log
   std::string last_trouble_;  // said once, not at each attempt
   bool was_open_ = false;
+  bool delivered_ = false;  // a frame, since it was opened last
   RealtimeSettings realtime_;
   RealtimeGrant grant_;
   Doorbell stop_bell_;

@@ -1,5 +1,6 @@
 #include "tests/support/daemon.hpp"
 
+#include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -81,6 +82,12 @@ Daemon::Daemon(const json& config, const std::filesystem::path& drivers, const P
                                "): " + program_->errors());
     }
   }
+}
+
+Daemon::~Daemon() {
+  const std::string errors = program_->errors();
+  EXPECT_EQ(errors.find("Sanitizer"), std::string::npos) << errors;
+  EXPECT_EQ(errors.find("runtime error:"), std::string::npos) << errors;
 }
 
 json Daemon::wait_for(const std::string& method, const std::function<bool(const json&)>& enough) const {

@@ -17,11 +17,24 @@ std::filesystem::path real_drivers();
 nlohmann::json config_with(const TempFolder& folder, const nlohmann::json& sensors,
                            const nlohmann::json& more = nlohmann::json::object());
 
+// Whether this build runs under a sanitizer, which is slower and, at its end, waits a second for late
+// reports.
+constexpr bool sanitized() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return true;
+#else
+  return false;
+#endif
+}
+
 class Daemon {
  public:
   // Starts it and waits until it says READY=1. Throws std::runtime_error with its errors if it ends before.
   Daemon(const nlohmann::json& config, const std::filesystem::path& drivers,
          const Program::Environment& more = {});
+
+  // Fails the test if a sanitizer had something to say of it.
+  ~Daemon();
 
   RpcClient client() const { return RpcClient(socket_); }
   const std::filesystem::path& socket() const { return socket_; }

@@ -65,14 +65,6 @@ std::uint64_t watch(const json& sensors, const std::filesystem::path& drivers, S
   return estimated(client.result("status")) - begin;
 }
 
-bool sanitized() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return true;
-#else
-  return false;
-#endif
-}
-
 TEST(Allocation, NoneInTheThreadsOfFramesAndEstimates) {
   if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
   const TempFolder folder;

@@ -15,7 +15,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-constexpr auto kStopTime = 2s;  // what a stop may take
+constexpr auto kStopTime = sanitized() ? 6s : 2s;  // what a stop may take
 
 const std::string kSlipd = (program_folder() / "slipd").string();
 
