@@ -86,7 +86,8 @@ Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const 
     const MatrixXd small = q.cast<double>().transpose() * pass.image;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (small + small.transpose()));
     const VectorXd values = ritz.eigenvalues().reverse().head(rank).cwiseMax(0).cwiseSqrt();
-    const double change = ((values - before).array().abs() / values.array().max(1e-300)).head(settled).maxCoeff();
+    const double change =
+        ((values - before).array().abs() / values.array().max(1e-300)).head(settled).maxCoeff();
     before = values;
     if ((result.passes > 1 && change < options.tolerance) || result.passes >= options.max_passes ||
         width == rows) {
