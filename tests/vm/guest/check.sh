@@ -45,6 +45,7 @@ in_background() {
 # 10 frames, loses some that a sensor on the bus would have sent.
 can_up() {
   local name
+  modprobe kvaser_pci
   for name in "$@"; do
     ip link set "$name" type can bitrate 1000000 berr-reporting on restart-ms 100
     ip link set "$name" up txqueuelen 256
