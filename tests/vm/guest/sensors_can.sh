@@ -16,9 +16,16 @@ order /tmp/device lose 3
 awaits "the order is carried out" grep -q '"order":"lose 3"' truth.jsonl
 without_taxel_8() { grep -A 1 717# wire.log | grep -c 719#; }
 awaits "three scans lack taxel 8" eval 'test "$(without_taxel_8)" = 3'
+
+# What it sent before it was unplugged may still be queued; a marker from the same controller comes after all of it.
 order /tmp/device unplug
 awaits "it is unplugged" grep -q unplug truth.jsonl
-sent=$(wc -l <wire.log)
+cansend can0 001#01
+awaits "its last frames" grep -q '001#01' wire.log
 order /tmp/device plug
 awaits "it is back" grep -q '"order":"plug' truth.jsonl
-same "and silent until it is started again" "$(wc -l <wire.log)" "$sent"
+cansend can0 001#02
+awaits "a frame since" grep -q '001#02' wire.log
+same "it was silent until it is started again" "$(sed '1,/001#01/d; /001#02/,$d' wire.log)" ""
+cansend can1 201#0700
+awaits "a scan" eval 'sed "1,/001#02/d" wire.log | grep -q 71F#'
