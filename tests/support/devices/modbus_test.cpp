@@ -123,6 +123,20 @@ TEST(ModbusRtu, AnswersOnAPseudoTerminal) {
   EXPECT_THAT(got, ElementsAre(20, 0xFFF6, 40, 0, 0, 0));
 }
 
+TEST(ModbusRtu, GoesAwayWhenUnpluggedAndIsThereAgain) {
+  const std::string link = testing::TempDir() + "/slipd-ft300-unplugged-" + std::to_string(::getpid());
+  Running device(robotiq_ft300(), make_modbus_pty_port(robotiq_ft300(), link));
+  Client client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 9);
+  ASSERT_TRUE(client);
+  std::vector<std::uint16_t> got;
+  device.player().order("unplug");
+  read_until(client.get(), 180, 6, got, [](int n) { return n < 0; });
+  EXPECT_NE(::access(link.c_str(), F_OK), 0) << "the link is gone with it";
+  device.player().order("plug");
+  while (!(client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 9))) std::this_thread::yield();
+  read_until(client.get(), 180, 6, got, [](int n) { return n == 6; });
+}
+
 TEST(ModbusRtu, IsDeafToOtherUnits) {
   const std::string link = testing::TempDir() + "/slipd-ft300-other-" + std::to_string(::getpid());
   Running device(robotiq_ft300(), make_modbus_pty_port(robotiq_ft300(), link));
