@@ -16,13 +16,18 @@
 namespace slipd {
 namespace {
 
-// A disc of fewer taxels has no shape to speak of: its margin comes from friction over time.
-constexpr std::size_t kFewTaxels = 12;
+// On a disc of fewer taxels a frame has no shape to speak of, unless the whole pad is read for it (Fit).
+constexpr std::size_t kFewInside = 12;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
          std::isinf(setup.scene.skin.radius_m);
+}
+
+// Friction is weighed over a grasp's frames because no single one tells it.
+bool weighed_over_time(const ChainSetup& setup) {
+  return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
 }
 
 Range expected_friction(const Scene& scene) {
@@ -38,6 +43,9 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   if (only_forces(setup)) return nullptr;
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
+  }
+  if (setup.layout.size() <= Fit::kFewTaxels && setup.estimator.tracking) {
+    return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
   }
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
@@ -60,7 +68,7 @@ struct EstimatorChain::Impl {
         model(std::move(m)),
         finder(s.layout),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model)),
-        tracker(s.estimator, expected_friction(s.scene), s.friction),
+        tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         alert(s.alerts) {}
 
   ChainSetup setup;
@@ -108,8 +116,8 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
       out.state = State::no_shear;
     } else {
       out.shear_n = patch.shear_n;
-      const bool shaped =
-          in.method && patch.inside.size() >= kFewTaxels && patch.shear_n > 3 * patch.shear_sigma_n;
+      const bool shaped = in.method && (patch.inside.size() >= kFewInside || weighed_over_time(in.setup)) &&
+                          patch.shear_n > 3 * patch.shear_sigma_n;
       const Reading reading = shaped ? in.method->read(frame, patch) : Reading{};
       in.tracker.update(patch, shaped ? &reading : nullptr, method(), out);
       if (reading.in_family) {

@@ -18,8 +18,8 @@ constexpr double kUnevenSigma = 0.03;  // of a margin read off a skin as uneven 
 constexpr double kMostMisfit = 4;      // mean square over rings, about 1 in the family
 constexpr double kConverged = 1e-3;    // of each unknown's own standard deviation
 constexpr std::size_t kRings = 12;
-constexpr double kOpen = 0.04;         // a sigma of Gamma beyond which the scene is asked
-constexpr std::size_t kSteps = 24;     // of Gamma in 0 … 1, weighed by likelihood and scene
+constexpr double kOpen = 0.04;  // a sigma of Gamma beyond which the scene is asked
+constexpr std::size_t kSteps = MarginProfile::kSteps;
 constexpr double kSceneSpread = 0.15;  // how softly the scene's range of friction ends, in log mu
 
 }  // namespace
@@ -35,12 +35,17 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected)
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
 void Fit::collect(const Frame& frame, const ContactPatch& patch) noexcept {
   count_ = 0;
-  for (const std::uint32_t i : patch.inside) {
+  const auto take = [&](std::uint32_t i) {
     x_[count_] = layout_.x_m()[i] - patch.center_x_m;
     y_[count_] = layout_.y_m()[i] - patch.center_y_m;
     p_[count_] = frame.normal_pa[i];
     q_[count_] = patch.shear_along_pa(frame, i);
     ++count_;
+  };
+  if (layout_.size() <= kFewTaxels) {  // where so little is felt, what is not felt tells as well
+    for (std::uint32_t i = 0; i < layout_.size(); ++i) take(i);
+  } else {
+    for (const std::uint32_t i : patch.inside) take(i);
   }
 }
 
@@ -130,7 +135,8 @@ double Fit::ring_misfit(const Vector& at, double uneven_share) const noexcept {
 // and deviation of that.
 void Fit::weigh_by_scene(const Vector& at, Reading& out) noexcept {
   std::array<double, kSteps> misfit, friction;
-  double least = std::numeric_limits<double>::infinity();
+  auto& profile = out.profile;
+  double least = std::numeric_limits<double>::infinity(), least_expected = least;
   const auto n = static_cast<Eigen::Index>(count_);
   const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
   Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
@@ -145,13 +151,16 @@ void Fit::weigh_by_scene(const Vector& at, Reading& out) noexcept {
     friction[j] = t / (1 - gamma);
     const double unexpected =
         std::max({0.0, std::log(friction[j] / expected_.high), std::log(expected_.low / friction[j])});
-    misfit[j] = 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_) +
-                0.5 * unexpected * unexpected / (kSceneSpread * kSceneSpread);
-    least = std::min(least, misfit[j]);
+    profile.misfit[j] = 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
+    misfit[j] = profile.misfit[j] + 0.5 * unexpected * unexpected / (kSceneSpread * kSceneSpread);
+    least = std::min(least, profile.misfit[j]);
+    least_expected = std::min(least_expected, misfit[j]);
   }
+  for (double& value : profile.misfit) value -= least;
+  profile.known = true;
   double weight = 0, mean = 0, square = 0, mu = 0, mu2 = 0;
   for (std::size_t j = 0; j < kSteps; ++j) {
-    const double w = std::exp(least - misfit[j]), gamma = (static_cast<double>(j) + 0.5) / kSteps;
+    const double w = std::exp(least_expected - misfit[j]), gamma = (static_cast<double>(j) + 0.5) / kSteps;
     weight += w;
     mean += w * gamma;
     square += w * gamma * gamma;
@@ -202,6 +211,12 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
       damping *= 10;
       converged = damping > 1e6;
     }
+  }
+  if (layout_.size() <= kFewTaxels) {  // no parabola is true to so few: only the whole profile means anything
+    evaluate(at, trial_gradient, trial_hessian);
+    weigh_by_scene(at, out);
+    out.in_family = converged;
+    return out;
   }
   if (!converged) return out;
   const Square covariance = hessian.inverse();

@@ -28,6 +28,7 @@ class Fit final : public SlipMethod {
   // converge or if what is left over is more than noise and the skin's unevenness explain.
   Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
 
+  static constexpr std::size_t kFewTaxels = 40;  // layouts this small are read over time, see FrictionGrid
   static constexpr int kMostSteps = 15;
   int steps() const noexcept { return steps_; }  // that the last frame took
 

@@ -2,10 +2,29 @@
 // frame for itself. What happens over time is the tracker's.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
 #include "core/estimate/estimate.hpp"
 #include "core/estimate/rings.hpp"
 
 namespace slipd {
+
+// How little each margin fits a frame: half the squared misfit in units of noise, Gamma = (j + 1/2)/kSteps,
+// the least is 0. The scene's expectations are not in it.
+struct MarginProfile {
+  static constexpr std::size_t kSteps = 24;
+  bool known = false;
+  std::array<double, kSteps> misfit{};
+
+  double at(double gamma) const noexcept {  // linear in between, constant beyond the ends
+    const double place = std::clamp(gamma * kSteps - 0.5, 0.0, kSteps - 1.0);
+    const auto low = std::min(static_cast<std::size_t>(place), kSteps - 2);
+    const double part = place - static_cast<double>(low);
+    return (1 - part) * misfit[low] + part * misfit[low + 1];
+  }
+};
 
 // One frame's word. `in_family` false: the frame is no contact whose load has only risen (or whatever else
 // the method covers), and the numbers mean nothing. Sigmas are standard deviations; friction_sigma is
@@ -16,6 +35,7 @@ struct Reading {
   double gamma = 0, sigma = 0;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
+  MarginProfile profile;  // of methods that weigh every margin, where the frame leaves it open
 };
 
 class SlipMethod {

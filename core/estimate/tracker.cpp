@@ -8,7 +8,9 @@ namespace {
 
 constexpr double kRiseAfter_s = 0.5;  // a higher friction is believed in over about this time
 constexpr double kLeastSigma = 0.02;  // of a belief, relative: contacts are not as even as their model
+constexpr double kGivenSigma = 0.05;  // relative, of a friction known beforehand
 constexpr double kSliding = 0.1;      // a margin below which the whole contact may as well stick
+constexpr double kKnown = 0.3;        // relative: a friction more open than that is not told
 constexpr double kClearly = 2.5;      // standard deviations
 
 }  // namespace
@@ -23,15 +25,21 @@ bool Tracker::agree(const Margin& a, const Margin& b) noexcept {
   return std::fabs(a.gamma - b.gamma) < kClearly * std::hypot(a.sigma, b.sigma) + 0.01;
 }
 
-Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction)
+Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
+                 bool few_taxels)
     : settings_(settings), expected_(friction_expected) {
-  if (friction) given_ = Belief{*friction, 0.05 * *friction};
+  if (friction) given_ = Belief{*friction, kGivenSigma * *friction};
   belief_ = given_;
+  if (few_taxels) {
+    grid_.emplace(friction ? Range{*friction * (1 - kGivenSigma), *friction * (1 + kGivenSigma)}
+                           : friction_expected);
+  }
 }
 
 void Tracker::forget() noexcept {
   belief_ = given_;
   growth_.reset();
+  if (grid_) grid_->reset();
 }
 
 void Tracker::learn(double friction, double sigma, std::int64_t time_ns) noexcept {
@@ -74,8 +82,29 @@ bool Tracker::rim_slips(const RimReading& rim, double load, double load_sigma) c
          !growth_.explains(rim.ratio, rim.sigma);
 }
 
+void Tracker::update_few(const ContactPatch& patch, const Reading* reading, Estimate& out) noexcept {
+  const double load = patch.shear_n / patch.normal_n, load_sigma = patch.shear_sigma_n / patch.normal_n;
+  grid_->update(out.time_ns, patch.normal_n, load, load_sigma,
+                reading != nullptr ? &reading->profile : nullptr);
+  const auto margin = grid_->margin(load, load_sigma), friction = grid_->belief();
+  out.method = Method::friction;
+  if (friction.sigma < kKnown * friction.mean) {
+    out.friction = friction.mean;
+    out.friction_sigma = friction.sigma;
+  }
+  out.state = State::learning;
+  if (margin.sigma > settings_.sigma_max) return;
+  out.state = State::ok;
+  out.gamma = margin.mean;
+  out.sigma = margin.sigma;
+}
+
 void Tracker::update(const ContactPatch& patch, const Reading* reading, Method method,
                      Estimate& out) noexcept {
+  if (grid_ && settings_.tracking) {
+    update_few(patch, reading, out);
+    return;
+  }
   const double load = patch.shear_n / patch.normal_n;
   const double load_sigma = patch.shear_sigma_n / patch.normal_n;
   growth_.update(out.time_ns, patch.normal_n, patch.shear_n);

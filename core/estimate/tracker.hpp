@@ -9,6 +9,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/estimate.hpp"
+#include "core/estimate/friction_grid.hpp"
 #include "core/estimate/growth.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/settings.hpp"
@@ -17,8 +18,10 @@ namespace slipd {
 
 class Tracker {
  public:
-  // friction_expected: the scene's range. friction: known beforehand, never unlearnt.
-  Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction);
+  // friction_expected: the scene's range. friction: known beforehand, never unlearnt. few_taxels: no single
+  // frame of this sensor tells its margin; friction is weighed over a grasp's frames instead.
+  Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
+          bool few_taxels);
 
   // Estimate thread. Fills in state, gamma, sigma, friction and method of `out`, whose forces and sequence
   // are set. `reading` is null where the sensor has no method of its own (one force vector, flat skin).
@@ -39,11 +42,13 @@ class Tracker {
   bool rim_slips(const RimReading& rim, double load, double load_sigma) const noexcept;
   Margin from_scene(double load, double load_sigma) const noexcept;
   Margin from_belief(double load, double load_sigma) const noexcept;
+  void update_few(const ContactPatch& patch, const Reading* reading, Estimate& out) noexcept;
   void learn(double friction, double sigma, std::int64_t time_ns) noexcept;
 
   EstimatorSettings settings_;
   Range expected_;
   std::optional<Belief> given_, belief_;
+  std::optional<FrictionGrid> grid_;
   Growth growth_;
   std::int64_t learnt_ns_ = 0;
 };
