@@ -15,6 +15,10 @@ namespace {
 // scene's.
 constexpr float kBeyond = 1.5F;
 
+constexpr double kContradicted = 2.5;         // standard deviations
+constexpr double kTellsFriction = 0.2;        // sigma of the margin over 1 - margin
+constexpr double kLeastFrictionSigma = 0.05;  // relative
+
 }  // namespace
 
 SvdKnn::SvdKnn(std::shared_ptr<const Model> model)
@@ -60,6 +64,8 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
+  const Reading shape = moments_.read(frame, patch);
+  out.rim = shape.rim;
   float noise = 0;
   if (!project(frame, patch, noise)) return out;
   const KnnAnswer answer = answer_of(query_, point_, model_->data().gamma, model_->data().friction);
@@ -73,16 +79,17 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   const double by_noise = answer.reach > 0 ? answer.spread * std::min(noise / answer.reach, 10.0F) : 0.0F;
   out.sigma = std::hypot(model_->gamma_error(answer.spread), by_noise);
 
-  // Friction from the margin where there is load enough, else from the neighbours.
+  // Friction from the margin, where the load is heavy enough for that: a margin near 1 tells little of it,
+  // and the neighbours' own friction is spread too wide to be remembered.
   const double load = 1 - out.gamma;
-  const double from_load = load > 0 ? patch.shear_n / patch.normal_n / load : 0;
-  const double from_load_sigma =
-      out.sigma < 0.5 * load ? from_load * out.sigma / load : std::numeric_limits<double>::infinity();
-  const double from_neighbours_sigma = model_->friction_error(answer.spread);
-  const bool by_load = from_load_sigma < from_neighbours_sigma;
-  out.friction = by_load ? from_load : static_cast<double>(answer.friction);
-  out.friction_sigma = by_load ? from_load_sigma : from_neighbours_sigma;
-  out.in_family = moments_.read(frame, patch).in_family;
+  out.friction = load > 0 ? patch.shear_n / patch.normal_n / load : static_cast<double>(answer.friction);
+  out.friction_sigma = out.sigma < kTellsFriction * load
+                           ? out.friction * std::hypot(out.sigma / load, kLeastFrictionSigma)
+                           : std::numeric_limits<double>::infinity();
+  // Neighbours far apart in friction may lie side by side where the load is light: an answer that the shape
+  // itself contradicts is none.
+  out.in_family = shape.in_family &&
+                  std::fabs(out.gamma - shape.gamma) < kContradicted * std::hypot(out.sigma, shape.sigma);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slipd {
 namespace {
@@ -44,7 +45,9 @@ void Tracker::forget() noexcept {
 
 void Tracker::learn(double friction, double sigma, std::int64_t time_ns) noexcept {
   const double passed_s = static_cast<double>(time_ns - learnt_ns_) * 1e-9;
-  if (!(sigma < 0.3 * friction)) return;
+  // What lies far off all that the scene expects is a mistake of the reading more often than an object.
+  const bool expected = friction > 0.7 * expected_.low && friction < 1.4 * expected_.high;
+  if (!expected || !(sigma < 0.3 * friction)) return;
   learnt_ns_ = time_ns;
   sigma = std::max(sigma, kLeastSigma * friction);
   if (!belief_) {
@@ -86,7 +89,13 @@ void Tracker::update_few(const ContactPatch& patch, const Reading* reading, Esti
   const double load = patch.shear_n / patch.normal_n, load_sigma = patch.shear_sigma_n / patch.normal_n;
   grid_->update(out.time_ns, patch.normal_n, load, load_sigma,
                 reading != nullptr ? &reading->profile : nullptr);
-  const auto margin = grid_->margin(load, load_sigma), friction = grid_->belief();
+  auto margin = grid_->margin(load, load_sigma);
+  const auto friction = grid_->belief();
+  if (reading == nullptr || !reading->profile.known) {
+    // Forces alone never show how near slip is until it has come: of what may be, the less safe part is told.
+    margin.mean = std::max(0.0, margin.mean - margin.sigma);
+    margin.sigma *= std::numbers::sqrt2;
+  }
   out.method = Method::friction;
   if (friction.sigma < kKnown * friction.mean) {
     out.friction = friction.mean;

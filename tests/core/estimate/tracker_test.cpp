@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,64 @@ TEST(Tracker, AContactThatSticksAllOverWhileBothForcesGrowIsNotTakenForSliding) 
   const Tally tally =
       live(chain, maker, {{"grip under load", 100, 0.02, 2, 0.005, 0.5, 0.7}}, 0.01, Noise::relative);
   EXPECT_EQ(tally.ok, 0) << "stuck or sliding: one frame looks like the other";
+}
+
+// Grasps of objects never seen on 4 x 4 taxels of 4.7 mm: grip, load to slip, regrip, unload, load again.
+Tally grasp_on_few_taxels(const TaxelLayout& layout, double noise, int grasps, int& right_after_slip,
+                          int& after_slip) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  ChainSetup setup = setup_for(4, MethodChoice::automatic);
+  setup.layout = layout;
+  if (layout.size() == 1) setup.sensor_class = SensorClass::wrench;
+  Tally tally;
+  for (int grasp = 0; grasp < grasps; ++grasp) {
+    EstimatorChain chain(setup, nullptr);
+    FrameMaker maker(layout, static_cast<std::uint64_t>(grasp) + 1);
+    contact::LoadHistory contact(synthetic::random_pair(random));
+    const double p = 1 + 4 * unit(random), mu = 0.1 + 0.8 * unit(random);
+    const double x = 0.002 * (2 * unit(random) - 1), y = 0.002 * (2 * unit(random) - 1);
+    bool slipped = false;
+    for (const Phase& phase :
+         {Phase{"grip", 50, 0.2, p, 0, 0, mu}, Phase{"load to slip", 200, p, p, 0, 1.05 * mu * p, mu},
+          Phase{"regrip", 60, p, 1.4 * p, mu * p, mu * p, mu},
+          Phase{"unload", 100, 1.4 * p, 1.4 * p, mu * p, 0.3 * mu * p, mu},
+          Phase{"load", 150, 1.4 * p, 1.4 * p, 0.3 * mu * p, mu * p, mu}}) {
+      for (int i = 1; i <= phase.ms; ++i) {
+        const double f = static_cast<double>(i) / phase.ms;
+        contact.move_to(phase.normal_from + f * (phase.normal_to - phase.normal_from),
+                        phase.shear_from + f * (phase.shear_to - phase.shear_from), mu);
+        const Estimate estimate = chain.estimate(maker.make(contact, x, y, 0.4, noise, Noise::sensor));
+        slipped = slipped || contact.safety_margin() < 1e-9;
+        ++tally.frames;
+        after_slip += slipped ? 1 : 0;
+        if (!estimate.gamma) continue;
+        const double off = *estimate.gamma - contact.safety_margin();
+        ++tally.ok;
+        tally.error += std::fabs(off);
+        tally.too_safe += off > 0.2 ? 1 : 0;
+        right_after_slip +=
+            slipped && slip_class(*estimate.gamma) == slip_class(contact.safety_margin()) ? 1 : 0;
+      }
+    }
+  }
+  tally.error /= std::max(1, tally.ok);
+  return tally;
+}
+
+TEST(Tracker, FourByFourTaxelsLearnFrictionOverAGrasp) {
+  int right = 0, after = 0;
+  const Tally tally = grasp_on_few_taxels(TaxelLayout::grid(4, 4, 0.0047), 0.01, 40, right, after);
+  EXPECT_GT(right, 0.85 * after);
+  EXPECT_LT(tally.error, 0.06);
+  EXPECT_LT(tally.too_safe, 0.03 * tally.ok);
+}
+
+TEST(Tracker, OneForceVectorIsAnsweredCautiouslyOrNotAtAll) {
+  int right = 0, after = 0;
+  const Tally tally = grasp_on_few_taxels(TaxelLayout::wrench(0.0188), 0, 40, right, after);
+  EXPECT_EQ(tally.too_safe, 0);
+  EXPECT_LT(tally.ok, tally.frames) << "friction is not known before anything slipped";
 }
 
 TEST(Tracker, AGrownLoadThatSlidesIsNeverCalledSafe) {
