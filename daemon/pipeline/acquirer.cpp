@@ -15,7 +15,7 @@ constexpr std::size_t kStackBytes = 512 * 1024;
 
 }  // namespace
 
-Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, std::vector<std::size_t> sensors,
+Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
                    std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& estimate,
                    FeedOpened opened)
     : driver_(std::move(driver)), log_(log), estimate_(estimate), opened_(std::move(opened)) {

@@ -22,7 +22,7 @@ using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<Feed> 
 class Acquirer {
  public:
   // `sensors`: the indices of `seats` that this device carries, in the driver's order.
-  Acquirer(std::unique_ptr<DeviceDriver> driver, std::vector<std::size_t> sensors,
+  Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
            std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& estimate, FeedOpened opened);
 
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);

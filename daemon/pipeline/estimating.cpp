@@ -83,15 +83,12 @@ void Estimating::answer(Desk& desk, const FrameSlot& slot, std::int64_t now_ns) 
 void Estimating::say_quiet(Desk& desk, Link link, std::int64_t now_ns) noexcept {
   const Seat& seat = *desk.seat;
   const bool late = desk.lane != nullptr && now_ns - desk.since_ns >= stale_after_ns(seat);
-  State state = desk.reading.estimate.state;
+  State state = State::stale;
   if (link == Link::absent || seat.refused.load(std::memory_order_relaxed)) {
     state = State::fault;
-  } else if (link == Link::ended || late) {
-    state = State::stale;
-  } else if (desk.lane == nullptr && link == Link::open) {
+  } else if (link != Link::ended && !late) {
+    if (desk.lane != nullptr || link != Link::open) return;
     state = State::learning;  // its model is being made
-  } else {
-    return;
   }
   const bool said =
       state == desk.reading.estimate.state && (desk.quiet || desk.reading.counts.estimated == 0);

@@ -71,7 +71,7 @@ void Server::accept_one() {
     return;
   }
   if (socket && clients_.size() >= world_.settings.socket.max_clients) {
-    turn_away(std::move(socket));
+    turn_away(socket);
   } else if (socket) {
     const auto client = std::make_shared<Client>(io_, std::move(socket), owner_);
     clients_.insert(client);
@@ -81,7 +81,7 @@ void Server::accept_one() {
   accept_when_ready();
 }
 
-void Server::turn_away(UniqueFd socket) {
+void Server::turn_away(const UniqueFd& socket) {
   const std::string text =
       rpc::error_text(nullptr, rpc::kTooManyClients,
                       "all " + std::to_string(world_.settings.socket.max_clients) +

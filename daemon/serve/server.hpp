@@ -32,7 +32,7 @@ class Server {
   };
   void accept_when_ready();
   void accept_one();
-  void turn_away(UniqueFd socket);
+  void turn_away(const UniqueFd& socket);
   void listen_for_news();
   void tell(const Event& event);
   void tell(const Event& event, EventKind kind);
