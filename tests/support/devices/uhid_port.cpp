@@ -78,7 +78,7 @@ class UhidPort final : public Port {
     if (!plugged_) return;
     uhid_event event{};
     event.type = UHID_DESTROY;
-    write(event);
+    (void)!::write(fd_.get(), &event, sizeof event);  // closing the descriptor does it, too
     plugged_ = false;
   }
 
