@@ -1,0 +1,103 @@
+# Debian packages, by `cpack -G DEB` or tools/package. A component of the installation that is not named here is in none.
+#   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
+#   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
+#   slipd-realtime               a drop-in that allows real-time scheduling
+#   slipd-dev                    headers and CMake files for drivers of one's own
+set(slipd_packaging ${PROJECT_SOURCE_DIR}/packaging)
+
+# Debian's own papers of a package: copyright and changelog.
+execute_process(COMMAND gzip -9nc ${slipd_packaging}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
+execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
+file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
+string(REGEX REPLACE "^.*reserved.\n|^MIT License\n\n[^\n]*\n\n" "" licence "${licence}")
+string(REGEX REPLACE "\n\n" "\n.\n" licence "${licence}")
+string(STRIP "${licence}" licence)
+string(REGEX REPLACE "\n" "\n " SLIPD_LICENCE "${licence}")
+configure_file(${slipd_packaging}/copyright.in ${PROJECT_BINARY_DIR}/copyright @ONLY)
+function(slipd_papers package component)
+  install(FILES ${PROJECT_BINARY_DIR}/copyright ${PROJECT_BINARY_DIR}/changelog.Debian.gz ${PROJECT_BINARY_DIR}/changelog.gz
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package} COMPONENT ${component})
+endfunction()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The slipd developers <slipd@packages.debian.org>")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_SET_DESTDIR ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_OUTPUT_FILE_PREFIX ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_SECTION electronics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(slipd_same_version "slipd (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+
+# slipd_package(group NAME package COMPONENTS … SUMMARY … TEXT … DEPENDS … [RECOMMENDS …] [SECTION …] [SCRIPTS folder])
+macro(slipd_package group package)
+  cmake_parse_arguments(PKG "" "SUMMARY;TEXT;DEPENDS;RECOMMENDS;SECTION;SCRIPTS" "COMPONENTS" ${ARGN})
+  string(TOUPPER ${group} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package})
+  set(CPACK_COMPONENT_GROUP_${upper}_DESCRIPTION "${PKG_SUMMARY}\n${PKG_TEXT}")
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${PKG_SUMMARY}\n${PKG_TEXT}")
+  set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${PKG_DEPENDS}")
+  set(CPACK_DEBIAN_${upper}_PACKAGE_RECOMMENDS "${PKG_RECOMMENDS}")
+  if(PKG_SECTION)
+    set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${PKG_SECTION})
+  endif()
+  if(PKG_SCRIPTS)
+    file(GLOB CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${slipd_packaging}/${PKG_SCRIPTS}/*)
+  endif()
+  foreach(component ${PKG_COMPONENTS})
+    string(TOUPPER ${component} upper_component)
+    set(CPACK_COMPONENT_${upper_component}_GROUP ${group})
+    list(APPEND CPACK_COMPONENTS_ALL ${component})
+  endforeach()
+  list(GET PKG_COMPONENTS 0 first_component)
+  slipd_papers(${package} ${first_component})
+endmacro()
+
+set(CPACK_COMPONENTS_ALL "")
+slipd_package(slipd slipd COMPONENTS slipd slipctl sliplab driver_sim driver_replay SCRIPTS slipd
+  DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS slipd-realtime
+  SUMMARY "slip margin of tactile sensors, as a service"
+  TEXT "slipd watches a robotic gripper's tactile sensors and says, for every frame, how far the grasp is from slipping. It answers \
+on a Unix socket in JSON and speaks on CAN.\n\n\
+This package has the daemon, its client slipctl, the offline program sliplab, and the drivers for simulated and for \
+replayed sensors.")
+slipd_package(realtime slipd-realtime COMPONENTS realtime SCRIPTS part DEPENDS "${slipd_same_version}"
+  SUMMARY "real-time scheduling for slipd"
+  TEXT "Allows the service slipd real-time scheduling and locked memory, which its unit does not ask for by itself.")
+set(CPACK_DEBIAN_REALTIME_PACKAGE_ARCHITECTURE all)
+
+set(slipd_bus_usb "USB devices")
+set(slipd_bus_hid "HID devices")
+set(slipd_bus_modbus "Modbus devices")
+set(slipd_bus_can "sensors on a CAN bus")
+foreach(driver usb hid modbus can)
+  if(TARGET slipd_driver_${driver})
+    slipd_package(driver_${driver} slipd-driver-${driver} COMPONENTS driver_${driver} SCRIPTS part
+      DEPENDS "${slipd_same_version}" RECOMMENDS slipd-realtime
+      SUMMARY "driver of slipd for ${slipd_bus_${driver}}"
+      TEXT "Lets slipd read ${slipd_bus_${driver}}: the driver, and what its service must be allowed for them and no more.")
+  endif()
+endforeach()
+
+# For drivers of one's own: what a driver includes, and the one library that it may call.
+install(FILES ${PROJECT_SOURCE_DIR}/drivers/driver.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/drivers COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/core/frame/frame.hpp ${PROJECT_SOURCE_DIR}/core/frame/layout.hpp
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/core/frame COMPONENT dev)
+install(TARGETS slipd_frame ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+configure_file(${slipd_packaging}/slipd-config.cmake.in ${PROJECT_BINARY_DIR}/slipd-config.cmake @ONLY)
+include(CMakePackageConfigHelpers)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/slipd-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/slipd-config.cmake ${PROJECT_BINARY_DIR}/slipd-config-version.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/slipd COMPONENT dev)
+slipd_package(dev slipd-dev COMPONENTS dev SECTION libdevel DEPENDS "nlohmann-json3-dev"
+  SUMMARY "headers for drivers of slipd"
+  TEXT "What a driver for a sensor of one's own is compiled with: the contract between slipd and a driver, and CMake files.")
+
+include(CPack)
