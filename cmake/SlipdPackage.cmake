@@ -9,7 +9,7 @@ set(slipd_packaging ${PROJECT_SOURCE_DIR}/packaging)
 execute_process(COMMAND gzip -9nc ${slipd_packaging}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
 execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
-string(REGEX REPLACE "^.*reserved.\n|^MIT License\n\n[^\n]*\n\n" "" licence "${licence}")
+string(REGEX REPLACE "^MIT License\n\n[^\n]*\n\n" "" licence "${licence}")
 string(REGEX REPLACE "\n\n" "\n.\n" licence "${licence}")
 string(STRIP "${licence}" licence)
 string(REGEX REPLACE "\n" "\n " SLIPD_LICENCE "${licence}")
@@ -62,7 +62,7 @@ endmacro()
 
 set(CPACK_COMPONENTS_ALL "")
 slipd_package(slipd slipd COMPONENTS slipd slipctl sliplab driver_sim driver_replay SCRIPTS slipd
-  DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS slipd-realtime
+  DEPENDS "passwd, systemd | systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS slipd-realtime
   SUMMARY "slip margin of tactile sensors, as a service"
   TEXT "slipd watches a robotic gripper's tactile sensors and says, for every frame, how far the grasp is from slipping. It answers \
 on a Unix socket in JSON and speaks on CAN.\n\n\

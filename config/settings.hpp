@@ -54,6 +54,7 @@ struct RealtimeSettings {
   int priority = 60;
   std::vector<int> cpus;
   bool lock_memory = true;
+  bool operator==(const RealtimeSettings&) const = default;
 };
 
 struct Settings {

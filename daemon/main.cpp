@@ -8,7 +8,6 @@
 #include <string>
 
 #include "daemon/driver_list.hpp"
-#include "daemon/log.hpp"
 #include "daemon/service.hpp"
 
 namespace {
@@ -16,25 +15,16 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUse = 2;
 
-int print_problems(const slipd::SettingsError& error, const std::string& before = "") {
-  for (const std::string& problem : error.problems()) std::cerr << before << problem << '\n';
-  return kWrongUse;
-}
-
 // Serves, or only says whether it would.
-int use(const slipd::Settings& settings, slipd::DriverModules& drivers, const std::string& config,
-        bool only_check) {
+int use(const std::string& config, slipd::DriverModules& drivers, bool only_check) {
   try {
-    if (only_check) {
-      slipd::check_drivers(settings, drivers);
-      std::cout << config << ": fine: " << settings.sensors.size() << " sensor"
-                << (settings.sensors.size() == 1 ? "" : "s") << '\n';
-      return 0;
-    }
-    slipd::set_up_log(settings.log_level);
-    return slipd::serve(settings, drivers);
+    if (!only_check) return slipd::serve(config, drivers);
+    const std::size_t sensors = slipd::check_configuration(config, drivers).sensors.size();
+    std::cout << config << ": fine: " << sensors << " sensor" << (sensors == 1 ? "" : "s") << '\n';
+    return 0;
   } catch (const slipd::SettingsError& error) {
-    return print_problems(error, config + ": ");
+    for (const std::string& problem : error.problems()) std::cerr << problem << '\n';
+    return kWrongUse;
   }
 }
 
@@ -63,11 +53,7 @@ int run(int argc, char** argv) {
     std::cerr << "slipd: --config FILE is missing; slipd --help says more\n";
     return kWrongUse;
   }
-  try {
-    return use(slipd::load_settings(config, drivers), drivers, config, check);
-  } catch (const slipd::SettingsError& error) {
-    return print_problems(error);
-  }
+  return use(config, drivers, check);
 }
 
 }  // namespace

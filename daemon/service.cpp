@@ -1,28 +1,31 @@
 #include "daemon/service.hpp"
 
 #include <spdlog/spdlog.h>
-#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <asio/io_context.hpp>
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
 #include <csignal>
-#include <functional>
 #include <optional>
+#include <vector>
 
+#include "daemon/engine.hpp"
 #include "daemon/log.hpp"
-#include "daemon/models.hpp"
-#include "daemon/pipeline/pipeline.hpp"
+#include "daemon/notify.hpp"
 #include "daemon/serve/server.hpp"
+#include "daemon/serve/socket_file.hpp"
 
 namespace slipd {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLogInterval = 20ms;  // how long a real-time thread's line may wait to be printed
-constexpr auto kStopPatience = 1s;   // for drivers that hang, of the two seconds that a stop may take
+constexpr auto kLogInterval = 20ms;    // how long a real-time thread's line may wait to be printed
+constexpr auto kStatusInterval = 1s;   // of what systemctl status shows
+constexpr auto kStopPatience = 1s;     // for drivers that hang, of the two seconds that a stop may take
+constexpr auto kReadyPatience = 3s;    // for devices that are slow to open, before slipd calls itself ready
+constexpr auto kReadyInterval = 10ms;  // between looks at them
 
 RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
   RealtimeGrant grant = ask_for_realtime(settings);
@@ -32,6 +35,33 @@ RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
   }
   spdlog::warn("real time: not granted: {}", grant.refusal);
   return grant;
+}
+
+// Names the file in what drivers complain of.
+std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, const std::string& file) {
+  try {
+    return std::make_unique<Engine>(std::move(settings), drivers);
+  } catch (const SettingsError& error) {
+    std::vector<std::string> problems;
+    for (const std::string& problem : error.problems()) problems.push_back(file + ": " + problem);
+    throw SettingsError(std::move(problems));
+  }
+}
+
+std::unique_ptr<SocketFile> socket_for(const SocketSettings& settings) {
+  if (const auto passed = notify::passed_socket()) return std::make_unique<SocketFile>(*passed);
+  return std::make_unique<SocketFile>(settings.path, settings.mode);
+}
+
+// What was granted or made once, at start, stays as it is.
+void keep_what_needs_a_restart(Settings& next, const Settings& now) {
+  const auto keep = [](auto& value, const auto& was, const char* name) {
+    if (value != was) spdlog::warn("reload: {} is taken up by a restart only", name);
+    value = was;
+  };
+  keep(next.socket.path, now.socket.path, "socket.path");
+  keep(next.socket.mode, now.socket.mode, "socket.mode");
+  keep(next.realtime, now.realtime, "realtime");
 }
 
 // Calls `body` every `interval`, in the io thread, until it is destroyed.
@@ -56,69 +86,173 @@ class Ticker {
   std::function<void()> body_;
 };
 
-// Feeds systemd's watchdog at half its time, as long as the estimate thread goes round; io proves itself by
-// being here.
-std::optional<Ticker> watchdog(asio::io_context& io, const Pipeline& pipeline) {
-  std::uint64_t interval_us = 0;
-  if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
-  return std::optional<Ticker>(std::in_place, io, std::chrono::microseconds(interval_us / 2),
-                               [&pipeline, last = std::uint64_t{0}]() mutable {
-                                 const std::uint64_t now = pipeline.heartbeat();
-                                 if (now != last) sd_notify(0, "WATCHDOG=1");
-                                 last = now;
-                               });
-}
+class Service {
+ public:
+  Service(std::string config_file, DriverModules& drivers)
+      : config_file_(std::move(config_file)),
+        drivers_(drivers),
+        signals_(io_, SIGTERM, SIGINT, SIGHUP),
+        ready_timer_(io_),
+        recorder_(io_),
+        engine_(make_engine(load_settings(config_file_, drivers), drivers, config_file_)) {
+    set_up_log(engine_->settings().log_level);
+    file_ = socket_for(engine_->settings().socket);
+  }
 
-}  // namespace
+  int run();
 
-void check_drivers(const Settings& settings, DriverModules& drivers) {
-  Board board;
-  const Pipeline never_started(settings, drivers, board, {});
-}
+ private:
+  void begin();
+  void on_signals();
+  void reload();
+  std::unique_ptr<Engine> next_engine();
+  void exchange(std::unique_ptr<Engine> next);
+  void say_ready_when_tried();
+  void feed_watchdog();
+  int end();
 
-int serve(const Settings& settings, DriverModules& drivers) {
-  asio::io_context io(1);
-  asio::signal_set signals(io, SIGTERM, SIGINT);
+  const std::string config_file_;
+  DriverModules& drivers_;
+  asio::io_context io_{1};
+  asio::signal_set signals_;
+  asio::steady_timer ready_timer_;
+  std::chrono::steady_clock::time_point ready_at_latest_;
+  Clients clients_;
+  Recorder recorder_;
+  std::unique_ptr<Engine> engine_;
+  std::vector<std::unique_ptr<Engine>> hanging_;  // a driver of theirs does not let go: never destroyed
+  std::unique_ptr<SocketFile> file_;
+  std::optional<Server> server_;
+  std::string status_;
+  std::uint64_t last_heartbeat_ = 0;
+};
+
+int Service::run() {
   std::signal(SIGPIPE, SIG_IGN);
+  const RealtimeGrant grant = realtime_or_throw(engine_->settings().realtime);
+  engine_->world().realtime = grant;
+  begin();
+  on_signals();
+  const Ticker logs(io_, kLogInterval, [this] { drain_logs(engine_->board()); });
+  const Ticker status(io_, kStatusInterval, [this] { notify::status(engine_->world(), status_); });
+  std::optional<Ticker> watchdog;
+  if (const auto patience = notify::watchdog_patience())
+    watchdog.emplace(io_, *patience / 2, [this] { feed_watchdog(); });
+  const std::size_t sensors = engine_->settings().sensors.size();
+  spdlog::info("slipd {} serves {} sensor{} on {}", SLIPD_VERSION, sensors, sensors == 1 ? "" : "s",
+               file_->name());
+  ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
+  say_ready_when_tried();
+  io_.run();
+  return end();
+}
 
-  Board board;
-  Models models(trainer_beside_program());
-  Pipeline pipeline(settings, drivers, board, [&](const std::string& sensor, const ChainSetup& setup) {
-    return models.get(sensor, setup);
-  });
-  World world{.settings = settings,
-              .board = board,
-              .realtime = {},
-              .ring_estimate = [&] { pipeline.ring(); },
-              .rates_hz = {}};
-  std::optional<Server> server(std::in_place, io, world);
-  world.realtime = realtime_or_throw(settings.realtime);
-  pipeline.start(world.realtime);
+void Service::begin() {
+  server_.emplace(io_, engine_->world(), clients_, recorder_, file_->duplicate());
+  engine_->start(engine_->world().realtime);
+}
 
-  signals.async_wait([&](const std::error_code& error, int signal) {
+void Service::on_signals() {
+  signals_.async_wait([this](const std::error_code& error, int signal) {
     if (error) return;
+    if (signal == SIGHUP) {
+      reload();
+      return on_signals();
+    }
     spdlog::info("stopping on {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
-    io.stop();
+    io_.stop();
   });
-  const Ticker logs(io, kLogInterval, [&] { drain_logs(board); });
-  const auto dog = watchdog(io, pipeline);
-  spdlog::info("slipd {} serves {} sensor{} on {}", SLIPD_VERSION, settings.sensors.size(),
-               settings.sensors.size() == 1 ? "" : "s", settings.socket.path.string());
-  sd_notify(0, "READY=1");
-  io.run();
+}
 
-  sd_notify(0, "STOPPING=1");
+// Ready: the socket answers, and each device was tried. One that takes long to open does not hold up the
+// others.
+void Service::say_ready_when_tried() {
+  if (engine_->tried() || std::chrono::steady_clock::now() >= ready_at_latest_) {
+    notify::status(engine_->world(), status_);
+    return notify::ready();
+  }
+  ready_timer_.expires_after(kReadyInterval);
+  ready_timer_.async_wait([this](const std::error_code& error) {
+    if (!error) say_ready_when_tried();
+  });
+}
+
+// As long as the estimate thread goes round; io proves itself by being here.
+void Service::feed_watchdog() {
+  const std::uint64_t now = engine_->heartbeat();
+  if (now != last_heartbeat_) notify::alive();
+  last_heartbeat_ = now;
+}
+
+void Service::reload() {
+  notify::reloading();
+  if (auto next = next_engine()) {
+    exchange(std::move(next));
+    set_up_log(engine_->settings().log_level);
+    spdlog::info("reload: the new configuration is in force");
+  } else {
+    spdlog::error("reload: the configuration in force stays");
+  }
+  ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
+  say_ready_when_tried();
+}
+
+// What the configuration says now; null, after saying why, if it is no good.
+std::unique_ptr<Engine> Service::next_engine() {
+  try {
+    drivers_.forget_absent();
+    Settings settings = load_settings(config_file_, drivers_);
+    keep_what_needs_a_restart(settings, engine_->settings());
+    return make_engine(std::move(settings), drivers_, config_file_);
+  } catch (const SettingsError& error) {
+    for (const std::string& problem : error.problems()) spdlog::error("reload: {}", problem);
+  } catch (const std::exception& error) {
+    spdlog::error("reload: {}", error.what());
+  }
+  return nullptr;
+}
+
+// The old devices are let go before the new ones are opened: they may be the same.
+void Service::exchange(std::unique_ptr<Engine> next) {
+  next->world().realtime = engine_->world().realtime;
+  next->world().started = engine_->world().started;
+  recorder_.end_all();
+  server_.reset();
+  const bool clean = engine_->stop(std::chrono::system_clock::now() + kStopPatience);
+  drain_logs(engine_->board());
+  std::swap(engine_, next);
+  if (!clean) {
+    spdlog::error("reload: a driver of the old configuration hangs and is left behind");
+    hanging_.push_back(std::move(next));
+  }
+  begin();
+}
+
+int Service::end() {
+  notify::stopping();
   const auto deadline = std::chrono::system_clock::now() + kStopPatience;
-  models.stop();
-  server.reset();
-  const bool clean = pipeline.stop(deadline);
-  drain_logs(board);
+  server_.reset();
+  clients_.close_all();
+  recorder_.end_all();
+  file_.reset();
+  const bool clean = engine_->stop(deadline) && hanging_.empty();
+  drain_logs(engine_->board());
   if (!clean) {
     spdlog::error("a driver hangs and is left behind; the process ends without it");
     spdlog::shutdown();
     _exit(0);  // its thread may touch anything that a destructor would take away
   }
   return 0;
+}
+
+}  // namespace
+
+Settings check_configuration(const std::string& file, DriverModules& drivers) {
+  return make_engine(load_settings(file, drivers), drivers, file)->settings();
+}
+
+int serve(const std::string& config_file, DriverModules& drivers) {
+  return Service(config_file, drivers).run();
 }
 
 }  // namespace slipd

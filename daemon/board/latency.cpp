@@ -28,18 +28,32 @@ void LatencyHistogram::record(std::int64_t nanoseconds) noexcept {
   if (value > max_ns_.load(std::memory_order_relaxed)) max_ns_.store(value, std::memory_order_relaxed);
 }
 
+LatencyHistogram::Counts LatencyHistogram::counts() const noexcept {
+  Counts counts{};
+  for (std::size_t i = 0; i < kBuckets; ++i) counts[i] = counts_[i].load(std::memory_order_relaxed);
+  return counts;
+}
+
 LatencyHistogram::Summary LatencyHistogram::summary() const noexcept {
-  std::array<std::uint64_t, kBuckets> counts{};
-  Summary result;
-  for (std::size_t i = 0; i < kBuckets; ++i)
-    result.count += counts[i] = counts_[i].load(std::memory_order_relaxed);
+  Summary result = summary_of(counts());
   result.max_us = static_cast<double>(max_ns_.load(std::memory_order_relaxed)) * 1e-3;
+  for (double* quantile : {&result.p50_us, &result.p99_us, &result.p999_us})
+    *quantile = std::min(*quantile, result.max_us);
+  return result;
+}
+
+LatencyHistogram::Summary LatencyHistogram::summary_of(const Counts& counts) noexcept {
+  Summary result;
+  for (std::size_t i = 0; i < kBuckets; ++i) {
+    result.count += counts[i];
+    if (counts[i] > 0) result.max_us = upper_edge_us(i);
+  }
   const auto quantile = [&](double share) {
     const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(result.count)));
     std::uint64_t seen = 0;
     for (std::size_t i = 0; i < kBuckets; ++i) {
       seen += counts[i];
-      if (seen >= wanted && seen > 0) return std::min(upper_edge_us(i), result.max_us);
+      if (seen >= wanted && seen > 0) return upper_edge_us(i);
     }
     return 0.0;
   };

@@ -100,6 +100,10 @@ std::string DriverModules::why_not(const std::string& name) {
   return load(name).trouble;
 }
 
+void DriverModules::forget_absent() {
+  std::erase_if(loaded_, [](const auto& entry) { return entry.second.module == nullptr; });
+}
+
 std::vector<std::string> DriverModules::names() {
   std::vector<std::string> found;
   std::error_code error;

@@ -21,6 +21,7 @@ class DriverModules : public DriverCatalogue {
   const DriverModule* find(const std::string& name) override;
   std::string why_not(const std::string& name) override;
   std::vector<std::string> names() override;  // of the modules that are there, loadable or not, sorted
+  void forget_absent();                       // looks anew for those that could not be had before
   const std::filesystem::path& folder() const noexcept { return folder_; }
 
  private:

@@ -49,8 +49,9 @@ RealtimeGrant ask_for_realtime(const RealtimeSettings& settings) {
     grant.scheduling = true;
     set_other();
   } else {
-    note(grant.refusal, "SCHED_FIFO " + std::to_string(settings.priority) + ": " + reason(error) +
-                            " (needs LimitRTPRIO= in the unit, an rtprio limit, or CAP_SYS_NICE)");
+    note(grant.refusal,
+         "SCHED_FIFO " + std::to_string(settings.priority) + ": " + reason(error) +
+             " (install slipd-realtime; outside the service: an rtprio limit or CAP_SYS_NICE)");
   }
   if (!settings.cpus.empty()) {
     cpu_set_t before;
@@ -69,8 +70,9 @@ RealtimeGrant ask_for_realtime(const RealtimeSettings& settings) {
     if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
       grant.memory_locked = true;
     } else {
-      note(grant.refusal, "locking memory: " + reason(errno) +
-                              " (needs LimitMEMLOCK=infinity in the unit, a memlock limit, or CAP_IPC_LOCK)");
+      note(grant.refusal,
+           "locking memory: " + reason(errno) +
+               " (install slipd-realtime; outside the service: a memlock limit or CAP_IPC_LOCK)");
     }
   }
   return grant;

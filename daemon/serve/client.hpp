@@ -45,6 +45,7 @@ class Client : public std::enable_shared_from_this<Client> {
   std::uint64_t dropped() const noexcept { return backlog_.dropped(); }
 
   std::list<Subscription> subscriptions;
+  int subscriptions_made = 0;  // since it came; numbers them
 
  private:
   void read_when_ready();

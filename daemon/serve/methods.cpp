@@ -138,8 +138,10 @@ void Methods::subscribe(Client& client, const Params& params, const Reply& reply
   if (client.subscriptions.size() >= kMostSubscriptions) {
     throw rpc::Error(rpc::kInvalidParams, "a client has at most 16 subscriptions; unsubscribe one first");
   }
-  client.subscriptions.emplace_back(++subscriptions_, params, world_.board);
-  reply.result({{"subscription", subscriptions_}});
+  const int id = client.subscriptions_made + 1;
+  client.subscriptions.emplace_back(id, params, world_.board);
+  client.subscriptions_made = id;
+  reply.result({{"subscription", id}});
 }
 
 void Methods::unsubscribe(Client& client, const Params& params, const Reply& reply) {
@@ -188,6 +190,14 @@ void Methods::record(Client& client, const Params& params, const Reply& reply) {
                                   {"bytes", result.bytes},
                                   {"seconds", result.seconds}});
                   });
+}
+
+void Methods::give_up_frames() {
+  for (auto& waiting : frames_wanted_) {
+    for (const Reply& reply : std::exchange(waiting, {})) {
+      reply.error(rpc::kNotPossible, "slipd has stopped or taken up another configuration; ask again");
+    }
+  }
 }
 
 void Methods::answer_frames() {

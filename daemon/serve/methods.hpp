@@ -24,6 +24,7 @@ class Methods {
 
   // The estimate thread may have left frames that were asked for: answers those who wait for them.
   void answer_frames();
+  void give_up_frames();  // they will not come
 
  private:
   using Params = nlohmann::json;
@@ -40,7 +41,6 @@ class Methods {
   Recorder& recorder_;
   std::map<std::string, Method, std::less<>> methods_;
   std::vector<std::vector<rpc::Reply>> frames_wanted_;  // per sensor
-  int subscriptions_ = 0;
 };
 
 }  // namespace slipd

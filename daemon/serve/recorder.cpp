@@ -52,6 +52,12 @@ Recorder::~Recorder() {
   stop_ = true;
 }
 
+void Recorder::end_all() {
+  stop_ = true;
+  for (const auto& job : jobs_) job->thread = Thread();  // joins
+  stop_ = false;
+}
+
 void Recorder::start(Panel& panel, UniqueFd file, double seconds,
                      std::shared_ptr<std::atomic<bool>> abandoned,
                      std::function<void(const RecordingResult&)> done) {
@@ -111,7 +117,7 @@ RecordingResult Recorder::write(Job& job) {
   if (error) {
     result.trouble = "writing the recording: " + error.message();
   } else if (*job.stop) {
-    result.trouble = "slipd is stopping";
+    result.trouble = "slipd stops, or takes up another configuration";
   }
   result.missed = job.queue.missed();
   result.bytes = job.writer.bytes();

@@ -26,6 +26,9 @@ class Recorder {
   explicit Recorder(asio::io_context& io);
   ~Recorder();  // ends all recordings; what they have is on disk then
 
+  // Ends all recordings early. What they have is on disk when it returns, and no panel is touched any more.
+  void end_all();
+
   // Starts one into `file`. `done` is called in the io thread. `abandoned` ends it early, without trouble.
   // Throws rpc::Error if the sensor is being recorded, or has no layout yet, or the file cannot be written
   // to.

@@ -16,25 +16,33 @@ using asio::posix::stream_descriptor;
 
 }  // namespace
 
-Server::Server(asio::io_context& io, World& world)
+void Clients::close_all() {
+  for (const auto& client : all) client->close();
+  all.clear();
+}
+
+Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& recorder, int listener)
     : io_(io),
       world_(world),
-      recorder_(io),
-      methods_(world, recorder_),
-      file_(world.settings.socket.path, world.settings.socket.mode),
-      listener_(io, file_.release_listener()),
+      clients_(clients),
+      methods_(world, recorder),
+      listener_(io, listener),
       news_(io, dup(world.board.io.fd())),
       pause_(io),
       rates_(io),
       last_(world.board.sensors.size()),
       last_estimated_(world.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
-  owner_.line = [this](const auto& client, const std::string& line) { methods_.line(client, line); };
-  owner_.gone = [this](const auto& client) {
-    dropped_for_gone_ += client->dropped();
-    clients_.erase(client);
-    world_.clients = clients_.size();
+  clients_.owner.line = [this](const auto& client, const std::string& line) { methods_.line(client, line); };
+  clients_.owner.gone = [this](const auto& client) {
+    clients_.dropped_for_gone += client->dropped();
+    clients_.all.erase(client);
+    world_.clients = clients_.all.size();
   };
+  world_.clients = clients_.all.size();
+  for (const auto& client : clients_.all) {
+    for (Subscription& subscription : client->subscriptions) subscription.follow(world.board);
+  }
   world_.rates_hz.resize(world.board.sensors.size());
   accept_when_ready();
   listen_for_news();
@@ -42,40 +50,36 @@ Server::Server(asio::io_context& io, World& world)
 }
 
 Server::~Server() {
-  stop();
+  methods_.give_up_frames();
+  clients_.owner = {.line = [](const auto&, const auto&) {}, .gone = [](const auto&) {}};
 }
 
-void Server::stop() {
-  std::error_code ignored;
-  listener_.close(ignored);
-  news_.close(ignored);
-  pause_.cancel();
-  rates_.cancel();
-  for (const auto& client : clients_) client->close();
-  clients_.clear();
+// A handler that was on its way already when this server ended does nothing: cancelling would come too late
+// for it.
+template <typename Body>
+auto Server::while_alive(Body body) {
+  return [alive = std::weak_ptr<const bool>(alive_), body](const std::error_code& error) {
+    if (!error && !alive.expired()) body();
+  };
 }
 
 void Server::accept_when_ready() {
-  listener_.async_wait(stream_descriptor::wait_read, [this](const std::error_code& error) {
-    if (!error) accept_one();
-  });
+  listener_.async_wait(stream_descriptor::wait_read, while_alive([this] { accept_one(); }));
 }
 
 void Server::accept_one() {
   UniqueFd socket(accept4(listener_.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket && (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)) {
     pause_.expires_after(100ms);
-    pause_.async_wait([this](const std::error_code& error) {
-      if (!error) accept_when_ready();
-    });
+    pause_.async_wait(while_alive([this] { accept_when_ready(); }));
     return;
   }
-  if (socket && clients_.size() >= world_.settings.socket.max_clients) {
+  if (socket && clients_.all.size() >= world_.settings.socket.max_clients) {
     turn_away(socket);
   } else if (socket) {
-    const auto client = std::make_shared<Client>(io_, std::move(socket), owner_);
-    clients_.insert(client);
-    world_.clients = clients_.size();
+    const auto client = std::make_shared<Client>(io_, std::move(socket), clients_.owner);
+    clients_.all.insert(client);
+    world_.clients = clients_.all.size();
     client->start();
   }
   accept_when_ready();
@@ -93,19 +97,22 @@ void Server::turn_away(const UniqueFd& socket) {
 }
 
 void Server::listen_for_news() {
-  news_.async_wait(stream_descriptor::wait_read, [this](const std::error_code& error) {
-    if (error) return;
-    world_.board.io.clear();
-    Event event;
-    // As many as were there at first, so that a flood does not keep the loop from the clients.
-    for (std::size_t left = world_.board.events.read_available(); left > 0 && world_.board.events.pop(event);
-         --left) {
-      tell(event);
-    }
-    if (world_.board.events.read_available() > 0) world_.board.io.ring();
-    methods_.answer_frames();
-    listen_for_news();
-  });
+  news_.async_wait(stream_descriptor::wait_read, while_alive([this] {
+                     take_news();
+                     listen_for_news();
+                   }));
+}
+
+void Server::take_news() {
+  world_.board.io.clear();
+  Event event;
+  // As many as were there at first, so that a flood does not keep the loop from the clients.
+  for (std::size_t left = world_.board.events.read_available(); left > 0 && world_.board.events.pop(event);
+       --left) {
+    tell(event);
+  }
+  if (world_.board.events.read_available() > 0) world_.board.io.ring();
+  methods_.answer_frames();
 }
 
 void Server::tell(const Event& event) {
@@ -119,7 +126,7 @@ void Server::tell(const Event& event) {
 void Server::tell(const Event& event, EventKind kind) {
   static constexpr const char* kMethods[kEventKinds] = {"estimate", "alert", "state"};
   std::shared_ptr<const std::string> head;  // made for the first that wants it
-  for (const auto& client : clients_) {
+  for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) {
       std::uint64_t lost = 0;
       if (!subscription.wants(event, kind, lost)) continue;
@@ -140,8 +147,7 @@ void Server::tell(const Event& event, EventKind kind) {
 
 void Server::measure_rates() {
   rates_.expires_after(1s);
-  rates_.async_wait([this](const std::error_code& error) {
-    if (error) return;
+  rates_.async_wait(while_alive([this] {
     const auto now = std::chrono::steady_clock::now();
     const std::chrono::duration<double> passed = now - last_measured_;
     last_measured_ = now;
@@ -150,11 +156,11 @@ void Server::measure_rates() {
       world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
       last_estimated_[i] = estimated;
     }
-    std::uint64_t dropped = dropped_for_gone_;
-    for (const auto& client : clients_) dropped += client->dropped();
+    std::uint64_t dropped = clients_.dropped_for_gone;
+    for (const auto& client : clients_.all) dropped += client->dropped();
     world_.notifications_dropped = dropped;
     measure_rates();
-  });
+  }));
 }
 
 }  // namespace slipd

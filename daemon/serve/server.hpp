@@ -11,45 +11,52 @@
 
 #include "daemon/serve/client.hpp"
 #include "daemon/serve/methods.hpp"
-#include "daemon/serve/socket_file.hpp"
+#include "daemon/serve/recorder.hpp"
 #include "daemon/serve/world.hpp"
 
 namespace slipd {
 
+// Who is connected. Outlives a server, so that the next one, with another configuration, goes on with them.
+struct Clients {
+  Client::Owner owner;  // the server's of now
+  std::set<std::shared_ptr<Client>> all;
+  std::uint64_t dropped_for_gone = 0;
+  void close_all();  // what they have not read is lost
+};
+
 class Server {
  public:
-  // Listens from now on. Throws std::runtime_error as SocketFile does.
-  Server(asio::io_context& io, World& world);
-  ~Server();
-
-  // No more news, no more clients. What clients have not read is lost.
-  void stop();
+  // Serves those who are connected and those who come to `listener`, its own from now on.
+  Server(asio::io_context& io, World& world, Clients& clients, Recorder& recorder, int listener);
+  ~Server();  // no more news, no new clients; who waits for a frame is told that it will not come
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
  private:
   struct Last {
     State state = State::stale;
     Alert alert = Alert::none;
   };
+  template <typename Body>
+  auto while_alive(Body body);
   void accept_when_ready();
   void accept_one();
   void turn_away(const UniqueFd& socket);
   void listen_for_news();
+  void take_news();
   void tell(const Event& event);
   void tell(const Event& event, EventKind kind);
   void measure_rates();
 
   asio::io_context& io_;
   World& world_;
-  Recorder recorder_;
+  Clients& clients_;
   Methods methods_;
-  SocketFile file_;
   asio::posix::stream_descriptor listener_, news_;
   asio::steady_timer pause_;  // before accepting again, when there is no descriptor left
   asio::steady_timer rates_;
-  Client::Owner owner_;
-  std::set<std::shared_ptr<Client>> clients_;
-  std::uint64_t dropped_for_gone_ = 0;
-  std::vector<Last> last_;  // per sensor, as told
+  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // gone with this, for handlers
+  std::vector<Last> last_;                                                  // per sensor, as told
   std::vector<std::uint64_t> last_estimated_;
   std::chrono::steady_clock::time_point last_measured_;
 };

@@ -44,8 +44,15 @@ SocketFile::SocketFile(std::filesystem::path path, unsigned mode)
   }
 }
 
+SocketFile::SocketFile(int listener) : listener_(listener) {
+  sockaddr_un address{};
+  socklen_t length = sizeof address;
+  if (getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &length) == 0) path_ = address.sun_path;
+}
+
 SocketFile::~SocketFile() {
-  if (listener_ >= 0) close(listener_);
+  close(listener_);
+  if (lock_fd_ < 0) return;
   unlink(path_.c_str());
   unlink(lock_path_.c_str());  // while it is held: who opened it before finds that it is no longer the one
   close(lock_fd_);
@@ -107,9 +114,9 @@ void SocketFile::bind_and_listen(unsigned mode) {
   if (listen(listener_, SOMAXCONN) != 0) fail("cannot listen on " + path_.string(), errno, "");
 }
 
-int SocketFile::release_listener() noexcept {
-  const int fd = listener_;
-  listener_ = -1;
+int SocketFile::duplicate() const {
+  const int fd = fcntl(listener_, F_DUPFD_CLOEXEC, 0);
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), "the listening socket");
   return fd;
 }
 

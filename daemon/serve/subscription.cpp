@@ -15,15 +15,14 @@ constexpr const char* kKindNames[kEventKinds] = {"estimate", "alert", "state"};
 
 }  // namespace
 
-Subscription::Subscription(int id, const json& params, const Board& board)
-    : id_(id), sensors_(board.sensors.size()) {
+Subscription::Subscription(int id, const json& params, const Board& board) : id_(id) {
   refuse_unknown(params, {"sensors", "max_rate_hz", "events"});
   if (const auto sensors = params.find("sensors"); sensors != params.end() && !sensors->is_null()) {
     if (!sensors->is_array()) throw rpc::Error(rpc::kInvalidParams, "\"sensors\" must be a list of names");
-    for (const json& name : *sensors) sensors_[sensor_index(name, board)].wanted = true;
-  } else {
-    for (Told& told : sensors_) told.wanted = true;
+    names_.emplace();
+    for (const json& name : *sensors) names_->push_back(board.sensors[sensor_index(name, board)]->name);
   }
+  follow(board);
   if (const auto rate = params.find("max_rate_hz"); rate != params.end() && !rate->is_null()) {
     const double hz = rate->is_number() ? rate->get<double>() : 0;
     if (!(hz >= 0.001 && hz <= 1e6))
@@ -41,6 +40,14 @@ Subscription::Subscription(int id, const json& params, const Board& board)
                        "there is no event " + event.dump() + "; there are estimate, alert and state");
     }
     events_[kind - kKindNames] = true;
+  }
+}
+
+void Subscription::follow(const Board& board) {
+  sensors_.assign(board.sensors.size(), Told{});
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    sensors_[i].wanted =
+        !names_ || std::find(names_->begin(), names_->end(), board.sensors[i]->name) != names_->end();
   }
 }
 

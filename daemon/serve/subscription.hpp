@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
@@ -22,6 +24,10 @@ class Subscription {
 
   int id() const noexcept { return id_; }
 
+  // The sensors are those of another board from now on. Those it wanted by name it gets if they are still
+  // there.
+  void follow(const Board& board);
+
   // Whether to tell of it now. An estimate is thinned to max_rate_hz, unless its state has changed since the
   // last one told: so the last word a client hears is never an old state. Adds up in `lost` what was lost
   // since the last one told.
@@ -38,6 +44,7 @@ class Subscription {
   int id_;
   std::int64_t interval_ns_ = 0;
   bool events_[kEventKinds] = {};
+  std::optional<std::vector<std::string>> names_;  // none: all sensors
   std::vector<Told> sensors_;
 };
 

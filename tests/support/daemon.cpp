@@ -65,14 +65,14 @@ json config_with(const TempFolder& folder, const json& sensors, const json& more
 
 Daemon::Daemon(const json& config, const std::filesystem::path& drivers, const Program::Environment& more)
     : socket_(config.at("socket").at("path").get<std::string>()) {
-  const auto file = folder_.write("slipd.json", config.dump(2));
+  config_ = folder_.write("slipd.json", config.dump(2));
   const NotifySocket notify(folder_.file("notify"));
   Program::Environment environment = more;
   environment.emplace_back("NOTIFY_SOCKET", folder_.file("notify").string());
   program_ =
       std::make_unique<Program>(folder_, "slipd",
                                 std::vector<std::string>{(program_folder() / "slipd").string(), "--config",
-                                                         file.string(), "--driver-dir", drivers.string()},
+                                                         config_.string(), "--driver-dir", drivers.string()},
                                 environment);
   const auto until = std::chrono::steady_clock::now() + 30s;
   while (!notify.says_ready(50ms)) {

@@ -38,7 +38,8 @@ class Daemon {
 
   RpcClient client() const { return RpcClient(socket_); }
   const std::filesystem::path& socket() const { return socket_; }
-  Program& program() { return *program_; }
+  const std::filesystem::path& config() const { return config_; }
+  Program& program() const { return *program_; }
 
   // Asks again and again until `enough` is pleased; the last `method` result. Throws if it never is.
   nlohmann::json wait_for(const std::string& method,
@@ -49,7 +50,7 @@ class Daemon {
 
  private:
   TempFolder folder_;
-  std::filesystem::path socket_;
+  std::filesystem::path socket_, config_;
   std::unique_ptr<Program> program_;
 };
 

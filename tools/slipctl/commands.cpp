@@ -59,6 +59,11 @@ void print_frame(const Common& common, const std::string& sensor) {
               << frame.shear_x_pa[i] << ',' << frame.shear_y_pa[i] << '\n';
 }
 
+void print_metrics(const Common& common) {
+  const json metrics = ask(common, "metrics");
+  std::cout << (common.json ? metrics.dump() + "\n" : metrics.get<std::string>());
+}
+
 void rebias(const Common& common, const std::string& sensor) {
   const json result = RpcClient(common.socket).call("rebias", {{"sensor", sensor}}, std::chrono::seconds(10));
   if (common.json)

@@ -22,6 +22,7 @@ void print_status(const Common& common);
 void print_sensors(const Common& common);
 void print_gamma(const Common& common, const std::string& sensor);  // empty: all
 void print_frame(const Common& common, const std::string& sensor);  // CSV, one taxel a line
+void print_metrics(const Common& common);                           // OpenMetrics text
 void rebias(const Common& common, const std::string& sensor);
 
 // Opens the file here, with the user's own rights, and lets the daemon's writer fill it.

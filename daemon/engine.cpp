@@ -1,0 +1,36 @@
+#include "daemon/engine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace slipd {
+
+Engine::Engine(Settings settings, DriverCatalogue& drivers)
+    : settings_(std::move(settings)),
+      models_(trainer_beside_program()),
+      pipeline_(
+          settings_, drivers, board_,
+          [this](const std::string& sensor, const ChainSetup& setup) { return models_.get(sensor, setup); }),
+      world_{.settings = settings_,
+             .board = board_,
+             .realtime = {},
+             .ring_estimate = [this] { pipeline_.ring(); },
+             .rates_hz = {}} {}
+
+void Engine::start(const RealtimeGrant& grant) {
+  world_.realtime = grant;
+  pipeline_.start(grant);
+}
+
+bool Engine::stop(std::chrono::system_clock::time_point deadline) {
+  models_.stop();
+  return pipeline_.stop(deadline);
+}
+
+bool Engine::tried() const {
+  return std::none_of(board_.sensors.begin(), board_.sensors.end(), [](const auto& panel) {
+    return panel->link.load(std::memory_order_relaxed) == Link::opening;
+  });
+}
+
+}  // namespace slipd

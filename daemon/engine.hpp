@@ -1,0 +1,39 @@
+// One configuration at work: its drivers, its threads, its board. A reload makes the next one beside it, and
+// only when that is known to be good takes this one down. io thread.
+#pragma once
+
+#include "daemon/models.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+#include "daemon/serve/world.hpp"
+
+namespace slipd {
+
+class Engine {
+ public:
+  // Makes the drivers, starts nothing, touches no device. Throws SettingsError for what drivers refuse.
+  Engine(Settings settings, DriverCatalogue& drivers);
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  void start(const RealtimeGrant& grant);
+
+  // Ends its threads by `deadline`. False: a driver hangs, so that nothing of this may be destroyed any more.
+  bool stop(std::chrono::system_clock::time_point deadline);
+
+  // Whether each device has been tried: opened, refused or found absent.
+  bool tried() const;
+  std::uint64_t heartbeat() const noexcept { return pipeline_.heartbeat(); }
+
+  const Settings& settings() const noexcept { return settings_; }
+  Board& board() noexcept { return board_; }
+  World& world() noexcept { return world_; }
+
+ private:
+  const Settings settings_;
+  Board board_;
+  Models models_;
+  Pipeline pipeline_;
+  World world_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,147 @@
+// What an administrator does to a running service: changes its configuration, well or badly; starts it by its
+// socket.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <thread>
+
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+json trial(const std::string& name, const json& options = json::object()) {
+  return {{"name", name}, {"driver", "trial"}, {"options", options}};
+}
+
+bool serves(const json& gamma, const std::string& sensor) {
+  return gamma["sensors"].size() == 1 && gamma["sensors"][0]["sensor"] == sensor;
+}
+
+class Reload : public ::testing::Test {
+ protected:
+  // Another configuration in the file, and a signal.
+  void reload(const json& config) { reload_text(config.dump()); }
+  void reload_text(const std::string& text) {
+    std::ofstream(daemon_.config()) << text;
+    daemon_.program().signal(SIGHUP);
+  }
+  json only(const json& sensor) const { return config_with(folder_, json::array({sensor})); }
+  // Asks the log, which is the only one to say that nothing has changed.
+  void await_error(const std::string& text) const {
+    const auto until = std::chrono::steady_clock::now() + 10s;
+    while (daemon_.program().errors().find(text) == std::string::npos) {
+      ASSERT_LT(std::chrono::steady_clock::now(), until) << daemon_.program().errors();
+      std::this_thread::sleep_for(5ms);
+    }
+  }
+  const TempFolder folder_;
+  Daemon daemon_{only(trial("left")), trial_drivers()};
+};
+
+TEST_F(Reload, TakesUpAGoodConfigurationAndKeepsItsClients) {
+  auto subscriber = daemon_.client();
+  subscriber.result("subscribe");
+  EXPECT_EQ(subscriber.notification()["params"]["sensor"], "left");
+  reload(only(trial("right")));
+  daemon_.wait_for("gamma", [](const json& r) { return serves(r, "right"); });
+  json told;
+  do told = subscriber.notification();
+  while (told["params"]["sensor"] != "right");
+  EXPECT_EQ(subscriber.result("version")["name"], "slipd");
+}
+
+TEST_F(Reload, ASubscriberByNameIsToldOfItsOwnSensorsOnly) {
+  reload(config_with(folder_, json::array({trial("other"), trial("left")})));
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"].size() == 2; });
+  auto subscriber = daemon_.client();
+  subscriber.result("subscribe", {{"sensors", {"left"}}});
+  reload(config_with(folder_, json::array({trial("left"), trial("other")})));
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["sensor"] == "left"; });
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(subscriber.notification()["params"]["sensor"], "left");
+}
+
+TEST_F(Reload, KeepsTheOldConfigurationWhenTheNewOneIsBad) {
+  reload_text("{ nonsense");
+  await_error("the configuration in force stays");
+  reload(only({{"name", "left"}, {"driver", "nosuch"}}));
+  await_error("/sensors/0/driver");
+  reload(only(trial("left", {{"behaviour", "throw_in_create"}})));
+  await_error("the trial device cannot be made");
+  EXPECT_TRUE(serves(daemon_.client().result("gamma"), "left"));
+  std::filesystem::remove(daemon_.config());
+  daemon_.program().signal(SIGHUP);
+  await_error("No such file");
+  EXPECT_TRUE(serves(daemon_.client().result("gamma"), "left"));
+}
+
+TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
+  reload(config_with(folder_, json::array({trial("left"), trial("ill", {{"behaviour", "hang_in_read"}})})));
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"].size() == 2; });
+  reload(only(trial("right")));
+  daemon_.wait_for("gamma",
+                   [](const json& r) { return serves(r, "right") && r["sensors"][0]["state"] == "ok"; });
+  EXPECT_EQ(daemon_.stop(2s), 0);
+}
+
+TEST_F(Reload, EndsARecordingAndSaysSo) {
+  auto client = daemon_.client();
+  const int file = open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT, 0600);
+  client.send(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":1000}})"
+              "\n",
+              file);
+  close(file);
+  // Two clients cannot record the same sensor: once the second is refused, the first records.
+  daemon_.wait_for("version", [&](const json&) {
+    return std::filesystem::exists(folder_.file("r.rec")) &&
+           std::filesystem::file_size(folder_.file("r.rec")) > 0;
+  });
+  reload(only(trial("left")));
+  const auto answer = client.line();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(*answer, HasSubstr("another configuration"));
+}
+
+TEST_F(Reload, AgainAndAgainWhileClientsAsk) {
+  auto asking = daemon_.client();
+  auto subscriber = daemon_.client();
+  subscriber.result("subscribe");
+  for (int i = 0; i < 10; ++i) {
+    reload(only(trial(i % 2 == 0 ? "right" : "left")));
+    for (int k = 0; k < 20; ++k) asking.call("frame", {{"sensor", "left"}});
+  }
+  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  EXPECT_EQ(daemon_.stop(), 0);
+}
+
+TEST(Activation, ServesTheSocketThatItIsPassed) {
+  const std::filesystem::path activate = "/usr/bin/systemd-socket-activate";
+  if (!std::filesystem::exists(activate)) GTEST_SKIP() << activate << " is not installed";
+  const TempFolder folder;
+  const auto socket = folder.file("passed.sock");
+  const auto config = folder.write("c.json", config_with(folder, json::array({trial("left")})).dump());
+  Program program(folder, "slipd",
+                  {activate.string(), "--listen=" + socket.string(), (program_folder() / "slipd").string(),
+                   "--config", config.string(), "--driver-dir", trial_drivers().string()});
+  const auto until = std::chrono::steady_clock::now() + 10s;
+  while (!std::filesystem::exists(socket)) {
+    ASSERT_LT(std::chrono::steady_clock::now(), until) << program.errors();
+    std::this_thread::sleep_for(5ms);
+  }
+  RpcClient client(socket);
+  EXPECT_EQ(client.result("version")["name"], "slipd");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("s.sock"))) << "socket.path is not served then";
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.wait(10s), 0);
+  EXPECT_TRUE(std::filesystem::exists(socket)) << "it is not slipd's to remove";
+}
+
+}  // namespace
+}  // namespace slipd::testing

@@ -1,0 +1,20 @@
+# What the service scripts share: the packages, who may ask, and asking.
+PATH=${PATH#/build/bin:/build/test-bin:}  # the installed programs, not the built ones
+packages=/source/build/packages
+config=/etc/slipd/slipd.json
+
+installs() {  # NAME…
+  local name files=()
+  for name in "$@"; do files+=("$packages/${name}"_*.deb); done
+  dpkg -i "${files[@]}" || fail "dpkg refuses $*"
+}
+
+people() {  # alice is a member of group slipd, mallory is nobody in particular
+  useradd --groups slipd alice
+  useradd mallory
+}
+as() { runuser -u "$1" -- "${@:2}"; }
+
+serves() { as alice slipctl --json gamma; }
+property() { systemctl show -P "$1" "${2:-slipd.service}"; }
+why() { journalctl --no-pager -o cat -u slipd.service | tail -n 40; }
