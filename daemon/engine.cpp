@@ -15,6 +15,7 @@ Engine::Engine(Settings settings, DriverCatalogue& drivers)
              .board = board_,
              .realtime = {},
              .ring_estimate = [this] { pipeline_.ring(); },
+             .last_minute = {},
              .rates_hz = {}} {}
 
 void Engine::start(const RealtimeGrant& grant) {

@@ -46,6 +46,12 @@ class Families {
          << name << (std::string(type) == "counter" ? "_total " : " ") << value << '\n';
   }
 
+  // What is known without a sensor: labels and the number 1.
+  void build(const char* version) {
+    out_ << "# TYPE slipd_build info\n# HELP slipd_build Which slipd this is.\nslipd_build_info{version=\""
+         << version << "\"} 1\n";
+  }
+
   void latencies() {
     out_ << "# TYPE slipd_latency_seconds summary\n# UNIT slipd_latency_seconds seconds\n"
             "# HELP slipd_latency_seconds From the sample to its published estimate.\n";
@@ -62,6 +68,25 @@ class Families {
       line("0.999", latency.p999_us);
       line("1", latency.max_us);
       out_ << "slipd_latency_seconds_count{" << sensor << "} " << latency.count << '\n';
+    }
+  }
+
+  void latencies_of_last_minute() {
+    out_ << "# TYPE slipd_latency_last_minute_seconds gauge\n# UNIT slipd_latency_last_minute_seconds "
+            "seconds\n"
+            "# HELP slipd_latency_last_minute_seconds The same over the last minute.\n";
+    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+      const Panel& panel = *world_.board.sensors[i];
+      const auto latency = world_.last_minute[i].summary(panel.latency);
+      if (latency.count == 0) continue;
+      const auto line = [&](const char* quantile, double microseconds) {
+        out_ << "slipd_latency_last_minute_seconds{sensor=\"" << label_text(panel.name) << "\",quantile=\""
+             << quantile << "\"} " << microseconds * 1e-6 << '\n';
+      };
+      line("0.5", latency.p50_us);
+      line("0.99", latency.p99_us);
+      line("0.999", latency.p999_us);
+      line("1", latency.max_us);
     }
   }
 
@@ -110,7 +135,23 @@ std::string metrics_text(const World& world) {
                });
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
                [&](std::size_t i) { return static_cast<double>(readings[i].estimate.alert); });
+  families.add("slipd_simulated", "gauge", "1 for a simulated sensor.",
+               [&](std::size_t i) { return panel(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0; });
+  families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
+               [&](std::size_t i) { return number(panel(i).timeouts.load(std::memory_order_relaxed)); });
+  families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",
+               [&](std::size_t i) { return number(panel(i).events_lost.load(std::memory_order_relaxed)); });
+  families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
+               [&](std::size_t i) { return world.rates_hz[i]; });
   families.latencies();
+  families.latencies_of_last_minute();
+  families.build(SLIPD_VERSION);
+  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
+  families.add_one("slipd_uptime_seconds", "gauge", "Since the start.", uptime.count());
+  families.add_one("slipd_realtime_scheduling", "gauge", "1 if real-time scheduling was granted.",
+                   world.realtime.scheduling ? 1 : 0);
+  families.add_one("slipd_realtime_memory_locked", "gauge", "1 if memory is locked.",
+                   world.realtime.memory_locked ? 1 : 0);
   families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(world.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
                    number(world.notifications_dropped));

@@ -44,6 +44,7 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
     for (Subscription& subscription : client->subscriptions) subscription.follow(world.board);
   }
   world_.rates_hz.resize(world.board.sensors.size());
+  world_.last_minute.resize(world.board.sensors.size());
   accept_when_ready();
   listen_for_news();
   measure_rates();
@@ -155,6 +156,7 @@ void Server::measure_rates() {
       const std::uint64_t estimated = world_.board.sensors[i]->latest.load().counts.estimated;
       world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
       last_estimated_[i] = estimated;
+      world_.last_minute[i].look(world_.board.sensors[i]->latency, now);
     }
     std::uint64_t dropped = clients_.dropped_for_gone;
     for (const auto& client : clients_.all) dropped += client->dropped();

@@ -22,16 +22,28 @@ json realtime_json(const World& world) {
   return result;
 }
 
+// From the sample to its published estimate; null where there was none.
+json latency_json(const LatencyHistogram::Summary& latency) {
+  const auto known = [&](double value) { return latency.count > 0 ? json(value) : json(nullptr); };
+  return {{"p50", known(latency.p50_us)},
+          {"p99", known(latency.p99_us)},
+          {"p99.9", known(latency.p999_us)},
+          {"max", known(latency.max_us)}};
+}
+
 json sensor_status(const World& world, std::size_t sensor) {
   const Panel& panel = *world.board.sensors[sensor];
   const Reading reading = panel.latest.load();
-  const auto latency = panel.latency.summary();
-  const auto known = [&](double value) { return latency.count > 0 ? json(value) : json(nullptr); };
   const DeviceFacts facts = panel.facts();
   const Counts& counts = reading.counts;
   return {{"name", panel.name},
           {"state", to_string(reading.estimate.state)},
+          {"alert", to_string(reading.estimate.alert)},
+          {"driver", panel.driver},
           {"device", facts.description},
+          {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
+          {"simulated", panel.simulated.load(std::memory_order_relaxed)},
+          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
           {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
           {"received", counts.received},
           {"estimated", counts.estimated},
@@ -43,11 +55,8 @@ json sensor_status(const World& world, std::size_t sensor) {
           {"reconnects", panel.reconnects.load(std::memory_order_relaxed)},
           {"events_lost", panel.events_lost.load(std::memory_order_relaxed)},
           {"rate_hz", world.rates_hz[sensor]},
-          {"latency_us",
-           {{"p50", known(latency.p50_us)},
-            {"p99", known(latency.p99_us)},
-            {"p99.9", known(latency.p999_us)},
-            {"max", known(latency.max_us)}}}};
+          {"latency_us", latency_json(panel.latency.summary())},
+          {"latency_last_minute_us", latency_json(world.last_minute[sensor].summary(panel.latency))}};
 }
 
 }  // namespace
@@ -56,7 +65,8 @@ json status_json(const World& world) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
   json sensors = json::array();
   for (std::size_t i = 0; i < world.board.sensors.size(); ++i) sensors.push_back(sensor_status(world, i));
-  return {{"uptime_s", uptime.count()},
+  return {{"version", SLIPD_VERSION},
+          {"uptime_s", uptime.count()},
           {"pid", getpid()},
           {"sensors", std::move(sensors)},
           {"realtime", realtime_json(world)},

@@ -8,6 +8,7 @@
 #include "config/settings.hpp"
 #include "daemon/board/board.hpp"
 #include "daemon/pipeline/realtime.hpp"
+#include "daemon/serve/latency_window.hpp"
 
 namespace slipd {
 
@@ -19,6 +20,7 @@ struct World {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   std::size_t clients = 0;
   std::uint64_t notifications_dropped = 0;  // for clients that were too slow, over all
+  std::vector<LatencyWindow> last_minute;   // per sensor, of its latency
   std::vector<double> rates_hz;             // estimates a second, per sensor, over the last second or so
 };
 
