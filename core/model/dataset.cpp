@@ -10,7 +10,8 @@ namespace slipd {
 namespace {
 
 // What each draw of a contact's stream is for. Never renumbered: every model and figure hangs on it.
-enum Purpose : std::uint64_t { kFamily, kNormal, kFriction, kFlat, kRadius, kModulus, kPoisson, kX, kY };
+constexpr std::uint64_t kFamily = 0, kNormal = 1, kFriction = 2, kFlat = 3, kRadius = 4, kModulus = 5,
+                        kPoisson = 6, kX = 7, kY = 8;
 
 const ObjectFamily& pick_family(const Scene& scene, double share) {
   double total = 0;
@@ -29,7 +30,7 @@ const ObjectFamily& pick_family(const Scene& scene, double share) {
 
 ContactDraw draw_contact(const Scene& scene, std::uint64_t seed, std::size_t index) {
   const Draws draws = Draws(seed).stream(index);
-  const auto within = [&](Purpose purpose, const Range& range) {
+  const auto within = [&](std::uint64_t purpose, const Range& range) {
     return draws.uniform(purpose, range.low, range.high);
   };
   const ObjectFamily& family = pick_family(scene, draws.uniform(kFamily));

@@ -71,7 +71,7 @@ struct Neighbours::Query::Search {
 
 Neighbours::Query::Query(const Neighbours& of, std::size_t k) {
   const std::size_t most = std::clamp<std::size_t>(k, 1, of.size());
-  search_.reset(new Search{of.impl_.get(), flann::KNNSimpleResultSet<float>(most)});
+  search_ = std::make_unique<Search>(Search{of.impl_.get(), flann::KNNSimpleResultSet<float>(most)});
   indices_.resize(most);
   squared_distances_.resize(most);
 }

@@ -3,32 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <numbers>
 #include <optional>
 
 #include "core/model/train.hpp"
+#include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
-
-namespace {
-std::atomic<std::size_t> allocations{0};
-}  // namespace
-
-// Every allocation of this test program is counted.
-void* operator new(std::size_t size) {
-  allocations.fetch_add(1, std::memory_order_relaxed);
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace slipd {
 namespace {
@@ -132,10 +113,10 @@ TEST(SvdKnn, AllocatesNothingOfItsOwn) {
   const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
   const ContactPatch& patch = finder.find(frame);
   estimator.read(frame, patch);
-  const std::size_t before = allocations.load();
+  const std::uint64_t before = test::allocations();
   for (int i = 0; i < 100; ++i) estimator.read(frame, patch);
   // One a frame is FLANN's, within KDTreeSingleIndex::findNeighbors.
-  EXPECT_LE(allocations.load() - before, 100U);
+  EXPECT_LE(test::allocations() - before, 100U);
 }
 
 }  // namespace

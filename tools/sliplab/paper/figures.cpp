@@ -15,7 +15,7 @@ set xlabel 'u_1' ; set ylabel 'u_2' ; set zlabel 'u_3'
 set cblabel 'safety margin' ; set cbrange [0:1]
 set palette defined (0 '#b2182b', 0.5 '#fddbc7', 1 '#2166ac')
 set view 62,325
-splot 'figure3.csv' every 4::1 using 1:2:3:4 with points palette pointtype 7 pointsize 0.25 notitle
+splot 'figure3.csv' every 4::1 using 1:2:3:4 with points palette pointtype 7 pointsize 0.35 notitle
 )";
 
 constexpr const char* kFigure4 = R"(set terminal svg size 900,600 font 'sans,14' background 'white'
@@ -29,13 +29,14 @@ $paper << end
 end
 set logscale x ; set xrange [1:100] ; set yrange [30:100]
 set xtics (1,2,3,5,8,10,20,50,100) ; set grid ; set key bottom right
-plot 'figure4.csv' every ::1 using 1:3:4 with filledcurves fillcolor '#c6dbef' notitle, \
-     '' every ::1 using 1:2 with linespoints linecolor '#2171b5' pointtype 7 title 'split at random', \
-     '' every ::1 using 1:6:7 with filledcurves fillcolor '#fdd0a2' notitle, \
-     '' every ::1 using 1:5 with linespoints linecolor '#d94801' pointtype 5 title 'split by contact', \
-     '' every ::1 using 1:8 with lines linecolor '#a50f15' dashtype 2 title 'full columns, at random', \
-     '' every ::1 using 1:9 with lines linecolor '#a50f15' dashtype 4 title 'full columns, by contact', \
-     $paper using 1:2 with points pointtype 2 pointsize 1.5 linecolor 'black' title 'the paper'
+set style fill transparent solid 0.35 noborder
+plot 'figure4.csv' every ::1 using 1:3:4 with filledcurves fillcolor '#6baed6' notitle, \
+     '' every ::1 using 1:6:7 with filledcurves fillcolor '#fdae6b' notitle, \
+     '' every ::1 using 1:8 with lines linecolor '#2171b5' dashtype 2 title 'full columns, split at random', \
+     '' every ::1 using 1:9 with lines linecolor '#d94801' dashtype 2 title 'full columns, by contact', \
+     '' every ::1 using 1:2 with linespoints linecolor '#2171b5' linewidth 2 pointtype 7 title 'split at random', \
+     '' every ::1 using 1:5 with linespoints linecolor '#d94801' linewidth 2 pointtype 5 title 'split by contact', \
+     $paper using 1:2 with points pointtype 2 pointsize 1.8 linewidth 3 linecolor 'black' title 'the paper'
 )";
 
 std::string figure3_csv(const Experiment& experiment) {
