@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 constexpr auto kReadTimeout = 50ms;  // how long a stop may have to wait for a driver that behaves
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
-constexpr std::size_t kStackBytes = 512 * 1024;
+constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
 
 }  // namespace
 

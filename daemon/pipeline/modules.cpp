@@ -17,7 +17,7 @@ constexpr const char* kSuffix = ".so";
 fs::path default_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path beside = program.parent_path().parent_path() / "drivers";
+  fs::path beside = program.parent_path().parent_path() / "drivers";
   if (!error && fs::is_directory(beside, error)) return beside;
   return SLIPD_INSTALLED_DRIVERS;
 }

@@ -5,7 +5,7 @@
 namespace slipd {
 namespace {
 
-constexpr std::size_t kEstimateStackBytes = 512 * 1024;
+constexpr std::size_t kEstimateStackBytes = std::size_t{512} * 1024;
 
 std::vector<std::unique_ptr<Seat>> seats_for(const Settings& settings, Board& board) {
   std::vector<std::unique_ptr<Seat>> seats;
@@ -55,6 +55,7 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
       continue;
     }
     std::vector<SensorSetup> setups;
+    setups.reserve(device.size());
     for (const std::size_t sensor : device) setups.push_back(settings.sensors[sensor].setup);
     try {
       auto opened = [this](std::size_t sensor, std::shared_ptr<Feed> feed) {

@@ -66,7 +66,7 @@ RealtimeGrant ask_for_realtime(const RealtimeSettings& settings) {
   }
   if (settings.lock_memory) {
     // What is freed stays ours, so that it need not be mapped and locked again.
-    mallopt(M_TRIM_THRESHOLD, -1);
+    mallopt(M_TRIM_THRESHOLD, -1);  // NOLINT(concurrency-mt-unsafe): before any other thread
     if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
       grant.memory_locked = true;
     } else {

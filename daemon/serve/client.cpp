@@ -14,9 +14,9 @@ namespace {
 
 using std::chrono::seconds;
 
-constexpr std::size_t kMostNotifications = 256;        // that wait for one client
-constexpr std::size_t kMostAnswerBytes = 1024 * 1024;  // that wait, before no more is read
-constexpr int kMostAwaited = 16;                       // answers under way, before no more is read
+constexpr std::size_t kMostNotifications = 256;                     // that wait for one client
+constexpr std::size_t kMostAnswerBytes = std::size_t{1024} * 1024;  // that wait, before no more is read
+constexpr int kMostAwaited = 16;  // answers under way, before no more is read
 constexpr std::size_t kMostPassedFds = 4;
 constexpr auto kPatience = seconds(1);
 
@@ -51,7 +51,7 @@ void Client::on_readable() {
 }
 
 void Client::receive() {
-  std::array<char, 16 * 1024> bytes;
+  std::array<char, std::size_t{16} * 1024> bytes;
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMostPassedFds)> control;
   iovec piece{bytes.data(), bytes.size()};
   msghdr message{};

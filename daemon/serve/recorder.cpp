@@ -18,9 +18,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr std::size_t kStackBytes = 256 * 1024;
-constexpr std::size_t kQueueBytes = 32 * 1024 * 1024;  // of frames that the disk has not taken yet
-constexpr auto kLook = 5ms;                            // how often the writer looks for frames
+constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
+constexpr std::size_t kQueueBytes =
+    std::size_t{32} * 1024 * 1024;  // of frames that the disk has not taken yet
+constexpr auto kLook = 5ms;         // how often the writer looks for frames
 
 std::size_t queue_frames(std::size_t taxels) {
   return std::clamp<std::size_t>(kQueueBytes / (3 * sizeof(float) * taxels), 16, 4096);

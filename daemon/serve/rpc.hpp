@@ -24,7 +24,7 @@ inline constexpr int kUnknownSensor = -32001;
 inline constexpr int kNotPermitted = -32002;
 inline constexpr int kNotPossible = -32003;
 
-inline constexpr std::size_t kLongestLine = 64 * 1024;
+inline constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
 inline constexpr int kDeepestNesting = 32;
 inline constexpr std::size_t kLargestBatch = 64;
 

@@ -92,7 +92,7 @@ Daemon::~Daemon() {
 
 json Daemon::wait_for(const std::string& method, const std::function<bool(const json&)>& enough) const {
   RpcClient client(socket_);
-  const auto until = std::chrono::steady_clock::now() + 30s;
+  const auto until = std::chrono::steady_clock::now() + (sanitized() ? 100s : 30s);
   for (;;) {
     json result = client.result(method);
     if (enough(result)) return result;

@@ -45,7 +45,9 @@ TEST(Devices, ADriverThatHangsMakesOnlyItsOwnSensorStale) {
   Daemon daemon(config_with(folder, sensors({trial("well"),
                                              trial("ill", {{"behaviour", "hang_in_read"}, {"after", 20}})})),
                 trial_drivers());
-  daemon.wait_for("gamma", state_is("ill", "stale"));
+  daemon.wait_for("status", [](const json& s) {
+    return sensor_of(s, "ill")["received"] == 20 && sensor_of(s, "ill")["state"] == "stale";
+  });
   const auto before = sensor_of(daemon.wait_for("status", state_is("well", "ok")), "well")["estimated"];
   daemon.wait_for("status", [&](const json& s) { return sensor_of(s, "well")["estimated"] > before; });
   EXPECT_EQ(sensor_of(daemon.client().result("gamma"), "ill")["gamma"], nullptr);

@@ -37,6 +37,12 @@ class Socket : public ::testing::Test {
     EXPECT_EQ(client.result("version").at("name"), "slipd");
   }
 
+  void SetUp() override {
+    daemon_.wait_for("gamma", [](const json& r) {
+      return r["sensors"][0]["state"] == "ok" && r["sensors"][1]["state"] == "ok";
+    });
+  }
+
   TempFolder folder_;
   Daemon daemon_{config(folder_), trial_drivers()};
 };
@@ -71,7 +77,6 @@ TEST_F(Socket, OneSensorIsAskedForByName) {
 }
 
 TEST_F(Socket, AFrameHasAColumnForEveryTaxel) {
-  daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
   auto client = daemon_.client();
   const json frame = client.result("frame", {{"sensor", "left"}});
   for (const char* column : {"normal_pa", "shear_x_pa", "shear_y_pa", "x_mm", "y_mm"}) {
@@ -275,7 +280,7 @@ TEST_F(Socket, ARecordingEndsWithItsClient) {
   const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   {
     auto client = daemon_.client();
-    client.send(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":3600}})"
+    client.send(R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":"left","seconds":3600}})"
                 "\n",
                 fd);
     EXPECT_EQ(client.result("version")["name"], "slipd");
