@@ -21,8 +21,6 @@
 #include "core/model/setup_json.hpp"
 #include "daemon/serve/unique_fd.hpp"
 
-extern char** environ;
-
 namespace slipd {
 namespace {
 
