@@ -64,13 +64,15 @@ set(CPACK_COMPONENTS_ALL "")
 slipd_package(slipd slipd COMPONENTS slipd slipctl sliplab driver_sim driver_replay SCRIPTS slipd
   DEPENDS "passwd, systemd | systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS slipd-realtime
   SUMMARY "slip margin of tactile sensors, as a service"
-  TEXT "slipd watches a robotic gripper's tactile sensors and says, for every frame, how far the grasp is from slipping. It answers \
-on a Unix socket in JSON and speaks on CAN.\n\n\
-This package has the daemon, its client slipctl, the offline program sliplab, and the drivers for simulated and for \
-replayed sensors.")
+  TEXT "slipd watches a robotic gripper's tactile sensors and says, for every\n\
+frame, how far the grasp is from slipping. It answers on a Unix socket\n\
+in JSON and speaks on CAN.\n\n\
+This package has the daemon, its client slipctl, the offline program\n\
+sliplab, and the drivers for simulated and for replayed sensors.")
 slipd_package(realtime slipd-realtime COMPONENTS realtime SCRIPTS part DEPENDS "${slipd_same_version}"
   SUMMARY "real-time scheduling for slipd"
-  TEXT "Allows the service slipd real-time scheduling and locked memory, which its unit does not ask for by itself.")
+  TEXT "Allows the service slipd real-time scheduling and locked memory, which\n\
+its unit does not ask for by itself.")
 set(CPACK_DEBIAN_REALTIME_PACKAGE_ARCHITECTURE all)
 
 set(slipd_bus_usb "USB devices")
@@ -82,7 +84,8 @@ foreach(driver usb hid modbus can)
     slipd_package(driver_${driver} slipd-driver-${driver} COMPONENTS driver_${driver} SCRIPTS part
       DEPENDS "${slipd_same_version}" RECOMMENDS slipd-realtime
       SUMMARY "driver of slipd for ${slipd_bus_${driver}}"
-      TEXT "Lets slipd read ${slipd_bus_${driver}}: the driver, and what its service must be allowed for them and no more.")
+      TEXT "Lets slipd read ${slipd_bus_${driver}}: the driver, and what its\n\
+service must be allowed for them, and no more.")
   endif()
 endforeach()
 
@@ -98,6 +101,7 @@ install(FILES ${PROJECT_BINARY_DIR}/slipd-config.cmake ${PROJECT_BINARY_DIR}/sli
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/slipd COMPONENT dev)
 slipd_package(dev slipd-dev COMPONENTS dev SECTION libdevel DEPENDS "nlohmann-json3-dev"
   SUMMARY "headers for drivers of slipd"
-  TEXT "What a driver for a sensor of one's own is compiled with: the contract between slipd and a driver, and CMake files.")
+  TEXT "What a driver for a sensor of one's own is compiled with: the contract\n\
+between slipd and a driver, and CMake files.")
 
 include(CPack)

@@ -31,7 +31,7 @@ kill -0 "$watcher" || fail "the client is gone: $(cat watched)"
 kill "$watcher"
 
 sed -i 's/"rate_hz": 50/"rate_hz": -50/' $config
-refused "reload says that a bad configuration is bad" systemctl reload slipd
+refused "systemctl reload fails where the configuration is bad" systemctl reload slipd
 why | grep -q '/sensors/0/rate_hz' || fail "the log does not say where: $(why)"
 kill -HUP "$pid"
 awaits "the daemon itself refuses it, too" eval 'why | grep -q "reload: .*/sensors/0/rate_hz"'
@@ -47,7 +47,7 @@ systemctl enable --now slipd.socket
 same "the socket waits, the service does not run" "$(systemctl is-active slipd.socket) $(systemctl is-active slipd.service)" "active inactive"
 serves | grep -q '"sensor":"right"' || fail "the socket does not start it: $(why)"
 echo "ok: the first question starts it"
-refused "a non-member gets in by the socket" as mallory slipctl gamma
+refused "the socket lets no non-member in" as mallory slipctl gamma
 systemctl stop slipd.service
 serves >/dev/null || fail "stopped, it is not started again by the next question: $(why)"
 echo "ok: and again after a stop"

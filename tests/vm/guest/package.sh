@@ -17,7 +17,7 @@ refused "nobody else is" as mallory slipctl gamma
 as mallory slipctl gamma 2>&1 | grep -qi 'permission denied' || fail "the refusal does not say why: $(as mallory slipctl gamma 2>&1)"
 same "it is not root" "$(stat -c %U "/proc/$(property MainPID)")" slipd
 same "no capabilities" "$(grep CapEff "/proc/$(property MainPID)/status" | cut -f2)" 0000000000000000
-refused "a warning in its log" eval 'journalctl -u slipd -p err --no-pager -q | grep .'
+refused "there are no errors in its log" eval 'journalctl -u slipd -p err --no-pager -q | grep .'
 
 # An upgrade: the same package, called a later one, with another default configuration.
 echo '// mine' >>$config
@@ -30,7 +30,7 @@ before=$(property MainPID)
 dpkg --force-confold -i /run/next.deb || fail "the upgrade is refused"
 same "an upgrade keeps the edited configuration" "$(tail -n 1 $config)" "// mine"
 same "and runs" "$(systemctl is-active slipd)" active
-refused "it is still the old one that runs" test "$(property MainPID)" = "$before"
+refused "and it is the new one that runs" test "$(property MainPID)" = "$before"
 serves >/dev/null || fail "it does not serve after the upgrade: $(why)"
 
 systemctl disable --now slipd.service
@@ -39,7 +39,7 @@ same "what the administrator has disabled stays so over an upgrade" "$(systemctl
 systemctl enable --now slipd.service
 
 dpkg -r slipd || fail "it cannot be removed"
-refused "it runs although it was removed" systemctl is-active slipd
+refused "removed, it does not run" systemctl is-active slipd
 test -e $config || fail "removed, not purged, it has lost its configuration"
 dpkg -P slipd || fail "it cannot be purged"
 userdel alice

@@ -8,7 +8,7 @@ cat >$config <<'JSON'
 { "sensors": [ { "name": "left", "driver": "sim", "rate_hz": 50, "stale_after_ms": 2000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
   "estimator": { "method": "moments" }, "realtime": { "mode": "enforce", "priority": 60 } }
 JSON
-refused "enforce starts without being allowed to" systemctl restart slipd
+refused "enforce does not start where it is not allowed to" systemctl restart slipd
 why | grep -q 'slipd-realtime' || fail "it does not say how to allow it: $(why)"
 installs slipd-realtime
 systemctl reset-failed slipd
