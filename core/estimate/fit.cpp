@@ -30,6 +30,8 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected)
   for (auto* sheet : {&outer_, &inner_}) {
     for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(layout.size());
   }
+  slopes_.resize(2 * static_cast<Eigen::Index>(layout.size()), kUnknowns);
+  residuals_.resize(2 * static_cast<Eigen::Index>(layout.size()));
 }
 
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
@@ -85,24 +87,40 @@ double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexce
   sheet(a, outer_);
   sheet(k * a, inner_);
 
+  using Values = Eigen::Map<const Eigen::ArrayXd>;
+  const auto n = static_cast<Eigen::Index>(count_);
+  const auto values = [n](const std::vector<double>& list) { return Values(list.data(), n); };
   const double wp = 1 / noise_normal_, wq = 1 / noise_shear_, shape = b * t / rest;
   const double dk = a / (3 * k * k);  // of k a by Gamma
-  double cost = 0;
-  gradient.setZero();
-  hessian.setZero();
-  for (std::size_t i = 0; i < count_; ++i) {
-    Vector jp, jq;
-    const double ring = outer_.value[i] - inner_.value[i];
-    jp << -b * outer_.d_u[i], -b * outer_.d_v[i], b * outer_.d_x[i], outer_.value[i], 0, 0;
-    jq << -shape * (outer_.d_u[i] - inner_.d_u[i]), -shape * (outer_.d_v[i] - inner_.d_v[i]),
-        shape * (outer_.d_x[i] - k * inner_.d_x[i]), shape / b * ring, b / rest * ring,
-        shape * (ring / rest - dk * inner_.d_x[i]);
-    const double rp = (b * outer_.value[i] - p_[i]) * wp, rq = (shape * ring - q_[i]) * wq;
-    cost += 0.5 * (rp * rp + rq * rq);
-    gradient += (rp * wp) * jp + (rq * wq) * jq;
-    hessian.noalias() += (wp * wp) * jp * jp.transpose() + (wq * wq) * jq * jq.transpose();
+  const Values outer = values(outer_.value), inner = values(inner_.value), inner_x = values(inner_.d_x);
+
+  auto jp = slopes_.topRows(n).array();
+  jp.col(center_x) = -wp * b * values(outer_.d_u);
+  jp.col(center_y) = -wp * b * values(outer_.d_v);
+  jp.col(radius) = wp * b * values(outer_.d_x);
+  jp.col(height) = wp * outer;
+  jp.rightCols(2).setZero();
+  residuals_.head(n) = wp * (b * outer - values(p_));
+
+  auto jq = slopes_.middleRows(n, n).array();
+  jq.col(center_x) = -wq * shape * (values(outer_.d_u) - values(inner_.d_u));
+  jq.col(center_y) = -wq * shape * (values(outer_.d_v) - values(inner_.d_v));
+  jq.col(radius) = wq * shape * (values(outer_.d_x) - k * inner_x);
+  jq.col(height) = wq * shape / b * (outer - inner);
+  jq.col(load) = wq * b / rest * (outer - inner);
+  jq.col(margin) = wq * shape * ((outer - inner) / rest - dk * inner_x);
+  residuals_.segment(n, n) = wq * (shape * (outer - inner) - values(q_));
+
+  // Column by column, as plain products of vectors: Eigen's matrix products may take memory for their blocks.
+  const auto columns = slopes_.topRows(2 * n);
+  const auto left = residuals_.head(2 * n);
+  for (int row = 0; row < kUnknowns; ++row) {
+    gradient[row] = columns.col(row).dot(left);
+    for (int column = 0; column <= row; ++column) {
+      hessian(row, column) = hessian(column, row) = columns.col(row).dot(columns.col(column));
+    }
   }
-  return cost;
+  return 0.5 * left.squaredNorm();
 }
 
 // What is left over, ring by ring: noise averages out in a ring, another history does not.

@@ -51,6 +51,9 @@ class Fit final : public SlipMethod {
   double noise_normal_ = 1, noise_shear_ = 1;
   int steps_ = 0;
   std::vector<double> x_, y_, p_, q_, u_, v_;
+  Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>
+      slopes_;  // of each residual, pressures first, by each unknown
+  Eigen::VectorXd residuals_;
   struct Sheet {
     std::vector<double> value, d_x, d_u, d_v;
   } outer_, inner_;

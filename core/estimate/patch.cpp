@@ -56,11 +56,13 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
 void PatchFinder::measure_normal_noise(const Frame& frame) noexcept {
   float sum = 0, peak = 0;
   std::uint32_t count = 0;
-  for (const float p : frame.normal_pa) {
-    const float negative = std::min(p, 0.0F);
+  const float* pressure = frame.normal_pa.data();
+#pragma omp simd reduction(+ : sum, count) reduction(max : peak)
+  for (std::size_t i = 0; i < x_m_.size(); ++i) {
+    const float p = pressure[i], negative = p < 0 ? p : 0;
     sum += negative * negative;
     count += p < 0 ? 1U : 0U;
-    peak = std::max(peak, p);
+    peak = peak > p ? peak : p;
   }
   peak_pa_ = peak;
   if (count > 0) patch_.noise_normal_pa = std::sqrt(static_cast<double>(sum) / count);
@@ -71,9 +73,10 @@ bool PatchFinder::locate(const Frame& frame) noexcept {
   if (!(peak_pa_ > kStandsOut * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
   const float least = static_cast<float>(std::max(4 * patch_.noise_normal_pa, 0.02 * peak_pa_));
   double p = 0, px = 0, py = 0, pr = 0;
+  const float *pressure = frame.normal_pa.data(), *x_m = x_m_.data(), *y_m = y_m_.data();
+#pragma omp simd reduction(+ : p, px, py, pr)
   for (std::size_t i = 0; i < x_m_.size(); ++i) {
-    if (frame.normal_pa[i] < least) continue;
-    const double value = frame.normal_pa[i], x = x_m_[i], y = y_m_[i];
+    const double value = pressure[i] < least ? 0 : pressure[i], x = x_m[i], y = y_m[i];
     p += value;
     px += value * x;
     py += value * y;
@@ -128,10 +131,29 @@ void PatchFinder::gather(double reach_m) noexcept {
   inside_.clear();
   const auto reach2 = static_cast<float>(reach_m * reach_m);
   const auto cx = static_cast<float>(patch_.center_x_m), cy = static_cast<float>(patch_.center_y_m);
-  for (std::uint32_t i = 0; i < x_m_.size(); ++i) {
-    const float x = x_m_[i] - cx, y = y_m_[i] - cy;
-    if (x * x + y * y < reach2) inside_.push_back(i);
+  const auto take = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      const float x = x_m_[i] - cx, y = y_m_[i] - cy;
+      if (x * x + y * y < reach2) inside_.push_back(static_cast<std::uint32_t>(i));
+    }
+  };
+  const auto& grid = layout_.regular();
+  if (!grid) {
+    take(0, x_m_.size());
+    return;
   }
+  // Of a grid only the rows and columns that the disc may reach.
+  const auto index = [](double place, double pitch, std::size_t count) {
+    return static_cast<std::size_t>(std::clamp(place / pitch, 0.0, static_cast<double>(count)));
+  };
+  const std::size_t first_row = index(patch_.center_y_m - reach_m - bottom_m_, grid->pitch_m, grid->rows);
+  const std::size_t end_row =
+      index(patch_.center_y_m + reach_m - bottom_m_ + grid->pitch_m, grid->pitch_m, grid->rows);
+  const std::size_t first = index(patch_.center_x_m - reach_m - left_m_, grid->pitch_m, grid->columns);
+  const std::size_t end =
+      index(patch_.center_x_m + reach_m - left_m_ + grid->pitch_m, grid->pitch_m, grid->columns);
+  for (std::size_t row = first_row; row < end_row; ++row)
+    take(row * grid->columns + first, row * grid->columns + end);
 }
 
 void PatchFinder::sum_shear(const Frame& frame) noexcept {
@@ -161,16 +183,12 @@ void PatchFinder::measure_shear_noise(const Frame& frame) noexcept {
   }
   const auto tx = static_cast<float>(patch_.toward_x), ty = static_cast<float>(patch_.toward_y);
   double all = 0, in = 0;
-  float part = 0;
+  const float *shear_x = frame.shear_x_pa.data(), *shear_y = frame.shear_y_pa.data();
+#pragma omp simd reduction(+ : all)
   for (std::size_t i = 0; i < x_m_.size(); ++i) {
-    const float along = tx * frame.shear_x_pa[i] + ty * frame.shear_y_pa[i];
-    part += along * along;
-    if (i % 1024 == 1023) {
-      all += part;
-      part = 0;
-    }
+    const float along = tx * shear_x[i] + ty * shear_y[i];
+    all += along * along;
   }
-  all += part;
   for (const std::uint32_t i : inside_) {
     const auto along = static_cast<float>(patch_.shear_along_pa(frame, i));
     in += along * along;
