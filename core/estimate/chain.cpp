@@ -11,6 +11,7 @@
 #include "core/estimate/patch.hpp"
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
+#include "core/estimate/tradeoff.hpp"
 #include "core/model/model.hpp"
 
 namespace slipd {
@@ -39,7 +40,25 @@ Range expected_friction(const Scene& scene) {
   return all;
 }
 
-std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model) {
+// `auto`: of the methods that need no training, the one whose error on this scene is least within the time
+// given.
+std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, std::vector<TradeoffRow>& rows) {
+  constexpr std::size_t kContacts = 48;
+  constexpr std::uint64_t kSeed = 2;  // training draws from 1
+  std::vector<std::unique_ptr<SlipMethod>> methods;
+  methods.push_back(std::make_unique<Moments>(setup.layout));
+  methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));
+  Scene scene = setup.scene;
+  if (scene.objects.empty()) scene.objects = paper_objects();
+  for (const auto& method : methods) {
+    rows.push_back(
+        measure_tradeoff(setup.layout, scene, *method, NoiseKind::relative, scene.noise, kContacts, kSeed));
+  }
+  return std::move(methods[choose(rows, setup.estimator.budget_us)]);
+}
+
+std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
+                                        std::vector<TradeoffRow>& rows) {
   if (only_forces(setup)) return nullptr;
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
@@ -49,6 +68,7 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   }
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
+      return choose_method(setup, rows);
     case MethodChoice::fit:
       return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
@@ -67,12 +87,13 @@ struct EstimatorChain::Impl {
       : setup(s),
         model(std::move(m)),
         finder(s.layout),
-        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model)),
+        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, rows)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         alert(s.alerts) {}
 
   ChainSetup setup;
   std::shared_ptr<const Model> model;
+  std::vector<TradeoffRow> rows;
   PatchFinder finder;
   std::unique_ptr<SlipMethod> method;
   Tracker tracker;
@@ -91,6 +112,10 @@ EstimatorChain::EstimatorChain(const ChainSetup& setup, std::shared_ptr<const Mo
 EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;
+
+const std::vector<TradeoffRow>& EstimatorChain::tradeoff() const noexcept {
+  return impl_->rows;
+}
 
 Method EstimatorChain::method() const noexcept {
   return impl_->method ? impl_->method->name() : Method::friction;

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/estimate.hpp"
@@ -13,7 +14,8 @@
 
 namespace slipd {
 
-class Model;  // core/model/model.hpp
+class Model;         // core/model/model.hpp
+struct TradeoffRow;  // core/estimate/tradeoff.hpp
 
 struct ChainSetup {
   TaxelLayout layout;
@@ -37,6 +39,9 @@ class EstimatorChain {
   ~EstimatorChain();
 
   Method method() const noexcept;  // the one that was chosen
+
+  // What the choice was made from, for method `automatic`; empty for a method that was asked for by name.
+  const std::vector<TradeoffRow>& tradeoff() const noexcept;
 
   // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
   Estimate estimate(const Frame& frame) noexcept;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
+#include "core/estimate/tradeoff_row.hpp"
 #include "core/frame/layout.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
@@ -31,7 +32,7 @@ struct Counts {
   std::uint64_t lost = 0;       // frames that are missing in those gaps
 };
 
-struct Reading {
+struct Published {
   Estimate estimate;
   Counts counts;
 };
@@ -48,9 +49,10 @@ struct DeviceFacts {
   std::string description, serial;
   SensorClass sensor_class = SensorClass::array3;
   std::optional<TaxelLayout> layout;
-  double rate_hz = 0;   // 0: the device does not say
-  std::string method;   // empty until an estimator is ready
-  std::string trouble;  // why it is absent; empty: it is not
+  double rate_hz = 0;                 // 0: the device does not say
+  std::string method;                 // empty until an estimator is ready
+  std::vector<TradeoffRow> tradeoff;  // what `auto` chose it from; empty if it was asked for by name
+  std::string trouble;                // why it is absent; empty: it is not
 };
 
 class Panel {
@@ -59,7 +61,7 @@ class Panel {
       : name(std::move(sensor_name)), driver(std::move(driver_name)) {}
 
   const std::string name, driver;
-  Latest<Reading> latest;                 // estimate thread writes
+  Latest<Published> latest;               // estimate thread writes
   LatencyHistogram latency;               // estimate thread writes: sample → published
   FrameCopy frame;                        // io and estimate thread
   RecordTap tap;                          // acquire thread and whoever records

@@ -64,7 +64,7 @@ void Estimating::answer(Desk& desk, const FrameSlot& slot, std::int64_t now_ns) 
   desk.held = &slot;
   desk.since_ns = now_ns;
   desk.quiet = false;
-  Reading& reading = desk.reading;
+  Published& reading = desk.reading;
   reading.estimate = desk.lane->chain.estimate(slot.view());
   reading.estimate.sequence = slot.sequence;
   reading.estimate.time_ns = slot.time_ns;

@@ -28,7 +28,7 @@ class Estimating {
     Seat* seat = nullptr;
     Lane* lane = nullptr;             // null: no estimator yet
     const FrameSlot* held = nullptr;  // the frame last taken, valid until the next
-    Reading reading;                  // as last put on the board
+    Published reading;                // as last put on the board
     std::int64_t since_ns = 0;        // the last frame came, or the lane was laid
     bool quiet = false;               // the board says that nothing comes; not to be said again
     std::uint32_t events_lost = 0;    // since the last event that found room

@@ -64,7 +64,10 @@ void LaneMaker::make(const Job& job) {
     lanes_.push_back(std::make_unique<Lane>(job.feed, EstimatorChain(setup, std::move(model))));
     Lane* const lane = lanes_.back().get();
     const std::string method(to_string(lane->chain.method()));
-    seat.panel.change_facts([&](DeviceFacts& facts) { facts.method = method; });
+    seat.panel.change_facts([&](DeviceFacts& facts) {
+      facts.method = method;
+      facts.tradeoff = lane->chain.tradeoff();
+    });
     seat.refused.store(false, std::memory_order_relaxed);
     // One that the estimate thread never came to take is retired by nobody else.
     if (Lane* untaken = seat.incoming.exchange(lane, std::memory_order_acq_rel)) untaken->retired = true;

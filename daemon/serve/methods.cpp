@@ -7,6 +7,7 @@
 #include "daemon/serve/estimate_json.hpp"
 #include "daemon/serve/names.hpp"
 #include "daemon/serve/status.hpp"
+#include "daemon/serve/tradeoff_json.hpp"
 
 namespace slipd {
 namespace {
@@ -49,9 +50,15 @@ Methods::Methods(World& world, Recorder& recorder)
   plain("metrics", {}, [this](const Params&) { return json(metrics_text(world_)); });
   plain("gamma", {"sensor"}, [this](const Params& params) { return gamma(params); });
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
-    required_sensor(params, world_.board);
-    throw rpc::Error(rpc::kNotPossible,
-                     "this sensor's method was not chosen from a table: it is not estimator.method auto");
+    const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
+    const DeviceFacts facts = panel.facts();
+    if (facts.tradeoff.empty()) {
+      throw rpc::Error(
+          rpc::kNotPossible,
+          "there is no table of this sensor: its method is named in the configuration, not auto, or its "
+          "device is not open yet");
+    }
+    return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
   });
   methods_["rebias"] = [this](Client& client, const Params& params, const Reply&) {
     refuse_unknown(params, {"sensor"});

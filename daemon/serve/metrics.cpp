@@ -100,7 +100,7 @@ class Families {
 }  // namespace
 
 std::string metrics_text(const World& world) {
-  std::vector<Reading> readings;
+  std::vector<Published> readings;
   for (const auto& panel : world.board.sensors) readings.push_back(panel->latest.load());
   const auto panel = [&](std::size_t i) -> const Panel& { return *world.board.sensors[i]; };
   const auto number = [](std::uint64_t value) { return static_cast<double>(value); };

@@ -33,7 +33,7 @@ json latency_json(const LatencyHistogram::Summary& latency) {
 
 json sensor_status(const World& world, std::size_t sensor) {
   const Panel& panel = *world.board.sensors[sensor];
-  const Reading reading = panel.latest.load();
+  const Published reading = panel.latest.load();
   const DeviceFacts facts = panel.facts();
   const Counts& counts = reading.counts;
   return {{"name", panel.name},

@@ -26,6 +26,7 @@ class WrongUse : public std::runtime_error {
 // Each adds its subcommand, which runs while the command line is parsed and throws when it fails.
 void add_contact(CLI::App& app, const Common& common);
 void add_train(CLI::App& app, const Common& common);
+void add_tradeoff(CLI::App& app, const Common& common);
 void add_paper(CLI::App& app, const Common& common);
 
 }  // namespace sliplab

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   app.fallthrough();
   add_contact(app, common);
   add_train(app, common);
+  add_tradeoff(app, common);
   add_paper(app, common);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,125 @@
+#include "core/estimate/tradeoff.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/contact/averages.hpp"
+#include "core/model/dataset.hpp"
+#include "core/model/random.hpp"
+
+namespace slipd {
+namespace {
+
+// Time of this thread on the processor: what the others on the machine take is not counted.
+double thread_us() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+// Frames of single contacts, with noise.
+class Frames {
+ public:
+  Frames(const TaxelLayout& layout, NoiseKind kind, double noise)
+      : layout_(layout),
+        kind_(kind),
+        noise_(static_cast<float>(noise)),
+        p_(layout.size()),
+        q_(layout.size()),
+        x_(layout.size()),
+        y_(layout.size()) {}
+
+  Frame make(const contact::LoadHistory& contact, const ContactDraw& draw, double toward_rad,
+             const Draws& random) {
+    contact::taxel_averages(layout_, draw.x_m, draw.y_m, contact, p_, q_);
+    const float most_p = *std::max_element(p_.begin(), p_.end()),
+                most_q = *std::max_element(q_.begin(), q_.end());
+    const auto n = p_.size();
+    random.stream(0).add_noise(p_.data(), n, noise_ * most_p);
+    if (kind_ == NoiseKind::relative) random.stream(1).add_noise(q_.data(), n, noise_ * most_q);
+    const auto c = static_cast<float>(std::cos(toward_rad)), s = static_cast<float>(std::sin(toward_rad));
+    for (std::size_t i = 0; i < n; ++i) {
+      x_[i] = c * q_[i];
+      y_[i] = s * q_[i];
+    }
+    if (kind_ == NoiseKind::sensor) {
+      random.stream(1).add_noise(x_.data(), n, noise_ * most_p);
+      random.stream(2).add_noise(y_.data(), n, noise_ * most_p);
+    }
+    return {1, 1, p_, x_, y_};
+  }
+
+ private:
+  const TaxelLayout& layout_;
+  NoiseKind kind_;
+  float noise_;
+  std::vector<float> p_, q_, x_, y_;
+};
+
+}  // namespace
+
+TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
+                             NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed) {
+  PatchFinder finder(layout);
+  Frames frames(layout, kind, noise);
+  std::vector<double> errors, times;
+  TradeoffRow row;
+  row.method = method.name();
+  for (std::size_t i = 0; i < contacts; ++i) {
+    const ContactDraw draw = draw_contact(scene, seed, i);
+    const Draws random = Draws(seed ^ 0x7261646566666fULL).stream(i);
+    const double gamma = random.uniform(0);
+    contact::LoadHistory contact(
+        contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
+    contact.move_to(draw.normal_n, 0, draw.friction);
+    contact.move_to(draw.normal_n, (1 - gamma) * draw.friction * draw.normal_n, draw.friction);
+    const Frame frame = frames.make(contact, draw, 2 * std::numbers::pi * random.uniform(1), random);
+
+    const double start = thread_us();
+    const ContactPatch& patch = finder.find(frame);
+    const Reading reading = patch.touched ? method.read(frame, patch) : Reading{};
+    times.push_back(thread_us() - start);
+
+    if (!reading.in_family) continue;
+    const double error = std::fabs(reading.gamma - gamma);
+    errors.push_back(error);
+    row.mean_error += error;
+    row.right += slip_class(std::clamp(reading.gamma, 0.0, 1.0)) == slip_class(gamma) ? 1 : 0;
+    row.within_sigma += error < reading.sigma ? 1 : 0;
+    row.within_two_sigma += error < 2 * reading.sigma ? 1 : 0;
+  }
+  const auto answered = static_cast<double>(errors.size());
+  for (double* share : {&row.mean_error, &row.right, &row.within_sigma, &row.within_two_sigma})
+    *share /= answered;
+  row.answered = answered / static_cast<double>(contacts);
+  row.p95_error = quantile(errors, 0.95);
+  row.p50_us = quantile(times, 0.5);
+  row.p99_us = quantile(times, 0.99);
+  return row;
+}
+
+std::size_t choose(std::span<const TradeoffRow> rows, double budget_us) {
+  // One that is silent on much of its scene is not better for being right on the rest.
+  const auto cost = [](const TradeoffRow& row) {
+    return std::isfinite(row.mean_error) ? row.mean_error + 0.25 * (1 - row.answered) : 1.0;
+  };
+  std::size_t best = rows.size(), fastest = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].p50_us < rows[fastest].p50_us) fastest = i;
+    if (rows[i].p50_us <= budget_us && (best == rows.size() || cost(rows[i]) < cost(rows[best]))) best = i;
+  }
+  return best == rows.size() ? fastest : best;
+}
+
+}  // namespace slipd

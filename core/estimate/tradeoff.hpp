@@ -1,0 +1,29 @@
+// Error against run time: what each method that a sensor could use is worth and costs, measured on contacts
+// of its scene that nothing was trained on. From this `auto` chooses. Set-up threads and tools; takes tens of
+// milliseconds.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/estimate/chain.hpp"
+#include "core/estimate/method.hpp"
+#include "core/estimate/tradeoff_row.hpp"
+
+namespace slipd {
+
+// The paper's noise (p on p, q on q, as fractions of each one's maximum) or what hardware does (of the
+// largest p on all three channels).
+enum class NoiseKind : std::uint8_t { relative, sensor };
+
+// Contacts drawn from the scene, Gamma uniform in (0, 1), loads rising, each frame for itself, exact taxel
+// averages. `noise`: the half-width as a fraction. The same seed draws the same contacts for every method.
+TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
+                             NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed);
+
+// The least mean error among those within the budget, the fastest if none is. `rows` is not empty.
+std::size_t choose(std::span<const TradeoffRow> rows, double budget_us);
+
+}  // namespace slipd

@@ -1,0 +1,59 @@
+#include "core/estimate/tradeoff.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/estimate/fit.hpp"
+#include "core/estimate/moments.hpp"
+
+namespace slipd {
+namespace {
+
+Scene paper_scene() {
+  Scene scene;
+  scene.objects = paper_objects();
+  scene.offset_m = 0.002;
+  scene.noise = 0.01;
+  return scene;
+}
+
+TEST(Tradeoff, ShowsThatFittingIsDearerAndNearerToTheTruth) {
+  const auto layout = TaxelLayout::grid(16, 16, 0.001);
+  Moments moments(layout);
+  Fit fit(layout, {0.1, 0.9});
+  const auto cheap = measure_tradeoff(layout, paper_scene(), moments, NoiseKind::relative, 0.01, 200, 7);
+  const auto dear = measure_tradeoff(layout, paper_scene(), fit, NoiseKind::relative, 0.01, 200, 7);
+  EXPECT_LT(dear.mean_error, 0.5 * cheap.mean_error);
+  EXPECT_GT(dear.p50_us, cheap.p50_us);
+  EXPECT_GT(dear.answered, 0.95);
+}
+
+TEST(Tradeoff, TheSameSeedGivesTheSameErrors) {
+  const auto layout = TaxelLayout::grid(16, 16, 0.001);
+  Moments moments(layout);
+  const auto once = measure_tradeoff(layout, paper_scene(), moments, NoiseKind::sensor, 0.02, 50, 3);
+  const auto again = measure_tradeoff(layout, paper_scene(), moments, NoiseKind::sensor, 0.02, 50, 3);
+  EXPECT_EQ(once.mean_error, again.mean_error);
+  EXPECT_EQ(once.p95_error, again.p95_error);
+}
+
+TEST(Tradeoff, TheChoiceIsTheLeastErrorWithinTheBudgetOrTheFastest) {
+  TradeoffRow quick, good, mute;
+  quick.mean_error = 0.02;
+  quick.p50_us = 5;
+  good.mean_error = 0.002;
+  good.p50_us = 80;
+  mute.mean_error = 0.001;
+  mute.p50_us = 60;
+  quick.answered = good.answered = 1;
+  mute.answered = 0.2;
+  const TradeoffRow rows[] = {quick, good, mute};
+  EXPECT_EQ(choose(rows, 100), 1U);
+  EXPECT_EQ(choose(rows, 50), 0U);
+  EXPECT_EQ(choose(rows, 1), 0U);
+}
+
+}  // namespace
+}  // namespace slipd
