@@ -15,11 +15,16 @@ Engine::Engine(Settings settings, DriverCatalogue& drivers)
              .board = board_,
              .realtime = {},
              .ring_estimate = [this] { pipeline_.ring(); },
+             .flight = nullptr,
              .last_minute = {},
-             .rates_hz = {}} {}
+             .rates_hz = {}} {
+  if (settings_.recorder.seconds > 0) flight_ = std::make_unique<FlightRecorder>(settings_.recorder, board_);
+  world_.flight = flight_.get();
+}
 
 void Engine::start(const RealtimeGrant& grant) {
   world_.realtime = grant;
+  if (flight_) flight_->start();
   pipeline_.start(grant);
 }
 

@@ -4,13 +4,15 @@
 
 #include "daemon/models.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "daemon/serve/flight_recorder.hpp"
 #include "daemon/serve/world.hpp"
 
 namespace slipd {
 
 class Engine {
  public:
-  // Makes the drivers, starts nothing, touches no device. Throws SettingsError for what drivers refuse.
+  // Makes the drivers, starts nothing, touches no device. Throws SettingsError for what drivers refuse, and
+  // std::runtime_error if the flight recorder is wanted but has no place to write to.
   Engine(Settings settings, DriverCatalogue& drivers);
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -31,6 +33,7 @@ class Engine {
  private:
   const Settings settings_;
   Board board_;
+  std::unique_ptr<FlightRecorder> flight_;  // null: off
   Models models_;
   Pipeline pipeline_;
   World world_;

@@ -64,6 +64,7 @@ class Panel {
   Latest<Published> latest;               // estimate thread writes
   LatencyHistogram latency;               // estimate thread writes: sample → published
   FrameCopy frame;                        // io and estimate thread
+  RecordTap flight_tap;                   // acquire thread and the flight recorder
   RecordTap tap;                          // acquire thread and whoever records
   std::atomic<bool> simulated{false};     // acquire thread writes, while setting up
   std::atomic<Link> link{Link::opening};  // acquire thread writes

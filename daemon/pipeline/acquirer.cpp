@@ -178,6 +178,7 @@ bool Acquirer::deliver(std::size_t index) noexcept {
   }
   outlet.last_sequence = slot.sequence;
   outlet.seat->panel.tap.offer(slot);
+  outlet.seat->panel.flight_tap.offer(slot);
   feed.mailbox.publish(slot, outlet.tally);
   slot = feed.mailbox.writable();
   estimate_.ring();

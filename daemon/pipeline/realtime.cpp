@@ -67,6 +67,8 @@ RealtimeGrant ask_for_realtime(const RealtimeSettings& settings) {
   if (settings.lock_memory) {
     // What is freed stays ours, so that it need not be mapped and locked again.
     mallopt(M_TRIM_THRESHOLD, -1);  // NOLINT(concurrency-mt-unsafe): before any other thread
+    // One arena: each other one counts as 64 MB of locked memory, and no real-time thread allocates.
+    mallopt(M_ARENA_MAX, 1);  // NOLINT(concurrency-mt-unsafe): as above
     if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
       grant.memory_locked = true;
     } else {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/flight_recorder.hpp"
 #include "daemon/serve/names.hpp"
 #include "daemon/serve/status.hpp"
 #include "daemon/serve/tradeoff_json.hpp"
@@ -49,6 +50,7 @@ Methods::Methods(World& world, Recorder& recorder)
   plain("status", {}, [this](const Params&) { return status_json(world_); });
   plain("metrics", {}, [this](const Params&) { return json(metrics_text(world_)); });
   plain("gamma", {"sensor"}, [this](const Params& params) { return gamma(params); });
+  plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
     const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
     const DeviceFacts facts = panel.facts();
@@ -172,6 +174,26 @@ void Methods::frame(const Params& params, const Reply& reply) {
   frames_wanted_[sensor].push_back(reply);
   panel.frame.request(layout->size());
   world_.ring_estimate();
+}
+
+// Keeps what the flight recorder holds of one sensor or of all.
+json Methods::flight(const Params& params) {
+  if (world_.flight == nullptr) {
+    throw rpc::Error(rpc::kNotPossible,
+                     "the flight recorder is off; set recorder.seconds in the configuration");
+  }
+  const Board& board = world_.board;
+  const bool all = !params.contains("sensor");
+  const std::size_t only = all ? 0 : required_sensor(params, board);
+  json names = json::array();
+  for (std::size_t i = 0; i < board.sensors.size(); ++i) {
+    if (!all && i != only) continue;
+    world_.flight->keep(i, "request");
+    names.push_back(board.sensors[i]->name);
+  }
+  return {{"sensors", std::move(names)},
+          {"folder", world_.flight->folder().string()},
+          {"written_in_s", world_.settings.recorder.seconds}};
 }
 
 void Methods::record(Client& client, const Params& params, const Reply& reply) {

@@ -35,6 +35,7 @@ class Methods {
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void frame(const Params& params, const rpc::Reply& reply);
+  nlohmann::ordered_json flight(const Params& params);
   void record(Client& client, const Params& params, const rpc::Reply& reply);
 
   World& world_;

@@ -1,5 +1,6 @@
 #include "daemon/serve/server.hpp"
 
+#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/flight_recorder.hpp"
 
 namespace slipd {
 namespace {
@@ -119,7 +121,11 @@ void Server::take_news() {
 void Server::tell(const Event& event) {
   Last& last = last_[event.sensor];
   tell(event, EventKind::estimate);
-  if (event.estimate.alert != last.alert) tell(event, EventKind::alert);
+  if (event.estimate.alert != last.alert) {
+    tell(event, EventKind::alert);
+    if (event.estimate.alert == Alert::slip && world_.flight != nullptr)
+      world_.flight->keep(event.sensor, "slip");
+  }
   if (event.estimate.state != last.state) tell(event, EventKind::state);
   last = {event.estimate.state, event.estimate.alert};
 }
@@ -156,7 +162,11 @@ void Server::measure_rates() {
       const std::uint64_t estimated = world_.board.sensors[i]->latest.load().counts.estimated;
       world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
       last_estimated_[i] = estimated;
-      world_.last_minute[i].look(world_.board.sensors[i]->latency, now);
+      const Panel& panel = *world_.board.sensors[i];
+      world_.last_minute[i].look(panel.latency, now);
+      for (const std::string& line :
+           complaints_.look(i, panel.name, panel.facts().description, troubles_of(panel), now))
+        spdlog::warn("{}", line);
     }
     std::uint64_t dropped = clients_.dropped_for_gone;
     for (const auto& client : clients_.all) dropped += client->dropped();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/serve/client.hpp"
+#include "daemon/serve/complaints.hpp"
 #include "daemon/serve/methods.hpp"
 #include "daemon/serve/recorder.hpp"
 #include "daemon/serve/world.hpp"
@@ -55,6 +56,7 @@ class Server {
   asio::posix::stream_descriptor listener_, news_;
   asio::steady_timer pause_;  // before accepting again, when there is no descriptor left
   asio::steady_timer rates_;
+  Complaints complaints_;
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // gone with this, for handlers
   std::vector<Last> last_;                                                  // per sensor, as told
   std::vector<std::uint64_t> last_estimated_;

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/serve/flight_recorder.hpp"
+
 namespace slipd {
 namespace {
 
@@ -59,6 +61,13 @@ json sensor_status(const World& world, std::size_t sensor) {
           {"latency_last_minute_us", latency_json(world.last_minute[sensor].summary(panel.latency))}};
 }
 
+json recorder_json(const World& world) {
+  if (world.flight == nullptr) return "off";
+  return {{"folder", world.flight->folder().string()},
+          {"kept", world.flight->kept()},
+          {"failed", world.flight->failed()}};
+}
+
 }  // namespace
 
 json status_json(const World& world) {
@@ -70,6 +79,7 @@ json status_json(const World& world) {
           {"pid", getpid()},
           {"sensors", std::move(sensors)},
           {"realtime", realtime_json(world)},
+          {"recorder", recorder_json(world)},
           {"outputs",
            {{"socket",
              {{"path", world.settings.socket.path.string()}, {"dropped", world.notifications_dropped}}}}},

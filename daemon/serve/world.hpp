@@ -12,11 +12,14 @@
 
 namespace slipd {
 
+class FlightRecorder;
+
 struct World {
   const Settings& settings;
   Board& board;
   RealtimeGrant realtime;
   std::function<void()> ring_estimate;  // after a request for the estimate thread was left on the board
+  FlightRecorder* flight = nullptr;     // null: recorder.seconds is 0
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   std::size_t clients = 0;
   std::uint64_t notifications_dropped = 0;  // for clients that were too slow, over all

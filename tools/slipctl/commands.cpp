@@ -64,6 +64,14 @@ void print_metrics(const Common& common) {
   std::cout << (common.json ? metrics.dump() + "\n" : metrics.get<std::string>());
 }
 
+void keep_flight(const Common& common, const std::string& sensor) {
+  const json result = ask(common, "flight", sensor.empty() ? json::object() : json{{"sensor", sensor}});
+  if (common.json)
+    std::cout << result.dump() << '\n';
+  else
+    std::cout << "in " << result.value("written_in_s", 0.0) << " s in " << result.value("folder", "") << '\n';
+}
+
 void rebias(const Common& common, const std::string& sensor) {
   const json result = RpcClient(common.socket).call("rebias", {{"sensor", sensor}}, std::chrono::seconds(10));
   if (common.json)

@@ -23,6 +23,8 @@ void print_sensors(const Common& common);
 void print_gamma(const Common& common, const std::string& sensor);  // empty: all
 void print_frame(const Common& common, const std::string& sensor);  // CSV, one taxel a line
 void print_metrics(const Common& common);                           // OpenMetrics text
+// Has the flight recorder keep the last seconds; empty: of all sensors.
+void keep_flight(const Common& common, const std::string& sensor);
 void rebias(const Common& common, const std::string& sensor);
 
 // Opens the file here, with the user's own rights, and lets the daemon's writer fill it.

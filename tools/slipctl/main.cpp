@@ -31,6 +31,9 @@ void add_questions(CLI::App& app, Choices& choices) {
   CLI::App* frame = app.add_subcommand("frame", "the latest frame, one taxel a line (CSV)");
   frame->add_option("sensor", choices.sensor)->required();
   frame->callback([&] { print_frame(choices.common, choices.sensor); });
+  CLI::App* flight = app.add_subcommand("flight", "keep what the flight recorder holds, as a recording");
+  flight->add_option("sensor", choices.sensor, "only this one");
+  flight->callback([&] { keep_flight(choices.common, choices.sensor); });
   CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's reading as its zero");
   zero->add_option("sensor", choices.sensor)->required();
   zero->callback([&] { rebias(choices.common, choices.sensor); });

@@ -1,0 +1,43 @@
+// What goes wrong with frames, told to the log: what, how often, and whose fault it most likely is. At most
+// once a minute for each sensor and kind, with the number since the last time, so that a bad cable does not
+// fill the disk. io thread.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/board/board.hpp"
+
+namespace slipd {
+
+// The running totals of one sensor that complaints are made of.
+struct Troubles {
+  std::uint64_t received = 0;
+  std::uint64_t corrupt = 0, lost = 0, skipped = 0, events_lost = 0;
+};
+Troubles troubles_of(const Panel& panel);
+
+class Complaints {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // About once a second for each sensor. The lines to be logged, if any.
+  std::vector<std::string> look(std::size_t sensor, const std::string& name, const std::string& device,
+                                const Troubles& totals, Clock::time_point now);
+
+ private:
+  static constexpr auto kInterval = std::chrono::minutes(1);
+  static constexpr std::size_t kKinds = 4;
+  struct Kind {
+    std::uint64_t told = 0;      // of the total, when it was last told
+    std::uint64_t received = 0;  // frames by then
+    std::optional<Clock::time_point> quiet_until;
+  };
+  std::vector<std::array<Kind, kKinds>> sensors_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,68 @@
+#include "daemon/serve/recordings_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <stdexcept>
+#include <vector>
+
+#include "daemon/serve/unique_fd.hpp"
+
+namespace slipd {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path from_environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets any
+  return value != nullptr ? fs::path(value) : fs::path();
+}
+
+std::error_code last_error() {
+  return {errno, std::generic_category()};
+}
+
+}  // namespace
+
+fs::path recordings_directory() {
+  if (const auto state = from_environment("STATE_DIRECTORY"); !state.empty()) return state / "recordings";
+  if (const auto state = from_environment("XDG_STATE_HOME"); !state.empty())
+    return state / "slipd" / "recordings";
+  if (const auto home = from_environment("HOME"); !home.empty())
+    return home / ".local" / "state" / "slipd" / "recordings";
+  throw std::runtime_error("no place for recordings: set STATE_DIRECTORY, XDG_STATE_HOME or HOME");
+}
+
+std::error_code RecordingsFolder::add(const std::string& name,
+                                      const std::function<std::error_code(int fd)>& write) const {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  if (error) return error;
+  const fs::path aside = path_ / (name + ".part");
+  UniqueFd file(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640));
+  if (!file) return last_error();
+  fchmod(file.get(), 0640);  // whatever the umask: slipd's group may read it
+  error = write(file.get());
+  if (!error && fdatasync(file.get()) != 0) error = last_error();
+  if (!error) fs::rename(aside, path_ / name, error);
+  std::error_code ignored;
+  if (error) fs::remove(aside, ignored);
+  if (!error) remove_oldest();
+  return error;
+}
+
+void RecordingsFolder::remove_oldest() const {
+  std::error_code ignored;
+  std::vector<std::pair<fs::file_time_type, fs::path>> found;
+  for (const auto& item : fs::directory_iterator(path_, ignored)) {
+    if (item.path().extension() == ".rec") found.emplace_back(item.last_write_time(ignored), item.path());
+  }
+  std::sort(found.begin(), found.end());
+  for (std::size_t i = 0; i + keep_ < found.size(); ++i) fs::remove(found[i].second, ignored);
+}
+
+}  // namespace slipd

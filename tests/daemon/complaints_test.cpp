@@ -1,0 +1,52 @@
+// What the log is told of frames that go wrong, and what it is spared.
+#include "daemon/serve/complaints.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace slipd {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using namespace std::chrono_literals;
+
+class Complaining : public ::testing::Test {
+ protected:
+  std::vector<std::string> after(std::chrono::seconds time, const Troubles& totals) {
+    return complaints_.look(0, "left", "XELA on can0", totals, begin_ + time);
+  }
+  Complaints complaints_;
+  const Complaints::Clock::time_point begin_ = Complaints::Clock::now();
+};
+
+TEST_F(Complaining, NobodyWhenAllIsWell) {
+  EXPECT_THAT(after(1s, {.received = 1000}), IsEmpty());
+}
+
+TEST_F(Complaining, TheDeviceIsNamedForWhatItDid) {
+  EXPECT_THAT(after(1s, {.received = 1000, .corrupt = 1}),
+              ElementsAre(HasSubstr("left (XELA on can0): 1 damaged packet thrown away")));
+  EXPECT_THAT(after(2s, {.received = 2000, .corrupt = 1, .lost = 7}),
+              ElementsAre(HasSubstr("7 frames never came")));
+}
+
+TEST_F(Complaining, OnceAMinuteAndThenWithAllThatCameMeanwhile) {
+  EXPECT_EQ(after(1s, {.received = 1000, .corrupt = 5}).size(), 1U);
+  for (int s = 2; s <= 60; ++s) {
+    EXPECT_THAT(
+        after(std::chrono::seconds(s), {.received = 1000, .corrupt = static_cast<std::uint64_t>(5 * s)}),
+        IsEmpty());
+  }
+  EXPECT_THAT(after(61s, {.received = 1000, .corrupt = 305}), ElementsAre(HasSubstr("300 damaged packets")));
+}
+
+TEST_F(Complaining, AFewSkippedFramesAreNoNewsAndManyAreTheMachinesFault) {
+  EXPECT_THAT(after(1s, {.received = 1000, .skipped = 10}), IsEmpty());
+  EXPECT_THAT(after(2s, {.received = 2000, .skipped = 500}),
+              ElementsAre(HasSubstr("this machine is too slow")));
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,69 @@
+// What the flight recorder keeps: the seconds around an alert, so many files, nothing half.
+#include "daemon/serve/flight_recorder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "daemon/serve/frame_history.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace slipd {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::TempFolder;
+
+struct OwnedFrame {
+  explicit OwnedFrame(std::uint64_t sequence, std::size_t taxels = 4)
+      : normal(taxels, static_cast<float>(sequence)), x(taxels), y(taxels) {
+    slot.sequence = sequence;
+    slot.normal_pa = normal;
+    slot.shear_x_pa = x;
+    slot.shear_y_pa = y;
+  }
+  std::vector<float> normal, x, y;
+  FrameSlot slot;
+};
+
+TEST(FrameHistory, HoldsTheNewestInTheirOrder) {
+  for (const std::uint64_t count : {0, 1, 4, 5, 6, 23}) {
+    FrameHistory history(4, 5);
+    for (std::uint64_t i = 1; i <= count; ++i) history.push(OwnedFrame(i).slot);
+    ASSERT_EQ(history.size(), std::min<std::uint64_t>(count, 5));
+    for (std::size_t i = 0; i < history.size(); ++i) {
+      EXPECT_EQ(history[i].sequence, count - history.size() + 1 + i);
+      EXPECT_EQ(history[i].normal_pa.front(), static_cast<float>(history[i].sequence));
+    }
+  }
+}
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& item : fs::directory_iterator(folder)) names.insert(item.path().filename());
+  return names;
+}
+
+TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
+  const TempFolder temp;
+  temp.write("notes.txt", "mine");
+  const RecordingsFolder folder(temp.path(), 3);
+  for (int i = 0; i < 7; ++i) {
+    const std::string name = "f" + std::to_string(i) + ".rec";
+    EXPECT_FALSE(folder.add(name, [](int) { return std::error_code(); }));
+    fs::last_write_time(temp.path() / name, fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
+  }
+  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
+}
+
+TEST(RecordingsFolder, AFileThatCannotBeWrittenLeavesNothingAndCostsNoOther) {
+  const TempFolder temp;
+  const RecordingsFolder folder(temp.path(), 1);
+  ASSERT_FALSE(folder.add("first.rec", [](int) { return std::error_code(); }));
+  const auto full = std::make_error_code(std::errc::no_space_on_device);
+  EXPECT_EQ(folder.add("second.rec", [&](int) { return full; }), full);
+  EXPECT_EQ(names_in(temp.path()), std::set<std::string>{"first.rec"});
+}
+
+}  // namespace
+}  // namespace slipd

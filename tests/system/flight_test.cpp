@@ -1,0 +1,90 @@
+// The flight recorder in the real daemon: on an alert, on request, where the disk does not take it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/frame/recording.hpp"
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSeconds = 0.3;
+constexpr double kRateHz = 200;
+
+json watched(const TempFolder& folder, const json& options, const json& recorder) {
+  return config_with(
+      folder,
+      json::array({{{"name", "left"}, {"driver", "trial"}, {"rate_hz", kRateHz}, {"options", options}}}),
+      {{"recorder", recorder}});
+}
+
+std::vector<std::filesystem::path> recordings(const TempFolder& state) {
+  std::vector<std::filesystem::path> found;
+  for (const auto& item : std::filesystem::directory_iterator(state.file("recordings")))
+    found.push_back(item.path());
+  return found;
+}
+
+TEST(Flight, KeepsTheSecondsAroundARequest) {
+  const TempFolder folder;
+  const TempFolder state;
+  Daemon daemon(watched(folder, json::object(), {{"seconds", kSeconds}}), trial_drivers(),
+                {{"STATE_DIRECTORY", state.path().string()}});
+  daemon.wait_for("status",
+                  [](const json& s) { return s["sensors"][0]["received"] >= 2 * kSeconds * kRateHz; });
+  EXPECT_EQ(daemon.client().result("flight")["sensors"], json({"left"}));
+  daemon.wait_for("status", [](const json& s) { return s["recorder"]["kept"] == 1; });
+  const auto files = recordings(state);
+  ASSERT_EQ(files.size(), 1U);
+  RecordingReader reader(files.front());
+  EXPECT_EQ(reader.header().sensor, "left");
+  const std::size_t taxels = reader.header().layout.size();
+  std::vector<float> memory(3 * taxels);
+  FrameSlot slot;
+  slot.normal_pa = std::span(memory).subspan(0, taxels);
+  slot.shear_x_pa = std::span(memory).subspan(taxels, taxels);
+  slot.shear_y_pa = std::span(memory).subspan(2 * taxels, taxels);
+  std::size_t frames = 0;
+  std::optional<std::uint64_t> last;
+  while (reader.next(slot) == RecordingReader::Status::frame) {
+    EXPECT_TRUE(!last || slot.sequence > *last);
+    last = slot.sequence;
+    ++frames;
+  }
+  EXPECT_TRUE(reader.fault().empty()) << reader.fault();
+  // Before the request all of its seconds were there; after it a busy machine may have read fewer.
+  EXPECT_GT(static_cast<double>(frames), 1.2 * kSeconds * kRateHz);
+  EXPECT_LE(static_cast<double>(frames), 2 * kSeconds * kRateHz + 16);
+}
+
+TEST(Flight, KeepsWhatLedToASlip) {
+  const TempFolder folder;
+  const TempFolder state;
+  Daemon daemon(watched(folder, {{"gamma", 0.05}}, {{"seconds", 0.05}}), trial_drivers(),
+                {{"STATE_DIRECTORY", state.path().string()}});
+  daemon.wait_for("status", [](const json& s) { return s["recorder"]["kept"] == 1; });
+  EXPECT_THAT(recordings(state).front().filename().string(), ::testing::EndsWith("-slip.rec"));
+}
+
+TEST(Flight, ADiskThatTakesNothingCostsTheRecordingAndNothingElse) {
+  const TempFolder folder;
+  Daemon daemon(watched(folder, json::object(), {{"seconds", 0.05}}), trial_drivers(),
+                {{"STATE_DIRECTORY", "/dev/full"}});
+  daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  daemon.client().result("flight");
+  daemon.wait_for("status", [](const json& s) { return s["recorder"]["failed"] == 1; });
+  EXPECT_THAT(daemon.program().errors(), ::testing::HasSubstr("could not be kept"));
+  daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+}
+
+TEST(Flight, IsOffUnlessAskedFor) {
+  const TempFolder folder;
+  Daemon daemon(watched(folder, json::object(), json::object()), trial_drivers());
+  EXPECT_EQ(daemon.client().result("status")["recorder"], "off");
+  EXPECT_EQ(daemon.client().call("flight")["error"]["code"], -32003);
+}
+
+}  // namespace
+}  // namespace slipd::testing
