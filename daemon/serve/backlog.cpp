@@ -10,7 +10,7 @@ void Backlog::answer(std::string text) {
   items_.push_back({std::move(text), nullptr, 0});
 }
 
-void Backlog::notify(std::shared_ptr<const std::string> head, std::uint64_t lost) {
+void Backlog::notify(std::shared_ptr<const Notification> head, std::uint64_t lost) {
   dropped_ += lost;
   items_.push_back({{}, std::move(head), lost});
   if (++notifications_ > most_) drop_oldest();
@@ -32,10 +32,12 @@ std::optional<std::string> Backlog::next() {
   items_.pop_front();
   if (item.head == nullptr) {
     answer_bytes_ -= item.answer.size();
+    published_ns_ = 0;
     return std::move(item.answer) + "\n";
   }
   --notifications_;
-  return *item.head + ",\"dropped\":" + std::to_string(item.lost) + "}}\n";
+  published_ns_ = item.head->published_ns;
+  return item.head->text + ",\"dropped\":" + std::to_string(item.lost) + "}}\n";
 }
 
 }  // namespace slipd

@@ -126,7 +126,7 @@ void Client::answer(std::string text) {
   read_when_ready();
 }
 
-void Client::notify(std::shared_ptr<const std::string> head, std::uint64_t lost) {
+void Client::notify(std::shared_ptr<const Notification> head, std::uint64_t lost) {
   if (closed_) return;
   backlog_.notify(std::move(head), lost);
   flush();
@@ -144,6 +144,7 @@ void Client::flush() {
                            MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent >= 0) {
       sent_ += static_cast<std::size_t>(sent);
+      if (sent_ == output_.size() && backlog_.published_ns() != 0) owner_.told(backlog_.published_ns());
     } else if (errno == EAGAIN) {
       writing_ = true;
       socket_.async_wait(asio::posix::stream_descriptor::wait_write,

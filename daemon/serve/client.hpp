@@ -26,13 +26,14 @@ class Client : public std::enable_shared_from_this<Client> {
     std::function<void(const std::shared_ptr<Client>&, std::string line)>
         line;                                                  // a whole line, without its end
     std::function<void(const std::shared_ptr<Client>&)> gone;  // said once
+    std::function<void(std::int64_t published_ns)> told;       // a whole notification has gone to the kernel
   };
 
   Client(asio::io_context& io, UniqueFd socket, Owner& owner);
 
   void start() { read_when_ready(); }
   void answer(std::string text);  // one whole answer; empty: there is nothing to say
-  void notify(std::shared_ptr<const std::string> head, std::uint64_t lost);
+  void notify(std::shared_ptr<const Notification> head, std::uint64_t lost);
   void close();
 
   // An answer will come later: until then a client that has stopped sending is not let go.

@@ -3,8 +3,10 @@
 namespace slipd {
 namespace {
 
-// A machine that is no real-time one misses a frame now and then; that alone is no news.
+// A machine that is no real-time one misses a frame now and then, and all of them while an estimator is being
+// made: that is no news. So many of them for so long is.
 constexpr double kSkippedShare = 0.05;
+constexpr int kSecondsBehind = 3;
 
 std::string count(std::uint64_t number, const char* what) {
   return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
@@ -25,35 +27,36 @@ std::vector<std::string> Complaints::look(std::size_t sensor, const std::string&
                                           const std::string& device, const Troubles& totals,
                                           Clock::time_point now) {
   if (sensors_.size() <= sensor) sensors_.resize(sensor + 1);
-  const std::string on = device.empty() ? "" : " (" + device + ")";
-  const std::array<std::uint64_t, kKinds> seen{totals.corrupt, totals.lost, totals.skipped,
-                                               totals.events_lost};
+  auto& [kinds, last, seconds_behind] = sensors_[sensor];
+  const bool behind = static_cast<double>(totals.skipped - last.skipped) >
+                      kSkippedShare * static_cast<double>(totals.received - last.received);
+  seconds_behind = behind ? seconds_behind + 1 : 0;
+  last = totals;
   std::vector<std::string> lines;
-  for (std::size_t i = 0; i < kKinds; ++i) {
-    Kind& kind = sensors_[sensor][i];
-    const std::uint64_t more = seen[i] - kind.told;
-    const std::uint64_t frames = totals.received - kind.received;
-    if (more == 0 || (kind.quiet_until && now < *kind.quiet_until)) continue;
-    switch (i) {
-      case 0:
-        lines.push_back(name + on + ": " + count(more, "damaged packet") +
-                        " thrown away: the device, its cable or the bus is at fault");
-        break;
-      case 1:
-        lines.push_back(name + on + ": " + count(more, "frame") +
-                        " never came, by the device's own numbering: the device or the bus is too slow");
-        break;
-      case 2:
-        if (static_cast<double>(more) < kSkippedShare * static_cast<double>(frames)) continue;
-        lines.push_back(name + ": " + count(more, "frame") + " of " + std::to_string(frames) +
-                        " skipped: this machine is too slow for this rate and method; choose a cheaper "
-                        "estimator.method or a lower rate_hz");
-        break;
-      default:
-        lines.push_back(name + ": " + count(more, "estimate") +
-                        " not told to subscribers: slipd's own io thread was held up");
-    }
-    kind = {.told = seen[i], .received = totals.received, .quiet_until = now + kInterval};
+  auto complain = [&, which = std::size_t{0}](std::uint64_t total, const auto& line) mutable {
+    Kind& kind = kinds[which++];
+    if (total == kind.told || (kind.quiet_until && now < *kind.quiet_until)) return;
+    lines.push_back(name + line(total - kind.told));
+    kind = {.told = total, .quiet_until = now + kInterval};
+  };
+  const std::string on = device.empty() ? ": " : " (" + device + "): ";
+  complain(totals.corrupt, [&](std::uint64_t more) {
+    return on + count(more, "damaged packet") + " thrown away: the device, its cable or the bus is at fault";
+  });
+  complain(totals.lost, [&](std::uint64_t more) {
+    return on + count(more, "frame") +
+           " never came, by the device's own numbering: the device or the bus is too slow";
+  });
+  complain(totals.events_lost, [&](std::uint64_t more) {
+    return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";
+  });
+  if (seconds_behind >= kSecondsBehind) {
+    complain(totals.skipped, [&](std::uint64_t more) {
+      return ": " + count(more, "frame") +
+             " skipped: this machine is too slow for this rate and method; choose a cheaper estimator.method "
+             "or a "
+             "lower rate_hz";
+    });
   }
   return lines;
 }

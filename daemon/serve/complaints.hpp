@@ -33,11 +33,15 @@ class Complaints {
   static constexpr auto kInterval = std::chrono::minutes(1);
   static constexpr std::size_t kKinds = 4;
   struct Kind {
-    std::uint64_t told = 0;      // of the total, when it was last told
-    std::uint64_t received = 0;  // frames by then
+    std::uint64_t told = 0;  // of the total, when it was last told
     std::optional<Clock::time_point> quiet_until;
   };
-  std::vector<std::array<Kind, kKinds>> sensors_;
+  struct Sensor {
+    std::array<Kind, kKinds> kinds;
+    Troubles last;
+    int seconds_behind = 0;  // looks in a row that found many skipped frames
+  };
+  std::vector<Sensor> sensors_;
 };
 
 }  // namespace slipd

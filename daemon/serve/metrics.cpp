@@ -52,42 +52,49 @@ class Families {
          << version << "\"} 1\n";
   }
 
-  void latencies() {
-    out_ << "# TYPE slipd_latency_seconds summary\n# UNIT slipd_latency_seconds seconds\n"
-            "# HELP slipd_latency_seconds From the sample to its published estimate.\n";
-    for (const auto& panel : world_.board.sensors) {
-      const auto latency = panel->latency.summary();
-      if (latency.count == 0) continue;
-      const std::string sensor = "sensor=\"" + label_text(panel->name) + "\"";
-      const auto line = [&](const char* quantile, double microseconds) {
-        out_ << "slipd_latency_seconds{" << sensor << ",quantile=\"" << quantile << "\"} "
-             << microseconds * 1e-6 << '\n';
-      };
-      line("0.5", latency.p50_us);
-      line("0.99", latency.p99_us);
-      line("0.999", latency.p999_us);
-      line("1", latency.max_us);
-      out_ << "slipd_latency_seconds_count{" << sensor << "} " << latency.count << '\n';
-    }
+  // `labels`: what comes before the quantile, with its comma; empty: nothing.
+  void quantiles(const std::string& name, const std::string& labels,
+                 const LatencyHistogram::Summary& latency) {
+    if (latency.count == 0) return;
+    const auto line = [&](const char* quantile, double microseconds) {
+      out_ << name << '{' << labels << "quantile=\"" << quantile << "\"} " << microseconds * 1e-6 << '\n';
+    };
+    line("0.5", latency.p50_us);
+    line("0.99", latency.p99_us);
+    line("0.999", latency.p999_us);
+    line("1", latency.max_us);
   }
 
-  void latencies_of_last_minute() {
-    out_ << "# TYPE slipd_latency_last_minute_seconds gauge\n# UNIT slipd_latency_last_minute_seconds "
-            "seconds\n"
-            "# HELP slipd_latency_last_minute_seconds The same over the last minute.\n";
+  void seconds(const std::string& name, const char* type, const char* help) {
+    out_ << "# TYPE " << name << ' ' << type << "\n# UNIT " << name << " seconds\n# HELP " << name << ' '
+         << help << '\n';
+  }
+
+  void latencies() {
+    const auto sensor = [&](std::size_t i) {
+      return "sensor=\"" + label_text(world_.board.sensors[i]->name) + "\",";
+    };
+    seconds("slipd_latency_seconds", "summary", "From the sample to its published estimate.");
     for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
-      const Panel& panel = *world_.board.sensors[i];
-      const auto latency = world_.last_minute[i].summary(panel.latency);
-      if (latency.count == 0) continue;
-      const auto line = [&](const char* quantile, double microseconds) {
-        out_ << "slipd_latency_last_minute_seconds{sensor=\"" << label_text(panel.name) << "\",quantile=\""
-             << quantile << "\"} " << microseconds * 1e-6 << '\n';
-      };
-      line("0.5", latency.p50_us);
-      line("0.99", latency.p99_us);
-      line("0.999", latency.p999_us);
-      line("1", latency.max_us);
+      const auto latency = world_.board.sensors[i]->latency.summary();
+      quantiles("slipd_latency_seconds", sensor(i), latency);
+      if (latency.count > 0) {
+        out_ << "slipd_latency_seconds_count{sensor=\"" << label_text(world_.board.sensors[i]->name) << "\"} "
+             << latency.count << '\n';
+      }
     }
+    seconds("slipd_latency_last_minute_seconds", "gauge", "The same over the last minute.");
+    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+      quantiles("slipd_latency_last_minute_seconds", sensor(i),
+                world_.last_minute[i].summary(world_.board.sensors[i]->latency));
+    }
+    const auto told = world_.told.summary();
+    seconds("slipd_telling_seconds", "summary",
+            "From an estimate being published to its last byte sent to a subscriber.");
+    quantiles("slipd_telling_seconds", "", told);
+    if (told.count > 0) out_ << "slipd_telling_seconds_count " << told.count << '\n';
+    seconds("slipd_telling_last_minute_seconds", "gauge", "The same over the last minute.");
+    quantiles("slipd_telling_last_minute_seconds", "", world_.told_last_minute.summary(world_.told));
   }
 
   std::string text() const { return out_.str() + "# EOF\n"; }
@@ -144,7 +151,6 @@ std::string metrics_text(const World& world) {
   families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
                [&](std::size_t i) { return world.rates_hz[i]; });
   families.latencies();
-  families.latencies_of_last_minute();
   families.build(SLIPD_VERSION);
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
   families.add_one("slipd_uptime_seconds", "gauge", "Since the start.", uptime.count());

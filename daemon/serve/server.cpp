@@ -41,6 +41,9 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
     clients_.all.erase(client);
     world_.clients = clients_.all.size();
   };
+  clients_.owner.told = [this](std::int64_t published_ns) {
+    world_.told.record(Now::read().monotonic_ns - published_ns);
+  };
   world_.clients = clients_.all.size();
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) subscription.follow(world.board);
@@ -54,7 +57,8 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
 
 Server::~Server() {
   methods_.give_up_frames();
-  clients_.owner = {.line = [](const auto&, const auto&) {}, .gone = [](const auto&) {}};
+  clients_.owner = {
+      .line = [](const auto&, const auto&) {}, .gone = [](const auto&) {}, .told = [](std::int64_t) {}};
 }
 
 // A handler that was on its way already when this server ended does nothing: cancelling would come too late
@@ -132,7 +136,7 @@ void Server::tell(const Event& event) {
 
 void Server::tell(const Event& event, EventKind kind) {
   static constexpr const char* kMethods[kEventKinds] = {"estimate", "alert", "state"};
-  std::shared_ptr<const std::string> head;  // made for the first that wants it
+  std::shared_ptr<const Notification> head;  // made for the first that wants it
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) {
       std::uint64_t lost = 0;
@@ -143,9 +147,10 @@ void Server::tell(const Event& event, EventKind kind) {
                                          panel.simulated.load(std::memory_order_relaxed), Now::read())
                                .dump();
         text.pop_back();  // its last brace: `dropped` comes before it
-        head = std::make_shared<const std::string>(std::string(R"({"jsonrpc":"2.0","method":")") +
-                                                   kMethods[static_cast<std::size_t>(kind)] +
-                                                   R"(","params":)" + text);
+        head = std::make_shared<const Notification>(
+            Notification{std::string(R"({"jsonrpc":"2.0","method":")") +
+                             kMethods[static_cast<std::size_t>(kind)] + R"(","params":)" + text,
+                         event.estimate.published_ns});
       }
       client->notify(head, lost);
     }
@@ -168,6 +173,7 @@ void Server::measure_rates() {
            complaints_.look(i, panel.name, panel.facts().description, troubles_of(panel), now))
         spdlog::warn("{}", line);
     }
+    world_.told_last_minute.look(world_.told, now);
     std::uint64_t dropped = clients_.dropped_for_gone;
     for (const auto& client : clients_.all) dropped += client->dropped();
     world_.notifications_dropped = dropped;

@@ -82,7 +82,10 @@ json status_json(const World& world) {
           {"recorder", recorder_json(world)},
           {"outputs",
            {{"socket",
-             {{"path", world.settings.socket.path.string()}, {"dropped", world.notifications_dropped}}}}},
+             {{"path", world.settings.socket.path.string()},
+              {"dropped", world.notifications_dropped},
+              {"latency_us", latency_json(world.told.summary())},
+              {"latency_last_minute_us", latency_json(world.told_last_minute.summary(world.told))}}}}},
           {"clients", world.clients}};
 }
 

@@ -23,8 +23,10 @@ struct World {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   std::size_t clients = 0;
   std::uint64_t notifications_dropped = 0;  // for clients that were too slow, over all
-  std::vector<LatencyWindow> last_minute;   // per sensor, of its latency
-  std::vector<double> rates_hz;             // estimates a second, per sensor, over the last second or so
+  LatencyHistogram told{};  // published → all of it given to the kernel, over all subscribers
+  LatencyWindow told_last_minute{};
+  std::vector<LatencyWindow> last_minute;  // per sensor, of its latency
+  std::vector<double> rates_hz;            // estimates a second, per sensor, over the last second or so
 };
 
 }  // namespace slipd

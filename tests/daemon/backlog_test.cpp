@@ -8,9 +8,9 @@
 namespace slipd {
 namespace {
 
-std::shared_ptr<const std::string> head(int number) {
-  return std::make_shared<const std::string>(R"({"method":"estimate","params":{"seq":)" +
-                                             std::to_string(number));
+std::shared_ptr<const Notification> head(int number) {
+  return std::make_shared<const Notification>(
+      Notification{R"({"method":"estimate","params":{"seq":)" + std::to_string(number), number});
 }
 
 nlohmann::json params(const std::optional<std::string>& line) {
