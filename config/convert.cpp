@@ -10,6 +10,9 @@ namespace {
 
 using nlohmann::json;
 
+// Messages that there are identifiers for: one a sensor, then one a grasp.
+constexpr std::size_t kMostOnCan = 31;
+
 // The conversion and the problems it adds to.
 class Converter {
  public:
@@ -39,7 +42,6 @@ class Converter {
   void sensors(Settings& s) {
     const json& list = root_["sensors"];
     s.sensors = convert_sensors(list, problems_);
-    constexpr std::size_t kMostOnCan = 31;
     if (root_.contains("can") && list.size() > kMostOnCan) {
       add("/sensors", list,
           "has " + std::to_string(list.size()) + " sensors; expected up to 31, more do not go on CAN");
@@ -48,6 +50,12 @@ class Converter {
 
   void grasps(Settings& s) {
     const json& list = root_["grasps"];
+    if (root_.contains("can") && root_.contains("sensors") && root_["sensors"].size() <= kMostOnCan &&
+        root_["sensors"].size() + list.size() > kMostOnCan) {
+      add("/grasps", list,
+          "sensors and grasps are " + std::to_string(root_["sensors"].size() + list.size()) +
+              "; expected up to 31 together, more do not go on CAN");
+    }
     const std::vector<Problem> found = problems_;
     check_names_differ(list, "/grasps", problems_);
     std::vector<std::string> known;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/can/dbc.hpp"
 #include "daemon/serve/estimate_json.hpp"
 #include "daemon/serve/flight_recorder.hpp"
 #include "daemon/serve/names.hpp"
@@ -49,6 +50,11 @@ Methods::Methods(World& world, Recorder& recorder)
   plain("sensors", {}, [this](const Params&) { return sensors_json(world_); });
   plain("status", {}, [this](const Params&) { return status_json(world_); });
   plain("metrics", {}, [this](const Params&) { return json(metrics_text(world_)); });
+  plain("dbc", {}, [this](const Params&) {
+    if (!world_.settings.can)
+      throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
+    return json(can::dbc_text(*world_.settings.can, can::subjects_of(world_.settings)));
+  });
   plain("gamma", {"sensor"}, [this](const Params& params) { return gamma(params); });
   plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {

@@ -201,6 +201,10 @@ TEST(Settings, put_at_most_31_sensors_on_CAN) {
   EXPECT_THAT(problems_of(document), testing::IsEmpty());
   document["can"] = {{"interface", "can0"}};
   EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("has 32 sensors; expected up to 31")));
+  document["sensors"].erase(31);
+  EXPECT_THAT(problems_of(document), testing::IsEmpty());
+  document["grasps"] = {{{"name", "gripper"}, {"sensors", {"s0", "s1"}}}};
+  EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("sensors and grasps are 32")));
 }
 
 TEST(Settings, keep_all_of_slipds_identifiers_within_CANs) {

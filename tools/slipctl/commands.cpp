@@ -72,6 +72,11 @@ void keep_flight(const Common& common, const std::string& sensor) {
     std::cout << "in " << result.value("written_in_s", 0.0) << " s in " << result.value("folder", "") << '\n';
 }
 
+void print_dbc(const Common& common) {
+  const json dbc = ask(common, "dbc");
+  std::cout << (common.json ? dbc.dump() + "\n" : dbc.get<std::string>());
+}
+
 void rebias(const Common& common, const std::string& sensor) {
   const json result = RpcClient(common.socket).call("rebias", {{"sensor", sensor}}, std::chrono::seconds(10));
   if (common.json)

@@ -24,6 +24,8 @@ void add_questions(CLI::App& app, Choices& choices) {
   app.add_subcommand("metrics", "counters, rates and latencies as OpenMetrics text")->callback([&] {
     print_metrics(choices.common);
   });
+  app.add_subcommand("dbc", "what slipd says on CAN, as a DBC file for the running configuration")
+      ->callback([&] { print_dbc(choices.common); });
   app.add_subcommand("sensors", "which sensors there are")->callback([&] { print_sensors(choices.common); });
   CLI::App* gamma = app.add_subcommand("gamma", "the latest safety margin of each sensor");
   gamma->add_option("sensor", choices.sensor, "only this one");

@@ -1,0 +1,52 @@
+// Where each signal lies in slipd's CAN messages and what a count of it means. A test holds it against
+// config/slipd.dbc, which is the definition. All are unsigned, little-endian (Intel), without offset.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace slipd::can {
+
+struct Signal {
+  const char* name;
+  unsigned start;   // bit of the least significant one
+  unsigned length;  // bits
+  double scale;     // what one count is worth
+};
+
+inline constexpr std::uint64_t kNotAvailable = 0xFFFF;  // of a signal of 16 bits
+inline constexpr std::uint64_t kProtocol = 1;
+
+// Ends every message.
+inline constexpr Signal kCounter{"Counter", 52, 4, 1};
+inline constexpr Signal kCrc8{"Crc8", 56, 8, 1};
+
+namespace estimate {
+inline constexpr Signal kGamma{"Gamma", 0, 16, 1e-4};
+inline constexpr Signal kFriction{"Friction", 16, 16, 1e-4};
+inline constexpr Signal kState{"State", 32, 4, 1};
+inline constexpr Signal kAlert{"Alert", 36, 2, 1};
+inline constexpr Signal kSimulated{"Simulated", 38, 1, 1};
+inline constexpr Signal kSequence{"Sequence", 40, 12, 1};
+inline constexpr std::array kAll{kGamma, kFriction, kState, kAlert, kSimulated, kSequence, kCounter, kCrc8};
+}  // namespace estimate
+
+namespace alert {
+inline constexpr Signal kGamma{"Gamma", 0, 16, 1e-4};
+inline constexpr Signal kGripIncrease_n{"GripIncrease", 16, 16, 0.01};
+inline constexpr Signal kTimeToSlip_ms{"TimeToSlip", 32, 16, 1};
+inline constexpr Signal kAlert{"Alert", 48, 2, 1};
+inline constexpr Signal kSimulated{"Simulated", 50, 1, 1};
+inline constexpr std::array kAll{kGamma,     kGripIncrease_n, kTimeToSlip_ms, kAlert,
+                                 kSimulated, kCounter,        kCrc8};
+}  // namespace alert
+
+namespace heartbeat {
+inline constexpr Signal kProtocolVersion{"Protocol", 0, 8, 1};
+inline constexpr Signal kMessages{"Messages", 8, 8, 1};
+inline constexpr Signal kUptime_s{"Uptime", 16, 24, 1};
+inline constexpr Signal kStopping{"Stopping", 40, 1, 1};
+inline constexpr std::array kAll{kProtocolVersion, kMessages, kUptime_s, kStopping, kCounter, kCrc8};
+}  // namespace heartbeat
+
+}  // namespace slipd::can
