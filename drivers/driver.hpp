@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -32,10 +33,18 @@ struct SensorSetup {
   nlohmann::json options;  // an object
 };
 
+// The surface of a sensor whose device dictates it; see Skin of the scene.
+struct SkinInfo {
+  double radius_m = 0.01;  // infinity: flat
+  double modulus_pa = 0.5e6;
+  double poisson = 0.45;
+};
+
 struct SensorInfo {
   SensorClass sensor_class = SensorClass::array3;
   TaxelLayout layout;
-  double rate_hz = 0;  // 0: unknown
+  double rate_hz = 0;                 // 0: unknown
+  std::optional<SkinInfo> skin = {};  // none: the one of the configuration
 };
 
 struct DeviceInfo {
@@ -95,7 +104,7 @@ struct DriverModule {
   std::unique_ptr<DeviceDriver> (*create)(const std::vector<SensorSetup>& sensors);
 };
 
-inline constexpr std::uint32_t kDriverAbi = 1;
+inline constexpr std::uint32_t kDriverAbi = 2;
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 
 }  // namespace slipd

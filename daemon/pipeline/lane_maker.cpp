@@ -53,9 +53,12 @@ void LaneMaker::run() {
 void LaneMaker::make(const Job& job) {
   Seat& seat = *seats_[job.sensor];
   try {
+    Scene scene = settings_.scene_of(seat.settings);
+    if (const auto& skin = job.feed->info.skin)
+      scene.skin = {skin->radius_m, skin->modulus_pa, skin->poisson};
     const ChainSetup setup{.layout = job.feed->info.layout,
                            .sensor_class = job.feed->info.sensor_class,
-                           .scene = settings_.scene_of(seat.settings),
+                           .scene = scene,
                            .estimator = settings_.estimator,
                            .alerts = settings_.alerts,
                            .friction = seat.settings.friction};

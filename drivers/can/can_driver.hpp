@@ -1,0 +1,50 @@
+// Tactile sensors on a CAN bus: boards that send their scans in several frames, told apart by a number in
+// their identifiers. One driver is one bus; each sensor is one board.
+//
+// A board that lost its power comes back silent, and nothing on the bus says so. Therefore the start messages
+// go out again whenever a board has said nothing for the profile's keep_alive_ms.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "drivers/can/can_socket.hpp"
+#include "drivers/decode/decoder.hpp"
+#include "drivers/driver.hpp"
+
+namespace slipd::can {
+
+class CanDriver final : public DeviceDriver {
+ public:
+  using Opener = std::function<Socket(const std::string& interface, const std::vector<std::uint32_t>& ids)>;
+
+  // Throws DriverError for a profile or options that cannot work. `opener`: tests have a bus of their own.
+  explicit CanDriver(const std::vector<SensorSetup>& sensors, Opener opener = open_interface);
+
+  DeviceInfo open() override;
+  ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
+  void close() noexcept override;
+
+ private:
+  struct Message {
+    std::uint32_t id;
+    std::vector<std::uint8_t> bytes;
+  };
+  struct Board {
+    decode::Decoder decoder;
+    std::vector<Message> start, stop;
+    std::int64_t heard_ns = 0;  // or asked
+  };
+
+  void wake_silent_boards(std::int64_t now_ns) noexcept;
+  ReadResult take(const Arrival& arrival, std::span<FrameSlot> slots) noexcept;
+
+  decode::Profile profile_;
+  std::string interface_;
+  Opener opener_;
+  std::vector<Board> boards_;
+  Socket socket_;
+};
+
+}  // namespace slipd::can

@@ -1,0 +1,163 @@
+// What no schema can say of a profile.
+#include <nlohmann/json.hpp>
+
+#include "drivers/decode/profile_parts.hpp"
+
+namespace slipd::decode {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kCanFdBytes = 64;
+constexpr std::size_t kMostRegisters = 125;  // of one Modbus request
+constexpr std::size_t kMostPackets = 4096;   // of one scan
+
+const char* word(Channel channel) {
+  return channel == Channel::normal ? "normal" : channel == Channel::shear_x ? "x" : "y";
+}
+
+class Finder {
+ public:
+  Finder(const json& in, const Profile& profile, std::vector<Problem>& problems)
+      : in_(in), profile_(profile), problems_(problems), packets_(in["scan"]["packets"].size()) {}
+
+  void find() {
+    timing();
+    if (profile_.scan.size() > kMostPackets) {
+      add("/scan/repeat", in_["scan"]["repeat"], "makes more than 4096 packets a scan");
+      return;
+    }
+    for (std::size_t i = 0; i < packets_; ++i) packet(profile_.scan[i], pointer_to("/scan/packets", i));
+    told_apart();
+    if (problems_.empty()) every_taxel_once();
+    if (profile_.driver == "modbus") registers();
+  }
+
+ private:
+  void add(const std::string& pointer, const json& value, const std::string& what) {
+    problems_.push_back(problem_of(pointer, value, what));
+  }
+
+  void timing() {
+    if (static_cast<double>(profile_.scan_timeout_ns) * profile_.rate_hz < 1e9) return;
+    add("/scan/timeout_ms", in_["scan"]["timeout_ms"],
+        "is not shorter than from scan to scan at rate_hz: halves of two scans could be taken for one");
+  }
+
+  // Bytes that are not there, or belong to two values.
+  void packet(const PacketRule& rule, const std::string& at) {
+    if (profile_.driver == "can" && rule.length > kCanFdBytes)
+      add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
+    if (rule.match.mask != 0 && rule.match.offset >= rule.length)
+      add(at + "/match/offset", rule.match.offset, "lies behind the packet's end");
+    std::vector<int> owner(rule.length, 0);
+    for (const Field& field : rule.fields) {
+      if (field.sensor >= profile_.sensors) {
+        add(at + "/fields", field.sensor,
+            "is no sensor of the device; it has " + std::to_string(profile_.sensors));
+        return;
+      }
+      for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
+        if (byte >= rule.length) {
+          add(at + "/fields", byte,
+              "is a byte behind the packet's end; it has " + std::to_string(rule.length));
+          return;
+        }
+        if (owner[byte]++ > 0) {
+          add(at + "/fields", byte, "is a byte of two fields, which overlap");
+          return;
+        }
+      }
+    }
+  }
+
+  void told_apart() {
+    for (std::size_t i = 0; i < profile_.scan.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const PacketRule &a = profile_.scan[i], &b = profile_.scan[j];
+        if (a.id != b.id) continue;
+        const bool differ = a.match.mask != 0 && a.match.offset == b.match.offset &&
+                            ((a.match.value ^ b.match.value) & a.match.mask & b.match.mask) != 0;
+        if (differ) continue;
+        add(pointer_to("/scan/packets", i % packets_), in_["scan"]["packets"][i % packets_]["id"],
+            "is the id of another packet of the scan with nothing to tell them apart; use id_step or match");
+        return;
+      }
+    }
+  }
+
+  void every_taxel_once() {
+    const std::size_t taxels = profile_.layout.size();
+    std::vector<int> filled(profile_.sensors * taxels * 3, 0);
+    const auto at = [&](std::size_t sensor, std::size_t taxel, Channel channel) -> int& {
+      return filled[(sensor * taxels + taxel) * 3 + static_cast<std::size_t>(channel)];
+    };
+    const auto name = [&](std::size_t sensor, std::size_t taxel, Channel channel) {
+      return "taxel " + std::to_string(taxel) +
+             (profile_.sensors > 1 ? " of sensor " + std::to_string(sensor) : "") + ", " + word(channel) +
+             ", ";
+    };
+    for (const PacketRule& rule : profile_.scan) {
+      for (const Field& field : rule.fields) {
+        if (field.taxel >= taxels) {
+          add("/layout", in_["layout"],
+              "has " + std::to_string(taxels) + " taxels, and a field speaks of taxel " +
+                  std::to_string(field.taxel) + ", which has no position");
+          return;
+        }
+        if (at(field.sensor, field.taxel, field.channel)++ > 0) {
+          problems_.push_back({"/scan", "", name(field.sensor, field.taxel, field.channel) + "comes twice"});
+          return;
+        }
+      }
+    }
+    for (std::size_t sensor = 0; sensor < profile_.sensors; ++sensor) {
+      for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+        for (const Channel channel : {Channel::normal, Channel::shear_x, Channel::shear_y}) {
+          const bool wanted = channel == Channel::normal || profile_.sensor_class != SensorClass::normal;
+          if ((at(sensor, taxel, channel) > 0) == wanted) continue;
+          problems_.push_back(
+              {"/scan", "",
+               name(sensor, taxel, channel) +
+                   (wanted ? "never comes" : "comes, but the class says that there is none")});
+          return;
+        }
+      }
+    }
+  }
+
+  void registers() {
+    if (!profile_.modbus) {
+      problems_.push_back({"/modbus", "", "is missing; the driver needs it"});
+      return;
+    }
+    const auto there = in_["modbus"]["registers"].get<std::size_t>();
+    for (std::size_t i = 0; i < packets_; ++i) {
+      const PacketRule& rule = profile_.scan[i];
+      const std::string at = pointer_to("/scan/packets", i);
+      if (rule.length % 2 != 0) add(at + "/length", rule.length, "is no whole number of registers");
+      if (rule.length / 2 > kMostRegisters)
+        add(at + "/length", rule.length, "is more than one request can have");
+    }
+    for (const PacketRule& rule : profile_.scan) {
+      if (rule.id + rule.length / 2 <= there) continue;
+      add("/modbus/registers", there,
+          "is all that the device has, but a packet ends with register " +
+              std::to_string(rule.id + rule.length / 2 - 1));
+      return;
+    }
+  }
+
+  const json& in_;
+  const Profile& profile_;
+  std::vector<Problem>& problems_;
+  std::size_t packets_;
+};
+
+}  // namespace
+
+void find_contradictions(const json& in, const Profile& profile, std::vector<Problem>& problems) {
+  Finder(in, profile, problems).find();
+}
+
+}  // namespace slipd::decode

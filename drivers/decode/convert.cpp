@@ -1,0 +1,182 @@
+// JSON → Profile.
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "drivers/decode/profile_parts.hpp"
+
+namespace slipd::decode {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMetresPerMm = 1e-3;
+
+std::uint32_t id_of(const json& in) {
+  return in.is_string() ? static_cast<std::uint32_t>(std::stoul(in.get<std::string>(), nullptr, 16))
+                        : in.get<std::uint32_t>();
+}
+
+std::optional<unsigned> shift_of(const json& in) {
+  if (!in.contains("board_shift")) return std::nullopt;
+  return in["board_shift"].get<unsigned>();
+}
+
+std::vector<Message> messages(const json& list) {
+  std::vector<Message> out;
+  for (const json& in : list)
+    out.push_back({id_of(in["id"]), shift_of(in), in["bytes"].get<std::vector<std::uint8_t>>()});
+  return out;
+}
+
+NumberType type_of(const std::string& name) {  // u8, i16be …
+  NumberType type;
+  type.kind = name[0] == 'u' ? NumberKind::natural : name[0] == 'i' ? NumberKind::whole : NumberKind::real;
+  type.bytes = static_cast<std::uint8_t>(std::stoul(name.substr(1)) / 8);
+  type.big_endian = name.ends_with("be");
+  return type;
+}
+
+SensorClass class_of(const std::string& name) {
+  return name == "array3"   ? SensorClass::array3
+         : name == "wrench" ? SensorClass::wrench
+                            : SensorClass::normal;
+}
+
+TaxelLayout layout_of(const json& in, SensorClass sensor_class, std::vector<Problem>& problems) {
+  TaxelLayout usual = TaxelLayout::wrench(0.01);
+  const bool one = sensor_class == SensorClass::wrench;
+  const auto add = [&](const std::string& what) { problems.push_back(problem_of("/layout", in, what)); };
+  if (one != in.contains("wrench_mm") || in.contains("grid") != in.contains("pitch_mm") ||
+      in.contains("grid") + in.contains("taxels") + in.contains("wrench_mm") != 1) {
+    add(one ? "a wrench needs wrench_mm and nothing else" : "expected grid with pitch_mm, or taxels");
+    return usual;
+  }
+  if (one) return TaxelLayout::wrench(in["wrench_mm"].get<double>() * kMetresPerMm);
+  try {
+    if (in.contains("grid"))
+      return TaxelLayout::grid(in["grid"][0], in["grid"][1], in["pitch_mm"].get<double>() * kMetresPerMm);
+    std::vector<double> x_m, y_m;
+    for (const json& taxel : in["taxels"]) {
+      x_m.push_back(taxel[0].get<double>() * kMetresPerMm);
+      y_m.push_back(taxel[1].get<double>() * kMetresPerMm);
+    }
+    return TaxelLayout::scattered(std::move(x_m), std::move(y_m));
+  } catch (const std::invalid_argument& error) {
+    add(error.what());
+    return usual;
+  }
+}
+
+SkinInfo skin_of(const json& in) {
+  const json& radius = in["radius_mm"];
+  return {radius.is_string() ? std::numeric_limits<double>::infinity() : radius.get<double>() * kMetresPerMm,
+          in["modulus_mpa"].get<double>() * 1e6, in["poisson"].get<double>()};
+}
+
+// The device's axis → slipd's channel and sign; none: a profile's axis that slipd has no use for.
+struct Axis {
+  Channel channel;
+  double sign;
+};
+
+std::optional<Axis> axis_of(const json& axes, char device_axis) {
+  for (const auto& [key, channel] :
+       {std::pair{"normal", Channel::normal}, {"x", Channel::shear_x}, {"y", Channel::shear_y}}) {
+    const auto from = axes[key].get<std::string>();
+    if (from.back() == device_axis) return Axis{channel, from[0] == '-' ? -1.0 : 1.0};
+  }
+  return std::nullopt;
+}
+
+class ScanConverter {
+ public:
+  ScanConverter(const json& in, const Profile& profile, std::vector<Problem>& problems)
+      : in_(in), profile_(profile), problems_(problems) {}
+
+  std::vector<PacketRule> rules() {
+    const json& scan = in_["scan"];
+    std::vector<PacketRule> out;
+    for (unsigned turn = 0; turn < scan["repeat"].get<unsigned>(); ++turn) {
+      for (std::size_t i = 0; i < scan["packets"].size(); ++i) {
+        const json& packet = scan["packets"][i];
+        PacketRule& rule = out.emplace_back();
+        rule.id = id_of(packet["id"]) + turn * scan["id_step"].get<unsigned>();
+        rule.board_shift = shift_of(packet);
+        rule.length = packet["length"];
+        if (packet.contains("match")) {
+          const json& match = packet["match"];
+          rule.match = {match["offset"], match["mask"], match["value"]};
+        }
+        for (std::size_t j = 0; j < packet["fields"].size(); ++j) {
+          fields(packet["fields"][j], turn * scan["taxels_each"].get<std::size_t>(),
+                 pointer_to(pointer_to("/scan/packets", i) + "/fields", j), turn == 0, rule.fields);
+        }
+      }
+    }
+    return out;
+  }
+
+ private:
+  void fields(const json& in, std::size_t first_taxel, const std::string& at, bool tell,
+              std::vector<Field>& out) {
+    if (in.contains("scale_pa") == in.contains("scale_n")) {
+      if (tell) problems_.push_back(problem_of(at, in, "expected either scale_pa or scale_n"));
+      return;
+    }
+    const auto axis = axis_of(in_["axes"], in["axis"].get<std::string>()[0]);
+    if (!axis) {
+      if (tell) problems_.push_back(problem_of(at + "/axis", in["axis"], "is not among the axes"));
+      return;
+    }
+    Field field;
+    field.sensor = in["sensor"];
+    field.channel = axis->channel;
+    field.type = type_of(in["type"]);
+    field.zero = in["zero"];
+    field.gain_pa =
+        axis->sign * (in.contains("scale_pa") ? in["scale_pa"].get<double>()
+                                              : in["scale_n"].get<double>() / profile_.layout.area_m2());
+    const auto stride = in["stride"].get<std::size_t>();
+    for (std::size_t i = 0; i < in["count"].get<std::size_t>(); ++i) {
+      field.taxel = first_taxel + in["taxel"].get<std::size_t>() + i;
+      field.offset = in["offset"].get<std::size_t>() + i * (stride == 0 ? field.type.bytes : stride);
+      out.push_back(field);
+    }
+  }
+
+  const json& in_;
+  const Profile& profile_;
+  std::vector<Problem>& problems_;
+};
+
+}  // namespace
+
+Profile converted(const json& in, std::vector<Problem>& problems) {
+  Profile out;
+  out.description = in["description"];
+  out.tested = in["tested"];
+  out.driver = in["driver"];
+  out.sensor_class = class_of(in["class"]);
+  out.rate_hz = in["rate_hz"];
+  out.sensors = in["sensors"];
+  out.layout = layout_of(in["layout"], out.sensor_class, problems);
+  out.skin = skin_of(in["skin"]);
+  out.scan_timeout_ns = std::llround(in["scan"]["timeout_ms"].get<double>() * 1e6);
+  out.scan = ScanConverter(in, out, problems).rules();
+  out.start = messages(in["start"]);
+  out.stop = messages(in["stop"]);
+  out.keep_alive_ns = in["keep_alive_ms"].get<std::int64_t>() * 1'000'000;
+  if (in.contains("modbus")) {
+    const json& map = in["modbus"];
+    const auto parity = map["parity"].get<std::string>();
+    out.modbus = ModbusMap{map["unit"], map["function"], map["tcp_port"], map["baud"],
+                           parity == "none"   ? 'N'
+                           : parity == "even" ? 'E'
+                                              : 'O'};
+  }
+  return out;
+}
+
+}  // namespace slipd::decode

@@ -1,0 +1,87 @@
+#include "drivers/decode/decoder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd::decode {
+
+std::uint32_t addressed(std::uint32_t id, const std::optional<unsigned>& board_shift,
+                        unsigned board) noexcept {
+  return board_shift ? id + (board << *board_shift) : id;
+}
+
+Decoder::Decoder(const Profile& profile, std::size_t sensor, unsigned board)
+    : rules_(profile.scan), sensor_class_(profile.sensor_class), timeout_ns_(profile.scan_timeout_ns) {
+  for (PacketRule& rule : rules_) {
+    rule.id = addressed(rule.id, rule.board_shift, board);
+    std::erase_if(rule.fields, [sensor](const Field& field) { return field.sensor != sensor; });
+  }
+}
+
+bool Decoder::matches(const PacketRule& rule, std::uint32_t id,
+                      std::span<const std::uint8_t> bytes) const noexcept {
+  if (rule.id != id) return false;
+  return rule.match.mask == 0 || (rule.match.offset < bytes.size() &&
+                                  (bytes[rule.match.offset] & rule.match.mask) == rule.match.value);
+}
+
+void Decoder::drop() noexcept {
+  if (next_ == 0) return;
+  next_ = 0;
+  ++counts_.incomplete;
+  ++sequence_;
+}
+
+bool Decoder::fill(const PacketRule& rule, std::span<const std::uint8_t> bytes, FrameSlot& slot) noexcept {
+  for (const Field& field : rule.fields) {
+    const double raw = read_number(bytes.data() + field.offset, field.type);
+    const auto value = static_cast<float>((raw - field.zero) * field.gain_pa);
+    if (!std::isfinite(value)) return false;
+    const auto& channel = field.channel == Channel::normal    ? slot.normal_pa
+                          : field.channel == Channel::shear_x ? slot.shear_x_pa
+                                                              : slot.shear_y_pa;
+    channel[field.taxel] = value;
+  }
+  return true;
+}
+
+Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std::int64_t time_ns,
+                      FrameSlot& slot) noexcept {
+  const auto of_id = [&](const PacketRule& rule) { return rule.id == id; };
+  const bool expected = matches(rules_[next_], id, bytes);
+  if (!expected && std::none_of(rules_.begin(), rules_.end(), of_id)) return Outcome::foreign;
+  ++counts_.packets;
+
+  const bool was_begun = next_ != 0;
+  const bool late = was_begun && time_ns - begun_ns_ > timeout_ns_;
+  bool lost = false;
+  if (!expected || late) {
+    lost = was_begun;
+    drop();
+    if (!matches(rules_[0], id, bytes)) {
+      ++counts_.stray;
+      return lost ? Outcome::dropped : Outcome::partial;
+    }
+  }
+  const PacketRule& rule = rules_[next_];
+  if (bytes.size() != rule.length || !fill(rule, bytes, slot)) {
+    ++counts_.malformed;
+    if (next_ == 0) ++sequence_;  // the scan that this would have begun
+    drop();
+    return Outcome::dropped;
+  }
+  if (next_ == 0) begun_ns_ = time_ns;
+  if (++next_ < rules_.size()) return lost ? Outcome::dropped : Outcome::partial;
+  next_ = 0;
+  if (sensor_class_ == SensorClass::normal) {
+    std::fill(slot.shear_x_pa.begin(), slot.shear_x_pa.end(), 0.0F);
+    std::fill(slot.shear_y_pa.begin(), slot.shear_y_pa.end(), 0.0F);
+  }
+  slot.sequence = sequence_++;
+  slot.time_ns = begun_ns_;
+  slot.device_time_ns = -1;
+  slot.truth = {};
+  return Outcome::frame;
+}
+
+}  // namespace slipd::decode

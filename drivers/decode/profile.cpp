@@ -1,0 +1,90 @@
+#include "drivers/decode/profile.hpp"
+
+#include <dlfcn.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "config/json_text.hpp"
+#include "config/schema.hpp"
+#include "drivers/decode/profile_parts.hpp"
+#include "embedded/profile_schema.hpp"
+
+namespace slipd::decode {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& name, const std::vector<Problem>& problems) {
+  std::string lines = "profile \"" + name + "\" cannot work:";
+  for (const Problem& problem : problems) lines += "\n  " + problem.in(name + ".json");
+  throw DriverError(lines);
+}
+
+std::vector<fs::path> folders() {
+  std::vector<fs::path> found{"/etc/slipd/profiles"};
+  Dl_info here{};
+  if (dladdr(reinterpret_cast<const void*>(&parse_profile), &here) != 0 && here.dli_fname != nullptr)
+    found.push_back(fs::absolute(here.dli_fname).parent_path().parent_path() / "profiles");
+  found.emplace_back(SLIPD_INSTALLED_PROFILES);
+  return found;
+}
+
+}  // namespace
+
+Profile parse_profile(const std::string& text, const std::string& name) {
+  static const json kSchema = parse_json_text(profile_schema);
+  json in;
+  try {
+    in = parse_json_text(text);
+  } catch (const JsonTextError& error) {
+    throw DriverError("profile " + error.located_in(name + ".json"));
+  }
+  std::vector<Problem> problems = check(kSchema, in);
+  if (!problems.empty()) refuse(name, problems);
+  Profile profile = converted(in, problems);
+  if (problems.empty()) find_contradictions(in, profile, problems);
+  if (!problems.empty()) refuse(name, problems);
+  return profile;
+}
+
+Profile find_profile(const std::string& name) {
+  std::string looked;
+  for (const fs::path& folder : folders()) {
+    const fs::path path = folder / (name + ".json");
+    std::ifstream file(path);
+    if (!file) {
+      looked += (looked.empty() ? "" : ", ") + path.string();
+      continue;
+    }
+    std::ostringstream text;
+    text << file.rdbuf();
+    return parse_profile(text.str(), name);
+  }
+  throw DriverError("there is no profile \"" + name + "\"; looked for " + looked);
+}
+
+Profile profile_of(const std::vector<SensorSetup>& sensors, const std::string& driver) {
+  const std::string& name = sensors.front().profile;
+  for (const SensorSetup& sensor : sensors) {
+    if (sensor.profile.empty()) {
+      throw DriverError("sensor \"" + sensor.name + "\": driver " + driver +
+                        " needs a \"profile\", which says what the device sends");
+    }
+    if (sensor.profile != name) {
+      throw DriverError("sensor \"" + sensor.name + "\": profile \"" + sensor.profile +
+                        "\", but it shares its device with a sensor of profile \"" + name +
+                        "\"; give all of one device the same");
+    }
+  }
+  Profile profile = find_profile(name);
+  if (profile.driver != driver) {
+    throw DriverError("profile \"" + name + "\" is for driver " + profile.driver + ", not " + driver +
+                      ": change the sensor's \"driver\"");
+  }
+  return profile;
+}
+
+}  // namespace slipd::decode

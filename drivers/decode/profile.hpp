@@ -1,0 +1,79 @@
+// A device profile: what a device sends, where its taxels are, how it is started. config/profile.schema.json
+// says what each key means; here it is checked and in SI units, laid out for the decoder. Set-up thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/decode/number.hpp"
+#include "drivers/driver.hpp"
+
+namespace slipd::decode {
+
+enum class Channel : std::uint8_t { normal, shear_x, shear_y };
+
+// One value of one packet: pressure_pa = (raw - zero) * gain_pa.
+struct Field {
+  std::size_t sensor = 0;
+  Channel channel = Channel::normal;
+  std::size_t taxel = 0;
+  std::size_t offset = 0;  // bytes
+  NumberType type;
+  double zero = 0;
+  double gain_pa = 1;
+};
+
+// One packet of a scan. `board_shift`: the board's number shifted so far left is added to the id.
+struct PacketRule {
+  std::uint32_t id = 0;
+  std::optional<unsigned> board_shift;
+  std::size_t length = 0;  // bytes
+  struct {
+    std::size_t offset = 0;
+    std::uint8_t mask = 0, value = 0;  // mask 0: any packet of the id
+  } match;
+  std::vector<Field> fields;
+};
+
+struct Message {
+  std::uint32_t id = 0;
+  std::optional<unsigned> board_shift;
+  std::vector<std::uint8_t> bytes;
+};
+
+struct ModbusMap {
+  int unit = 1;
+  int function = 3;
+  int tcp_port = 502;
+  int baud = 19200;
+  char parity = 'N';
+};
+
+struct Profile {
+  std::string description, tested, driver;
+  SensorClass sensor_class = SensorClass::array3;
+  double rate_hz = 0;
+  std::size_t sensors = 1;
+  TaxelLayout layout = TaxelLayout::wrench(0.01);
+  SkinInfo skin;
+  std::int64_t scan_timeout_ns = 0;
+  std::vector<PacketRule> scan;  // every packet of a scan, in the order in which they come
+  std::vector<Message> start, stop;
+  std::int64_t keep_alive_ns = 0;
+  std::optional<ModbusMap> modbus;
+};
+
+// Throws DriverError: a line for each thing that is wrong, `NAME: /json/pointer = value: what`.
+Profile parse_profile(const std::string& text, const std::string& name);
+
+// NAME.json of /etc/slipd/profiles, else of the folder `profiles` beside that of the program or module this
+// code is in (a build tree), else of the installed data. Throws DriverError, which says where it looked.
+Profile find_profile(const std::string& name);
+
+// The profile that all of these sensors name, for that driver. Throws DriverError.
+Profile profile_of(const std::vector<SensorSetup>& sensors, const std::string& driver);
+
+}  // namespace slipd::decode

@@ -1,0 +1,250 @@
+// Packets → frames: the bytes that the sources state, what simulated devices send, and what no device should.
+#include "drivers/decode/decoder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/drivers/driver_fixture.hpp"
+#include "tests/support/devices/sheet.hpp"
+#include "tests/support/heap_count.hpp"
+
+namespace slipd::decode {
+namespace {
+
+using devices::Bytes;
+using devices::Packet;
+using testing::Each;
+using testing::FloatNear;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+// A decoder with its slot, fed by the clock that the test says.
+class Bench {
+ public:
+  explicit Bench(const std::string& profile, std::size_t sensor = 0, unsigned board = 1)
+      : profile_(find_profile(profile)), decoder(profile_, sensor, board), out(profile_.layout.size()) {}
+
+  Outcome take(const Packet& packet, std::int64_t time_ns = 0) {
+    return decoder.take(packet.address, packet.bytes, time_ns, out.slot);
+  }
+
+  // How many frames came of these packets, 0.1 ms apart.
+  int frames(const std::vector<Packet>& packets) {
+    int count = 0;
+    for (const Packet& packet : packets) {
+      now_ns_ += kMs / 10;
+      count += take(packet, now_ns_) == Outcome::frame ? 1 : 0;
+    }
+    now_ns_ += 5 * kMs;
+    return count;
+  }
+
+ private:
+  Profile profile_;
+  std::int64_t now_ns_ = 0;
+
+ public:
+  Decoder decoder;
+  test::OwnedSlot out;
+};
+
+// What the sheet's device sends when each taxel feels 1000 Pa times its number from 1, half in x, a quarter
+// in -y.
+std::vector<Packet> scan_of(const devices::Sheet& sheet) {
+  std::vector<test::OwnedSlot> slots;
+  std::vector<Frame> frames;
+  for (std::size_t sensor = 0; sensor < sheet.sensors; ++sensor) {
+    auto& slot = slots.emplace_back(sheet.layout.size()).slot;
+    for (std::size_t i = 0; i < sheet.layout.size(); ++i) {
+      slot.normal_pa[i] = 1000 * static_cast<float>(i + 1 + sensor);
+      slot.shear_x_pa[i] = slot.normal_pa[i] / 2;
+      slot.shear_y_pa[i] = -slot.normal_pa[i] / 4;
+    }
+  }
+  for (auto& slot : slots) frames.push_back(slot.slot.view());
+  return sheet.scan({frames, 0, 0});
+}
+
+TEST(Decoder, reads_the_xelas_big_endian_axes) {
+  Bench bench("xela-xr1944");
+  for (std::uint32_t taxel = 0; taxel < 15; ++taxel)
+    EXPECT_EQ(bench.take({0x710 + taxel, {0, 0x75, 0x30, 0x75, 0x30, 0x75, 0x30}}, taxel), Outcome::partial);
+  EXPECT_EQ(bench.take({0x71F, {0xFF, 0x75, 0x31, 0x75, 0x2E, 0x76, 0x30}}, 20), Outcome::frame);
+  EXPECT_FLOAT_EQ(bench.out.slot.shear_x_pa[15], 20);
+  EXPECT_FLOAT_EQ(bench.out.slot.shear_y_pa[15], -40);
+  EXPECT_FLOAT_EQ(bench.out.slot.normal_pa[15], 256 * 40);
+  EXPECT_THAT(std::vector(bench.out.slot.normal_pa.begin(), bench.out.slot.normal_pa.end() - 1), Each(0));
+  EXPECT_EQ(bench.out.slot.time_ns, 0) << "the scan's first packet is nearest to the sample";
+}
+
+TEST(Decoder, reads_the_two_halves_of_the_icubs_triangles_and_gives_no_shear) {
+  Bench bench("icub-mtb");
+  for (std::uint32_t triangle = 0; triangle < 4; ++triangle) {
+    EXPECT_EQ(bench.take({0x410 + triangle, {0x00, 245, 244, 245, 245, 245, 245, 245}}), Outcome::partial);
+    bench.take({0x410 + triangle, {0x80, 245, 245, 245, 245, 0, 0, 0}});
+  }
+  EXPECT_EQ(bench.decoder.counts().malformed, 0);
+  EXPECT_FLOAT_EQ(bench.out.slot.normal_pa[1], 500);
+  EXPECT_FLOAT_EQ(bench.out.slot.normal_pa[11], 245 * 500);
+  EXPECT_THAT(bench.out.slot.shear_x_pa, Each(0));
+}
+
+TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
+  Bytes registers(52, 0);
+  registers[8] = 0x00, registers[9] = 0x32;    // left z: 50 = 5.0 N
+  registers[22] = 0xFF, registers[23] = 0xF6;  // right x: -10 = -1.0 N
+  Bench left("onrobot-rg2-ft", 0), right("onrobot-rg2-ft", 1);
+  EXPECT_EQ(left.take({257, registers}), Outcome::frame);
+  EXPECT_EQ(right.take({257, registers}), Outcome::frame);
+  const double area_m2 = 0.018 * 0.018;
+  EXPECT_NEAR(left.out.slot.normal_pa[0] * area_m2, 5.0, 1e-6);
+  EXPECT_NEAR(left.out.slot.shear_x_pa[0], 0, 1e-6);
+  EXPECT_NEAR(right.out.slot.shear_x_pa[0] * area_m2, -1.0, 1e-6);
+}
+
+// Simulated devices know nothing of profiles. The tolerance is half a count.
+struct Pair {
+  const devices::Sheet& (*sheet)();
+  const char* profile;
+  float half_count_pa;
+};
+class AgreesWithTheDevice : public testing::TestWithParam<Pair> {};
+
+TEST_P(AgreesWithTheDevice, taxel_by_taxel) {
+  const auto& [sheet, name, half_count_pa] = GetParam();
+  for (std::size_t sensor = 0; sensor < sheet().sensors; ++sensor) {
+    Bench bench(name, sensor);
+    ASSERT_EQ(bench.frames(scan_of(sheet())), 1);
+    const bool shear = sheet().sensor_class != SensorClass::normal;
+    for (std::size_t i = 0; i < sheet().layout.size(); ++i) {
+      const float normal_pa = 1000 * static_cast<float>(i + 1 + sensor);
+      EXPECT_NEAR(bench.out.slot.normal_pa[i], normal_pa, half_count_pa) << i;
+      EXPECT_NEAR(bench.out.slot.shear_x_pa[i], shear ? normal_pa / 2 : 0, half_count_pa) << i;
+      EXPECT_NEAR(bench.out.slot.shear_y_pa[i], shear ? -normal_pa / 4 : 0, half_count_pa) << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
+                         testing::Values(Pair{devices::xela_xr1944, "xela-xr1944", 20.1F},
+                                         Pair{devices::icub_skin, "icub-mtb", 250.1F},
+                                         Pair{devices::onrobot_rg2ft, "onrobot-rg2-ft", 154.5F},
+                                         Pair{devices::robotiq_ft300, "robotiq-ft300", 12.6F}),
+                         [](const auto& tested) {
+                           std::string name = tested.param.profile;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(Decoder, drops_the_scan_whole_if_a_packet_is_lost_and_says_so_in_the_sequence) {
+  for (const std::size_t lost : {0U, 7U, 15U}) {
+    Bench bench("xela-xr1944");
+    const auto whole = scan_of(devices::xela_xr1944());
+    auto broken = whole;
+    broken.erase(broken.begin() + static_cast<std::ptrdiff_t>(lost));
+    EXPECT_EQ(bench.frames(whole), 1);
+    EXPECT_EQ(bench.out.slot.sequence, 0);
+    EXPECT_EQ(bench.frames(broken), 0);
+    EXPECT_EQ(bench.frames(whole), 1);
+    if (lost == 0) {
+      EXPECT_EQ(bench.decoder.counts().stray, 15) << "nothing tells how many scans began in what was lost";
+    } else {
+      EXPECT_EQ(bench.out.slot.sequence, 2);
+      EXPECT_EQ(bench.decoder.counts().incomplete, 1);
+    }
+  }
+}
+
+TEST(Decoder, drops_the_scan_whole_if_packets_come_twice_or_in_another_order) {
+  const auto whole = scan_of(devices::xela_xr1944());
+  auto twice = whole;
+  twice.insert(twice.begin() + 5, whole[4]);
+  auto swapped = whole;
+  std::swap(swapped[3], swapped[9]);
+  for (const auto& bad : {twice, swapped}) {
+    Bench bench("xela-xr1944");
+    EXPECT_EQ(bench.frames(bad), 0);
+    EXPECT_GE(bench.decoder.counts().incomplete, 1);
+    EXPECT_EQ(bench.frames(whole), 1);
+  }
+}
+
+TEST(Decoder, drops_the_scan_whole_if_a_packet_is_too_short_or_too_long) {
+  const auto whole = scan_of(devices::xela_xr1944());
+  for (const std::size_t length : {0U, 6U, 8U}) {
+    for (const std::size_t at : {0U, 5U}) {
+      Bench bench("xela-xr1944");
+      auto bad = whole;
+      bad[at].bytes.resize(length);
+      EXPECT_EQ(bench.frames(bad), 0);
+      EXPECT_EQ(bench.decoder.counts().malformed, 1);
+      EXPECT_EQ(bench.frames(whole), 1);
+      EXPECT_EQ(bench.out.slot.sequence, 1);
+    }
+  }
+}
+
+TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
+  Bench bench("xela-xr1944");
+  const auto whole = scan_of(devices::xela_xr1944());
+  for (std::size_t i = 0; i < 8; ++i) bench.take(whole[i], 0);
+  Outcome last = Outcome::partial;
+  for (std::size_t i = 8; i < 16; ++i) last = bench.take(whole[i], 10 * kMs);
+  EXPECT_NE(last, Outcome::frame);
+  EXPECT_EQ(bench.decoder.counts().incomplete, 1);
+}
+
+TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
+  Bench first("xela-xr1944", 0, 1), second("xela-xr1944", 0, 2);
+  auto of_second = scan_of(devices::xela_xr1944());
+  for (Packet& packet : of_second) packet.address += 0x10;
+  auto mixed = scan_of(devices::xela_xr1944());
+  for (std::size_t i = 0; i < of_second.size(); ++i)
+    mixed.insert(mixed.begin() + static_cast<std::ptrdiff_t>(2 * i), of_second[i]);
+  EXPECT_EQ(first.frames(mixed), 1);
+  EXPECT_EQ(second.frames(mixed), 1);
+  EXPECT_EQ(first.decoder.counts().packets, 16);
+}
+
+TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
+  std::mt19937 random(7);
+  for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300"}) {
+    Bench bench(name);
+    const auto& rules = bench.decoder.rules();
+    const std::uint64_t before = test::allocations();
+    std::array<std::uint8_t, 80> bytes{};
+    std::uint64_t last = 0;
+    for (int i = 0; i < 20000; ++i) {
+      for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+      const PacketRule& rule =
+          rules[random() % 4 == 0 ? random() % rules.size() : static_cast<std::size_t>(i) % rules.size()];
+      const std::size_t length = random() % 8 == 0 ? random() % bytes.size() : rule.length;
+      if (bench.decoder.take(rule.id, std::span(bytes).first(length), i * kMs / 10, bench.out.slot) !=
+          Outcome::frame) {
+        continue;
+      }
+      EXPECT_GE(bench.out.slot.sequence, last);
+      last = bench.out.slot.sequence + 1;
+      for (const float value : bench.out.slot.normal_pa) ASSERT_TRUE(std::isfinite(value));
+    }
+    EXPECT_EQ(test::allocations(), before) << "the hot path allocates";
+  }
+}
+
+TEST(Number, is_read_in_either_order_and_with_its_sign) {
+  const std::uint8_t bytes[] = {0xFF, 0x01, 0x80, 0x3F};
+  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 1, false}), 255);
+  EXPECT_EQ(read_number(bytes, {NumberKind::whole, 1, false}), -1);
+  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 2, true}), 0xFF01);
+  EXPECT_EQ(read_number(bytes, {NumberKind::whole, 2, true}), -255);
+  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 2, false}), 0x01FF);
+  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 4, true}), 0xFF01803FU);
+  EXPECT_EQ(read_number(bytes, {NumberKind::whole, 4, true}), -16678849);
+  const std::uint8_t one[] = {0x00, 0x00, 0x80, 0x3F};
+  EXPECT_EQ(read_number(one, {NumberKind::real, 4, false}), 1);
+}
+
+}  // namespace
+}  // namespace slipd::decode

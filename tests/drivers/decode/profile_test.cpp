@@ -1,0 +1,121 @@
+// A profile that can work is taken as it stands; one that cannot is refused with the place.
+#include "drivers/decode/profile.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "tests/drivers/driver_fixture.hpp"
+
+namespace slipd::decode {
+namespace {
+
+using nlohmann::json;
+using test::refusal_of;
+using testing::HasSubstr;
+
+json shipped(const std::string& name) {
+  std::ifstream file(std::string(SLIPD_SOURCE_DIR) + "/config/profiles/" + name + ".json");
+  return json::parse(file);
+}
+
+// What is said of the XELA's profile after `change`.
+std::string said_of(const std::function<void(json&)>& change, const std::string& name = "xela-xr1944") {
+  json profile = shipped(name);
+  change(profile);
+  return refusal_of([&] { static_cast<void>(parse_profile(profile.dump(), "mine")); });
+}
+
+TEST(Profile, all_that_are_shipped_can_work_and_say_where_they_come_from) {
+  const std::filesystem::path folder = std::string(SLIPD_SOURCE_DIR) + "/config/profiles";
+  int seen = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    const std::string name = file.path().stem().string();
+    EXPECT_EQ(refusal_of([&] { static_cast<void>(find_profile(name)); }), "") << name;
+    EXPECT_FALSE(find_profile(name).tested.empty()) << name;
+    ++seen;
+  }
+  EXPECT_GE(seen, 4);
+}
+
+TEST(Profile, that_is_not_there_is_told_with_where_it_was_looked_for) {
+  EXPECT_THAT(refusal_of([] { static_cast<void>(find_profile("nobodys")); }),
+              HasSubstr("/etc/slipd/profiles/nobodys.json"));
+}
+
+TEST(Profile, in_which_fields_overlap_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["fields"][1]["offset"] = 2; }),
+              HasSubstr("mine.json: /scan/packets/0/fields = 2: is a byte of two fields"));
+}
+
+TEST(Profile, of_taxels_without_position_is_refused) {
+  EXPECT_THAT(said_of([](json& p) {
+                p["layout"]["grid"] = {4, 3};
+              }),
+              HasSubstr("has 12 taxels, and a field speaks of taxel 12, which has no position"));
+}
+
+TEST(Profile, with_taxels_that_nothing_fills_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["repeat"] = 15; }), HasSubstr("taxel 15, normal, never comes"));
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["taxels_each"] = 0; }), HasSubstr("comes twice"));
+}
+
+TEST(Profile, that_reads_behind_a_packets_end_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["length"] = 6; }),
+              HasSubstr("is a byte behind the packet's end"));
+}
+
+TEST(Profile, whose_packets_cannot_be_told_apart_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["id_step"] = 0; }), HasSubstr("nothing to tell them apart"));
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][1].erase("match"); }, "icub-mtb"),
+              HasSubstr("/scan/packets/1"));
+}
+
+TEST(Profile, whose_time_out_would_let_two_scans_mix_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["timeout_ms"] = 10; }), HasSubstr("/scan/timeout_ms = 10"));
+}
+
+TEST(Profile, that_wants_more_registers_than_there_are_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["modbus"]["registers"] = 280; }, "onrobot-rg2-ft"),
+              HasSubstr("ends with register 282"));
+}
+
+TEST(Profile, that_takes_one_axis_for_two_is_refused) {
+  EXPECT_THAT(said_of([](json& p) {
+                p["axes"] = {{"x", "-z"}};
+              }),
+              HasSubstr("/axis = \"x\": is not among the axes"));
+}
+
+TEST(Profile, with_a_key_that_nobody_knows_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["rate_hz"] = "fast"; }), HasSubstr("/rate_hz"));
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["repeats"] = 3; }), HasSubstr("did you mean \"repeat\""));
+}
+
+TEST(Profile, that_is_no_json_is_refused_with_its_line) {
+  EXPECT_THAT(refusal_of([] { static_cast<void>(parse_profile("{\n \"a\": }", "mine")); }),
+              HasSubstr("mine.json:2:"));
+}
+
+TEST(Profile, must_be_of_the_driver_that_is_to_use_it) {
+  SensorSetup setup = test::setup_of(TaxelLayout::wrench(0.01), json::object());
+  setup.profile = "xela-xr1944";
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(profile_of({setup}, "modbus")); }),
+              HasSubstr("is for driver can"));
+  SensorSetup other = setup;
+  other.profile = "icub-mtb";
+  EXPECT_THAT(refusal_of([&] {
+                static_cast<void>(profile_of({setup, other}, "can"));
+              }),
+              HasSubstr("give all of one device the same"));
+  other.profile = "";
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(profile_of({other}, "can")); }),
+              HasSubstr("needs a \"profile\""));
+}
+
+}  // namespace
+}  // namespace slipd::decode
