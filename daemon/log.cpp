@@ -44,6 +44,10 @@ void set_up_log(const std::string& level) {
   spdlog::set_default_logger(std::move(logger));
 }
 
+void change_log_level(const std::string& level) {
+  spdlog::default_logger_raw()->set_level(spdlog::level::from_str(level));
+}
+
 void drain_logs(Board& board) {
   LogLine line;
   for (LogRing& ring : board.logs) {

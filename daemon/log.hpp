@@ -12,6 +12,9 @@ namespace slipd {
 // `level`: trace, debug, info, warning, error, as in the configuration.
 void set_up_log(const std::string& level);
 
+// Any thread, any time after that.
+void change_log_level(const std::string& level);
+
 // io: prints what the real-time threads have left.
 void drain_logs(Board& board);
 

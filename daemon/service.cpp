@@ -188,7 +188,7 @@ void Service::reload() {
   notify::reloading();
   if (auto next = next_engine()) {
     exchange(std::move(next));
-    set_up_log(engine_->settings().log_level);
+    change_log_level(engine_->settings().log_level);
     spdlog::info("reload: the new configuration is in force");
   } else {
     spdlog::error("reload: the configuration in force stays");
