@@ -1,0 +1,190 @@
+#include "drivers/modbus/modbus_driver.hpp"
+
+#include <modbus/modbus.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "drivers/pacing.hpp"
+
+namespace slipd::modbus {
+namespace {
+
+constexpr auto kConnectPatience = std::chrono::seconds(1);
+constexpr auto kAnswerPatience = std::chrono::milliseconds(50);
+constexpr int kGoneAfter = 10;  // requests without an answer: then the connection is made anew
+constexpr std::int64_t kLongestLagNs = 100'000'000;
+
+template <class Set>
+void set_time(Set set, modbus_t* context, std::chrono::microseconds time) noexcept {
+  const auto us = static_cast<std::uint32_t>(std::max<std::int64_t>(time.count(), 1));
+  set(context, us / 1'000'000, us % 1'000'000);
+}
+
+[[noreturn]] void wrong_device(const SensorSetup& sensor) {
+  throw DriverError("sensor \"" + sensor.name +
+                    "\": device: expected {\"host\": \"192.168.1.1\", \"port\": 502} for Modbus TCP or "
+                    "{\"serial_line\": \"/dev/ttyUSB0\"} for RTU; unit and baud may be given beside");
+}
+
+}  // namespace
+
+void ModbusDriver::Closes::operator()(_modbus* context) const noexcept {
+  modbus_close(context);
+  modbus_free(context);
+}
+
+ModbusDriver::Place ModbusDriver::place_of(const SensorSetup& sensor, const decode::ModbusMap& map) {
+  Place place;
+  try {
+    place.host = sensor.device.value("host", "");
+    place.serial_line = sensor.device.value("serial_line", "");
+    place.port = sensor.device.value("port", map.tcp_port);
+    place.baud = sensor.device.value("baud", map.baud);
+    place.unit = sensor.device.value("unit", map.unit);
+  } catch (const nlohmann::json::exception&) {
+    wrong_device(sensor);
+  }
+  if (place.host.empty() == place.serial_line.empty() || place.port < 1 || place.port > 65535 ||
+      place.unit < 0 || place.unit > 255 || place.baud <= 0) {
+    wrong_device(sensor);
+  }
+  place.text = place.host.empty() ? place.serial_line : place.host + ":" + std::to_string(place.port);
+  place.text += ", unit " + std::to_string(place.unit);
+  return place;
+}
+
+ModbusDriver::ModbusDriver(const std::vector<SensorSetup>& sensors)
+    : profile_(decode::profile_of(sensors, "modbus")),
+      place_(place_of(sensors.front(), *profile_.modbus)),
+      ready_(sensors.size(), false),
+      period_ns_(std::llround(1e9 / profile_.rate_hz)) {
+  std::vector<std::size_t> taken;
+  for (const SensorSetup& sensor : sensors) {
+    const auto number = sensor.options.value("sensor", std::size_t{0});
+    if (number >= profile_.sensors) {
+      throw DriverError("sensor \"" + sensor.name + "\": options: sensor " + std::to_string(number) +
+                        " is not there; the device has " + std::to_string(profile_.sensors) +
+                        ", counted from 0");
+    }
+    if (std::find(taken.begin(), taken.end(), number) != taken.end()) {
+      throw DriverError("sensor \"" + sensor.name + "\": options: sensor " + std::to_string(number) +
+                        " is another's already");
+    }
+    taken.push_back(number);
+    decoders_.emplace_back(profile_, number, 0);
+  }
+}
+
+DeviceInfo ModbusDriver::open() {
+  close();
+  const bool tcp = !place_.host.empty();
+  context_.reset(
+      tcp ? modbus_new_tcp_pi(place_.host.c_str(), std::to_string(place_.port).c_str())
+          : modbus_new_rtu(place_.serial_line.c_str(), place_.baud, profile_.modbus->parity, 8, 1));
+  if (!context_)
+    throw DriverError(place_.text + ": " + modbus_strerror(errno) + ": correct the sensor's device");
+  modbus_set_slave(context_.get(), place_.unit);
+  set_time(modbus_set_response_timeout, context_.get(), kConnectPatience);
+  if (modbus_connect(context_.get()) != 0) {
+    throw DriverError(place_.text + ": " + modbus_strerror(errno) +
+                      (tcp ? ": is the device on and its network reachable?"
+                           : ": is the adapter plugged in, and may slipd open it?"));
+  }
+  modbus_flush(context_.get());
+  DeviceInfo info{.description = profile_.description + " at " + place_.text, .serial = "", .sensors = {}};
+  for (auto& decoder : decoders_) {
+    decoder.reset();
+    info.sensors.push_back({profile_.sensor_class, profile_.layout, profile_.rate_hz, profile_.skin});
+  }
+  std::size_t longest = 0;
+  for (const auto& rule : profile_.scan) longest = std::max(longest, rule.length);
+  answer_.assign(longest, 0);
+  std::fill(ready_.begin(), ready_.end(), false);
+  due_ns_ = monotonic_ns();
+  next_ = 0;
+  unanswered_ = 0;
+  return info;
+}
+
+void ModbusDriver::close() noexcept {
+  context_.reset();
+}
+
+// One request and its answer, as bytes as they were on the wire.
+ModbusDriver::Asked ModbusDriver::ask(std::size_t rule, std::chrono::microseconds patience) noexcept {
+  const decode::PacketRule& wanted = profile_.scan[rule];
+  const auto count = static_cast<int>(wanted.length / 2);
+  std::array<std::uint16_t, MODBUS_MAX_READ_REGISTERS> registers;
+  set_time(modbus_set_response_timeout, context_.get(), patience);
+  const auto first = static_cast<int>(wanted.id);
+  const int got = profile_.modbus->function == 3
+                      ? modbus_read_registers(context_.get(), first, count, registers.data())
+                      : modbus_read_input_registers(context_.get(), first, count, registers.data());
+  if (got == count) {
+    for (std::size_t i = 0; i < wanted.length / 2; ++i) {
+      answer_[2 * i] = static_cast<std::uint8_t>(registers[i] >> 8);
+      answer_[2 * i + 1] = static_cast<std::uint8_t>(registers[i] & 0xFF);
+    }
+    return Asked::answered;
+  }
+  const int error = errno;
+  modbus_flush(context_.get());  // or what comes late would answer the next request
+  if (error == ETIMEDOUT) return Asked::late;
+  // libmodbus' own numbers: the device said no, or what came makes no sense.
+  if (error >= MODBUS_ENOBASE) return Asked::refused;
+  return Asked::gone;
+}
+
+ReadResult ModbusDriver::next_ready() noexcept {
+  for (std::size_t i = 0; i < ready_.size(); ++i) {
+    if (!ready_[i]) continue;
+    ready_[i] = false;
+    return {ReadStatus::frame, static_cast<std::uint16_t>(i)};
+  }
+  return {ReadStatus::timeout, 0};
+}
+
+ReadResult ModbusDriver::decode_answer(std::size_t rule, std::span<FrameSlot> slots,
+                                       std::int64_t now_ns) noexcept {
+  const decode::PacketRule& wanted = profile_.scan[rule];
+  bool dropped = false;
+  for (std::size_t i = 0; i < decoders_.size(); ++i) {
+    const auto outcome =
+        decoders_[i].take(wanted.id, std::span(answer_).first(wanted.length), now_ns, slots[i]);
+    ready_[i] = outcome == decode::Outcome::frame;
+    dropped = dropped || outcome == decode::Outcome::dropped;
+  }
+  return dropped ? ReadResult{ReadStatus::corrupt, 0} : next_ready();
+}
+
+ReadResult ModbusDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
+  if (const ReadResult waiting = next_ready(); waiting.status == ReadStatus::frame) return waiting;
+  const std::int64_t begun_ns = monotonic_ns();
+  const std::int64_t give_up_ns = begun_ns + std::chrono::nanoseconds(timeout).count();
+  if (begun_ns - due_ns_ > kLongestLagNs) due_ns_ = begun_ns;
+  for (;;) {
+    if (next_ == 0 && !sleep_until(due_ns_, give_up_ns)) return {ReadStatus::timeout, 0};
+    // A request that has begun is waited for, or its answer would come in the way of the next.
+    const auto patience = std::max<std::chrono::nanoseconds>(
+        kAnswerPatience, std::chrono::nanoseconds(give_up_ns - monotonic_ns()));
+    if (next_ == 0) due_ns_ += period_ns_;
+    const std::size_t rule = next_;
+    const Asked asked = ask(rule, std::chrono::duration_cast<std::chrono::microseconds>(patience));
+    if (asked != Asked::answered) {
+      next_ = 0;
+      if (asked == Asked::gone || ++unanswered_ >= kGoneAfter) return {ReadStatus::disconnected, 0};
+      return {asked == Asked::late ? ReadStatus::timeout : ReadStatus::corrupt, 0};
+    }
+    unanswered_ = 0;
+    next_ = (rule + 1) % profile_.scan.size();
+    const ReadResult result = decode_answer(rule, slots, monotonic_ns());
+    if (result.status != ReadStatus::timeout) return result;
+    if (monotonic_ns() >= give_up_ns) return {ReadStatus::timeout, 0};
+  }
+}
+
+}  // namespace slipd::modbus

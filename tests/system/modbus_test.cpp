@@ -1,0 +1,128 @@
+// The daemon with its Modbus driver and a simulated gripper on loopback or on a serial line: the margin on
+// the socket against the contact's truth; stalls, unplugs; and that nobody else carries the library.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "tests/support/daemon.hpp"
+#include "tests/support/devices/contacts.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using devices::Player;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// It slips once, so that friction can be learnt, and is then held at a margin of 0.4, again and again.
+json slips_and_holds() {
+  return {{"noise", 0},
+          {"cycle",
+           {{{"ms", 100}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}},
+            {{"ms", 200}, {"normal_n", {0, 10}}},
+            {{"ms", 600}, {"load", {0, 1.1}}},
+            {{"ms", 200}, {"shear_n", {5, 3}}},
+            {{"ms", 3000}}}}};
+}
+
+// A device that runs on a thread of its own.
+class Running {
+ public:
+  Running(const devices::Sheet& sheet, std::unique_ptr<devices::Port> port)
+      : player_(sheet, devices::scripted(sheet, 100, slips_and_holds()), std::move(port)),
+        thread_([this](std::stop_token stop) { player_.run(stop, 100); }) {}
+  Player& player() { return player_; }
+  std::string place() { return player_.port().place(); }
+
+ private:
+  Player player_;
+  std::jthread thread_;
+};
+
+json sensor(const std::string& name, const std::string& profile, const json& device, int number = 0) {
+  return {
+      {"name", name},    {"driver", "modbus"}, {"profile", profile},    {"device", device},
+      {"friction", 0.5}, {"rate_hz", 50},      {"stale_after_ms", 300}, {"options", {{"sensor", number}}}};
+}
+
+json config_of(const TempFolder& folder, const json& sensors) {
+  return config_with(folder, sensors, {{"estimator", {{"method", "moments"}}}});
+}
+
+// Awaits it for all sensors; the estimates then.
+json await(const Daemon& daemon, const std::function<bool(const json&)>& of_each) {
+  return daemon.wait_for("gamma", [&](const json& told) {
+    for (const json& estimate : told["sensors"]) {
+      if (!of_each(estimate)) return false;
+    }
+    return true;
+  });
+}
+
+bool holds(const json& estimate) {
+  return estimate["state"] == "ok" && std::fabs(estimate["normal_n"].get<double>() - 10) < 0.06 &&
+         std::fabs(estimate["shear_n"].get<double>() - 3) < 0.06 &&
+         std::fabs(estimate["gamma"].get<double>() - 0.4) < 0.03;
+}
+
+auto in_state(const char* state) {
+  return [state](const json& estimate) { return estimate["state"] == state; };
+}
+
+TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_unplugging) {
+  const TempFolder folder;
+  Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0));
+  const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
+  const Daemon daemon(config_of(folder, json::array({sensor("left", "onrobot-rg2-ft", place, 0),
+                                                     sensor("right", "onrobot-rg2-ft", place, 1)})),
+                      real_drivers());
+  await(daemon, holds);
+  device.player().order("stall 60");
+  await(daemon, in_state("stale"));
+  await(daemon, holds);
+  device.player().order("unplug");
+  await(daemon, in_state("fault"));
+  device.player().order("plug");
+  await(daemon, holds);
+}
+
+TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
+  const TempFolder folder;
+  const std::string line = folder.file("line").string();
+  Running device(devices::robotiq_ft300(), devices::make_modbus_pty_port(devices::robotiq_ft300(), line));
+  const Daemon daemon(
+      config_of(folder, json::array({sensor("wrist", "robotiq-ft300", {{"serial_line", line}})})),
+      real_drivers());
+  await(daemon, holds);
+}
+
+std::string mapped_by(const Daemon& daemon) {
+  std::ifstream maps("/proc/" + std::to_string(daemon.program().pid()) + "/maps");
+  std::ostringstream text;
+  text << maps.rdbuf();
+  return text.str();
+}
+
+TEST(Libraries, of_a_bus_are_in_the_process_only_if_a_sensor_is_on_that_bus) {
+  const TempFolder folder;
+  const Daemon simulated(config_of(folder, json::array({{{"name", "finger"}, {"driver", "sim"}}})),
+                         real_drivers());
+  const std::string maps = mapped_by(simulated);
+  EXPECT_THAT(maps, HasSubstr("slipd-driver-sim"));
+  for (const char* library : {"libmodbus", "libusb", "libhidapi", "slipd-driver-can", "slipd-driver-modbus"})
+    EXPECT_THAT(maps, Not(HasSubstr(library)));
+
+  const TempFolder other;
+  const Daemon asked(
+      config_of(other, json::array({sensor("wrist", "robotiq-ft300", {{"serial_line", "/nowhere"}})})),
+      real_drivers());
+  EXPECT_THAT(mapped_by(asked), HasSubstr("libmodbus"));
+}
+
+}  // namespace
+}  // namespace slipd::testing
