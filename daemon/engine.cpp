@@ -10,27 +10,33 @@ Engine::Engine(Settings settings, DriverCatalogue& drivers)
       models_(trainer_beside_program()),
       pipeline_(
           settings_, drivers, board_,
-          [this](const std::string& sensor, const ChainSetup& setup) { return models_.get(sensor, setup); }),
+          [this](const std::string& sensor, const ChainSetup& setup) { return models_.get(sensor, setup); },
+          settings_.can ? &output_bell_ : nullptr),
       world_{.settings = settings_,
              .board = board_,
              .realtime = {},
              .ring_estimate = [this] { pipeline_.ring(); },
              .flight = nullptr,
              .last_minute = {},
-             .rates_hz = {}} {
+             .rates_hz = {},
+             .can = nullptr} {
   if (settings_.recorder.seconds > 0) flight_ = std::make_unique<FlightRecorder>(settings_.recorder, board_);
   world_.flight = flight_.get();
+  if (settings_.can) world_.can = &can_.emplace(settings_, board_, output_bell_).report();
 }
 
 void Engine::start(const RealtimeGrant& grant) {
   world_.realtime = grant;
   if (flight_) flight_->start();
   pipeline_.start(grant);
+  if (can_) can_->start(grant);
 }
 
 bool Engine::stop(std::chrono::system_clock::time_point deadline) {
   models_.stop();
-  return pipeline_.stop(deadline);
+  // First the bus: it is told at once that nothing holds any more.
+  const bool told = !can_ || can_->stop(deadline);
+  return pipeline_.stop(deadline) && told;
 }
 
 bool Engine::tried() const {

@@ -2,6 +2,9 @@
 // only when that is known to be good takes this one down. io thread.
 #pragma once
 
+#include <optional>
+
+#include "daemon/can/output.hpp"
 #include "daemon/models.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/serve/flight_recorder.hpp"
@@ -35,6 +38,8 @@ class Engine {
   Board board_;
   std::unique_ptr<FlightRecorder> flight_;  // null: off
   Models models_;
+  Doorbell output_bell_;
+  std::optional<can::Output> can_;
   Pipeline pipeline_;
   World world_;
 };

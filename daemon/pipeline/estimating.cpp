@@ -19,8 +19,9 @@ std::int64_t stale_after_ns(const Seat& seat) noexcept {
 
 }  // namespace
 
-Estimating::Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& bell)
-    : board_(board), log_(log), bell_(bell), desks_(seats.size()) {
+Estimating::Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& bell,
+                       Output output)
+    : board_(board), log_(log), bell_(bell), output_(output), desks_(seats.size()) {
   for (std::size_t i = 0; i < seats.size(); ++i) desks_[i].seat = seats[i].get();
 }
 
@@ -110,6 +111,11 @@ void Estimating::say_quiet(Desk& desk, Link link, std::int64_t now_ns) noexcept 
 void Estimating::publish(Desk& desk) noexcept {
   desk.reading.estimate.published_ns = monotonic_ns();
   desk.seat->panel.latest.store(desk.reading);
+  const Estimate& estimate = desk.reading.estimate;
+  const bool changed = estimate.alert != desk.said_alert || estimate.state != desk.said_state;
+  if (output_.bell != nullptr && (output_.each || changed)) output_.bell->ring();
+  desk.said_alert = estimate.alert;
+  desk.said_state = estimate.state;
   if (desk.event_owed) ++desk.events_lost;  // the one that found no room is replaced by this one
   push_event(desk);
 }

@@ -15,7 +15,13 @@ namespace slipd {
 
 class Estimating {
  public:
-  Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& bell);
+  // `output`, if any: rung when an alert level or a state changes, and at every estimate if `each`.
+  struct Output {
+    Doorbell* bell = nullptr;
+    bool each = false;
+  };
+  Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& bell,
+             Output output);
 
   // The thread's body: until `stop`, after which every lane is retired.
   void run(const std::atomic<bool>& stop) noexcept;
@@ -33,6 +39,8 @@ class Estimating {
     bool quiet = false;               // the board says that nothing comes; not to be said again
     std::uint32_t events_lost = 0;    // since the last event that found room
     bool event_owed = false;
+    State said_state = State::stale;  // when the output was last rung
+    Alert said_alert = Alert::none;
   };
 
   bool work(Desk& desk) noexcept;
@@ -45,6 +53,7 @@ class Estimating {
   Board& board_;
   LogRing& log_;
   Doorbell& bell_;
+  Output output_;
   std::vector<Desk> desks_;
   std::atomic<std::uint64_t> heartbeat_{0};
 };

@@ -40,11 +40,12 @@ LogRing& new_log(Board& board) {
 
 }  // namespace
 
-Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models)
+Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models,
+                   Doorbell* output)
     : settings_(settings),
       seats_(seats_for(settings, board)),
       maker_(settings, seats_, new_log(board), bell_, std::move(models)),
-      estimating_(board, seats_, new_log(board), bell_) {
+      estimating_(board, seats_, new_log(board), bell_, {output, !settings.grasps.empty()}) {
   std::vector<std::string> problems;
   for (const auto& device : devices_of(settings.sensors)) {
     const SensorSettings& first = settings.sensors[device.front()];

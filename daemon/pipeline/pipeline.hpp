@@ -14,8 +14,10 @@ namespace slipd {
 class Pipeline {
  public:
   // Groups the sensors by device (equal driver and equal device, if that says anything) and makes their
-  // drivers. Throws SettingsError with all that the drivers refuse. `settings` and `board` outlive it.
-  Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models);
+  // drivers. Throws SettingsError with all that the drivers refuse. `output`, if any, is rung when an alert
+  // may have changed. All outlive it.
+  Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models,
+           Doorbell* output = nullptr);
 
   void start(const RealtimeGrant& grant);
 

@@ -161,6 +161,21 @@ std::string metrics_text(const World& world) {
   families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(world.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
                    number(world.notifications_dropped));
+  if (world.can != nullptr) {
+    const can::Report can = world.can->load();
+    families.add_one("slipd_can_state", "gauge",
+                     "0 absent, 1 down, 2 up, 3 error_warning, 4 error_passive, 5 bus_off.",
+                     static_cast<double>(can.bus));
+    families.add_one("slipd_can_sent", "counter", "CAN messages that the kernel took.", number(can.sent));
+    families.add_one("slipd_can_queue_full", "counter", "Attempts to send for which there was no room.",
+                     number(can.full));
+    families.add_one("slipd_can_failed", "counter", "Attempts to send that were refused.",
+                     number(can.failed));
+    families.add_one("slipd_can_bus_errors", "counter", "Error frames of the CAN controller.",
+                     number(can.bus_errors));
+    families.add_one("slipd_can_bus_offs", "counter", "Times that the CAN controller went off the bus.",
+                     number(can.bus_offs));
+  }
   return families.text();
 }
 

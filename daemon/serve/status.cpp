@@ -2,8 +2,11 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
+#include "daemon/can/dbc.hpp"
 #include "daemon/serve/flight_recorder.hpp"
 
 namespace slipd {
@@ -31,6 +34,13 @@ json latency_json(const LatencyHistogram::Summary& latency) {
           {"p99", known(latency.p99_us)},
           {"p99.9", known(latency.p999_us)},
           {"max", known(latency.max_us)}};
+}
+
+std::string can_trouble(int error) {
+  if (error == EMSGSIZE) return "it is not set up for FD frames: set its mtu to 72, or can.fd to false";
+  if (error == EAFNOSUPPORT) return "this kernel has no CAN: load its module can-raw";
+  if (error == ENODEV) return "there is no such interface: plug it in, or correct can.interface";
+  return std::generic_category().message(error);
 }
 
 json sensor_status(const World& world, std::size_t sensor) {
@@ -68,25 +78,42 @@ json recorder_json(const World& world) {
           {"failed", world.flight->failed()}};
 }
 
+json can_json(const World& world) {
+  const can::Report report = world.can->load();
+  json withheld = json::array();
+  const std::vector<std::string> subjects = can::subjects_of(world.settings);
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
+    if ((report.withheld >> i & 1U) != 0) withheld.push_back(subjects[i]);
+  }
+  const bool absent = report.bus == can::Bus::absent && report.error != 0;
+  return {{"interface", world.settings.can->interface},
+          {"state", to_string(report.bus)},
+          {"trouble", absent ? json(can_trouble(report.error)) : json(nullptr)},
+          {"sent", report.sent},
+          {"queue_full", report.full},
+          {"failed", report.failed},
+          {"bus_errors", report.bus_errors},
+          {"bus_offs", report.bus_offs},
+          {"reopened", report.reopened},
+          {"withheld", std::move(withheld)}};
+}
+
 }  // namespace
 
 json status_json(const World& world) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
   json sensors = json::array();
   for (std::size_t i = 0; i < world.board.sensors.size(); ++i) sensors.push_back(sensor_status(world, i));
-  return {{"version", SLIPD_VERSION},
-          {"uptime_s", uptime.count()},
-          {"pid", getpid()},
-          {"sensors", std::move(sensors)},
-          {"realtime", realtime_json(world)},
-          {"recorder", recorder_json(world)},
-          {"outputs",
-           {{"socket",
-             {{"path", world.settings.socket.path.string()},
-              {"dropped", world.notifications_dropped},
-              {"latency_us", latency_json(world.told.summary())},
-              {"latency_last_minute_us", latency_json(world.told_last_minute.summary(world.told))}}}}},
-          {"clients", world.clients}};
+  json outputs{{"socket",
+                {{"path", world.settings.socket.path.string()},
+                 {"dropped", world.notifications_dropped},
+                 {"latency_us", latency_json(world.told.summary())},
+                 {"latency_last_minute_us", latency_json(world.told_last_minute.summary(world.told))}}}};
+  if (world.can != nullptr) outputs["can"] = can_json(world);
+  return {
+      {"version", SLIPD_VERSION},      {"uptime_s", uptime.count()},       {"pid", getpid()},
+      {"sensors", std::move(sensors)}, {"realtime", realtime_json(world)}, {"recorder", recorder_json(world)},
+      {"outputs", std::move(outputs)}, {"clients", world.clients}};
 }
 
 json sensors_json(const World& world) {

@@ -7,6 +7,7 @@
 
 #include "config/settings.hpp"
 #include "daemon/board/board.hpp"
+#include "daemon/can/report.hpp"
 #include "daemon/pipeline/realtime.hpp"
 #include "daemon/serve/latency_window.hpp"
 
@@ -25,8 +26,9 @@ struct World {
   std::uint64_t notifications_dropped = 0;  // for clients that were too slow, over all
   LatencyHistogram told{};  // published → all of it given to the kernel, over all subscribers
   LatencyWindow told_last_minute{};
-  std::vector<LatencyWindow> last_minute;  // per sensor, of its latency
-  std::vector<double> rates_hz;            // estimates a second, per sensor, over the last second or so
+  std::vector<LatencyWindow> last_minute;    // per sensor, of its latency
+  std::vector<double> rates_hz;              // estimates a second, per sensor, over the last second or so
+  const Latest<can::Report>* can = nullptr;  // null: no CAN output
 };
 
 }  // namespace slipd

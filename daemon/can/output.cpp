@@ -1,0 +1,42 @@
+#include "daemon/can/output.hpp"
+
+namespace slipd::can {
+namespace {
+
+constexpr std::size_t kStackBytes = std::size_t{128} * 1024;
+
+std::size_t messages_of_a_period(const Settings& settings) {
+  return 2 * (settings.sensors.size() + settings.grasps.size()) + 1;
+}
+
+}  // namespace
+
+Output::Output(const Settings& settings, Board& board, Doorbell& bell)
+    : settings_(settings),
+      bell_(bell),
+      port_(*settings.can, messages_of_a_period(settings)),
+      talk_(settings, board, port_, board.logs.emplace_back(), Doorbell::Clock::now()) {}
+
+void Output::start(const RealtimeGrant& grant) {
+  thread_ = Thread("can", kStackBytes, [this, grant] {
+    enter_realtime(settings_.realtime, grant);
+    run();
+  });
+}
+
+bool Output::stop(std::chrono::system_clock::time_point deadline) {
+  stop_.store(true, std::memory_order_relaxed);  // the bell puts it in order
+  bell_.ring();
+  return thread_.join_until(deadline);
+}
+
+void Output::run() noexcept {
+  for (;;) {
+    const std::uint32_t rung = bell_.rung();
+    if (stop_.load(std::memory_order_relaxed)) break;
+    bell_.wait(rung, talk_.step(Doorbell::Clock::now()));
+  }
+  talk_.end(Doorbell::Clock::now());
+}
+
+}  // namespace slipd::can

@@ -1,0 +1,38 @@
+// The CAN thread: a Talk on a socket, woken by the clock or by a change of alert. io makes, starts and stops
+// it.
+#pragma once
+
+#include <atomic>
+
+#include "daemon/can/socket_port.hpp"
+#include "daemon/can/talk.hpp"
+#include "daemon/pipeline/doorbell.hpp"
+#include "daemon/pipeline/realtime.hpp"
+#include "daemon/pipeline/thread.hpp"
+
+namespace slipd::can {
+
+class Output {
+ public:
+  // `bell` rings when an alert may have changed. `settings` has a section can; all outlive it.
+  Output(const Settings& settings, Board& board, Doorbell& bell);
+
+  void start(const RealtimeGrant& grant);
+
+  // Ends it with its last words. False: it was not done by `deadline`.
+  bool stop(std::chrono::system_clock::time_point deadline);
+
+  const Latest<Report>& report() const noexcept { return talk_.report(); }
+
+ private:
+  void run() noexcept;
+
+  const Settings& settings_;
+  Doorbell& bell_;
+  SocketPort port_;
+  Talk talk_;
+  std::atomic<bool> stop_{false};
+  Thread thread_;
+};
+
+}  // namespace slipd::can
