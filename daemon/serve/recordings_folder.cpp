@@ -40,12 +40,13 @@ fs::path recordings_directory() {
 std::error_code RecordingsFolder::add(const std::string& name,
                                       const std::function<std::error_code(int fd)>& write) const {
   std::error_code error;
-  fs::create_directories(path_, error);
+  // Whatever the umask: slipd's group may read what is in it.
+  if (fs::create_directories(path_, error)) chmod(path_.c_str(), 0750);
   if (error) return error;
   const fs::path aside = path_ / (name + ".part");
   UniqueFd file(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640));
   if (!file) return last_error();
-  fchmod(file.get(), 0640);  // whatever the umask: slipd's group may read it
+  fchmod(file.get(), 0640);  // as above
   error = write(file.get());
   if (!error && fdatasync(file.get()) != 0) error = last_error();
   if (!error) fs::rename(aside, path_ / name, error);

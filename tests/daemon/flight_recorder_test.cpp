@@ -2,6 +2,7 @@
 #include "daemon/serve/flight_recorder.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <set>
 
@@ -54,6 +55,16 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
     fs::last_write_time(temp.path() / name, fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
   }
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
+}
+
+TEST(RecordingsFolder, ItsGroupMayReadWhateverTheUmask) {
+  const TempFolder temp;
+  const mode_t before = umask(0077);
+  const RecordingsFolder folder(temp.file("recordings"), 1);
+  EXPECT_FALSE(folder.add("a.rec", [](int) { return std::error_code(); }));
+  umask(before);
+  EXPECT_EQ(fs::status(folder.path()).permissions(), fs::perms(0750));
+  EXPECT_EQ(fs::status(folder.path() / "a.rec").permissions(), fs::perms(0640));
 }
 
 TEST(RecordingsFolder, AFileThatCannotBeWrittenLeavesNothingAndCostsNoOther) {
