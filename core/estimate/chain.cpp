@@ -8,11 +8,11 @@
 #include "core/estimate/alert.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
-#include "core/estimate/patch.hpp"
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/model/model.hpp"
+#include "core/patch/patch.hpp"
 
 namespace slipd {
 namespace {
@@ -74,10 +74,10 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
+    case MethodChoice::registered:
       return std::make_unique<SvdKnn>(model);
-    default:
-      throw std::invalid_argument("this estimator is not built in");
   }
+  throw std::invalid_argument("there is no such estimator");
 }
 
 }  // namespace

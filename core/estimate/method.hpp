@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/rings.hpp"
+#include "core/patch/rings.hpp"
 
 namespace slipd {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/estimate/rings.hpp"
+#include "core/patch/rings.hpp"
 
 namespace slipd {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "core/model/alpha.hpp"
 #include "core/model/knn.hpp"
+#include "core/model/ring_columns.hpp"
 
 namespace slipd {
 namespace {
@@ -59,6 +60,29 @@ bool SvdKnn::project(const Frame& frame, const ContactPatch& patch, float& noise
   return squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 2 * noise_squares;
 }
 
+bool SvdKnn::project_rings(const Frame& frame, const ContactPatch& patch, float& noise) noexcept {
+  const TaxelLayout& layout = model_->setup().layout;
+  const Rings rings = sum_rings(frame, patch, layout);
+  const auto angles = ring_angles(rings);
+  const float* basis = model_->data().basis.data();
+  const std::size_t rank = point_.size();
+  std::fill(point_.begin(), point_.end(), 0.0F);
+  float squares = 0, noise_squares = 0;
+  for (std::size_t j = 0; j < angles.size(); ++j) {
+    for (std::size_t k = 0; k < rank; ++k) point_[k] += angles[j] * basis[j * rank + k];
+    squares += angles[j] * angles[j];
+    if (!(rings.normal_n[j] > 0)) continue;
+    const double sigma = ring_weight(j) * patch.noise_shear_pa * layout.area_m2() *
+                         std::sqrt(rings.taxels[j]) / rings.normal_n[j];
+    noise_squares += static_cast<float>(sigma * sigma);
+  }
+  noise = std::sqrt(noise_squares / static_cast<float>(angles.size()));
+  float kept = 0;
+  for (const float z : point_) kept += z * z;
+  return squares > 0 &&
+         squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 4 * noise_squares;
+}
+
 Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   Reading out;
   out.center_x_m = patch.center_x_m;
@@ -67,7 +91,9 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   const Reading shape = moments_.read(frame, patch);
   out.rim = shape.rim;
   float noise = 0;
-  if (!project(frame, patch, noise)) return out;
+  const bool rings = model_->setup().view == View::rings;
+  if (rings && patch.cut) return out;
+  if (!(rings ? project_rings(frame, patch, noise) : project(frame, patch, noise))) return out;
   const KnnAnswer answer = answer_of(query_, point_, model_->data().gamma, model_->data().friction);
   const float all_noise = noise * std::sqrt(static_cast<float>(point_.size()));
   if (!answer.known || answer.distance > kBeyond * model_->data().errors.distance_limit + 3 * all_noise)

@@ -1,6 +1,8 @@
 // The paper's way to the margin (sections II.C and III.B): alpha on the sensor's own grid, projected on the
 // few bases that explain most of the scene's contacts, answered by the nearest of them. Bound to where the
-// training had its contacts: a scene with room for offset costs it most of its accuracy.
+// training had its contacts: a scene with room for offset costs it most of its accuracy. With a model of
+// rings it is the registered estimator: the contact is brought into a frame of its own first, and place, size
+// and force drop out.
 #pragma once
 
 #include <memory>
@@ -15,7 +17,9 @@ namespace slipd {
 class SvdKnn final : public SlipMethod {
  public:
   explicit SvdKnn(std::shared_ptr<const Model> model);
-  Method name() const noexcept override { return Method::svd_knn; }
+  Method name() const noexcept override {
+    return model_->setup().view == View::rings ? Method::registered : Method::svd_knn;
+  }
 
   // slipd's code allocates nothing; FLANN makes one small array (see Neighbours::Query::find).
   Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
@@ -23,6 +27,7 @@ class SvdKnn final : public SlipMethod {
  private:
   // Fills point_; returns whether it lies where the training's contacts did. `noise` gets the standard
   // deviation of each of its coordinates that comes of the frame's shear noise, rad.
+  bool project_rings(const Frame& frame, const ContactPatch& patch, float& noise) noexcept;
   bool project(const Frame& frame, const ContactPatch& patch, float& noise) noexcept;
 
   std::shared_ptr<const Model> model_;

@@ -14,10 +14,6 @@
 namespace slipd {
 namespace {
 
-// Streams that no contact has: contacts are counted from 0.
-constexpr std::uint64_t kNoiseStream = ~std::uint64_t{1};
-constexpr std::uint64_t kLoadStream = ~std::uint64_t{2};
-
 // One contact on the taxels that it touches. Off them nothing is computed: noise never passes the mask there.
 class Touched {
  public:
@@ -53,21 +49,11 @@ float largest_of(const std::vector<float>& values) noexcept {
 }  // namespace
 
 FrameColumns::FrameColumns(TaxelSet taxels, Scene scene, std::uint64_t seed, FrameChoice choice)
-    : taxels_(std::move(taxels)), scene_(std::move(scene)), seed_(seed), choice_(choice) {
+    : ContactColumns(std::move(scene), seed, choice), taxels_(std::move(taxels)) {
   if (!taxels_.weight.empty() && (scene_.noise != 0 || scene_.offset_m != 0)) {
     throw std::invalid_argument(
         "only contacts in the middle and without noise are the same on folded taxels");
   }
-}
-
-double FrameColumns::gamma(std::size_t column) const {
-  const std::size_t step = column % choice_.size.loads;
-  if (!choice_.random_loads) return gamma_of_step(step, choice_.size.loads);
-  return Draws(seed_).stream(kLoadStream).stream(contact(column)).uniform(step);
-}
-
-double FrameColumns::friction(std::size_t column) const {
-  return draw_contact(scene_, seed_, contact(column)).friction;
 }
 
 void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const {
@@ -101,9 +87,9 @@ void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const 
       shear[i] = margin < 1 ? static_cast<float>(scale * draw.friction * (whole[i] - stick[i])) : 0.0F;
     }
     if (fraction != 0) {
-      const Draws noise = Draws(seed_).stream(kNoiseStream).stream(contact(j)).stream(j % choice_.size.loads);
-      noise.stream(0).add_noise(normal.data(), size, fraction * largest_of(normal));
-      noise.stream(1).add_noise(shear.data(), size, fraction * largest_of(shear));
+      const Draws random = noise(j);
+      random.stream(0).add_noise(normal.data(), size, fraction * largest_of(normal));
+      random.stream(1).add_noise(shear.data(), size, fraction * largest_of(shear));
     }
     alpha_of(normal, shear, across, {.least_pa = mask_fraction(scene_.noise) * largest_of(normal)}, angle);
     std::fill_n(out, n, 0.0F);

@@ -29,7 +29,7 @@ ModelData checked(ModelData data) {
   if (!(data.total_variance > 0 && data.total_variance < kHuge))
     throw ModelError("the model holds no variance");
   check_list("singular values", data.singular_values, rank, 0, kHuge);
-  check_list("basis values", data.basis, data.setup.layout.size() * rank, -2, 2);
+  check_list("basis values", data.basis, data.setup.rows() * rank, -2, 2);
   check_list("coordinates", data.coordinates, columns * rank, -kHuge, kHuge);
   check_list("margins", data.gamma, columns, 0, 1);
   check_list("frictions", data.friction, columns, 0, kHuge);

@@ -11,6 +11,7 @@
 #include "core/frame/layout.hpp"
 #include "core/model/dataset.hpp"
 #include "core/model/neighbours.hpp"
+#include "core/patch/rings.hpp"
 
 namespace slipd {
 
@@ -20,6 +21,10 @@ class ModelError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// What the columns are: alpha of each taxel where it lies (the paper's), or of rings in the contact's own
+// frame.
+enum class View : std::uint8_t { grid, rings };
+
 // What a model is made from and for. Equal setups make equal models.
 struct ModelSetup {
   TaxelLayout layout;
@@ -28,6 +33,9 @@ struct ModelSetup {
   std::uint64_t seed = 1;
   int rank = 8;        // bases kept; fewer where the sensor has fewer taxels
   int neighbours = 5;  // k, for the error statistics
+  View view = View::grid;
+
+  std::size_t rows() const noexcept { return view == View::rings ? Rings::kCount : layout.size(); }
   bool operator==(const ModelSetup&) const = default;
 };
 
@@ -44,7 +52,7 @@ struct ModelData {
   ModelSetup setup;
   double total_variance = 0;            // sum of all squared singular values, rad²
   std::vector<double> singular_values;  // rank
-  std::vector<float> basis;             // taxels x rank, a taxel's values side by side
+  std::vector<float> basis;             // rows x rank, a row's values side by side
   std::vector<float> coordinates;       // columns x rank, a column's values side by side, rad
   std::vector<float> gamma, friction;   // of each column
   ErrorStatistics errors;

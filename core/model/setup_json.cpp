@@ -87,7 +87,8 @@ nlohmann::json to_json(const ModelSetup& setup) {
           {"loads", setup.size.loads},
           {"seed", setup.seed},
           {"rank", setup.rank},
-          {"neighbours", setup.neighbours}};
+          {"neighbours", setup.neighbours},
+          {"view", setup.view == View::rings ? "rings" : "grid"}};
 }
 
 ModelSetup setup_of(const nlohmann::json& from) {
@@ -96,7 +97,8 @@ ModelSetup setup_of(const nlohmann::json& from) {
           .size = {from.at("contacts"), from.at("loads")},
           .seed = from.at("seed"),
           .rank = from.at("rank"),
-          .neighbours = from.at("neighbours")};
+          .neighbours = from.at("neighbours"),
+          .view = from.at("view") == "rings" ? View::rings : View::grid};
 }
 
 }  // namespace slipd

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "core/model/blocks.hpp"
 #include "core/model/frame_columns.hpp"
 #include "core/model/knn.hpp"
+#include "core/model/ring_columns.hpp"
 #include "core/model/svd.hpp"
 
 namespace slipd {
@@ -33,18 +35,23 @@ DataSetSize basis_size(const DataSetSize& size) noexcept {
   return {std::min(size.contacts, kBasisSize.contacts), std::min(size.loads, kBasisSize.loads)};
 }
 
+std::unique_ptr<ContactColumns> columns_of(const ModelSetup& setup, const FrameChoice& choice) {
+  if (setup.view == View::rings)
+    return std::make_unique<RingColumns>(setup.layout, setup.scene, setup.seed, choice);
+  return std::make_unique<FrameColumns>(TaxelSet(setup.layout), setup.scene, setup.seed, choice);
+}
+
 Svd basis_of(const ModelSetup& setup, unsigned threads, const Progress& progress) {
   const SvdOptions options{.rank = setup.rank, .tolerance = 1e-5, .threads = threads, .seed = setup.seed};
   const FrameChoice choice{.size = basis_size(setup.size)};
-  const bool symmetric = setup.scene.noise == 0 && setup.scene.offset_m == 0;
+  const bool symmetric = setup.view == View::grid && setup.scene.noise == 0 && setup.scene.offset_m == 0;
   if (const auto folded = symmetric ? fold(setup.layout) : std::nullopt) {
     const FrameColumns columns(TaxelSet(setup.layout, *folded), setup.scene, setup.seed, choice);
     Svd svd = randomized_svd(columns, options, progress);
     svd.basis = folded->unfold(svd.basis);
     return svd;
   }
-  return randomized_svd(FrameColumns(TaxelSet(setup.layout), setup.scene, setup.seed, choice), options,
-                        progress);
+  return randomized_svd(*columns_of(setup, choice), options, progress);
 }
 
 struct Projected {
@@ -52,7 +59,7 @@ struct Projected {
   Eigen::VectorXf residual;     // share of |alpha|² outside the basis
 };
 
-Projected project_frames(const FrameColumns& frames, const Eigen::MatrixXf& basis, unsigned threads,
+Projected project_frames(const ContactColumns& frames, const Eigen::MatrixXf& basis, unsigned threads,
                          const Progress& progress) {
   const auto columns = static_cast<Eigen::Index>(frames.columns());
   Projected result{Eigen::MatrixXf(basis.cols(), columns), Eigen::VectorXf(columns)};
@@ -104,8 +111,9 @@ ErrorStatistics statistics_of(std::vector<Miss> misses) {
 ErrorStatistics measure_errors(const ModelData& data, const Eigen::MatrixXf& basis, unsigned threads,
                                const Progress& progress) {
   const ModelSetup& setup = data.setup;
-  const FrameColumns unseen(TaxelSet(setup.layout), setup.scene, setup.seed,
-                            {.first_contact = setup.size.contacts, .size = kUnseen, .random_loads = true});
+  const auto unseen_columns =
+      columns_of(setup, {.first_contact = setup.size.contacts, .size = kUnseen, .random_loads = true});
+  const ContactColumns& unseen = *unseen_columns;
   const Projected projected = project_frames(unseen, basis, threads, progress);
   const auto rank = static_cast<std::size_t>(basis.cols());
   const Neighbours neighbours(data.coordinates, rank);
@@ -143,7 +151,8 @@ ModelData train(const ModelSetup& setup, unsigned threads, const Progress& progr
   const Eigen::MatrixXf by_taxel = svd.basis.transpose();
   data.basis.assign(by_taxel.data(), by_taxel.data() + by_taxel.size());
 
-  const FrameColumns frames(TaxelSet(setup.layout), setup.scene, setup.seed, {.size = setup.size});
+  const auto all_columns = columns_of(setup, {.size = setup.size});
+  const ContactColumns& frames = *all_columns;
   const Projected projected = project_frames(frames, svd.basis, threads, part(progress, 0.6, 0.85));
   data.coordinates.assign(projected.coordinates.data(),
                           projected.coordinates.data() + projected.coordinates.size());

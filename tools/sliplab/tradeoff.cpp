@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/estimate/fit.hpp"
@@ -81,13 +82,15 @@ std::vector<Line> measure(std::size_t contacts, bool models, std::uint64_t seed)
     Fit fit(layout, kFriction);
     add(fit, "");
     if (!models || on.kind != NoiseKind::relative || on.side > 32) continue;
-    for (const int rank : {3, 8}) {
+    for (const auto& [view, rank] :
+         {std::pair(View::grid, 3), std::pair(View::grid, 8), std::pair(View::rings, 3)}) {
       ModelSetup setup{.layout = layout,
                        .scene = scene,
-                       .size = kUnseenFirst,
+                       .size = view == View::rings ? DataSetSize{} : kUnseenFirst,
                        .seed = seed,
                        .rank = rank,
-                       .neighbours = 5};
+                       .neighbours = 5,
+                       .view = view};
       SvdKnn knn(std::make_shared<const Model>(train(setup, std::thread::hardware_concurrency())));
       add(knn, "rank " + std::to_string(rank));
     }
@@ -153,7 +156,8 @@ void write_files(const std::vector<Line>& lines, const std::filesystem::path& fo
        "|error| of Gamma'\n"
        "set grid\nset key outside right\nset title 'Work and precision: a point a layout and noise, left and "
        "low is better'\n"
-       "plot for [m in 'moments fit svd-knn'] 'tradeoff.csv' using (strcol(4) eq m ? $12 : NaN):6 with "
+       "plot for [m in 'moments fit registered svd-knn'] 'tradeoff.csv' using (strcol(4) eq m ? $12 : NaN):6 "
+       "with "
        "points pt 7 ps 0.8 "
        "title m, '' using (strcol(4) eq 'fit' ? $12 : NaN):6:(sprintf('%s²', strcol(1))) with labels offset "
        "1,0.7 notitle\n");

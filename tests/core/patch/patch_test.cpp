@@ -1,4 +1,4 @@
-#include "core/estimate/patch.hpp"
+#include "core/patch/patch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/estimate/rings.hpp"
+#include "core/patch/rings.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <array>
 #include <cstddef>
 
-#include "core/estimate/patch.hpp"
 #include "core/frame/frame.hpp"
+#include "core/patch/patch.hpp"
 
 namespace slipd {
 

@@ -1,0 +1,56 @@
+#include "core/model/ring_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/contact/averages.hpp"
+
+namespace slipd {
+
+double ring_weight(std::size_t ring) noexcept {
+  const double s = (static_cast<double>(ring) + 0.5) / Rings::kCount;
+  return std::sqrt(2 * s * (1 - s * s));
+}
+
+std::array<float, Rings::kCount> ring_angles(const Rings& rings) noexcept {
+  std::array<float, Rings::kCount> angles{};
+  for (std::size_t j = 0; j < angles.size(); ++j) {
+    if (!(rings.normal_n[j] > 0)) continue;
+    angles[j] = static_cast<float>(ring_weight(j) * std::atan(rings.shear_n[j] / rings.normal_n[j]));
+  }
+  return angles;
+}
+
+RingColumns::RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, FrameChoice choice)
+    : ContactColumns(std::move(scene), seed, choice), layout_(std::move(layout)) {}
+
+void RingColumns::fill(std::size_t first, std::size_t count, float* out) const {
+  PatchFinder finder(layout_);
+  const std::size_t n = layout_.size();
+  const auto fraction = static_cast<float>(scene_.noise);
+  std::vector<float> normal(n), shear(n), across(n, 0.0F);
+  for (std::size_t j = first; j < first + count; ++j, out += rows()) {
+    const ContactDraw draw = draw_contact(scene_, seed_, contact(j));
+    contact::LoadHistory load(
+        contact::make_pair(contact::body_of(scene_.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
+    load.move_to(draw.normal_n, 0, draw.friction);
+    load.move_to(draw.normal_n, (1 - gamma(j)) * draw.friction * draw.normal_n, draw.friction);
+    contact::taxel_averages(layout_, draw.x_m, draw.y_m, load, normal, shear);
+    const Draws random = noise(j);
+    const auto most = [](const std::vector<float>& values) {
+      return *std::max_element(values.begin(), values.end());
+    };
+    if (fraction != 0) {
+      random.stream(0).add_noise(normal.data(), n, fraction * most(normal));
+      random.stream(1).add_noise(shear.data(), n, fraction * most(shear));
+    }
+    const Frame frame{1, 1, normal, shear, across};
+    const ContactPatch& patch = finder.find(frame);
+    const auto angles = patch.touched ? ring_angles(sum_rings(frame, patch, layout_)) : ring_angles({});
+    std::copy(angles.begin(), angles.end(), out);
+  }
+}
+
+}  // namespace slipd

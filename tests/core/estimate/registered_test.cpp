@@ -1,0 +1,60 @@
+// The same estimator on rings of the contact's own frame: place, size, stiffness and force have dropped out.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+
+#include "core/estimate/svd_knn.hpp"
+#include "core/model/train.hpp"
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+// Contacts never seen, up to 2 mm off the middle of a +-8 mm pad, relative noise of 5 %, Gamma uniform, three
+// bases.
+TEST(Registered, ReadsUnseenContactsWhereverTheyLie) {
+  Scene scene;
+  scene.objects = paper_objects();
+  scene.noise = 0.05;
+  scene.offset_m = 0.002;
+  const auto layout = TaxelLayout::grid(64, 64, 0.016 / 64);
+  const auto model = std::make_shared<const Model>(train({.layout = layout,
+                                                          .scene = scene,
+                                                          .size = {.contacts = 320, .loads = 50},
+                                                          .rank = 3,
+                                                          .view = View::rings}));
+  EXPECT_EQ(model->data().basis.size(), Rings::kCount * 3);
+  SvdKnn registered(model);
+  EXPECT_EQ(registered.name(), Method::registered);
+
+  synthetic::FrameMaker maker(layout, 5);
+  PatchFinder finder(layout);
+  std::mt19937_64 random(51);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int answered = 0, within_two = 0;
+  double error = 0;
+  constexpr int kContacts = 300;
+  for (int i = 0; i < kContacts; ++i) {
+    contact::LoadHistory contact(synthetic::random_pair(random));
+    const double normal = 1 + 4 * unit(random), friction = 0.1 + 0.8 * unit(random), gamma = unit(random);
+    contact.move_to(normal, 0, friction);
+    contact.move_to(normal, (1 - gamma) * friction * normal, friction);
+    const Frame frame = maker.make(contact, 0.002 * (2 * unit(random) - 1), 0.002 * (2 * unit(random) - 1),
+                                   2 * std::numbers::pi * unit(random), 0.05);
+    const Reading reading = registered.read(frame, finder.find(frame));
+    if (!reading.in_family) continue;
+    ++answered;
+    error += std::fabs(reading.gamma - gamma);
+    within_two += std::fabs(reading.gamma - gamma) < 2 * reading.sigma ? 1 : 0;
+  }
+  EXPECT_GT(answered, 0.9 * kContacts);
+  EXPECT_LT(error / answered, 0.015);
+  EXPECT_GT(within_two, 0.85 * answered);
+  RecordProperty("mean_error", std::to_string(error / answered));
+}
+
+}  // namespace
+}  // namespace slipd
