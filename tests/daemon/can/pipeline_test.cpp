@@ -1,0 +1,105 @@
+// A device that fails, all the way to the bus: the trial driver, the pipeline and the talk as in the daemon,
+// on a fake port.
+#include "daemon/pipeline/pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "daemon/can/talk.hpp"
+#include "daemon/pipeline/modules.hpp"
+#include "tests/daemon/can/fake_port.hpp"
+
+namespace slipd::can {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr std::uint32_t kEstimate = 0x5A0, kAlert = 0x5C0;
+constexpr std::uint64_t kUnknownMargin = 0xFFFF, kStale = 6, kFault = 7, kSlip = 2;
+
+class World {
+ public:
+  explicit World(const std::string& options)
+      : modules_(std::filesystem::path(SLIPD_BINARY_DIR) / "test-drivers"),
+        settings_(parse_settings(R"({"sensors": [{"name": "left", "driver": "trial", "stale_after_ms": 200,
+                    "layout": {"grid": [16, 16], "pitch_mm": 0.9}, "options": )" +
+                                     options + R"(}], "estimator": {"method": "moments"},
+                    "can": {"interface": "can7", "allow_simulated": true}})",
+                                 "test", modules_)),
+        pipeline_(
+            settings_, modules_, board_,
+            [](const std::string&, const ChainSetup&) -> std::shared_ptr<const Model> {
+              throw std::runtime_error("moments need no model");
+            },
+            &bell_),
+        talk_(settings_, board_, port_, log_, Doorbell::Clock::now()) {
+    pipeline_.start({});
+  }
+  ~World() { EXPECT_TRUE(pipeline_.stop(std::chrono::system_clock::now() + 5s)); }
+
+  // Talks on, as the CAN thread does, until `enough`; false after ten seconds.
+  bool talk_until(const std::function<bool()>& enough) {
+    const auto patience = Doorbell::Clock::now() + 10s;
+    while (!enough()) {
+      const auto now = Doorbell::Clock::now();
+      if (now > patience) return false;
+      const std::uint32_t rung = bell_.rung();
+      bell_.wait(rung, talk_.step(now));
+    }
+    return true;
+  }
+
+  bool said(std::uint32_t id, const char* signal, std::uint64_t value) const {
+    return std::any_of(port_.sent.begin(), port_.sent.end(),
+                       [&](const Message& each) { return each.id == id && raw(each, signal) == value; });
+  }
+  FakePort& port() { return port_; }
+
+ private:
+  DriverModules modules_;
+  Settings settings_;
+  Board board_;
+  Doorbell bell_;
+  Pipeline pipeline_;
+  FakePort port_;
+  LogRing log_;
+  Talk talk_;
+};
+
+void expect_no_margin_without_ok(const std::vector<Message>& sent) {
+  for (const Message& each : sent) {
+    if (raw(each, "State") == 0) continue;
+    EXPECT_EQ(raw(each, "Gamma"), kUnknownMargin);
+  }
+}
+
+TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
+  World world(R"({"gamma": 0.05})");
+  ASSERT_TRUE(world.talk_until(
+      [&] { return world.said(kAlert, "Alert", kSlip) && world.said(kEstimate, "State", 0); }));
+  const auto sent = world.port().take(kEstimate);
+  const auto& last =
+      *std::find_if(sent.begin(), sent.end(), [](const Message& m) { return raw(m, "State") == 0; });
+  EXPECT_LE(raw(last, "Gamma"), 10000U);
+  EXPECT_EQ(raw(last, "Simulated"), 1U);
+  expect_no_margin_without_ok(sent);
+}
+
+TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
+  World world(R"({"behaviour": "throw_in_open"})");
+  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", kFault); }));
+  expect_no_margin_without_ok(world.port().take(kEstimate));
+}
+
+TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertIsTakenBack) {
+  World world(R"({"gamma": 0.05, "behaviour": "end", "after": 300})");
+  ASSERT_TRUE(world.talk_until([&] { return world.said(kAlert, "Alert", kSlip); }));
+  ASSERT_TRUE(world.talk_until(
+      [&] { return world.said(kEstimate, "State", kStale) && world.said(kAlert, "Alert", 0); }));
+  const auto sent = world.port().take(kEstimate);
+  expect_no_margin_without_ok(sent);
+  EXPECT_EQ(raw(sent.back(), "State"), kStale);
+}
+
+}  // namespace
+}  // namespace slipd::can

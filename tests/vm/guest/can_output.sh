@@ -1,0 +1,98 @@
+# slipd speaks on CAN: what is on the wire is what the socket says, and no illness of the bus stops or hides it.
+source /source/tests/vm/guest/check.sh
+
+socket=/run/slipd-test.sock
+serve() {  # CAN-SECTION: starts slipd with it; $daemon is its process
+  cat >config.json <<JSON
+{ "sensors": [ { "name": "left", "driver": "sim", "rate_hz": 100, "stale_after_ms": 5000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
+  "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "$socket" },
+  "can": $1 }
+JSON
+  in_background slipd.log slipd --config config.json
+  daemon=$background
+  awaits "slipd serves" slipctl --socket $socket gamma
+}
+ends() {
+  kill "$daemon"
+  wait "$daemon" || fail "it does not end well: $(cat slipd.log)"
+}
+status() { slipctl --socket $socket --json status; }
+bus_is() { status | grep -q "\"can\":{[^}]*\"state\":\"$1\""; }
+figure() { status | grep -o "\"can\":{[^}]*}" | grep -o "\"$1\":[0-9]*" | cut -d: -f2; }
+
+# says_the_same WHAT LOG: the frames in LOG against the socket, by the DBC of the running configuration. Ends slipd.
+says_the_same() {
+  in_background estimates.log slipctl --socket $socket --json watch --rate 1000
+  local watcher=$background
+  awaits "some hundred estimates: $1" eval 'test "$(grep -c "\"seq\"" estimates.log)" -ge 300'
+  slipctl --socket $socket dbc >live.dbc
+  kill "$watcher"
+  ends
+  can-check live.dbc "$2" estimates.log || fail "$1"
+  echo "ok: $1"
+}
+
+modprobe vcan
+ip link add vcan0 mtu 72 type vcan
+ip link set vcan0 up
+
+# Without leave, nothing of a simulated sensor but the heartbeat.
+captures vcan0 withheld.log
+serve '{ "interface": "vcan0" }'
+awaits "two heartbeats" eval 'test "$(grep -c 5DF# withheld.log)" -ge 2'
+same "and nothing else" "$(grep -vc 5DF# withheld.log)" 0
+status | grep -q '"withheld":\["sensor left"\]' || fail "the status does not say so: $(status)"
+ends
+awaits "its last word" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}01"'
+
+captures vcan0 vcan.log
+serve '{ "interface": "vcan0", "allow_simulated": true }'
+says_the_same "classic frames on the virtual bus are what the socket says" vcan.log
+awaits "the last estimate is stale" eval 'grep 5A0# vcan.log | tail -n 1 | grep -q "5A0#FFFFFFFF46"'
+
+captures vcan0 fd.log
+serve '{ "interface": "vcan0", "allow_simulated": true, "base_id": "0x12345600", "extended": true, "fd": true }'
+says_the_same "FD frames with long identifiers, too" fd.log
+
+can_up can0 can1
+captures can1 wire.log
+serve '{ "interface": "can0", "allow_simulated": true }'
+says_the_same "and frames over a wire between two controllers" wire.log
+
+# A bus that is ill. Each time: told in the status, and over without a restart.
+captures vcan0 faults.log
+serve '{ "interface": "vcan0", "allow_simulated": true }'
+speaks() {
+  local before
+  before=$(grep -c 5A0# faults.log)
+  awaits "$1" eval "test \"\$(grep -c 5A0# faults.log)\" -gt $before"
+}
+speaks "it speaks"
+tc qdisc replace dev vcan0 root pfifo limit 0  # no room for any frame
+awaits "a full queue is counted" eval 'test "$(figure queue_full)" -ge 20'
+tc qdisc del dev vcan0 root
+speaks "it speaks once there is room"
+cansend vcan0 20000004#0010000000000000
+awaits "error-passive is told" bus_is error_passive
+cansend vcan0 20000040#0000000000000000
+awaits "bus-off is told" bus_is bus_off
+cansend vcan0 20000100#0000000000000000
+awaits "the controller's restart is told" bus_is up
+ip link set vcan0 down
+awaits "an interface that is down is told" bus_is down
+ip link set vcan0 up
+captures vcan0 faults.log  # candump ends with its interface
+awaits "it comes back" bus_is up
+speaks "and speaks"
+ip link del vcan0
+awaits "an interface that is gone is told" bus_is absent
+ip link add vcan0 type vcan
+ip link set vcan0 up
+captures vcan0 faults.log
+awaits "a new one is found" bus_is up
+speaks "and spoken to"
+slipctl --socket $socket metrics | grep -q '^slipd_can_bus_offs_total 1$' || fail "the metrics do not count the bus-off"
+estimated=$(status | grep -o '"estimated":[0-9]*' | cut -d: -f2)
+awaits "the pipeline goes on" eval "test \"\$(status | grep -o '\"estimated\":[0-9]*' | cut -d: -f2)\" -gt $estimated"
+ends
+cat slipd.log

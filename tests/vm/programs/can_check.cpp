@@ -1,0 +1,153 @@
+// can-check DBC CANDUMP ESTIMATES: whether what candump -L saw of slipd decodes, by the DBC, to what the
+// socket said of the same frames (one JSON estimate a line). Prints what was compared; exit 1 names the first
+// frame that is not right.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/support/dbc.hpp"
+
+namespace {
+
+using nlohmann::json;
+using slipd::testing::DbcMessage;
+
+struct Frame {
+  double time_s = 0;
+  std::uint32_t id = 0;
+  bool extended = false, fd = false;
+  std::array<std::uint8_t, 8> data{};
+  std::string line;
+};
+
+// The standard's own words, bit by bit: not the table that slipd has.
+std::uint8_t crc_by_definition(const Frame& frame) {
+  unsigned crc = 0xFF;
+  const auto byte = [&](unsigned value) {
+    crc ^= value & 0xFFU;
+    for (int bit = 0; bit < 8; ++bit)
+      crc = (crc & 0x80U) != 0 ? ((crc << 1) ^ 0x1DU) & 0xFFU : (crc << 1) & 0xFFU;
+  };
+  for (unsigned shift = 0; shift < 32; shift += 8) byte(frame.id >> shift);
+  for (std::size_t i = 0; i + 1 < frame.data.size(); ++i) byte(frame.data[i]);
+  return static_cast<std::uint8_t>(crc ^ 0xFF);
+}
+
+std::string text_of(const char* file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(std::string("cannot read ") + file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<Frame> frames_of(const char* file) {
+  const std::regex form(R"(\(([0-9.]+)\) \w+ ([0-9A-F]+)#(#[0-9A-F])?([0-9A-F]{16})( [TR])?)");
+  std::vector<Frame> frames;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    std::smatch part;
+    if (!std::regex_match(line, part, form)) continue;
+    Frame& frame = frames.emplace_back();
+    frame.time_s = std::stod(part[1]);
+    frame.id = static_cast<std::uint32_t>(std::stoul(part[2], nullptr, 16));
+    frame.extended = part[2].length() == 8;
+    frame.fd = part[3].matched;
+    frame.line = line;
+    const std::string bytes = part[4];
+    for (std::size_t i = 0; i < 8; ++i)
+      frame.data[i] = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
+  }
+  return frames;
+}
+
+bool same_number(const DbcMessage& message, const char* signal, const Frame& frame, const json& value) {
+  const auto& defined = message.signals.at(signal);
+  if (value.is_null()) return defined.raw(frame.data) == 0xFFFF;
+  return std::abs(defined.physical(frame.data) - value.get<double>()) <= defined.scale;
+}
+
+bool same(const DbcMessage& message, const Frame& frame, const json& estimate) {
+  const auto word = [&](const char* signal) {
+    const auto& defined = message.signals.at(signal);
+    return defined.values.at(defined.raw(frame.data));
+  };
+  return word("State") == estimate.at("state") && word("Alert") == estimate.at("alert") &&
+         (word("Simulated") == "simulated") == estimate.at("simulated") &&
+         same_number(message, "Gamma", frame, estimate.at("gamma")) &&
+         same_number(message, "Friction", frame, estimate.at("friction"));
+}
+
+int check(char** files) {
+  const auto messages = slipd::testing::read_dbc(text_of(files[1]));
+  std::multimap<std::uint64_t, json> told;  // by the low bits of seq
+  std::ifstream lines(files[3]);
+  for (std::string line; std::getline(lines, line);) {
+    const json estimate = json::parse(line, nullptr, false);
+    if (estimate.is_object() && estimate.contains("seq"))
+      told.emplace(estimate["seq"].get<std::uint64_t>() % 4096, estimate);
+  }
+  std::size_t compared = 0, untold = 0, silent = 0;
+  std::map<std::string, std::size_t> seen;
+  std::map<std::string, std::uint64_t> counters;
+  std::vector<double> times_s;
+  for (const Frame& frame : frames_of(files[2])) {
+    const auto known = messages.find(frame.id);
+    if (known == messages.end()) continue;
+    const DbcMessage& message = known->second;
+    if (message.extended != frame.extended) throw std::runtime_error("length of identifier: " + frame.line);
+    if ((message.attributes.at("VFrameFormat") >= 14) != frame.fd)
+      throw std::runtime_error("format: " + frame.line);
+    if (message.signals.at("Crc8").raw(frame.data) != crc_by_definition(frame))
+      throw std::runtime_error("checksum: " + frame.line);
+    const std::uint64_t counter = message.signals.at("Counter").raw(frame.data);
+    if (seen[message.name]++ > 0 && counter == counters[message.name])
+      throw std::runtime_error("the counter stands still: " + frame.line);
+    counters[message.name] = counter;
+    if (message.name != "SLIP_ESTIMATE_0") continue;
+    times_s.push_back(frame.time_s);
+    const bool stale = message.signals.at("State").raw(frame.data) == 6;
+    if (stale && message.signals.at("Gamma").raw(frame.data) == 0xFFFF) {
+      ++silent;
+      continue;
+    }
+    const auto [first, last] = told.equal_range(message.signals.at("Sequence").raw(frame.data));
+    if (first == last) {
+      ++untold;
+      continue;
+    }
+    if (std::none_of(first, last, [&](const auto& each) { return same(message, frame, each.second); }))
+      throw std::runtime_error("CAN and socket differ: " + frame.line + " against " + first->second.dump());
+    ++compared;
+  }
+  std::vector<double> gaps_ms;
+  for (std::size_t i = 1; i < times_s.size(); ++i) gaps_ms.push_back((times_s[i] - times_s[i - 1]) * 1e3);
+  std::sort(gaps_ms.begin(), gaps_ms.end());
+  std::cout << "compared " << compared << ", stale " << silent << ", of frames before and after " << untold;
+  for (const auto& [name, count] : seen) std::cout << ", " << name << ' ' << count;
+  if (!gaps_ms.empty())
+    std::cout << ", period p50 " << gaps_ms[gaps_ms.size() / 2] << " ms, p99 "
+              << gaps_ms[gaps_ms.size() * 99 / 100] << " ms";
+  std::cout << '\n';
+  return compared >= 100 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (argc == 4) return check(argv);
+    std::cerr << "can-check DBC CANDUMP ESTIMATES\n";
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+}
