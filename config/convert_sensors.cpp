@@ -132,6 +132,7 @@ class SensorConverter {
       return;
     }
     s.stale_after = std::chrono::milliseconds(in["stale_after_ms"].get<int>());
+    s.stale_after_told = true;
     if (static_cast<double>(s.stale_after.count()) >= frame_ms) return;
     add(at + "/stale_after_ms", in["stale_after_ms"],
         "is shorter than one frame at rate_hz; expected at least " +

@@ -18,6 +18,7 @@ struct SensorSettings {
   SensorSetup setup;  // what its driver is told
   std::string driver;
   std::chrono::milliseconds stale_after{20};
+  bool stale_after_told = false;  // by the user; else a slower device has three of its frames
   std::optional<double> friction;
 };
 

@@ -13,8 +13,12 @@ std::int64_t monotonic_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
 }
 
-std::int64_t stale_after_ns(const Seat& seat) noexcept {
-  return std::chrono::nanoseconds(seat.settings.stale_after).count();
+// Never shorter than three frames of a device that dictates a slower rate, unless the user says so.
+std::int64_t stale_after_ns(const Seat& seat, const Lane& lane) noexcept {
+  const auto set_ns = std::chrono::nanoseconds(seat.settings.stale_after).count();
+  const double rate_hz = lane.feed->info.rate_hz;
+  if (seat.settings.stale_after_told || !(rate_hz > 0)) return set_ns;
+  return std::max(set_ns, static_cast<std::int64_t>(3e9 / rate_hz));
 }
 
 }  // namespace
@@ -33,7 +37,7 @@ void Estimating::run(const std::atomic<bool>& stop) noexcept {
     for (Desk& desk : desks_) {
       busy = work(desk) || busy;
       if (!desk.quiet && desk.lane != nullptr) {
-        const std::chrono::nanoseconds deadline(desk.since_ns + stale_after_ns(*desk.seat));
+        const std::chrono::nanoseconds deadline(desk.since_ns + stale_after_ns(*desk.seat, *desk.lane));
         wake_at = std::min(wake_at, Clock::time_point(deadline));
       }
     }
@@ -83,7 +87,7 @@ void Estimating::answer(Desk& desk, const FrameSlot& slot, std::int64_t now_ns) 
 // No frame: says so on the board, once, when its reason is or becomes one that a client must know.
 void Estimating::say_quiet(Desk& desk, Link link, std::int64_t now_ns) noexcept {
   const Seat& seat = *desk.seat;
-  const bool late = desk.lane != nullptr && now_ns - desk.since_ns >= stale_after_ns(seat);
+  const bool late = desk.lane != nullptr && now_ns - desk.since_ns >= stale_after_ns(seat, *desk.lane);
   State state = State::stale;
   if (link == Link::absent || seat.refused.load(std::memory_order_relaxed)) {
     state = State::fault;
@@ -97,7 +101,7 @@ void Estimating::say_quiet(Desk& desk, Link link, std::int64_t now_ns) noexcept 
   if (said) return;
   if (late && state == State::stale) {
     log_.write(LogLevel::warning, "%s: no frame for %d ms: stale", seat.panel.name.c_str(),
-               static_cast<int>(seat.settings.stale_after.count()));
+               static_cast<int>(stale_after_ns(seat, *desk.lane) / 1'000'000));
   }
   Estimate quiet;
   quiet.sequence = desk.reading.estimate.sequence;

@@ -31,6 +31,8 @@ class Finder {
     told_apart();
     if (problems_.empty()) every_taxel_once();
     if (profile_.driver == "modbus") registers();
+    if (profile_.driver == "hid" && !profile_.hid)
+      problems_.push_back({"/hid", "", "is missing; the driver needs it"});
   }
 
  private:
@@ -48,6 +50,8 @@ class Finder {
   void packet(const PacketRule& rule, const std::string& at) {
     if (profile_.driver == "can" && rule.length > kCanFdBytes)
       add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
+    if (profile_.key_offset && *profile_.key_offset >= rule.length)
+      add("/scan/key_offset", *profile_.key_offset, "lies behind the end of " + at);
     if (rule.match.mask != 0 && rule.match.offset >= rule.length)
       add(at + "/match/offset", rule.match.offset, "lies behind the packet's end");
     std::vector<int> owner(rule.length, 0);

@@ -168,6 +168,11 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   out.start = messages(in["start"]);
   out.stop = messages(in["stop"]);
   out.keep_alive_ns = in["keep_alive_ms"].get<std::int64_t>() * 1'000'000;
+  if (in["scan"].contains("key_offset")) out.key_offset = in["scan"]["key_offset"].get<std::size_t>();
+  if (in.contains("hid")) {
+    out.hid = HidMatch{static_cast<std::uint16_t>(id_of(in["hid"]["vendor"])),
+                       static_cast<std::uint16_t>(id_of(in["hid"]["product"]))};
+  }
   if (in.contains("modbus")) {
     const json& map = in["modbus"];
     const auto parity = map["parity"].get<std::string>();

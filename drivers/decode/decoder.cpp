@@ -11,7 +11,10 @@ std::uint32_t addressed(std::uint32_t id, const std::optional<unsigned>& board_s
 }
 
 Decoder::Decoder(const Profile& profile, std::size_t sensor, unsigned board)
-    : rules_(profile.scan), sensor_class_(profile.sensor_class), timeout_ns_(profile.scan_timeout_ns) {
+    : rules_(profile.scan),
+      sensor_class_(profile.sensor_class),
+      timeout_ns_(profile.scan_timeout_ns),
+      key_offset_(profile.key_offset) {
   for (PacketRule& rule : rules_) {
     rule.id = addressed(rule.id, rule.board_shift, board);
     std::erase_if(rule.fields, [sensor](const Field& field) { return field.sensor != sensor; });
@@ -23,6 +26,10 @@ bool Decoder::matches(const PacketRule& rule, std::uint32_t id,
   if (rule.id != id) return false;
   return rule.match.mask == 0 || (rule.match.offset < bytes.size() &&
                                   (bytes[rule.match.offset] & rule.match.mask) == rule.match.value);
+}
+
+bool Decoder::of_another_scan(std::span<const std::uint8_t> bytes) const noexcept {
+  return key_offset_ && *key_offset_ < bytes.size() && bytes[*key_offset_] != key_;
 }
 
 void Decoder::drop() noexcept {
@@ -55,7 +62,7 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
   const bool was_begun = next_ != 0;
   const bool late = was_begun && time_ns - begun_ns_ > timeout_ns_;
   bool lost = false;
-  if (!expected || late) {
+  if (!expected || late || (was_begun && of_another_scan(bytes))) {
     lost = was_begun;
     drop();
     if (!matches(rules_[0], id, bytes)) {
@@ -70,7 +77,10 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
     drop();
     return Outcome::dropped;
   }
-  if (next_ == 0) begun_ns_ = time_ns;
+  if (next_ == 0) {
+    begun_ns_ = time_ns;
+    if (key_offset_) key_ = bytes[*key_offset_];
+  }
   if (++next_ < rules_.size()) return lost ? Outcome::dropped : Outcome::partial;
   next_ = 0;
   if (sensor_class_ == SensorClass::normal) {

@@ -45,12 +45,15 @@ class Decoder {
 
  private:
   bool matches(const PacketRule& rule, std::uint32_t id, std::span<const std::uint8_t> bytes) const noexcept;
+  bool of_another_scan(std::span<const std::uint8_t> bytes) const noexcept;
   void drop() noexcept;
   static bool fill(const PacketRule& rule, std::span<const std::uint8_t> bytes, FrameSlot& slot) noexcept;
 
   std::vector<PacketRule> rules_;
   SensorClass sensor_class_;
   std::int64_t timeout_ns_;
+  std::optional<std::size_t> key_offset_;
+  std::uint8_t key_ = 0;  // of the scan begun
   std::size_t next_ = 0;  // rule that continues the scan; 0: none is begun
   std::int64_t begun_ns_ = 0;
   std::uint64_t sequence_ = 0;

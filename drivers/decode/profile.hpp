@@ -52,6 +52,10 @@ struct ModbusMap {
   char parity = 'N';
 };
 
+struct HidMatch {
+  std::uint16_t vendor = 0, product = 0;
+};
+
 struct Profile {
   std::string description, tested, driver;
   SensorClass sensor_class = SensorClass::array3;
@@ -60,10 +64,12 @@ struct Profile {
   TaxelLayout layout = TaxelLayout::wrench(0.01);
   SkinInfo skin;
   std::int64_t scan_timeout_ns = 0;
-  std::vector<PacketRule> scan;  // every packet of a scan, in the order in which they come
+  std::optional<std::size_t> key_offset;  // of a byte that is the same in all packets of a scan
+  std::vector<PacketRule> scan;           // every packet of a scan, in the order in which they come
   std::vector<Message> start, stop;
   std::int64_t keep_alive_ns = 0;
   std::optional<ModbusMap> modbus;
+  std::optional<HidMatch> hid;
 };
 
 // Throws DriverError: a line for each thing that is wrong, `NAME: /json/pointer = value: what`.

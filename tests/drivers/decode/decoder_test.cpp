@@ -131,7 +131,8 @@ INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
                          testing::Values(Pair{devices::xela_xr1944, "xela-xr1944", 20.1F},
                                          Pair{devices::icub_skin, "icub-mtb", 250.1F},
                                          Pair{devices::onrobot_rg2ft, "onrobot-rg2-ft", 154.5F},
-                                         Pair{devices::robotiq_ft300, "robotiq-ft300", 12.6F}),
+                                         Pair{devices::robotiq_ft300, "robotiq-ft300", 12.6F},
+                                         Pair{devices::vendor_hid, "vendor-hid-8x8", 2.6F}),
                          [](const auto& tested) {
                            std::string name = tested.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -196,6 +197,16 @@ TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
   EXPECT_EQ(bench.decoder.counts().incomplete, 1);
 }
 
+TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
+  Bench bench("vendor-hid-8x8");
+  auto packets = scan_of(devices::vendor_hid());
+  for (std::size_t i = 4; i < packets.size(); ++i) ++packets[i].bytes[0];
+  EXPECT_EQ(bench.frames(packets), 0);
+  EXPECT_EQ(bench.decoder.counts().incomplete, 1);
+  EXPECT_EQ(bench.frames(scan_of(devices::vendor_hid())), 1);
+  EXPECT_EQ(bench.out.slot.sequence, 1);
+}
+
 TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
   Bench first("xela-xr1944", 0, 1), second("xela-xr1944", 0, 2);
   auto of_second = scan_of(devices::xela_xr1944());
@@ -210,7 +221,7 @@ TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
 
 TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
   std::mt19937 random(7);
-  for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300"}) {
+  for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300", "vendor-hid-8x8"}) {
     Bench bench(name);
     const auto& rules = bench.decoder.rules();
     const std::uint64_t before = test::allocations();

@@ -1,12 +1,8 @@
 # slipd with its CAN driver on a real controller: two simulated sensors of different make on one bus, the margin on the
 # socket against the truth, a sensor that stalls and one that loses its power, and the interface going down and up.
 source /source/tests/vm/guest/check.sh
+source /source/tests/vm/guest/margin.sh
 
-# It slips once, so that friction can be learnt, and is then held at a margin of 0.4, again and again.
-cat >hold.json <<'END'
-{ "noise": 0, "cycle": [ { "ms": 300, "normal_n": 0, "shear_n": 0, "friction": 0.5 }, { "ms": 300, "normal_n": [0, 3] },
-                         { "ms": 600, "load": [0, 1.1] }, { "ms": 300, "shear_n": [1.5, 0.9] }, { "ms": 6000 } ] }
-END
 # The sensors of one bus share a device unless their profiles differ.
 cat >slipd.json <<'END'
 { "sensors": [
@@ -14,18 +10,9 @@ cat >slipd.json <<'END'
       "rate_hz": 20, "stale_after_ms": 1000 },
     { "name": "skin", "driver": "can", "profile": "icub-mtb", "device": { "interface": "can1", "for": "skin" },
       "rate_hz": 20, "stale_after_ms": 1000 } ],
-  "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/share/slipd.sock" } }
+  "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/slipd.sock" } }
 END
-# of SENSOR EXPRESSION: a member of its estimate.
-of() {
-  echo '{"jsonrpc":"2.0","id":1,"method":"gamma"}' | socat -t 5 - UNIX-CONNECT:/tmp/slipd.sock | tr '{' '\n' |
-    grep "\"sensor\":\"$1\"" | grep -o "\"$2\":[^,}]*" | cut -d: -f2 | tr -d '"'
-}
-is() { test "$(of "$1" "$2")" = "$3"; }
-near() { awk -v got="$(of "$1" "$2")" -v want="$3" -v within="$4" 'BEGIN { exit !(got != "" && got - want < within && want - got < within) }'; }
-
 can_up can0 can1
-sed -i 's|/share/slipd.sock|/tmp/slipd.sock|' slipd.json
 in_background pad.log simulated-device xela-xr1944 --at can:can0 --rate-hz 20 --script hold.json --truth truth.jsonl --control /tmp/pad
 in_background skin.log simulated-device icub-skin --at can:can0 --rate-hz 20 --script hold.json --control /tmp/skin
 awaits "the sensors" eval 'grep -q ready pad.log && grep -q ready skin.log'

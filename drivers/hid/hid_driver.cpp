@@ -1,0 +1,166 @@
+#include "drivers/hid/hid_driver.hpp"
+
+#include <hidapi/hidapi.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "drivers/pacing.hpp"
+
+namespace slipd::hid {
+namespace {
+
+constexpr std::size_t kLongestReport = 256;
+
+std::string narrow(const wchar_t* text) {
+  std::string out;
+  for (; text != nullptr && *text != L'\0'; ++text) out += *text < 128 ? static_cast<char>(*text) : '?';
+  return out;
+}
+
+std::string id_text(const decode::HidMatch& match) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%04x:%04x", match.vendor, match.product);
+  return text;
+}
+
+struct Found {
+  std::string path, serial;
+};
+
+std::vector<Found> devices_of(const decode::HidMatch& match) {
+  const std::unique_ptr<hid_device_info, decltype(&hid_free_enumeration)> list(
+      hid_enumerate(match.vendor, match.product), hid_free_enumeration);
+  std::vector<Found> found;
+  for (const hid_device_info* item = list.get(); item != nullptr; item = item->next)
+    found.push_back({item->path, narrow(item->serial_number)});
+  return found;
+}
+
+}  // namespace
+
+void HidDriver::Closes::operator()(hid_device_* device) const noexcept {
+  hid_close(device);
+}
+
+HidDriver::HidDriver(const std::vector<SensorSetup>& sensors)
+    : profile_(decode::profile_of(sensors, "hid")), ready_(sensors.size(), false) {
+  const SensorSetup& first = sensors.front();
+  try {
+    serial_ = first.device.value("serial", "");
+    path_ = first.device.value("path", "");
+  } catch (const nlohmann::json::exception&) {
+    throw DriverError("sensor \"" + first.name +
+                      "\": device: expected {\"serial\": \"…\"} or {\"path\": \"/dev/hidraw0\"}, or nothing");
+  }
+  numbered_ = std::any_of(profile_.scan.begin(), profile_.scan.end(),
+                          [](const decode::PacketRule& rule) { return rule.id != 0; });
+  std::vector<std::size_t> taken;
+  for (const SensorSetup& sensor : sensors) {
+    const auto number = sensor.options.value("sensor", std::size_t{0});
+    if (number >= profile_.sensors || std::find(taken.begin(), taken.end(), number) != taken.end()) {
+      throw DriverError("sensor \"" + sensor.name + "\": options: sensor " + std::to_string(number) +
+                        " is another's already or not there; the device has " +
+                        std::to_string(profile_.sensors) + ", counted from 0");
+    }
+    taken.push_back(number);
+    decoders_.emplace_back(profile_, number, 0);
+  }
+}
+
+DeviceInfo HidDriver::open() {
+  close();
+  std::vector<Found> found = devices_of(*profile_.hid);
+  const std::string id = "HID device " + id_text(*profile_.hid);
+  std::string there;
+  for (const Found& one : found)
+    there += (there.empty() ? "" : ", ") + one.path + " (serial " + one.serial + ")";
+  std::erase_if(found, [this](const Found& one) {
+    return (!serial_.empty() && one.serial != serial_) || (!path_.empty() && one.path != path_);
+  });
+  if (found.empty()) {
+    throw DriverError(id + (serial_.empty() ? "" : " of serial " + serial_) +
+                      (path_.empty() ? "" : " at " + path_) + " is not there; there are: " +
+                      (there.empty() ? "none" : there) + ". Plug it in, or correct the sensor's device");
+  }
+  if (found.size() > 1)
+    throw DriverError(id + ": there are several: " + there + "; name one by device.serial or device.path");
+  device_.reset(hid_open_path(found.front().path.c_str()));
+  if (!device_) {
+    throw DriverError(id + ": " + found.front().path + " cannot be opened: " + narrow(hid_error(nullptr)) +
+                      "; may slipd read it? See 60-slipd-hid.rules");
+  }
+  if (!say(profile_.start)) throw DriverError(id + ": does not take its start message");
+  DeviceInfo info{.description = profile_.description + " at " + found.front().path,
+                  .serial = found.front().serial,
+                  .sensors = {}};
+  for (auto& decoder : decoders_) {
+    decoder.reset();
+    info.sensors.push_back({profile_.sensor_class, profile_.layout, profile_.rate_hz, profile_.skin});
+  }
+  std::fill(ready_.begin(), ready_.end(), false);
+  return info;
+}
+
+void HidDriver::close() noexcept {
+  if (device_) say(profile_.stop);
+  device_.reset();
+}
+
+// hidapi wants the report id first, 0 where there are none.
+bool HidDriver::say(const std::vector<decode::Message>& messages) noexcept {
+  for (const decode::Message& message : messages) {
+    std::array<std::uint8_t, kLongestReport> report{};
+    const std::size_t size = std::min(message.bytes.size(), report.size() - 1);
+    report[0] = static_cast<std::uint8_t>(message.id);
+    std::copy_n(message.bytes.begin(), size, report.begin() + 1);
+    if (hid_write(device_.get(), report.data(), size + 1) < 0) return false;
+  }
+  return true;
+}
+
+ReadResult HidDriver::next_ready() noexcept {
+  for (std::size_t i = 0; i < ready_.size(); ++i) {
+    if (!ready_[i]) continue;
+    ready_[i] = false;
+    return {ReadStatus::frame, static_cast<std::uint16_t>(i)};
+  }
+  return {ReadStatus::timeout, 0};
+}
+
+ReadResult HidDriver::take(std::span<const std::uint8_t> report, std::int64_t time_ns,
+                           std::span<FrameSlot> slots) noexcept {
+  std::uint32_t id = 0;
+  if (numbered_) {
+    id = report.front();
+    report = report.subspan(1);
+  }
+  bool dropped = false;
+  for (std::size_t i = 0; i < decoders_.size(); ++i) {
+    const auto outcome = decoders_[i].take(id, report, time_ns, slots[i]);
+    ready_[i] = outcome == decode::Outcome::frame;
+    dropped = dropped || outcome == decode::Outcome::dropped;
+  }
+  return dropped ? ReadResult{ReadStatus::corrupt, 0} : next_ready();
+}
+
+ReadResult HidDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
+  if (const ReadResult waiting = next_ready(); waiting.status == ReadStatus::frame) return waiting;
+  const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
+  std::array<std::uint8_t, kLongestReport> report;
+  for (;;) {
+    const std::int64_t left_ns = std::max<std::int64_t>(0, give_up_ns - monotonic_ns());
+    const auto left_ms = static_cast<int>((left_ns + 999'999) / 1'000'000);
+    const int size = hid_read_timeout(device_.get(), report.data(), report.size(), left_ms);
+    if (size < 0) return {ReadStatus::disconnected, 0};
+    if (size == 0) return {ReadStatus::timeout, 0};
+    const ReadResult result =
+        take(std::span(report).first(static_cast<std::size_t>(size)), monotonic_ns(), slots);
+    if (result.status != ReadStatus::timeout) return result;
+    if (left_ns == 0) return {ReadStatus::timeout, 0};
+  }
+}
+
+}  // namespace slipd::hid

@@ -1,0 +1,44 @@
+// Tactile sensors that are HID devices, by hidapi's hidraw backend: reports by themselves, one scan in one or
+// several of them. The kernel keeps 64 reports for a reader that is late; more are lost, and the decoder
+// drops the scan that they belong to. hidapi gives no time of arrival: it is taken when a report is read.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "drivers/decode/decoder.hpp"
+#include "drivers/driver.hpp"
+
+struct hid_device_;  // hidapi's own name
+
+namespace slipd::hid {
+
+class HidDriver final : public DeviceDriver {
+ public:
+  // Throws DriverError for a profile, device or options that cannot work.
+  explicit HidDriver(const std::vector<SensorSetup>& sensors);
+
+  DeviceInfo open() override;
+  ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
+  void close() noexcept override;
+
+ private:
+  struct Closes {
+    void operator()(hid_device_* device) const noexcept;
+  };
+
+  bool say(const std::vector<decode::Message>& messages) noexcept;
+  ReadResult take(std::span<const std::uint8_t> report, std::int64_t time_ns,
+                  std::span<FrameSlot> slots) noexcept;
+  ReadResult next_ready() noexcept;
+
+  decode::Profile profile_;
+  std::string serial_, path_;              // which device; empty: the only one there is
+  bool numbered_;                          // reports begin with their id
+  std::vector<decode::Decoder> decoders_;  // one a sensor
+  std::vector<bool> ready_;                // sensors whose frame is not told yet
+  std::unique_ptr<hid_device_, Closes> device_;
+};
+
+}  // namespace slipd::hid

@@ -1,0 +1,38 @@
+# slipd with its HID driver and a simulated device on /dev/uhid: the margin on the socket against the truth, a stall, the
+# cable pulled and put in again, reports lost on the way.
+source /source/tests/vm/guest/check.sh
+source /source/tests/vm/guest/margin.sh
+
+cat >slipd.json <<'END'
+{ "sensors": [ { "name": "pad", "driver": "hid", "profile": "vendor-hid-8x8", "device": { "serial": "HID42" }, "friction": 0.5,
+                 "stale_after_ms": 1000 } ],
+  "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/slipd.sock" } }
+END
+
+modprobe uhid
+in_background pad.log simulated-device vendor-hid --at uhid --serial HID42 --rate-hz 20 --script hold.json --truth truth.jsonl \
+  --control /tmp/pad
+awaits "the device's node" test -e /dev/hidraw0
+in_background slipd.log slipd --config slipd.json
+awaits "a margin" is pad state ok
+awaits "the load that is held" near pad shear_n 0.9 0.01
+awaits "the force that presses" near pad normal_n 3 0.05
+awaits "the margin, as the truth has it" near pad gamma 0.4 0.03
+echo "truth: $(tail -n 1 truth.jsonl)"
+echo "told: gamma $(of pad gamma), sigma $(of pad sigma), normal $(of pad normal_n) N, shear $(of pad shear_n) N"
+
+order /tmp/pad stall 60
+awaits "a sensor that stalls is stale" is pad state stale
+awaits "and back by itself" is pad state ok
+
+order /tmp/pad unplug
+awaits "a sensor that is gone is a fault" is pad state fault
+order /tmp/pad plug
+awaits "and is opened again when it is back" is pad state ok
+awaits "with the margin" near pad gamma 0.4 0.03
+
+order /tmp/pad lose 5
+awaits "what is lost is counted" eval 'echo "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"status\"}" | socat -t 5 - UNIX-CONNECT:/tmp/slipd.sock | grep -q "\"corrupt\":[1-9]"'
+awaits "and the rest is as before" near pad gamma 0.4 0.03
+kill "$background"
+awaits "it ends when told to" eval '! kill -0 $background'

@@ -1,0 +1,13 @@
+# What the scripts of real drivers share: a contact with a known margin, and what slipd says on its socket, /tmp/slipd.sock.
+# It slips once, so that friction can be learnt, and is then held at a margin of 0.4, again and again.
+cat >hold.json <<'END'
+{ "noise": 0, "cycle": [ { "ms": 300, "normal_n": 0, "shear_n": 0, "friction": 0.5 }, { "ms": 300, "normal_n": [0, 3] },
+                         { "ms": 600, "load": [0, 1.1] }, { "ms": 300, "shear_n": [1.5, 0.9] }, { "ms": 6000 } ] }
+END
+# of SENSOR MEMBER: a member of its estimate.
+of() {
+  echo '{"jsonrpc":"2.0","id":1,"method":"gamma"}' | socat -t 5 - UNIX-CONNECT:/tmp/slipd.sock | tr '{' '\n' |
+    grep "\"sensor\":\"$1\"" | grep -o "\"$2\":[^,}]*" | cut -d: -f2 | tr -d '"'
+}
+is() { test "$(of "$1" "$2")" = "$3"; }
+near() { awk -v got="$(of "$1" "$2")" -v want="$3" -v within="$4" 'BEGIN { exit !(got != "" && got - want < within && want - got < within) }'; }
