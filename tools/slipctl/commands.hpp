@@ -25,7 +25,7 @@ void print_frame(const Common& common, const std::string& sensor);  // CSV, one 
 void print_metrics(const Common& common);                           // OpenMetrics text
 // Has the flight recorder keep the last seconds; empty: of all sensors.
 void keep_flight(const Common& common, const std::string& sensor);
-void print_dbc(const Common& common);                               // the CAN messages' definition
+void print_dbc(const Common& common);  // the CAN messages' definition
 void rebias(const Common& common, const std::string& sensor);
 
 // Opens the file here, with the user's own rights, and lets the daemon's writer fill it.
