@@ -67,12 +67,12 @@ constexpr Kernels kBaseline{exactly_baseline, smoothly_baseline};
 [[gnu::target("avx2,fma")]] void smoothly_avx2(double x, double side, const Lists& at) noexcept {
   smoothly(x, side, at);
 }
-[[gnu::target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")]] void exactly_avx512(
-    double x, double side, const Lists& at) noexcept {
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void exactly_avx512(double x, double side,
+                                                                 const Lists& at) noexcept {
   exactly(x, side, at);
 }
-[[gnu::target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")]] void smoothly_avx512(
-    double x, double side, const Lists& at) noexcept {
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void smoothly_avx512(double x, double side,
+                                                                  const Lists& at) noexcept {
   smoothly(x, side, at);
 }
 constexpr Kernels kAvx2{exactly_avx2, smoothly_avx2}, kAvx512{exactly_avx512, smoothly_avx512};

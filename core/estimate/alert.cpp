@@ -6,7 +6,7 @@
 namespace slipd {
 namespace {
 
-constexpr double kForgetAfter_s = 0.02;
+constexpr double kForgetAfterSeconds = 0.02;
 
 // Starts or stops a stopwatch; true once it has run for `least_ns`.
 bool lasted(bool condition, std::int64_t now_ns, std::int64_t least_ns, std::int64_t& since_ns) noexcept {
@@ -53,7 +53,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   }
   const double passed = static_cast<double>(time_ns - last_ns_) * 1e-9;
   last_ns_ = time_ns;
-  if (weight_ == 0 || passed <= 0 || passed > 10 * kForgetAfter_s) {
+  if (weight_ == 0 || passed <= 0 || passed > 10 * kForgetAfterSeconds) {
     weight_ = 1;
     t_ = tt_ = tg_ = 0;
     g_ = *gamma;
@@ -61,7 +61,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
     return std::nullopt;
   }
   // Sums about the present: what was at t is at t - passed now.
-  const double keep = std::exp(-passed / kForgetAfter_s);
+  const double keep = std::exp(-passed / kForgetAfterSeconds);
   tt_ = keep * (tt_ - 2 * passed * t_ + passed * passed * weight_);
   tg_ = keep * (tg_ - passed * g_);
   t_ = keep * (t_ - passed * weight_);

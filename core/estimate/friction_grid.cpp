@@ -7,7 +7,8 @@ namespace slipd {
 namespace {
 
 constexpr double kSceneSpread = 0.15;  // how softly the expected range ends, in log mu
-constexpr double kForgetAfter_s = 5;   // a grasp's friction may change: evidence fades towards the scene's
+constexpr double kForgetAfterSeconds =
+    5;                              // a grasp's friction may change: evidence fades towards the scene's
 constexpr double kOneFrame = 0.5;   // of a frame's evidence: neighbouring frames share the skin's unevenness
 constexpr double kHighest = 2;      // deviations by which a load may miss the highest one
 constexpr double kPlateau = 0.015;  // relative: Q/P this even while P changes is sliding
@@ -37,7 +38,7 @@ void FrictionGrid::update(std::int64_t time_ns, double normal_n, double load, do
                           const MarginProfile* profile) noexcept {
   const double passed_s = last_ns_ > 0 ? static_cast<double>(time_ns - last_ns_) * 1e-9 : 0;
   last_ns_ = time_ns;
-  const double keep = std::exp(-std::max(0.0, passed_s) / kForgetAfter_s);
+  const double keep = std::exp(-std::max(0.0, passed_s) / kForgetAfterSeconds);
   const double sigma = std::max(load_sigma, 0.005 * load);
   const bool highest = load > highest_load_ - kHighest * load_sigma;
   highest_load_ = std::max(highest_load_, load - load_sigma);

@@ -7,12 +7,12 @@
 namespace slipd {
 namespace {
 
-constexpr double kRiseAfter_s = 0.5;  // a higher friction is believed in over about this time
-constexpr double kLeastSigma = 0.02;  // of a belief, relative: contacts are not as even as their model
-constexpr double kGivenSigma = 0.05;  // relative, of a friction known beforehand
-constexpr double kSliding = 0.1;      // a margin below which the whole contact may as well stick
-constexpr double kKnown = 0.3;        // relative: a friction more open than that is not told
-constexpr double kClearly = 2.5;      // standard deviations
+constexpr double kRiseAfterSeconds = 0.5;  // a higher friction is believed in over about this time
+constexpr double kLeastSigma = 0.02;       // of a belief, relative: contacts are not as even as their model
+constexpr double kGivenSigma = 0.05;       // relative, of a friction known beforehand
+constexpr double kSliding = 0.1;           // a margin below which the whole contact may as well stick
+constexpr double kKnown = 0.3;             // relative: a friction more open than that is not told
+constexpr double kClearly = 2.5;           // standard deviations
 
 }  // namespace
 
@@ -60,7 +60,7 @@ void Tracker::learn(double friction, double sigma, std::int64_t time_ns) noexcep
     return;
   }
   const double gain = belief_->sigma * belief_->sigma / (belief_->sigma * belief_->sigma + sigma * sigma);
-  const double most_rise = belief_->mean * std::clamp(passed_s / kRiseAfter_s, 0.0, 0.1);
+  const double most_rise = belief_->mean * std::clamp(passed_s / kRiseAfterSeconds, 0.0, 0.1);
   belief_->mean += std::min(gain * difference, most_rise);
   belief_->sigma = std::max(belief_->sigma * std::sqrt(1 - gain), kLeastSigma * belief_->mean);
 }
