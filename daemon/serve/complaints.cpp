@@ -33,8 +33,9 @@ std::vector<std::string> Complaints::look(std::size_t sensor, const std::string&
   seconds_behind = behind ? seconds_behind + 1 : 0;
   last = totals;
   std::vector<std::string> lines;
-  auto complain = [&, which = std::size_t{0}](std::uint64_t total, const auto& line) mutable {
-    Kind& kind = kinds[which++];
+  auto complain = [&, &kinds_of = kinds, which = std::size_t{0}](std::uint64_t total,
+                                                                 const auto& line) mutable {
+    Kind& kind = kinds_of[which++];
     if (total == kind.told || (kind.quiet_until && now < *kind.quiet_until)) return;
     lines.push_back(name + line(total - kind.told));
     kind = {.told = total, .quiet_until = now + kInterval};
