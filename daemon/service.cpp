@@ -42,8 +42,8 @@ std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, c
   try {
     return std::make_unique<Engine>(std::move(settings), drivers);
   } catch (const SettingsError& error) {
-    std::vector<std::string> problems;
-    for (const std::string& problem : error.problems()) problems.push_back(file + ": " + problem);
+    std::vector<std::string> problems = error.problems();
+    for (std::string& problem : problems) problem.insert(0, file + ": ");
     throw SettingsError(std::move(problems));
   }
 }

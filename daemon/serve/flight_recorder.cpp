@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kStackBytes = 256 * 1024;
+constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
 constexpr auto kLook = 5ms;
 constexpr double kQueueSeconds = 0.25;  // that this thread may be late by
 constexpr double kUnknownRateHz = 1000;

@@ -38,6 +38,7 @@ CanDriver::CanDriver(const std::vector<SensorSetup>& sensors, Opener opener)
     numbers.push_back(board);
     const auto addressed = [&](const std::vector<decode::Message>& messages) {
       std::vector<Message> out;
+      out.reserve(messages.size());
       for (const auto& message : messages)
         out.push_back({decode::addressed(message.id, message.board_shift, board), message.bytes});
       return out;

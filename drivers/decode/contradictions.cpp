@@ -76,6 +76,7 @@ class Finder {
   }
 
   void told_apart() {
+    if (packets_ == 0) return;
     for (std::size_t i = 0; i < profile_.scan.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         const PacketRule &a = profile_.scan[i], &b = profile_.scan[j];

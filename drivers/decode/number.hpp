@@ -25,7 +25,7 @@ inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
   }
   if (type.kind == NumberKind::real) return static_cast<double>(std::bit_cast<float>(raw));
   if (type.kind == NumberKind::natural) return raw;
-  const unsigned unused = 32U - 8U * type.bytes;
+  const unsigned unused = (32U - 8U * type.bytes) & 31U;      // 24, 16 or 0
   return static_cast<std::int32_t>(raw << unused) >> unused;  // C++20: arithmetic
 }
 
