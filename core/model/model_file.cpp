@@ -31,7 +31,7 @@ static_assert(std::endian::native == std::endian::little,
 template <typename T>
 json pack(const std::vector<T>& list) {
   std::vector<std::uint8_t> bytes(list.size() * sizeof(T));
-  std::memcpy(bytes.data(), list.data(), bytes.size());
+  if (!list.empty()) std::memcpy(bytes.data(), list.data(), bytes.size());
   return json::binary(std::move(bytes));
 }
 
@@ -40,7 +40,7 @@ std::vector<T> unpack(const json& from) {
   const auto& bytes = from.get_binary();
   if (bytes.size() % sizeof(T) != 0) throw ModelError("the model's lists are cut");
   std::vector<T> list(bytes.size() / sizeof(T));
-  std::memcpy(list.data(), bytes.data(), bytes.size());
+  if (!bytes.empty()) std::memcpy(list.data(), bytes.data(), bytes.size());
   return list;
 }
 

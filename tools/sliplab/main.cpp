@@ -4,7 +4,8 @@
 
 #include "tools/sliplab/command.hpp"
 
-int main(int argc, char** argv) {
+// What fails before the command line is read ends the program as it is.
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace sliplab;
   Common common;
   CLI::App app{"Contacts, models and accuracy, offline.", "sliplab"};

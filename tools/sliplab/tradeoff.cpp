@@ -27,7 +27,7 @@ namespace {
 
 using namespace slipd;
 
-constexpr double kHalfWidth_m = 0.008;
+constexpr double kHalfWidthMetres = 0.008;
 constexpr Range kFriction{0.1, 0.9};  // the paper's objects
 
 struct Case {
@@ -64,7 +64,7 @@ std::vector<Line> measure(std::size_t contacts, bool models, std::uint64_t seed)
   std::vector<Line> lines;
   for (const auto& on : kCases) {
     // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
-    const double pitch = on.side == 4 ? 0.0047 : 2 * kHalfWidth_m / static_cast<double>(on.side);
+    const double pitch = on.side == 4 ? 0.0047 : 2 * kHalfWidthMetres / static_cast<double>(on.side);
     const auto layout = TaxelLayout::grid(on.side, on.side, pitch);
     Scene scene;
     scene.objects = paper_objects();

@@ -1,6 +1,7 @@
 #include "tools/sliplab/paper/split.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/model/random.hpp"
@@ -19,7 +20,7 @@ std::vector<bool> pick(std::size_t count, std::uint64_t seed) {
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return draws.bits(a) < draws.bits(b); });
   std::vector<bool> trains(count, false);
-  const auto share = static_cast<std::size_t>(kTrainShare * static_cast<double>(count) + 0.5);
+  const auto share = static_cast<std::size_t>(std::llround(kTrainShare * static_cast<double>(count)));
   for (std::size_t i = 0; i < share; ++i) trains[order[i]] = true;
   return trains;
 }
