@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/contact/averages.hpp"
 #include "core/model/dataset.hpp"
 #include "core/model/random.hpp"
 
@@ -28,51 +27,12 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-// Frames of single contacts, with noise.
-class Frames {
- public:
-  Frames(const TaxelLayout& layout, NoiseKind kind, double noise)
-      : layout_(layout),
-        kind_(kind),
-        noise_(static_cast<float>(noise)),
-        p_(layout.size()),
-        q_(layout.size()),
-        x_(layout.size()),
-        y_(layout.size()) {}
-
-  Frame make(const contact::LoadHistory& contact, const ContactDraw& draw, double toward_rad,
-             const Draws& random) {
-    contact::taxel_averages(layout_, draw.x_m, draw.y_m, contact, p_, q_);
-    const float most_p = *std::max_element(p_.begin(), p_.end()),
-                most_q = *std::max_element(q_.begin(), q_.end());
-    const auto n = p_.size();
-    random.stream(0).add_noise(p_.data(), n, noise_ * most_p);
-    if (kind_ == NoiseKind::relative) random.stream(1).add_noise(q_.data(), n, noise_ * most_q);
-    const auto c = static_cast<float>(std::cos(toward_rad)), s = static_cast<float>(std::sin(toward_rad));
-    for (std::size_t i = 0; i < n; ++i) {
-      x_[i] = c * q_[i];
-      y_[i] = s * q_[i];
-    }
-    if (kind_ == NoiseKind::sensor) {
-      random.stream(1).add_noise(x_.data(), n, noise_ * most_p);
-      random.stream(2).add_noise(y_.data(), n, noise_ * most_p);
-    }
-    return {1, 1, p_, x_, y_};
-  }
-
- private:
-  const TaxelLayout& layout_;
-  NoiseKind kind_;
-  float noise_;
-  std::vector<float> p_, q_, x_, y_;
-};
-
 }  // namespace
 
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
                              NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed) {
   PatchFinder finder(layout);
-  Frames frames(layout, kind, noise);
+  TrialFrames frames(layout, kind, noise);
   std::vector<double> errors, times;
   TradeoffRow row;
   row.method = method.name();
@@ -84,7 +44,8 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
         contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
     contact.move_to(draw.normal_n, 0, draw.friction);
     contact.move_to(draw.normal_n, (1 - gamma) * draw.friction * draw.normal_n, draw.friction);
-    const Frame frame = frames.make(contact, draw, 2 * std::numbers::pi * random.uniform(1), random);
+    frames.feel(contact, draw.x_m, draw.y_m);
+    const Frame frame = frames.sense(2 * std::numbers::pi * random.uniform(1), random);
 
     const double start = thread_us();
     const ContactPatch& patch = finder.find(frame);

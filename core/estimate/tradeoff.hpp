@@ -11,12 +11,9 @@
 #include "core/estimate/chain.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/tradeoff_row.hpp"
+#include "core/estimate/trial_frames.hpp"
 
 namespace slipd {
-
-// The paper's noise (p on p, q on q, as fractions of each one's maximum) or what hardware does (of the
-// largest p on all three channels).
-enum class NoiseKind : std::uint8_t { relative, sensor };
 
 // Contacts drawn from the scene, Gamma uniform in (0, 1), loads rising, each frame for itself, exact taxel
 // averages. `noise`: the half-width as a fraction. The same seed draws the same contacts for every method.

@@ -86,4 +86,17 @@ TEST_F(Sliplab, PaperGivesTableJsonAndFigures) {
   }
 }
 
+TEST_F(Sliplab, HistoriesTellsWhatWasAnsweredAndDrawsAGrasp) {
+  const auto ran = run({"--json", "histories", "--grasps", "2", "--sides", "16", "--methods", "moments",
+                        "--out", folder_ / "histories"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto row = json::parse(ran.out)["rows"][0];
+  EXPECT_EQ(row["method"], "moments");
+  EXPECT_GT(row["all"]["answered"], 0.5);
+  EXPECT_LE(row["all"]["claims_safer"], 1.0);
+  for (const char* name : {"histories.csv", "histories.svg", "grasp-moments-16.csv"})
+    EXPECT_GT(fs::file_size(folder_ / "histories" / name), 500U) << name;
+  EXPECT_EQ(run({"histories", "--methods", "guess"}).exit_code, 2);
+}
+
 }  // namespace

@@ -1,0 +1,108 @@
+// Random grasps and what is counted of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/contact/scene.hpp"
+#include "tools/sliplab/histories/drive.hpp"
+
+namespace sliplab {
+namespace {
+
+using slipd::Estimate;
+using slipd::State;
+
+slipd::Scene scene() {
+  slipd::Scene made;
+  made.objects = slipd::paper_objects();
+  made.offset_m = 0.002;
+  made.noise = 0.01;
+  return made;
+}
+
+Estimate told(double gamma, double sigma) {
+  Estimate out;
+  out.state = State::ok;
+  out.gamma = gamma;
+  out.sigma = sigma;
+  return out;
+}
+
+TEST(Grasp, StaysWithinWhatIsExpectedAndDoesEverythingSomeday) {
+  std::set<Move> seen;
+  for (std::size_t i = 0; i < 200; ++i) {
+    const Grasp grasp = draw_grasp(scene(), 1, i);
+    ASSERT_EQ(grasp.pieces.size(), 10U);
+    EXPECT_EQ(grasp.pieces[0].move, Move::grip);
+    EXPECT_EQ(grasp.pieces[1].move, Move::load);
+    for (const auto& piece : grasp.pieces) {
+      seen.insert(piece.move);
+      EXPECT_GE(piece.normal_n, 1);
+      EXPECT_LE(piece.normal_n, 5);
+      EXPECT_GE(piece.friction, 0.1);
+      EXPECT_LE(piece.friction, 0.9);
+      EXPECT_GE(piece.seconds, 0.04);
+      EXPECT_LE(piece.seconds, 0.4);
+    }
+  }
+  EXPECT_EQ(seen.size(), kMoves);
+}
+
+TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
+  const Grasp once = draw_grasp(scene(), 3, 7), again = draw_grasp(scene(), 3, 7),
+              other = draw_grasp(scene(), 3, 8);
+  EXPECT_EQ(once.toward_rad, again.toward_rad);
+  EXPECT_EQ(once.pieces.back().shear_n, again.pieces.back().shear_n);
+  EXPECT_NE(once.toward_rad, other.toward_rad);
+}
+
+TEST(Tally, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
+  Tally tally;
+  tally.add(told(0.5, 0.1), 0.5);
+  tally.add(told(0.75, 0.1), 0.5);
+  tally.add(told(0.1, 0.3), 0.5);
+  tally.add(Estimate{}, 0.5);
+  EXPECT_EQ(tally.frames(), 4);
+  EXPECT_DOUBLE_EQ(tally.answered(), 0.75);
+  EXPECT_DOUBLE_EQ(tally.over(), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(tally.under(), 1.0 / 3);
+  EXPECT_NEAR(tally.mean_error(), (0.25 + 0.4) / 3, 1e-12);
+  EXPECT_DOUBLE_EQ(tally.within(1), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(tally.within(2), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(tally.in_state(State::stale), 0.25);
+}
+
+TEST(Tally, NothingAnsweredIsNoErrorAtAll) {
+  Tally tally;
+  tally.add(Estimate{}, 0.5);
+  EXPECT_TRUE(std::isnan(tally.mean_error()));
+  EXPECT_EQ(tally.answered(), 0);
+}
+
+TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
+  slipd::ChainSetup setup{.layout = slipd::TaxelLayout::grid(16, 16, 0.001),
+                          .scene = scene(),
+                          .estimator = {},
+                          .alerts = {},
+                          .friction = {}};
+  setup.estimator.method = slipd::MethodChoice::moments;
+  slipd::EstimatorChain chain(setup, nullptr);
+  const Grasp grasp = draw_grasp(setup.scene, 5, 0);
+  double frames = 0;
+  const auto tallies =
+      drive(grasp, setup.layout, setup.scene.skin, {}, slipd::Draws(1), chain, [&](const Moment& at) {
+        ++frames;
+        EXPECT_LE(std::fabs(at.shear_n), at.truth.friction * at.normal_n * (1 + 1e-9));
+        EXPECT_NEAR(at.truth.gamma, 1 - std::fabs(at.shear_n) / (at.truth.friction * at.normal_n), 1e-9);
+      });
+  double tallied = 0;
+  for (const auto& tally : tallies) tallied += tally.frames();
+  EXPECT_EQ(frames, tallied);
+  const auto& load = tallies[static_cast<std::size_t>(Move::load)];
+  EXPECT_GT(load.answered(), 0.5);
+  EXPECT_LT(load.mean_error(), 0.1);
+}
+
+}  // namespace
+}  // namespace sliplab

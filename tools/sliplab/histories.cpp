@@ -1,0 +1,245 @@
+// `sliplab histories`: the whole chain over random grasps (regrip, unloading, reversal, slip, friction that
+// changes), frame by frame against the truth. What no single frame shows: whether what is remembered is
+// right.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/estimate/model_setup.hpp"
+#include "core/model/train.hpp"
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/gnuplot.hpp"
+#include "tools/sliplab/histories/drive.hpp"
+#include "tools/sliplab/parallel.hpp"
+#include "tools/sliplab/progress.hpp"
+
+namespace sliplab {
+namespace {
+
+using namespace slipd;
+
+struct Options {
+  std::size_t grasps = 100;
+  std::vector<std::size_t> sides{100, 16};
+  std::vector<std::string> methods{"moments", "fit"};
+  std::string noise_kind = "sensor";
+  Sensing sensing;
+  unsigned threads = 2;
+};
+
+const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automatic},
+                                                   {"svd-knn", MethodChoice::svd_knn},
+                                                   {"registered", MethodChoice::registered},
+                                                   {"moments", MethodChoice::moments},
+                                                   {"fit", MethodChoice::fit}};
+
+struct Line {
+  std::size_t side = 0;
+  std::string method;
+  Tally all;
+  ByMove by_move;
+};
+
+ChainSetup setup_of(std::size_t side, const std::string& method, double noise) {
+  // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
+  const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
+  ChainSetup setup{.layout = TaxelLayout::grid(side, side, pitch_m),
+                   .scene = {},
+                   .estimator = {},
+                   .alerts = {},
+                   .friction = {}};
+  setup.scene.objects = paper_objects();
+  setup.scene.offset_m = 0.002;
+  setup.scene.noise = noise;
+  setup.estimator.method = kMethods.at(method);
+  return setup;
+}
+
+Line measure(std::size_t side, const std::string& method, const Options& options, std::uint64_t seed,
+             std::string& trace) {
+  const ChainSetup setup = setup_of(side, method, options.sensing.noise);
+  std::shared_ptr<const Model> model;
+  if (needs_model(setup))
+    model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
+  const std::string title = std::to_string(side) + "x" + std::to_string(side) + " " + method;
+  ProgressBar bar(title);
+  std::vector<ByMove> grasps(options.grasps);
+  std::ostringstream traced;
+  traced << "time_s,move,normal_n,shear_n,truth,gamma,sigma,state\n";
+  for_each_index(
+      options.grasps, options.threads,
+      [&](std::size_t i) {
+        EstimatorChain chain(setup, model);
+        const auto watch = [&](const Moment& at) {
+          traced << at.time_s << ',' << name_of(at.move) << ',' << at.normal_n << ',' << at.shear_n << ','
+                 << at.truth.gamma << ',' << at.estimate.gamma.value_or(kUnknown) << ','
+                 << at.estimate.sigma.value_or(kUnknown) << ',' << to_string(at.estimate.state) << '\n';
+        };
+        grasps[i] =
+            drive(draw_grasp(setup.scene, seed, i), setup.layout, setup.scene.skin, options.sensing,
+                  Draws(seed).stream(i), chain, i == 0 ? watch : std::function<void(const Moment&)>{});
+      },
+      [&](double share) { bar.show(share, "grasps"); });
+  Line line{side, method, {}, {}};
+  for (const auto& grasp : grasps) {
+    for (std::size_t move = 0; move < kMoves; ++move) {
+      line.by_move[move].add(grasp[move]);
+      line.all.add(grasp[move]);
+    }
+  }
+  trace = traced.str();
+  return line;
+}
+
+void print_row(const std::string& what, const Tally& tally) {
+  std::printf("  %-12s %8.0f   %5.1f %%   %.4f   %5.1f %%  %6.2f %%  %6.2f %%  %5.1f %%  %5.1f %%  %.2f\n",
+              what.c_str(), tally.frames(), 100 * tally.answered(), tally.mean_error(), 100 * tally.right(),
+              100 * tally.over(), 100 * tally.under(), 100 * tally.within(1), 100 * tally.within(2),
+              tally.worst());
+}
+
+void print_table(const std::vector<Line>& lines, const Options& options) {
+  std::printf(
+      "Random grasps, %zu of each kind: contacts as the paper's, up to 2 mm off the middle of a +-8 mm pad, "
+      "gripped, loaded, then\neight moves drawn at random; a frame each %g ms; noise %g %% (%s). Safer, less "
+      "safe: answers off by more than %g.\n\n"
+      "  during         frames  answered  mean err   right    safer   less safe  1 sigma  2 sigma  worst\n",
+      options.grasps, 1e3 * options.sensing.frame_s, 100 * options.sensing.noise, options.noise_kind.c_str(),
+      kClaim);
+  for (const auto& line : lines) {
+    std::printf("%zu x %zu, %s\n", line.side, line.side, line.method.c_str());
+    print_row("everything", line.all);
+    for (std::size_t move = 0; move < kMoves; ++move)
+      print_row(std::string(name_of(static_cast<Move>(move))), line.by_move[move]);
+  }
+}
+
+nlohmann::ordered_json as_json(const Tally& tally) {
+  nlohmann::ordered_json states = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < Tally::kStates; ++i) {
+    const auto state = static_cast<State>(i);
+    if (tally.in_state(state) > 0) states[std::string(to_string(state))] = tally.in_state(state);
+  }
+  return {{"frames", tally.frames()},
+          {"answered", tally.answered()},
+          {"mean_error", tally.mean_error()},
+          {"worst_error", tally.worst()},
+          {"class_right", tally.right()},
+          {"claims_safer", tally.over()},
+          {"claims_less_safe", tally.under()},
+          {"within_sigma", tally.within(1)},
+          {"within_two_sigma", tally.within(2)},
+          {"states", std::move(states)}};
+}
+
+nlohmann::ordered_json as_json(const std::vector<Line>& lines, const Options& options) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& line : lines) {
+    nlohmann::ordered_json row{{"columns", line.side}, {"method", line.method}, {"all", as_json(line.all)}};
+    for (std::size_t move = 0; move < kMoves; ++move)
+      row["during"][std::string(name_of(static_cast<Move>(move)))] = as_json(line.by_move[move]);
+    rows.push_back(std::move(row));
+  }
+  return {{"grasps", options.grasps},
+          {"noise_kind", options.noise_kind},
+          {"noise", options.sensing.noise},
+          {"frame_ms", 1e3 * options.sensing.frame_s},
+          {"rows", std::move(rows)}};
+}
+
+void write_table(const std::vector<Line>& lines, const std::filesystem::path& folder) {
+  std::ostringstream csv;
+  csv << "columns,method,during,frames,answered,mean_error,worst_error,class_right,claims_safer,"
+         "claims_less_safe,within_sigma,within_two_sigma\n";
+  for (const auto& line : lines) {
+    const auto row = [&](std::string_view during, const Tally& t) {
+      csv << line.side << ',' << line.method << ',' << during << ',' << t.frames() << ',' << t.answered()
+          << ',' << t.mean_error() << ',' << t.worst() << ',' << t.right() << ',' << t.over() << ','
+          << t.under() << ',' << t.within(1) << ',' << t.within(2) << '\n';
+    };
+    row("everything", line.all);
+    for (std::size_t move = 0; move < kMoves; ++move)
+      row(name_of(static_cast<Move>(move)), line.by_move[move]);
+  }
+  write_file(folder / "histories.csv", csv.str());
+}
+
+// The first grasp of each line, one below the other.
+void plot_traces(const std::filesystem::path& folder, const std::vector<Line>& lines) {
+  std::ostringstream script;
+  script << "set terminal svg size 900," << 60 + 220 * lines.size()
+         << " font 'sans,12' background 'white'\nset output 'histories.svg'\nset datafile separator ','\n"
+            "set multiplot layout "
+         << lines.size() << ",1\nset yrange [-0.05:1.05]\nset ylabel 'safety margin'\nset grid\n"
+         << "set style fill transparent solid 0.25 noborder\nset key outside right top\n";
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i + 1 == lines.size()) script << "set xlabel 'time, s'\n";
+    const std::string name = lines[i].method + "-" + std::to_string(lines[i].side);
+    script << "set title '" << lines[i].side << " x " << lines[i].side << ", " << lines[i].method
+           << "'\nplot 'grasp-" << name
+           << ".csv' using 1:($6-2*$7):($6+2*$7) with filledcurves lc rgb '#4a90d9' title '2 sigma', "
+              "'' using 1:6 with lines lc rgb '#1f4e8c' lw 1.5 title 'told', "
+              "'' using 1:5 with lines lc rgb 'black' dt 2 title 'true'\n";
+  }
+  script << "unset multiplot\n";
+  plot(folder, "histories", script.str());
+}
+
+void run(const Common& common, Options options) {
+  options.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
+  if (!common.out.empty()) std::filesystem::create_directories(common.out);
+  std::vector<Line> lines;
+  for (const std::size_t side : options.sides) {
+    for (const auto& method : options.methods) {
+      std::string trace;
+      lines.push_back(measure(side, method, options, common.seed, trace));
+      if (!common.out.empty())
+        write_file(common.out / ("grasp-" + method + "-" + std::to_string(side) + ".csv"), trace);
+    }
+  }
+  if (common.json) {
+    std::cout << as_json(lines, options).dump(2) << '\n';
+  } else {
+    print_table(lines, options);
+  }
+  if (common.out.empty()) return;
+  write_table(lines, common.out);
+  plot_traces(common.out, lines);
+}
+
+}  // namespace
+
+void add_histories(CLI::App& app, const Common& common) {
+  auto* command = app.add_subcommand("histories", "the whole chain over random grasps, against the truth");
+  auto options = std::make_shared<Options>();
+  command->add_option("--grasps", options->grasps, "of each layout and method")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--sides", options->sides, "taxels along each side of the pad")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 200))
+      ->capture_default_str();
+  command->add_option("--methods", options->methods, "auto, moments, fit, registered, svd-knn")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kMethods))
+      ->capture_default_str();
+  command->add_option("--noise", options->sensing.noise, "half-width, a fraction")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+      ->check(CLI::IsMember({"sensor", "relative"}))
+      ->capture_default_str();
+  command->add_option("--frame-s", options->sensing.frame_s, "time between frames")
+      ->check(CLI::Range(1e-4, 0.1))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->callback([&common, options] { run(common, *options); });
+}
+
+}  // namespace sliplab

@@ -1,0 +1,39 @@
+#include "tools/sliplab/histories/drive.hpp"
+
+#include <cmath>
+
+#include "core/contact/history.hpp"
+
+namespace sliplab {
+
+ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
+             const Sensing& sensing, const slipd::Draws& noise, slipd::EstimatorChain& chain,
+             const std::function<void(const Moment&)>& watch) {
+  using namespace slipd;
+  const auto& object = grasp.contact;
+  contact::LoadHistory contact(
+      contact::make_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
+  TrialFrames frames(layout, sensing.kind, sensing.noise);
+  ByMove tallies;
+  std::uint64_t sequence = 0;
+  for (const Piece& piece : grasp.pieces) {
+    const double normal_n = contact.normal_n(), shear_n = contact.shear_n();
+    const auto steps = static_cast<int>(std::ceil(piece.seconds / sensing.frame_s));
+    for (int step = 1; step <= steps; ++step) {
+      const double part = static_cast<double>(step) / steps;
+      contact.move_to(normal_n + part * (piece.normal_n - normal_n),
+                      shear_n + part * (piece.shear_n - shear_n), piece.friction);
+      frames.feel(contact, object.x_m, object.y_m);
+      ++sequence;
+      const double time_s = static_cast<double>(sequence) * sensing.frame_s;
+      const Estimate estimate = chain.estimate(frames.sense(
+          grasp.toward_rad, noise.stream(sequence), sequence, static_cast<std::int64_t>(1e9 * time_s)));
+      const Truth truth{contact.safety_margin(), contact.friction()};
+      tallies[static_cast<std::size_t>(piece.move)].add(estimate, truth.gamma);
+      if (watch) watch({time_s, piece.move, contact.normal_n(), contact.shear_n(), truth, estimate});
+    }
+  }
+  return tallies;
+}
+
+}  // namespace sliplab

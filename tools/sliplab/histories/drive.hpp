@@ -1,0 +1,34 @@
+// A grasp in frame time: contact with its memory → taxels → noise → the whole estimator chain → tallies.
+#pragma once
+
+#include <array>
+#include <functional>
+
+#include "core/estimate/chain.hpp"
+#include "core/estimate/trial_frames.hpp"
+#include "tools/sliplab/histories/grasp.hpp"
+#include "tools/sliplab/histories/tally.hpp"
+
+namespace sliplab {
+
+struct Sensing {
+  slipd::NoiseKind kind = slipd::NoiseKind::sensor;
+  double noise = 0.01;  // half-width, a fraction of the frame's largest pressure
+  double frame_s = 0.005;
+};
+
+struct Moment {
+  double time_s;
+  Move move;
+  double normal_n, shear_n;  // N, shear signed
+  slipd::Truth truth;
+  slipd::Estimate estimate;
+};
+using ByMove = std::array<Tally, kMoves>;
+
+// `chain` is new. `watch` may be empty; it sees every frame of contact.
+ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
+             const Sensing& sensing, const slipd::Draws& noise, slipd::EstimatorChain& chain,
+             const std::function<void(const Moment&)>& watch = {});
+
+}  // namespace sliplab
