@@ -90,7 +90,7 @@ Line measure(std::size_t side, const std::string& method, const Options& options
   for (const auto& grasp : grasps) {
     for (std::size_t move = 0; move < kMoves; ++move) {
       line.by_move[move].add(grasp[move]);
-      line.all.add(grasp[move]);
+      if (move != static_cast<std::size_t>(Move::unseen)) line.all.add(grasp[move]);
     }
   }
   trace = traced.str();

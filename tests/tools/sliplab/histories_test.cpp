@@ -33,9 +33,10 @@ TEST(Grasp, StaysWithinWhatIsExpectedAndDoesEverythingSomeday) {
   std::set<Move> seen;
   for (std::size_t i = 0; i < 200; ++i) {
     const Grasp grasp = draw_grasp(scene(), 1, i);
-    ASSERT_EQ(grasp.pieces.size(), 10U);
+    ASSERT_EQ(grasp.pieces.size(), 11U);
     EXPECT_EQ(grasp.pieces[0].move, Move::grip);
     EXPECT_EQ(grasp.pieces[1].move, Move::load);
+    EXPECT_EQ(grasp.pieces.back().move, Move::unseen);
     for (const auto& piece : grasp.pieces) {
       seen.insert(piece.move);
       EXPECT_GE(piece.normal_n, 1);

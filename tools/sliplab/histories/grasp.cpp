@@ -57,7 +57,10 @@ Piece next(Move move, const Piece& from, const Draws& u, Range normal_n, Range f
       to.friction = std::max(friction.low, from.friction * (0.6 + 0.3 * part));
       break;
     case Move::rises:
+    case Move::unseen:
       to.friction = std::min(friction.high, from.friction * (1.1 + 0.4 * part));
+      if (move == Move::rises)
+        to.shear_n += sign * u.uniform(2) * (to.friction * from.normal_n - sign * from.shear_n);
       break;
     case Move::grip:
     case Move::hold:
@@ -84,10 +87,14 @@ Grasp draw_grasp(const slipd::Scene& scene, std::uint64_t seed, std::size_t inde
   const Draws random = Draws(seed ^ 0x6772617370ULL).stream(index);
   Grasp grasp{slipd::draw_contact(scene, seed, index), 2 * std::numbers::pi * random.uniform(0), {}};
   Piece last{Move::grip, grasp.contact.normal_n, 0, grasp.contact.friction, 0};
-  for (std::size_t i = 0; i < moves + 2; ++i) {
+  const std::size_t pieces = moves + 3;
+  for (std::size_t i = 0; i < pieces; ++i) {
     const Draws u = random.stream(i);
-    const auto drawn = kDrawn[static_cast<std::size_t>(u.uniform(3) * kDrawn.size())];
-    last = next(i == 0 ? Move::grip : i == 1 ? Move::load : drawn, last, u, normal_n, friction);
+    Move move = kDrawn[static_cast<std::size_t>(u.uniform(3) * kDrawn.size())];
+    if (i == 0) move = Move::grip;
+    if (i == 1) move = Move::load;
+    if (i + 1 == pieces) move = Move::unseen;
+    last = next(move, last, u, normal_n, friction);
     grasp.pieces.push_back(last);
     // What friction did not hold slid away.
     const double most = last.friction * last.normal_n;

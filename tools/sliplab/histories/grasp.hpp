@@ -22,10 +22,11 @@ enum class Move : std::uint8_t {
   loosen,    // P down at constant Q
   together,  // P and Q up, the increment stuck
   falls,     // friction falls at once, then held
-  rises,     // friction rises at once, then held
-  hold       // nothing moves
+  rises,     // friction rises at once, then loaded on
+  hold,      // nothing moves
+  unseen     // friction rises under a held object, which no sensor feels; the last, counted apart
 };
-inline constexpr std::size_t kMoves = 11;
+inline constexpr std::size_t kMoves = 12;
 std::string_view name_of(Move move) noexcept;
 
 struct Piece {
@@ -42,7 +43,7 @@ struct Grasp {
 };
 
 // Grip, load, and `moves` more that are drawn: load 3, tighten and unload 2, all others 1 in 14, each lasting
-// 40 to 400 ms. Normal force and friction stay within what the contact's family expects.
+// 40 to 400 ms; at last `unseen`. Normal force and friction stay within what the contact's family expects.
 Grasp draw_grasp(const slipd::Scene& scene, std::uint64_t seed, std::size_t index, std::size_t moves = 8);
 
 }  // namespace sliplab
