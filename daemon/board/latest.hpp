@@ -2,7 +2,8 @@
 // turn.
 //
 // The writer always fills the copy that readers are not sent to, so it never waits, and a reader never waits
-// for a writer that was preempted half-way; it only looks again if two whole writes happened while it copied.
+// for a writer that was preempted half-way; it only looks again if a whole write ended while it copied. What
+// it took is published by then: nobody sees a value, and then the one before it.
 #pragma once
 
 #include <array>
@@ -42,12 +43,17 @@ class Latest {
   T load() const noexcept {
     std::array<std::uint64_t, kWords> words{};
     for (;;) {
-      const Copy& copy = copies_[current_.load(std::memory_order_acquire)];
+      const std::uint32_t index = current_.load(std::memory_order_acquire);
+      const Copy& copy = copies_[index];
       const std::uint64_t before = copy.version.load(std::memory_order_acquire);
       // Acquire, each word: keeps the load of `after` behind it, and pairs with the release in store.
       for (std::size_t i = 0; i < kWords; ++i) words[i] = copy.words[i].load(std::memory_order_acquire);
       const std::uint64_t after = copy.version.load(std::memory_order_relaxed);
-      if (before == after && (before & 1) == 0) break;
+      // A reader that was away may find a copy filled anew but not yet pointed at. Having seen its words it
+      // also sees that current_ points to the other copy: equal here means that these words are the published
+      // ones.
+      const bool published = current_.load(std::memory_order_relaxed) == index;
+      if (before == after && (before & 1) == 0 && published) break;
     }
     T value;
     std::memcpy(static_cast<void*>(&value), words.data(), sizeof(T));
