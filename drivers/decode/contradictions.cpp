@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/decode/profile_parts.hpp"
+#include "drivers/decode/pts2.hpp"
 
 namespace slipd::decode {
 namespace {
@@ -9,6 +10,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kCanFdBytes = 64;
+constexpr std::size_t kReportBytes = 255;
 constexpr std::size_t kMostRegisters = 125;  // of one Modbus request
 constexpr std::size_t kMostPackets = 4096;   // of one scan
 
@@ -31,8 +33,9 @@ class Finder {
     told_apart();
     if (problems_.empty()) every_taxel_once();
     if (profile_.driver == "modbus") registers();
-    if (profile_.driver == "hid" && !profile_.hid)
-      problems_.push_back({"/hid", "", "is missing; the driver needs it"});
+    if ((profile_.driver == "hid" && !profile_.hid) || (profile_.driver == "usb" && !profile_.usb))
+      problems_.push_back({"/" + profile_.driver, "", "is missing; the driver needs it"});
+    stream();
   }
 
  private:
@@ -50,6 +53,12 @@ class Finder {
   void packet(const PacketRule& rule, const std::string& at) {
     if (profile_.driver == "can" && rule.length > kCanFdBytes)
       add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
+    if (profile_.driver == "hid" && rule.length > kReportBytes)
+      add(at + "/length", rule.length, "is more than a report holds; expected up to 255 bytes");
+    for (const auto& number : {rule.clock, rule.counter}) {
+      if (number && number->offset + number->bytes > rule.length)
+        add(at, number->offset, "is where a clock or counter stands, which reaches behind the packet's end");
+    }
     if (profile_.key_offset && *profile_.key_offset >= rule.length)
       add("/scan/key_offset", *profile_.key_offset, "lies behind the end of " + at);
     if (rule.match.mask != 0 && rule.match.offset >= rule.length)
@@ -73,6 +82,38 @@ class Finder {
         }
       }
     }
+  }
+
+  // What frames of a stream are cut into must be what the packets are.
+  void stream() {
+    if (!profile_.stream) return;
+    const Stream& rule = *profile_.stream;
+    const json& in = in_["stream"];
+    if (profile_.driver != "usb") add("/stream", in, "is for driver usb; others bring packets");
+    if (rule.begin.empty())
+      add("/stream/begin", in["begin"], "is empty; nothing would say where frames begin");
+    if (rule.length_byte.plus != 0 && rule.length_byte.offset >= rule.longest)
+      add("/stream/length_byte/offset", rule.length_byte.offset, "lies behind the longest frame's end");
+    if (rule.pts2 && !rule.records.empty()) add("/stream/records", in["records"], "cannot be inside pts2");
+    for (std::size_t i = 0; i < packets_; ++i) {
+      const PacketRule& packet = profile_.scan[i];
+      const std::size_t wanted = cut_size(rule, packet);
+      if (wanted == 0 || wanted == packet.length) continue;
+      add(pointer_to("/scan/packets", i) + "/length", packet.length,
+          wanted == kNone ? "is of a packet that is no record: none has its id for a tag"
+                          : "is not what the stream brings: " + std::to_string(wanted) + " bytes");
+    }
+  }
+
+  static constexpr std::size_t kNone = SIZE_MAX;
+
+  // Of the packet as it comes out of the stream; 0: any, kNone: there is no such packet.
+  std::size_t cut_size(const Stream& rule, const PacketRule& packet) const {
+    if (rule.pts2) return kPts2Head + profile_.sensors * profile_.layout.size() * kPts2Pillar;
+    if (rule.records.empty()) return rule.length;
+    for (const Record& record : rule.records)
+      if ((packet.id & record.mask) == record.tag) return record.bytes;
+    return kNone;
   }
 
   void told_apart() {

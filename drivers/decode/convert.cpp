@@ -25,8 +25,13 @@ std::optional<unsigned> shift_of(const json& in) {
 
 std::vector<Message> messages(const json& list) {
   std::vector<Message> out;
-  for (const json& in : list)
+  for (const json& in : list) {
     out.push_back({id_of(in["id"]), shift_of(in), in["bytes"].get<std::vector<std::uint8_t>>()});
+    if (!in.contains("control")) continue;
+    const json& control = in["control"];
+    out.back().control = UsbControl{control["type"], control["request"], control["value"], control["index"],
+                                    control["length"]};
+  }
   return out;
 }
 
@@ -36,6 +41,11 @@ NumberType type_of(const std::string& name) {  // u8, i16be …
   type.bytes = static_cast<std::uint8_t>(std::stoul(name.substr(1)) / 8);
   type.big_endian = name.ends_with("be");
   return type;
+}
+
+RoundNumber round_number(const json& in) {
+  const NumberType type = type_of(in["type"]);
+  return {in["offset"], type.bytes, type.big_endian, in.value("unit_us", 1.0) * 1e3};
 }
 
 SensorClass class_of(const std::string& name) {
@@ -90,6 +100,52 @@ std::optional<Axis> axis_of(const json& axes, char device_axis) {
   return std::nullopt;
 }
 
+HidMatch device_of(const json& in) {
+  return {static_cast<std::uint16_t>(id_of(in["vendor"])), static_cast<std::uint16_t>(id_of(in["product"]))};
+}
+
+UsbMatch usb_of(const json& in) {
+  UsbMatch out;
+  for (const json& device : in["devices"]) out.devices.push_back(device_of(device));
+  out.interface = in["interface"];
+  out.in = static_cast<std::uint8_t>(id_of(in["in"]));
+  out.out = static_cast<std::uint8_t>(id_of(in["out"]));
+  if (in.contains("serial_port")) {
+    out.cdc_interface = in["serial_port"]["interface"].get<int>();
+    out.baud = in["serial_port"]["baud"];
+  }
+  return out;
+}
+
+Checksum checksum_of(const json& in) {
+  const auto kind = in["kind"].get<std::string>();
+  return {kind == "sum16le"   ? Sum::sum16le
+          : kind == "sum16be" ? Sum::sum16be
+                              : Sum::crc8,
+          in["at"], in["from"], in["to"]};
+}
+
+Stream stream_of(const json& in, std::vector<Problem>& problems) {
+  Stream out;
+  out.begin = in["begin"].get<std::vector<std::uint8_t>>();
+  out.end = in["end"].get<std::vector<std::uint8_t>>();
+  out.longest = in["longest"];
+  if (in.contains("length")) out.length = out.longest = in["length"];
+  if (in.contains("length_byte")) out.length_byte = {in["length_byte"]["offset"], in["length_byte"]["plus"]};
+  if (in.contains("length") + in.contains("length_byte") > 1 ||
+      (in.contains("length") + in.contains("length_byte") == 0 && out.end.empty())) {
+    problems.push_back(problem_of("/stream", in, "expected length, or length_byte, or an end marker"));
+  }
+  if (in.contains("checksum")) out.checksum = checksum_of(in["checksum"]);
+  out.pts2 = in["inside"] == "pts2";
+  if (in.contains("records")) {
+    out.records_from = in["records"]["from"];
+    for (const json& record : in["records"]["kinds"])
+      out.records.push_back({record["tag"], record["mask"], record["bytes"]});
+  }
+  return out;
+}
+
 class ScanConverter {
  public:
   ScanConverter(const json& in, const Profile& profile, std::vector<Problem>& problems)
@@ -109,6 +165,8 @@ class ScanConverter {
           const json& match = packet["match"];
           rule.match = {match["offset"], match["mask"], match["value"]};
         }
+        if (packet.contains("clock")) rule.clock = round_number(packet["clock"]);
+        if (packet.contains("counter")) rule.counter = round_number(packet["counter"]);
         for (std::size_t j = 0; j < packet["fields"].size(); ++j) {
           fields(packet["fields"][j], turn * scan["taxels_each"].get<std::size_t>(),
                  pointer_to(pointer_to("/scan/packets", i) + "/fields", j), turn == 0, rule.fields);
@@ -169,10 +227,9 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   out.stop = messages(in["stop"]);
   out.keep_alive_ns = in["keep_alive_ms"].get<std::int64_t>() * 1'000'000;
   if (in["scan"].contains("key_offset")) out.key_offset = in["scan"]["key_offset"].get<std::size_t>();
-  if (in.contains("hid")) {
-    out.hid = HidMatch{static_cast<std::uint16_t>(id_of(in["hid"]["vendor"])),
-                       static_cast<std::uint16_t>(id_of(in["hid"]["product"]))};
-  }
+  if (in.contains("hid")) out.hid = device_of(in["hid"]);
+  if (in.contains("stream")) out.stream = stream_of(in["stream"], problems);
+  if (in.contains("usb")) out.usb = usb_of(in["usb"]);
   if (in.contains("modbus")) {
     const json& map = in["modbus"];
     const auto parity = map["parity"].get<std::string>();

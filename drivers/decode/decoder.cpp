@@ -39,6 +39,57 @@ void Decoder::drop() noexcept {
   ++sequence_;
 }
 
+void Decoder::spoil() noexcept {
+  if (next_ == 0 && rules_.size() == 1) ++sequence_;
+  drop();
+}
+
+void Decoder::reset() noexcept {
+  next_ = 0;
+  clock_ = counter_ = {};
+  clock_ns_ = 0;
+}
+
+void Decoder::Round::read(const std::optional<RoundNumber>& of_packet,
+                          std::span<const std::uint8_t> bytes) noexcept {
+  if (!of_packet) return;
+  rule = of_packet;
+  now = read_bits(bytes.data() + rule->offset, rule->bytes, rule->big_endian);
+}
+
+std::optional<std::uint64_t> Decoder::Round::step() noexcept {
+  const bool first = !last;
+  const unsigned bits = 8U * rule->bytes;
+  const std::uint64_t moved = (now - last.value_or(now)) & (~std::uint64_t{0} >> (64U - bits));
+  last = now;
+  if (first || moved >> (bits - 1) != 0) return std::nullopt;
+  return moved;
+}
+
+// The sequence follows the device's count of scans. One that comes twice is dropped. So is one whose count
+// goes back: it was overtaken, or the device began anew; those after it are counted from there. False: drop.
+bool Decoder::follow_counter() noexcept {
+  if (!counter_.rule) return true;
+  const bool first = !counter_.last;
+  const std::optional<std::uint64_t> step = counter_.step();
+  if (first) return true;
+  if (step.value_or(0) == 0) {
+    ++counts_.repeated;
+    return false;
+  }
+  sequence_ = told_ + *step;
+  return true;
+}
+
+std::int64_t Decoder::device_time_ns() noexcept {
+  if (!clock_.rule) return -1;
+  const std::optional<std::uint64_t> step = clock_.step();
+  const double unit_ns = clock_.rule->unit_ns;
+  clock_ns_ =
+      step ? clock_ns_ + static_cast<double>(*step) * unit_ns : static_cast<double>(clock_.now) * unit_ns;
+  return clock_ns_ < 9e18 ? static_cast<std::int64_t>(clock_ns_) : -1;
+}
+
 bool Decoder::fill(const PacketRule& rule, std::span<const std::uint8_t> bytes, FrameSlot& slot) noexcept {
   for (const Field& field : rule.fields) {
     const double raw = read_number(bytes.data() + field.offset, field.type);
@@ -81,15 +132,19 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
     begun_ns_ = time_ns;
     if (key_offset_) key_ = bytes[*key_offset_];
   }
+  clock_.read(rule.clock, bytes);
+  counter_.read(rule.counter, bytes);
   if (++next_ < rules_.size()) return lost ? Outcome::dropped : Outcome::partial;
   next_ = 0;
+  if (!follow_counter()) return Outcome::dropped;
   if (sensor_class_ == SensorClass::normal) {
     std::fill(slot.shear_x_pa.begin(), slot.shear_x_pa.end(), 0.0F);
     std::fill(slot.shear_y_pa.begin(), slot.shear_y_pa.end(), 0.0F);
   }
-  slot.sequence = sequence_++;
+  told_ = sequence_++;
+  slot.sequence = told_;
   slot.time_ns = begun_ns_;
-  slot.device_time_ns = -1;
+  slot.device_time_ns = device_time_ns();
   slot.truth = {};
   return Outcome::frame;
 }

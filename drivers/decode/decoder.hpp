@@ -4,7 +4,7 @@
 // Most devices number neither their packets nor their scans, so only order and time tell which packets belong
 // together: a scan begins with its first packet and must go on in the profile's order within its time-out.
 // Anything else (a packet lost, twice, too early, of the wrong length) drops the whole scan, which then is
-// missing from the sequence.
+// missing from the sequence. Where the device counts its scans, the sequence follows that count.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,7 @@ struct Counts {
   std::uint64_t malformed = 0;   // packets of a wrong length or without meaning
   std::uint64_t incomplete = 0;  // scans that were begun and dropped
   std::uint64_t stray = 0;       // packets that continued no scan
+  std::uint64_t repeated = 0;    // scans that the device's counter says were there already, or come too late
 };
 
 class Decoder {
@@ -39,7 +40,10 @@ class Decoder {
   Outcome take(std::uint32_t id, std::span<const std::uint8_t> bytes, std::int64_t time_ns,
                FrameSlot& slot) noexcept;
 
-  void reset() noexcept { next_ = 0; }  // forgets a scan begun, after the device was opened anew
+  // A packet was lost on the way, nobody knows of which scan: the one begun, or the one that it was.
+  void spoil() noexcept;
+
+  void reset() noexcept;  // forgets a scan begun, after the device was opened anew
   const Counts& counts() const noexcept { return counts_; }
   const std::vector<PacketRule>& rules() const noexcept { return rules_; }  // with the board in the ids
 
@@ -47,6 +51,8 @@ class Decoder {
   bool matches(const PacketRule& rule, std::uint32_t id, std::span<const std::uint8_t> bytes) const noexcept;
   bool of_another_scan(std::span<const std::uint8_t> bytes) const noexcept;
   void drop() noexcept;
+  bool follow_counter() noexcept;
+  std::int64_t device_time_ns() noexcept;
   static bool fill(const PacketRule& rule, std::span<const std::uint8_t> bytes, FrameSlot& slot) noexcept;
 
   std::vector<PacketRule> rules_;
@@ -57,6 +63,18 @@ class Decoder {
   std::size_t next_ = 0;  // rule that continues the scan; 0: none is begun
   std::int64_t begun_ns_ = 0;
   std::uint64_t sequence_ = 0;
+  // A number of the device that goes round: of the scan begun, and of the one before that counts.
+  struct Round {
+    std::optional<RoundNumber> rule;
+    std::uint64_t now = 0;
+    std::optional<std::uint64_t> last;
+    void read(const std::optional<RoundNumber>& rule, std::span<const std::uint8_t> bytes) noexcept;
+    // From the last one to this, which becomes the last; none: there was none, or it went back.
+    std::optional<std::uint64_t> step() noexcept;
+  };
+  Round clock_, counter_;
+  double clock_ns_ = 0;
+  std::uint64_t told_ = 0;  // the last frame's sequence
   Counts counts_;
 };
 

@@ -11,18 +11,24 @@ enum class NumberKind : std::uint8_t { natural, whole, real };
 
 struct NumberType {
   NumberKind kind = NumberKind::natural;
-  std::uint8_t bytes = 1;  // 1, 2 or 4; real: 4
+  std::uint8_t bytes = 1;  // 1, 2 or 4; real: 4; clocks and counters: also 8
   bool big_endian = false;
   bool operator==(const NumberType&) const = default;
 };
 
-// `at` has type.bytes bytes. A real may be NaN or infinite.
-inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
-  std::uint32_t raw = 0;
-  for (std::size_t i = 0; i < type.bytes; ++i) {
-    const std::size_t place = type.big_endian ? type.bytes - 1U - i : i;
-    raw |= std::uint32_t{at[i]} << (8 * place);
+// The bits of `at`, which has `bytes` bytes, at most 8.
+inline std::uint64_t read_bits(const std::uint8_t* at, std::size_t bytes, bool big_endian) noexcept {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < bytes; ++i) {
+    const std::size_t place = big_endian ? bytes - 1U - i : i;
+    bits |= std::uint64_t{at[i]} << (8 * place);
   }
+  return bits;
+}
+
+// `at` has type.bytes bytes, at most 4. A real may be NaN or infinite.
+inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
+  const auto raw = static_cast<std::uint32_t>(read_bits(at, type.bytes, type.big_endian));
   if (type.kind == NumberKind::real) return static_cast<double>(std::bit_cast<float>(raw));
   if (type.kind == NumberKind::natural) return raw;
   const unsigned unused = (32U - 8U * type.bytes) & 31U;      // 24, 16 or 0

@@ -26,6 +26,14 @@ struct Field {
   double gain_pa = 1;
 };
 
+// A number that goes round: the device's clock or its count of scans. It is (raw * unit_ns) ns, or scans.
+struct RoundNumber {
+  std::size_t offset = 0;
+  std::uint8_t bytes = 4;
+  bool big_endian = false;
+  double unit_ns = 1000;
+};
+
 // One packet of a scan. `board_shift`: the board's number shifted so far left is added to the id.
 struct PacketRule {
   std::uint32_t id = 0;
@@ -36,12 +44,49 @@ struct PacketRule {
     std::uint8_t mask = 0, value = 0;  // mask 0: any packet of the id
   } match;
   std::vector<Field> fields;
+  std::optional<RoundNumber> clock, counter;
+};
+
+// A request on a USB device's control pipe. Data to the device is the message's bytes.
+struct UsbControl {
+  std::uint8_t type = 0, request = 0;
+  std::uint16_t value = 0, index = 0, length = 0;  // length: of the answer
 };
 
 struct Message {
   std::uint32_t id = 0;
   std::optional<unsigned> board_shift;
   std::vector<std::uint8_t> bytes;
+  std::optional<UsbControl> control = {};
+};
+
+enum class Sum : std::uint8_t { none, sum16le, sum16be, crc8 };
+
+// Where a checksum stands in a frame of a stream, and over which bytes it goes; negative: from the frame's
+// end.
+struct Checksum {
+  Sum kind = Sum::none;
+  std::ptrdiff_t at = 0, from = 0, to = 0;  // to: one behind the last; 0 is the frame's end
+};
+
+// A tagged value within a frame: a byte that under the mask is the tag, then so many bytes.
+struct Record {
+  std::uint8_t tag = 0, mask = 0xFF;
+  std::size_t bytes = 0;
+};
+
+// How packets are cut out of a stream of bytes.
+struct Stream {
+  std::vector<std::uint8_t> begin, end;  // markers; end may be empty
+  std::size_t length = 0;                // of every frame, markers and all; 0: the frames say it
+  struct {
+    std::size_t offset = 0, plus = 0;  // a byte at `offset`, and what it leaves out; plus 0: there is none
+  } length_byte;
+  Checksum checksum;
+  std::size_t longest = 0;
+  bool pts2 = false;  // Contactile's nested offsets, see pts2.hpp
+  std::size_t records_from = 0;
+  std::vector<Record> records;  // none: the frame is one packet
 };
 
 struct ModbusMap {
@@ -56,6 +101,14 @@ struct HidMatch {
   std::uint16_t vendor = 0, product = 0;
 };
 
+struct UsbMatch {
+  std::vector<HidMatch> devices;
+  int interface = 0;
+  std::uint8_t in = 0x81, out = 0;   // endpoints; out 0: the device is only listened to
+  std::optional<int> cdc_interface;  // of a serial port: where its line state and coding are set
+  std::uint32_t baud = 115200;
+};
+
 struct Profile {
   std::string description, tested, driver;
   SensorClass sensor_class = SensorClass::array3;
@@ -65,11 +118,13 @@ struct Profile {
   SkinInfo skin;
   std::int64_t scan_timeout_ns = 0;
   std::optional<std::size_t> key_offset;  // of a byte that is the same in all packets of a scan
+  std::optional<Stream> stream;           // none: packets arrive as such
   std::vector<PacketRule> scan;           // every packet of a scan, in the order in which they come
   std::vector<Message> start, stop;
   std::int64_t keep_alive_ns = 0;
   std::optional<ModbusMap> modbus;
   std::optional<HidMatch> hid;
+  std::optional<UsbMatch> usb;
 };
 
 // Throws DriverError: a line for each thing that is wrong, `NAME: /json/pointer = value: what`.

@@ -6,6 +6,7 @@
 
 #include <random>
 
+#include "drivers/decode/framer.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/support/devices/sheet.hpp"
 #include "tests/support/heap_count.hpp"
@@ -24,18 +25,29 @@ constexpr std::int64_t kMs = 1'000'000;
 class Bench {
  public:
   explicit Bench(const std::string& profile, std::size_t sensor = 0, unsigned board = 1)
-      : profile_(find_profile(profile)), decoder(profile_, sensor, board), out(profile_.layout.size()) {}
+      : profile_(find_profile(profile)),
+        framer_(profile_),
+        decoder(profile_, sensor, board),
+        out(profile_.layout.size()) {}
 
   Outcome take(const Packet& packet, std::int64_t time_ns = 0) {
     return decoder.take(packet.address, packet.bytes, time_ns, out.slot);
   }
 
-  // How many frames came of these packets, 0.1 ms apart.
+  // How many frames came of these packets, 0.1 ms apart. On USB they are transfers, and a packet's address is
+  // the endpoint's.
   int frames(const std::vector<Packet>& packets) {
     int count = 0;
     for (const Packet& packet : packets) {
       now_ns_ += kMs / 10;
-      count += take(packet, now_ns_) == Outcome::frame ? 1 : 0;
+      if (profile_.driver != "usb") {
+        count += take(packet, now_ns_) == Outcome::frame ? 1 : 0;
+        continue;
+      }
+      framer_.put(packet.bytes);
+      RawPacket raw;
+      while (framer_.next(raw) == Framer::Got::packet)
+        count += decoder.take(raw.id, raw.bytes, now_ns_, out.slot) == Outcome::frame ? 1 : 0;
     }
     now_ns_ += 5 * kMs;
     return count;
@@ -43,6 +55,7 @@ class Bench {
 
  private:
   Profile profile_;
+  Framer framer_;
   std::int64_t now_ns_ = 0;
 
  public:
@@ -132,7 +145,9 @@ INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
                                          Pair{devices::icub_skin, "icub-mtb", 250.1F},
                                          Pair{devices::onrobot_rg2ft, "onrobot-rg2-ft", 154.5F},
                                          Pair{devices::robotiq_ft300, "robotiq-ft300", 12.6F},
-                                         Pair{devices::vendor_hid, "vendor-hid-8x8", 2.6F}),
+                                         Pair{devices::vendor_hid, "vendor-hid-8x8", 2.6F},
+                                         Pair{devices::papillarray, "contactile-pts2", 0.1F},
+                                         Pair{devices::robotiq_tsf85, "robotiq-tsf85", 10.1F}),
                          [](const auto& tested) {
                            std::string name = tested.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -205,6 +220,47 @@ TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
   EXPECT_EQ(bench.decoder.counts().incomplete, 1);
   EXPECT_EQ(bench.frames(scan_of(devices::vendor_hid())), 1);
   EXPECT_EQ(bench.out.slot.sequence, 1);
+}
+
+// One packet of one scan, with a count that goes round after 256 and a clock in units of 10 us.
+Profile counting() {
+  Profile profile = find_profile("robotiq-ft300");
+  profile.scan[0].counter = RoundNumber{6, 1, false, 1};
+  profile.scan[0].clock = RoundNumber{8, 2, true, 10'000};
+  return profile;
+}
+
+TEST(Decoder, follows_the_devices_count_of_scans_and_drops_what_comes_twice_or_late) {
+  const Profile profile = counting();
+  Decoder decoder(profile, 0, 0);
+  test::OwnedSlot out(1);
+  const auto take = [&](std::uint8_t count) {
+    return decoder.take(180, Bytes{0, 0, 0, 0, 0, 0, count, 0, 0, 0, 0, 0}, 0, out.slot);
+  };
+  EXPECT_EQ(take(250), Outcome::frame);
+  EXPECT_EQ(out.slot.sequence, 0);
+  EXPECT_EQ(take(250), Outcome::dropped) << "twice";
+  EXPECT_EQ(take(3), Outcome::frame) << "round it goes";
+  EXPECT_EQ(out.slot.sequence, 9);
+  EXPECT_EQ(take(2), Outcome::dropped) << "overtaken";
+  EXPECT_EQ(take(4), Outcome::frame);
+  EXPECT_GT(out.slot.sequence, 9);
+  EXPECT_EQ(decoder.counts().repeated, 2);
+}
+
+TEST(Decoder, unrolls_the_devices_clock) {
+  const Profile profile = counting();
+  Decoder decoder(profile, 0, 0);
+  test::OwnedSlot out(1);
+  std::uint8_t count = 0;
+  const auto time_after = [&](std::uint8_t high, std::uint8_t low) {
+    EXPECT_EQ(decoder.take(180, Bytes{0, 0, 0, 0, 0, 0, ++count, 0, high, low, 0, 0}, 0, out.slot),
+              Outcome::frame);
+    return out.slot.device_time_ns;
+  };
+  EXPECT_EQ(time_after(0xFF, 0xFF), 655'350'000);
+  EXPECT_EQ(time_after(0x00, 0x01), 655'370'000);
+  EXPECT_EQ(time_after(0x01, 0x01), 657'930'000);
 }
 
 TEST(Decoder, leaves_other_boards_on_the_bus_alone) {

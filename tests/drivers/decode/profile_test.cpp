@@ -117,5 +117,30 @@ TEST(Profile, must_be_of_the_driver_that_is_to_use_it) {
               HasSubstr("needs a \"profile\""));
 }
 
+TEST(Profile, whose_stream_does_not_bring_its_packets_is_refused) {
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["length"] = 443; }, "contactile-pts2"),
+              HasSubstr("is not what the stream brings: 444 bytes"));
+  EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["id"] = 80; }, "robotiq-tsf85"),
+              HasSubstr("/scan/packets/0/length = 56: is of a packet that is no record"));
+  EXPECT_THAT(said_of([](json& p) { p["stream"]["begin"] = json::array(); }, "robotiq-tsf85"),
+              HasSubstr("/stream/begin"));
+  EXPECT_THAT(said_of([](json& p) { p["stream"].erase("length_byte"); }, "robotiq-tsf85"),
+              HasSubstr("expected length, or length_byte, or an end marker"));
+  EXPECT_THAT(said_of([](json& p) {
+                p["stream"] = {{"begin", {1}}, {"length", 7}};
+              }),
+              HasSubstr("is for driver usb"));
+  EXPECT_THAT(said_of([](json& p) { p.erase("usb"); }, "robotiq-tsf85"), HasSubstr("/usb"));
+}
+
+TEST(Profile, whose_clock_reaches_behind_its_packet_is_refused) {
+  EXPECT_THAT(said_of(
+                  [](json& p) {
+                    p["scan"]["packets"][0]["clock"] = {{"offset", 10}, {"type", "u32le"}};
+                  },
+                  "robotiq-ft300"),
+              HasSubstr("reaches behind the packet's end"));
+}
+
 }  // namespace
 }  // namespace slipd::decode

@@ -1,0 +1,168 @@
+#include "drivers/decode/framer.hpp"
+
+#include <algorithm>
+
+#include "drivers/decode/checksum.hpp"
+#include "drivers/decode/number.hpp"
+#include "drivers/decode/pts2.hpp"
+
+namespace slipd::decode {
+namespace {
+
+constexpr std::size_t kLongestPiece = 65536;  // in one put, of any bus
+constexpr std::size_t kTooLong = SIZE_MAX;
+
+std::size_t place(std::ptrdiff_t at, std::size_t size) noexcept {
+  return at < 0 ? size - static_cast<std::size_t>(-at) : static_cast<std::size_t>(at);
+}
+
+}  // namespace
+
+Framer::Framer(const Profile& profile)
+    : stream_(profile.stream.value_or(Stream{})),
+      framed_(profile.stream.has_value()),
+      sensors_(profile.sensors),
+      pillars_(profile.layout.size()),
+      most_(kLongestPiece),
+      buffer_(most_ + stream_.longest),
+      flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar : 0) {}
+
+void Framer::reset() noexcept {
+  used_ = filled_ = searched_ = run_ = 0;
+  records_ = {};
+  lost_ = true;
+}
+
+void Framer::put(Bytes bytes) noexcept {
+  std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(used_),
+            buffer_.begin() + static_cast<std::ptrdiff_t>(filled_), buffer_.begin());
+  filled_ -= used_;
+  used_ = 0;
+  const std::size_t taken = std::min(bytes.size(), buffer_.size() - filled_);
+  std::copy_n(bytes.begin(), taken, buffer_.begin() + static_cast<std::ptrdiff_t>(filled_));
+  filled_ += taken;
+}
+
+// How many of the bytes come before a begin marker, or before what may become one; `begun`: there is one.
+std::size_t Framer::before_begin(bool& begun) const noexcept {
+  const Bytes all = held();
+  const auto found = std::search(all.begin(), all.end(), stream_.begin.begin(), stream_.begin.end());
+  begun = found != all.end();
+  if (begun) return static_cast<std::size_t>(found - all.begin());
+  std::size_t keep = std::min(all.size(), stream_.begin.size() - 1);
+  while (!std::equal(all.end() - static_cast<std::ptrdiff_t>(keep), all.end(), stream_.begin.begin())) --keep;
+  return all.size() - keep;
+}
+
+// True if that is to be told: once when it begins, and again after more bytes than a frame may have.
+bool Framer::lose(std::size_t bytes) noexcept {
+  counts_.garbage += bytes;
+  used_ += bytes;
+  searched_ = 0;
+  run_ += bytes;
+  if (lost_ && run_ <= stream_.longest) return false;
+  lost_ = true;
+  run_ = 0;
+  ++counts_.wrong;
+  return true;
+}
+
+// Of the frame at the beginning of the bytes; 0: they are too few to tell.
+std::size_t Framer::size_of(Bytes bytes) const noexcept {
+  if (stream_.length != 0) return stream_.length;
+  if (stream_.length_byte.plus != 0) {
+    if (bytes.size() <= stream_.length_byte.offset) return 0;
+    const std::size_t size = bytes[stream_.length_byte.offset] + stream_.length_byte.plus;
+    return size > stream_.longest ? kTooLong : size;
+  }
+  const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(std::max(stream_.begin.size(), searched_));
+  const auto found = from < bytes.end()
+                         ? std::search(from, bytes.end(), stream_.end.begin(), stream_.end.end())
+                         : bytes.end();
+  if (found == bytes.end()) return bytes.size() > stream_.longest ? kTooLong : 0;
+  const auto size = static_cast<std::size_t>(found - bytes.begin()) + stream_.end.size();
+  return size > stream_.longest ? kTooLong : size;
+}
+
+bool Framer::is_right(Bytes frame) const noexcept {
+  const auto end_marker = static_cast<std::ptrdiff_t>(stream_.end.size());
+  if (frame.size() < stream_.begin.size() + stream_.end.size()) return false;
+  if (!std::equal(stream_.end.begin(), stream_.end.end(), frame.end() - end_marker)) return false;
+  const Checksum& sum = stream_.checksum;
+  if (sum.kind == Sum::none) return true;
+  const std::size_t bytes = bytes_of(sum.kind);
+  const std::size_t at = place(sum.at, frame.size()), from = place(sum.from, frame.size());
+  const std::size_t to = sum.to == 0 ? frame.size() : place(sum.to, frame.size());
+  if (at > frame.size() || bytes > frame.size() - at || from > to || to > frame.size()) return false;
+  return read_bits(frame.data() + at, bytes, sum.kind == Sum::sum16be) ==
+         checksum_of(sum.kind, frame.subspan(from, to - from));
+}
+
+Framer::Got Framer::next_record(RawPacket& out) noexcept {
+  for (const Record& record : stream_.records) {
+    if ((records_.front() & record.mask) != record.tag || records_.size() <= record.bytes) continue;
+    out = {records_.front(), records_.subspan(1, record.bytes)};
+    records_ = records_.subspan(1 + record.bytes);
+    return Got::packet;
+  }
+  records_ = {};
+  ++counts_.wrong;
+  return Got::wrong;
+}
+
+Framer::Got Framer::unpack(Bytes frame, RawPacket& out) noexcept {
+  if (stream_.pts2) {
+    const std::size_t head = stream_.begin.size();
+    const std::size_t around = head + stream_.end.size() + bytes_of(stream_.checksum.kind);
+    if (frame.size() < around ||
+        !flatten_pts2(frame.subspan(head, frame.size() - around), sensors_, pillars_, flat_)) {
+      ++counts_.wrong;
+      return Got::wrong;
+    }
+    out = {0, flat_};
+    return Got::packet;
+  }
+  if (!stream_.records.empty()) {
+    if (frame.size() <= stream_.records_from) return Got::nothing;  // an answer without any
+    records_ = frame.subspan(stream_.records_from);
+    return next_record(out);
+  }
+  out = {0, frame};
+  return Got::packet;
+}
+
+Framer::Got Framer::next(RawPacket& out) noexcept {
+  if (!records_.empty()) return next_record(out);
+  if (!framed_) {
+    if (used_ == filled_) return Got::nothing;
+    out = {0, held()};
+    used_ = filled_;
+    ++counts_.frames;
+    return Got::packet;
+  }
+  for (;;) {
+    bool begun = false;
+    const std::size_t before = before_begin(begun);
+    if (before > 0 && lose(before)) return Got::wrong;
+    if (!begun) return Got::nothing;
+    const std::size_t size = size_of(held());
+    if (size != kTooLong && (size == 0 || held().size() < size)) {
+      const std::size_t overlap = stream_.end.empty() ? 0 : stream_.end.size() - 1;
+      searched_ = held().size() > overlap ? held().size() - overlap : 0;
+      return Got::nothing;
+    }
+    if (size == kTooLong || !is_right(held().first(size))) {
+      if (lose(1)) return Got::wrong;
+      continue;
+    }
+    const Bytes frame = held().first(size);
+    used_ += size;
+    searched_ = run_ = 0;
+    lost_ = false;
+    ++counts_.frames;
+    const Got got = unpack(frame, out);
+    if (got != Got::nothing) return got;
+  }
+}
+
+}  // namespace slipd::decode

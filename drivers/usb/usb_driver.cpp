@@ -1,0 +1,93 @@
+#include "drivers/usb/usb_driver.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "drivers/pacing.hpp"
+
+namespace slipd::usb {
+namespace {
+
+Which which_of(const SensorSetup& sensor) {
+  try {
+    return {sensor.device.value("serial", ""), sensor.device.value("port", "")};
+  } catch (const nlohmann::json::exception&) {
+    throw DriverError("sensor \"" + sensor.name +
+                      "\": device: expected {\"serial\": \"…\"} or {\"port\": \"1-2.3\"}, or nothing");
+  }
+}
+
+}  // namespace
+
+UsbDriver::UsbDriver(const std::vector<SensorSetup>& sensors, Opener opener)
+    : profile_(decode::profile_of(sensors, "usb")),
+      which_(which_of(sensors.front())),
+      opener_(std::move(opener)),
+      sensors_(profile_, sensors),
+      framer_(profile_) {}
+
+DeviceInfo UsbDriver::open() {
+  close();
+  sensors_.reset();
+  framer_.reset();
+  Opened opened = opener_(profile_, which_);
+  wire_ = std::move(opened.wire);
+  heard_ns_ = monotonic_ns();
+  return {.description = profile_.description + " at " + opened.place,
+          .serial = opened.serial,
+          .simulated = false,
+          .sensors = sensors_.info()};
+}
+
+// A device that was reset behind our back has forgotten its start.
+void UsbDriver::wake_if_silent(std::int64_t now_ns) noexcept {
+  if (now_ns - heard_ns_ < profile_.keep_alive_ns) return;
+  wire_->start_again();
+  heard_ns_ = now_ns;
+}
+
+// Of the bytes that are here already.
+ReadResult UsbDriver::decode_held(std::span<FrameSlot> slots) noexcept {
+  decode::RawPacket packet;
+  for (;;) {
+    switch (framer_.next(packet)) {
+      case decode::Framer::Got::nothing:
+        return {ReadStatus::timeout, 0};
+      case decode::Framer::Got::wrong:
+        sensors_.spoil();
+        return {ReadStatus::corrupt, 0};
+      case decode::Framer::Got::packet:
+        break;
+    }
+    const ReadResult result = sensors_.take(packet.id, packet.bytes, arrived_ns_, slots);
+    if (result.status != ReadStatus::timeout) return result;
+  }
+}
+
+ReadResult UsbDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
+  const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
+  if (const ReadResult ready = sensors_.next_ready(); ready.status == ReadStatus::frame) return ready;
+  for (;;) {
+    const ReadResult result = decode_held(slots);
+    if (result.status != ReadStatus::timeout) return result;
+    const std::int64_t now_ns = monotonic_ns();
+    wake_if_silent(now_ns);
+    Arrival arrival;
+    switch (wire_->receive(arrival, give_up_ns)) {
+      case Got::gone:
+        return {ReadStatus::disconnected, 0};
+      case Got::nothing:
+        return {ReadStatus::timeout, 0};
+      case Got::spoilt:
+        return {ReadStatus::corrupt, 0};
+      case Got::bytes:
+        break;
+    }
+    arrived_ns_ = heard_ns_ = arrival.time_ns;
+    framer_.put(arrival.bytes);
+    if (now_ns >= give_up_ns) return {ReadStatus::timeout, 0};  // much is said that makes no frame
+  }
+}
+
+}  // namespace slipd::usb

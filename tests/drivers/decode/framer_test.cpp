@@ -1,0 +1,237 @@
+// Streams of bytes → packets: every frame that is whole and right comes out once, whatever is around it and
+// in whatever pieces it arrives, and nothing else does.
+#include "drivers/decode/framer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "drivers/decode/checksum.hpp"
+#include "drivers/decode/pts2.hpp"
+#include "tests/drivers/driver_fixture.hpp"
+#include "tests/support/devices/sheet.hpp"
+#include "tests/support/heap_count.hpp"
+
+namespace slipd::decode {
+namespace {
+
+using devices::Bytes;
+using testing::ElementsAre;
+using testing::SizeIs;
+
+Profile profile_with(Stream stream) {
+  Profile profile;
+  profile.stream = std::move(stream);
+  return profile;
+}
+
+// AB, length, data …, sum16le over what is between.
+Stream by_length() {
+  Stream stream;
+  stream.begin = {0xAB};
+  stream.length_byte = {1, 4};
+  stream.longest = 64;
+  stream.checksum = {Sum::sum16le, -2, 1, -2};
+  return stream;
+}
+
+Bytes frame_of(const Bytes& data) {
+  Bytes out{0xAB, static_cast<std::uint8_t>(data.size())};
+  devices::append(out, data);
+  devices::put_le(out, static_cast<std::uint16_t>(checksum_of(Sum::sum16le, std::span(out).subspan(1))));
+  return out;
+}
+
+struct Heard {
+  std::vector<Bytes> packets;
+  int wrong = 0;
+};
+
+// `pieces`: how many bytes at a time.
+Heard hear(Framer& framer, const Bytes& bytes, std::size_t pieces = SIZE_MAX) {
+  Heard heard;
+  for (std::size_t at = 0; at < bytes.size(); at += std::min(pieces, bytes.size() - at)) {
+    framer.put(std::span(bytes).subspan(at, std::min(pieces, bytes.size() - at)));
+    RawPacket packet;
+    for (;;) {
+      const auto got = framer.next(packet);
+      if (got == Framer::Got::nothing) break;
+      if (got == Framer::Got::packet) heard.packets.emplace_back(packet.bytes.begin(), packet.bytes.end());
+      heard.wrong += got == Framer::Got::wrong ? 1 : 0;
+    }
+  }
+  return heard;
+}
+
+TEST(Framer, cuts_the_same_packets_out_of_pieces_of_any_size) {
+  const Bytes first = frame_of({1, 2, 3}), second = frame_of({}), third = frame_of({0xAB, 0xAB, 2, 9});
+  Bytes all = first;
+  devices::append(all, second);
+  devices::append(all, third);
+  for (std::size_t pieces = 1; pieces <= all.size(); ++pieces) {
+    Framer framer(profile_with(by_length()));
+    const Heard heard = hear(framer, all, pieces);
+    EXPECT_THAT(heard.packets, ElementsAre(first, second, third)) << pieces;
+    EXPECT_EQ(heard.wrong, 0);
+    EXPECT_EQ(framer.counts().garbage, 0);
+  }
+}
+
+TEST(Framer, finds_every_whole_frame_again_behind_any_garbage) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 300; ++round) {
+    Framer framer(profile_with(by_length()));
+    Bytes all;
+    std::vector<Bytes> sent;
+    for (int i = 0; i < 10; ++i) {
+      // Bytes that begin no frame of themselves, a frame cut short before one whole: both are lost alone.
+      Bytes garbage(random() % 20);
+      for (auto& byte : garbage) byte = static_cast<std::uint8_t>(random() % 0xAB);
+      devices::append(all, garbage);
+      sent.push_back(frame_of(Bytes(random() % 40, static_cast<std::uint8_t>(random() % 0xAB))));
+      devices::append(all, sent.back());
+    }
+    EXPECT_EQ(hear(framer, all, 1 + random() % 30).packets, sent);
+  }
+}
+
+TEST(Framer, loses_the_frame_that_is_damaged_and_no_other) {
+  const Bytes good = frame_of({1, 2, 3, 4});
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    for (const int kind : {0, 1, 2}) {  // a byte changed, missing, or too many
+      Bytes bad = good;
+      const auto where = bad.begin() + static_cast<std::ptrdiff_t>(at);
+      if (kind == 0) *where ^= 0x04;
+      if (kind == 1) bad.erase(where);
+      if (kind == 2) bad.insert(where, 0x55);
+      Bytes all = good;
+      devices::append(all, bad);
+      for (int i = 0; i < 20; ++i)
+        devices::append(all, good);  // a length that grew swallows some bytes of these
+      Framer framer(profile_with(by_length()));
+      const Heard heard = hear(framer, all);
+      const bool harmless = kind == 2 && at == 0;  // what stands between two frames hurts neither
+      EXPECT_THAT(heard.packets, SizeIs(harmless ? 22 : 21)) << at << " " << kind;
+      EXPECT_EQ(heard.wrong, 1) << at << " " << kind;
+    }
+  }
+}
+
+TEST(Framer, tells_of_endless_garbage_now_and_then) {
+  Framer framer(profile_with(by_length()));
+  EXPECT_EQ(hear(framer, Bytes(10, 0x11)).wrong, 0) << "one may come in the middle of a frame";
+  EXPECT_GE(hear(framer, Bytes(640, 0x11), 30).wrong, 5);
+  EXPECT_EQ(hear(framer, frame_of({1})).packets.size(), 1);
+  EXPECT_EQ(hear(framer, Bytes(10, 0x11)).wrong, 1);
+}
+
+TEST(Framer, looks_for_an_end_marker_no_further_than_the_longest_frame) {
+  Stream stream;
+  stream.begin = {1, 2};
+  stream.end = {3, 4};
+  stream.longest = 11;
+  for (const std::size_t pieces : {std::size_t{1}, std::size_t{3}, std::size_t{100}}) {
+    Framer framer(profile_with(stream));
+    const Heard heard = hear(
+        framer, {1, 2, 9, 3, 4, 7, 1, 2, 3, 3, 4, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 3, 4, 1, 2, 3, 4}, pieces);
+    EXPECT_THAT(heard.packets, ElementsAre(Bytes{1, 2, 9, 3, 4}, Bytes{1, 2, 3, 3, 4}, Bytes{1, 2, 3, 4}));
+    EXPECT_EQ(heard.wrong, 2);
+  }
+}
+
+TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {
+  Stream stream = by_length();
+  stream.records_from = 2;
+  stream.checksum = {};
+  stream.length_byte.plus = 2;
+  stream.records = {{0x10, 0xF0, 2}, {0x70, 0xFF, 1}};
+  Framer framer(profile_with(stream));
+  framer.put(Bytes{0xAB, 8, 0x14, 1, 2, 0x70, 3, 0x55, 0x10, 0});
+  RawPacket packet;
+  ASSERT_EQ(framer.next(packet), Framer::Got::packet);
+  EXPECT_EQ(packet.id, 0x14);
+  EXPECT_THAT(packet.bytes, ElementsAre(1, 2));
+  ASSERT_EQ(framer.next(packet), Framer::Got::packet);
+  EXPECT_EQ(packet.id, 0x70);
+  EXPECT_EQ(framer.next(packet), Framer::Got::wrong);
+  EXPECT_EQ(framer.next(packet), Framer::Got::nothing);
+}
+
+TEST(Framer, passes_pieces_on_as_packets_where_there_is_no_stream) {
+  Framer framer{Profile{}};
+  EXPECT_THAT(hear(framer, {1, 2, 3}, 2).packets, ElementsAre(Bytes{1, 2}, Bytes{3}));
+}
+
+TEST(Framer, survives_any_bytes_without_the_heap) {
+  std::mt19937 random(11);
+  for (const char* name : {"contactile-pts2", "robotiq-tsf85"}) {
+    const Profile profile = find_profile(name);
+    Framer framer(profile);
+    const Bytes begin = profile.stream->begin, end = profile.stream->end;
+    Bytes piece(200);
+    const std::uint64_t before = test::allocations();
+    for (int i = 0; i < 20000; ++i) {
+      for (auto& byte : piece) byte = static_cast<std::uint8_t>(random() % 8 == 0 ? 0 : random());
+      std::ranges::copy(begin, piece.begin() + static_cast<std::ptrdiff_t>(random() % 150));
+      std::ranges::copy(end, piece.begin() + static_cast<std::ptrdiff_t>(random() % 150));
+      framer.put(std::span(piece).first(random() % piece.size()));
+      RawPacket packet;
+      while (framer.next(packet) != Framer::Got::nothing) ASSERT_LE(packet.bytes.size(), 4096);
+    }
+    EXPECT_EQ(test::allocations(), before);
+    EXPECT_GT(framer.counts().wrong, 500);
+  }
+}
+
+TEST(Checksum, of_known_bytes_is_the_known_one) {
+  const Bytes digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+  EXPECT_EQ(checksum_of(Sum::crc8, digits), 0xF4) << "the check value of CRC-8/SMBUS";
+  EXPECT_EQ(checksum_of(Sum::sum16le, digits), 477);
+}
+
+// Two sensors of which the second has no block: W = 1, table, blocks.
+Bytes pts2(std::uint8_t sensors) {
+  Bytes in{1, 1, 0, 9, 3, 0, 21, 0, 0};
+  for (std::uint8_t i = 0; i < 12; ++i) in.push_back(i);
+  in.push_back(sensors);
+  const auto pillars = static_cast<std::uint8_t>(22 + sensors);
+  for (std::uint8_t i = 0; i < sensors; ++i) in.push_back(pillars);  // all speak of the same
+  in.push_back(1);
+  in.push_back(static_cast<std::uint8_t>(pillars + 2));
+  devices::put_le(in, std::uint16_t{2});
+  for (int i = 0; i < 6; ++i) devices::put_le(in, static_cast<float>(i));
+  return in;
+}
+
+TEST(Pts2, puts_what_stands_behind_offsets_of_any_width_into_fixed_places) {
+  Bytes out(kPts2Head + 2 * kPts2Pillar);
+  ASSERT_TRUE(flatten_pts2(pts2(1), 2, 1, out));
+  EXPECT_EQ(Bytes(out.begin(), out.begin() + 12), (Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
+  float force_z = 0, absent = 0;
+  std::memcpy(&force_z, out.data() + kPts2Head + 8, sizeof force_z);
+  std::memcpy(&absent, out.data() + kPts2Head + kPts2Pillar, sizeof absent);
+  EXPECT_EQ(force_z, 2);
+  EXPECT_TRUE(std::isnan(absent)) << "a sensor that is not plugged in measures nothing";
+  EXPECT_FALSE(flatten_pts2(pts2(1), 2, 9, out)) << "another kind of sensor";
+}
+
+TEST(Pts2, refuses_offsets_that_lead_anywhere_else) {
+  Bytes out(kPts2Head + 2 * kPts2Pillar);
+  const Bytes good = pts2(2);
+  ASSERT_TRUE(flatten_pts2(good, 2, 1, out));
+  for (std::size_t size = 0; size < good.size(); ++size)
+    EXPECT_FALSE(flatten_pts2(std::span(good).first(size), 2, 1, out)) << size;
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    for (int value = 0; value < 256; ++value) {
+      Bytes bad = good;
+      bad[at] = static_cast<std::uint8_t>(value);
+      static_cast<void>(flatten_pts2(bad, 2, 1, out));  // the sanitizers see what it reads
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slipd::decode
