@@ -27,6 +27,7 @@ class WrongUse : public std::runtime_error {
 void add_contact(CLI::App& app, const Common& common);
 void add_train(CLI::App& app, const Common& common);
 void add_tradeoff(CLI::App& app, const Common& common);
+void add_stability(CLI::App& app, const Common& common);
 void add_histories(CLI::App& app, const Common& common);
 void add_paper(CLI::App& app, const Common& common);
 

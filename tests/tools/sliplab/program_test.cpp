@@ -86,6 +86,19 @@ TEST_F(Sliplab, PaperGivesTableJsonAndFigures) {
   }
 }
 
+TEST_F(Sliplab, StabilityTellsThePartsAskedForAndPlotsThem) {
+  const auto ran = run({"--json", "stability", "--parts", "model,adversary", "--contacts", "3", "--side",
+                        "16", "--out", folder_ / "stability"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto result = json::parse(ran.out);
+  EXPECT_GT(result["model"].size(), 50U);
+  EXPECT_GT(result["adversary"].size(), 100U);
+  EXPECT_TRUE(result["condition"].empty());
+  for (const char* name : {"extremes-model.csv", "extremes-model.svg", "adversary.csv", "adversary.svg"})
+    EXPECT_GT(fs::file_size(folder_ / "stability" / name), 500U) << name;
+  EXPECT_EQ(run({"stability", "--parts", "luck"}).exit_code, 2);
+}
+
 TEST_F(Sliplab, HistoriesTellsWhatWasAnsweredAndDrawsAGrasp) {
   const auto ran = run({"--json", "histories", "--grasps", "2", "--sides", "16", "--methods", "moments",
                         "--out", folder_ / "histories"});

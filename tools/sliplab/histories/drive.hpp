@@ -7,7 +7,7 @@
 #include "core/estimate/chain.hpp"
 #include "core/estimate/trial_frames.hpp"
 #include "tools/sliplab/histories/grasp.hpp"
-#include "tools/sliplab/histories/tally.hpp"
+#include "tools/sliplab/tally.hpp"
 
 namespace sliplab {
 

@@ -1,4 +1,4 @@
-#include "tools/sliplab/histories/tally.hpp"
+#include "tools/sliplab/tally.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,100 @@
+// `sliplab stability`: where the arithmetic and the estimators hold, and where they say that they do not. The
+// contact model at its extremes against many digits, error out per error in, and an adversary who does not
+// keep to the model.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/parallel.hpp"
+#include "tools/sliplab/progress.hpp"
+#include "tools/sliplab/stability/report.hpp"
+
+namespace sliplab {
+namespace {
+
+struct Options {
+  TrialSetup setup;
+  std::string noise_kind = "sensor";
+  std::vector<std::string> parts{"model", "extremes", "condition", "adversary"};
+};
+
+std::vector<Worst> worst_everywhere(const TrialSetup& setup, const Done& done) {
+  std::vector<Worst> rows;
+  for (const Axis axis : kAxes) {
+    for (const double place : places_on(axis)) rows.push_back({axis, place, 0, 0, 0, 0, 0});
+  }
+  for_each_index(
+      rows.size(), setup.threads,
+      [&](std::size_t i) { rows[i] = worst_at(rows[i].axis, rows[i].place, setup.contacts, setup.seed); },
+      done);
+  return rows;
+}
+
+void run(const Common& common, Options options) {
+  options.setup.kind =
+      options.noise_kind == "relative" ? slipd::NoiseKind::relative : slipd::NoiseKind::sensor;
+  options.setup.seed = common.seed;
+  const auto wanted = [&](const char* part) {
+    return std::find(options.parts.begin(), options.parts.end(), part) != options.parts.end();
+  };
+  Stability found;
+  found.setup = options.setup;
+  {
+    ProgressBar bar("stability");
+    double from = 0;
+    const auto part = [&](const char* what) {
+      return
+          [&bar, what, from, to = from + 0.25](double share) { bar.show(from + share * (to - from), what); };
+    };
+    if (wanted("model")) found.model = worst_everywhere(found.setup, part("model"));
+    from = 0.25;
+    if (wanted("extremes")) found.extremes = tell_extremes(found.setup, part("extremes"));
+    from = 0.5;
+    if (wanted("condition")) {
+      bar.show(from, "training");
+      auto methods = all_methods(found.setup);
+      for (const auto& method : methods) found.methods.push_back(method.name);
+      found.condition = condition_of(found.setup, methods, part("condition"));
+      found.bits = bits_needed(found.setup, methods, part("bits"));
+    }
+    from = 0.75;
+    if (wanted("adversary")) found.flaws = tell_flaws(found.setup, part("adversary"));
+  }
+  if (common.json) {
+    std::cout << to_json(found).dump(2) << '\n';
+  } else {
+    print_table(found);
+  }
+  if (!common.out.empty()) write_files(found, common.out);
+}
+
+}  // namespace
+
+void add_stability(CLI::App& app, const Common& common) {
+  auto* command = app.add_subcommand("stability", "extremes, error out per error in, and an adversary");
+  auto options = std::make_shared<Options>();
+  command->add_option("--parts", options->parts, "model, extremes, condition, adversary")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"model", "extremes", "condition", "adversary"}));
+  command->add_option("--side", options->setup.side, "taxels along each side of the pad")
+      ->check(CLI::Range(8, 100))
+      ->capture_default_str();
+  command->add_option("--contacts", options->setup.contacts, "of each row")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--noise", options->setup.noise, "half-width, a fraction")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+      ->check(CLI::IsMember({"sensor", "relative"}))
+      ->capture_default_str();
+  command->add_option("--threads", options->setup.threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->callback([&common, options] { run(common, *options); });
+}
+
+}  // namespace sliplab
