@@ -1,0 +1,59 @@
+// Everything between a contact and the hand on it, in frame time and as fast as it can be computed: simulated
+// sensor → estimator → CAN messages over a socket pair → controller → grip_input → simulated sensor. Every
+// byte goes the way that it goes in a cell; only the clock is not waited for, so that the same seed gives the
+// same on any machine.
+#pragma once
+
+#include <vector>
+
+#include "config/settings.hpp"
+#include "core/estimate/chain.hpp"
+#include "daemon/can/talk.hpp"
+#include "drivers/sim/grip_input.hpp"
+#include "drivers/sim/simulated_sensor.hpp"
+#include "tests/support/gripper/bus_pair.hpp"
+#include "tests/support/gripper/gripper.hpp"
+#include "tests/support/gripper/hand.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace slipd::gripper {
+
+class Cell {
+ public:
+  static constexpr std::chrono::milliseconds kFrame{1};
+
+  // `listening` false: the gripper is deaf and holds with the force it began with.
+  Cell(const sim::SensorSettings& sensor, const GripperSettings& gripper, const ChainSetup& setup,
+       bool listening);
+
+  // One frame later. What is asked of it then: the sensor's truth, the force, and the margin as heard.
+  void step();
+  Truth truth() const noexcept { return sensor_.truth(); }
+  double force_n() const noexcept { return force_n_; }
+  std::optional<double> heard() const noexcept { return hearing_.margin(now_); }
+
+ private:
+  Panel& add_panel();
+  void publish(Estimate estimate) noexcept;
+
+  testing::TempFolder folder_;
+  Settings settings_;
+  Board board_;
+  LogRing log_;
+  Time now_{std::chrono::seconds(1000)}, due_{};
+  BusPair bus_;
+  Panel& panel_;
+  can::Talk talk_;
+  sim::SimulatedSensor sensor_;
+  EstimatorChain chain_;
+  std::vector<float> memory_;
+  FrameSlot slot_;
+  sim::GripInput grip_input_;
+  Hand hand_;
+  Hearing hearing_;
+  Controller controller_;
+  bool listening_;
+  double force_n_ = 0;
+};
+
+}  // namespace slipd::gripper

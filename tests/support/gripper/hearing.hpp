@@ -1,0 +1,53 @@
+// What a gripper's controller may believe of what slipd says on CAN: the rules of docs/can.md, for the
+// messages of one sensor or grasp. One thread; knows the bus and nothing else of slipd.
+#pragma once
+
+#include <linux/can.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "core/estimate/estimate.hpp"
+
+namespace slipd::gripper {
+
+using Time = std::chrono::steady_clock::time_point;
+
+class Hearing {
+ public:
+  // `message`: which of them, counted from base_id; `period`: of SLIP_ESTIMATE. A gripper that is simulated
+  // itself believes simulated sensors.
+  Hearing(std::uint32_t base_id, std::uint32_t message, std::chrono::nanoseconds period)
+      : estimate_{base_id + message},
+        alert_{base_id + 0x20 + message},
+        heartbeat_{base_id + 0x3F},
+        period_(period) {}
+
+  void hear(const can_frame& frame, Time now) noexcept;
+
+  // The margin that holds now; nothing: nobody knows how well the object is held.
+  std::optional<double> margin(Time now) const noexcept;
+
+  // What an alert asks for, once each time that it is told. Without number: an alert, but slipd does not know
+  // friction.
+  struct Call {
+    std::optional<double> grip_increase_n;
+  };
+  std::optional<Call> take_call() noexcept;
+
+ private:
+  struct Line {
+    std::uint32_t id = 0;
+    std::optional<unsigned> counter = {};
+    bool good(const can_frame& frame) noexcept;  // sound, and not a repetition
+  };
+  Line estimate_, alert_, heartbeat_;
+  std::chrono::nanoseconds period_;
+  std::optional<Time> heard_;
+  int to_ignore_ = 0;
+  std::optional<double> margin_;
+  std::optional<Call> call_;
+};
+
+}  // namespace slipd::gripper
