@@ -11,11 +11,12 @@ Sensors::Sensors(const Profile& profile, const std::vector<SensorSetup>& setups)
   std::vector<std::size_t> taken;
   for (const SensorSetup& setup : setups) {
     const auto number = setup.options.value("sensor", std::size_t{0});
-    if (number >= profile.sensors || std::ranges::find(taken, number) != taken.end()) {
-      throw DriverError("sensor \"" + setup.name + "\": options: sensor " + std::to_string(number) +
-                        " is another's already or not there; the device has " +
-                        std::to_string(profile.sensors) + ", counted from 0");
+    const std::string what = "sensor \"" + setup.name + "\": options: sensor " + std::to_string(number);
+    if (number >= profile.sensors) {
+      throw DriverError(what + " is not there; the device has " + std::to_string(profile.sensors) +
+                        ", counted from 0");
     }
+    if (std::ranges::find(taken, number) != taken.end()) throw DriverError(what + " is another's already");
     taken.push_back(number);
     decoders_.emplace_back(profile, number, 0);
   }

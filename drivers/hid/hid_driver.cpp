@@ -46,7 +46,7 @@ void HidDriver::Closes::operator()(hid_device_* device) const noexcept {
 }
 
 HidDriver::HidDriver(const std::vector<SensorSetup>& sensors)
-    : profile_(decode::profile_of(sensors, "hid")), ready_(sensors.size(), false) {
+    : profile_(decode::profile_of(sensors, "hid")), sensors_(profile_, sensors) {
   const SensorSetup& first = sensors.front();
   try {
     serial_ = first.device.value("serial", "");
@@ -57,17 +57,6 @@ HidDriver::HidDriver(const std::vector<SensorSetup>& sensors)
   }
   numbered_ = std::any_of(profile_.scan.begin(), profile_.scan.end(),
                           [](const decode::PacketRule& rule) { return rule.id != 0; });
-  std::vector<std::size_t> taken;
-  for (const SensorSetup& sensor : sensors) {
-    const auto number = sensor.options.value("sensor", std::size_t{0});
-    if (number >= profile_.sensors || std::find(taken.begin(), taken.end(), number) != taken.end()) {
-      throw DriverError("sensor \"" + sensor.name + "\": options: sensor " + std::to_string(number) +
-                        " is another's already or not there; the device has " +
-                        std::to_string(profile_.sensors) + ", counted from 0");
-    }
-    taken.push_back(number);
-    decoders_.emplace_back(profile_, number, 0);
-  }
 }
 
 DeviceInfo HidDriver::open() {
@@ -93,15 +82,11 @@ DeviceInfo HidDriver::open() {
                       "; may slipd read it? See 60-slipd-hid.rules");
   }
   if (!say(profile_.start)) throw DriverError(id + ": does not take its start message");
-  DeviceInfo info{.description = profile_.description + " at " + found.front().path,
-                  .serial = found.front().serial,
-                  .sensors = {}};
-  for (auto& decoder : decoders_) {
-    decoder.reset();
-    info.sensors.push_back({profile_.sensor_class, profile_.layout, profile_.rate_hz, profile_.skin});
-  }
-  std::fill(ready_.begin(), ready_.end(), false);
-  return info;
+  sensors_.reset();
+  return {.description = profile_.description + " at " + found.front().path,
+          .serial = found.front().serial,
+          .simulated = false,
+          .sensors = sensors_.info()};
 }
 
 void HidDriver::close() noexcept {
@@ -121,15 +106,6 @@ bool HidDriver::say(const std::vector<decode::Message>& messages) noexcept {
   return true;
 }
 
-ReadResult HidDriver::next_ready() noexcept {
-  for (std::size_t i = 0; i < ready_.size(); ++i) {
-    if (!ready_[i]) continue;
-    ready_[i] = false;
-    return {ReadStatus::frame, static_cast<std::uint16_t>(i)};
-  }
-  return {ReadStatus::timeout, 0};
-}
-
 ReadResult HidDriver::take(std::span<const std::uint8_t> report, std::int64_t time_ns,
                            std::span<FrameSlot> slots) noexcept {
   std::uint32_t id = 0;
@@ -137,17 +113,11 @@ ReadResult HidDriver::take(std::span<const std::uint8_t> report, std::int64_t ti
     id = report.front();
     report = report.subspan(1);
   }
-  bool dropped = false;
-  for (std::size_t i = 0; i < decoders_.size(); ++i) {
-    const auto outcome = decoders_[i].take(id, report, time_ns, slots[i]);
-    ready_[i] = outcome == decode::Outcome::frame;
-    dropped = dropped || outcome == decode::Outcome::dropped;
-  }
-  return dropped ? ReadResult{ReadStatus::corrupt, 0} : next_ready();
+  return sensors_.take(id, report, time_ns, slots);
 }
 
 ReadResult HidDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
-  if (const ReadResult waiting = next_ready(); waiting.status == ReadStatus::frame) return waiting;
+  if (const ReadResult waiting = sensors_.next_ready(); waiting.status == ReadStatus::frame) return waiting;
   const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
   std::array<std::uint8_t, kLongestReport> report;
   for (;;) {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "drivers/decode/decoder.hpp"
+#include "drivers/decode/sensors.hpp"
 #include "drivers/driver.hpp"
 
 struct hid_device_;  // hidapi's own name
@@ -31,13 +31,11 @@ class HidDriver final : public DeviceDriver {
   bool say(const std::vector<decode::Message>& messages) noexcept;
   ReadResult take(std::span<const std::uint8_t> report, std::int64_t time_ns,
                   std::span<FrameSlot> slots) noexcept;
-  ReadResult next_ready() noexcept;
 
   decode::Profile profile_;
-  std::string serial_, path_;              // which device; empty: the only one there is
-  bool numbered_;                          // reports begin with their id
-  std::vector<decode::Decoder> decoders_;  // one a sensor
-  std::vector<bool> ready_;                // sensors whose frame is not told yet
+  std::string serial_, path_;  // which device; empty: the only one there is
+  decode::Sensors sensors_;
+  bool numbered_;  // reports begin with their id
   std::unique_ptr<hid_device_, Closes> device_;
 };
 

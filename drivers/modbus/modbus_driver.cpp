@@ -60,24 +60,8 @@ ModbusDriver::Place ModbusDriver::place_of(const SensorSetup& sensor, const deco
 ModbusDriver::ModbusDriver(const std::vector<SensorSetup>& sensors)
     : profile_(decode::profile_of(sensors, "modbus")),
       place_(place_of(sensors.front(), *profile_.modbus)),
-      ready_(sensors.size(), false),
-      period_ns_(std::llround(1e9 / profile_.rate_hz)) {
-  std::vector<std::size_t> taken;
-  for (const SensorSetup& sensor : sensors) {
-    const auto number = sensor.options.value("sensor", std::size_t{0});
-    if (number >= profile_.sensors) {
-      throw DriverError("sensor \"" + sensor.name + "\": options: sensor " + std::to_string(number) +
-                        " is not there; the device has " + std::to_string(profile_.sensors) +
-                        ", counted from 0");
-    }
-    if (std::find(taken.begin(), taken.end(), number) != taken.end()) {
-      throw DriverError("sensor \"" + sensor.name + "\": options: sensor " + std::to_string(number) +
-                        " is another's already");
-    }
-    taken.push_back(number);
-    decoders_.emplace_back(profile_, number, 0);
-  }
-}
+      sensors_(profile_, sensors),
+      period_ns_(std::llround(1e9 / profile_.rate_hz)) {}
 
 DeviceInfo ModbusDriver::open() {
   close();
@@ -95,19 +79,17 @@ DeviceInfo ModbusDriver::open() {
                            : ": is the adapter plugged in, and may slipd open it?"));
   }
   modbus_flush(context_.get());
-  DeviceInfo info{.description = profile_.description + " at " + place_.text, .serial = "", .sensors = {}};
-  for (auto& decoder : decoders_) {
-    decoder.reset();
-    info.sensors.push_back({profile_.sensor_class, profile_.layout, profile_.rate_hz, profile_.skin});
-  }
+  sensors_.reset();
   std::size_t longest = 0;
   for (const auto& rule : profile_.scan) longest = std::max(longest, rule.length);
   answer_.assign(longest, 0);
-  std::fill(ready_.begin(), ready_.end(), false);
   due_ns_ = monotonic_ns();
   next_ = 0;
   unanswered_ = 0;
-  return info;
+  return {.description = profile_.description + " at " + place_.text,
+          .serial = "",
+          .simulated = false,
+          .sensors = sensors_.info()};
 }
 
 void ModbusDriver::close() noexcept {
@@ -139,30 +121,8 @@ ModbusDriver::Asked ModbusDriver::ask(std::size_t rule, std::chrono::microsecond
   return Asked::gone;
 }
 
-ReadResult ModbusDriver::next_ready() noexcept {
-  for (std::size_t i = 0; i < ready_.size(); ++i) {
-    if (!ready_[i]) continue;
-    ready_[i] = false;
-    return {ReadStatus::frame, static_cast<std::uint16_t>(i)};
-  }
-  return {ReadStatus::timeout, 0};
-}
-
-ReadResult ModbusDriver::decode_answer(std::size_t rule, std::span<FrameSlot> slots,
-                                       std::int64_t now_ns) noexcept {
-  const decode::PacketRule& wanted = profile_.scan[rule];
-  bool dropped = false;
-  for (std::size_t i = 0; i < decoders_.size(); ++i) {
-    const auto outcome =
-        decoders_[i].take(wanted.id, std::span(answer_).first(wanted.length), now_ns, slots[i]);
-    ready_[i] = outcome == decode::Outcome::frame;
-    dropped = dropped || outcome == decode::Outcome::dropped;
-  }
-  return dropped ? ReadResult{ReadStatus::corrupt, 0} : next_ready();
-}
-
 ReadResult ModbusDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
-  if (const ReadResult waiting = next_ready(); waiting.status == ReadStatus::frame) return waiting;
+  if (const ReadResult waiting = sensors_.next_ready(); waiting.status == ReadStatus::frame) return waiting;
   const std::int64_t begun_ns = monotonic_ns();
   const std::int64_t give_up_ns = begun_ns + std::chrono::nanoseconds(timeout).count();
   if (begun_ns - due_ns_ > kLongestLagNs) due_ns_ = begun_ns;
@@ -181,7 +141,9 @@ ReadResult ModbusDriver::read(std::span<FrameSlot> slots, std::chrono::microseco
     }
     unanswered_ = 0;
     next_ = (rule + 1) % profile_.scan.size();
-    const ReadResult result = decode_answer(rule, slots, monotonic_ns());
+    const decode::PacketRule& answered = profile_.scan[rule];
+    const ReadResult result =
+        sensors_.take(answered.id, std::span(answer_).first(answered.length), monotonic_ns(), slots);
     if (result.status != ReadStatus::timeout) return result;
     if (monotonic_ns() >= give_up_ns) return {ReadStatus::timeout, 0};
   }

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "drivers/decode/decoder.hpp"
+#include "drivers/decode/sensors.hpp"
 #include "drivers/driver.hpp"
 
 struct _modbus;  // libmodbus' own name
@@ -44,13 +44,10 @@ class ModbusDriver final : public DeviceDriver {
 
   static Place place_of(const SensorSetup& sensor, const decode::ModbusMap& map);
   Asked ask(std::size_t rule, std::chrono::microseconds patience) noexcept;
-  ReadResult decode_answer(std::size_t rule, std::span<FrameSlot> slots, std::int64_t now_ns) noexcept;
-  ReadResult next_ready() noexcept;
 
   decode::Profile profile_;
   Place place_;
-  std::vector<decode::Decoder> decoders_;  // one a sensor
-  std::vector<bool> ready_;                // sensors whose frame of this scan is not told yet
+  decode::Sensors sensors_;
   std::vector<std::uint8_t> answer_;
   Context context_;
   std::int64_t period_ns_;

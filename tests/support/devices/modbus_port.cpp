@@ -88,7 +88,7 @@ class TcpPort final : public ModbusPort {
     socklen_t size = sizeof address;
     auto* generic = reinterpret_cast<sockaddr*>(&address);
     checked(::bind(listener.get(), generic, size), "TCP port " + std::to_string(port_));
-    checked(::listen(listener.get(), 1), "listen");
+    checked(::listen(listener.get(), 16), "listen");
     checked(::getsockname(listener.get(), generic, &size), "getsockname");
     if (port_ == 0) port_ = ntohs(address.sin_port);  // and stays there
     listener_ = std::move(listener);

@@ -1,0 +1,33 @@
+// A driver on a bench: in the same process as the device that it reads, whose every taxel feels something
+// constant. One factory a driver; the suite in contract_test.cpp is the same for all.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/driver.hpp"
+
+namespace slipd::test {
+
+class Bench {
+ public:
+  virtual ~Bench() = default;
+  virtual DeviceDriver& driver() = 0;
+  virtual void order(const std::string& /*misbehaviour*/) {}  // of the device, see misbehaviour.hpp
+};
+
+struct Kind {
+  std::string name;
+  std::function<std::unique_ptr<Bench>()> make;
+  bool misbehaves = true;       // there is a device that can be told to
+  bool sees_unplugging = true;  // and whose bus says when it is gone
+  bool knows_losses = true;     // a lost part of a scan shows in the sequence
+};
+
+void PrintTo(const Kind& kind, std::ostream* out);
+
+std::vector<Kind> all_kinds();
+
+}  // namespace slipd::test

@@ -1,0 +1,170 @@
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "drivers/can/can_driver.hpp"
+#include "drivers/hid/hid_driver.hpp"
+#include "drivers/modbus/modbus_driver.hpp"
+#include "drivers/replay/replay_driver.hpp"
+#include "drivers/sim/sim_driver.hpp"
+#include "tests/drivers/contract/bench.hpp"
+#include "tests/drivers/contract/fake_hidapi.hpp"
+#include "tests/drivers/contract/memory_wire.hpp"
+#include "tests/drivers/driver_fixture.hpp"
+#include "tests/support/devices/contacts.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace slipd::test {
+namespace {
+
+using devices::MemoryBus;
+using devices::Player;
+using devices::Sheet;
+using nlohmann::json;
+
+// A device that runs on a thread of its own.
+class Running {
+ public:
+  Running(const Sheet& sheet, std::unique_ptr<devices::Port> port)
+      : player_(sheet, devices::pattern(sheet), std::move(port)),
+        thread_([this](std::stop_token stop) { player_.run(stop, 500); }) {}
+  Player& player() { return player_; }
+
+ private:
+  Player player_;
+  std::jthread thread_;
+};
+
+std::vector<SensorSetup> setups(const Sheet& sheet, const std::string& profile, const json& device) {
+  std::vector<SensorSetup> out;
+  for (std::size_t i = 0; i < sheet.sensors; ++i) {
+    SensorSetup& setup = out.emplace_back(setup_of(TaxelLayout::grid(1, 1, 0.001), {{"sensor", i}}));
+    setup.profile = profile;
+    setup.device = device;
+  }
+  return out;
+}
+
+// A device that is there before the driver is opened, and stays.
+class DeviceBench final : public Bench {
+ public:
+  using Make = std::function<std::unique_ptr<DeviceDriver>(const std::string& place)>;
+  DeviceBench(const Sheet& sheet, std::unique_ptr<devices::Port> port, const Make& make)
+      : device_(sheet, std::move(port)), driver_(make(device_.player().port().place())) {}
+  DeviceDriver& driver() override { return *driver_; }
+  void order(const std::string& misbehaviour) override { device_.player().order(misbehaviour); }
+
+ private:
+  Running device_;
+  std::unique_ptr<DeviceDriver> driver_;
+};
+
+// A bus that is a pair of sockets; the device sits at the other end of each new pair.
+class CanBench final : public Bench {
+ public:
+  DeviceDriver& driver() override { return driver_; }
+  void order(const std::string& misbehaviour) override { device_->player().order(misbehaviour); }
+
+ private:
+  can::Socket connect() {
+    int pair[2];
+    devices::checked(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), "socketpair");
+    device_.reset();
+    device_ = std::make_unique<Running>(devices::xela_xr1944(),
+                                        devices::make_can_port(devices::xela_xr1944(), pair[1]));
+    return can::Socket(pair[0]);
+  }
+
+  std::unique_ptr<Running> device_;
+  can::CanDriver driver_{setups(devices::xela_xr1944(), "xela-xr1944", {{"interface", "can0"}}),
+                         [this](const std::string&, const std::vector<std::uint32_t>&) { return connect(); }};
+};
+
+// A driver that needs no device.
+class SoftBench final : public Bench {
+ public:
+  explicit SoftBench(std::unique_ptr<DeviceDriver> driver,
+                     std::unique_ptr<testing::TempFolder> folder = nullptr)
+      : folder_(std::move(folder)), driver_(std::move(driver)) {}
+  DeviceDriver& driver() override { return *driver_; }
+
+ private:
+  std::unique_ptr<testing::TempFolder> folder_;
+  std::unique_ptr<DeviceDriver> driver_;
+};
+
+std::unique_ptr<Bench> modbus_tcp(const Sheet& sheet, const std::string& profile) {
+  return std::make_unique<DeviceBench>(
+      sheet, devices::make_modbus_tcp_port(sheet, 0), [&](const std::string& place) {
+        return std::make_unique<modbus::ModbusDriver>(
+            setups(sheet, profile, {{"host", "127.0.0.1"}, {"port", std::stoi(place)}}));
+      });
+}
+
+std::unique_ptr<Bench> modbus_rtu(const Sheet& sheet, const std::string& profile) {
+  const std::string line =
+      (std::filesystem::temp_directory_path() / ("slipd-line-" + std::to_string(::getpid()))).string();
+  return std::make_unique<DeviceBench>(
+      sheet, devices::make_modbus_pty_port(sheet, line), [&](const std::string&) {
+        return std::make_unique<modbus::ModbusDriver>(setups(sheet, profile, {{"serial_line", line}}));
+      });
+}
+
+std::unique_ptr<Bench> usb_device(const Sheet& sheet, const std::string& profile) {
+  auto bus = std::make_shared<MemoryBus>();
+  return std::make_unique<DeviceBench>(sheet, devices::make_memory_port(sheet, bus), [&](const std::string&) {
+    return std::make_unique<usb::UsbDriver>(setups(sheet, profile, json::object()), memory_opener(bus));
+  });
+}
+
+std::unique_ptr<Bench> hid_device(const Sheet& sheet, const std::string& profile) {
+  auto bus = std::make_shared<MemoryBus>();
+  plug_into_fake_hidapi(sheet, bus);
+  return std::make_unique<DeviceBench>(sheet, devices::make_memory_port(sheet, bus), [&](const std::string&) {
+    return std::make_unique<hid::HidDriver>(setups(sheet, profile, json::object()));
+  });
+}
+
+std::unique_ptr<Bench> simulation() {
+  const json options{{"noise", 0}, {"cycle", {{{"ms", 1000}, {"normal_n", 2}, {"shear_n", 0.5}}}}};
+  return std::make_unique<SoftBench>(
+      std::make_unique<sim::SimDriver>(std::vector{setup_of(TaxelLayout::grid(8, 8, 0.001), options, 500)}));
+}
+
+std::unique_ptr<Bench> recording() {
+  auto folder = std::make_unique<testing::TempFolder>();
+  const auto file = folder->path() / "a.csv";
+  std::ofstream(file) << "txl1_x,txl1_y,txl1_z\n1,2,3\n1,2,3\n1,2,3\n";
+  const json options{{"file", file.string()}, {"loop", true}};
+  auto driver = std::make_unique<replay::ReplayDriver>(
+      std::vector{setup_of(TaxelLayout::grid(1, 1, 0.001), options, 500)});
+  return std::make_unique<SoftBench>(std::move(driver), std::move(folder));
+}
+
+}  // namespace
+
+void PrintTo(const Kind& kind, std::ostream* out) {
+  *out << kind.name;
+}
+
+std::vector<Kind> all_kinds() {
+  return {
+      {.name = "sim", .make = simulation, .misbehaves = false},
+      {.name = "replay", .make = recording, .misbehaves = false},
+      {.name = "can", .make = [] { return std::make_unique<CanBench>(); }, .sees_unplugging = false},
+      {.name = "modbus_tcp",
+       .make = [] { return modbus_tcp(devices::onrobot_rg2ft(), "onrobot-rg2-ft"); },
+       .knows_losses = false},
+      {.name = "modbus_rtu",
+       .make = [] { return modbus_rtu(devices::robotiq_ft300(), "robotiq-ft300"); },
+       .knows_losses = false},
+      {.name = "hid", .make = [] { return hid_device(devices::vendor_hid(), "vendor-hid-8x8"); }},
+      {.name = "usb_stream", .make = [] { return usb_device(devices::papillarray(), "contactile-pts2"); }},
+      {.name = "usb_records", .make = [] { return usb_device(devices::robotiq_tsf85(), "robotiq-tsf85"); }},
+  };
+}
+
+}  // namespace slipd::test

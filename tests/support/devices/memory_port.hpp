@@ -1,0 +1,44 @@
+// A bus that is nothing but memory of this process: what a simulated device sends waits here for a driver
+// that reads through a stand-in for its bus's library. The device's side is the thread that runs the Player,
+// the host's is any.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "tests/support/devices/port.hpp"
+
+namespace slipd::devices {
+
+class MemoryBus {
+ public:
+  // The host's side. receive: nothing within the time; throws Gone.
+  struct Gone {};
+  bool plugged() const;
+  std::optional<Packet> receive(std::chrono::nanoseconds patience);
+  void say(const Packet& packet);           // to the device
+  void request(const UsbRequest& request);  // to its control pipe
+
+  // The device's side.
+  void plug(bool in);
+  void push(const Packet& packet);
+  std::vector<Packet> said();
+  std::vector<UsbRequest> requested();
+
+ private:
+  static constexpr std::size_t kHeld = 64;  // for a host that does not read; the oldest go
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool plugged_ = false;
+  std::deque<Packet> to_host_;
+  std::vector<Packet> to_device_;
+  std::vector<UsbRequest> requests_;
+};
+
+std::unique_ptr<Port> make_memory_port(const Sheet& sheet, std::shared_ptr<MemoryBus> bus);
+
+}  // namespace slipd::devices
