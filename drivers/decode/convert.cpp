@@ -26,7 +26,8 @@ std::optional<unsigned> shift_of(const json& in) {
 std::vector<Message> messages(const json& list) {
   std::vector<Message> out;
   for (const json& in : list) {
-    out.push_back({id_of(in["id"]), shift_of(in), in["bytes"].get<std::vector<std::uint8_t>>()});
+    out.push_back(
+        {id_of(in["id"]), shift_of(in), in["bytes"].get<std::vector<std::uint8_t>>(), in["feature"]});
     if (!in.contains("control")) continue;
     const json& control = in["control"];
     out.back().control = UsbControl{control["type"], control["request"], control["value"], control["index"],

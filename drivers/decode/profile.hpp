@@ -57,6 +57,7 @@ struct Message {
   std::uint32_t id = 0;
   std::optional<unsigned> board_shift;
   std::vector<std::uint8_t> bytes;
+  bool feature = false;  // of HID
   std::optional<UsbControl> control = {};
 };
 
@@ -98,7 +99,7 @@ struct ModbusMap {
 };
 
 struct HidMatch {
-  std::uint16_t vendor = 0, product = 0;
+  std::uint16_t vendor = 0, product = 0;  // product 0: any, on HID
 };
 
 struct UsbMatch {

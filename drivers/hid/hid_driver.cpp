@@ -101,7 +101,9 @@ bool HidDriver::say(const std::vector<decode::Message>& messages) noexcept {
     const std::size_t size = std::min(message.bytes.size(), report.size() - 1);
     report[0] = static_cast<std::uint8_t>(message.id);
     std::copy_n(message.bytes.begin(), size, report.begin() + 1);
-    if (hid_write(device_.get(), report.data(), size + 1) < 0) return false;
+    const int sent = message.feature ? hid_send_feature_report(device_.get(), report.data(), size + 1)
+                                     : hid_write(device_.get(), report.data(), size + 1);
+    if (sent < 0) return false;
   }
   return true;
 }

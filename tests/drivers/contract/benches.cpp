@@ -163,6 +163,13 @@ std::vector<Kind> all_kinds() {
        .knows_losses = false},
       {.name = "hid", .make = [] { return hid_device(devices::vendor_hid(), "vendor-hid-8x8"); }},
       {.name = "usb_stream", .make = [] { return usb_device(devices::papillarray(), "contactile-pts2"); }},
+      {.name = "hid_numbered",
+       .make = [] { return hid_device(devices::space_mouse(), "3dconnexion"); },
+       .knows_losses = false},
+      {.name = "usb_transfers",
+       .make = [] { return usb_device(devices::takktile(), "takktile"); },
+       .knows_losses = false},
+      {.name = "usb_fixed", .make = [] { return usb_device(devices::optoforce(), "optoforce"); }},
       {.name = "usb_records", .make = [] { return usb_device(devices::robotiq_tsf85(), "robotiq-tsf85"); }},
   };
 }

@@ -211,7 +211,8 @@ TEST_P(DriverContract, leaks_neither_descriptors_nor_memory_over_a_thousand_open
   const std::ptrdiff_t before = descriptors();
   const std::size_t bytes_before = ::mallinfo2().uordblks;
   reopen(1000);
-  EXPECT_LE(descriptors(), before);
+  EXPECT_LE(descriptors(), before + 2)
+      << "the device's end of the last line may be open yet, or closed by then";
   // A thousand leaks of the smallest kind are 32 kB; what libraries and the device's thread hold goes up and
   // down.
   EXPECT_LT(::mallinfo2().uordblks, bytes_before + 24'000);

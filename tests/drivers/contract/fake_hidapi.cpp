@@ -60,6 +60,10 @@ int hid_write(hid_device* device, const unsigned char* data, std::size_t length)
   return static_cast<int>(length);
 }
 
+int hid_send_feature_report(hid_device* device, const unsigned char* data, std::size_t length) {
+  return hid_write(device, data, length);
+}
+
 int hid_read_timeout(hid_device* device, unsigned char* data, std::size_t length, int milliseconds) {
   try {
     const auto packet = device->bus->receive(std::chrono::milliseconds(milliseconds));

@@ -147,9 +147,13 @@ INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
                                          Pair{devices::robotiq_ft300, "robotiq-ft300", 12.6F},
                                          Pair{devices::vendor_hid, "vendor-hid-8x8", 2.6F},
                                          Pair{devices::papillarray, "contactile-pts2", 0.1F},
-                                         Pair{devices::robotiq_tsf85, "robotiq-tsf85", 10.1F}),
+                                         Pair{devices::robotiq_tsf85, "robotiq-tsf85", 10.1F},
+                                         Pair{devices::takktile, "takktile", 63.7F},
+                                         Pair{devices::optoforce, "optoforce", 50.1F},
+                                         Pair{devices::space_mouse, "3dconnexion", 50.1F},
+                                         Pair{devices::rohand, "oymotion-rohand", 2.3F}),
                          [](const auto& tested) {
-                           std::string name = tested.param.profile;
+                           std::string name = std::string("as_") + tested.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

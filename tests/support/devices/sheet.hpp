@@ -79,6 +79,9 @@ const Sheet& robotiq_tsf85();
 const Sheet& vendor_hid();
 const Sheet& onrobot_rg2ft();
 const Sheet& robotiq_ft300();
+const Sheet& optoforce();
+const Sheet& space_mouse();
+const Sheet& rohand();
 
 // All of them, and one by its name (null: unknown).
 std::vector<const Sheet*> all_sheets();

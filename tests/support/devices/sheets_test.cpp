@@ -211,5 +211,26 @@ TEST(Ft300, GivesHundredthsOfANewton) {
   EXPECT_THAT(scan[0].bytes, ElementsAre(0, 20, 0xFF, 0xF6, 0, 40, 0, 0, 0, 0, 0, 0));
 }
 
+TEST(OptoForce, SendsSixteenBytesWithTheirSum) {
+  const auto scan = scan_of(optoforce());
+  ASSERT_THAT(scan, SizeIs(1));
+  // 1000 Pa on a square centimetre are 0.1 N: 10 counts; shear 5 and -2.5. The sum is 10 + 5 + 0xFF + 0xFD +
+  // …
+  EXPECT_THAT(scan[0].bytes, ElementsAre(0xAA, 7, 8, 10, 0, 0x12, 0, 0, 0, 5, 0xFF, 0xFD, 0, 10, 2, 0xE0));
+}
+
+TEST(SpaceMouse, SendsItsTranslationInReportOne) {
+  EXPECT_THAT(scan_of(space_mouse()),
+              ElementsAre(Packet{1, {5, 0, 0xFD, 0xFF, 10, 0}}, Packet{2, Bytes(6, 0)}));
+}
+
+TEST(RoHand, GivesEachFingersForceInMillinewton) {
+  const auto scan = scan_of(rohand());
+  ASSERT_THAT(scan, SizeIs(1));
+  EXPECT_EQ(scan[0].address, 1120);
+  // 1000 Pa on (15 mm)² are 225 mN; each finger feels 100 Pa more than the one before.
+  EXPECT_THAT(scan[0].bytes, ElementsAre(0, 225, 0, 248, 1, 14, 1, 37, 1, 59));
+}
+
 }  // namespace
 }  // namespace slipd::devices

@@ -38,11 +38,14 @@ class UhidPort final : public Port {
       answer.u.get_report_reply.id = event.u.get_report.id;
       answer.u.get_report_reply.err = EIO;
       write(answer);
-    } else if (event.type == UHID_SET_REPORT) {
+    } else if (event.type == UHID_SET_REPORT) {  // a feature report: its id, then its data
+      const uhid_set_report_req& asked = event.u.set_report;
+      if (sheet_.hear && asked.size > 0)
+        sheet_.hear({asked.rnum, Bytes(asked.data + 1, asked.data + asked.size)}, talk_);
       uhid_event answer{};
       answer.type = UHID_SET_REPORT_REPLY;
-      answer.u.set_report_reply.id = event.u.set_report.id;
-      answer.u.set_report_reply.err = EIO;
+      answer.u.set_report_reply.id = asked.id;
+      answer.u.set_report_reply.err = sheet_.hear ? 0 : EIO;
       write(answer);
     }
   }
@@ -51,9 +54,11 @@ class UhidPort final : public Port {
     for (const Packet& packet : scan) {
       uhid_event event{};
       event.type = UHID_INPUT2;
+      const std::uint16_t head = packet.address == 0 ? 0 : 1;  // the report's id, where there are any
+      event.u.input2.data[0] = static_cast<std::uint8_t>(packet.address);
       event.u.input2.size =
-          static_cast<std::uint16_t>(std::min<std::size_t>(packet.bytes.size(), UHID_DATA_MAX));
-      std::copy_n(packet.bytes.begin(), event.u.input2.size, event.u.input2.data);
+          static_cast<std::uint16_t>(head + std::min<std::size_t>(packet.bytes.size(), UHID_DATA_MAX - 1));
+      std::copy_n(packet.bytes.begin(), event.u.input2.size - head, event.u.input2.data + head);
       write(event);
     }
   }
