@@ -94,8 +94,11 @@ install(FILES ${PROJECT_SOURCE_DIR}/drivers/driver.hpp DESTINATION ${CMAKE_INSTA
 install(FILES ${PROJECT_SOURCE_DIR}/core/frame/frame.hpp ${PROJECT_SOURCE_DIR}/core/frame/layout.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/core/frame COMPONENT dev)
 install(TARGETS slipd_frame ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
-configure_file(${slipd_packaging}/slipd-config.cmake.in ${PROJECT_BINARY_DIR}/slipd-config.cmake @ONLY)
 include(CMakePackageConfigHelpers)
+configure_package_config_file(${slipd_packaging}/slipd-config.cmake.in ${PROJECT_BINARY_DIR}/slipd-config.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/slipd PATH_VARS CMAKE_INSTALL_LIBDIR CMAKE_INSTALL_INCLUDEDIR)
+install(FILES ${PROJECT_SOURCE_DIR}/drivers/skeleton/CMakeLists.txt ${PROJECT_SOURCE_DIR}/drivers/skeleton/skeleton.cpp
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/slipd-dev/examples/skeleton COMPONENT dev)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/slipd-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/slipd-config.cmake ${PROJECT_BINARY_DIR}/slipd-config-version.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/slipd COMPONENT dev)

@@ -1,6 +1,9 @@
+#include <dlfcn.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <thread>
@@ -144,6 +147,47 @@ std::unique_ptr<Bench> recording() {
   return std::make_unique<SoftBench>(std::move(driver), std::move(folder));
 }
 
+// The skeleton's module, and a program that sends it frames.
+class SkeletonBench final : public Bench {
+ public:
+  SkeletonBench() {
+    using Table = const DriverModule* (*)();
+    const char* file = SLIPD_BINARY_DIR "/test-drivers/slipd-driver-skeleton.so";
+    module_.reset(::dlopen(file, RTLD_NOW));
+    if (!module_) throw std::runtime_error(::dlerror());
+    const auto table = reinterpret_cast<Table>(::dlsym(module_.get(), kDriverSymbol));
+    driver_ = table()->create({setup_of(TaxelLayout::grid(2, 2, 0.001), {{"path", path_.string()}})});
+    sender_ = std::jthread([this](const std::stop_token& stop) { send(stop); });
+  }
+  DeviceDriver& driver() override { return *driver_; }
+
+ private:
+  struct Unloads {
+    void operator()(void* module) const { ::dlclose(module); }
+  };
+
+  void send(const std::stop_token& stop) const {
+    const devices::Fd fd(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    std::vector<char> frame(4 + 3 * 4 * 4, 1);
+    for (std::uint32_t count = 0; !stop.stop_requested(); ++count) {
+      std::memcpy(frame.data(), &count, sizeof count);
+      const std::size_t size = count % 7 == 0 ? 5 : frame.size();  // some are of no use
+      (void)::sendto(fd.get(), frame.data(), size, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&address),
+                     sizeof address);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+
+  testing::TempFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "socket";
+  std::unique_ptr<void, Unloads> module_;
+  std::unique_ptr<DeviceDriver> driver_;
+  std::jthread sender_;
+};
+
 }  // namespace
 
 void PrintTo(const Kind& kind, std::ostream* out) {
@@ -154,6 +198,7 @@ std::vector<Kind> all_kinds() {
   return {
       {.name = "sim", .make = simulation, .misbehaves = false},
       {.name = "replay", .make = recording, .misbehaves = false},
+      {.name = "skeleton", .make = [] { return std::make_unique<SkeletonBench>(); }, .misbehaves = false},
       {.name = "can", .make = [] { return std::make_unique<CanBench>(); }, .sees_unplugging = false},
       {.name = "modbus_tcp",
        .make = [] { return modbus_tcp(devices::onrobot_rg2ft(), "onrobot-rg2-ft"); },
