@@ -7,7 +7,7 @@
 #include <cinttypes>
 #include <stdexcept>
 
-#include "daemon/serve/clock.hpp"
+#include "daemon/board/clock.hpp"
 
 namespace slipd::notify {
 

@@ -45,6 +45,13 @@ struct SensorInfo {
   TaxelLayout layout;
   double rate_hz = 0;                 // 0: unknown
   std::optional<SkinInfo> skin = {};  // none: the one of the configuration
+  // Whether frames read 0 without load: the device zeroes itself, or its values come from nowhere else.
+  // false: slipd finds out what it reads without load, keeps that on disk, and tells no margin before it
+  // knows.
+  bool zeroed = false;
+  // Which of the device's sensors this is, where that is the same at each start: "board 1". Under it, and
+  // DeviceInfo::serial, the zero is kept. Empty: under the name of the sensor in the configuration.
+  std::string part = {};
 };
 
 struct DeviceInfo {
@@ -104,7 +111,7 @@ struct DriverModule {
   std::unique_ptr<DeviceDriver> (*create)(const std::vector<SensorSetup>& sensors);
 };
 
-inline constexpr std::uint32_t kDriverAbi = 2;
+inline constexpr std::uint32_t kDriverAbi = 3;
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 
 }  // namespace slipd

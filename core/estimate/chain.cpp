@@ -126,6 +126,13 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   Estimate out;
   out.sequence = frame.sequence;
   out.time_ns = frame.time_ns;
+  if (!frame.zeroed) {
+    in.tracker.forget();
+    out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::unzeroed;
+    out.alert = in.alert.update(frame.time_ns, std::nullopt, 0);
+    out.time_to_slip_s = in.forecast.update(frame.time_ns, std::nullopt, 0);
+    return out;
+  }
   const ContactPatch& patch = in.finder.find(frame);
   if (!patch.touched) {
     in.tracker.forget();

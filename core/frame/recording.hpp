@@ -5,7 +5,7 @@
 //   "layout"
 //                {"grid": [columns, rows], "pitch_m"} or {"x_m": […], "y_m": […]} or {"side_m"} (wrench),
 //                "rate_hz", "simulated", "start_realtime_ns", "start_monotonic_ns" (one moment on both
-//                clocks), "description"
+//                clocks), "description", "zeroed" (without it: true)
 //   each frame   map of exactly these, in this order: "seq" uint, "time_ns" int (CLOCK_MONOTONIC),
 //   "device_time_ns" int or
 //                null, "truth_gamma" and "truth_friction" float64 or null, "normal_pa", "shear_x_pa",
@@ -39,6 +39,7 @@ struct RecordingHeader {
   std::int64_t start_realtime_ns = 0;
   std::int64_t start_monotonic_ns = 0;
   std::string description;  // for people, of any length up to some thousand characters
+  bool zeroed = true;       // its frames read 0 without load
 };
 
 // `FILE: byte N: what is wrong, what was expected`.

@@ -109,7 +109,8 @@ std::vector<std::uint8_t> encode_header(const RecordingHeader& header) {
                         {"simulated", header.simulated},
                         {"start_realtime_ns", header.start_realtime_ns},
                         {"start_monotonic_ns", header.start_monotonic_ns},
-                        {"description", header.description.substr(0, kMaxTextBytes)}});
+                        {"description", header.description.substr(0, kMaxTextBytes)},
+                        {"zeroed", header.zeroed}});
 }
 
 RecordingHeader decode_header(std::span<const std::uint8_t> item) {
@@ -126,6 +127,7 @@ RecordingHeader decode_header(std::span<const std::uint8_t> item) {
     refuse("the header's \"version\" is " + shown(map.value("version", json())) +
            ", expected 1: made by a later slipd?");
   }
+  const auto boolean = [](const json& v) { return v.is_boolean(); };
   const auto rate = [](const json& v) {
     return v.is_number() && std::isfinite(v.get<double>()) && v.get<double>() >= 0;
   };
@@ -133,10 +135,11 @@ RecordingHeader decode_header(std::span<const std::uint8_t> item) {
           class_of(text(map, "class")),
           layout_of(entry(map, "layout", "a map", [](const json& v) { return v.is_object(); })),
           entry(map, "rate_hz", "a rate in Hz, 0 if unknown", rate).get<double>(),
-          entry(map, "simulated", "true or false", [](const json& v) { return v.is_boolean(); }).get<bool>(),
+          entry(map, "simulated", "true or false", boolean).get<bool>(),
           nanoseconds(map, "start_realtime_ns"),
           nanoseconds(map, "start_monotonic_ns"),
-          text(map, "description")};
+          text(map, "description"),
+          !map.contains("zeroed") || entry(map, "zeroed", "true or false", boolean).get<bool>()};
 }
 
 }  // namespace slipd

@@ -1,8 +1,5 @@
 #include "core/model/model_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -17,6 +14,7 @@
 
 #include "core/model/crc64.hpp"
 #include "core/model/setup_json.hpp"
+#include "core/model/whole_file.hpp"
 
 namespace slipd {
 namespace {
@@ -77,27 +75,8 @@ std::string hexadecimal(std::uint64_t value) {
   return text.data();
 }
 
-// std::generic_category instead of strerror, whose buffer is shared by all threads.
 std::string reason() {
   return std::generic_category().message(errno);
-}
-
-void write_synced(const fs::path& file, std::span<const std::uint8_t> bytes) {
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) throw ModelError(file.string() + ": cannot be written: " + reason());
-  std::size_t written = 0;
-  bool good = true;
-  while (good && written < bytes.size()) {
-    const auto n = ::write(descriptor, bytes.data() + written, bytes.size() - written);
-    if (n > 0)
-      written += static_cast<std::size_t>(n);
-    else
-      good = n < 0 && errno == EINTR;
-  }
-  good = good && ::fsync(descriptor) == 0;
-  const std::string why = good ? "" : reason();
-  ::close(descriptor);
-  if (!good) throw ModelError(file.string() + ": cannot be written: " + why);
 }
 
 fs::path from_environment(const char* name) {
@@ -144,16 +123,9 @@ Model decode_model(std::span<const std::uint8_t> bytes) {
 }
 
 void save_model(const ModelData& data, const fs::path& file) {
-  std::error_code error;
-  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
-  if (error) throw ModelError(file.parent_path().string() + ": cannot be made: " + error.message());
-  // Two that train the same model at once write the same bytes, each into a file of its own.
-  const fs::path beside = file.string() + ".new-" + std::to_string(::getpid());
   try {
-    write_synced(beside, encode_model(data));
-    fs::rename(beside, file);
+    write_whole_file(file, encode_model(data));
   } catch (const std::exception& failure) {
-    fs::remove(beside, error);
     throw ModelError(failure.what());
   }
 }

@@ -20,6 +20,7 @@
 #include "daemon/board/log_ring.hpp"
 #include "daemon/board/record_tap.hpp"
 #include "daemon/board/wake.hpp"
+#include "daemon/board/zero_panel.hpp"
 
 namespace slipd {
 
@@ -53,6 +54,7 @@ struct DeviceFacts {
   std::string method;                 // empty until an estimator is ready
   std::vector<TradeoffRow> tradeoff;  // what `auto` chose it from; empty if it was asked for by name
   std::string trouble;                // why it is absent; empty: it is not
+  std::string zero_trouble;           // why its zero was not restored, or is not kept; empty: it is
 };
 
 class Panel {
@@ -61,9 +63,10 @@ class Panel {
       : name(std::move(sensor_name)), driver(std::move(driver_name)) {}
 
   const std::string name, driver;
-  Latest<Published> latest;               // estimate thread writes
-  LatencyHistogram latency;               // estimate thread writes: sample → published
-  FrameCopy frame;                        // io and estimate thread
+  Latest<Published> latest;  // estimate thread writes
+  LatencyHistogram latency;  // estimate thread writes: sample → published
+  FrameCopy frame;           // io and estimate thread
+  ZeroPanel zero;
   RecordTap flight_tap;                   // acquire thread and the flight recorder
   RecordTap tap;                          // acquire thread and whoever records
   std::atomic<bool> simulated{false};     // acquire thread writes, while setting up

@@ -1,6 +1,5 @@
 #include "daemon/board/record_tap.hpp"
 
-#include <algorithm>
 #include <span>
 #include <thread>
 
@@ -28,14 +27,7 @@ void FrameQueue::push(const FrameSlot& frame) noexcept {
     missed_.fetch_add(1, std::memory_order_relaxed);
     return;
   }
-  FrameSlot& slot = slots_[index];
-  slot.sequence = frame.sequence;
-  slot.time_ns = frame.time_ns;
-  slot.device_time_ns = frame.device_time_ns;
-  slot.truth = frame.truth;
-  std::copy(frame.normal_pa.begin(), frame.normal_pa.end(), slot.normal_pa.begin());
-  std::copy(frame.shear_x_pa.begin(), frame.shear_x_pa.end(), slot.shear_x_pa.begin());
-  std::copy(frame.shear_y_pa.begin(), frame.shear_y_pa.end(), slot.shear_y_pa.begin());
+  copy_frame(frame, slots_[index]);
   filled_.push(index);
 }
 

@@ -16,9 +16,9 @@ constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
 }  // namespace
 
 Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
-                   std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& estimate,
-                   FeedOpened opened)
-    : driver_(std::move(driver)), log_(log), estimate_(estimate), opened_(std::move(opened)) {
+                   std::vector<std::unique_ptr<Seat>>& seats, ZeroKeeper& zeros, LogRing& log,
+                   Doorbell& estimate, FeedOpened opened)
+    : driver_(std::move(driver)), zeros_(zeros), log_(log), estimate_(estimate), opened_(std::move(opened)) {
   for (const std::size_t sensor : sensors) {
     Outlet& outlet = outlets_.emplace_back();
     outlet.sensor = sensor;
@@ -55,6 +55,9 @@ void Acquirer::run() {
     const Ending ending = pump();
     leave_realtime(grant_);
     driver_->close();
+    for (auto& outlet : outlets_) {
+      if (outlet.zero) outlet.zero->rest();
+    }
     if (ending == Ending::ended) {
       log_.write(LogLevel::info, "%s: the recording has ended", name_.c_str());
       set_link(Link::ended);
@@ -125,8 +128,24 @@ void Acquirer::wire(const DeviceInfo& info) {
       opened_(outlet.sensor, outlet.feed);
     }
     slots_[i] = outlet.feed->mailbox.writable();
+    wire_zero(outlet, info, sensor);
   }
   was_open_ = true;
+}
+
+// The same device goes on with the zero that it had; another one has its own.
+void Acquirer::wire_zero(Outlet& outlet, const DeviceInfo& info, const SensorInfo& sensor) {
+  Panel& panel = outlet.seat->panel;
+  const SensorSetup& setup = outlet.seat->settings.setup;
+  panel.zero.needed.store(!sensor.zeroed, std::memory_order_relaxed);
+  const ZeroIdentity identity{.driver = panel.driver,
+                              .profile = setup.profile,
+                              .device = info.serial.empty() ? setup.device.dump() : "serial " + info.serial,
+                              .part = sensor.part.empty() ? panel.name : sensor.part,
+                              .taxels = sensor.layout.size()};
+  if (!sensor.zeroed && outlet.zero && outlet.zero->identity() == identity) return outlet.zero->reopened();
+  if (outlet.zero) zeros_.leave(outlet.zero);
+  outlet.zero = sensor.zeroed ? nullptr : zeros_.attend(panel, sensor.layout, identity, log_);
 }
 
 void Acquirer::set_link(Link link) noexcept {
@@ -177,11 +196,14 @@ bool Acquirer::deliver(std::size_t index) noexcept {
     outlet.tally.lost += slot.sequence - *outlet.last_sequence - 1;
   }
   outlet.last_sequence = slot.sequence;
+  slot.zeroed = true;
+  if (outlet.zero) outlet.zero->apply(slot);
   outlet.seat->panel.tap.offer(slot);
   outlet.seat->panel.flight_tap.offer(slot);
   feed.mailbox.publish(slot, outlet.tally);
   slot = feed.mailbox.writable();
   estimate_.ring();
+  if (outlet.zero) outlet.zero->afterwards();
   return true;
 }
 

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/realtime.hpp"
 #include "daemon/pipeline/seat.hpp"
 #include "daemon/pipeline/thread.hpp"
+#include "daemon/pipeline/zero_keeper.hpp"
 
 namespace slipd {
 
@@ -23,7 +24,8 @@ class Acquirer {
  public:
   // `sensors`: the indices of `seats` that this device carries, in the driver's order.
   Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
-           std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& estimate, FeedOpened opened);
+           std::vector<std::unique_ptr<Seat>>& seats, ZeroKeeper& zeros, LogRing& log, Doorbell& estimate,
+           FeedOpened opened);
 
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
   void ask_to_stop() noexcept;
@@ -34,6 +36,7 @@ class Acquirer {
     std::size_t sensor = 0;
     Seat* seat = nullptr;
     std::shared_ptr<Feed> feed;
+    std::shared_ptr<ZeroDesk> zero;  // null: its frames are zeroed
     Tally tally;
     std::optional<std::uint64_t> last_sequence;  // none: just (re)opened
   };
@@ -42,6 +45,7 @@ class Acquirer {
   void run();
   bool open();
   void wire(const DeviceInfo& info);
+  void wire_zero(Outlet& outlet, const DeviceInfo& info, const SensorInfo& sensor);
   Ending pump() noexcept;
   bool deliver(std::size_t index) noexcept;
   void set_link(Link link) noexcept;
@@ -50,6 +54,7 @@ class Acquirer {
   std::unique_ptr<DeviceDriver> driver_;
   std::vector<Outlet> outlets_;
   std::vector<FrameSlot> slots_;
+  ZeroKeeper& zeros_;
   LogRing& log_;
   Doorbell& estimate_;
   FeedOpened opened_;

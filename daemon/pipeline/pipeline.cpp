@@ -45,7 +45,8 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
     : settings_(settings),
       seats_(seats_for(settings, board)),
       maker_(settings, seats_, new_log(board), bell_, std::move(models)),
-      estimating_(board, seats_, new_log(board), bell_, {output, !settings.grasps.empty()}) {
+      estimating_(board, seats_, new_log(board), bell_, {output, !settings.grasps.empty()}),
+      zeros_(new_log(board), board.io) {
   std::vector<std::string> problems;
   for (const auto& device : devices_of(settings.sensors)) {
     const SensorSettings& first = settings.sensors[device.front()];
@@ -62,8 +63,8 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
       auto opened = [this](std::size_t sensor, std::shared_ptr<Feed> feed) {
         maker_.want(sensor, std::move(feed));
       };
-      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, seats_, new_log(board),
-                                                      bell_, std::move(opened)));
+      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, seats_, zeros_,
+                                                      new_log(board), bell_, std::move(opened)));
     } catch (const std::exception& error) {
       problems.push_back(place + " (" + first.setup.name + ", driver " + first.driver + "): " + error.what());
     }
@@ -85,6 +86,8 @@ bool Pipeline::stop(std::chrono::system_clock::time_point deadline) {
   maker_.ask_to_stop();
   bool all = true;
   for (auto& acquirer : acquirers_) all = acquirer->join_until(deadline) && all;
+  zeros_.ask_to_stop();
+  all = zeros_.join_until(deadline + std::chrono::milliseconds(500)) && all;
   stop_estimating_.store(true, std::memory_order_relaxed);
   bell_.ring();
   all = estimate_thread_.join_until(deadline + std::chrono::milliseconds(500)) && all;

@@ -37,6 +37,7 @@ class Pipeline {
   LaneMaker maker_;
   Estimating estimating_;
   std::vector<std::unique_ptr<Acquirer>> acquirers_;
+  ZeroKeeper zeros_;  // ends before what it looks at
   std::atomic<bool> stop_estimating_{false};
   Thread estimate_thread_;
 };

@@ -6,7 +6,7 @@
 
 #include "core/estimate/estimate.hpp"
 #include "core/estimate/grasp.hpp"
-#include "daemon/serve/clock.hpp"
+#include "daemon/board/clock.hpp"
 
 namespace slipd {
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "core/frame/recording.hpp"
-#include "daemon/serve/clock.hpp"
+#include "daemon/board/clock.hpp"
 
 namespace slipd {
 namespace {
@@ -119,6 +119,8 @@ void FlightRecorder::write(Track& track) {
   if (history.size() == 0) return;
   const DeviceFacts facts = track.panel->facts();
   const Now now = Now::read();
+  bool zeroed = true;
+  for (std::size_t i = 0; i < history.size(); ++i) zeroed = zeroed && history[i].zeroed;
   const RecordingHeader header{.sensor = track.panel->name,
                                .sensor_class = facts.sensor_class,
                                .layout = *track.layout,
@@ -126,7 +128,8 @@ void FlightRecorder::write(Track& track) {
                                .simulated = track.panel->simulated.load(std::memory_order_relaxed),
                                .start_realtime_ns = now.realtime_of(history[0].time_ns),
                                .start_monotonic_ns = history[0].time_ns,
-                               .description = facts.description};
+                               .description = facts.description,
+                               .zeroed = zeroed};
   const std::error_code error = folder_.add(name, [&](int fd) {
     RecordingWriter writer(fd, header);
     std::error_code trouble;

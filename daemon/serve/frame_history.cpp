@@ -16,14 +16,7 @@ FrameHistory::FrameHistory(std::size_t taxels, std::size_t frames)
 }
 
 void FrameHistory::push(const FrameSlot& frame) noexcept {
-  FrameSlot& slot = slots_[next_];
-  slot.sequence = frame.sequence;
-  slot.time_ns = frame.time_ns;
-  slot.device_time_ns = frame.device_time_ns;
-  slot.truth = frame.truth;
-  std::copy(frame.normal_pa.begin(), frame.normal_pa.end(), slot.normal_pa.begin());
-  std::copy(frame.shear_x_pa.begin(), frame.shear_x_pa.end(), slot.shear_x_pa.begin());
-  std::copy(frame.shear_y_pa.begin(), frame.shear_y_pa.end(), slot.shear_y_pa.begin());
+  copy_frame(frame, slots_[next_]);
   next_ = (next_ + 1) % slots_.size();
   size_ = std::min(size_ + 1, slots_.size());
 }

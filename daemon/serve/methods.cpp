@@ -32,6 +32,26 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
           {"y_mm", y_mm}};
 }
 
+// What came of a bias that was asked for.
+void answer_zero(const Panel& panel, const Reply& reply) {
+  switch (panel.zero.report.load().answer) {
+    case ZeroAnswer::moving:
+      return reply.error(rpc::kNotPossible, panel.name + " does not stand still; let go of it and ask again");
+    case ZeroAnswer::touched:
+      return reply.error(rpc::kNotPossible, panel.name +
+                                                " looks touched; let go of it and ask again, or, if nothing "
+                                                "touches it, ask with \"force\": true");
+    case ZeroAnswer::gone:
+      return reply.error(rpc::kNotPossible, panel.name + " went away meanwhile; ask again when it is back");
+    case ZeroAnswer::none:
+    case ZeroAnswer::taken:
+      break;
+  }
+  json result = zero_json(panel);
+  result["sensor"] = panel.name;
+  reply.result(result);
+}
+
 }  // namespace
 
 Methods::Methods(World& world, Recorder& recorder)
@@ -68,14 +88,8 @@ Methods::Methods(World& world, Recorder& recorder)
     }
     return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
   });
-  methods_["rebias"] = [this](Client& client, const Params& params, const Reply&) {
-    refuse_unknown(params, {"sensor"});
-    required_sensor(params, world_.board);
-    const uid_t user = client.peer().uid;
-    if (user != 0 && user != geteuid()) {
-      throw rpc::Error(rpc::kNotPermitted, "only root and slipd's own user may take a bias anew");
-    }
-    throw rpc::Error(rpc::kNotPossible, "this sensor has no bias that slipd could take anew");
+  methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
+    rebias(client, params, reply);
   };
   methods_["frame"] = [this](Client&, const Params& params, const Reply& reply) { frame(params, reply); };
   methods_["record"] = [this](Client& client, const Params& params, const Reply& reply) {
@@ -227,12 +241,49 @@ void Methods::record(Client& client, const Params& params, const Reply& reply) {
                   });
 }
 
-void Methods::give_up_frames() {
-  for (auto& waiting : frames_wanted_) {
-    for (const Reply& reply : std::exchange(waiting, {})) {
-      reply.error(rpc::kNotPossible, "slipd has stopped or taken up another configuration; ask again");
-    }
+void Methods::rebias(const Client& client, const Params& params, const Reply& reply) {
+  constexpr std::chrono::seconds kPatience{30};  // eight times sixteen frames of a sensor of 5 Hz
+  refuse_unknown(params, {"sensor", "force"});
+  const std::size_t sensor = required_sensor(params, world_.board);
+  const auto force = params.find("force");
+  if (force != params.end() && !force->is_boolean())
+    throw rpc::Error(rpc::kInvalidParams, "\"force\" must be true or false");
+  const uid_t user = client.peer().uid;
+  if (user != 0 && user != geteuid()) {
+    throw rpc::Error(rpc::kNotPermitted, "only root and slipd's own user may take a bias anew");
   }
+  Panel& panel = *world_.board.sensors[sensor];
+  if (panel.link.load(std::memory_order_acquire) != Link::open) {
+    throw rpc::Error(rpc::kNotPossible, panel.name + " sends no frames: its device is not open");
+  }
+  if (!panel.zero.needed.load(std::memory_order_relaxed)) {
+    throw rpc::Error(rpc::kNotPossible,
+                     panel.name + " has no bias that slipd could take anew: its frames come zeroed");
+  }
+  const std::uint32_t request = panel.zero.ask(force != params.end() && force->get<bool>());
+  rebias_wanted_.push_back({reply, sensor, request, std::chrono::steady_clock::now() + kPatience});
+}
+
+void Methods::answer_rebias(bool late) {
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(rebias_wanted_, [&](const Rebias& wanted) {
+    const Panel& panel = *world_.board.sensors[wanted.sensor];
+    if (panel.zero.settled() >= wanted.request) {
+      answer_zero(panel, wanted.reply);
+      return true;
+    }
+    if (!late || now < wanted.given_up) return false;
+    wanted.reply.error(rpc::kNotPossible, panel.name + " sends too few frames to take a bias from");
+    return true;
+  });
+}
+
+void Methods::give_up_waiting() {
+  constexpr const char* kWhy = "slipd has stopped or taken up another configuration; ask again";
+  for (auto& waiting : frames_wanted_) {
+    for (const Reply& reply : std::exchange(waiting, {})) reply.error(rpc::kNotPossible, kWhy);
+  }
+  for (const Rebias& wanted : std::exchange(rebias_wanted_, {})) wanted.reply.error(rpc::kNotPossible, kWhy);
 }
 
 void Methods::answer_frames() {

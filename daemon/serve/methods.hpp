@@ -2,6 +2,7 @@
 // has come. io thread.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -24,7 +25,12 @@ class Methods {
 
   // The estimate thread may have left frames that were asked for: answers those who wait for them.
   void answer_frames();
-  void give_up_frames();  // they will not come
+
+  // The keeper of zeros may have settled what was asked for: answers those who wait for it, and, `late`,
+  // those who have waited too long.
+  void answer_rebias(bool late);
+
+  void give_up_waiting();  // nothing of it will come
 
  private:
   using Params = nlohmann::json;
@@ -35,13 +41,21 @@ class Methods {
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void frame(const Params& params, const rpc::Reply& reply);
+  void rebias(const Client& client, const Params& params, const rpc::Reply& reply);
   nlohmann::ordered_json flight(const Params& params);
   void record(Client& client, const Params& params, const rpc::Reply& reply);
 
   World& world_;
   Recorder& recorder_;
   std::map<std::string, Method, std::less<>> methods_;
+  struct Rebias {
+    rpc::Reply reply;
+    std::size_t sensor = 0;
+    std::uint32_t request = 0;
+    std::chrono::steady_clock::time_point given_up;
+  };
   std::vector<std::vector<rpc::Reply>> frames_wanted_;  // per sensor
+  std::vector<Rebias> rebias_wanted_;
 };
 
 }  // namespace slipd

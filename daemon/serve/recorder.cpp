@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "core/frame/recording.hpp"
+#include "daemon/board/clock.hpp"
 #include "daemon/pipeline/thread.hpp"
-#include "daemon/serve/clock.hpp"
 #include "daemon/serve/rpc.hpp"
 
 namespace slipd {
@@ -76,7 +76,8 @@ void Recorder::start(Panel& panel, UniqueFd file, double seconds,
                                .simulated = panel.simulated.load(std::memory_order_relaxed),
                                .start_realtime_ns = now.realtime_ns,
                                .start_monotonic_ns = now.monotonic_ns,
-                               .description = facts.description};
+                               .description = facts.description,
+                               .zeroed = panel.zero.known()};
   auto job = std::make_unique<Job>(panel, std::move(file), header, seconds);
   job->abandoned = std::move(abandoned);
   job->stop = &stop_;

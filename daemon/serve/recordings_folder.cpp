@@ -6,21 +6,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
-#include <stdexcept>
 #include <vector>
 
 #include "daemon/serve/unique_fd.hpp"
+#include "daemon/state/state_folder.hpp"
 
 namespace slipd {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path from_environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets any
-  return value != nullptr ? fs::path(value) : fs::path();
-}
 
 std::error_code last_error() {
   return {errno, std::generic_category()};
@@ -29,12 +23,7 @@ std::error_code last_error() {
 }  // namespace
 
 fs::path recordings_directory() {
-  if (const auto state = from_environment("STATE_DIRECTORY"); !state.empty()) return state / "recordings";
-  if (const auto state = from_environment("XDG_STATE_HOME"); !state.empty())
-    return state / "slipd" / "recordings";
-  if (const auto home = from_environment("HOME"); !home.empty())
-    return home / ".local" / "state" / "slipd" / "recordings";
-  throw std::runtime_error("no place for recordings: set STATE_DIRECTORY, XDG_STATE_HOME or HOME");
+  return state_folder() / "recordings";
 }
 
 std::error_code RecordingsFolder::add(const std::string& name,

@@ -56,7 +56,7 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
 }
 
 Server::~Server() {
-  methods_.give_up_frames();
+  methods_.give_up_waiting();
   clients_.owner = {
       .line = [](const auto&, const auto&) {}, .gone = [](const auto&) {}, .told = [](std::int64_t) {}};
 }
@@ -120,6 +120,7 @@ void Server::take_news() {
   }
   if (world_.board.events.read_available() > 0) world_.board.io.ring();
   methods_.answer_frames();
+  methods_.answer_rebias(false);
 }
 
 void Server::tell(const Event& event) {
@@ -177,6 +178,7 @@ void Server::measure_rates() {
     std::uint64_t dropped = clients_.dropped_for_gone;
     for (const auto& client : clients_.all) dropped += client->dropped();
     world_.notifications_dropped = dropped;
+    methods_.answer_rebias(true);
     measure_rates();
   }));
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "daemon/board/clock.hpp"
 #include "daemon/can/dbc.hpp"
 #include "daemon/serve/flight_recorder.hpp"
 
@@ -56,6 +57,7 @@ json sensor_status(const World& world, std::size_t sensor) {
           {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
           {"simulated", panel.simulated.load(std::memory_order_relaxed)},
           {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
+          {"zero", zero_json(panel)},
           {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
           {"received", counts.received},
           {"estimated", counts.estimated},
@@ -99,6 +101,25 @@ json can_json(const World& world) {
 }
 
 }  // namespace
+
+json zero_json(const Panel& panel) {
+  if (!panel.zero.needed.load(std::memory_order_relaxed)) return nullptr;
+  const ZeroReport zero = panel.zero.report.load();
+  const std::string trouble = panel.facts().zero_trouble;
+  const std::int64_t now_ns = Now::read().monotonic_ns;
+  const auto age_s = [&](std::int64_t time_ns) { return 1e-9 * static_cast<double>(now_ns - time_ns); };
+  const bool known = zero.origin != ZeroOrigin::none;
+  const auto if_known = [&](const json& value) { return known ? value : json(nullptr); };
+  return {{"origin", to_string(zero.origin)},
+          {"restored", zero.restored},
+          {"taken_s_ago", if_known(age_s(zero.taken_ns))},
+          {"confirmed_s_ago", if_known(age_s(zero.confirmed_ns))},
+          {"free", zero.free},
+          {"noise_normal_pa", if_known(zero.noise_normal_pa)},
+          {"noise_shear_pa", if_known(zero.noise_shear_pa)},
+          {"drift_pa", if_known(zero.drift_pa)},
+          {"trouble", trouble.empty() ? json(nullptr) : json(trouble)}};
+}
 
 json status_json(const World& world) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;

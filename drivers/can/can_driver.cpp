@@ -44,7 +44,7 @@ CanDriver::CanDriver(const std::vector<SensorSetup>& sensors, Opener opener)
       return out;
     };
     boards_.push_back(
-        {decode::Decoder(profile_, 0, board), addressed(profile_.start), addressed(profile_.stop)});
+        {board, decode::Decoder(profile_, 0, board), addressed(profile_.start), addressed(profile_.stop)});
   }
 }
 
@@ -56,7 +56,7 @@ DeviceInfo CanDriver::open() {
     for (const auto& rule : board.decoder.rules()) ids.push_back(rule.id);
     board.decoder.reset();
     board.heard_ns = monotonic_ns() - profile_.keep_alive_ns;  // started by the first read
-    info.sensors.push_back({profile_.sensor_class, profile_.layout, profile_.rate_hz, profile_.skin});
+    info.sensors.push_back(decode::info_of(profile_, "board " + std::to_string(board.number)));
   }
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());

@@ -32,6 +32,7 @@ class CanDriver final : public DeviceDriver {
     std::vector<std::uint8_t> bytes;
   };
   struct Board {
+    unsigned number;
     decode::Decoder decoder;
     std::vector<Message> start, stop;
     std::int64_t heard_ns = 0;  // or asked

@@ -220,6 +220,7 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   out.sensor_class = class_of(in["class"]);
   out.rate_hz = in["rate_hz"];
   out.sensors = in["sensors"];
+  out.zeroed = in["zeroed"];
   out.layout = layout_of(in["layout"], out.sensor_class, problems);
   out.skin = skin_of(in["skin"]);
   out.scan_timeout_ns = std::llround(in["scan"]["timeout_ms"].get<double>() * 1e6);

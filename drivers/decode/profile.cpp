@@ -66,6 +66,15 @@ Profile find_profile(const std::string& name) {
   throw DriverError("there is no profile \"" + name + "\"; looked for " + looked);
 }
 
+SensorInfo info_of(const Profile& profile, std::string part) {
+  return {.sensor_class = profile.sensor_class,
+          .layout = profile.layout,
+          .rate_hz = profile.rate_hz,
+          .skin = profile.skin,
+          .zeroed = profile.zeroed,
+          .part = std::move(part)};
+}
+
 Profile profile_of(const std::vector<SensorSetup>& sensors, const std::string& driver) {
   const std::string& name = sensors.front().profile;
   for (const SensorSetup& sensor : sensors) {

@@ -126,6 +126,7 @@ struct Profile {
   std::optional<ModbusMap> modbus;
   std::optional<HidMatch> hid;
   std::optional<UsbMatch> usb;
+  bool zeroed = false;  // the device does that itself, see SensorInfo
 };
 
 // Throws DriverError: a line for each thing that is wrong, `NAME: /json/pointer = value: what`.
@@ -134,6 +135,9 @@ Profile parse_profile(const std::string& text, const std::string& name);
 // NAME.json of /etc/slipd/profiles, else of the folder `profiles` beside that of the program or module this
 // code is in (a build tree), else of the installed data. Throws DriverError, which says where it looked.
 Profile find_profile(const std::string& name);
+
+// What a driver says of a sensor of this profile. `part`: see SensorInfo.
+SensorInfo info_of(const Profile& profile, std::string part);
 
 // The profile that all of these sensors name, for that driver. Throws DriverError.
 Profile profile_of(const std::vector<SensorSetup>& sensors, const std::string& driver);

@@ -6,8 +6,7 @@
 namespace slipd::decode {
 
 Sensors::Sensors(const Profile& profile, const std::vector<SensorSetup>& setups)
-    : info_{profile.sensor_class, profile.layout, profile.rate_hz, profile.skin},
-      ready_(setups.size(), false) {
+    : ready_(setups.size(), false) {
   std::vector<std::size_t> taken;
   for (const SensorSetup& setup : setups) {
     const auto number = setup.options.value("sensor", std::size_t{0});
@@ -19,6 +18,7 @@ Sensors::Sensors(const Profile& profile, const std::vector<SensorSetup>& setups)
     if (std::ranges::find(taken, number) != taken.end()) throw DriverError(what + " is another's already");
     taken.push_back(number);
     decoders_.emplace_back(profile, number, 0);
+    info_.push_back(info_of(profile, "sensor " + std::to_string(number)));
   }
 }
 
@@ -49,10 +49,6 @@ void Sensors::spoil() noexcept {
 void Sensors::reset() noexcept {
   for (Decoder& decoder : decoders_) decoder.reset();
   std::fill(ready_.begin(), ready_.end(), false);
-}
-
-std::vector<SensorInfo> Sensors::info() const {
-  return std::vector<SensorInfo>(decoders_.size(), info_);
 }
 
 }  // namespace slipd::decode

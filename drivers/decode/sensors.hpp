@@ -23,10 +23,10 @@ class Sensors {
 
   void spoil() noexcept;  // a packet was lost on the way
   void reset() noexcept;
-  std::vector<SensorInfo> info() const;
+  const std::vector<SensorInfo>& info() const noexcept { return info_; }
 
  private:
-  SensorInfo info_;
+  std::vector<SensorInfo> info_;
   std::vector<Decoder> decoders_;
   std::vector<bool> ready_;
 };

@@ -25,6 +25,7 @@ class CsvSource final : public FrameSource {
   std::string fault() const override;  // `FILE: line L, column C (name): …`
   double rate_hz() const noexcept override { return rate_hz_; }
   SensorClass sensor_class() const noexcept override { return class_; }
+  bool zeroed() const noexcept override { return true; }  // by the option `bias`
 
  private:
   enum class Channel : std::uint8_t { ignored, time, x, y, z };

@@ -39,6 +39,10 @@ Playlist::Playlist(const SensorSetup& sensor, Options options) : options_(std::m
   time_ns_ = -period_ns_;
 }
 
+bool Playlist::zeroed() const noexcept {
+  return std::all_of(sources_.begin(), sources_.end(), [](const auto& source) { return source->zeroed(); });
+}
+
 bool Playlist::turn_over() noexcept {
   if (current_ + 1 == sources_.size()) {
     if (!options_.loop || !frames_in_round_) return false;

@@ -27,6 +27,7 @@ class Playlist {
   std::size_t files() const noexcept { return sources_.size(); }
   double rate_hz() const noexcept { return sources_.front()->rate_hz(); }
   SensorClass sensor_class() const noexcept { return sources_.front()->sensor_class(); }
+  bool zeroed() const noexcept;  // all of the files are
 
  private:
   bool turn_over() noexcept;  // to the next file; false: there is none

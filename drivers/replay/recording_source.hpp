@@ -16,6 +16,7 @@ class RecordingSource final : public FrameSource {
   std::string fault() const override { return reader_.fault(); }
   double rate_hz() const noexcept override { return reader_.header().rate_hz; }
   SensorClass sensor_class() const noexcept override { return reader_.header().sensor_class; }
+  bool zeroed() const noexcept override { return reader_.header().zeroed; }
 
  private:
   RecordingReader reader_;

@@ -53,8 +53,10 @@ DeviceInfo ReplayDriver::open() {
   info.simulated = true;
   for (auto& player : players_) {
     open_player(player);
-    info.sensors.push_back(
-        {player.list->sensor_class(), player.setup.layout, speed_ * player.list->rate_hz()});
+    info.sensors.push_back({.sensor_class = player.list->sensor_class(),
+                            .layout = player.setup.layout,
+                            .rate_hz = speed_ * player.list->rate_hz(),
+                            .zeroed = player.list->zeroed()});
     info.description += (info.description.empty() ? "replay of " : ", ") + player.options.file.string();
     if (player.list->files() > 1) info.description += " (" + std::to_string(player.list->files()) + " files)";
   }

@@ -26,6 +26,7 @@ class FrameSource {
   // Set-up. 0: the file does not say.
   virtual double rate_hz() const noexcept = 0;
   virtual SensorClass sensor_class() const noexcept = 0;
+  virtual bool zeroed() const noexcept = 0;  // see SensorInfo
 };
 
 // Looks into the file for what it is and opens it for this sensor. Throws DriverError naming file and place

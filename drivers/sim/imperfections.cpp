@@ -13,7 +13,8 @@ enum Stream : std::uint64_t {
   delay_stream,
   gain_stream,
   drift_stream,
-  dead_stream
+  dead_stream,
+  zero_stream
 };
 
 float largest(std::span<const float> values) noexcept {
@@ -50,12 +51,13 @@ Imperfections::Imperfections(const ImperfectionSettings& settings, std::size_t t
         .stream(gain_stream)
         .add_noise(gain_.data(), taxels, static_cast<float>(settings.gain_spread));
   }
-  if (settings.drift_pa_s > 0) {
-    drift_pa_s_.assign(3 * taxels, 0.0F);
-    Draws(settings.seed)
-        .stream(drift_stream)
-        .add_noise(drift_pa_s_.data(), 3 * taxels, static_cast<float>(settings.drift_pa_s));
-  }
+  const auto each_channel = [&](Stream stream, double within) {
+    std::vector<float> values(within > 0 ? 3 * taxels : 0);
+    Draws(settings.seed).stream(stream).add_noise(values.data(), values.size(), static_cast<float>(within));
+    return values;
+  };
+  zero_pa_ = each_channel(zero_stream, settings.zero_spread_pa);
+  drift_pa_s_ = each_channel(drift_stream, settings.drift_pa_s);
 }
 
 void Imperfections::apply(FrameSlot& frame, std::uint64_t number, double elapsed_s) const noexcept {
@@ -67,14 +69,15 @@ void Imperfections::apply(FrameSlot& frame, std::uint64_t number, double elapsed
     }
   }
   if (settings_.noise > 0) add_noise(frame, number);
-  if (!drift_pa_s_.empty()) {
-    const auto seconds = static_cast<float>(elapsed_s);
-    const float* rate = drift_pa_s_.data();
+  const auto add = [&](const std::vector<float>& off, float times) {
+    const float* next = off.data();
     for (const auto& values : channels) {
-      for (std::size_t i = 0; i < taxels; ++i) values[i] += seconds * rate[i];
-      rate += taxels;
+      for (std::size_t i = 0; i < taxels; ++i) values[i] += times * next[i];
+      next += taxels;
     }
-  }
+  };
+  if (!zero_pa_.empty()) add(zero_pa_, 1);
+  if (!drift_pa_s_.empty()) add(drift_pa_s_, static_cast<float>(elapsed_s));
   for (const auto taxel : dead_) {
     for (const auto& values : channels) values[taxel] = 0;
   }

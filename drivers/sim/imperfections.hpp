@@ -23,11 +23,12 @@ struct ImperfectionSettings {
   double noise = 0;  // uniform, half-width as a fraction of 1
   NoiseKind noise_kind = NoiseKind::sensor;
   double full_scale_pa = 1e5;
-  double drop = 0;         // share of frames that never come
-  double late_ms = 0;      // frames come up to this late, uniformly
-  double dead = 0;         // share of taxels that always read 0
-  double gain_spread = 0;  // gains lie uniformly within 1 ± this
-  double drift_pa_s = 0;   // zeros run away, each channel of each taxel at a rate of its own within ± this
+  double drop = 0;            // share of frames that never come
+  double late_ms = 0;         // frames come up to this late, uniformly
+  double dead = 0;            // share of taxels that always read 0
+  double gain_spread = 0;     // gains lie uniformly within 1 ± this
+  double zero_spread_pa = 0;  // zeros lie off 0, each channel of each taxel by its own within ± this
+  double drift_pa_s = 0;  // zeros run away, each channel of each taxel at a rate of its own within ± this
 };
 
 class Imperfections {
@@ -48,6 +49,7 @@ class Imperfections {
   ImperfectionSettings settings_;
   Draws noise_, loss_, delay_;
   std::vector<float> gain_;          // empty: all 1
+  std::vector<float> zero_pa_;       // as drift_pa_s_
   std::vector<float> drift_pa_s_;    // normal, shear x, shear y of all taxels; empty: none
   std::vector<std::uint32_t> dead_;  // taxels
 };

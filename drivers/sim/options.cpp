@@ -62,7 +62,9 @@ Options options_of(const SensorSetup& sensor) {
   i.late_ms = options.at("late_ms").get<double>();
   i.dead = options.at("dead").get<double>();
   i.gain_spread = options.at("gain_spread").get<double>();
+  i.zero_spread_pa = 1e3 * options.at("zero_spread_kpa").get<double>();
   i.drift_pa_s = 1e3 * options.at("drift_kpa_s").get<double>();
+  out.zeroed = options.at("zeroed").get<bool>();
   out.grip_input = options.value("grip_input", "");
   return out;
 }

@@ -11,6 +11,7 @@ namespace slipd::sim {
 struct Options {
   SensorSettings sensor;
   std::string grip_input;  // path; empty: none
+  bool zeroed = true;      // see SensorInfo
 };
 
 // Throws DriverError for what the schema cannot say (shear_n and load in one phase). A key that is absent has

@@ -19,11 +19,12 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// It slips once, so that friction can be learnt, and is then held at a margin of 0.4, again and again.
+// At first it is free, long enough to be seen to be. It slips once, so that friction can be learnt, and is
+// then held at a margin of 0.4, again and again.
 json slips_and_holds() {
   return {{"noise", 0},
           {"cycle",
-           {{{"ms", 100}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}},
+           {{{"ms", 800}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}},
             {{"ms", 200}, {"normal_n", {0, 10}}},
             {{"ms", 600}, {"load", {0, 1.1}}},
             {{"ms", 200}, {"shear_n", {5, 3}}},
@@ -54,6 +55,11 @@ json config_of(const TempFolder& folder, const json& sensors) {
   return config_with(folder, sensors, {{"estimator", {{"method", "moments"}}}});
 }
 
+// So that no zero of an earlier run is found.
+Program::Environment state_in(const TempFolder& folder) {
+  return {{"STATE_DIRECTORY", folder.file("state").string()}};
+}
+
 // Awaits it for all sensors; the estimates then.
 json await(const Daemon& daemon, const std::function<bool(const json&)>& of_each) {
   return daemon.wait_for("gamma", [&](const json& told) {
@@ -80,7 +86,7 @@ TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_
   const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
   const Daemon daemon(config_of(folder, json::array({sensor("left", "onrobot-rg2-ft", place, 0),
                                                      sensor("right", "onrobot-rg2-ft", place, 1)})),
-                      real_drivers());
+                      real_drivers(), state_in(folder));
   await(daemon, holds);
   device.player().order("stall 60");
   await(daemon, in_state("stale"));
@@ -97,7 +103,7 @@ TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
   Running device(devices::robotiq_ft300(), devices::make_modbus_pty_port(devices::robotiq_ft300(), line));
   const Daemon daemon(
       config_of(folder, json::array({sensor("wrist", "robotiq-ft300", {{"serial_line", line}})})),
-      real_drivers());
+      real_drivers(), state_in(folder));
   await(daemon, holds);
 }
 

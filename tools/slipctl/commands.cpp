@@ -77,12 +77,21 @@ void print_dbc(const Common& common) {
   std::cout << (common.json ? dbc.dump() + "\n" : dbc.get<std::string>());
 }
 
-void rebias(const Common& common, const std::string& sensor) {
-  const json result = RpcClient(common.socket).call("rebias", {{"sensor", sensor}}, std::chrono::seconds(10));
-  if (common.json)
+void rebias(const Common& common, const std::string& sensor, bool force) {
+  // Longer than the daemon waits for frames.
+  json params{{"sensor", sensor}};
+  if (force) params["force"] = true;
+  const json result = RpcClient(common.socket).call("rebias", params, std::chrono::seconds(35));
+  if (common.json) {
     std::cout << result.dump() << '\n';
-  else
-    std::cout << sensor << ": zeroed\n";
+    return;
+  }
+  std::cout << sensor << ": zeroed";
+  if (const json noise = result.value("noise_normal_pa", json()); noise.is_number())
+    std::cout << ", noise " << noise.get<double>() << " Pa";
+  std::cout << '\n';
+  if (const json trouble = result.value("trouble", json()); trouble.is_string())
+    std::cerr << "slipctl: the zero is lost with the next start: " << trouble.get<std::string>() << '\n';
 }
 
 }  // namespace slipctl

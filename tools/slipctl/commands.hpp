@@ -26,7 +26,7 @@ void print_metrics(const Common& common);                           // OpenMetri
 // Has the flight recorder keep the last seconds; empty: of all sensors.
 void keep_flight(const Common& common, const std::string& sensor);
 void print_dbc(const Common& common);  // the CAN messages' definition
-void rebias(const Common& common, const std::string& sensor);
+void rebias(const Common& common, const std::string& sensor, bool force);
 
 // Opens the file here, with the user's own rights, and lets the daemon's writer fill it.
 void record(const Common& common, const RecordOptions& options);

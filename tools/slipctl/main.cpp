@@ -15,6 +15,7 @@ struct Choices {
   std::string sensor;
   RecordOptions record;
   WatchOptions watch;
+  bool force = false;
   int exit_code = 0;
 };
 
@@ -38,7 +39,8 @@ void add_questions(CLI::App& app, Choices& choices) {
   flight->callback([&] { keep_flight(choices.common, choices.sensor); });
   CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's reading as its zero");
   zero->add_option("sensor", choices.sensor)->required();
-  zero->callback([&] { rebias(choices.common, choices.sensor); });
+  zero->add_flag("--force", choices.force, "even if it looks touched");
+  zero->callback([&] { rebias(choices.common, choices.sensor, choices.force); });
 }
 
 void add_record(CLI::App& app, Choices& choices) {

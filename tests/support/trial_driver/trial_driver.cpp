@@ -53,7 +53,7 @@ class TrialDriver : public DeviceDriver {
     if (behaviour_ == "throw_in_open") throw DriverError("trial device 7 is not there: plug it in");
     DeviceInfo info{.description = "trial device", .serial = "7", .simulated = true, .sensors = {}};
     for (const auto& sensor : sensors_)
-      info.sensors.push_back({SensorClass::array3, sensor.layout, sensor.rate_hz});
+      info.sensors.push_back({.layout = sensor.layout, .rate_hz = sensor.rate_hz, .zeroed = true});
     given_ = 0;
     next_ = Clock::now();
     return info;

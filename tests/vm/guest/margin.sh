@@ -1,7 +1,7 @@
 # What the scripts of real drivers share: a contact with a known margin, and what slipd says on its socket, /tmp/slipd.sock.
-# It slips once, so that friction can be learnt, and is then held at a margin of 0.4, again and again.
+# At first it is free, for the two times 16 frames that a sensor takes to be seen to be. It slips once, so that friction can be learnt, and is then held at a margin of 0.4, again and again.
 cat >hold.json <<'END'
-{ "noise": 0, "cycle": [ { "ms": 300, "normal_n": 0, "shear_n": 0, "friction": 0.5 }, { "ms": 300, "normal_n": [0, 3] },
+{ "noise": 0, "cycle": [ { "ms": 3000, "normal_n": 0, "shear_n": 0, "friction": 0.5 }, { "ms": 300, "normal_n": [0, 3] },
                          { "ms": 600, "load": [0, 1.1] }, { "ms": 300, "shear_n": [1.5, 0.9] }, { "ms": 6000 } ] }
 END
 # of SENSOR MEMBER: a member of its estimate.

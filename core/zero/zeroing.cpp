@@ -1,0 +1,271 @@
+#include "core/zero/zeroing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace slipd {
+namespace {
+
+constexpr double kFollowSeconds = 10;  // of a drift, what is older than this is followed
+
+// Two blocks stand still if no channel's means differ by more than so many of their standard errors. White
+// noise does so once in 10^8 channels; flicker noise does not fall with the number of frames, so more than
+// kIndependent count for no more.
+constexpr float kStill = 6;
+constexpr float kIndependent = 100;
+constexpr int kTries = 8;  // blocks, before a reading counts as moving
+
+constexpr float kNear = 3;   // standard deviations of a frame, within which a free sensor is expected
+constexpr float kExact = 6;  // standard errors of two blocks, within which 0 is 0
+constexpr float kRounding = 1e-6F;
+
+// Offsets differ from taxel to taxel; a contact lifts some that lie together.
+constexpr std::size_t kFewTaxels = 8;  // with fewer no shape is seen
+constexpr double kStandsOut = 5;
+constexpr int kTogether = 3;
+
+float square(float x) noexcept {
+  return x * x;
+}
+
+// Mean over normal pressures, or over both shears: a taxel that happens to flicker little is no better known
+// than the others.
+struct Kinds {
+  float normal = 0, shear = 0;
+};
+
+template <typename Value>
+Kinds mean_by_kind(std::size_t taxels, Value value) noexcept {
+  double normal = 0, shear = 0;
+  for (std::size_t i = 0; i < taxels; ++i) normal += value(i);
+  for (std::size_t i = taxels; i < 3 * taxels; ++i) shear += value(i);
+  const auto n = static_cast<double>(taxels);
+  return {static_cast<float>(normal / n), static_cast<float>(shear / (2 * n))};
+}
+
+}  // namespace
+
+std::string_view to_string(ZeroOrigin origin) noexcept {
+  static constexpr std::string_view kNames[] = {"none", "command", "no_load"};
+  return kNames[static_cast<std::size_t>(origin)];
+}
+
+std::string_view to_string(ZeroAnswer answer) noexcept {
+  static constexpr std::string_view kNames[] = {"none", "taken", "moving", "touched", "gone"};
+  return kNames[static_cast<std::size_t>(answer)];
+}
+
+Zeroing::Zeroing(const TaxelLayout& layout)
+    : taxels_(layout.size()),
+      finder_(layout),
+      block_(taxels_),
+      taken_bias_(3 * taxels_),
+      last_mean_(3 * taxels_),
+      last_variance_(3 * taxels_),
+      apart_(3 * taxels_),
+      sorted_(taxels_) {
+  zero_.bias_pa.resize(3 * taxels_);
+  zero_.noise_pa.resize(3 * taxels_);
+}
+
+void Zeroing::restore(const Zero& zero) {
+  if (zero.bias_pa.size() != 3 * taxels_ || zero.noise_pa.size() != 3 * taxels_)
+    throw std::invalid_argument("a zero of " + std::to_string(zero.bias_pa.size() / 3) + " taxels, not of " +
+                                std::to_string(taxels_));
+  zero_ = zero;
+  taken_bias_ = zero.bias_pa;
+  report_.origin = zero.origin;
+  report_.taken_ns = zero.taken_ns;
+  report_.confirmed_ns = zero.confirmed_ns;
+  report_.restored = true;
+  measure_noise();
+}
+
+void Zeroing::reopened() noexcept {
+  block_.forget();
+  whole_ = false;
+  last_frames_ = 0;
+  seen_free_ = report_.free = false;
+  if (asked_) answer(ZeroAnswer::gone);
+}
+
+void Zeroing::skip_requests(std::uint32_t upto) noexcept {
+  report_.asked = upto;
+  answer(ZeroAnswer::gone);
+}
+
+void Zeroing::ask(std::uint32_t request, bool force) noexcept {
+  report_.asked = request;
+  asked_ = true;
+  force_ = force;
+  tries_ = 0;
+  // Frames from before may be of what was held then.
+  block_.forget();
+  whole_ = false;
+  last_frames_ = 0;
+}
+
+void Zeroing::apply(FrameSlot& frame) noexcept {
+  whole_ = block_.add(frame) || whole_;
+  frame.zeroed = known();
+  if (!frame.zeroed) return;
+  const float* bias = zero_.bias_pa.data();
+  for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa}) {
+    float* const values = channel.data();
+#pragma omp simd
+    for (std::size_t i = 0; i < taxels_; ++i) values[i] -= bias[i];
+    bias += taxels_;
+  }
+}
+
+bool Zeroing::judge() noexcept {
+  if (!whole_) return false;
+  whole_ = false;
+  const bool has_last = last_frames_ > 0;
+  const bool still = has_last && stands_still();
+  report_.free = false;
+  if (asked_) {
+    if (has_last) answer_request(still);
+  } else if (still && (known() ? near_bias() : reads_zero()) && !stands_out()) {
+    if (known()) {
+      follow();
+    } else {
+      take(ZeroOrigin::no_load);
+    }
+  }
+  keep_block();
+  return true;
+}
+
+void Zeroing::answer_request(bool still) noexcept {
+  if (!still) {
+    if (++tries_ >= kTries) answer(ZeroAnswer::moving);
+    return;
+  }
+  if (!force_ && looks_touched()) return answer(ZeroAnswer::touched);
+  take(ZeroOrigin::command);
+  answer(ZeroAnswer::taken);
+}
+
+void Zeroing::answer(ZeroAnswer what) noexcept {
+  asked_ = false;
+  report_.answered = report_.asked;
+  report_.answer = what;
+}
+
+// Whether this block and the one before are of one and the same reading.
+bool Zeroing::stands_still() const noexcept {
+  const auto now = block_.mean_pa(), spread = block_.variance_pa2();
+  const auto pooled = [&](std::size_t i) { return (spread[i] + last_variance_[i]) / 2; };
+  const Kinds least = mean_by_kind(taxels_, pooled);
+  const float errors = 1 / std::min(kIndependent, static_cast<float>(block_.frames())) +
+                       1 / std::min(kIndependent, static_cast<float>(last_frames_));
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const float variance = std::max(pooled(i), i < taxels_ ? least.normal : least.shear);
+    if (square(now[i] - last_mean_[i]) > kStill * kStill * errors * variance + square(kRounding * now[i]))
+      return false;
+  }
+  return true;
+}
+
+// Without a zero yet: whether the sensor reads 0 all over. A load that hides every offset, taxel by taxel,
+// there is not.
+bool Zeroing::reads_zero() const noexcept {
+  const auto now = block_.mean_pa(), spread = block_.variance_pa2();
+  const auto pooled = [&](std::size_t i) { return (spread[i] + last_variance_[i]) / 2; };
+  const Kinds least = mean_by_kind(taxels_, pooled);
+  const float frames = static_cast<float>(block_.frames() + last_frames_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const float variance = std::max(pooled(i), i < taxels_ ? least.normal : least.shear);
+    if (square((now[i] + last_mean_[i]) / 2) > kExact * kExact * variance / frames) return false;
+  }
+  return true;
+}
+
+// With a zero: whether every channel is at it, but for noise and what drift may have done meanwhile.
+bool Zeroing::near_bias() const noexcept {
+  const auto now = block_.mean_pa();
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
+    if (std::abs(now[i] - zero_.bias_pa[i]) >
+        kNear * std::max(zero_.noise_pa[i], least) + kRounding * std::abs(now[i]))
+      return false;
+  }
+  return true;
+}
+
+// Whether the block differs from the bias (from 0, while there is none) as a contact does: some taxels that
+// lie together, more than what the others differ by. What all have in common is drift.
+bool Zeroing::stands_out() noexcept {
+  if (taxels_ < kFewTaxels) return false;
+  const auto now = block_.mean_pa();
+  for (std::size_t i = 0; i < now.size(); ++i) apart_[i] = now[i] - zero_.bias_pa[i];
+  std::copy_n(apart_.begin(), taxels_, sorted_.begin());
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(taxels_ / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  for (std::size_t i = 0; i < taxels_; ++i) apart_[i] -= *middle;
+  const std::span<const float> all(apart_);
+  const ContactPatch& patch = finder_.find({.normal_pa = all.first(taxels_),
+                                            .shear_x_pa = all.subspan(taxels_, taxels_),
+                                            .shear_y_pa = all.last(taxels_)});
+  if (!patch.touched) return false;
+  const auto out = std::count_if(patch.inside.begin(), patch.inside.end(), [&](std::uint32_t taxel) {
+    return apart_[taxel] > kStandsOut * patch.noise_normal_pa;
+  });
+  return out >= kTogether;
+}
+
+// What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no
+// longer is, is touched. One that was not may have drifted while it was away: then only shape tells.
+bool Zeroing::looks_touched() noexcept {
+  return (seen_free_ && !near_bias()) || stands_out();
+}
+
+void Zeroing::take(ZeroOrigin origin) noexcept {
+  const auto now = block_.mean_pa(), spread = block_.variance_pa2();
+  const float share =
+      static_cast<float>(block_.frames()) / static_cast<float>(block_.frames() + last_frames_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    zero_.bias_pa[i] = last_mean_[i] + share * (now[i] - last_mean_[i]);
+    zero_.noise_pa[i] = std::sqrt(last_variance_[i] + share * (spread[i] - last_variance_[i]));
+  }
+  std::copy(zero_.bias_pa.begin(), zero_.bias_pa.end(), taken_bias_.begin());
+  zero_.origin = report_.origin = origin;
+  zero_.taken_ns = report_.taken_ns = block_.ended_ns();
+  zero_.confirmed_ns = report_.confirmed_ns = block_.ended_ns();
+  report_.drift_pa = 0;
+  report_.restored = false;
+  report_.free = seen_free_ = true;
+  ++report_.taken;
+  measure_noise();
+}
+
+void Zeroing::follow() noexcept {
+  const auto now = block_.mean_pa();
+  const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
+  const auto share = static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, 1.0) / kFollowSeconds));
+  float way = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    zero_.bias_pa[i] += share * (now[i] - zero_.bias_pa[i]);
+    way = std::max(way, std::abs(zero_.bias_pa[i] - taken_bias_[i]));
+  }
+  report_.drift_pa = way;
+  zero_.confirmed_ns = report_.confirmed_ns = block_.ended_ns();
+  report_.free = seen_free_ = true;
+}
+
+void Zeroing::measure_noise() noexcept {
+  const Kinds variance = mean_by_kind(taxels_, [this](std::size_t i) { return square(zero_.noise_pa[i]); });
+  report_.noise_normal_pa = std::sqrt(variance.normal);
+  report_.noise_shear_pa = std::sqrt(variance.shear);
+}
+
+void Zeroing::keep_block() noexcept {
+  std::copy(block_.mean_pa().begin(), block_.mean_pa().end(), last_mean_.begin());
+  std::copy(block_.variance_pa2().begin(), block_.variance_pa2().end(), last_variance_.begin());
+  last_frames_ = block_.frames();
+  last_ended_ns_ = block_.ended_ns();
+}
+
+}  // namespace slipd

@@ -1,0 +1,173 @@
+// A sensor that does not zero itself, with the real daemon: no margin before its zero is known, none of a
+// held load, the same margin after a restart in mid-grasp, and no trust in a file that is not its own.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+// Its offsets are three times what it measures.
+json sensor(const json& cycle, const json& options = json::object()) {
+  json all{{"zeroed", false}, {"zero_spread_kpa", 100}, {"noise", 0.002}, {"cycle", cycle}};
+  all.merge_patch(options);
+  return {{"name", "left"},
+          {"driver", "sim"},
+          {"stale_after_ms", 500},
+          {"friction", 0.5},
+          {"layout", {{"grid", {24, 24}}, {"pitch_mm", 0.6}}},
+          {"options", all}};
+}
+
+const json kFree = {{{"ms", 3600000}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}}};
+const json kHeld = {{{"ms", 1}, {"normal_n", 2}, {"shear_n", 0}, {"friction", 0.5}},
+                    {{"ms", 50}, {"load", {0, 0.5}}},
+                    {{"ms", 3600000}}};
+
+class Zero : public ::testing::Test {
+ protected:
+  Daemon start(const json& cycle, const json& options = json::object()) const {
+    return {config_with(folder_, json::array({sensor(cycle, options)})),
+            real_drivers(),
+            {{"STATE_DIRECTORY", folder_.file("state").string()}}};
+  }
+  static json zero_of(const Daemon& daemon) { return daemon.client().result("status")["sensors"][0]["zero"]; }
+  static json await(const Daemon& daemon, const char* state) {
+    return daemon.wait_for(
+        "gamma", [&](const json& told) { return told["sensors"][0]["state"] == state; })["sensors"][0];
+  }
+  std::filesystem::path kept() const {
+    for (const auto& file : std::filesystem::directory_iterator(folder_.file("state") / "zero")) return file;
+    return {};
+  }
+  const TempFolder folder_;
+};
+
+TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
+  {
+    const Daemon daemon = start(kFree);
+    const json before = await(daemon, "unzeroed");
+    EXPECT_EQ(before["gamma"], nullptr);
+    EXPECT_EQ(before["normal_n"], nullptr);
+    EXPECT_EQ(zero_of(daemon)["origin"], "none");
+    const json taken = daemon.client().result("rebias", {{"sensor", "left"}});
+    EXPECT_EQ(taken["sensor"], "left");
+    EXPECT_EQ(taken["origin"], "command");
+    EXPECT_EQ(taken["trouble"], nullptr);
+    EXPECT_NEAR(taken["noise_normal_pa"].get<double>(), 200 / std::sqrt(3), 5) << "uniform, 0.2 % of 100 kPa";
+    await(daemon, "no_contact");
+    EXPECT_EQ(std::filesystem::status(kept()).permissions(), std::filesystem::perms(0640));
+  }
+  const Daemon daemon = start(kHeld);
+  const json held = daemon.wait_for("gamma", [](const json& told) {
+    const json& left = told["sensors"][0];
+    EXPECT_NE(left["state"], "unzeroed");
+    return left["state"] == "ok" && left["normal_n"].is_number() && left["truth"]["gamma"].is_number() &&
+           std::fabs(left["gamma"].get<double>() - left["truth"]["gamma"].get<double>()) < 0.02 &&
+           std::fabs(left["truth"]["gamma"].get<double>() - 0.5) < 1e-3;
+  })["sensors"][0];
+  EXPECT_NEAR(held["normal_n"].get<double>(), 2, 0.05);
+  const json zero = zero_of(daemon);
+  EXPECT_EQ(zero["restored"], true);
+  EXPECT_EQ(zero["free"], false);
+  EXPECT_GE(zero["taken_s_ago"], zero["confirmed_s_ago"]);
+}
+
+TEST_F(Zero, IsNotTakenFromWhatIsHeld) {
+  const Daemon daemon = start(kHeld, {{"zero_spread_kpa", 0.1}});
+  await(daemon, "unzeroed");
+  const json refused = daemon.client().call("rebias", {{"sensor", "left"}})["error"];
+  EXPECT_EQ(refused["code"], -32003);
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("looks touched"));
+  EXPECT_EQ(await(daemon, "unzeroed")["gamma"], nullptr);
+  EXPECT_EQ(daemon.client().call("rebias", {{"sensor", "left"}, {"force", 1}})["error"]["code"], -32602);
+}
+
+TEST_F(Zero, OfASensorThatReadsNothingWithoutLoadNeedsNoRequest) {
+  const Daemon daemon = start(kFree, {{"zero_spread_kpa", 0}});
+  await(daemon, "no_contact");
+  EXPECT_EQ(zero_of(daemon)["origin"], "no_load");
+}
+
+TEST_F(Zero, ThatIsDamagedOrAnothersIsRefusedWithItsReason) {
+  start(kFree).client().result("rebias", {{"sensor", "left"}});
+  const auto file = kept();
+  std::string bytes;
+  {
+    std::ifstream in(file, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  ASSERT_GT(bytes.size(), 1000U);
+  std::string damaged = bytes;
+  damaged[bytes.size() / 2] ^= 1;
+  for (const auto& [content, why] : {std::pair(damaged, "is damaged: its checksum does not fit"),
+                                     std::pair(bytes.substr(0, bytes.size() / 2), "is damaged or cut"),
+                                     std::pair(std::string("{}"), "is damaged or cut")}) {
+    std::ofstream(file, std::ios::binary) << content;
+    const Daemon daemon = start(kHeld);
+    EXPECT_EQ(await(daemon, "unzeroed")["gamma"], nullptr);
+    EXPECT_THAT(zero_of(daemon)["trouble"].get<std::string>(), HasSubstr(why));
+  }
+  std::ofstream(file, std::ios::binary) << bytes;
+  const Daemon daemon = start(kHeld);
+  await(daemon, "ok");
+}
+
+TEST_F(Zero, ThatCannotBeKeptIsTakenNeverthelessAndSaid) {
+  const Daemon daemon(config_with(folder_, json::array({sensor(kFree)})), real_drivers(),
+                      {{"STATE_DIRECTORY", "/dev/full"}});
+  const json taken = daemon.client().result("rebias", {{"sensor", "left"}});
+  EXPECT_EQ(taken["origin"], "command");
+  EXPECT_THAT(taken["trouble"].get<std::string>(), HasSubstr("/dev/full/zero"));
+  await(daemon, "no_contact");
+}
+
+TEST_F(Zero, HoldsThroughAReload) {
+  Daemon daemon = start(kFree);
+  daemon.client().result("rebias", {{"sensor", "left"}});
+  std::ofstream(daemon.config()) << config_with(folder_, json::array({sensor(kHeld)}),
+                                                {{"socket", {{"path", daemon.socket().string()}}}});
+  daemon.program().signal(SIGHUP);
+  await(daemon, "ok");
+}
+
+TEST_F(Zero, ARecordingSaysWhetherItsFramesAreZeroed) {
+  const auto file = [&](const char* name) { return folder_.file(name).string(); };
+  const auto record = [&](const Daemon& daemon, const char* name) {
+    const int fd = open(file(name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    const json answer = daemon.client().call("record", {{"sensor", "left"}, {"seconds", 0.1}}, fd);
+    EXPECT_TRUE(answer.contains("result")) << answer;
+    close(fd);
+  };
+  {
+    const Daemon daemon = start(kHeld);
+    await(daemon, "unzeroed");
+    record(daemon, "raw.cbor");
+  }
+  {
+    const Daemon daemon = start(kFree);
+    daemon.client().result("rebias", {{"sensor", "left"}});
+    record(daemon, "zeroed.cbor");
+  }
+  for (const auto& [name, state] :
+       {std::pair("raw.cbor", "unzeroed"), std::pair("zeroed.cbor", "no_contact")}) {
+    json played = sensor(kFree);
+    played["driver"] = "replay";
+    played["options"] = {{"file", file(name)}, {"loop", true}};
+    const Daemon daemon(config_with(folder_, json::array({played})), real_drivers(),
+                        {{"STATE_DIRECTORY", folder_.file("other").string()}});
+    EXPECT_EQ(await(daemon, state)["gamma"], nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace slipd::testing
