@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "config/json_text.hpp"
@@ -73,6 +74,16 @@ SensorInfo info_of(const Profile& profile, std::string part) {
           .skin = profile.skin,
           .zeroed = profile.zeroed,
           .part = std::move(part)};
+}
+
+std::vector<std::string> profile_names() {
+  std::set<std::string> names;
+  for (const fs::path& folder : folders()) {
+    std::error_code absent;
+    for (const auto& file : fs::directory_iterator(folder, absent))
+      if (file.path().extension() == ".json") names.insert(file.path().stem());
+  }
+  return {names.begin(), names.end()};
 }
 
 Profile profile_of(const std::vector<SensorSetup>& sensors, const std::string& driver) {

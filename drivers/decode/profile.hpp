@@ -139,6 +139,9 @@ Profile find_profile(const std::string& name);
 // What a driver says of a sensor of this profile. `part`: see SensorInfo.
 SensorInfo info_of(const Profile& profile, std::string part);
 
+// Of all profiles in those folders, sorted.
+std::vector<std::string> profile_names();
+
 // The profile that all of these sensors name, for that driver. Throws DriverError.
 Profile profile_of(const std::vector<SensorSetup>& sensors, const std::string& driver);
 

@@ -1,9 +1,12 @@
-// slipctl: asks a running slipd. Exit 0 fine, 1 it failed, 2 wrong use.
+// slipctl: asks a running slipd, and looks at devices without one. Exit 0 fine, 1 it failed, 2 wrong use.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <iostream>
 
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/commands.hpp"
+#include "tools/slipctl/decode.hpp"
+#include "tools/slipctl/probe.hpp"
 #include "tools/slipctl/watch.hpp"
 
 namespace {
@@ -16,6 +19,7 @@ struct Choices {
   RecordOptions record;
   WatchOptions watch;
   bool force = false;
+  DecodeOptions decode;
   int exit_code = 0;
 };
 
@@ -73,11 +77,25 @@ void add_watch(CLI::App& app, Choices& choices) {
   });
 }
 
+void add_devices(CLI::App& app, Choices& choices) {
+  app.add_subcommand("probe", "what is plugged in, and which profile would match")->callback([&] {
+    print_probe(choices.common.json, std::cout);
+  });
+  CLI::App* command = app.add_subcommand(
+      "decode", "what a capture on the standard input means: `candump -L` of CAN, else the device's bytes");
+  command->add_option("profile", choices.decode.profile)->required();
+  command->add_option("--board", choices.decode.board, "which one on a CAN bus")->capture_default_str();
+  command->callback([&] {
+    choices.decode.json = choices.common.json;
+    choices.exit_code = decode(choices.decode, std::cin, std::cout, std::cerr) ? 0 : 1;
+  });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
   Choices choices;
-  CLI::App app{"Asks a running slipd how far each grasp is from slipping.", "slipctl"};
+  CLI::App app{"Asks a running slipd how far each grasp is from slipping, and looks at devices.", "slipctl"};
   app.set_version_flag("--version", "slipctl " SLIPD_VERSION);
   app.add_option("--socket", choices.common.socket, "the daemon's socket")->capture_default_str();
   app.add_flag("--json", choices.common.json, "the daemon's own answers, one JSON object a line");
@@ -86,6 +104,7 @@ int main(int argc, char** argv) try {
   add_questions(app, choices);
   add_record(app, choices);
   add_watch(app, choices);
+  add_devices(app, choices);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {
