@@ -31,34 +31,26 @@ bool weighed_over_time(const ChainSetup& setup) {
   return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
 }
 
-Range expected_friction(const Scene& scene) {
-  Range all{0.1, 0.9};
-  if (!scene.objects.empty()) all = scene.objects.front().friction;
-  for (const auto& family : scene.objects) {
-    all = {std::min(all.low, family.friction.low), std::max(all.high, family.friction.high)};
-  }
-  return all;
-}
-
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
-std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, std::vector<TradeoffRow>& rows) {
+std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, Worth& worth) {
   constexpr std::size_t kContacts = 48;
   constexpr std::uint64_t kSeed = 2;  // training draws from 1
   std::vector<std::unique_ptr<SlipMethod>> methods;
   methods.push_back(std::make_unique<Moments>(setup.layout));
   methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));
+  worth.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
   for (const auto& method : methods) {
-    rows.push_back(
+    worth.rows.push_back(
         measure_tradeoff(setup.layout, scene, *method, NoiseKind::relative, scene.noise, kContacts, kSeed));
   }
-  return std::move(methods[choose(rows, setup.estimator.budget_us)]);
+  return std::move(methods[choose(worth.rows, setup.estimator.budget_us)]);
 }
 
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
-                                        std::vector<TradeoffRow>& rows) {
+                                        Worth& worth) {
   if (only_forces(setup)) return nullptr;
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
@@ -68,13 +60,14 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   }
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
-      return choose_method(setup, rows);
+      return choose_method(setup, worth);
     case MethodChoice::fit:
       return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
     case MethodChoice::registered:
+      worth = model->data().worth;
       return std::make_unique<SvdKnn>(model);
   }
   throw std::invalid_argument("there is no such estimator");
@@ -87,13 +80,13 @@ struct EstimatorChain::Impl {
       : setup(s),
         model(std::move(m)),
         finder(s.layout),
-        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, rows)),
+        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, worth)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         alert(s.alerts) {}
 
   ChainSetup setup;
   std::shared_ptr<const Model> model;
-  std::vector<TradeoffRow> rows;
+  Worth worth;
   PatchFinder finder;
   std::unique_ptr<SlipMethod> method;
   Tracker tracker;
@@ -113,8 +106,8 @@ EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;
 
-const std::vector<TradeoffRow>& EstimatorChain::tradeoff() const noexcept {
-  return impl_->rows;
+const Worth& EstimatorChain::tradeoff() const noexcept {
+  return impl_->worth;
 }
 
 Method EstimatorChain::method() const noexcept {

@@ -14,8 +14,8 @@
 
 namespace slipd {
 
-class Model;         // core/model/model.hpp
-struct TradeoffRow;  // core/estimate/tradeoff.hpp
+class Model;   // core/model/model.hpp
+struct Worth;  // core/model/tradeoff_row.hpp
 
 struct ChainSetup {
   TaxelLayout layout;
@@ -40,8 +40,9 @@ class EstimatorChain {
 
   Method method() const noexcept;  // the one that was chosen
 
-  // What the choice was made from, for method `automatic`; empty for a method that was asked for by name.
-  const std::vector<TradeoffRow>& tradeoff() const noexcept;
+  // Error against run time on this scene: what the choice was made from for method `automatic`, for a trained
+  // method what was measured with its model. No rows for others.
+  const Worth& tradeoff() const noexcept;
 
   // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
   Estimate estimate(const Frame& frame) noexcept;

@@ -23,6 +23,11 @@ class Fit final : public SlipMethod {
   // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
   Fit(const TaxelLayout& layout, Range friction_expected);
   Method name() const noexcept override { return Method::fit; }
+  MethodSettings settings() const noexcept override {
+    // Lists below, two residuals and their slopes a taxel, and the dome sheet's.
+    constexpr std::size_t kNumbersATaxel = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
+    return {.memory_bytes = sizeof(*this) + kNumbersATaxel * sizeof(double) * layout_.size()};
+  }
 
   // Levenberg-Marquardt from the moments' start, at most kMostSteps steps. Not in the family if it did not
   // converge or if what is left over is more than noise and the skin's unevenness explain.

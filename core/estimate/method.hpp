@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "core/estimate/estimate.hpp"
+#include "core/model/tradeoff_row.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {
@@ -42,6 +43,7 @@ class SlipMethod {
  public:
   virtual ~SlipMethod() = default;
   virtual Method name() const noexcept = 0;
+  virtual MethodSettings settings() const noexcept = 0;  // any thread
   // Estimate thread. Allocates nothing. `patch` is of this very frame and touched, with shear above the
   // noise.
   virtual Reading read(const Frame& frame, const ContactPatch& patch) noexcept = 0;

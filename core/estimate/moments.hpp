@@ -15,6 +15,9 @@ class Moments final : public SlipMethod {
  public:
   explicit Moments(const TaxelLayout& layout) : layout_(layout) {}
   Method name() const noexcept override { return Method::moments; }
+  MethodSettings settings() const noexcept override {
+    return {.memory_bytes = sizeof(*this) + 2 * sizeof(double) * layout_.size()};
+  }
   Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
 
  private:

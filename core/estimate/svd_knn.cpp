@@ -22,13 +22,39 @@ constexpr double kLeastFrictionSigma = 0.05;  // relative
 
 }  // namespace
 
-SvdKnn::SvdKnn(std::shared_ptr<const Model> model)
+SvdKnn::SvdKnn(std::shared_ptr<const Model> model, Precision precision)
     : model_(std::move(model)),
       query_(model_->neighbours(), static_cast<std::size_t>(model_->setup().neighbours)),
       moments_(model_->setup().layout),
       alpha_(model_->setup().layout.size()),
-      point_(model_->rank()) {}
+      point_(model_->rank()),
+      point_double_(model_->rank()),
+      precision_(precision) {}
 
+MethodSettings SvdKnn::settings() const noexcept {
+  const ModelSetup& setup = model_->setup();
+  const ModelData& data = model_->data();
+  const bool rings = setup.view == View::rings;
+  // Points twice: the model's and the search tree's, which has an index beside each.
+  const std::size_t numbers = data.basis.size() + 2 * data.coordinates.size() + data.gamma.size() +
+                              data.friction.size() + 2 * data.gamma.size() + alpha_.size();
+  return {.rank = static_cast<int>(point_.size()),
+          .rings = rings ? setup.rings : 0,
+          .neighbours = setup.neighbours,
+          .precision = precision_,
+          .memory_bytes = sizeof(*this) + sizeof(float) * numbers + 2 * sizeof(double) * setup.layout.size()};
+}
+
+template <>
+std::vector<float>& SvdKnn::sums() noexcept {
+  return point_;
+}
+template <>
+std::vector<double>& SvdKnn::sums() noexcept {
+  return point_double_;
+}
+
+template <class Real>
 bool SvdKnn::project(const Frame& frame, const ContactPatch& patch, float& noise) noexcept {
   float peak = 0;
   for (const std::uint32_t i : patch.inside) peak = std::max(peak, frame.normal_pa[i]);
@@ -39,14 +65,15 @@ bool SvdKnn::project(const Frame& frame, const ContactPatch& patch, float& noise
 
   const float* basis = model_->data().basis.data();
   const std::size_t rank = point_.size();
-  std::fill(point_.begin(), point_.end(), 0.0F);
+  std::vector<Real>& sum = sums<Real>();
+  std::fill(sum.begin(), sum.end(), Real(0));
   float squares = 0, inverse_squares = 0;
   std::size_t taken = 0;
   for (const std::uint32_t i : patch.inside) {
     if (!(frame.normal_pa[i] > mask.least_pa)) continue;
     const float alpha = alpha_[i];
     const float* row = basis + i * rank;
-    for (std::size_t k = 0; k < rank; ++k) point_[k] += alpha * row[k];
+    for (std::size_t k = 0; k < rank; ++k) sum[k] += Real(alpha) * Real(row[k]);
     squares += alpha * alpha;
     inverse_squares += 1 / (frame.normal_pa[i] * frame.normal_pa[i]);
     ++taken;
@@ -54,29 +81,34 @@ bool SvdKnn::project(const Frame& frame, const ContactPatch& patch, float& noise
   if (taken == 0) return false;
   // d(alpha) = dq/p at most, and each basis has norm 1: the mean over the taxels is what a coordinate sees.
   noise = static_cast<float>(patch.noise_shear_pa) * std::sqrt(inverse_squares / static_cast<float>(taken));
+  std::transform(sum.begin(), sum.end(), point_.begin(), [](Real z) { return static_cast<float>(z); });
   float kept = 0;
   for (const float z : point_) kept += z * z;
   const float noise_squares = noise * noise * static_cast<float>(taken);
   return squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 2 * noise_squares;
 }
 
+template <class Real>
 bool SvdKnn::project_rings(const Frame& frame, const ContactPatch& patch, float& noise) noexcept {
   const TaxelLayout& layout = model_->setup().layout;
-  const Rings rings = sum_rings(frame, patch, layout);
-  const auto angles = ring_angles(rings);
+  const std::size_t count = model_->setup().rows();
+  const Rings rings = merged(sum_rings(frame, patch, layout), count);
+  const auto angles = ring_angles(rings, count);
   const float* basis = model_->data().basis.data();
   const std::size_t rank = point_.size();
-  std::fill(point_.begin(), point_.end(), 0.0F);
+  std::vector<Real>& sum = sums<Real>();
+  std::fill(sum.begin(), sum.end(), Real(0));
   float squares = 0, noise_squares = 0;
-  for (std::size_t j = 0; j < angles.size(); ++j) {
-    for (std::size_t k = 0; k < rank; ++k) point_[k] += angles[j] * basis[j * rank + k];
+  for (std::size_t j = 0; j < count; ++j) {
+    for (std::size_t k = 0; k < rank; ++k) sum[k] += Real(angles[j]) * Real(basis[j * rank + k]);
     squares += angles[j] * angles[j];
     if (!(rings.normal_n[j] > 0)) continue;
-    const double sigma = ring_weight(j) * patch.noise_shear_pa * layout.area_m2() *
+    const double sigma = ring_weight(j, count) * patch.noise_shear_pa * layout.area_m2() *
                          std::sqrt(rings.taxels[j]) / rings.normal_n[j];
     noise_squares += static_cast<float>(sigma * sigma);
   }
-  noise = std::sqrt(noise_squares / static_cast<float>(angles.size()));
+  noise = std::sqrt(noise_squares / static_cast<float>(count));
+  std::transform(sum.begin(), sum.end(), point_.begin(), [](Real z) { return static_cast<float>(z); });
   float kept = 0;
   for (const float z : point_) kept += z * z;
   return squares > 0 &&
@@ -93,7 +125,11 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   float noise = 0;
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;
-  if (!(rings ? project_rings(frame, patch, noise) : project(frame, patch, noise))) return out;
+  const bool twice = precision_ == Precision::double_precision;
+  const bool known =
+      rings ? (twice ? project_rings<double>(frame, patch, noise) : project_rings<float>(frame, patch, noise))
+            : (twice ? project<double>(frame, patch, noise) : project<float>(frame, patch, noise));
+  if (!known) return out;
   const KnnAnswer answer = answer_of(query_, point_, model_->data().gamma, model_->data().friction);
   const float all_noise = noise * std::sqrt(static_cast<float>(point_.size()));
   if (!answer.known || answer.distance > kBeyond * model_->data().errors.distance_limit + 3 * all_noise)

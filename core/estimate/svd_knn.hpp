@@ -16,7 +16,9 @@ namespace slipd {
 
 class SvdKnn final : public SlipMethod {
  public:
-  explicit SvdKnn(std::shared_ptr<const Model> model);
+  // precision: in which a point's coordinates are added up; the points themselves are single.
+  explicit SvdKnn(std::shared_ptr<const Model> model, Precision precision = Precision::single_precision);
+  MethodSettings settings() const noexcept override;
   Method name() const noexcept override {
     return model_->setup().view == View::rings ? Method::registered : Method::svd_knn;
   }
@@ -27,14 +29,20 @@ class SvdKnn final : public SlipMethod {
  private:
   // Fills point_; returns whether it lies where the training's contacts did. `noise` gets the standard
   // deviation of each of its coordinates that comes of the frame's shear noise, rad.
+  template <class Real>
   bool project_rings(const Frame& frame, const ContactPatch& patch, float& noise) noexcept;
+  template <class Real>
   bool project(const Frame& frame, const ContactPatch& patch, float& noise) noexcept;
+  template <class Real>
+  std::vector<Real>& sums() noexcept;
 
   std::shared_ptr<const Model> model_;
   Neighbours::Query query_;
   Moments moments_;           // whether the load has only risen: a question that needs no model
   std::vector<float> alpha_;  // of every taxel
   std::vector<float> point_;  // rank
+  std::vector<double> point_double_;
+  Precision precision_;
 };
 
 }  // namespace slipd

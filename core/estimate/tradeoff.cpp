@@ -1,24 +1,20 @@
 #include "core/estimate/tradeoff.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <numbers>
 
+#include "core/estimate/fit.hpp"
+#include "core/estimate/moments.hpp"
+#include "core/estimate/svd_knn.hpp"
+#include "core/estimate/thread_clock.hpp"
 #include "core/model/dataset.hpp"
 #include "core/model/random.hpp"
 
 namespace slipd {
 namespace {
-
-// Time of this thread on the processor: what the others on the machine take is not counted.
-double thread_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
 
 double quantile(std::vector<double>& values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -35,7 +31,8 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
   TrialFrames frames(layout, kind, noise);
   std::vector<double> errors, times;
   TradeoffRow row;
-  row.method = method.name();
+  row.method = to_string(method.name());
+  row.settings = method.settings();
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
     const Draws random = Draws(seed ^ 0x7261646566666fULL).stream(i);
@@ -68,6 +65,42 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
   row.p50_us = quantile(times, 0.5);
   row.p99_us = quantile(times, 0.99);
   return row;
+}
+
+Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
+                    std::uint64_t seed) {
+  const ModelSetup& setup = models.front()->setup();
+  Worth worth{{}, processor_name()};
+  const auto add = [&](SlipMethod& method) {
+    worth.rows.push_back(measure_tradeoff(setup.layout, setup.scene, method, NoiseKind::relative,
+                                          setup.scene.noise, contacts, seed));
+  };
+  Moments moments(setup.layout);
+  add(moments);
+  Fit fit(setup.layout, expected_friction(setup.scene));
+  add(fit);
+  for (const auto& model : models) {
+    SvdKnn knn(model);
+    add(knn);
+  }
+  return worth;
+}
+
+std::string processor_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown processor";
+}
+
+Range expected_friction(const Scene& scene) {
+  Range all{0.1, 0.9};
+  if (!scene.objects.empty()) all = scene.objects.front().friction;
+  for (const auto& family : scene.objects) {
+    all = {std::min(all.low, family.friction.low), std::max(all.high, family.friction.high)};
+  }
+  return all;
 }
 
 std::size_t choose(std::span<const TradeoffRow> rows, double budget_us) {

@@ -10,8 +10,8 @@
 
 #include "core/estimate/chain.hpp"
 #include "core/estimate/method.hpp"
-#include "core/estimate/tradeoff_row.hpp"
 #include "core/estimate/trial_frames.hpp"
+#include "core/model/tradeoff_row.hpp"
 
 namespace slipd {
 
@@ -19,6 +19,16 @@ namespace slipd {
 // averages. `noise`: the half-width as a fraction. The same seed draws the same contacts for every method.
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
                              NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed);
+
+// Each method that a sensor of this model could use: moments, fit, and SvdKnn at each of `models`, which are
+// of one scene. On relative noise as strong as the scene says.
+Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
+                    std::uint64_t seed);
+
+std::string processor_name();  // of this machine, as its kernel says
+
+// The friction that a scene's objects may have; the paper's range for a scene without objects.
+Range expected_friction(const Scene& scene);
 
 // The least mean error among those within the budget, the fastest if none is. `rows` is not empty.
 std::size_t choose(std::span<const TradeoffRow> rows, double budget_us);

@@ -11,6 +11,7 @@
 #include "core/frame/layout.hpp"
 #include "core/model/dataset.hpp"
 #include "core/model/neighbours.hpp"
+#include "core/model/tradeoff_row.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {
@@ -34,8 +35,11 @@ struct ModelSetup {
   int rank = 8;        // bases kept; fewer where the sensor has fewer taxels
   int neighbours = 5;  // k, for the error statistics
   View view = View::grid;
+  int rings = Rings::kCount;  // of View::rings: 16, or fewer that divide it
 
-  std::size_t rows() const noexcept { return view == View::rings ? Rings::kCount : layout.size(); }
+  std::size_t rows() const noexcept {
+    return view == View::rings ? static_cast<std::size_t>(rings) : layout.size();
+  }
   bool operator==(const ModelSetup&) const = default;
 };
 
@@ -56,6 +60,7 @@ struct ModelData {
   std::vector<float> coordinates;       // columns x rank, a column's values side by side, rad
   std::vector<float> gamma, friction;   // of each column
   ErrorStatistics errors;
+  Worth worth;  // each method on this sensor and scene; no rows where nobody measured
 };
 
 class Model {

@@ -58,6 +58,38 @@ ErrorStatistics errors_of(const json& from) {
           .residual_limit = from.at("residual_limit")};
 }
 
+json to_json(const TradeoffRow& row) {
+  const MethodSettings& set = row.settings;
+  return {row.method,     set.rank,      set.rings, set.neighbours, set.precision,    set.memory_bytes,
+          row.mean_error, row.p95_error, row.right, row.answered,   row.within_sigma, row.within_two_sigma,
+          row.p50_us,     row.p99_us};
+}
+
+TradeoffRow row_of(const json& from) {
+  return {.method = from.at(0),
+          .settings = {from.at(1), from.at(2), from.at(3), from.at(4), from.at(5)},
+          .mean_error = from.at(6),
+          .p95_error = from.at(7),
+          .right = from.at(8),
+          .answered = from.at(9),
+          .within_sigma = from.at(10),
+          .within_two_sigma = from.at(11),
+          .p50_us = from.at(12),
+          .p99_us = from.at(13)};
+}
+
+json to_json(const Worth& worth) {
+  json rows = json::array();
+  for (const auto& row : worth.rows) rows.push_back(to_json(row));
+  return {{"rows", std::move(rows)}, {"processor", worth.processor}};
+}
+
+Worth worth_of(const json& from) {
+  Worth worth{{}, from.at("processor")};
+  for (const auto& row : from.at("rows")) worth.rows.push_back(row_of(row));
+  return worth;
+}
+
 ModelData data_of(const json& from) {
   return {.setup = setup_of(from.at("setup")),
           .total_variance = from.at("total_variance"),
@@ -66,7 +98,8 @@ ModelData data_of(const json& from) {
           .coordinates = unpack<float>(from.at("coordinates")),
           .gamma = unpack<float>(from.at("gamma")),
           .friction = unpack<float>(from.at("friction")),
-          .errors = errors_of(from.at("errors"))};
+          .errors = errors_of(from.at("errors")),
+          .worth = worth_of(from.at("worth"))};
 }
 
 std::string hexadecimal(std::uint64_t value) {
@@ -95,7 +128,8 @@ std::vector<std::uint8_t> encode_model(const ModelData& data) {
                              {"coordinates", pack(data.coordinates)},
                              {"gamma", pack(data.gamma)},
                              {"friction", pack(data.friction)},
-                             {"errors", to_json(data.errors)}});
+                             {"errors", to_json(data.errors)},
+                             {"worth", to_json(data.worth)}});
   const std::uint64_t checksum = crc64(body);
   return json::to_cbor({{"format", kFormat},
                         {"version", kModelVersion},

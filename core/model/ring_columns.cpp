@@ -9,22 +9,34 @@
 
 namespace slipd {
 
-double ring_weight(std::size_t ring) noexcept {
-  const double s = (static_cast<double>(ring) + 0.5) / Rings::kCount;
+double ring_weight(std::size_t ring, std::size_t rings) noexcept {
+  const double s = (static_cast<double>(ring) + 0.5) / static_cast<double>(rings);
   return std::sqrt(2 * s * (1 - s * s));
 }
 
-std::array<float, Rings::kCount> ring_angles(const Rings& rings) noexcept {
+Rings merged(const Rings& rings, std::size_t count) noexcept {
+  Rings out;
+  const std::size_t each = Rings::kCount / count;
+  for (std::size_t j = 0; j < Rings::kCount; ++j) {
+    out.normal_n[j / each] += rings.normal_n[j];
+    out.shear_n[j / each] += rings.shear_n[j];
+    out.taxels[j / each] += rings.taxels[j];
+  }
+  return out;
+}
+
+std::array<float, Rings::kCount> ring_angles(const Rings& rings, std::size_t count) noexcept {
   std::array<float, Rings::kCount> angles{};
-  for (std::size_t j = 0; j < angles.size(); ++j) {
+  for (std::size_t j = 0; j < count; ++j) {
     if (!(rings.normal_n[j] > 0)) continue;
-    angles[j] = static_cast<float>(ring_weight(j) * std::atan(rings.shear_n[j] / rings.normal_n[j]));
+    angles[j] = static_cast<float>(ring_weight(j, count) * std::atan(rings.shear_n[j] / rings.normal_n[j]));
   }
   return angles;
 }
 
-RingColumns::RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, FrameChoice choice)
-    : ContactColumns(std::move(scene), seed, choice), layout_(std::move(layout)) {}
+RingColumns::RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, FrameChoice choice,
+                         std::size_t rings)
+    : ContactColumns(std::move(scene), seed, choice), layout_(std::move(layout)), rings_(rings) {}
 
 void RingColumns::fill(std::size_t first, std::size_t count, float* out) const {
   PatchFinder finder(layout_);
@@ -48,8 +60,9 @@ void RingColumns::fill(std::size_t first, std::size_t count, float* out) const {
     }
     const Frame frame{1, 1, normal, shear, across};
     const ContactPatch& patch = finder.find(frame);
-    const auto angles = patch.touched ? ring_angles(sum_rings(frame, patch, layout_)) : ring_angles({});
-    std::copy(angles.begin(), angles.end(), out);
+    const auto angles = patch.touched ? ring_angles(merged(sum_rings(frame, patch, layout_), rings_), rings_)
+                                      : ring_angles({}, rings_);
+    std::copy_n(angles.begin(), rings_, out);
   }
 }
 

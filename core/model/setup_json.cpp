@@ -88,7 +88,8 @@ nlohmann::json to_json(const ModelSetup& setup) {
           {"seed", setup.seed},
           {"rank", setup.rank},
           {"neighbours", setup.neighbours},
-          {"view", setup.view == View::rings ? "rings" : "grid"}};
+          {"view", setup.view == View::rings ? "rings" : "grid"},
+          {"rings", setup.rings}};
 }
 
 ModelSetup setup_of(const nlohmann::json& from) {
@@ -98,7 +99,8 @@ ModelSetup setup_of(const nlohmann::json& from) {
           .seed = from.at("seed"),
           .rank = from.at("rank"),
           .neighbours = from.at("neighbours"),
-          .view = from.at("view") == "rings" ? View::rings : View::grid};
+          .view = from.at("view") == "rings" ? View::rings : View::grid,
+          .rings = from.at("rings")};
 }
 
 }  // namespace slipd

@@ -37,7 +37,7 @@ DataSetSize basis_size(const DataSetSize& size) noexcept {
 
 std::unique_ptr<ContactColumns> columns_of(const ModelSetup& setup, const FrameChoice& choice) {
   if (setup.view == View::rings)
-    return std::make_unique<RingColumns>(setup.layout, setup.scene, setup.seed, choice);
+    return std::make_unique<RingColumns>(setup.layout, setup.scene, setup.seed, choice, setup.rows());
   return std::make_unique<FrameColumns>(TaxelSet(setup.layout), setup.scene, setup.seed, choice);
 }
 
@@ -56,7 +56,7 @@ Svd basis_of(const ModelSetup& setup, unsigned threads, const Progress& progress
 
 struct Projected {
   Eigen::MatrixXf coordinates;  // rank x columns
-  Eigen::VectorXf residual;     // share of |alpha|² outside the basis
+  Eigen::VectorXf squares;      // |alpha|² of each column
 };
 
 Projected project_frames(const ContactColumns& frames, const Eigen::MatrixXf& basis, unsigned threads,
@@ -69,10 +69,7 @@ Projected project_frames(const ContactColumns& frames, const Eigen::MatrixXf& ba
         const auto first = static_cast<Eigen::Index>(block.first);
         auto part_of = result.coordinates.middleCols(first, block.values.cols());
         part_of.noalias() = basis.transpose() * block.values;
-        for (Eigen::Index c = 0; c < block.values.cols(); ++c) {
-          result.residual[first + c] =
-              residual_share(block.values.col(c).squaredNorm(), part_of.col(c).squaredNorm());
-        }
+        result.squares.segment(first, block.values.cols()) = block.values.colwise().squaredNorm();
       },
       [&](double share) {
         if (progress) progress(share, "projections");
@@ -108,61 +105,74 @@ ErrorStatistics statistics_of(std::vector<Miss> misses) {
   return errors;
 }
 
-ErrorStatistics measure_errors(const ModelData& data, const Eigen::MatrixXf& basis, unsigned threads,
-                               const Progress& progress) {
-  const ModelSetup& setup = data.setup;
-  const auto unseen_columns =
-      columns_of(setup, {.first_contact = setup.size.contacts, .size = kUnseen, .random_loads = true});
-  const ContactColumns& unseen = *unseen_columns;
-  const Projected projected = project_frames(unseen, basis, threads, progress);
-  const auto rank = static_cast<std::size_t>(basis.cols());
-  const Neighbours neighbours(data.coordinates, rank);
-  Neighbours::Query query(neighbours, static_cast<std::size_t>(setup.neighbours));
+// Of the model's points, on contacts of their own.
+ErrorStatistics measure_errors(const ModelData& data, const ContactColumns& unseen,
+                               const Projected& projected) {
+  const auto rank = static_cast<Eigen::Index>(data.singular_values.size());
+  const Eigen::MatrixXf coordinates = projected.coordinates.topRows(rank);
+  const auto width = static_cast<std::size_t>(rank);
+  const Neighbours neighbours(data.coordinates, width);
+  Neighbours::Query query(neighbours, static_cast<std::size_t>(data.setup.neighbours));
   std::vector<Miss> misses;
-  std::vector<float> distances;
+  std::vector<float> distances, residuals;
   for (std::size_t j = 0; j < unseen.columns(); ++j) {
-    const std::span<const float> point(projected.coordinates.data() + j * rank, rank);
+    const std::span<const float> point(coordinates.data() + j * width, width);
     const KnnAnswer answer = answer_of(query, point, data.gamma, data.friction);
     misses.push_back({answer.spread, std::abs(answer.gamma - static_cast<float>(unseen.gamma(j))),
                       std::abs(answer.friction - static_cast<float>(unseen.friction(j)))});
     distances.push_back(answer.distance);
+    const auto column = static_cast<Eigen::Index>(j);
+    residuals.push_back(residual_share(projected.squares[column], coordinates.col(column).squaredNorm()));
   }
   ErrorStatistics errors = statistics_of(std::move(misses));
   errors.distance_limit = quantile(std::move(distances), kRare);
-  errors.residual_limit = quantile({projected.residual.begin(), projected.residual.end()}, kRare);
+  errors.residual_limit = quantile(std::move(residuals), kRare);
   return errors;
 }
 
 }  // namespace
 
 ModelData train(const ModelSetup& setup, unsigned threads, const Progress& progress) {
+  return std::move(train_ranks(setup, {setup.rank}, threads, progress).front());
+}
+
+std::vector<ModelData> train_ranks(ModelSetup setup, const std::vector<int>& ranks, unsigned threads,
+                                   const Progress& progress) {
   if (setup.layout.size() < 2)
     throw ModelError("a single taxel shows no pattern: no model can be made for it");
+  setup.rank = *std::max_element(ranks.begin(), ranks.end());
   const Svd svd = basis_of(setup, threads, part(progress, 0, 0.6));
   if (!(svd.total_variance > 0) || !(svd.singular_values.minCoeff() > 0)) {
     throw ModelError("the scene's contacts leave too little on the taxels: check layout, offset and objects");
   }
-  ModelData data{setup, 0, {}, {}, {}, {}, {}, {}};
+  const auto all_columns = columns_of(setup, {.size = setup.size});
+  const auto unseen =
+      columns_of(setup, {.first_contact = setup.size.contacts, .size = kUnseen, .random_loads = true});
+  const Projected known = project_frames(*all_columns, svd.basis, threads, part(progress, 0.6, 0.85));
+  const Projected test = project_frames(*unseen, svd.basis, threads, part(progress, 0.85, 1));
   // Of the whole data set, of which the basis saw a part.
   const double whole =
       static_cast<double>(setup.size.columns()) / static_cast<double>(basis_size(setup.size).columns());
-  data.total_variance = svd.total_variance * whole;
-  for (const double value : svd.singular_values) data.singular_values.push_back(value * std::sqrt(whole));
-  const Eigen::MatrixXf by_taxel = svd.basis.transpose();
-  data.basis.assign(by_taxel.data(), by_taxel.data() + by_taxel.size());
-
-  const auto all_columns = columns_of(setup, {.size = setup.size});
-  const ContactColumns& frames = *all_columns;
-  const Projected projected = project_frames(frames, svd.basis, threads, part(progress, 0.6, 0.85));
-  data.coordinates.assign(projected.coordinates.data(),
-                          projected.coordinates.data() + projected.coordinates.size());
-  for (std::size_t j = 0; j < frames.columns(); ++j) {
-    data.gamma.push_back(static_cast<float>(frames.gamma(j)));
-    data.friction.push_back(static_cast<float>(frames.friction(j)));
+  std::vector<ModelData> models;
+  for (const int wanted : ranks) {
+    const Eigen::Index rank = std::min<Eigen::Index>(wanted, svd.basis.cols());
+    ModelData data{setup, svd.total_variance * whole, {}, {}, {}, {}, {}, {}, {}};
+    data.setup.rank = wanted;
+    for (Eigen::Index i = 0; i < rank; ++i)
+      data.singular_values.push_back(svd.singular_values[i] * std::sqrt(whole));
+    const Eigen::MatrixXf by_taxel = svd.basis.leftCols(rank).transpose();
+    data.basis.assign(by_taxel.data(), by_taxel.data() + by_taxel.size());
+    const Eigen::MatrixXf coordinates = known.coordinates.topRows(rank);
+    data.coordinates.assign(coordinates.data(), coordinates.data() + coordinates.size());
+    for (std::size_t j = 0; j < all_columns->columns(); ++j) {
+      data.gamma.push_back(static_cast<float>(all_columns->gamma(j)));
+      data.friction.push_back(static_cast<float>(all_columns->friction(j)));
+    }
+    data.errors = measure_errors(data, *unseen, test);
+    models.push_back(std::move(data));
   }
-  data.errors = measure_errors(data, svd.basis, threads, part(progress, 0.85, 1));
   if (progress) progress(1, "done");
-  return data;
+  return models;
 }
 
 }  // namespace slipd

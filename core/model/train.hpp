@@ -2,6 +2,8 @@
 // for the process that estimates.
 #pragma once
 
+#include <vector>
+
 #include "core/model/column_source.hpp"
 #include "core/model/model.hpp"
 
@@ -11,5 +13,10 @@ namespace slipd {
 // contact::ContactError for a scene of which no model can be made (a flat skin, contacts that touch no taxel,
 // a single taxel).
 ModelData train(const ModelSetup& setup, unsigned threads = 2, const Progress& progress = {});
+
+// The same model at several ranks, for hardly more time than one; setup.rank counts for nothing. `ranks` is
+// not empty.
+std::vector<ModelData> train_ranks(ModelSetup setup, const std::vector<int>& ranks, unsigned threads = 2,
+                                   const Progress& progress = {});
 
 }  // namespace slipd

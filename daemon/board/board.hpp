@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/tradeoff_row.hpp"
 #include "core/frame/layout.hpp"
+#include "core/model/tradeoff_row.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
 #include "daemon/board/latest.hpp"
@@ -50,11 +50,11 @@ struct DeviceFacts {
   std::string description, serial;
   SensorClass sensor_class = SensorClass::array3;
   std::optional<TaxelLayout> layout;
-  double rate_hz = 0;                 // 0: the device does not say
-  std::string method;                 // empty until an estimator is ready
-  std::vector<TradeoffRow> tradeoff;  // what `auto` chose it from; empty if it was asked for by name
-  std::string trouble;                // why it is absent; empty: it is not
-  std::string zero_trouble;           // why its zero was not restored, or is not kept; empty: it is
+  double rate_hz = 0;        // 0: the device does not say
+  std::string method;        // empty until an estimator is ready
+  Worth tradeoff;            // what `auto` chose it from, or came with its model; else without rows
+  std::string trouble;       // why it is absent; empty: it is not
+  std::string zero_trouble;  // why its zero was not restored, or is not kept; empty: it is
 };
 
 class Panel {

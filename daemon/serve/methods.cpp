@@ -80,11 +80,11 @@ Methods::Methods(World& world, Recorder& recorder)
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
     const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
     const DeviceFacts facts = panel.facts();
-    if (facts.tradeoff.empty()) {
-      throw rpc::Error(
-          rpc::kNotPossible,
-          "there is no table of this sensor: its method is named in the configuration, not auto, or its "
-          "device is not open yet");
+    if (facts.tradeoff.rows.empty()) {
+      throw rpc::Error(rpc::kNotPossible,
+                       "there is no table of this sensor: its method is named in the configuration and needs "
+                       "no model, or its "
+                       "device is not open yet");
     }
     return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
   });

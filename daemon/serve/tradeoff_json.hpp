@@ -2,15 +2,14 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <span>
 #include <string>
 
-#include "core/estimate/tradeoff_row.hpp"
+#include "core/model/tradeoff_row.hpp"
 
 namespace slipd {
 
 // {"sensor", "chosen", "budget_us", "rows": [{"method", "mean_error", …}]}; unknown numbers are null.
 nlohmann::ordered_json tradeoff_json(const std::string& sensor, const std::string& chosen, double budget_us,
-                                     std::span<const TradeoffRow> rows);
+                                     const Worth& worth);
 
 }  // namespace slipd

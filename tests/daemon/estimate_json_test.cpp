@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "daemon/serve/tradeoff_json.hpp"
+
 namespace slipd {
 namespace {
 
@@ -24,6 +26,26 @@ Estimate known() {
   estimate.published_ns = 4'999'035'200;
   estimate.truth = {0.615, 0.44};
   return estimate;
+}
+
+TEST(TradeoffJson, SettingsThatAMethodHasNotAreNull) {
+  Worth worth;
+  worth.processor = "a processor";
+  worth.rows.resize(2);
+  worth.rows[0].method = "moments";
+  worth.rows[0].mean_error = kUnknown;
+  worth.rows[1].method = "registered";
+  worth.rows[1].settings = {3, 16, 5, Precision::single_precision, 1000};
+  const auto json = tradeoff_json("left", "moments", 50, worth);
+  EXPECT_EQ(json["processor"], "a processor");
+  EXPECT_TRUE(json["rows"][0]["rank"].is_null());
+  EXPECT_TRUE(json["rows"][0]["mean_error"].is_null());
+  EXPECT_EQ(json["rows"][0]["precision"], "double");
+  EXPECT_EQ(json["rows"][1]["rank"], 3);
+  EXPECT_EQ(json["rows"][1]["rings"], 16);
+  EXPECT_EQ(json["rows"][1]["neighbours"], 5);
+  EXPECT_EQ(json["rows"][1]["precision"], "single");
+  EXPECT_EQ(json["rows"][1]["memory_bytes"], 1000);
 }
 
 TEST(EstimateJson, UnitsAreThoseOfTheSocket) {

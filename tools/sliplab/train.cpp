@@ -8,10 +8,12 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "config/settings.hpp"
 #include "core/estimate/model_setup.hpp"
+#include "core/estimate/tradeoff.hpp"
 #include "core/model/model_file.hpp"
 #include "core/model/setup_json.hpp"
 #include "tools/sliplab/command.hpp"
@@ -77,12 +79,21 @@ ModelSetup setup_from_json(const std::string& file) {
 json report(const Model& model, const std::filesystem::path& file, double seconds) {
   json explained = json::array();
   for (std::size_t i = 1; i <= model.rank(); ++i) explained.push_back(model.explained(i));
+  json rows = json::array();
+  for (const auto& row : model.data().worth.rows) {
+    rows.push_back({{"method", row.method},
+                    {"rank", row.settings.rank},
+                    {"mean_error", row.mean_error},
+                    {"answered", row.answered},
+                    {"p50_us", row.p50_us}});
+  }
   return {{"file", file.string()},
           {"seconds", seconds},
           {"taxels", model.setup().layout.size()},
           {"columns", model.setup().size.columns()},
           {"explained", explained},
-          {"error_68", model.data().errors.gamma}};
+          {"error_68", model.data().errors.gamma},
+          {"tradeoff", std::move(rows)}};
 }
 
 void print(const json& result) {
@@ -90,6 +101,21 @@ void print(const json& result) {
             << result["columns"] << " columns of " << result["taxels"] << " taxels; "
             << result["explained"].size() << " bases explain "
             << std::round(1000 * result["explained"].back().get<double>()) / 10 << " % of the variance\n";
+}
+
+// The model, with what each method is worth on its scene.
+ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& progress) {
+  constexpr std::size_t kContacts = 500;
+  std::vector<int> ranks{setup.rank};
+  for (const int rank : {3, 5, 8}) {
+    if (rank < setup.rank) ranks.push_back(rank);
+  }
+  std::vector<ModelData> at_ranks = train_ranks(setup, ranks, threads, progress);
+  std::vector<std::shared_ptr<const Model>> models;
+  models.reserve(at_ranks.size());
+  for (const auto& data : at_ranks) models.push_back(std::make_shared<const Model>(data));
+  at_ranks.front().worth = measure_worth(models, kContacts, setup.seed + 1);
+  return std::move(at_ranks.front());
 }
 
 void run(const Choices& choices, const Common& common) {
@@ -113,8 +139,7 @@ void run(const Choices& choices, const Common& common) {
     }
   }
   ProgressBar bar("training");
-  const ModelData data = train(setup, choices.threads, bar.callback());
-  save_model(data, file);
+  save_model(trained(setup, choices.threads, bar.callback()), file);
   tell(load_model(file));
 }
 

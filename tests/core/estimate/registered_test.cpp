@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/estimate/svd_knn.hpp"
+#include "core/model/ring_columns.hpp"
 #include "core/model/train.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -54,6 +55,49 @@ TEST(Registered, ReadsUnseenContactsWhereverTheyLie) {
   EXPECT_LT(error / answered, 0.015);
   EXPECT_GT(within_two, 0.85 * answered);
   RecordProperty("mean_error", std::to_string(error / answered));
+}
+
+TEST(Registered, MergedRingsCarryTheSameForces) {
+  Rings rings;
+  for (std::size_t j = 0; j < Rings::kCount; ++j) {
+    rings.normal_n[j] = static_cast<double>(j);
+    rings.shear_n[j] = 1;
+    rings.taxels[j] = 2;
+  }
+  const Rings four = merged(rings, 4);
+  EXPECT_EQ(four.normal_n[0], 0 + 1 + 2 + 3);
+  EXPECT_EQ(four.normal_n[3], 12 + 13 + 14 + 15);
+  EXPECT_EQ(four.shear_n[1], 4);
+  EXPECT_EQ(four.taxels[2], 8);
+  EXPECT_EQ(four.taxels[4], 0);
+}
+
+TEST(Registered, OnFourRingsInDoublePrecisionItAnswersAsInSingle) {
+  Scene scene;
+  scene.objects = paper_objects();
+  const auto layout = TaxelLayout::grid(32, 32, 0.0005);
+  ModelSetup setup{.layout = layout,
+                   .scene = scene,
+                   .size = {.contacts = 60, .loads = 20},
+                   .rank = 3,
+                   .view = View::rings};
+  setup.rings = 4;
+  const auto model = std::make_shared<const Model>(train(setup));
+  EXPECT_EQ(model->data().basis.size(), 4U * 3U);
+  SvdKnn single(model), twice(model, Precision::double_precision);
+  EXPECT_EQ(single.settings().rings, 4);
+  EXPECT_EQ(single.settings().rank, 3);
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0, 0.5);
+  contact.move_to(2, 0.6, 0.5);
+  synthetic::FrameMaker maker(layout, 3);
+  PatchFinder finder(layout);
+  const Frame frame = maker.make(contact, 0, 0, 0.3, 0.001);
+  const auto& patch = finder.find(frame);
+  const Reading one = single.read(frame, patch), two = twice.read(frame, patch);
+  ASSERT_TRUE(one.in_family);
+  EXPECT_NEAR(one.gamma, 0.4, 0.05);
+  EXPECT_NEAR(one.gamma, two.gamma, 1e-4);
 }
 
 }  // namespace

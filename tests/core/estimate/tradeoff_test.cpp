@@ -7,6 +7,7 @@
 
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/model/train.hpp"
 
 namespace slipd {
 namespace {
@@ -37,6 +38,26 @@ TEST(Tradeoff, TheSameSeedGivesTheSameErrors) {
   const auto again = measure_tradeoff(layout, paper_scene(), moments, NoiseKind::sensor, 0.02, 50, 3);
   EXPECT_EQ(once.mean_error, again.mean_error);
   EXPECT_EQ(once.p95_error, again.p95_error);
+}
+
+TEST(Tradeoff, AModelComesWithTheWorthOfEachMethodAndRank) {
+  const ModelSetup setup{.layout = TaxelLayout::grid(16, 16, 0.001),
+                         .scene = paper_scene(),
+                         .size = {.contacts = 60, .loads = 20},
+                         .view = View::rings};
+  std::vector<std::shared_ptr<const Model>> models;
+  for (auto& data : train_ranks(setup, {5, 3}))
+    models.push_back(std::make_shared<const Model>(std::move(data)));
+  const Worth worth = measure_worth(models, 30, 9);
+  ASSERT_EQ(worth.rows.size(), 4U);
+  EXPECT_FALSE(worth.processor.empty());
+  EXPECT_EQ(worth.rows[0].method, "moments");
+  EXPECT_EQ(worth.rows[1].method, "fit");
+  EXPECT_EQ(worth.rows[2].settings.rank, 5);
+  EXPECT_EQ(worth.rows[3].settings.rank, 3);
+  EXPECT_EQ(worth.rows[3].settings.rings, 16);
+  EXPECT_GT(worth.rows[2].settings.memory_bytes, worth.rows[3].settings.memory_bytes);
+  EXPECT_GT(worth.rows[1].settings.memory_bytes, worth.rows[0].settings.memory_bytes);
 }
 
 TEST(Tradeoff, TheChoiceIsTheLeastErrorWithinTheBudgetOrTheFastest) {

@@ -45,6 +45,24 @@ std::string why_refused(std::span<const std::uint8_t> bytes) {
   return "";
 }
 
+TEST_F(ModelFile, KeepsWhatEachMethodWasWorth) {
+  ModelData data = small_model();
+  TradeoffRow row;
+  row.method = "registered";
+  row.settings = {3, 16, 5, Precision::single_precision, 12345};
+  row.mean_error = 0.01;
+  row.p99_us = 7;
+  data.worth = {{row}, "a processor"};
+  const Worth worth = decode_model(encode_model(data)).data().worth;
+  ASSERT_EQ(worth.rows.size(), 1U);
+  EXPECT_EQ(worth.processor, "a processor");
+  EXPECT_EQ(worth.rows[0].method, "registered");
+  EXPECT_EQ(worth.rows[0].settings.memory_bytes, 12345U);
+  EXPECT_EQ(worth.rows[0].settings.precision, Precision::single_precision);
+  EXPECT_EQ(worth.rows[0].mean_error, 0.01);
+  EXPECT_EQ(worth.rows[0].p99_us, 7);
+}
+
 TEST_F(ModelFile, ComesBackAsItWas) {
   const Model model = decode_model(encode_model(small_model()));
   EXPECT_EQ(model.setup(), small_setup());

@@ -42,6 +42,17 @@ TEST(Training, ExplainedVarianceRisesWithTheBasesAndStaysBelowOne) {
   EXPECT_LE(model.explained(8), 1);
 }
 
+TEST(Training, AModelAtALowerRankIsTheFirstBasesOfTheHigherOne) {
+  const auto models = train_ranks(setup_of_side(16), {8, 3});
+  ASSERT_EQ(models.size(), 2U);
+  EXPECT_EQ(models[1].setup.rank, 3);
+  for (std::size_t row = 0; row < 256; ++row) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(models[1].basis[3 * row + k], models[0].basis[8 * row + k]);
+  }
+  EXPECT_GT(models[1].errors.residual_limit, models[0].errors.residual_limit);
+  EXPECT_EQ(Model(models[1]).rank(), 3U);
+}
+
 TEST(Training, AScatteredLayoutWithFewerTaxelsThanBasesWorks) {
   ModelSetup setup = setup_of_side(16);
   setup.layout = TaxelLayout::scattered({0, 2e-3, 0, 2e-3, 1e-3}, {0, 0, 2e-3, 2e-3, 1e-3});

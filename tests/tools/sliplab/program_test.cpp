@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/tools/run_program.hpp"
 
@@ -39,6 +40,7 @@ TEST_F(Sliplab, TrainsOnceAndThenFindsTheModel) {
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.err, HasSubstr("100 %"));
   EXPECT_EQ(json::parse(first.out)["taxels"], 256);
+  EXPECT_GE(json::parse(first.out)["tradeoff"].size(), 3U);
   const auto second = run(words);
   EXPECT_EQ(second.exit_code, 0);
   EXPECT_EQ(second.err, "");
@@ -97,6 +99,23 @@ TEST_F(Sliplab, StabilityTellsThePartsAskedForAndPlotsThem) {
   for (const char* name : {"extremes-model.csv", "extremes-model.svg", "adversary.csv", "adversary.svg"})
     EXPECT_GT(fs::file_size(folder_ / "stability" / name), 500U) << name;
   EXPECT_EQ(run({"stability", "--parts", "luck"}).exit_code, 2);
+}
+
+TEST_F(Sliplab, TradeoffTellsEverySettingAndPlotsTheFront) {
+  const auto ran =
+      run({"--json", "tradeoff", "--layouts", "8,wrench", "--contacts", "10", "--out", folder_ / "tradeoff"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  std::set<std::string> methods;
+  std::set<int> rings;
+  const auto result = json::parse(ran.out);
+  for (const auto& row : result["rows"]) {
+    methods.insert(row["method"]);
+    rings.insert(row["rings"].get<int>());
+  }
+  EXPECT_EQ(methods, (std::set<std::string>{"moments", "fit", "svd-knn", "registered", "friction"}));
+  EXPECT_EQ(rings, (std::set<int>{0, 4, 8, 16}));
+  for (const char* name : {"tradeoff.csv", "tradeoff.svg"})
+    EXPECT_GT(fs::file_size(folder_ / "tradeoff" / name), 500U) << name;
 }
 
 TEST_F(Sliplab, HistoriesTellsWhatWasAnsweredAndDrawsAGrasp) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/contact/history.hpp"
+#include "core/estimate/thread_clock.hpp"
 
 namespace sliplab {
 
@@ -26,11 +27,15 @@ ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::
       frames.feel(contact, object.x_m, object.y_m);
       ++sequence;
       const double time_s = static_cast<double>(sequence) * sensing.frame_s;
-      const Estimate estimate = chain.estimate(frames.sense(
-          grasp.toward_rad, noise.stream(sequence), sequence, static_cast<std::int64_t>(1e9 * time_s)));
+      const Frame frame = frames.sense(grasp.toward_rad, noise.stream(sequence), sequence,
+                                       static_cast<std::int64_t>(1e9 * time_s));
+      const double start_us = thread_us();
+      const Estimate estimate = chain.estimate(frame);
+      const double taken_us = thread_us() - start_us;
       const Truth truth{contact.safety_margin(), contact.friction()};
       tallies[static_cast<std::size_t>(piece.move)].add(estimate, truth.gamma);
-      if (watch) watch({time_s, piece.move, contact.normal_n(), contact.shear_n(), truth, estimate});
+      if (watch)
+        watch({time_s, piece.move, contact.normal_n(), contact.shear_n(), truth, estimate, taken_us});
     }
   }
   return tallies;

@@ -23,6 +23,7 @@ struct Moment {
   double normal_n, shear_n;  // N, shear signed
   slipd::Truth truth;
   slipd::Estimate estimate;
+  double taken_us;  // by the estimate, processor time
 };
 using ByMove = std::array<Tally, kMoves>;
 

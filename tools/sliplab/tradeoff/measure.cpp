@@ -1,0 +1,128 @@
+#include "tools/sliplab/tradeoff/measure.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "core/estimate/fit.hpp"
+#include "core/estimate/moments.hpp"
+#include "core/estimate/svd_knn.hpp"
+#include "core/model/train.hpp"
+#include "tools/sliplab/tradeoff/over_time.hpp"
+
+namespace sliplab {
+namespace {
+
+using namespace slipd;
+
+constexpr double kPadMetres = 0.016;
+constexpr double kTrainedNoise = 0.01;  // relative
+constexpr double kMostAnswered = 0.8;   // a method that is silent on more is on no front
+constexpr std::size_t kGraspsPerContact = 5;
+
+TaxelLayout layout_of(const std::string& name) {
+  if (name == "wrench") return TaxelLayout::wrench(kPadMetres);
+  const std::size_t side = std::stoul(name);
+  // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
+  return TaxelLayout::grid(side, side, side == 4 ? 0.0047 : kPadMetres / static_cast<double>(side));
+}
+
+Scene scene_of(double noise) {
+  Scene scene;
+  scene.objects = paper_objects();
+  scene.offset_m = 0.002;
+  scene.noise = noise;
+  return scene;
+}
+
+// Each is trained once per layout, at kTrainedNoise, and met by every noise.
+std::vector<std::unique_ptr<SlipMethod>> trained_methods(const TaxelLayout& layout,
+                                                         const TradeoffOptions& options) {
+  ModelSetup setup{.layout = layout, .scene = scene_of(kTrainedNoise), .size = {}, .seed = options.seed};
+  std::vector<std::unique_ptr<SlipMethod>> methods;
+  const auto add = [&](const std::vector<int>& ranks, bool twice) {
+    for (auto& data : train_ranks(setup, ranks, options.threads)) {
+      const auto model = std::make_shared<const Model>(std::move(data));
+      methods.push_back(std::make_unique<SvdKnn>(model));
+      if (twice) methods.push_back(std::make_unique<SvdKnn>(model, Precision::double_precision));
+    }
+  };
+  const int most = static_cast<int>(std::min<std::size_t>(20, layout.size()));
+  setup.size = kUnseenFirst;
+  add({3, 8}, false);
+  add({most}, true);
+  setup.size = {};
+  setup.view = View::rings;
+  add({2, 5}, false);
+  add({3}, true);
+  for (const int rings : {8, 4}) {
+    setup.rings = rings;
+    add({3}, false);
+  }
+  setup.rings = Rings::kCount;
+  for (const int neighbours : {1, 15}) {
+    setup.neighbours = neighbours;
+    add({3}, false);
+  }
+  return methods;
+}
+
+}  // namespace
+
+const char* name_of(NoiseKind kind) noexcept {
+  return kind == NoiseKind::relative ? "relative" : "sensor";
+}
+
+void mark_front(std::vector<Line>& lines) {
+  for (auto& line : lines) {
+    line.front = line.row.answered >= kMostAnswered &&
+                 std::none_of(lines.begin(), lines.end(), [&](const Line& other) {
+                   return other.row.answered >= kMostAnswered && other.row.p50_us < line.row.p50_us &&
+                          other.row.mean_error < line.row.mean_error;
+                 });
+  }
+}
+
+std::vector<Line> measure_tradeoffs(const TradeoffOptions& options, const Tell& tell) {
+  std::vector<Line> all;
+  const double steps = static_cast<double>(options.layouts.size() * (options.noises.size() + 1));
+  double step = 0;
+  for (const auto& name : options.layouts) {
+    const TaxelLayout layout = layout_of(name);
+    tell(step++ / steps, name.c_str());
+    std::vector<std::unique_ptr<SlipMethod>> methods;
+    if (layout.size() > 1) {
+      methods.push_back(std::make_unique<Moments>(layout));
+      methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0))));
+      if (options.models) {
+        for (auto& method : trained_methods(layout, options)) methods.push_back(std::move(method));
+      }
+    }
+    for (const auto& noise : options.noises) {
+      tell(step++ / steps, name.c_str());
+      const Scene scene = scene_of(noise.half_width);
+      std::vector<Line> lines;
+      if (!methods.empty()) {
+        const Limit limit =
+            limit_of(layout, scene, noise.kind, noise.half_width, options.contacts, options.seed + 1);
+        for (const auto& method : methods) {
+          lines.push_back({name, noise, "",
+                           measure_tradeoff(layout, scene, *method, noise.kind, noise.half_width,
+                                            options.contacts, options.seed + 1),
+                           limit, false});
+        }
+        mark_front(lines);
+      }
+      if (layout.size() <= Fit::kFewTaxels) {
+        for (auto& line : measure_over_time(name, layout, scene, noise,
+                                            std::max<std::size_t>(1, options.contacts / kGraspsPerContact),
+                                            options.seed + 1))
+          lines.push_back(std::move(line));
+      }
+      all.insert(all.end(), lines.begin(), lines.end());
+    }
+  }
+  return all;
+}
+
+}  // namespace sliplab

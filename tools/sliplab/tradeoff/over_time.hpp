@@ -1,0 +1,15 @@
+// Sensors of which no single frame tells the margin, over a grasp: before and after its first slip.
+#pragma once
+
+#include <vector>
+
+#include "tools/sliplab/tradeoff/measure.hpp"
+
+namespace sliplab {
+
+// Each grasp is closed, loaded until it slides, and then unloaded, loaded and regripped at random.
+std::vector<Line> measure_over_time(const std::string& layout, const slipd::TaxelLayout& taxels,
+                                    const slipd::Scene& scene, const Noise& noise, std::size_t grasps,
+                                    std::uint64_t seed);
+
+}  // namespace sliplab

@@ -1,0 +1,16 @@
+// The work-precision table for people, for programs and as a plot.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "tools/sliplab/tradeoff/measure.hpp"
+
+namespace sliplab {
+
+void print_table(const std::vector<Line>& lines, std::size_t contacts);
+nlohmann::ordered_json to_json(const std::vector<Line>& lines, std::size_t contacts);
+void write_files(const std::vector<Line>& lines, const std::filesystem::path& folder);
+
+}  // namespace sliplab
