@@ -60,7 +60,9 @@ class SensorConverter {
                                .device = in["device"],
                                .options = in["options"]},
                      .driver = in["driver"],
-                     .friction = std::nullopt};
+                     .friction = std::nullopt,
+                     .gain = {}};
+    gain(in, at, s);
     if (in.contains("friction")) s.friction = in["friction"].get<double>();
     if (in.contains("skin")) skin(in["skin"], s.setup);
     if (in.contains("profile")) {
@@ -71,6 +73,17 @@ class SensorConverter {
     }
     stale_after(in, at, s);
     return s;
+  }
+
+  // A profile's taxels are counted when its device is opened.
+  void gain(const json& in, const std::string& at, SensorSettings& s) {
+    const json& value = in["gain"];
+    s.gain = value.is_array() ? value.get<std::vector<float>>() : std::vector<float>{value.get<float>()};
+    const std::size_t taxels = s.setup.layout.size();
+    if (in.contains("profile") || !value.is_array() || s.gain.size() == taxels) return;
+    add(at + "/gain", value,
+        "has " + std::to_string(s.gain.size()) + " values; expected one for each of the " +
+            std::to_string(taxels) + " taxels, or one number");
   }
 
   TaxelLayout layout(const json& sensor, const std::string& sensor_at) {

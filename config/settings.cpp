@@ -1,5 +1,6 @@
 #include "config/settings.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -38,9 +39,13 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
     if (name == nullptr || is_touched(problems, at + "/driver")) continue;
     const DriverModule* module = drivers.find(*name);
     if (module == nullptr) {
+      // One that is there, but of no use, is not misspelt.
+      const auto names = drivers.names();
+      const bool there = std::find(names.begin(), names.end(), *name) != names.end();
       problems.push_back(problem_of(
           at + "/driver", *name,
-          "no such driver" + did_you_mean(*name, drivers.names()) + "; " + drivers.why_not(*name)));
+          (there ? "is there, but cannot be used: " : "no such driver" + did_you_mean(*name, names) + "; ") +
+              drivers.why_not(*name)));
       continue;
     }
     if (!sensor["options"].is_object()) continue;

@@ -20,6 +20,7 @@ struct SensorSettings {
   std::chrono::milliseconds stale_after{20};
   bool stale_after_told = false;  // by the user; else a slower device has three of its frames
   std::optional<double> friction;
+  std::vector<float> gain;  // one for all taxels, or one for each
 };
 
 struct GraspSettings {

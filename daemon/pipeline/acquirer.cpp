@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/zero/gain.hpp"
+
 namespace slipd {
 namespace {
 
@@ -12,6 +14,17 @@ constexpr auto kReadTimeout = 50ms;  // how long a stop may have to wait for a d
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
 constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
+
+// One for each taxel; none where all are 1.
+std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
+  const auto& gain = sensor.gain;
+  if (std::all_of(gain.begin(), gain.end(), [](float each) { return each == 1; })) return {};
+  if (gain.size() == taxels) return gain;
+  if (gain.size() == 1) return std::vector<float>(taxels, gain.front());
+  throw DriverError(sensor.setup.name + " has " + std::to_string(gain.size()) +
+                    " values of \"gain\", but its device " + std::to_string(taxels) +
+                    " taxels: give it one for each, or one number");
+}
 
 }  // namespace
 
@@ -119,6 +132,7 @@ void Acquirer::wire(const DeviceInfo& info) {
     });
     panel.simulated.store(info.simulated, std::memory_order_relaxed);
     outlet.last_sequence.reset();
+    outlet.gain = gain_of(outlet.seat->settings, sensor.layout.size());
     if (was_open_) panel.reconnects.fetch_add(1, std::memory_order_relaxed);
     const bool paced = driver_->paced_by_consumer();
     const bool same = outlet.feed && outlet.feed->info.layout == sensor.layout &&
@@ -198,6 +212,7 @@ bool Acquirer::deliver(std::size_t index) noexcept {
   outlet.last_sequence = slot.sequence;
   slot.zeroed = true;
   if (outlet.zero) outlet.zero->apply(slot);
+  if (!outlet.gain.empty()) apply_gain(outlet.gain, slot);
   outlet.seat->panel.tap.offer(slot);
   outlet.seat->panel.flight_tap.offer(slot);
   feed.mailbox.publish(slot, outlet.tally);

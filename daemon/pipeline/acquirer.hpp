@@ -37,6 +37,7 @@ class Acquirer {
     Seat* seat = nullptr;
     std::shared_ptr<Feed> feed;
     std::shared_ptr<ZeroDesk> zero;  // null: its frames are zeroed
+    std::vector<float> gain;         // of each taxel; empty: 1
     Tally tally;
     std::optional<std::uint64_t> last_sequence;  // none: just (re)opened
   };

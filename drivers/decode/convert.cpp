@@ -194,15 +194,21 @@ class ScanConverter {
     field.channel = axis->channel;
     field.type = type_of(in["type"]);
     field.zero = in["zero"];
-    field.gain_pa =
+    const double gain_pa =
         axis->sign * (in.contains("scale_pa") ? in["scale_pa"].get<double>()
                                               : in["scale_n"].get<double>() / profile_.layout.area_m2());
     const auto stride = in["stride"].get<std::size_t>();
     for (std::size_t i = 0; i < in["count"].get<std::size_t>(); ++i) {
       field.taxel = first_taxel + in["taxel"].get<std::size_t>() + i;
+      field.gain_pa = gain_pa * gain_of(field.taxel);
       field.offset = in["offset"].get<std::size_t>() + i * (stride == 0 ? field.type.bytes : stride);
       out.push_back(field);
     }
+  }
+
+  double gain_of(std::size_t taxel) const {
+    const auto gain = in_.find("gain");
+    return gain != in_.end() && taxel < gain->size() ? (*gain)[taxel].get<double>() : 1;
   }
 
   const json& in_;
@@ -222,6 +228,12 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   out.sensors = in["sensors"];
   out.zeroed = in["zeroed"];
   out.layout = layout_of(in["layout"], out.sensor_class, problems);
+  if (in.contains("gain") && in["gain"].size() != out.layout.size()) {
+    problems.push_back(problem_of("/gain", in["gain"],
+                                  "has " + std::to_string(in["gain"].size()) +
+                                      " values; expected one for each of the " +
+                                      std::to_string(out.layout.size()) + " taxels"));
+  }
   out.skin = skin_of(in["skin"]);
   out.scan_timeout_ns = std::llround(in["scan"]["timeout_ms"].get<double>() * 1e6);
   out.scan = ScanConverter(in, out, problems).rules();

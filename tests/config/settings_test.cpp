@@ -53,6 +53,7 @@ TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
   EXPECT_EQ(sensor.driver, "sim");
   EXPECT_EQ(sensor.stale_after, std::chrono::milliseconds(20));
   EXPECT_FALSE(sensor.friction);
+  EXPECT_THAT(sensor.gain, ElementsAre(1));
   EXPECT_EQ(sensor.setup.name, "left");
   EXPECT_EQ(sensor.setup.rate_hz, 1000);
   EXPECT_EQ(sensor.setup.layout, TaxelLayout::grid(100, 100, 0.144 / 1000));
@@ -84,6 +85,7 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(left.setup.device, json::parse(R"({"index": 1})"));
   EXPECT_EQ(left.setup.options, json::parse(R"({"seed": 3, "noise": 0.1})"));
   EXPECT_EQ(left.friction, 0.5);
+  EXPECT_THAT(s.sensors.at(1).gain, ElementsAre(0.5));
   EXPECT_EQ(s.sensors.at(1).setup.layout, TaxelLayout::scattered({0, 0.001, 0}, {0, 0, 0.001}));
   EXPECT_EQ(s.sensors.at(2).setup.profile, "xela-xr1944");
   EXPECT_EQ(s.grasps.at(0).name, "gripper");
@@ -125,6 +127,23 @@ TEST(Settings, check_a_drivers_options_by_its_own_schema) {
       ElementsAre(
           "t.json: /sensors/0/options/noise = 2: is too large; expected a number from 0 to 1 of full scale",
           "t.json: /sensors/0/options/sede = 1: is an unknown key; did you mean \"seed\"?"));
+}
+
+TEST(Settings, say_of_a_driver_that_is_there_why_it_cannot_be_used) {
+  EXPECT_THAT(
+      problems_of(with("/sensors/0/driver", "old")),
+      ElementsAre("t.json: /sensors/0/driver = \"old\": is there, but cannot be used: it was built for "
+                  "driver interface 1"));
+}
+
+TEST(Settings, take_one_gain_for_all_taxels_or_one_for_each) {
+  json document = whole_document();
+  document["sensors"][1]["gain"] = {1, 0.5, 2};
+  EXPECT_THAT(parse(document).sensors.at(1).gain, ElementsAre(1, 0.5, 2));
+  document["sensors"][1]["gain"] = {1, 0.5};
+  EXPECT_THAT(problems_of(document),
+              ElementsAre("t.json: /sensors/1/gain = [1,0.5]: has 2 values; expected one for each of the 3 "
+                          "taxels, or one number"));
 }
 
 TEST(Settings, say_which_drivers_there_are) {

@@ -18,8 +18,10 @@ class FakeCatalogue : public DriverCatalogue {
   const DriverModule* find(const std::string& name) override {
     return name == "sim" ? &sim_ : name == "replay" ? &replay_ : name == "broken" ? &broken_ : nullptr;
   }
-  std::string why_not(const std::string&) override { return "found: replay, sim; looked in /nowhere"; }
-  std::vector<std::string> names() override { return {"replay", "sim"}; }
+  std::string why_not(const std::string& name) override {
+    return name == "old" ? "it was built for driver interface 1" : "found: replay, sim; looked in /nowhere";
+  }
+  std::vector<std::string> names() override { return {"old", "replay", "sim"}; }
 
  private:
   DriverModule sim_{kDriverAbi, "sim", "a simulated sensor", R"({
@@ -68,7 +70,7 @@ inline nlohmann::json whole_document() {
         "layout": { "grid": [10, 20], "pitch_mm": 0.5 },
         "skin": { "radius_mm": "flat", "modulus_mpa": 1, "poisson": 0.4 },
         "device": { "index": 1 }, "friction": 0.5, "options": { "seed": 3, "noise": 0.1 } },
-      { "name": "right", "driver": "sim", "layout": { "taxels": [[0, 0], [1, 0], [0, 1]] } },
+      { "name": "right", "driver": "sim", "layout": { "taxels": [[0, 0], [1, 0], [0, 1]] }, "gain": 0.5 },
       { "name": "real", "driver": "replay", "profile": "xela-xr1944", "device": { "serial": "A1" } } ],
     "grasps": [ { "name": "gripper", "sensors": ["left", "right"] } ],
     "objects": [ { "weight": 2, "normal_n": [1, 6], "friction": [0.2, 0.8], "radius_mm": [5, 50], "flat_share": 0.25,

@@ -77,6 +77,23 @@ TEST(Allocation, NoneInTheThreadsOfFramesAndEstimates) {
   EXPECT_GT(counts->others, 0U) << "the guard must have counted something";
 }
 
+// What is done about a zero comes every hundred milliseconds; the thousand frames are a second.
+TEST(Allocation, NoneForASensorWhoseZeroIsTakenAndFollowed) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
+  const TempFolder folder;
+  SharedCounts counts(folder.file("counts"));
+  const json options{
+      {"zeroed", false}, {"drift_kpa_s", 0.01}, {"cycle", {{{"ms", 3600000}, {"normal_n", 0}}}}};
+  watch(json::array({{{"name", "left"},
+                      {"driver", "sim"},
+                      {"gain", 1.5},
+                      {"layout", {{"grid", {12, 12}}, {"pitch_mm", 1.2}}},
+                      {"options", options}}}),
+        real_drivers(), counts, folder);
+  EXPECT_EQ(counts->acquire, 0U);
+  EXPECT_EQ(counts->estimate, 0U);
+}
+
 // FLANN's exact search allocates a list of visited nodes and frees it, each time; nothing of ours comes on
 // top.
 TEST(Allocation, OfNearestNeighboursOnlyTheOneInsideFlann) {

@@ -131,6 +131,18 @@ TEST_F(Zero, ThatCannotBeKeptIsTakenNeverthelessAndSaid) {
   await(daemon, "no_contact");
 }
 
+TEST_F(Zero, ValuesAreMultipliedByTheGainOnceTheZeroIsOff) {
+  start(kFree).client().result("rebias", {{"sensor", "left"}});
+  json doubled = sensor(kHeld);
+  doubled["gain"] = std::vector<double>(24 * 24, 2.0);
+  const Daemon daemon(config_with(folder_, json::array({doubled})), real_drivers(),
+                      {{"STATE_DIRECTORY", folder_.file("state").string()}});
+  daemon.wait_for("gamma", [](const json& told) {
+    const json& left = told["sensors"][0];
+    return left["normal_n"].is_number() && std::fabs(left["normal_n"].get<double>() - 4) < 0.1;
+  });
+}
+
 TEST_F(Zero, HoldsThroughAReload) {
   Daemon daemon = start(kFree);
   daemon.client().result("rebias", {{"sensor", "left"}});

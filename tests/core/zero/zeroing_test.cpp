@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/estimate/chain.hpp"
+#include "core/zero/gain.hpp"
 #include "tests/core/zero/raw_sensor.hpp"
 #include "tests/support/heap_count.hpp"
 
@@ -237,6 +238,16 @@ TEST(Zeroing, AfterAReplugAHeldLoadIsNotTakenForDriftAndARequestIsAnswered) {
   EXPECT_LT(sensor.farthest(zeroing), kMeanError);
   rebias(zeroing, sensor, 3);
   EXPECT_EQ(zeroing.report().answer, ZeroAnswer::touched) << "by its shape, against the zero that is known";
+}
+
+TEST(Gain, MultipliesAllChannelsOfItsTaxel) {
+  std::vector<float> memory{1, 2, 3, 4, 5, 6};
+  FrameSlot slot;
+  slot.normal_pa = std::span(memory).first(2);
+  slot.shear_x_pa = std::span(memory).subspan(2, 2);
+  slot.shear_y_pa = std::span(memory).last(2);
+  apply_gain(std::vector<float>{2, 10}, slot);
+  EXPECT_EQ(memory, (std::vector<float>{2, 20, 6, 40, 10, 60}));
 }
 
 TEST(Zeroing, RefusesTheZeroOfAnotherSensor) {

@@ -52,6 +52,23 @@ TEST(Profile, in_which_fields_overlap_is_refused) {
               HasSubstr("mine.json: /scan/packets/0/fields = 2: is a byte of two fields"));
 }
 
+TEST(Profile, of_taxels_that_differ_gives_each_its_gain) {
+  json profile = shipped("xela-xr1944");
+  profile["gain"] = json::array();
+  for (int i = 0; i < 16; ++i) profile["gain"].push_back(1 + 0.1 * i);
+  const Profile plain = find_profile("xela-xr1944"), calibrated = parse_profile(profile.dump(), "mine");
+  for (std::size_t packet = 0; packet < plain.scan.size(); ++packet) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Field &before = plain.scan[packet].fields[i], &after = calibrated.scan[packet].fields[i];
+      EXPECT_DOUBLE_EQ(after.gain_pa, before.gain_pa * (1 + 0.1 * static_cast<double>(before.taxel)));
+    }
+  }
+  EXPECT_THAT(said_of([](json& p) {
+                p["gain"] = {1, 1.1};
+              }),
+              HasSubstr("/gain = [1,1.1]: has 2 values; expected one for each of the 16 taxels"));
+}
+
 TEST(Profile, of_taxels_without_position_is_refused) {
   EXPECT_THAT(said_of([](json& p) {
                 p["layout"]["grid"] = {4, 3};
