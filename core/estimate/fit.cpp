@@ -51,24 +51,14 @@ void Fit::collect(const Frame& frame, const ContactPatch& patch) noexcept {
   }
 }
 
-Fit::Vector Fit::start(const ContactPatch& patch) const noexcept {
-  double p = 0, q = 0, p2 = 0, q2 = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double square = x_[i] * x_[i] + y_[i] * y_[i];
-    p += p_[i];
-    q += q_[i];
-    p2 += p_[i] * square;
-    q2 += q_[i] * square;
-  }
-  const double spread = layout_.area_m2() / 6;
-  const double ratio = (q2 / q - spread) / std::max(p2 / p - spread, 1e-300);
+Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
   const double a = patch.radius_m;
   Vector at;
   at[center_x] = at[center_y] = 0;
   at[radius] = a;
   at[height] = 1.5 * patch.normal_n / (3.141592653589793 * a * a * a);
-  at[load] = q / p;
-  at[margin] = std::clamp(gamma_of_moment_ratio(ratio), 0.05, 0.95);
+  at[load] = ratio.load;
+  at[margin] = std::clamp(gamma_of_moment_ratio(ratio.value), 0.05, 0.95);
   return at;
 }
 
@@ -201,8 +191,10 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
   const double peak = 1.5 * patch.normal_n / (3.141592653589793 * patch.radius_m * patch.radius_m);
   noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
   noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
-  Vector at = start(patch), gradient, trial_gradient;
-  out.rim = read_rim(sum_rings(frame, patch, layout_), patch, layout_);
+  const MomentRatio ratio = moment_ratio(frame, patch, layout_);
+  out.slipped_n = ratio.slipped_n;
+  out.slipped_sigma_n = ratio.slipped_sigma_n;
+  Vector at = start(patch, ratio), gradient, trial_gradient;
   if (!(at[load] > 0) || count_ < kUnknowns) return out;
   Square hessian, trial_hessian;
   double cost = evaluate(at, gradient, hessian), damping = 1e-3;

@@ -15,6 +15,7 @@
 #include "core/contact/dome_sheet.hpp"
 #include "core/contact/scene.hpp"
 #include "core/estimate/method.hpp"
+#include "core/estimate/moments.hpp"
 
 namespace slipd {
 
@@ -33,7 +34,7 @@ class Fit final : public SlipMethod {
   // converge or if what is left over is more than noise and the skin's unevenness explain.
   Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
 
-  static constexpr std::size_t kFewTaxels = 40;  // layouts this small are read over time, see FrictionGrid
+  static constexpr std::size_t kFewTaxels = 40;  // layouts this small are read over time, see FrictionBelief
   static constexpr int kMostSteps = 15;
   int steps() const noexcept { return steps_; }  // that the last frame took
 
@@ -43,7 +44,7 @@ class Fit final : public SlipMethod {
   using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
   void collect(const Frame& frame, const ContactPatch& patch) noexcept;
-  Vector start(const ContactPatch& patch) const noexcept;
+  Vector start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
   double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
   double ring_misfit(const Vector& at, double uneven) const noexcept;

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "core/estimate/estimate.hpp"
 #include "core/model/tradeoff_row.hpp"
-#include "core/patch/rings.hpp"
+#include "core/patch/patch.hpp"
 
 namespace slipd {
 
@@ -32,7 +33,9 @@ struct MarginProfile {
 // infinite where the frame does not tell friction (no load).
 struct Reading {
   bool in_family = false;
-  RimReading rim;
+  // What slip has taken from the rim, 5/3 Q - Q <r^2>_q / <r^2>_p in N along the resultant, whatever the
+  // contact went through; its deviation is infinite where it is not known.
+  double slipped_n = 0, slipped_sigma_n = std::numeric_limits<double>::infinity();
   double gamma = 0, sigma = 0;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;

@@ -36,10 +36,10 @@ double gamma_of_moment_ratio(double ratio) noexcept {
   return k * k * k;
 }
 
-Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
+MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
   double p = 0, q = 0, p2 = 0, q2 = 0, r4 = 0, r2 = 0;
   for (const std::uint32_t i : patch.inside) {
-    const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
+    const double x = layout.x_m()[i] - patch.center_x_m, y = layout.y_m()[i] - patch.center_y_m;
     const double square = x * x + y * y, normal = frame.normal_pa[i], shear = patch.shear_along_pa(frame, i);
     p += normal;
     q += shear;
@@ -48,18 +48,14 @@ Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
     r2 += square;
     r4 += square * square;
   }
-  Reading out;
-  out.center_x_m = patch.center_x_m;
-  out.center_y_m = patch.center_y_m;
-  out.radius_m = patch.radius_m;
-  if (!(p > 0 && q > 0) || patch.cut) return out;
-
-  const Rings rings = sum_rings(frame, patch, layout_);
-  out.rim = read_rim(rings, patch, layout_);
-  const double spread = layout_.area_m2() / 6;  // a square's own, in each of the sums
+  MomentRatio out;
+  if (!(p > 0 && q > 0)) return out;
+  out.load = q / p;
+  const double spread = layout.area_m2() / 6;  // a square's own, in each of the sums
   const double mean_p = p2 / p - spread, mean_q = q2 / q - spread;
   if (!(mean_p > 0)) return out;
-  const double ratio = mean_q / mean_p;
+  out.value = mean_q / mean_p;
+  if (patch.cut) return out;
   const auto n = static_cast<double>(patch.inside.size());
   const auto noise = [&](double sigma_pa, double sum, double mean) {
     const double scatter = std::max(0.0, r4 - 2 * mean * r2 + mean * mean * n);
@@ -67,21 +63,36 @@ Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
   };
   const double from_q = noise(patch.noise_shear_pa, q, mean_q),
                from_p = noise(patch.noise_normal_pa, p, mean_p);
-  const double coarse = layout_.side_m() / patch.radius_m;
-  const double ratio_sigma =
-      std::hypot(from_q, ratio * from_p) / mean_p + 0.3 * coarse * coarse * coarse + 0.002;
+  const double coarse = layout.side_m() / patch.radius_m;
+  const double grid = 0.3 * coarse * coarse * coarse + 0.002;
+  out.sigma = std::hypot(from_q, out.value * from_p) / mean_p + grid;
+  out.slipped_n = (5.0 / 3 - out.value) * patch.shear_n;
+  const double zero = 5.0 / 3 * mean_p + spread;  // a taxel there counts for nothing
+  const double by_q_n = patch.noise_shear_pa * layout.area_m2() / mean_p *
+                        std::sqrt(std::max(0.0, r4 - 2 * zero * r2 + zero * zero * n));
+  out.slipped_sigma_n = std::hypot(by_q_n, out.value * from_p / mean_p * patch.shear_n, grid * patch.shear_n);
+  return out;
+}
 
-  const double open = 3 * ratio_sigma + 0.03;
-  if (ratio < 1 - open || ratio > 5.0 / 3 + open) return out;
-  out.gamma = gamma_of_moment_ratio(ratio);
-  out.sigma = slope(std::cbrt(out.gamma)) * ratio_sigma;
-  const double load = std::max(1e-6, 1 - out.gamma);
-  out.friction = q / p / load;
+Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
+  Reading out;
+  out.center_x_m = patch.center_x_m;
+  out.center_y_m = patch.center_y_m;
+  out.radius_m = patch.radius_m;
+  const MomentRatio ratio = moment_ratio(frame, patch, layout_);
+  out.slipped_n = ratio.slipped_n;
+  out.slipped_sigma_n = ratio.slipped_sigma_n;
+  const double open = 3 * ratio.sigma + 0.03;
+  if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
+  out.gamma = gamma_of_moment_ratio(ratio.value);
+  out.sigma = slope(std::cbrt(out.gamma)) * ratio.sigma;
+  const double held = std::max(1e-6, 1 - out.gamma);
+  out.friction = ratio.load / held;
   // Near no load friction is a ratio of two small numbers.
-  out.friction_sigma =
-      out.sigma < 0.5 * load
-          ? out.friction * std::hypot(out.sigma / load, patch.noise_shear_pa * std::sqrt(n) / q)
-          : std::numeric_limits<double>::infinity();
+  out.friction_sigma = out.sigma < 0.5 * held
+                           ? out.friction * std::hypot(out.sigma / held, patch.shear_sigma_n / patch.shear_n)
+                           : std::numeric_limits<double>::infinity();
+  const Rings rings = sum_rings(frame, patch, layout_);
   out.in_family = family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
   return out;
 }

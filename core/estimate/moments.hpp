@@ -4,12 +4,23 @@
 //   it.
 #pragma once
 
+#include <limits>
+
 #include "core/estimate/method.hpp"
 
 namespace slipd {
 
 // Gamma for a moment ratio; below 1 it is 0, above 5/3 it is 1.
 double gamma_of_moment_ratio(double ratio) noexcept;
+
+// Of a whole contact, taken over the patch's disc; deviations as noise in this frame and the size of its
+// taxels leave them, infinite for a contact cut by the sensor's edge, or without load.
+struct MomentRatio {
+  double value = 1, sigma = std::numeric_limits<double>::infinity();
+  double load = 0;                                                                  // sum q / sum p
+  double slipped_n = 0, slipped_sigma_n = std::numeric_limits<double>::infinity();  // see Reading
+};
+MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 
 class Moments final : public SlipMethod {
  public:

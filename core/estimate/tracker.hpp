@@ -1,16 +1,13 @@
-// Friction over time. A frame whose load has only risen tells friction by itself; after a regrip, an
-// unloading or a reversal no frame does, and the margin is 1 - |Q|/(mu P) with the friction remembered.
-// Friction is believed to fall at once and to rise only slowly, because the one mistake that drops an object
-// is to think it higher than it is.
+// Friction over time. A frame whose load has only risen tells its margin by itself; after a regrip, an
+// unloading or a reversal it does so only together with the friction and the forces of the frames before, and
+// the margin is 1 - |Q|/(mu P).
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/friction_grid.hpp"
-#include "core/estimate/growth.hpp"
+#include "core/estimate/friction_belief.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/settings.hpp"
 
@@ -18,39 +15,27 @@ namespace slipd {
 
 class Tracker {
  public:
-  // friction_expected: the scene's range. friction: known beforehand, never unlearnt. few_taxels: no single
-  // frame of this sensor tells its margin; friction is weighed over a grasp's frames instead.
+  // friction_expected: the scene's range. friction: known beforehand. few_taxels: no single frame of this
+  // sensor tells its margin.
   Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
           bool few_taxels);
 
   // Estimate thread. Fills in state, gamma, sigma, friction and method of `out`, whose forces and sequence
-  // are set. `reading` is null where the sensor has no method of its own (one force vector, flat skin).
+  // are set. `reading` is null where the sensor has no method of its own (one force vector, flat skin), or
+  // the frame no shear.
   void update(const ContactPatch& patch, const Reading* reading, Method method, Estimate& out) noexcept;
 
   // The contact was lost: what was learnt of this object is forgotten.
-  void forget() noexcept;
+  void forget() noexcept { belief_.reset(); }
 
  private:
-  struct Belief {
-    double mean = 0, sigma = 0;
-  };
-  struct Margin {
-    double gamma = 0, sigma = 0;
-  };
-  static Margin fuse(const Margin& a, const Margin& b) noexcept;
-  static bool agree(const Margin& a, const Margin& b) noexcept;
-  bool rim_slips(const RimReading& rim, double load, double load_sigma) const noexcept;
-  Margin from_scene(double load, double load_sigma) const noexcept;
-  Margin from_belief(double load, double load_sigma) const noexcept;
-  void update_few(const ContactPatch& patch, const Reading* reading, Estimate& out) noexcept;
-  void learn(double friction, double sigma, std::int64_t time_ns) noexcept;
+  using Margin = FrictionBelief::Value;
+  std::optional<Margin> track(const ContactPatch& patch, const Reading* reading, Method method,
+                              Estimate& out) noexcept;
 
   EstimatorSettings settings_;
-  Range expected_;
-  std::optional<Belief> given_, belief_;
-  std::optional<FrictionGrid> grid_;
-  Growth growth_;
-  std::int64_t learnt_ns_ = 0;
+  bool few_taxels_;
+  FrictionBelief belief_;
 };
 
 }  // namespace slipd

@@ -10,9 +10,6 @@ namespace {
 constexpr double kModelTolerance = 0.06;
 constexpr double kTaxelTolerance = 0.5;  // times taxel side over contact radius
 
-constexpr double kEven =
-    0.02;  // relative, of a ratio that is the same in two annuli, and of its own deviation
-
 }  // namespace
 
 Rings sum_rings(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
@@ -35,37 +32,6 @@ double disc_share(double k, double s0, double s1) noexcept {
     return rest > 0 ? rest * std::sqrt(rest) : 0.0;
   };
   return beyond(s0) - beyond(s1);
-}
-
-RimReading read_rim(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
-  constexpr double kFewest = 6;  // taxels of an annulus that still tell its ratio
-  const double noise_n = std::hypot(patch.noise_shear_pa, patch.noise_normal_pa) * layout.area_m2();
-  struct Annulus {
-    double p = 0, q = 0, n = 0;
-    void add(const Rings& r, std::size_t j) noexcept {
-      p += r.normal_n[j];
-      q += r.shear_n[j];
-      n += r.taxels[j];
-    }
-    double sigma(double noise) const noexcept { return noise * std::sqrt(n) / p; }
-  };
-  RimReading out;
-  for (const std::size_t start : {Rings::kCount - 3, Rings::kCount - 2}) {  // from 0.81 a, else from 0.87 a
-    Annulus inner, outer, both;
-    for (std::size_t j = start; j < Rings::kCount; ++j) {
-      (j == start ? inner : outer).add(rings, j);
-      both.add(rings, j);
-    }
-    if (inner.n < kFewest || outer.n < kFewest || !(inner.p > 0) || !(outer.p > 0)) break;
-    out.ratio = both.q / both.p;
-    out.sigma = both.sigma(noise_n);
-    const double apart = std::fabs(inner.q / inner.p - outer.q / outer.p);
-    const double open =
-        3 * std::hypot(inner.sigma(noise_n), outer.sigma(noise_n)) + kEven * std::fabs(out.ratio);
-    out.even = apart < open && out.sigma < kEven * std::fabs(out.ratio);
-    if (out.even) break;
-  }
-  return out;
 }
 
 double family_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout, double gamma,

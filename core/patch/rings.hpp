@@ -24,15 +24,6 @@ Rings sum_rings(const Frame& frame, const ContactPatch& patch, const TaxelLayout
 // s1).
 double disc_share(double k, double s0, double s1) noexcept;
 
-// Where the rim slips, q/p is the friction, whatever the contact went through before. `even`: two annuli of
-// the outermost third agree, so it may be a slip zone; a ring that came to the contact while both forces grew
-// is even as well, at the slope dQ/dP of that growth.
-struct RimReading {
-  bool even = false;
-  double ratio = 0, sigma = 0;  // q/p, signed along the resultant
-};
-RimReading read_rim(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout) noexcept;
-
 // How far the rings are from a load that only rose to `gamma` at `friction`: mean square of (measured -
 // expected) shear, each ring in units of its own noise and of what the model and the taxels' size leave open.
 // About 1 or less in the family; regrip, unloading and reversal give tens to thousands.

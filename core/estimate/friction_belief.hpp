@@ -1,0 +1,74 @@
+// What friction this grasp may have, weighed over its frames. Each friction that may be lives through the
+// grasp's forces with a contact of its own (SpringBed), and each frame takes weight from those whose contact
+// would look otherwise by now: after a regrip, an unloading or a reversal just as while a load only rises.
+// What no frame tells apart stays open: a contact that sticks all over looks the same for every friction that
+// holds it.
+//
+// A friction that lost its weight keeps a rest of it, so that a change is believed within a few frames that
+// speak for it, and sooner if it fell than if it rose. Estimate thread; fixed memory, nothing allocates.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/contact/scene.hpp"
+#include "core/contact/spring_bed.hpp"
+#include "core/estimate/method.hpp"
+
+namespace slipd {
+
+class FrictionBelief {
+ public:
+  // The range expected ends softly, over about `spread` of log mu. `shapeless`: frames of this sensor tell
+  // little of their own, so that sliding is told by Q/P, which keeps while P changes.
+  FrictionBelief(Range expected, double spread, bool shapeless);
+
+  // A new grasp: back to what the scene expects.
+  void reset() noexcept;
+
+  // One frame in contact, in order of time. `reading` is null where the frame has no shape.
+  void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading) noexcept;
+
+  struct Value {
+    double mean = 0, sigma = 0;
+  };
+  Value friction() const noexcept;
+  Value margin(double load, double load_sigma) const noexcept;  // of 1 - load/mu, load = |Q|/P
+
+  // The likeliest friction's contact is one whose load has only risen.
+  bool only_risen() const noexcept { return only_risen_; }
+  // The frames of late look as some friction would have them, after a history that is known.
+  bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
+
+ private:
+  static constexpr std::size_t kCount = 56;
+  static constexpr double kLow = 0.04, kHigh = 2.2;  // friction, evenly spaced in its logarithm
+  static constexpr double kMostMisfit = 4;           // mean square, 1 where all is understood
+  using PerFriction = std::array<double, kCount>;
+
+  void follow(const ContactPatch& patch) noexcept;
+  void start_anew() noexcept;
+  void weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept;
+  bool looks_risen(double normal_n, double load) const noexcept;
+  void weigh_sliding(double normal_n, double load, double load_sigma) noexcept;
+  void normalise() noexcept;
+  std::size_t best() const noexcept;
+
+  bool shapeless_;
+  PerFriction friction_, prior_, weight_;  // weights are logarithms, the greatest is 0
+  PerFriction slipped_n_{};                // of each contact, see SpringBed
+  std::array<contact::SpringBed, kCount> contact_;
+  double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
+  double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
+  double aimed_n_ = 0;                 // the shear that the axis was taken from
+  bool known_ = true, only_risen_ = true;
+  double misfit_ = 1;
+  int strange_ = 0;   // frames one after the other that no friction explains
+  int agreeing_ = 0;  // frames that a risen load explains since the past was lost
+  std::int64_t last_ns_ = 0;
+  double highest_load_ = 0;
+  double slide_normal_n_ = 0, slide_load_ = 0;  // where a plateau of Q/P may have begun
+};
+
+}  // namespace slipd
