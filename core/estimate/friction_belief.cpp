@@ -10,10 +10,10 @@ namespace {
 constexpr double kForgetAfterSeconds = 5;  // evidence fades towards what the scene expects
 constexpr double kLeastSigma = 0.02;       // of friction, relative: contacts are not as even as their model
 
-constexpr double kRestBelow = 14, kRestAbove = 20;  // a friction below, above the likeliest keeps exp(-this)
+constexpr double kRestBelow = 12, kRestAbove = 20;  // a friction below, above the likeliest keeps exp(-this)
 constexpr double kMostUnexpected = 40;  // the least weight that the scene leaves a friction, as a logarithm
 constexpr double kSharpest = 8;         // by which its neighbours fall behind the likeliest
-constexpr double kMostOfFrame = 8;      // no single frame says more
+constexpr double kMostOfFrame = 20;     // no single frame says more
 
 constexpr double kBand = 1.5;         // deviations by which a force has to move before it is taken to
 constexpr double kBandShare = 0.002;  // of the normal force, besides
@@ -26,10 +26,11 @@ constexpr double kPast = 0.05;    // of what slipped: how well noisy forces tell
 constexpr double kUneven = 0.02;  // of the shear: what skins that are no half space deviate
 // Of Q, of mu P: as good as slipped by a load that only rose.
 constexpr double kLike = 0.03, kLikeShare = 0.003;
-constexpr double kStrange = 9;    // squared misfit of a frame that no friction explains
-constexpr int kEnoughAgree = 20;  // frames, then a load that was met half-way has indeed only risen
-constexpr int kMostStrange = 8;   // frames, then the history was not what it seemed
-constexpr double kMemory = 0.9;   // of the misfit, frame by frame
+constexpr double kStrange = 9;      // squared misfit of a frame that no friction explains
+constexpr double kSurprising = 16;  // squared misfit of a frame for the friction believed so far
+constexpr int kEnoughAgree = 20;    // frames, then a load that was met half-way has indeed only risen
+constexpr int kMostStrange = 8;     // frames, then the history was not what it seemed
+constexpr double kMemory = 0.9;     // of the misfit, frame by frame
 
 constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
 constexpr double kHighest = 2;     // deviations by which a load may miss the highest one
@@ -65,6 +66,7 @@ void FrictionBelief::reset() noexcept {
   normal_n_ = shear_n_ = axis_x_ = axis_y_ = 0;
   known_ = only_risen_ = true;
   aimed_n_ = 0;
+  surprised_ = false;
   agreeing_ = 0;
   misfit_ = 1;
   strange_ = 0;
@@ -85,6 +87,7 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
     if (over > 0) weight_[j] -= std::min(0.5 * over * over, kMostOfFrame);
   }
   follow(patch);
+  surprised_ = false;
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_shape(patch, *reading);
   if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
   normalise();
@@ -147,7 +150,9 @@ bool FrictionBelief::looks_risen(double normal_n, double load) const noexcept {
 
 void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept {
   const double load = patch.shear_n / patch.normal_n;
-  only_risen_ = looks_risen(patch.normal_n, load);
+  const std::size_t believed = best();
+  const bool highest = load > highest_load_ - kHighest * patch.shear_sigma_n / patch.normal_n;
+  only_risen_ = shapeless_ ? highest : looks_risen(patch.normal_n, load);
   PerFriction misfit;
   const bool direct = only_risen_ && reading.in_family;
   if (direct && reading.profile.known) {
@@ -160,15 +165,19 @@ void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& readi
       const double mobilised = load / friction_[j];
       misfit[j] = square(reading.gamma - 1 + mobilised) / (square(reading.sigma) + square(apart * mobilised));
     }
-  } else if (known_ && std::isfinite(reading.slipped_sigma_n)) {
+  } else if (known_ && !shapeless_ && std::isfinite(reading.slipped_sigma_n)) {
     const double along = patch.toward_x * axis_x_ + patch.toward_y * axis_y_;
-    const double variance =
-        square(reading.slipped_sigma_n) + square(kUneven * patch.shear_n) + square(kPast * reading.slipped_n);
-    for (std::size_t j = 0; j < kCount; ++j)
-      misfit[j] = square(reading.slipped_n - along * slipped_n_[j]) / variance;
+    // What the model itself leaves open is the same in every frame: within that a frame tells nothing.
+    const double open = std::hypot(kUneven * patch.shear_n, kPast * reading.slipped_n);
+    const double variance = square(reading.slipped_sigma_n) + square(0.5 * open);
+    for (std::size_t j = 0; j < kCount; ++j) {
+      const double off = std::fabs(reading.slipped_n - along * slipped_n_[j]);
+      misfit[j] = square(std::max(0.0, off - open)) / variance;
+    }
   } else {
     return;
   }
+  surprised_ = misfit[believed] > kSurprising;
   const double least = *std::min_element(misfit.begin(), misfit.end());
   misfit_ = kMemory * misfit_ + (1 - kMemory) * std::min(least, 4 * kStrange);
   if (least > kStrange) {

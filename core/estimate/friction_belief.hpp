@@ -38,6 +38,9 @@ class FrictionBelief {
 
   // The likeliest friction's contact is one whose load has only risen.
   bool only_risen() const noexcept { return only_risen_; }
+  // This frame does not look as the friction believed before it would have it: that has changed, or was
+  // wrong.
+  bool surprised() const noexcept { return surprised_; }
   // The frames of late look as some friction would have them, after a history that is known.
   bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
 
@@ -62,7 +65,7 @@ class FrictionBelief {
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from
-  bool known_ = true, only_risen_ = true;
+  bool known_ = true, only_risen_ = true, surprised_ = false;
   double misfit_ = 1;
   int strange_ = 0;   // frames one after the other that no friction explains
   int agreeing_ = 0;  // frames that a risen load explains since the past was lost

@@ -10,6 +10,7 @@ namespace {
 constexpr double kSceneSpread = 0.15;  // in log mu: how softly the scene's range ends
 constexpr double kGivenSpread = 0.05;  // the same of a friction known beforehand
 constexpr double kKnown = 0.3;         // relative: a friction more open than that is not told
+constexpr double kJustChanged = 0.2;   // of a margin while friction is anew to be found
 constexpr double kClearly = 2.5;       // standard deviations
 
 }  // namespace
@@ -41,10 +42,18 @@ std::optional<Tracker::Margin> Tracker::track(const ContactPatch& patch, const R
     margin.sigma *= std::numbers::sqrt2;
     return margin;
   }
-  const bool direct =
-      reading->in_family && belief_.only_risen() && !few_taxels_ &&
-      std::fabs(reading->gamma - margin.mean) < kClearly * std::hypot(reading->sigma, margin.sigma);
-  if (direct) {
+  if (few_taxels_) return margin;
+  if (belief_.surprised()) {
+    // Friction that fell is felt at once in a frame that tells its margin by itself, in the belief a few
+    // frames later.
+    if (!reading->in_family) {
+      margin.sigma = std::max(margin.sigma, kJustChanged);
+    } else if (reading->gamma < margin.mean) {
+      out.method = method;
+      margin = {reading->gamma, reading->sigma};
+    }
+  } else if (reading->in_family && belief_.only_risen() &&
+             std::fabs(reading->gamma - margin.mean) < kClearly * std::hypot(reading->sigma, margin.sigma)) {
     out.method = method;
     if (reading->sigma < margin.sigma) margin = {reading->gamma, reading->sigma};
   }

@@ -57,7 +57,8 @@ Tally live(EstimatorChain& chain, FrameMaker& maker, const std::vector<Phase>& l
       tally.worst = std::max(tally.worst, std::fabs(off));
       tally.too_safe = std::max(tally.too_safe, off);
       EXPECT_LT(std::fabs(off), 0.25) << phase.name << " " << i;
-      EXPECT_LT(off, 0.15) << phase.name << " " << i;
+      EXPECT_LT(off, 0.15) << phase.name << " " << i << " truth " << contact.safety_margin() << " sigma "
+                           << *estimate.sigma;
     }
   }
   tally.error /= std::max(1, tally.ok);

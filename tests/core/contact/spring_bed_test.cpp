@@ -1,0 +1,87 @@
+#include "core/contact/spring_bed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/contact/history.hpp"
+
+namespace slipd::contact {
+namespace {
+
+// The exact history's (5/3 - <r^2>_q / <r^2>_p) Q, from its disc terms: <r^2> of D_x is 2 x^2/5.
+double slipped_n(const LoadHistory& exact) {
+  double q = 0, q2 = 0;
+  const double a = exact.contact_radius_m();
+  for (const auto& term : exact.shear_terms()) {
+    const double s = term.radius_m / a, force = term.coefficient * s * s * s;
+    q += force;
+    q2 += force * s * s;
+  }
+  return q != 0 ? (5.0 / 3 - q2 / q) * exact.shear_n() : 0;
+}
+
+Pair rubber_on_steel() {
+  return make_pair({.radius_m = 0.01, .modulus_pa = 5e5, .poisson = 0.45},
+                   {.radius_m = 0.03, .modulus_pa = 2e11, .poisson = 0.25});
+}
+
+TEST(SpringBed, FollowsAnyHistoryAsTheExactOneDoes) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int grasp = 0; grasp < 60; ++grasp) {
+    LoadHistory exact(rubber_on_steel());
+    SpringBed springs;
+    const double mu = 0.1 + 0.8 * unit(random);
+    double p = 0, q = 0;
+    for (int phase = 0; phase < 8; ++phase) {
+      const bool only_shear = phase > 0 && unit(random) < 0.4;
+      const double p_to = only_shear ? p : 1 + 4 * unit(random);
+      const double q_to = phase == 0 ? 0 : mu * p_to * (2 * unit(random) - 1);
+      for (int i = 1; i <= 30; ++i) {
+        const double f = i / 30.0, p_now = p + f * (p_to - p), q_now = q + f * (q_to - q);
+        exact.move_to(p_now, q_now, mu);
+        springs.follow(p_now, q_now, mu);
+        ASSERT_NEAR(springs.slipped_n(), slipped_n(exact), 0.006 * mu * p_now)
+            << "grasp " << grasp << " phase " << phase << " step " << i;
+        ASSERT_NEAR(springs.shear_n(), exact.shear_n(), 1e-9);
+      }
+      p = p_to;
+      q = exact.shear_n();
+    }
+  }
+}
+
+TEST(SpringBed, AContactThatSticksAllOverHasLostNothingOfItsRim) {
+  SpringBed springs;
+  for (int i = 1; i <= 100; ++i) {
+    springs.follow(0.02 * i, 0.005 * i,
+                   0.5);  // Q/P = 1/4 all the way: even at the rim, and yet nothing slips
+    EXPECT_NEAR(springs.slipped_n(), (5.0 / 3 - 1) * 0.005 * i, 0.002 * 0.02 * i);
+  }
+  const double grown = springs.slipped_n();
+  springs.follow(2, 0.55, 0.5);
+  EXPECT_NEAR(springs.slipped_n(), grown, 0.01) << "a small load that sticks changes nothing";
+}
+
+TEST(SpringBed, WhatItIsToldToHaveRisenIsAsIfItHad) {
+  SpringBed told, risen;
+  told.assume_risen(3, 1, 0.6);
+  risen.follow(3, 0, 0.6);
+  for (int i = 1; i <= 50; ++i) risen.follow(3, 0.02 * i, 0.6);
+  EXPECT_NEAR(told.slipped_n(), risen.slipped_n(), 1e-3);
+}
+
+TEST(SpringBed, CarriesNoMoreThanFrictionHolds) {
+  SpringBed springs;
+  springs.follow(2, 5, 0.5);
+  EXPECT_DOUBLE_EQ(springs.shear_n(), 1);
+  EXPECT_NEAR(springs.slipped_n(), 2.0 / 3, 0.01) << "gross slip: shear lies as pressure does";
+  springs.follow(0, 1, 0.5);
+  EXPECT_EQ(springs.shear_n(), 0);
+  EXPECT_EQ(springs.slipped_n(), 0);
+}
+
+}  // namespace
+}  // namespace slipd::contact
