@@ -24,7 +24,7 @@ constexpr double kLeastFrictionSigma = 0.05;  // relative
 
 SvdKnn::SvdKnn(std::shared_ptr<const Model> model, Precision precision)
     : model_(std::move(model)),
-      query_(model_->neighbours(), static_cast<std::size_t>(model_->setup().neighbours)),
+      query_(model_->neighbours(), searched(model_->setup())),
       moments_(model_->setup().layout),
       alpha_(model_->setup().layout.size()),
       point_(model_->rank()),
@@ -40,7 +40,7 @@ MethodSettings SvdKnn::settings() const noexcept {
                               data.friction.size() + 2 * data.gamma.size() + alpha_.size();
   return {.rank = static_cast<int>(point_.size()),
           .rings = rings ? setup.rings : 0,
-          .neighbours = setup.neighbours,
+          .neighbours = static_cast<int>(searched(setup)),
           .precision = precision_,
           .memory_bytes = sizeof(*this) + sizeof(float) * numbers + 2 * sizeof(double) * setup.layout.size()};
 }
@@ -131,7 +131,10 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
       rings ? (twice ? project_rings<double>(frame, patch, noise) : project_rings<float>(frame, patch, noise))
             : (twice ? project<double>(frame, patch, noise) : project<float>(frame, patch, noise));
   if (!known) return out;
-  const KnnAnswer answer = answer_of(query_, point_, model_->data().gamma, model_->data().friction);
+  const ModelData& data = model_->data();
+  const KnnAnswer answer = rings
+                               ? plane_answer_of(query_, point_, data.coordinates, data.gamma, data.friction)
+                               : answer_of(query_, point_, data.gamma, data.friction);
   const float all_noise = noise * std::sqrt(static_cast<float>(point_.size()));
   if (!answer.known || answer.distance > kBeyond * model_->data().errors.distance_limit + 3 * all_noise)
     return out;

@@ -112,12 +112,14 @@ ErrorStatistics measure_errors(const ModelData& data, const ContactColumns& unse
   const Eigen::MatrixXf coordinates = projected.coordinates.topRows(rank);
   const auto width = static_cast<std::size_t>(rank);
   const Neighbours neighbours(data.coordinates, width);
-  Neighbours::Query query(neighbours, static_cast<std::size_t>(data.setup.neighbours));
+  Neighbours::Query query(neighbours, searched(data.setup));
   std::vector<Miss> misses;
   std::vector<float> distances, residuals;
   for (std::size_t j = 0; j < unseen.columns(); ++j) {
     const std::span<const float> point(coordinates.data() + j * width, width);
-    const KnnAnswer answer = answer_of(query, point, data.gamma, data.friction);
+    const KnnAnswer answer = data.setup.view == View::rings
+                                 ? plane_answer_of(query, point, data.coordinates, data.gamma, data.friction)
+                                 : answer_of(query, point, data.gamma, data.friction);
     misses.push_back({answer.spread, std::abs(answer.gamma - static_cast<float>(unseen.gamma(j))),
                       std::abs(answer.friction - static_cast<float>(unseen.friction(j)))});
     distances.push_back(answer.distance);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/model/knn.hpp"
 #include "core/model/random.hpp"
 
 namespace slipd {
@@ -85,6 +86,23 @@ TEST(Neighbours, MeaninglessPointsAreRefused) {
   EXPECT_THROW(Neighbours({}, 2), std::invalid_argument);
   EXPECT_THROW(Neighbours({1, 2, 3}, 2), std::invalid_argument);
   EXPECT_THROW(Neighbours({1, std::numeric_limits<float>::infinity()}, 2), std::invalid_argument);
+}
+
+// Where the answer is a plane over the points, its mean over the neighbours is off by their centre, the plane
+// is not.
+TEST(PlaneAnswer, IsExactOnAPlaneWhereTheMeanIsNot) {
+  std::vector<float> points, gamma, friction;
+  for (int i = 0; i < 40; ++i) {
+    const float x = 0.01F * static_cast<float>(i * i % 17), y = 0.01F * static_cast<float>(i);
+    points.insert(points.end(), {x, y});
+    gamma.push_back(0.2F + 0.5F * x + 0.8F * y);
+    friction.push_back(0.5F);
+  }
+  const Neighbours neighbours(points, 2);
+  Neighbours::Query query(neighbours, 12);
+  const std::vector<float> corner{-0.01F, -0.01F};
+  EXPECT_NEAR(plane_answer_of(query, corner, points, gamma, friction).gamma, 0.187F, 0.004F);
+  EXPECT_GT(answer_of(query, corner, gamma, friction).gamma, 0.2F);
 }
 
 }  // namespace

@@ -101,8 +101,9 @@ void write_ordeals(const std::vector<Ordeal>& rows, const std::filesystem::path&
   std::ostringstream csv;
   csv << "along,at,method,frames,answered,mean_error,worst_error,claims_safer,claims_less_safe,within_sigma,"
          "within_two_sigma,no_contact,learning,out_of_model\n";
-  for (const auto& row : rows) {
-    for (std::size_t m = 0; m < row.by_method.size(); ++m) {
+  for (std::size_t m = 0; m < std::size(kUntrained);
+       ++m) {  // of one method in a row, as a plot's lines want it
+    for (const auto& row : rows) {
       const Tally& t = row.by_method[m];
       csv << row.what << ',' << row.strength << ',' << kUntrained[m].name << ',' << t.frames() << ','
           << t.answered() << ',' << t.mean_error() << ',' << t.worst() << ',' << t.over() << ',' << t.under()

@@ -40,8 +40,15 @@ std::vector<std::unique_ptr<SlipMethod>> trained_methods(const TaxelLayout& layo
                                                          const TradeoffOptions& options) {
   ModelSetup setup{.layout = layout, .scene = scene_of(kTrainedNoise), .size = {}, .seed = options.seed};
   std::vector<std::unique_ptr<SlipMethod>> methods;
+  // A rank that so few taxels do not have is left out.
   const auto add = [&](const std::vector<int>& ranks, bool twice) {
-    for (auto& data : train_ranks(setup, ranks, options.threads)) {
+    std::vector<ModelData> models;
+    try {
+      models = train_ranks(setup, ranks, options.threads);
+    } catch (const ModelError&) {
+      return;
+    }
+    for (auto& data : models) {
       const auto model = std::make_shared<const Model>(std::move(data));
       methods.push_back(std::make_unique<SvdKnn>(model));
       if (twice) methods.push_back(std::make_unique<SvdKnn>(model, Precision::double_precision));
@@ -60,7 +67,7 @@ std::vector<std::unique_ptr<SlipMethod>> trained_methods(const TaxelLayout& layo
     add({3}, false);
   }
   setup.rings = Rings::kCount;
-  for (const int neighbours : {1, 15}) {
+  for (const int neighbours : {32}) {
     setup.neighbours = neighbours;
     add({3}, false);
   }
