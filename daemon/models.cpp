@@ -19,7 +19,7 @@
 #include "core/estimate/model_setup.hpp"
 #include "core/model/model_file.hpp"
 #include "core/model/setup_json.hpp"
-#include "daemon/serve/unique_fd.hpp"
+#include "core/unique_fd.hpp"
 
 namespace slipd {
 namespace {

@@ -29,21 +29,6 @@ float square(float x) noexcept {
   return x * x;
 }
 
-// Mean over normal pressures, or over both shears: a taxel that happens to flicker little is no better known
-// than the others.
-struct Kinds {
-  float normal = 0, shear = 0;
-};
-
-template <typename Value>
-Kinds mean_by_kind(std::size_t taxels, Value value) noexcept {
-  double normal = 0, shear = 0;
-  for (std::size_t i = 0; i < taxels; ++i) normal += value(i);
-  for (std::size_t i = taxels; i < 3 * taxels; ++i) shear += value(i);
-  const auto n = static_cast<double>(taxels);
-  return {static_cast<float>(normal / n), static_cast<float>(shear / (2 * n))};
-}
-
 }  // namespace
 
 std::string_view to_string(ZeroOrigin origin) noexcept {
@@ -154,15 +139,15 @@ void Zeroing::answer(ZeroAnswer what) noexcept {
   report_.answer = what;
 }
 
-// Whether this block and the one before are of one and the same reading.
+// Whether this block and the one before are of one and the same reading. The noise is that of the quieter of
+// both: a touch that began within the other one is in its variance, too.
 bool Zeroing::stands_still() const noexcept {
-  const auto now = block_.mean_pa(), spread = block_.variance_pa2();
-  const auto pooled = [&](std::size_t i) { return (spread[i] + last_variance_[i]) / 2; };
-  const Kinds least = mean_by_kind(taxels_, pooled);
+  const auto now = block_.mean_pa();
+  const Kinds least = quieter_by_kind();
   const float errors = 1 / std::min(kIndependent, static_cast<float>(block_.frames())) +
                        1 / std::min(kIndependent, static_cast<float>(last_frames_));
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const float variance = std::max(pooled(i), i < taxels_ ? least.normal : least.shear);
+    const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
     if (square(now[i] - last_mean_[i]) > kStill * kStill * errors * variance + square(kRounding * now[i]))
       return false;
   }
@@ -172,15 +157,31 @@ bool Zeroing::stands_still() const noexcept {
 // Without a zero yet: whether the sensor reads 0 all over. A load that hides every offset, taxel by taxel,
 // there is not.
 bool Zeroing::reads_zero() const noexcept {
-  const auto now = block_.mean_pa(), spread = block_.variance_pa2();
-  const auto pooled = [&](std::size_t i) { return (spread[i] + last_variance_[i]) / 2; };
-  const Kinds least = mean_by_kind(taxels_, pooled);
+  const auto now = block_.mean_pa();
+  const Kinds least = quieter_by_kind();
   const float frames = static_cast<float>(block_.frames() + last_frames_);
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const float variance = std::max(pooled(i), i < taxels_ ? least.normal : least.shear);
+    const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
     if (square((now[i] + last_mean_[i]) / 2) > kExact * kExact * variance / frames) return false;
   }
   return true;
+}
+
+float Zeroing::quieter(std::size_t channel) const noexcept {
+  return std::min(block_.variance_pa2()[channel], last_variance_[channel]);
+}
+
+Zeroing::Kinds Zeroing::quieter_by_kind() const noexcept {
+  const Kinds now = mean_by_kind(block_.variance_pa2()), last = mean_by_kind(last_variance_);
+  return {std::min(now.normal, last.normal), std::min(now.shear, last.shear)};
+}
+
+Zeroing::Kinds Zeroing::mean_by_kind(std::span<const float> values) const noexcept {
+  double normal = 0, shear = 0;
+  for (std::size_t i = 0; i < taxels_; ++i) normal += values[i];
+  for (std::size_t i = taxels_; i < 3 * taxels_; ++i) shear += values[i];
+  const auto n = static_cast<double>(taxels_);
+  return {static_cast<float>(normal / n), static_cast<float>(shear / (2 * n))};
 }
 
 // With a zero: whether every channel is at it, but for noise and what drift may have done meanwhile.
@@ -256,7 +257,8 @@ void Zeroing::follow() noexcept {
 }
 
 void Zeroing::measure_noise() noexcept {
-  const Kinds variance = mean_by_kind(taxels_, [this](std::size_t i) { return square(zero_.noise_pa[i]); });
+  for (std::size_t i = 0; i < apart_.size(); ++i) apart_[i] = square(zero_.noise_pa[i]);
+  const Kinds variance = mean_by_kind(apart_);
   report_.noise_normal_pa = std::sqrt(variance.normal);
   report_.noise_shear_pa = std::sqrt(variance.shear);
 }

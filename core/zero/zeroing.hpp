@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/frame/frame.hpp"
@@ -49,6 +50,15 @@ class Zeroing {
   const Zero& zero() const noexcept { return zero_; }  // acquire thread's own; changes in judge
 
  private:
+  // Of all normal pressures, and of both shears: a taxel that happens to flicker little is no better known
+  // than the others.
+  struct Kinds {
+    float normal = 0, shear = 0;
+  };
+  Kinds mean_by_kind(std::span<const float> values) const noexcept;
+  Kinds quieter_by_kind() const noexcept;
+  float quieter(std::size_t channel) const noexcept;
+
   bool known() const noexcept { return report_.origin != ZeroOrigin::none; }
   bool stands_still() const noexcept;
   bool reads_zero() const noexcept;

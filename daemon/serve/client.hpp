@@ -14,9 +14,9 @@
 #include <memory>
 #include <string>
 
+#include "core/unique_fd.hpp"
 #include "daemon/serve/backlog.hpp"
 #include "daemon/serve/subscription.hpp"
-#include "daemon/serve/unique_fd.hpp"
 
 namespace slipd {
 

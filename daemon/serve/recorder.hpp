@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "core/unique_fd.hpp"
 #include "daemon/board/board.hpp"
-#include "daemon/serve/unique_fd.hpp"
 
 namespace slipd {
 

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <vector>
 
-#include "daemon/serve/unique_fd.hpp"
+#include "core/unique_fd.hpp"
 #include "daemon/state/state_folder.hpp"
 
 namespace slipd {

@@ -49,8 +49,8 @@ bool send_all(int client, std::string_view bytes) {
 
 FakeDaemon::FakeDaemon(Answer answer)
     : answer_(std::move(answer)), folder_(temporary_folder()), path_(folder_ + "/slipd.sock") {
-  listening_ = UniqueFd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  stop_ = UniqueFd(::eventfd(0, EFD_CLOEXEC));
+  listening_ = slipd::UniqueFd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  stop_ = slipd::UniqueFd(::eventfd(0, EFD_CLOEXEC));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, path_.data(), path_.size());
@@ -68,7 +68,7 @@ FakeDaemon::~FakeDaemon() {
 
 void FakeDaemon::serve() {
   while (readable(listening_.get(), stop_.get())) {
-    const UniqueFd client(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    const slipd::UniqueFd client(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     if (client.get() >= 0) converse(client.get());
   }
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "tools/slipctl/unique_fd.hpp"
+#include "core/unique_fd.hpp"
 
 namespace slipctl::testing {
 
@@ -32,7 +32,7 @@ class FakeDaemon {
   void converse(int client);
   Answer answer_;
   std::string folder_, path_;
-  UniqueFd listening_, stop_;
+  slipd::UniqueFd listening_, stop_;
   std::thread thread_;
 };
 

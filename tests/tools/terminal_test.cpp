@@ -47,7 +47,7 @@ class OnTerminal : public ::testing::Test {
       ::execl(program.c_str(), "slipctl", "watch", "--socket", daemon_.path().c_str(), nullptr);
       ::_exit(127);
     }
-    terminal_ = UniqueFd(terminal);
+    terminal_ = slipd::UniqueFd(terminal);
     ::tcgetattr(terminal, &before_);
   }
   ~OnTerminal() override {
@@ -85,7 +85,7 @@ class OnTerminal : public ::testing::Test {
 
   FakeDaemon daemon_{holding()};
   pid_t child_ = -1;
-  UniqueFd terminal_;
+  slipd::UniqueFd terminal_;
   termios before_{};
   std::string shown_;
 };

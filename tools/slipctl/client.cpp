@@ -13,7 +13,7 @@
 namespace slipctl {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestLine = std::size_t{64}
                                      << 20;  // a frame of 4096 x 4096 taxels is no socket's business

@@ -12,9 +12,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "tools/slipctl/unique_fd.hpp"
+#include "core/unique_fd.hpp"
 
 namespace slipctl {
+
+using slipd::UniqueFd;
 
 inline constexpr const char* kDefaultSocket = "/run/slipd/slipd.sock";
 
@@ -36,7 +38,7 @@ class RpcError : public ClientError {
 
 struct Notification {
   std::string method;
-  nlohmann::json params;
+  nlohmann::ordered_json params;
 };
 
 class RpcClient {
@@ -46,8 +48,10 @@ class RpcClient {
 
   // Sends a request and waits for its result. `passed_fd`, if not -1, travels along (SCM_RIGHTS); it stays
   // the caller's. Throws RpcError for an error answer, ClientError for none within `timeout`.
-  nlohmann::json call(const std::string& method, nlohmann::json params = nlohmann::json::object(),
-                      std::chrono::milliseconds timeout = std::chrono::seconds(5), int passed_fd = -1);
+  nlohmann::ordered_json call(const std::string& method,
+                              nlohmann::ordered_json params = nlohmann::ordered_json::object(),
+                              std::chrono::milliseconds timeout = std::chrono::seconds(5),
+                              int passed_fd = -1);
 
   // The next notification, or nothing within `timeout` (0: only what is there). Throws ClientError when the
   // daemon has gone.
@@ -59,11 +63,11 @@ class RpcClient {
  private:
   using Clock = std::chrono::steady_clock;
   void send_line(const std::string& line, int passed_fd) const;
-  std::optional<nlohmann::json> receive(Clock::time_point deadline);
+  std::optional<nlohmann::ordered_json> receive(Clock::time_point deadline);
   std::optional<std::string> take_line();
   bool wait_readable(Clock::time_point deadline) const;
   void read_some();
-  void keep_notification(nlohmann::json& message);
+  void keep_notification(nlohmann::ordered_json& message);
 
   std::string path_;
   UniqueFd socket_;

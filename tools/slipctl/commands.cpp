@@ -10,7 +10,7 @@
 namespace slipctl {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 json ask(const Common& common, const char* method, json params = json::object()) {
   return RpcClient(common.socket).call(method, std::move(params));

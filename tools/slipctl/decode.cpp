@@ -133,7 +133,7 @@ class Capture {
   void print(std::size_t number) {
     const FrameSlot& slot = sensors_[number].slot;
     if (json_) {
-      nlohmann::json line{{"sensor", number}, {"seq", slot.sequence}, {"device_time_ns", nullptr}};
+      nlohmann::ordered_json line{{"sensor", number}, {"seq", slot.sequence}, {"device_time_ns", nullptr}};
       if (slot.device_time_ns >= 0) line["device_time_ns"] = slot.device_time_ns;
       line["normal_pa"] = slot.normal_pa;
       line["shear_x_pa"] = slot.shear_x_pa;

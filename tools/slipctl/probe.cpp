@@ -13,7 +13,7 @@
 namespace slipctl {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 using slipd::decode::HidMatch;
 using slipd::decode::Profile;
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 namespace slipctl {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 const json& member(const json& object, const char* key) {
   static const json nothing;

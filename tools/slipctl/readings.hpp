@@ -49,10 +49,12 @@ struct SensorCounts {
   std::optional<double> latency_p50_us, latency_p99_us, latency_p999_us, latency_max_us;
 };
 
-std::vector<SensorInfo> sensors_from(const nlohmann::json& result);  // of `sensors`
-Reading reading_from(const nlohmann::json& estimate);                // one estimate
-std::vector<Reading> grasps_from(const nlohmann::json& result);  // of `gamma`; `sensor` is the grasp's name
-TaxelFrame frame_from(const nlohmann::json& result);  // of `frame`; throws ClientError if lengths differ
-std::vector<SensorCounts> counts_from(const nlohmann::json& result);  // of `status`
+std::vector<SensorInfo> sensors_from(const nlohmann::ordered_json& result);  // of `sensors`
+Reading reading_from(const nlohmann::ordered_json& estimate);                // one estimate
+std::vector<Reading> grasps_from(
+    const nlohmann::ordered_json& result);  // of `gamma`; `sensor` is the grasp's name
+TaxelFrame frame_from(
+    const nlohmann::ordered_json& result);  // of `frame`; throws ClientError if lengths differ
+std::vector<SensorCounts> counts_from(const nlohmann::ordered_json& result);  // of `status`
 
 }  // namespace slipctl

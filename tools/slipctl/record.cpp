@@ -38,7 +38,7 @@ void record(const Common& common, const RecordOptions& options) {
   const auto patience =
       std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(options.seconds + 10));
   try {
-    const nlohmann::json result = client.call(
+    const nlohmann::ordered_json result = client.call(
         "record", {{"sensor", options.sensor}, {"seconds", options.seconds}}, patience, file.get());
     if (common.json)
       std::cout << result.dump() << '\n';

@@ -8,7 +8,7 @@
 namespace slipctl {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 std::size_t width(const std::string& utf8) {
   return static_cast<std::size_t>(

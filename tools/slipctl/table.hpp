@@ -11,9 +11,9 @@ namespace slipctl {
 std::string table(const std::vector<std::vector<std::string>>& rows);
 
 // The rows of a list of objects, one column for each of `keys`; absent and null are dashes.
-std::string table_of(const nlohmann::json& objects, const std::vector<const char*>& keys);
+std::string table_of(const nlohmann::ordered_json& objects, const std::vector<const char*>& keys);
 
 // Any value: objects as `name  value` lines, lists of objects as tables, deeper ones indented.
-std::string tree(const nlohmann::json& value, int indent = 0);
+std::string tree(const nlohmann::ordered_json& value, int indent = 0);
 
 }  // namespace slipctl

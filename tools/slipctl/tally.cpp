@@ -89,24 +89,24 @@ std::string Tally::text(const std::vector<SensorCounts>& before, const std::vect
   return text;
 }
 
-nlohmann::json Tally::json(const std::vector<SensorCounts>& before, const std::vector<SensorCounts>& after,
-                           double seconds) const {
-  nlohmann::json sensors = nlohmann::json::array();
+nlohmann::ordered_json Tally::json(const std::vector<SensorCounts>& before,
+                                   const std::vector<SensorCounts>& after, double seconds) const {
+  nlohmann::ordered_json sensors = nlohmann::ordered_json::array();
   for (const auto& [name, tally] : sensors_) {
     const SensorCounts counts = between(of(before, name), of(after, name));
-    nlohmann::json sensor{{"name", name},
-                          {"received", counts.received},
-                          {"estimated", counts.estimated},
-                          {"skipped", counts.skipped},
-                          {"gaps", counts.gaps},
-                          {"seen", tally.estimates},
-                          {"dropped", tally.dropped},
-                          {"states", tally.states},
-                          {"warnings", tally.warnings},
-                          {"slips", tally.slips},
-                          {"lowest_gamma", nullptr},
-                          {"mean_error", nullptr},
-                          {"worst_error", nullptr}};
+    nlohmann::ordered_json sensor{{"name", name},
+                                  {"received", counts.received},
+                                  {"estimated", counts.estimated},
+                                  {"skipped", counts.skipped},
+                                  {"gaps", counts.gaps},
+                                  {"seen", tally.estimates},
+                                  {"dropped", tally.dropped},
+                                  {"states", tally.states},
+                                  {"warnings", tally.warnings},
+                                  {"slips", tally.slips},
+                                  {"lowest_gamma", nullptr},
+                                  {"mean_error", nullptr},
+                                  {"worst_error", nullptr}};
     if (tally.lowest) sensor["lowest_gamma"] = *tally.lowest;
     if (tally.errors.count > 0) {
       sensor["mean_error"] = tally.errors.sum / static_cast<double>(tally.errors.count);

@@ -37,8 +37,8 @@ class Tally {
   // `before` and `after`: the daemon's own counts at both ends of `seconds`.
   std::string text(const std::vector<SensorCounts>& before, const std::vector<SensorCounts>& after,
                    double seconds) const;
-  nlohmann::json json(const std::vector<SensorCounts>& before, const std::vector<SensorCounts>& after,
-                      double seconds) const;
+  nlohmann::ordered_json json(const std::vector<SensorCounts>& before, const std::vector<SensorCounts>& after,
+                              double seconds) const;
 
  private:
   std::map<std::string, SensorTally> sensors_;

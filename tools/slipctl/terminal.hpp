@@ -9,10 +9,12 @@
 #include <optional>
 #include <string>
 
+#include "core/unique_fd.hpp"
 #include "tools/slipctl/canvas.hpp"
-#include "tools/slipctl/unique_fd.hpp"
 
 namespace slipctl {
+
+using slipd::UniqueFd;
 
 // Blocks SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGWINCH and SIGTSTP for as long as it lives; they are read from
 // fd().

@@ -67,7 +67,7 @@ class Watcher {
   }
 
   void subscribe() {
-    nlohmann::json params{{"events", {"estimate", "alert"}}};
+    nlohmann::ordered_json params{{"events", {"estimate", "alert"}}};
     if (!options_.sensors.empty()) params["sensors"] = options_.sensors;
     if (!options_.summary) params["max_rate_hz"] = options_.json ? options_.lines_per_s : kViewRateHz;
     client_.call("subscribe", std::move(params));
@@ -177,7 +177,8 @@ class Watcher {
     if (!options_.picture.empty()) take_picture();
     terminal_.reset();
     if (options_.summary && options_.json)
-      std::cout << nlohmann::json{{"summary", tally_.json(before_, after_, state_.elapsed_s)}}.dump() << '\n';
+      std::cout << nlohmann::ordered_json{{"summary", tally_.json(before_, after_, state_.elapsed_s)}}.dump()
+                << '\n';
     else if (options_.summary)
       std::cout << tally_.text(before_, after_, state_.elapsed_s);
     std::cout.flush();

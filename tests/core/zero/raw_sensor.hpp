@@ -13,10 +13,15 @@ namespace slipd::test {
 class RawSensor {
  public:
   static constexpr float kNoisePa = 200, kOffsetPa = 30000;
-  static constexpr std::int64_t kPeriodNs = 1'000'000;
 
-  explicit RawSensor(TaxelLayout layout, std::uint64_t seed = 1)
-      : maker_(std::move(layout)), random_(seed), memory_(3 * taxels()), drift_(3 * taxels()) {
+  explicit RawSensor(TaxelLayout layout, float noise_pa = kNoisePa, std::int64_t period_ns = 1'000'000,
+                     std::uint64_t seed = 1)
+      : noise_pa_(noise_pa),
+        period_ns_(period_ns),
+        maker_(std::move(layout)),
+        random_(seed),
+        memory_(3 * taxels()),
+        drift_(3 * taxels()) {
     std::uniform_real_distribution<float> offset(-kOffsetPa, kOffsetPa);
     for (std::size_t i = 0; i < 3 * taxels(); ++i) offsets_.push_back(offset(random_));
     release();
@@ -46,14 +51,14 @@ class RawSensor {
   // From now on each offset runs away, at up to this.
   void drifts(float pa_per_s) {
     std::uniform_real_distribution<float> rate(-pa_per_s, pa_per_s);
-    for (float& each : drift_) each = rate(random_) * 1e-9F * static_cast<float>(kPeriodNs);
+    for (float& each : drift_) each = rate(random_) * 1e-9F * static_cast<float>(period_ns_);
   }
 
   FrameSlot read() {
-    std::normal_distribution<float> noise(0, kNoisePa);
+    std::normal_distribution<float> noise(0, 1);
     for (std::size_t i = 0; i < memory_.size(); ++i) {
       offsets_[i] += drift_[i];
-      memory_[i] = offsets_[i] + felt_[i] + noise(random_);
+      memory_[i] = offsets_[i] + felt_[i] + noise_pa_ * noise(random_);
     }
     FrameSlot slot;
     const std::span<float> all(memory_);
@@ -61,14 +66,14 @@ class RawSensor {
     slot.shear_x_pa = all.subspan(taxels(), taxels());
     slot.shear_y_pa = all.last(taxels());
     slot.sequence = sequence_++;
-    slot.time_ns = static_cast<std::int64_t>(slot.sequence) * kPeriodNs;
+    slot.time_ns = static_cast<std::int64_t>(slot.sequence) * period_ns_;
     return slot;
   }
 
   // Through the zeroing for so long; the last frame.
   FrameSlot run(Zeroing& zeroing, double seconds) {
     FrameSlot slot;
-    for (auto frames = static_cast<int>(seconds * 1e9 / static_cast<double>(kPeriodNs)); frames > 0;
+    for (auto frames = static_cast<int>(seconds * 1e9 / static_cast<double>(period_ns_)); frames > 0;
          --frames) {
       slot = read();
       zeroing.apply(slot);
@@ -87,6 +92,8 @@ class RawSensor {
 
  private:
   static constexpr double kFriction = 0.6;
+  float noise_pa_;
+  std::int64_t period_ns_;
   synthetic::FrameMaker maker_;
   std::mt19937_64 random_;
   std::vector<float> memory_, offsets_, drift_, felt_;

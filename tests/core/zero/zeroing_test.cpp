@@ -99,6 +99,24 @@ TEST(Zeroing, AGripThatShakesIsNoZero) {
   }
 }
 
+// At 20 Hz a block is 0.8 s: a touch may begin anywhere in it.
+TEST(Zeroing, ATouchThatBeginsInAnyFrameOfABlockLeavesNothingInTheZero) {
+  for (const float noise_pa : {0.0F, RawSensor::kNoisePa}) {
+    for (int free_frames = 0; free_frames < 70; ++free_frames) {
+      RawSensor sensor(TaxelLayout::grid(4, 4, 0.0047), noise_pa, 50'000'000);
+      sensor.without_offsets();
+      Zeroing zeroing(sensor.layout());
+      sensor.run(zeroing, 0.05 * free_frames + 0.001);
+      sensor.press(3, 0.9);
+      sensor.run(zeroing, 5);
+      sensor.release();
+      sensor.run(zeroing, 5);
+      ASSERT_NE(zeroing.report().origin, ZeroOrigin::none);
+      ASSERT_LE(sensor.farthest(zeroing), 6 * noise_pa / std::sqrt(32.0F)) << free_frames << ", " << noise_pa;
+    }
+  }
+}
+
 TEST(Zeroing, RefusesWhileTheReadingMoves) {
   RawSensor sensor(pad());
   Zeroing zeroing(sensor.layout());

@@ -78,20 +78,7 @@ class TcpPort final : public ModbusPort {
 
   void plug() override {
     if (plugged_) return;
-    Fd listener(checked(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), "socket"));
-    const int yes = 1;
-    ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(port_));
-    socklen_t size = sizeof address;
-    auto* generic = reinterpret_cast<sockaddr*>(&address);
-    checked(::bind(listener.get(), generic, size), "TCP port " + std::to_string(port_));
-    checked(::listen(listener.get(), 16), "listen");
-    checked(::getsockname(listener.get(), generic, &size), "getsockname");
-    if (port_ == 0) port_ = ntohs(address.sin_port);  // and stays there
-    listener_ = std::move(listener);
+    listener_ = listen_on_loopback(port_);
     start();
   }
 

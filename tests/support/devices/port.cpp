@@ -1,18 +1,32 @@
 #include "tests/support/devices/port.hpp"
 
-#include <unistd.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <stdexcept>
 
 namespace slipd::devices {
 
-Fd::~Fd() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
 int checked(int result, const std::string& what) {
   if (result < 0) throw std::system_error(errno, std::generic_category(), what);
   return result;
+}
+
+Fd listen_on_loopback(int& port) {
+  Fd listener(checked(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), "socket"));
+  const int yes = 1;
+  ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  socklen_t size = sizeof address;
+  auto* generic = reinterpret_cast<sockaddr*>(&address);
+  checked(::bind(listener.get(), generic, size), "TCP port " + std::to_string(port));
+  checked(::listen(listener.get(), 16), "listen");
+  checked(::getsockname(listener.get(), generic, &size), "getsockname");
+  port = ntohs(address.sin_port);
+  return listener;
 }
 
 std::unique_ptr<Port> make_port(const Sheet& sheet, const std::string& place, const std::string& serial) {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/unique_fd.hpp"
 #include "tests/support/devices/sheet.hpp"
 
 namespace slipd::devices {
@@ -48,26 +49,14 @@ class Port {
   }
 };
 
-// A file descriptor that closes itself.
-class Fd {
- public:
-  Fd() = default;
-  explicit Fd(int fd) : fd_(fd) {}
-  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Fd& operator=(Fd&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Fd();
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_ = -1;
-};
+using Fd = UniqueFd;
 
 // The result of a system call, or std::system_error that says what was tried.
 int checked(int result, const std::string& what);
+
+// Listens on TCP of this machine. `port`: 0 becomes the one that was free, and stays. Throws
+// std::system_error.
+Fd listen_on_loopback(int& port);
 
 // `place` is one of
 //   can:INTERFACE  a SocketCAN interface      fd:N       a socket that carries struct can_frame

@@ -1,11 +1,11 @@
-// A file descriptor that closes itself.
+// A file descriptor that closes itself. Any thread.
 #pragma once
 
 #include <unistd.h>
 
 #include <utility>
 
-namespace slipctl {
+namespace slipd {
 
 class UniqueFd {
  public:
@@ -17,12 +17,15 @@ class UniqueFd {
     return *this;
   }
   ~UniqueFd() {
-    if (fd_ >= 0) ::close(fd_);
+    if (fd_ >= 0) close(fd_);
   }
+
   int get() const noexcept { return fd_; }
+  int release() noexcept { return std::exchange(fd_, -1); }
+  explicit operator bool() const noexcept { return fd_ >= 0; }
 
  private:
   int fd_ = -1;
 };
 
-}  // namespace slipctl
+}  // namespace slipd
