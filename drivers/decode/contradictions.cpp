@@ -70,6 +70,7 @@ class Finder {
             "is no sensor of the device; it has " + std::to_string(profile_.sensors));
         return;
       }
+      if (field.usage != 0) continue;  // the device says where
       for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
         if (byte >= rule.length) {
           add(at + "/fields", byte,

@@ -102,7 +102,8 @@ std::optional<Axis> axis_of(const json& axes, char device_axis) {
 }
 
 HidMatch device_of(const json& in) {
-  return {static_cast<std::uint16_t>(id_of(in["vendor"])), static_cast<std::uint16_t>(id_of(in["product"]))};
+  return {static_cast<std::uint16_t>(id_of(in["vendor"])), static_cast<std::uint16_t>(id_of(in["product"])),
+          0};
 }
 
 UsbMatch usb_of(const json& in) {
@@ -180,6 +181,11 @@ class ScanConverter {
  private:
   void fields(const json& in, std::size_t first_taxel, const std::string& at, bool tell,
               std::vector<Field>& out) {
+    if (in.contains("usage")) return by_usage(in, first_taxel, at, tell, out);
+    if (!in.contains("offset") || !in.contains("type")) {
+      if (tell) problems_.push_back(problem_of(at, in, "expected offset and type, or usage"));
+      return;
+    }
     if (in.contains("scale_pa") == in.contains("scale_n")) {
       if (tell) problems_.push_back(problem_of(at, in, "expected either scale_pa or scale_n"));
       return;
@@ -209,6 +215,25 @@ class ScanConverter {
   double gain_of(std::size_t taxel) const {
     const auto gain = in_.find("gain");
     return gain != in_.end() && taxel < gain->size() ? (*gain)[taxel].get<double>() : 1;
+  }
+
+  // The device says the rest; the gain is what its own scale is to be multiplied with.
+  void by_usage(const json& in, std::size_t first_taxel, const std::string& at, bool tell,
+                std::vector<Field>& out) {
+    const auto axis = axis_of(in_["axes"], in["axis"].get<std::string>()[0]);
+    if (!axis || in["count"] != 1 || in.contains("offset") || in_["driver"] != "hid") {
+      if (tell)
+        problems_.push_back(problem_of(
+            at, in, "a usage is for driver hid, one value, an axis among the axes, and needs no offset"));
+      return;
+    }
+    Field field;
+    field.sensor = in["sensor"];
+    field.channel = axis->channel;
+    field.taxel = first_taxel + in["taxel"].get<std::size_t>();
+    field.gain_pa = axis->sign * gain_of(field.taxel);
+    field.usage = id_of(in["usage"]);
+    out.push_back(field);
   }
 
   const json& in_;
@@ -241,7 +266,12 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   out.stop = messages(in["stop"]);
   out.keep_alive_ns = in["keep_alive_ms"].get<std::int64_t>() * 1'000'000;
   if (in["scan"].contains("key_offset")) out.key_offset = in["scan"]["key_offset"].get<std::size_t>();
-  if (in.contains("hid")) out.hid = device_of(in["hid"]);
+  if (in.contains("hid")) {
+    out.hid = device_of(in["hid"]);
+    out.hid->usage = id_of(in["hid"]["usage"]);
+    if (out.hid->vendor == 0 && out.hid->usage == 0)
+      problems.push_back(problem_of("/hid", in["hid"], "matches every keyboard; expected vendor or usage"));
+  }
   if (in.contains("stream")) out.stream = stream_of(in["stream"], problems);
   if (in.contains("usb")) out.usb = usb_of(in["usb"]);
   if (in.contains("modbus")) {

@@ -24,6 +24,7 @@ struct Field {
   NumberType type;
   double zero = 0;
   double gain_pa = 1;
+  std::uint32_t usage = 0;  // on HID: the device itself says offset, type, zero and gain of this usage; 0: no
 };
 
 // A number that goes round: the device's clock or its count of scans. It is (raw * unit_ns) ns, or scans.
@@ -99,7 +100,8 @@ struct ModbusMap {
 };
 
 struct HidMatch {
-  std::uint16_t vendor = 0, product = 0;  // product 0: any, on HID
+  std::uint16_t vendor = 0, product = 0;  // 0: any, on HID
+  std::uint32_t usage = 0;                // page << 16 | usage of the whole device, on HID; 0: any
 };
 
 struct UsbMatch {

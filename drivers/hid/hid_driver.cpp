@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "drivers/hid/descriptor.hpp"
 #include "drivers/pacing.hpp"
 
 namespace slipd::hid {
@@ -26,6 +27,16 @@ std::string id_text(const decode::HidMatch& match) {
   return text;
 }
 
+std::string text_of(const decode::HidMatch& match) {
+  std::array<char, 48> usage{};
+  std::snprintf(usage.data(), usage.size(), "%sof usage 0x%08x", match.vendor != 0 ? " " : "", match.usage);
+  return "HID device " + (match.vendor != 0 ? id_text(match) : "") + (match.usage != 0 ? usage.data() : "");
+}
+
+bool has_numbers(const decode::Profile& profile) {
+  return std::ranges::any_of(profile.scan, [](const decode::PacketRule& rule) { return rule.id != 0; });
+}
+
 struct Found {
   std::string path, serial;
 };
@@ -34,8 +45,10 @@ std::vector<Found> devices_of(const decode::HidMatch& match) {
   const std::unique_ptr<hid_device_info, decltype(&hid_free_enumeration)> list(
       hid_enumerate(match.vendor, match.product), hid_free_enumeration);
   std::vector<Found> found;
-  for (const hid_device_info* item = list.get(); item != nullptr; item = item->next)
-    found.push_back({item->path, narrow(item->serial_number)});
+  for (const hid_device_info* item = list.get(); item != nullptr; item = item->next) {
+    const std::uint32_t usage = std::uint32_t{item->usage_page} << 16 | item->usage;
+    if (match.usage == 0 || match.usage == usage) found.push_back({item->path, narrow(item->serial_number)});
+  }
   return found;
 }
 
@@ -46,7 +59,7 @@ void HidDriver::Closes::operator()(hid_device_* device) const noexcept {
 }
 
 HidDriver::HidDriver(const std::vector<SensorSetup>& sensors)
-    : profile_(decode::profile_of(sensors, "hid")), sensors_(profile_, sensors) {
+    : profile_(decode::profile_of(sensors, "hid")), setups_(sensors), sensors_(profile_, sensors) {
   const SensorSetup& first = sensors.front();
   try {
     serial_ = first.device.value("serial", "");
@@ -55,14 +68,16 @@ HidDriver::HidDriver(const std::vector<SensorSetup>& sensors)
     throw DriverError("sensor \"" + first.name +
                       "\": device: expected {\"serial\": \"…\"} or {\"path\": \"/dev/hidraw0\"}, or nothing");
   }
-  numbered_ = std::any_of(profile_.scan.begin(), profile_.scan.end(),
-                          [](const decode::PacketRule& rule) { return rule.id != 0; });
+  by_usage_ = std::ranges::any_of(profile_.scan, [](const decode::PacketRule& rule) {
+    return std::ranges::any_of(rule.fields, [](const decode::Field& field) { return field.usage != 0; });
+  });
+  numbered_ = has_numbers(profile_);
 }
 
 DeviceInfo HidDriver::open() {
   close();
   std::vector<Found> found = devices_of(*profile_.hid);
-  const std::string id = "HID device " + id_text(*profile_.hid);
+  const std::string id = text_of(*profile_.hid);
   std::string there;
   for (const Found& one : found)
     there += (there.empty() ? "" : ", ") + one.path + " (serial " + one.serial + ")";
@@ -82,11 +97,21 @@ DeviceInfo HidDriver::open() {
                       "; may slipd read it? See 60-slipd-hid.rules");
   }
   if (!say(profile_.start)) throw DriverError(id + ": does not take its start message");
+  find_places(found.front().path);
   sensors_.reset();
   return {.description = profile_.description + " at " + found.front().path,
           .serial = found.front().serial,
           .simulated = false,
           .sensors = sensors_.info()};
+}
+
+// Where the device itself says where its values stand. A device that comes back may say it anew.
+void HidDriver::find_places(const std::string& path) {
+  if (!by_usage_) return;
+  decode::Profile resolved = profile_;
+  resolve_usages(resolved, descriptor_of(path));
+  numbered_ = has_numbers(resolved);
+  sensors_ = decode::Sensors(resolved, setups_);
 }
 
 void HidDriver::close() noexcept {

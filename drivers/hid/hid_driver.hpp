@@ -28,14 +28,17 @@ class HidDriver final : public DeviceDriver {
     void operator()(hid_device_* device) const noexcept;
   };
 
+  void find_places(const std::string& path);
   bool say(const std::vector<decode::Message>& messages) noexcept;
   ReadResult take(std::span<const std::uint8_t> report, std::int64_t time_ns,
                   std::span<FrameSlot> slots) noexcept;
 
   decode::Profile profile_;
   std::string serial_, path_;  // which device; empty: the only one there is
+  std::vector<SensorSetup> setups_;
   decode::Sensors sensors_;
-  bool numbered_;  // reports begin with their id
+  bool by_usage_ = false;  // the device says where its values stand
+  bool numbered_ = false;  // reports begin with their id
   std::unique_ptr<hid_device_, Closes> device_;
 };
 

@@ -120,7 +120,8 @@ TEST(Libraries, of_a_bus_are_in_the_process_only_if_a_sensor_is_on_that_bus) {
                          real_drivers());
   const std::string maps = mapped_by(simulated);
   EXPECT_THAT(maps, HasSubstr("slipd-driver-sim"));
-  for (const char* library : {"libmodbus", "libusb", "libhidapi", "slipd-driver-can", "slipd-driver-modbus"})
+  for (const char* library : {"libmodbus", "libusb", "libhidapi", "slipd-driver-can", "slipd-driver-modbus",
+                              "slipd-driver-usb", "slipd-driver-hid"})
     EXPECT_THAT(maps, Not(HasSubstr(library)));
 
   const TempFolder other;
@@ -128,6 +129,14 @@ TEST(Libraries, of_a_bus_are_in_the_process_only_if_a_sensor_is_on_that_bus) {
       config_of(other, json::array({sensor("wrist", "robotiq-ft300", {{"serial_line", "/nowhere"}})})),
       real_drivers());
   EXPECT_THAT(mapped_by(asked), HasSubstr("libmodbus"));
+  EXPECT_THAT(mapped_by(asked), Not(HasSubstr("libusb")));
+
+  const TempFolder third;
+  json plugged = sensor("pad", "optoforce", json::object());
+  plugged["driver"] = "usb";
+  const Daemon usb(config_of(third, json::array({plugged})), real_drivers());
+  EXPECT_THAT(mapped_by(usb), HasSubstr("libusb"));
+  EXPECT_THAT(mapped_by(usb), Not(HasSubstr("libmodbus")));
 }
 
 }  // namespace

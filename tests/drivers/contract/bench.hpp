@@ -18,6 +18,9 @@ class Bench {
   virtual void order(const std::string& /*misbehaviour*/) {}  // of the device, see misbehaviour.hpp
 };
 
+// Scans a second that simulated devices are to make, of benches made from then on.
+inline double device_rate_hz = 500;
+
 struct Kind {
   std::string name;
   std::function<std::unique_ptr<Bench>()> make;

@@ -33,7 +33,7 @@ class Running {
  public:
   Running(const Sheet& sheet, std::unique_ptr<devices::Port> port)
       : player_(sheet, devices::pattern(sheet), std::move(port)),
-        thread_([this](std::stop_token stop) { player_.run(stop, 500); }) {}
+        thread_([this](std::stop_token stop) { player_.run(stop, device_rate_hz); }) {}
   Player& player() { return player_; }
 
  private:

@@ -82,6 +82,7 @@ const Sheet& robotiq_ft300();
 const Sheet& optoforce();
 const Sheet& space_mouse();
 const Sheet& rohand();
+const Sheet& hid_force();
 
 // All of them, and one by its name (null: unknown).
 std::vector<const Sheet*> all_sheets();

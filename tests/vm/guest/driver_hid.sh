@@ -5,7 +5,8 @@ source /source/tests/vm/guest/margin.sh
 
 cat >slipd.json <<'END'
 { "sensors": [ { "name": "pad", "driver": "hid", "profile": "vendor-hid-8x8", "device": { "serial": "HID42" }, "friction": 0.5,
-                 "stale_after_ms": 1000 } ],
+                 "stale_after_ms": 1000 },
+               { "name": "grip", "driver": "hid", "profile": "hid-force", "stale_after_ms": 1000 } ],
   "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/slipd.sock" } }
 END
 
@@ -13,6 +14,9 @@ modprobe uhid
 in_background pad.log simulated-device vendor-hid --at uhid --serial HID42 --rate-hz 20 --script hold.json --truth truth.jsonl \
   --control /tmp/pad
 awaits "the device's node" test -e /dev/hidraw0
+# A force sensor of the Sensors page, which is found by what it says of itself.
+in_background grip.log simulated-device hid-force --at uhid --serial HID43 --rate-hz 20 --script hold.json
+awaits "the other's node" test -e /dev/hidraw1
 in_background slipd.log slipd --config slipd.json
 awaits "a margin" is pad state ok
 awaits "the load that is held" near pad shear_n 0.9 0.01
@@ -20,6 +24,12 @@ awaits "the force that presses" near pad normal_n 3 0.05
 awaits "the margin, as the truth has it" near pad gamma 0.4 0.03
 echo "truth: $(tail -n 1 truth.jsonl)"
 echo "told: gamma $(of pad gamma), sigma $(of pad sigma), normal $(of pad normal_n) N, shear $(of pad shear_n) N"
+
+awaits "a force sensor that tells no shear" is grip state no_shear
+# 3 N on a square centimetre.
+awaits "but how hard it is pressed" eval 'slipctl --socket /tmp/slipd.sock frame grip | tail -n 1 | grep -q "^0,0,30000,0,0"'
+
+figures pad
 
 order /tmp/pad stall 60
 awaits "a sensor that stalls is stale" is pad state stale

@@ -29,6 +29,8 @@ echo "truth: $(tail -n 1 truth.jsonl)"
 echo "told: gamma $(of left gamma), sigma $(of left sigma), normal $(of left normal_n) N, shear $(of left shear_n) N"
 refused "its interface is taken from the kernel's driver" test -e /dev/ttyACM0
 
+figures left
+
 order /tmp/hub stall 60
 awaits "a sensor that stalls is stale" is left state stale
 awaits "and back by itself" is left state ok

@@ -11,3 +11,15 @@ of() {
 }
 is() { test "$(of "$1" "$2")" = "$3"; }
 near() { awk -v got="$(of "$1" "$2")" -v want="$3" -v within="$4" 'BEGIN { exit !(got != "" && got - want < within && want - got < within) }'; }
+
+# figures SENSOR: CPU time that slipd's acquire thread takes for a frame of it. For comparing drivers within one guest: its
+# processor is emulated.
+received() { slipctl --socket /tmp/slipd.sock --json status | tr '{' '\n' | grep "\"received\":" | head -n 1 | grep -o '"received":[0-9]*' | cut -d: -f2; }
+figures() {
+  local task frames cpu_ns
+  task=$(grep -l "^acq:${1:0:11}" /proc/"$(pidof slipd)"/task/*/comm)
+  frames=$(received)
+  cpu_ns=$(cut -d' ' -f1 "${task%comm}schedstat")
+  awaits "a hundred more frames" eval "(( \$(received) >= frames + 100 ))"
+  echo "figures: $(( ($(cut -d' ' -f1 "${task%comm}schedstat") - cpu_ns) / 1000 / ($(received) - frames) )) us of CPU a frame of $1"
+}

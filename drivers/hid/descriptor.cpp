@@ -1,0 +1,223 @@
+#include "drivers/hid/descriptor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+
+namespace slipd::hid {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+// Items by the upper six bits of their first byte.
+enum Item : std::uint8_t {
+  kInput = 0x80,
+  kUsagePage = 0x04,
+  kLogicalMinimum = 0x14,
+  kLogicalMaximum = 0x24,
+  kPhysicalMinimum = 0x34,
+  kPhysicalMaximum = 0x44,
+  kUnitExponent = 0x54,
+  kUnit = 0x64,
+  kReportSize = 0x74,
+  kReportId = 0x84,
+  kReportCount = 0x94,
+  kPush = 0xA4,
+  kPop = 0xB4,
+  kUsage = 0x08,
+  kUsageMinimum = 0x18,
+  kUsageMaximum = 0x28,
+  kLongItem = 0xFE
+};
+constexpr std::uint8_t kMainType = 0, kConstant = 1;
+constexpr std::size_t kDeepest = 16;
+constexpr std::uint32_t kMostBits = 4096 * 8;
+constexpr std::uint32_t kForceInDyne = 0xE111;  // SI linear: cm g s^-2
+constexpr double kNewtonPerDyne = 1e-5;
+
+// What stays in force from item to item.
+struct Global {
+  std::uint32_t page = 0, unit = 0, size = 0, count = 0;
+  std::int32_t low = 0, high = 0, physical_low = 0, physical_high = 0;
+  int exponent = 0;
+  std::uint8_t report = 0;
+};
+
+class Parser {
+ public:
+  explicit Parser(Bytes in) {
+    while (!in.empty()) {
+      if (in[0] == kLongItem) return;  // nobody uses these
+      const std::size_t size = (in[0] & 3U) == 3U ? 4 : in[0] & 3U;
+      if (in.size() <= size) return;
+      if (!take(in[0], in.subspan(1, size))) return;
+      in = in.subspan(1 + size);
+    }
+  }
+
+  std::vector<InputField> fields;
+  std::map<std::uint8_t, std::size_t> bits;  // of each input report
+
+ private:
+  static std::uint32_t natural(Bytes data) {
+    std::uint32_t out = 0;
+    for (std::size_t i = 0; i < data.size(); ++i) out |= std::uint32_t{data[i]} << (8 * i);
+    return out;
+  }
+  static std::int32_t whole(Bytes data) {
+    const unsigned unused = data.empty() ? 0 : 32U - 8U * static_cast<unsigned>(data.size());
+    return static_cast<std::int32_t>(natural(data) << unused) >> unused;
+  }
+
+  bool take(std::uint8_t head, Bytes data) {
+    const auto item = static_cast<std::uint8_t>(head & 0xFCU);
+    switch (item) {
+      case kInput:
+        return input(natural(data));
+      case kUsagePage:
+        global_.page = natural(data);
+        break;
+      case kLogicalMinimum:
+        global_.low = whole(data);
+        break;
+      case kLogicalMaximum:
+        global_.high = whole(data);
+        break;
+      case kPhysicalMinimum:
+        global_.physical_low = whole(data);
+        break;
+      case kPhysicalMaximum:
+        global_.physical_high = whole(data);
+        break;
+      case kUnitExponent:  // four bits, signed
+        global_.exponent = static_cast<int>(natural(data) & 0xFU);
+        global_.exponent -= global_.exponent > 7 ? 16 : 0;
+        break;
+      case kUnit:
+        global_.unit = natural(data);
+        break;
+      case kReportSize:
+        global_.size = natural(data);
+        break;
+      case kReportId:
+        global_.report = static_cast<std::uint8_t>(natural(data));
+        break;
+      case kReportCount:
+        global_.count = natural(data);
+        break;
+      case kPush:
+        if (kept_.size() >= kDeepest) return false;
+        kept_.push_back(global_);
+        break;
+      case kPop:
+        if (kept_.empty()) return false;
+        global_ = kept_.back();
+        kept_.pop_back();
+        break;
+      case kUsage:
+        usages_.push_back(data.size() == 4 ? natural(data) : global_.page << 16 | natural(data));
+        break;
+      case kUsageMinimum:
+        usage_low_ = natural(data);
+        break;
+      case kUsageMaximum:
+        for (std::uint32_t usage = usage_low_; usage <= natural(data) && usages_.size() < kMostBits; ++usage)
+          usages_.push_back(global_.page << 16 | usage);
+        break;
+      default:
+        break;
+    }
+    if ((head & 0x0CU) >> 2 == kMainType) usages_.clear();
+    return true;
+  }
+
+  bool input(std::uint32_t flags) {
+    std::size_t& at = bits[global_.report];
+    if (global_.size > kMostBits || global_.count > kMostBits ||
+        at + std::size_t{global_.size} * global_.count > kMostBits)
+      return false;
+    for (std::uint32_t i = 0; i < global_.count; ++i, at += global_.size) {
+      if ((flags & kConstant) != 0 || usages_.empty()) continue;  // padding
+      fields.push_back(field(usages_[std::min<std::size_t>(i, usages_.size() - 1)], at));
+    }
+    usages_.clear();
+    return true;
+  }
+
+  InputField field(std::uint32_t usage, std::size_t bit) const {
+    InputField out{global_.report, usage, bit, global_.size, global_.low < 0, 0, 0};
+    const bool mapped = global_.physical_high != global_.physical_low && global_.high != global_.low;
+    const double slope = mapped ? (static_cast<double>(global_.physical_high) - global_.physical_low) /
+                                      (static_cast<double>(global_.high) - global_.low)
+                                : 1.0;
+    const double unit_n = global_.unit == kForceInDyne ? kNewtonPerDyne : 1.0;
+    out.newtons_a_count = slope * std::pow(10.0, global_.exponent) * unit_n;
+    out.zero_count = mapped ? global_.low - global_.physical_low / slope : 0;
+    return out;
+  }
+
+  Global global_;
+  std::vector<Global> kept_;
+  std::vector<std::uint32_t> usages_;
+  std::uint32_t usage_low_ = 0;
+};
+
+std::string hex(std::uint32_t usage) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "0x%08x", usage);
+  return text.data();
+}
+
+}  // namespace
+
+std::vector<InputField> input_fields(Bytes descriptor) {
+  return Parser(descriptor).fields;
+}
+
+std::size_t report_length(Bytes descriptor, std::uint8_t report) {
+  const Parser parser(descriptor);
+  const auto found = parser.bits.find(report);
+  return found == parser.bits.end() ? 0 : (found->second + 7) / 8;
+}
+
+void resolve_usages(decode::Profile& profile, Bytes descriptor) {
+  const Parser parser(descriptor);
+  for (decode::PacketRule& rule : profile.scan) {
+    for (decode::Field& field : rule.fields) {
+      if (field.usage == 0) continue;
+      const auto found = std::ranges::find(parser.fields, field.usage, &InputField::usage);
+      if (found == parser.fields.end())
+        throw DriverError("the device has no input of usage " + hex(field.usage) +
+                          ", which the profile names");
+      if (found->bit % 8 != 0 || (found->bits != 8 && found->bits != 16 && found->bits != 32)) {
+        throw DriverError("the input of usage " + hex(field.usage) + " has " + std::to_string(found->bits) +
+                          " bits from bit " + std::to_string(found->bit) +
+                          " on; only whole bytes can be read");
+      }
+      rule.id = found->report;
+      rule.length = report_length(descriptor, found->report);
+      field.offset = found->bit / 8;
+      field.type = {found->is_signed ? decode::NumberKind::whole : decode::NumberKind::natural,
+                    static_cast<std::uint8_t>(found->bits / 8), false};
+      field.zero = found->zero_count;
+      field.gain_pa *= found->newtons_a_count / profile.layout.area_m2();
+    }
+  }
+}
+
+std::vector<std::uint8_t> descriptor_of(const std::filesystem::path& device) {
+  const auto path =
+      std::filesystem::path("/sys/class/hidraw") / device.filename() / "device/report_descriptor";
+  std::ifstream in(path, std::ios::binary);
+  std::vector<std::uint8_t> bytes(std::istreambuf_iterator<char>(in), {});
+  if (bytes.empty())
+    throw DriverError("HID device " + device.string() + ": " + path.string() +
+                      " cannot be read, which says where its values stand");
+  return bytes;
+}
+
+}  // namespace slipd::hid

@@ -1,0 +1,84 @@
+// What devices say of their own reports, and what they may not say.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "drivers/hid/descriptor.hpp"
+#include "tests/drivers/driver_fixture.hpp"
+#include "tests/support/devices/sheet.hpp"
+
+namespace slipd::hid {
+namespace {
+
+using testing::HasSubstr;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::uint32_t kForce = 0x00200494;
+
+TEST(Descriptor, says_where_a_force_stands_and_what_a_count_is) {
+  const Bytes& said = devices::hid_force().hid->report_descriptor;
+  const auto fields = input_fields(said);
+  ASSERT_EQ(fields.size(), 2);
+  EXPECT_EQ(fields[1].usage, kForce);
+  EXPECT_EQ(fields[1].report, 1);
+  EXPECT_EQ(fields[1].bit, 8);
+  EXPECT_EQ(fields[1].bits, 32);
+  EXPECT_TRUE(fields[1].is_signed);
+  EXPECT_NEAR(fields[1].newtons_a_count, 1e-3, 1e-12);
+  EXPECT_EQ(report_length(said, 1), 5);
+  EXPECT_EQ(report_length(said, 9), 0);
+}
+
+TEST(Descriptor, of_a_six_axis_device_has_two_reports) {
+  const Bytes& said = devices::space_mouse().hid->report_descriptor;
+  const auto fields = input_fields(said);
+  ASSERT_EQ(fields.size(), 6);
+  EXPECT_EQ(fields[2].usage, 0x00010032) << "z";
+  EXPECT_EQ(fields[2].bit, 32);
+  EXPECT_EQ(fields[3].report, 2);
+  EXPECT_EQ(fields[3].bit, 0);
+}
+
+TEST(Descriptor, scales_from_logical_to_physical_in_its_unit) {
+  // u16 0 … 1000 is -5 … 5 N: in dyne, with an exponent of 5.
+  const Bytes said{0x05, 0x20, 0x0A, 0x94, 0x04, 0x15, 0x00, 0x26, 0xE8, 0x03, 0x35, 0xFB, 0x45,
+                   0x05, 0x66, 0x11, 0xE1, 0x55, 0x05, 0x75, 0x10, 0x95, 0x01, 0x81, 0x02};
+  const auto fields = input_fields(said);
+  ASSERT_EQ(fields.size(), 1);
+  EXPECT_FALSE(fields[0].is_signed);
+  EXPECT_NEAR(fields[0].newtons_a_count, 0.01, 1e-12);
+  EXPECT_NEAR(fields[0].zero_count, 500, 1e-9);
+}
+
+TEST(Descriptor, puts_places_into_a_profile_that_names_usages) {
+  decode::Profile profile = decode::find_profile("hid-force");
+  resolve_usages(profile, devices::hid_force().hid->report_descriptor);
+  const decode::PacketRule& rule = profile.scan[0];
+  EXPECT_EQ(rule.id, 1);
+  EXPECT_EQ(rule.length, 5);
+  EXPECT_EQ(rule.fields[0].offset, 1);
+  EXPECT_EQ(rule.fields[0].type, (decode::NumberType{decode::NumberKind::whole, 4, false}));
+  EXPECT_NEAR(rule.fields[0].gain_pa, 1e-3 / 1e-4, 1e-9);
+
+  EXPECT_THAT(
+      test::refusal_of([&] { resolve_usages(profile, devices::space_mouse().hid->report_descriptor); }),
+      HasSubstr("no input of usage 0x00200494"));
+  const Bytes nibble{0x05, 0x20, 0x0A, 0x94, 0x04, 0x75, 0x04, 0x95, 0x01, 0x81, 0x02};
+  EXPECT_THAT(test::refusal_of([&] { resolve_usages(profile, nibble); }), HasSubstr("has 4 bits from bit 0"));
+}
+
+TEST(Descriptor, of_any_bytes_is_survived) {
+  std::mt19937 random(5);
+  const Bytes& good = devices::hid_force().hid->report_descriptor;
+  for (int i = 0; i < 20000; ++i) {
+    Bytes bad = good;
+    for (int changes = 0; changes < 4; ++changes)
+      bad[random() % bad.size()] = static_cast<std::uint8_t>(random());
+    bad.resize(random() % (bad.size() + 1));
+    for (const InputField& field : input_fields(bad)) ASSERT_LE(field.bit + field.bits, 4096 * 8);
+  }
+}
+
+}  // namespace
+}  // namespace slipd::hid

@@ -1,0 +1,82 @@
+// reopen MODULE SETUP TIMES: loads a driver's module as slipd does, and opens and closes its device so often.
+// SETUP is JSON: {"profile", "device", "options"}. Exits with 0 if frames came at the first and at the last
+// opening, and neither descriptors nor memory have leaked between.
+#include <dlfcn.h>
+#include <malloc.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "drivers/driver.hpp"
+
+namespace {
+
+using namespace slipd;
+
+constexpr int kReads = 500;              // of 20 ms, for a first frame
+constexpr std::size_t kLeaked = 24'000;  // bytes: less than a thousand leaks of the smallest kind
+
+std::ptrdiff_t descriptors() {
+  namespace fs = std::filesystem;
+  return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+}
+
+class Device {
+ public:
+  explicit Device(std::unique_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {}
+
+  void cycle() {
+    driver_->open();
+    driver_->close();
+  }
+
+  bool gives_frames() {
+    const DeviceInfo info = driver_->open();
+    const std::size_t taxels = info.sensors[0].layout.size();
+    std::vector<float> memory(3 * taxels);
+    FrameSlot slot;
+    slot.normal_pa = std::span(memory).first(taxels);
+    slot.shear_x_pa = std::span(memory).subspan(taxels, taxels);
+    slot.shear_y_pa = std::span(memory).last(taxels);
+    bool seen = false;
+    for (int i = 0; i < kReads && !seen; ++i)
+      seen = driver_->read({&slot, 1}, std::chrono::milliseconds(20)).status == ReadStatus::frame;
+    driver_->close();
+    return seen;
+  }
+
+ private:
+  std::unique_ptr<DeviceDriver> driver_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc != 4) return 2;
+  void* const module = ::dlopen(argv[1], RTLD_NOW);
+  if (module == nullptr) throw std::runtime_error(::dlerror());
+  const auto table = reinterpret_cast<const DriverModule* (*)()>(::dlsym(module, kDriverSymbol));
+  const auto asked = nlohmann::json::parse(argv[2]);
+  const SensorSetup setup{
+      "sensor",           TaxelLayout::wrench(0.01), 100, 0.01, 0.5e6, 0.45, asked.at("profile"),
+      asked.at("device"), asked.at("options")};
+  Device device(table()->create({setup}));
+
+  bool well = device.gives_frames();
+  for (int i = 0; i < 10; ++i) device.cycle();
+  const std::ptrdiff_t open_before = descriptors();
+  const std::size_t bytes_before = ::mallinfo2().uordblks;
+  for (int i = 0; i < std::atoi(argv[3]); ++i) device.cycle();
+  const std::ptrdiff_t open_after = descriptors();
+  const std::size_t bytes_after = ::mallinfo2().uordblks;
+  well = well && device.gives_frames();
+  std::printf("%s openings: %zd descriptors before, %zd after; %zu bytes before, %zu after; frames: %s\n",
+              argv[3], open_before, open_after, bytes_before, bytes_after, well ? "yes" : "no");
+  return well && open_after <= open_before && bytes_after < bytes_before + kLeaked ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "reopen: %s\n", error.what());
+  return 1;
+}
