@@ -144,6 +144,10 @@ std::string metrics_text(const World& world) {
                [&](std::size_t i) { return static_cast<double>(readings[i].estimate.alert); });
   families.add("slipd_simulated", "gauge", "1 for a simulated sensor.",
                [&](std::size_t i) { return panel(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0; });
+  families.add("slipd_zeroed", "gauge", "1 if it is known what the sensor reads without load.",
+               [&](std::size_t i) { return panel(i).zero.known() ? 1.0 : 0.0; });
+  families.add("slipd_zero_drift_pascals", "gauge", "How far the zero has followed drift since it was taken.",
+               [&](std::size_t i) { return static_cast<double>(panel(i).zero.report.load().drift_pa); });
   families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
                [&](std::size_t i) { return number(panel(i).timeouts.load(std::memory_order_relaxed)); });
   families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",

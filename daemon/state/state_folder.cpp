@@ -16,7 +16,7 @@ fs::path from_environment(const char* name) {
 }  // namespace
 
 fs::path state_folder() {
-  if (const auto state = from_environment("STATE_DIRECTORY"); !state.empty()) return state;
+  if (auto state = from_environment("STATE_DIRECTORY"); !state.empty()) return state;
   if (const auto state = from_environment("XDG_STATE_HOME"); !state.empty()) return state / "slipd";
   if (const auto home = from_environment("HOME"); !home.empty()) return home / ".local" / "state" / "slipd";
   throw std::runtime_error("no place to keep anything: set STATE_DIRECTORY, XDG_STATE_HOME or HOME");

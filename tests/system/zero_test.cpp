@@ -15,6 +15,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 // Its offsets are three times what it measures.
 json sensor(const json& cycle, const json& options = json::object()) {
@@ -80,6 +81,22 @@ TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
   EXPECT_EQ(zero["restored"], true);
   EXPECT_EQ(zero["free"], false);
   EXPECT_GE(zero["taken_s_ago"], zero["confirmed_s_ago"]);
+}
+
+TEST_F(Zero, IsAskedForOnTheCommandLine) {
+  const Daemon daemon = start(kFree);
+  const std::string slipctl = (program_folder() / "slipctl").string();
+  const Ran ran = run({slipctl, "--socket", daemon.socket().string(), "rebias", "left"});
+  EXPECT_EQ(ran.code, 0) << ran.errors;
+  EXPECT_THAT(ran.output, StartsWith("left: zeroed, noise 11"));
+  const Ran again =
+      run({slipctl, "--socket", daemon.socket().string(), "--json", "rebias", "--force", "left"});
+  EXPECT_THAT(again.output, StartsWith(R"({"origin":"command","restored":false,)"))
+      << "in the daemon's order";
+  const Ran missing = run({slipctl, "--socket", daemon.socket().string(), "rebias", "right"});
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_THAT(daemon.client().result("metrics").get<std::string>(),
+              HasSubstr("slipd_zeroed{sensor=\"left\"} 1"));
 }
 
 TEST_F(Zero, IsNotTakenFromWhatIsHeld) {
