@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/estimate/model_setup.hpp"
 #include "core/estimate/svd_knn.hpp"
 #include "core/model/ring_columns.hpp"
 #include "core/model/train.hpp"
@@ -55,6 +56,22 @@ TEST(Registered, ReadsUnseenContactsWhereverTheyLie) {
   EXPECT_LT(error / answered, 0.015);
   EXPECT_GT(within_two, 0.85 * answered);
   RecordProperty("mean_error", std::to_string(error / answered));
+}
+
+TEST(Registered, FewTaxelsAreReadOnFewRings) {
+  const auto rings_of = [](std::size_t side) {
+    ChainSetup chain{.layout = TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side)),
+                     .scene = {},
+                     .estimator = {},
+                     .alerts = {},
+                     .friction = {}};
+    chain.scene.objects = paper_objects();
+    chain.estimator.method = MethodChoice::registered;
+    return model_setup_of(chain).rings;
+  };
+  EXPECT_EQ(rings_of(100), 16);
+  EXPECT_EQ(rings_of(16), 8);
+  EXPECT_EQ(rings_of(8), 4);
 }
 
 TEST(Registered, MergedRingsCarryTheSameForces) {
