@@ -276,10 +276,8 @@ class LibusbWire final : public Wire {
     while (under_way_ > 0 && monotonic_ns() < give_up_ns) handle_events(kCloseNs / 20);
     for (auto* list : {&slots_, &starts_}) {
       for (Slot& slot : *list) {
-        if (!slot.under_way) continue;
-        // The kernel never gave it back and may still write there: it is not to be freed, ever.
-        static_cast<void>(slot.transfer.release());
-        static_cast<void>(new std::vector<std::uint8_t>(std::move(slot.buffer)));
+        // The kernel never gave it back, and libusb has it in its lists: it is not to be freed, ever.
+        if (slot.under_way) static_cast<void>(slot.transfer.release());
       }
     }
     release();
