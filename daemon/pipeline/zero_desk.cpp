@@ -14,6 +14,9 @@ using namespace std::chrono_literals;
 
 // A zero that follows drift is kept anew so often: a day of it is a few hundred writes.
 constexpr std::int64_t kKeepIntervalNs = 300'000'000'000;
+// And when its device goes away, if it has followed for so long: one that comes and goes writes no more than
+// that.
+constexpr std::int64_t kKeepAtLeastNs = 10'000'000'000;
 constexpr auto kKeeperPatience = 1s;
 
 }  // namespace
@@ -47,7 +50,7 @@ void ZeroDesk::apply(FrameSlot& frame) noexcept {
 
 void ZeroDesk::afterwards() noexcept {
   if (!zeroing_.judge()) return;
-  if (worth_keeping()) offer();
+  if (worth_keeping(kKeepIntervalNs)) offer();
   tell();
 }
 
@@ -58,9 +61,9 @@ void ZeroDesk::tell() noexcept {
   if (report.answered != panel_.zero.settled() || filled_.load(std::memory_order_relaxed)) keeper_.ring();
 }
 
-bool ZeroDesk::worth_keeping() const noexcept {
+bool ZeroDesk::worth_keeping(std::int64_t followed_ns) const noexcept {
   const ZeroReport& report = zeroing_.report();
-  return report.taken != offered_takings_ || report.confirmed_ns - offered_confirmed_ns_ >= kKeepIntervalNs;
+  return report.taken != offered_takings_ || report.confirmed_ns - offered_confirmed_ns_ >= followed_ns;
 }
 
 void ZeroDesk::offer() noexcept {
@@ -77,8 +80,7 @@ void ZeroDesk::offer() noexcept {
 }
 
 void ZeroDesk::rest() {
-  const ZeroReport& report = zeroing_.report();
-  if (!worth_keeping() && report.confirmed_ns == offered_confirmed_ns_) return;
+  if (!worth_keeping(kKeepAtLeastNs)) return;
   const auto until = std::chrono::steady_clock::now() + kKeeperPatience;
   while (filled_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < until)
     std::this_thread::sleep_for(5ms);

@@ -40,7 +40,7 @@ class ZeroDesk {
   std::uint32_t kept_takings() const noexcept { return kept_takings_; }  // ZeroReport::taken, of the last one
 
  private:
-  bool worth_keeping() const noexcept;
+  bool worth_keeping(std::int64_t followed_ns) const noexcept;  // it is new, or has followed for so long
   void offer() noexcept;
   void tell() noexcept;
 

@@ -56,7 +56,8 @@ DeviceInfo ReplayDriver::open() {
     info.sensors.push_back({.sensor_class = player.list->sensor_class(),
                             .layout = player.setup.layout,
                             .rate_hz = speed_ * player.list->rate_hz(),
-                            .zeroed = player.list->zeroed()});
+                            .zeroed = player.list->zeroed(),
+                            .part = player.options.file.string()});
     info.description += (info.description.empty() ? "replay of " : ", ") + player.options.file.string();
     if (player.list->files() > 1) info.description += " (" + std::to_string(player.list->files()) + " files)";
   }

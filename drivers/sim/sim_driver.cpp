@@ -40,10 +40,12 @@ DeviceInfo SimDriver::open() {
     channel.sensor.emplace(layout, channel.options.sensor);
     if (!channel.options.grip_input.empty())
       channel.grip = std::make_unique<GripInput>(channel.options.grip_input);
-    info.sensors.push_back({.sensor_class = layout.size() == 1 ? SensorClass::wrench : SensorClass::array3,
-                            .layout = layout,
-                            .rate_hz = channel.setup.rate_hz,
-                            .zeroed = channel.options.zeroed});
+    info.sensors.push_back(
+        {.sensor_class = layout.size() == 1 ? SensorClass::wrench : SensorClass::array3,
+         .layout = layout,
+         .rate_hz = channel.setup.rate_hz,
+         .zeroed = channel.options.zeroed,
+         .part = channel.setup.name + ", seed " + std::to_string(channel.options.sensor.imperfections.seed)});
     info.description += (info.description.empty() ? "simulated " : ", ") + size_of(layout);
   }
   const std::int64_t start_ns = monotonic_ns();

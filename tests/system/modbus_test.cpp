@@ -21,21 +21,22 @@ using ::testing::Not;
 
 // At first it is free, long enough to be seen to be. It slips once, so that friction can be learnt, and is
 // then held at a margin of 0.4, again and again.
-json slips_and_holds() {
+json slips_and_holds(int free_ms = 800, int hold_ms = 3000) {
   return {{"noise", 0},
           {"cycle",
-           {{{"ms", 800}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}},
+           {{{"ms", free_ms}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}},
             {{"ms", 200}, {"normal_n", {0, 10}}},
             {{"ms", 600}, {"load", {0, 1.1}}},
             {{"ms", 200}, {"shear_n", {5, 3}}},
-            {{"ms", 3000}}}}};
+            {{"ms", hold_ms}}}}};
 }
 
 // A device that runs on a thread of its own.
 class Running {
  public:
-  Running(const devices::Sheet& sheet, std::unique_ptr<devices::Port> port)
-      : player_(sheet, devices::scripted(sheet, 100, slips_and_holds()), std::move(port)),
+  Running(const devices::Sheet& sheet, std::unique_ptr<devices::Port> port,
+          const json& script = slips_and_holds())
+      : player_(sheet, devices::scripted(sheet, 100, script), std::move(port)),
         thread_([this](std::stop_token stop) { player_.run(stop, 100); }) {}
   Player& player() { return player_; }
   std::string place() { return player_.port().place(); }
@@ -95,6 +96,34 @@ TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_
   await(daemon, in_state("fault"));
   device.player().order("plug");
   await(daemon, holds);
+}
+
+// Free for once, then held for ever: no zero could be taken any more.
+TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
+  const TempFolder folder;
+  constexpr int kForEverMs = 3'600'000;
+  Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
+                 slips_and_holds(8000, kForEverMs));
+  const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
+  const json config = config_of(folder, json::array({sensor("left", "onrobot-rg2-ft", place)}));
+  {
+    Daemon daemon(config, real_drivers(), state_in(folder));
+    await(daemon, holds);
+    device.player().order("unplug");
+    await(daemon, in_state("fault"));
+    device.player().order("plug");
+    await(daemon, holds);
+    EXPECT_EQ(daemon.stop(), 0);
+  }
+  const Daemon daemon(config, real_drivers(), state_in(folder));
+  // Of friction it knows what it was told, no more: it has seen no slip.
+  await(daemon, [](const json& estimate) {
+    EXPECT_NE(estimate["state"], "unzeroed");
+    return estimate["state"] == "ok" && std::fabs(estimate["normal_n"].get<double>() - 10) < 0.06 &&
+           std::fabs(estimate["shear_n"].get<double>() - 3) < 0.06 &&
+           std::fabs(estimate["gamma"].get<double>() - 0.4) < estimate["sigma"].get<double>();
+  });
+  EXPECT_EQ(daemon.client().result("status")["sensors"][0]["zero"]["restored"], true);
 }
 
 TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
