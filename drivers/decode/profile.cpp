@@ -27,8 +27,13 @@ namespace fs = std::filesystem;
 std::vector<fs::path> folders() {
   std::vector<fs::path> found{"/etc/slipd/profiles"};
   Dl_info here{};
+  // Of a program that was found by PATH, dladdr knows but the bare name.
+  fs::path code;
   if (dladdr(reinterpret_cast<const void*>(&parse_profile), &here) != 0 && here.dli_fname != nullptr)
-    found.push_back(fs::absolute(here.dli_fname).parent_path().parent_path() / "profiles");
+    code = here.dli_fname;
+  std::error_code unknown;
+  if (!code.has_parent_path()) code = fs::read_symlink("/proc/self/exe", unknown);
+  if (!code.empty()) found.push_back(fs::absolute(code).parent_path().parent_path() / "profiles");
   found.emplace_back(SLIPD_INSTALLED_PROFILES);
   return found;
 }

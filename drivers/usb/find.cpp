@@ -96,7 +96,8 @@ Found find_device(const decode::UsbMatch& match, const Which& which) {
   const std::string wanted = wanted_text(match, which);
   libusb_context* raw = nullptr;
   if (const int code = libusb_init(&raw); code != 0)
-    throw DriverError(wanted + ": libusb does not start: " + libusb_strerror(code));
+    throw DriverError(wanted + ": libusb does not start: " + libusb_strerror(code) +
+                      "; a service needs AF_NETLINK for it, see 50-usb.conf");
   Found found;
   found.context.reset(raw);
 
