@@ -14,24 +14,24 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 // Items by the upper six bits of their first byte.
-enum Item : std::uint8_t {
-  kInput = 0x80,
-  kUsagePage = 0x04,
-  kLogicalMinimum = 0x14,
-  kLogicalMaximum = 0x24,
-  kPhysicalMinimum = 0x34,
-  kPhysicalMaximum = 0x44,
-  kUnitExponent = 0x54,
-  kUnit = 0x64,
-  kReportSize = 0x74,
-  kReportId = 0x84,
-  kReportCount = 0x94,
-  kPush = 0xA4,
-  kPop = 0xB4,
-  kUsage = 0x08,
-  kUsageMinimum = 0x18,
-  kUsageMaximum = 0x28,
-  kLongItem = 0xFE
+enum class Item : std::uint8_t {
+  input = 0x80,
+  usage_page = 0x04,
+  logical_minimum = 0x14,
+  logical_maximum = 0x24,
+  physical_minimum = 0x34,
+  physical_maximum = 0x44,
+  unit_exponent = 0x54,
+  unit = 0x64,
+  report_size = 0x74,
+  report_id = 0x84,
+  report_count = 0x94,
+  push = 0xA4,
+  pop = 0xB4,
+  usage = 0x08,
+  usage_minimum = 0x18,
+  usage_maximum = 0x28,
+  long_item = 0xFE
 };
 constexpr std::uint8_t kMainType = 0, kConstant = 1;
 constexpr std::size_t kDeepest = 16;
@@ -51,7 +51,7 @@ class Parser {
  public:
   explicit Parser(Bytes in) {
     while (!in.empty()) {
-      if (in[0] == kLongItem) return;  // nobody uses these
+      if (static_cast<Item>(in[0]) == Item::long_item) return;  // nobody uses these
       const std::size_t size = (in[0] & 3U) == 3U ? 4 : in[0] & 3U;
       if (in.size() <= size) return;
       if (!take(in[0], in.subspan(1, size))) return;
@@ -74,57 +74,57 @@ class Parser {
   }
 
   bool take(std::uint8_t head, Bytes data) {
-    const auto item = static_cast<std::uint8_t>(head & 0xFCU);
+    const auto item = static_cast<Item>(head & 0xFCU);
     switch (item) {
-      case kInput:
+      case Item::input:
         return input(natural(data));
-      case kUsagePage:
+      case Item::usage_page:
         global_.page = natural(data);
         break;
-      case kLogicalMinimum:
+      case Item::logical_minimum:
         global_.low = whole(data);
         break;
-      case kLogicalMaximum:
+      case Item::logical_maximum:
         global_.high = whole(data);
         break;
-      case kPhysicalMinimum:
+      case Item::physical_minimum:
         global_.physical_low = whole(data);
         break;
-      case kPhysicalMaximum:
+      case Item::physical_maximum:
         global_.physical_high = whole(data);
         break;
-      case kUnitExponent:  // four bits, signed
+      case Item::unit_exponent:  // four bits, signed
         global_.exponent = static_cast<int>(natural(data) & 0xFU);
         global_.exponent -= global_.exponent > 7 ? 16 : 0;
         break;
-      case kUnit:
+      case Item::unit:
         global_.unit = natural(data);
         break;
-      case kReportSize:
+      case Item::report_size:
         global_.size = natural(data);
         break;
-      case kReportId:
+      case Item::report_id:
         global_.report = static_cast<std::uint8_t>(natural(data));
         break;
-      case kReportCount:
+      case Item::report_count:
         global_.count = natural(data);
         break;
-      case kPush:
+      case Item::push:
         if (kept_.size() >= kDeepest) return false;
         kept_.push_back(global_);
         break;
-      case kPop:
+      case Item::pop:
         if (kept_.empty()) return false;
         global_ = kept_.back();
         kept_.pop_back();
         break;
-      case kUsage:
+      case Item::usage:
         usages_.push_back(data.size() == 4 ? natural(data) : global_.page << 16 | natural(data));
         break;
-      case kUsageMinimum:
+      case Item::usage_minimum:
         usage_low_ = natural(data);
         break;
-      case kUsageMaximum:
+      case Item::usage_maximum:
         for (std::uint32_t usage = usage_low_; usage <= natural(data) && usages_.size() < kMostBits; ++usage)
           usages_.push_back(global_.page << 16 | usage);
         break;
