@@ -113,20 +113,23 @@ void SpringBed::assume_risen(double normal_n, double shear_n, double friction) n
   follow(normal_n, shear_n, friction);
 }
 
-double SpringBed::slipped_n() const noexcept {
-  if (!(normal_n_ > 0)) return 0;
+SpringBed::Shape SpringBed::shape() const noexcept {
+  if (!(normal_n_ > 0)) return {};
   const double radius = std::cbrt(normal_n_);
   Row rest;
   limits(radius * radius, 1, rest);
-  float p = 0, q = 0, p2 = 0, q2 = 0;
+  float p = 0, p2 = 0, q = 0, q2 = 0, q4 = 0;
   for (std::size_t i = 0; i < kSprings; ++i) {
     const float square = place(i) * place(i);
     p += rest[i];
     p2 += rest[i] * square;
     q += load_[i];
     q2 += load_[i] * square;
+    q4 += load_[i] * square * square;
   }
-  return normal_n_ * (5.0 / 3 * q / p - q2 / p2);
+  // <u>_p = 2/5 sets the scale, so that what the springs are too coarse for cancels.
+  const double newton = normal_n_ / p, u = 0.4 * q2 / p2, u2 = 8.0 / 3 * 0.04 * q4 * (p / p2) * (p / p2);
+  return {newton * (5.0 / 3 * q - 2.5 * p * u), newton * (6 * u2 - 6 * p * u + q)};
 }
 
 }  // namespace slipd::contact

@@ -3,7 +3,7 @@
 // x touches from the pressure on at which the contact's radius is x; it sticks, or slips at friction times
 // its own load. Lengths are in units of the radius that 1 N makes, so that a = cbrt(P) whatever touches what.
 //
-// Within 0.005 mu P of the exact history in slipped_n() for a load that the springs resolve (see follow).
+// Within 0.005 mu P of the exact history in shape() for a load that the springs resolve (see follow).
 // Plain memory, nothing allocates or throws.
 #pragma once
 
@@ -27,10 +27,17 @@ class SpringBed {
 
   double shear_n() const noexcept { return shear_n_; }
 
-  // 5/3 Q - Q <r^2>_q / <r^2>_p in N, signed like Q: what slip has taken from the rim. 0 while all sticks,
-  // and hardly changed by a load that changes without slip. (A disc D_x has <r^2> = 2 x^2/5, so a spring at x
-  // counts with 2 x^2.)
-  double slipped_n() const noexcept;
+  // How the shear lies between centre and rim, in N and signed like Q, u = r^2/a^2:
+  struct Shape {
+    // Q (5/3 - 5/2 <u>_q): what slip has taken from the rim. 0 while all sticks, and hardly changed by a load
+    // that changes without slip.
+    double slipped_n = 0;
+    // Q <6 u^2 - 6 u + 1>_q: rim and centre against what is between. Noise on it is independent of Q's and of
+    // the other's.
+    double hollow_n = 0;
+  };
+  // (A disc D_x has <u> = 2 x^2/5 and <u^2> = 8 x^4/35, so a spring at x counts with 2 x^2 and 8/3 x^4.)
+  Shape shape() const noexcept;
 
  private:
   static constexpr std::size_t kSprings = 48;

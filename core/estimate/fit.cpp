@@ -192,8 +192,8 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
   noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
   noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
   const MomentRatio ratio = moment_ratio(frame, patch, layout_);
-  out.slipped_n = ratio.slipped_n;
-  out.slipped_sigma_n = ratio.slipped_sigma_n;
+  out.shape = ratio.shape;
+  out.shape_sigma = ratio.shape_sigma;
   Vector at = start(patch, ratio), gradient, trial_gradient;
   if (!(at[load] > 0) || count_ < kUnknowns) return out;
   Square hessian, trial_hessian;

@@ -26,11 +26,12 @@ constexpr double kPast = 0.05;    // of what slipped: how well noisy forces tell
 constexpr double kUneven = 0.02;  // of the shear: what skins that are no half space deviate
 // Of Q, of mu P: as good as slipped by a load that only rose.
 constexpr double kLike = 0.03, kLikeShare = 0.003;
-constexpr double kStrange = 9;      // squared misfit of a frame that no friction explains
-constexpr double kSurprising = 16;  // squared misfit of a frame for the friction believed so far
-constexpr int kEnoughAgree = 20;    // frames, then a load that was met half-way has indeed only risen
-constexpr int kMostStrange = 8;     // frames, then the history was not what it seemed
-constexpr double kMemory = 0.9;     // of the misfit, frame by frame
+constexpr double kStrange = 9;                 // squared misfit of a frame that no friction explains
+constexpr double kByChance = 4, kChanged = 8;  // logarithms of likelihoods, a frame's and their sum
+constexpr double kSurprising = 16;             // squared misfit of a frame for the friction believed so far
+constexpr int kEnoughAgree = 20;  // frames, then a load that was met half-way has indeed only risen
+constexpr int kMostStrange = 8;   // frames, then the history was not what it seemed
+constexpr double kMemory = 0.9;   // of the misfit, frame by frame
 
 constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
 constexpr double kHighest = 2;     // deviations by which a load may miss the highest one
@@ -62,13 +63,14 @@ FrictionBelief::FrictionBelief(Range expected, double spread, bool shapeless) : 
 void FrictionBelief::reset() noexcept {
   weight_ = prior_;
   for (auto& contact : contact_) contact.clear();
-  slipped_n_.fill(0);
+  shape_.fill({});
   normal_n_ = shear_n_ = axis_x_ = axis_y_ = 0;
   known_ = only_risen_ = true;
   aimed_n_ = 0;
   surprised_ = false;
   agreeing_ = 0;
   misfit_ = 1;
+  change_ = 0;
   strange_ = 0;
   last_ns_ = 0;
   highest_load_ = slide_normal_n_ = slide_load_ = 0;
@@ -126,7 +128,7 @@ void FrictionBelief::follow(const ContactPatch& patch) noexcept {
   shear_n_ = shear_to;
   for (std::size_t j = 0; j < kCount; ++j) {
     contact_[j].follow(normal_n_, shear_n_, friction_[j]);
-    slipped_n_[j] = contact_[j].slipped_n();
+    shape_[j] = contact_[j].shape();
   }
 }
 
@@ -137,7 +139,7 @@ void FrictionBelief::start_anew() noexcept {
   agreeing_ = 0;
   for (std::size_t j = 0; j < kCount; ++j) {
     contact_[j].assume_risen(normal_n_, shear_n_, friction_[j]);
-    slipped_n_[j] = contact_[j].slipped_n();
+    shape_[j] = contact_[j].shape();
   }
 }
 
@@ -145,7 +147,7 @@ void FrictionBelief::start_anew() noexcept {
 bool FrictionBelief::looks_risen(double normal_n, double load) const noexcept {
   const std::size_t j = best();
   const double most_n = friction_[j] * normal_n, risen_n = most_n * risen_slipped(1 - load / friction_[j]);
-  return std::fabs(std::fabs(slipped_n_[j]) - risen_n) < kLike * load * normal_n + kLikeShare * most_n;
+  return std::fabs(std::fabs(shape_[j].slipped_n) - risen_n) < kLike * load * normal_n + kLikeShare * most_n;
 }
 
 void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept {
@@ -165,19 +167,26 @@ void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& readi
       const double mobilised = load / friction_[j];
       misfit[j] = square(reading.gamma - 1 + mobilised) / (square(reading.sigma) + square(apart * mobilised));
     }
-  } else if (known_ && !shapeless_ && std::isfinite(reading.slipped_sigma_n)) {
+  } else if (known_ && !shapeless_ && std::isfinite(reading.shape_sigma.slipped_n)) {
     const double along = patch.toward_x * axis_x_ + patch.toward_y * axis_y_;
     // What the model itself leaves open is the same in every frame: within that a frame tells nothing.
-    const double open = std::hypot(kUneven * patch.shear_n, kPast * reading.slipped_n);
-    const double variance = square(reading.slipped_sigma_n) + square(0.5 * open);
+    const double open_slipped = std::hypot(kUneven * patch.shear_n, kPast * reading.shape.slipped_n);
+    const double open_hollow = std::hypot(kUneven * patch.shear_n, kPast * reading.shape.hollow_n);
+    const auto part = [](double off, double open, double sigma) {
+      return square(std::max(0.0, std::fabs(off) - open)) / (square(sigma) + square(0.5 * open));
+    };
     for (std::size_t j = 0; j < kCount; ++j) {
-      const double off = std::fabs(reading.slipped_n - along * slipped_n_[j]);
-      misfit[j] = square(std::max(0.0, off - open)) / variance;
+      misfit[j] = part(reading.shape.slipped_n - along * shape_[j].slipped_n, open_slipped,
+                       reading.shape_sigma.slipped_n) +
+                  part(reading.shape.hollow_n - along * shape_[j].hollow_n, open_hollow,
+                       reading.shape_sigma.hollow_n);
     }
   } else {
     return;
   }
   surprised_ = misfit[believed] > kSurprising;
+  // Friction has changed when frame after frame says so: what older frames told of it goes.
+  change_ = std::max(0.0, change_ + 0.5 * misfit[believed] - kByChance);
   const double least = *std::min_element(misfit.begin(), misfit.end());
   misfit_ = kMemory * misfit_ + (1 - kMemory) * std::min(least, 4 * kStrange);
   if (least > kStrange) {
@@ -188,6 +197,10 @@ void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& readi
     return;
   }
   strange_ = 0;
+  if (change_ > kChanged) {
+    change_ = 0;
+    weight_ = prior_;
+  }
   if (direct) known_ = known_ || ++agreeing_ >= kEnoughAgree;
   for (std::size_t j = 0; j < kCount; ++j) weight_[j] -= std::min(0.5 * (misfit[j] - least), kMostOfFrame);
 }

@@ -59,14 +59,14 @@ class FrictionBelief {
   std::size_t best() const noexcept;
 
   bool shapeless_;
-  PerFriction friction_, prior_, weight_;  // weights are logarithms, the greatest is 0
-  PerFriction slipped_n_{};                // of each contact, see SpringBed
+  PerFriction friction_, prior_, weight_;                  // weights are logarithms, the greatest is 0
+  std::array<contact::SpringBed::Shape, kCount> shape_{};  // of each contact
   std::array<contact::SpringBed, kCount> contact_;
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from
   bool known_ = true, only_risen_ = true, surprised_ = false;
-  double misfit_ = 1;
+  double misfit_ = 1, change_ = 0;
   int strange_ = 0;   // frames one after the other that no friction explains
   int agreeing_ = 0;  // frames that a risen load explains since the past was lost
   std::int64_t last_ns_ = 0;

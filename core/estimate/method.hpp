@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/contact/spring_bed.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/model/tradeoff_row.hpp"
 #include "core/patch/patch.hpp"
@@ -33,9 +34,10 @@ struct MarginProfile {
 // infinite where the frame does not tell friction (no load).
 struct Reading {
   bool in_family = false;
-  // What slip has taken from the rim, 5/3 Q - Q <r^2>_q / <r^2>_p in N along the resultant, whatever the
-  // contact went through; its deviation is infinite where it is not known.
-  double slipped_n = 0, slipped_sigma_n = std::numeric_limits<double>::infinity();
+  // How the shear lies along the resultant, whatever the contact went through: see contact::SpringBed.
+  // Deviations are infinite where it is not known.
+  contact::SpringBed::Shape shape,
+      shape_sigma{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   double gamma = 0, sigma = 0;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;

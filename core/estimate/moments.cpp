@@ -12,6 +12,8 @@ namespace {
 // Beyond this mean square the rings belong to another history. In the family it is about 1.
 constexpr double kMostMisfit = 4;
 
+constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 about its middle
+
 // The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k.
 double slope(double k) noexcept {
   const double k2 = k * k, k3 = k2 * k, rest = 1 - k3;
@@ -37,7 +39,7 @@ double gamma_of_moment_ratio(double ratio) noexcept {
 }
 
 MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
-  double p = 0, q = 0, p2 = 0, q2 = 0, r4 = 0, r2 = 0;
+  double p = 0, q = 0, p2 = 0, q2 = 0, q4 = 0, r2 = 0, r4 = 0, r6 = 0, r8 = 0;
   for (const std::uint32_t i : patch.inside) {
     const double x = layout.x_m()[i] - patch.center_x_m, y = layout.y_m()[i] - patch.center_y_m;
     const double square = x * x + y * y, normal = frame.normal_pa[i], shear = patch.shear_along_pa(frame, i);
@@ -45,8 +47,11 @@ MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const Ta
     q += shear;
     p2 += normal * square;
     q2 += shear * square;
+    q4 += shear * square * square;
     r2 += square;
     r4 += square * square;
+    r6 += square * square * square;
+    r8 += square * square * square * square;
   }
   MomentRatio out;
   if (!(p > 0 && q > 0)) return out;
@@ -66,11 +71,21 @@ MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const Ta
   const double coarse = layout.side_m() / patch.radius_m;
   const double grid = 0.3 * coarse * coarse * coarse + 0.002;
   out.sigma = std::hypot(from_q, out.value * from_p) / mean_p + grid;
-  out.slipped_n = (5.0 / 3 - out.value) * patch.shear_n;
+
+  // In u = r^2/a^2, with a from the pressure.
+  const double a2 = 2.5 * mean_p, side = layout.side_m(), shear_n = patch.shear_n;
+  const double u = mean_q / a2;
+  const double u2 = (q4 / q - 2.0 / 3 * side * side * mean_q - kSquareFourth * std::pow(side, 4)) / (a2 * a2);
+  out.shape = {shear_n * (5.0 / 3 - 2.5 * u), shear_n * (6 * u2 - 6 * u + 1)};
+  const double taxel_n = patch.noise_shear_pa * layout.area_m2(), radius = from_p / mean_p;
   const double zero = 5.0 / 3 * mean_p + spread;  // a taxel there counts for nothing
-  const double by_q_n = patch.noise_shear_pa * layout.area_m2() / mean_p *
-                        std::sqrt(std::max(0.0, r4 - 2 * zero * r2 + zero * zero * n));
-  out.slipped_sigma_n = std::hypot(by_q_n, out.value * from_p / mean_p * patch.shear_n, grid * patch.shear_n);
+  const double slipped_weights = (r4 - 2 * zero * r2 + zero * zero * n) / (mean_p * mean_p);
+  const double hollow_weights =
+      36 * r8 / std::pow(a2, 4) - 72 * r6 / std::pow(a2, 3) + 48 * r4 / std::pow(a2, 2) - 12 * r2 / a2 + n;
+  out.shape_sigma = {std::hypot(taxel_n * std::sqrt(std::max(0.0, slipped_weights)),
+                                shear_n * std::hypot(2.5 * u * radius, grid)),
+                     std::hypot(taxel_n * std::sqrt(std::max(0.0, hollow_weights)),
+                                shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
   return out;
 }
 
@@ -80,8 +95,8 @@ Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
   const MomentRatio ratio = moment_ratio(frame, patch, layout_);
-  out.slipped_n = ratio.slipped_n;
-  out.slipped_sigma_n = ratio.slipped_sigma_n;
+  out.shape = ratio.shape;
+  out.shape_sigma = ratio.shape_sigma;
   const double open = 3 * ratio.sigma + 0.03;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = gamma_of_moment_ratio(ratio.value);

@@ -17,8 +17,8 @@ double gamma_of_moment_ratio(double ratio) noexcept;
 // taxels leave them, infinite for a contact cut by the sensor's edge, or without load.
 struct MomentRatio {
   double value = 1, sigma = std::numeric_limits<double>::infinity();
-  double load = 0;                                                                  // sum q / sum p
-  double slipped_n = 0, slipped_sigma_n = std::numeric_limits<double>::infinity();  // see Reading
+  double load = 0;  // sum q / sum p
+  contact::SpringBed::Shape shape, shape_sigma = Reading().shape_sigma;
 };
 MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 

@@ -121,8 +121,8 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
   const Reading shape = moments_.read(frame, patch);
-  out.slipped_n = shape.slipped_n;
-  out.slipped_sigma_n = shape.slipped_sigma_n;
+  out.shape = shape.shape;
+  out.shape_sigma = shape.shape_sigma;
   float noise = 0;
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;

@@ -115,8 +115,8 @@ TEST(Fit, OtherHistoriesAreNotOfTheFamilyButWhatSlippedIsTold) {
     q2 += force * std::pow(term.radius_m / contact.contact_radius_m(), 2);
   }
   const double slipped_n = (5.0 / 3 - q2 / q) * contact.shear_n();
-  EXPECT_NEAR(reading.slipped_n, slipped_n, 3 * reading.slipped_sigma_n);
-  EXPECT_LT(reading.slipped_sigma_n, 0.02 * slipped_n);
+  EXPECT_NEAR(reading.shape.slipped_n, slipped_n, 3 * reading.shape_sigma.slipped_n);
+  EXPECT_LT(reading.shape_sigma.slipped_n, 0.02 * slipped_n);
 }
 
 TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
