@@ -73,7 +73,7 @@ void FrictionBelief::reset() noexcept {
   change_ = 0;
   strange_ = 0;
   last_ns_ = 0;
-  most_shear_n_ = highest_load_ = slide_normal_n_ = slide_load_ = 0;
+  highest_load_ = slide_normal_n_ = slide_load_ = 0;
 }
 
 void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
@@ -126,7 +126,6 @@ void FrictionBelief::follow(const ContactPatch& patch) noexcept {
   if (normal_to == normal_n_ && shear_to == shear_n_) return;
   normal_n_ = std::max(normal_to, 1e-6 * patch.normal_n);
   shear_n_ = shear_to;
-  most_shear_n_ = std::max(most_shear_n_, std::fabs(shear_n_));
   for (std::size_t j = 0; j < kCount; ++j) {
     contact_[j].follow(normal_n_, shear_n_, friction_[j]);
     shape_[j] = contact_[j].shape();
@@ -171,17 +170,14 @@ void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& readi
   } else if (known_ && !shapeless_ && std::isfinite(reading.shape_sigma.slipped_n)) {
     const double along = patch.toward_x * axis_x_ + patch.toward_y * axis_y_;
     // What the model itself leaves open is the same in every frame: within that a frame tells nothing.
-    const double uneven = kUneven * most_shear_n_;  // what a heavy load left behind is as uneven as it was
-    const double open_slipped = std::hypot(uneven, kPast * reading.shape.slipped_n);
-    const double open_hollow = std::hypot(uneven, kPast * reading.shape.hollow_n);
-    const auto part = [](double off, double open, double sigma) {
+    const double locked = std::max(std::fabs(reading.shape.slipped_n), std::fabs(reading.shape.hollow_n));
+    const double open = std::hypot(kUneven * patch.shear_n, kPast * locked);
+    const auto part = [open](double off, double sigma) {
       return square(std::max(0.0, std::fabs(off) - open)) / (square(sigma) + square(0.5 * open));
     };
     for (std::size_t j = 0; j < kCount; ++j) {
-      misfit[j] = part(reading.shape.slipped_n - along * shape_[j].slipped_n, open_slipped,
-                       reading.shape_sigma.slipped_n) +
-                  part(reading.shape.hollow_n - along * shape_[j].hollow_n, open_hollow,
-                       reading.shape_sigma.hollow_n);
+      misfit[j] = part(reading.shape.slipped_n - along * shape_[j].slipped_n, reading.shape_sigma.slipped_n) +
+                  part(reading.shape.hollow_n - along * shape_[j].hollow_n, reading.shape_sigma.hollow_n);
     }
   } else {
     return;

@@ -70,7 +70,6 @@ class FrictionBelief {
   int strange_ = 0;   // frames one after the other that no friction explains
   int agreeing_ = 0;  // frames that a risen load explains since the past was lost
   std::int64_t last_ns_ = 0;
-  double most_shear_n_ = 0;  // of this grasp
   double highest_load_ = 0;
   double slide_normal_n_ = 0, slide_load_ = 0;  // where a plateau of Q/P may have begun
 };
