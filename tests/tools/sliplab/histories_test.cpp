@@ -50,6 +50,13 @@ TEST(Grasp, StaysWithinWhatIsExpectedAndDoesEverythingSomeday) {
   EXPECT_EQ(seen.size(), kMoves);
 }
 
+TEST(Grasp, EveryMoveHasANameOfItsOwn) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < kMoves; ++i) names.insert(name_of(static_cast<Move>(i)));
+  EXPECT_EQ(names.size(), kMoves);
+  EXPECT_FALSE(names.contains(""));
+}
+
 TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
   const Grasp once = draw_grasp(scene(), 3, 7), again = draw_grasp(scene(), 3, 7),
               other = draw_grasp(scene(), 3, 8);

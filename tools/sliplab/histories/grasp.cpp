@@ -74,7 +74,7 @@ Piece next(Move move, const Piece& from, const Draws& u, Range normal_n, Range f
 std::string_view name_of(Move move) noexcept {
   static constexpr std::array<std::string_view, kMoves> kNames{"grip",    "load",    "slide",  "unload",
                                                                "reverse", "tighten", "loosen", "together",
-                                                               "falls",   "rises",   "hold"};
+                                                               "falls",   "rises",   "hold",   "unseen"};
   return kNames[static_cast<std::size_t>(move)];
 }
 
