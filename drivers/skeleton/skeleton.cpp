@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "drivers/driver.hpp"
 
@@ -57,7 +58,7 @@ class SkeletonDriver final : public DeviceDriver {
     ::unlink(path_.c_str());
     socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (socket_ < 0 || ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-      const std::string why = std::strerror(errno);
+      const std::string why = std::generic_category().message(errno);
       close();
       throw DriverError("socket " + path_ + ": " + why + "; choose a folder that slipd may write to");
     }
