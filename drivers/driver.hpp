@@ -52,6 +52,8 @@ struct SensorInfo {
   // Which of the device's sensors this is, where that is the same at each start: "board 1". Under it, and
   // DeviceInfo::serial, the zero is kept. Empty: under the name of the sensor in the configuration.
   std::string part = {};
+  // The smallest differences that the device tells, which nobody can take for a load; 0: it is not known.
+  double step_normal_pa = 0, step_shear_pa = 0;
 };
 
 struct DeviceInfo {
@@ -111,7 +113,7 @@ struct DriverModule {
   std::unique_ptr<DeviceDriver> (*create)(const std::vector<SensorSetup>& sensors);
 };
 
-inline constexpr std::uint32_t kDriverAbi = 3;
+inline constexpr std::uint32_t kDriverAbi = 4;
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 
 }  // namespace slipd

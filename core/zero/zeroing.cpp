@@ -16,8 +16,9 @@ constexpr float kStill = 6;
 constexpr float kIndependent = 100;
 constexpr int kTries = 8;  // blocks, before a reading counts as moving
 
-constexpr float kNear = 3;   // standard deviations of a frame, within which a free sensor is expected
-constexpr float kExact = 6;  // standard errors of two blocks, within which 0 is 0
+constexpr float kNear = 3;          // standard deviations of a frame, within which a free sensor is expected
+constexpr float kNearSteps = 1.5F;  // or so many of its smallest steps
+constexpr float kExact = 6;         // standard errors of two blocks, within which 0 is 0
 constexpr float kRounding = 1e-6F;
 
 // Offsets differ from taxel to taxel; a contact lifts some that lie together.
@@ -41,8 +42,9 @@ std::string_view to_string(ZeroAnswer answer) noexcept {
   return kNames[static_cast<std::size_t>(answer)];
 }
 
-Zeroing::Zeroing(const TaxelLayout& layout)
+Zeroing::Zeroing(const TaxelLayout& layout, Steps steps)
     : taxels_(layout.size()),
+      steps_(steps),
       finder_(layout),
       block_(taxels_),
       taken_bias_(3 * taxels_),
@@ -148,8 +150,8 @@ bool Zeroing::stands_still() const noexcept {
                        1 / std::min(kIndependent, static_cast<float>(last_frames_));
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    if (square(now[i] - last_mean_[i]) > kStill * kStill * errors * variance + square(kRounding * now[i]))
-      return false;
+    const float within = kStill * kStill * errors * variance + square(kRounding * now[i]);
+    if (!(square(now[i] - last_mean_[i]) <= within)) return false;  // as for what is no number
   }
   return true;
 }
@@ -162,7 +164,8 @@ bool Zeroing::reads_zero() const noexcept {
   const float frames = static_cast<float>(block_.frames() + last_frames_);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    if (square((now[i] + last_mean_[i]) / 2) > kExact * kExact * variance / frames) return false;
+    const float within = std::max(kExact * std::sqrt(variance / frames), step_pa(i) / 2);
+    if (!(std::abs(now[i] + last_mean_[i]) / 2 <= within)) return false;
   }
   return true;
 }
@@ -173,7 +176,10 @@ float Zeroing::quieter(std::size_t channel) const noexcept {
 
 Zeroing::Kinds Zeroing::quieter_by_kind() const noexcept {
   const Kinds now = mean_by_kind(block_.variance_pa2()), last = mean_by_kind(last_variance_);
-  return {std::min(now.normal, last.normal), std::min(now.shear, last.shear)};
+  // A reading that stands between two steps flickers by this much, seen or not.
+  const auto rounding = [](float step_pa) { return square(step_pa) / 12; };
+  return {std::max(std::min(now.normal, last.normal), rounding(steps_.normal_pa)),
+          std::max(std::min(now.shear, last.shear), rounding(steps_.shear_pa))};
 }
 
 Zeroing::Kinds Zeroing::mean_by_kind(std::span<const float> values) const noexcept {
@@ -189,9 +195,9 @@ bool Zeroing::near_bias() const noexcept {
   const auto now = block_.mean_pa();
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
-    if (std::abs(now[i] - zero_.bias_pa[i]) >
-        kNear * std::max(zero_.noise_pa[i], least) + kRounding * std::abs(now[i]))
-      return false;
+    const float within = std::max(kNear * std::max(zero_.noise_pa[i], least), kNearSteps * step_pa(i)) +
+                         kRounding * std::abs(now[i]);
+    if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
   }
   return true;
 }

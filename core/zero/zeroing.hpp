@@ -21,8 +21,13 @@ namespace slipd {
 
 class Zeroing {
  public:
+  // The smallest differences that the sensor tells; 0: not known, or none.
+  struct Steps {
+    float normal_pa = 0, shear_pa = 0;
+  };
+
   // All memory there ever is.
-  explicit Zeroing(const TaxelLayout& layout);
+  explicit Zeroing(const TaxelLayout& layout, Steps steps = {0, 0});
 
   // Set-up. The zero of an earlier run; of as many taxels, else std::invalid_argument.
   void restore(const Zero& zero);
@@ -58,6 +63,9 @@ class Zeroing {
   Kinds mean_by_kind(std::span<const float> values) const noexcept;
   Kinds quieter_by_kind() const noexcept;
   float quieter(std::size_t channel) const noexcept;
+  float step_pa(std::size_t channel) const noexcept {
+    return channel < taxels_ ? steps_.normal_pa : steps_.shear_pa;
+  }
 
   bool known() const noexcept { return report_.origin != ZeroOrigin::none; }
   bool stands_still() const noexcept;
@@ -73,6 +81,7 @@ class Zeroing {
   void keep_block() noexcept;
 
   std::size_t taxels_;
+  Steps steps_;
   PatchFinder finder_;
   FrameBlock block_;
   Zero zero_;

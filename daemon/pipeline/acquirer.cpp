@@ -159,7 +159,7 @@ void Acquirer::wire_zero(Outlet& outlet, const DeviceInfo& info, const SensorInf
                               .taxels = sensor.layout.size()};
   if (!sensor.zeroed && outlet.zero && outlet.zero->identity() == identity) return outlet.zero->reopened();
   if (outlet.zero) zeros_.leave(outlet.zero);
-  outlet.zero = sensor.zeroed ? nullptr : zeros_.attend(panel, sensor.layout, identity, log_);
+  outlet.zero = sensor.zeroed ? nullptr : zeros_.attend(panel, sensor, identity, log_);
 }
 
 void Acquirer::set_link(Link link) noexcept {

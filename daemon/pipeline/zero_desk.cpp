@@ -19,13 +19,17 @@ constexpr std::int64_t kKeepIntervalNs = 300'000'000'000;
 constexpr std::int64_t kKeepAtLeastNs = 10'000'000'000;
 constexpr auto kKeeperPatience = 1s;
 
+Zeroing::Steps steps_of(const SensorInfo& sensor) {
+  return {static_cast<float>(sensor.step_normal_pa), static_cast<float>(sensor.step_shear_pa)};
+}
+
 }  // namespace
 
-ZeroDesk::ZeroDesk(Panel& panel, const TaxelLayout& layout, ZeroIdentity identity, Doorbell& keeper)
+ZeroDesk::ZeroDesk(Panel& panel, const SensorInfo& sensor, ZeroIdentity identity, Doorbell& keeper)
     : panel_(panel),
       identity_(std::move(identity)),
       keeper_(keeper),
-      zeroing_(layout),
+      zeroing_(sensor.layout, steps_of(sensor)),
       copy_(zeroing_.zero()) {
   zeroing_.skip_requests(panel_.zero.newest().number);
   panel_.zero.report.store(zeroing_.report());

@@ -10,6 +10,7 @@
 #include "daemon/board/zero_panel.hpp"
 #include "daemon/pipeline/doorbell.hpp"
 #include "daemon/state/zero_file.hpp"
+#include "drivers/driver.hpp"
 
 namespace slipd {
 
@@ -18,7 +19,7 @@ class Panel;
 class ZeroDesk {
  public:
   // Set-up. `panel` and `keeper` outlive it.
-  ZeroDesk(Panel& panel, const TaxelLayout& layout, ZeroIdentity identity, Doorbell& keeper);
+  ZeroDesk(Panel& panel, const SensorInfo& sensor, ZeroIdentity identity, Doorbell& keeper);
 
   const ZeroIdentity& identity() const noexcept { return identity_; }
   Panel& panel() const noexcept { return panel_; }

@@ -20,9 +20,9 @@ ZeroKeeper::~ZeroKeeper() {
   ask_to_stop();
 }
 
-std::shared_ptr<ZeroDesk> ZeroKeeper::attend(Panel& panel, const TaxelLayout& layout,
+std::shared_ptr<ZeroDesk> ZeroKeeper::attend(Panel& panel, const SensorInfo& sensor,
                                              const ZeroIdentity& identity, LogRing& log) {
-  auto desk = std::make_shared<ZeroDesk>(panel, layout, identity, bell_);
+  auto desk = std::make_shared<ZeroDesk>(panel, sensor, identity, bell_);
   std::string trouble;
   try {
     if (const auto zero = load_zero(zero_file(identity), identity)) {

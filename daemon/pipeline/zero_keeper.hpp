@@ -23,7 +23,7 @@ class ZeroKeeper {
 
   // Acquire thread, while setting up: a desk for a sensor whose device has been opened, with the zero that is
   // kept for it, if there is a good one; why there is none is logged to `log` and told in the sensor's facts.
-  std::shared_ptr<ZeroDesk> attend(Panel& panel, const TaxelLayout& layout, const ZeroIdentity& identity,
+  std::shared_ptr<ZeroDesk> attend(Panel& panel, const SensorInfo& sensor, const ZeroIdentity& identity,
                                    LogRing& log);
 
   // Acquire thread, while setting up: this desk is not used any more.

@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -73,12 +75,21 @@ Profile find_profile(const std::string& name) {
 }
 
 SensorInfo info_of(const Profile& profile, std::string part) {
+  double step_normal_pa = 0, step_shear_pa = 0;
+  for (const PacketRule& rule : profile.scan) {
+    for (const Field& field : rule.fields) {
+      double& step_pa = field.channel == Channel::normal ? step_normal_pa : step_shear_pa;
+      if (field.type.kind != NumberKind::real) step_pa = std::max(step_pa, std::abs(field.gain_pa));
+    }
+  }
   return {.sensor_class = profile.sensor_class,
           .layout = profile.layout,
           .rate_hz = profile.rate_hz,
           .skin = profile.skin,
           .zeroed = profile.zeroed,
-          .part = std::move(part)};
+          .part = std::move(part),
+          .step_normal_pa = step_normal_pa,
+          .step_shear_pa = step_shear_pa};
 }
 
 std::vector<std::string> profile_names() {

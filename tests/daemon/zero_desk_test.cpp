@@ -15,7 +15,7 @@
 namespace slipd {
 namespace {
 
-const TaxelLayout kLayout = TaxelLayout::grid(3, 2, 0.002);
+const SensorInfo kInfo{.layout = TaxelLayout::grid(3, 2, 0.002)};
 const ZeroIdentity kSensor{"trial", "", "{}", "left", 6};
 
 // The acquire thread of a sensor that reads `offset` everywhere, as fast as it goes; frames are 10 ms apart.
@@ -65,7 +65,7 @@ class Desk : public ::testing::Test {
 };
 
 TEST_F(Desk, SettlesARequestOnceItsZeroIsOnDisk) {
-  const auto desk = keeper_.attend(panel_, kLayout, kSensor, log_);
+  const auto desk = keeper_.attend(panel_, kInfo, kSensor, log_);
   std::atomic<float> offset{1000};
   const Acquiring acquiring(*desk, offset);
   for (std::uint32_t i = 1; i <= 20; ++i) {
@@ -79,12 +79,12 @@ TEST_F(Desk, SettlesARequestOnceItsZeroIsOnDisk) {
 }
 
 TEST_F(Desk, AnswersARequestOfADeviceThatWasExchanged) {
-  const auto first = keeper_.attend(panel_, kLayout, kSensor, log_);
+  const auto first = keeper_.attend(panel_, kInfo, kSensor, log_);
   const std::uint32_t request = panel_.zero.ask(false);
   keeper_.leave(first);
   ZeroIdentity other = kSensor;
   other.device = "serial 8";
-  const auto second = keeper_.attend(panel_, kLayout, other, log_);
+  const auto second = keeper_.attend(panel_, kInfo, other, log_);
   await_settled(request);
   EXPECT_EQ(panel_.zero.report.load().answer, ZeroAnswer::gone);
   EXPECT_EQ(panel_.zero.report.load().origin, ZeroOrigin::none);
@@ -93,14 +93,14 @@ TEST_F(Desk, AnswersARequestOfADeviceThatWasExchanged) {
 TEST_F(Desk, OfTheNextRunFindsTheZero) {
   std::atomic<float> offset{500};
   {
-    const auto desk = keeper_.attend(panel_, kLayout, kSensor, log_);
+    const auto desk = keeper_.attend(panel_, kInfo, kSensor, log_);
     const Acquiring acquiring(*desk, offset);
     await_settled(panel_.zero.ask(true));
   }
   LogRing log;
   Panel panel("renamed", "trial");
   ZeroKeeper keeper(log, wake_);
-  const auto desk = keeper.attend(panel, kLayout, kSensor, log);
+  const auto desk = keeper.attend(panel, kInfo, kSensor, log);
   const ZeroReport report = panel.zero.report.load();
   EXPECT_EQ(report.origin, ZeroOrigin::command);
   EXPECT_TRUE(report.restored);

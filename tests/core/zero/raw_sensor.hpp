@@ -2,6 +2,7 @@
 // contact.
 #pragma once
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -54,11 +55,14 @@ class RawSensor {
     for (float& each : drift_) each = rate(random_) * 1e-9F * static_cast<float>(period_ns_);
   }
 
+  void round_to(float step_pa) { step_pa_ = step_pa; }
+
   FrameSlot read() {
     std::normal_distribution<float> noise(0, 1);
     for (std::size_t i = 0; i < memory_.size(); ++i) {
       offsets_[i] += drift_[i];
       memory_[i] = offsets_[i] + felt_[i] + noise_pa_ * noise(random_);
+      if (step_pa_ > 0) memory_[i] = step_pa_ * std::round(memory_[i] / step_pa_);
     }
     FrameSlot slot;
     const std::span<float> all(memory_);
@@ -92,7 +96,7 @@ class RawSensor {
 
  private:
   static constexpr double kFriction = 0.6;
-  float noise_pa_;
+  float noise_pa_, step_pa_ = 0;
   std::int64_t period_ns_;
   synthetic::FrameMaker maker_;
   std::mt19937_64 random_;

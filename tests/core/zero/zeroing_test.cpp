@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/estimate/chain.hpp"
 #include "core/zero/gain.hpp"
@@ -168,6 +169,38 @@ TEST(Zeroing, FollowsDriftWhileTheSensorIsFree) {
   EXPECT_TRUE(zeroing.report().free);
   EXPECT_LT(sensor.farthest(zeroing), 10 * kRate + kMeanError) << "what ten seconds of drift make";
   EXPECT_GT(zeroing.report().drift_pa, 40 * kRate);
+}
+
+TEST(Zeroing, FollowsACoarseSensorThatStandsStillBetweenItsSteps) {
+  constexpr float kStep = 500;
+  RawSensor sensor(TaxelLayout::grid(4, 4, 0.005), 20);
+  sensor.round_to(kStep);
+  Zeroing zeroing(sensor.layout(), {kStep, kStep});
+  rebias(zeroing, sensor);
+  ASSERT_EQ(zeroing.report().answer, ZeroAnswer::taken);
+  sensor.drifts(10);
+  sensor.run(zeroing, 120);
+  EXPECT_TRUE(zeroing.report().free);
+  EXPECT_LT(sensor.farthest(zeroing), 1.5F * kStep);
+  sensor.press_everywhere(3 * kStep, 0);
+  sensor.run(zeroing, 10);
+  EXPECT_FALSE(zeroing.report().free);
+}
+
+TEST(Zeroing, WhatIsNoNumberNeverGetsIntoTheZero) {
+  RawSensor sensor(pad());
+  Zeroing zeroing(sensor.layout());
+  rebias(zeroing, sensor);
+  for (int i = 0; i < 1000; ++i) {
+    FrameSlot slot = sensor.read();
+    if (i % 50 == 0) slot.shear_x_pa[7] = std::numeric_limits<float>::quiet_NaN();
+    zeroing.apply(slot);
+    zeroing.judge();
+  }
+  EXPECT_FALSE(zeroing.report().free);
+  EXPECT_LT(sensor.farthest(zeroing), kMeanError);
+  sensor.run(zeroing, 1);
+  EXPECT_TRUE(zeroing.report().free);
 }
 
 TEST(Zeroing, KeepsTheZeroWhileSomethingIsHeld) {
