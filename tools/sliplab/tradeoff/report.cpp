@@ -100,7 +100,7 @@ std::string script(const std::vector<Line>& lines) {
   out << "set terminal svg size 1000,1150 font 'sans,12' background 'white'\nset output 'tradeoff.svg'\n"
          "set datafile separator ','\nset logscale xy\nset grid\nset format y '%g'\n"
          "set multiplot layout 3,2\nset xlabel 'time per frame, us'\nset ylabel 'mean |error| of Gamma'\n"
-         "set key left bottom\n";
+         "set key right top\n";
   bool first = true;
   for (const auto& panel : kPanels) {
     if (front_of(lines, panel).empty()) continue;
