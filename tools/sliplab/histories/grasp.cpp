@@ -11,7 +11,7 @@ namespace {
 using slipd::Draws;
 using slipd::Range;
 
-constexpr double kShortest_s = 0.04, kLongest_s = 0.4;
+constexpr double kShortestSeconds = 0.04, kLongestSeconds = 0.4;
 constexpr double kSliding = 1.1;  // of mu P
 
 constexpr std::array kDrawn{Move::load,     Move::load,   Move::load,  Move::tighten, Move::tighten,
@@ -26,7 +26,7 @@ Range reach(Range all, Range more) {
 Piece next(Move move, const Piece& from, const Draws& u, Range normal_n, Range friction) {
   Piece to = from;
   to.move = move;
-  to.seconds = kShortest_s * std::pow(kLongest_s / kShortest_s, u.uniform(0));
+  to.seconds = kShortestSeconds * std::pow(kLongestSeconds / kShortestSeconds, u.uniform(0));
   const double sign = from.shear_n < 0 ? -1 : 1, part = u.uniform(1);
   const double load = std::fabs(from.shear_n) / (from.friction * from.normal_n);
   const auto shear = [&](double share) { return share * from.friction * from.normal_n; };
