@@ -7,13 +7,19 @@
 namespace slipd {
 namespace {
 
-constexpr double kForgetAfterSeconds = 5;  // evidence fades towards what the scene expects
+constexpr double kForgetAfterSeconds = 5;  // forces' evidence fades towards what the scene expects
 constexpr double kLeastSigma = 0.02;       // of friction, relative: contacts are not as even as their model
 
 constexpr double kRestBelow = 12, kRestAbove = 20;  // a friction below, above the likeliest keeps exp(-this)
 constexpr double kMostUnexpected = 40;  // the least weight that the scene leaves a friction, as a logarithm
-constexpr double kSharpest = 8;         // by which its neighbours fall behind the likeliest
-constexpr double kMostOfFrame = 20;     // no single frame says more
+// Doubt in the friction believed: its contact is off by more than the model leaves open, over some frames if
+// noise asks for that.
+constexpr double kDoubt = 1, kNoisyDoubt = 1.6, kDoubtGain = 0.2;
+constexpr double kClean =
+    0.4;  // noise, of what the model leaves open: little enough to look for another friction
+constexpr double kRefuted = 8;       // behind the likeliest
+constexpr double kSharpest = 8;      // by which its neighbours fall behind the likeliest
+constexpr double kMostOfFrame = 20;  // no single frame says more
 
 constexpr double kBand = 1.5;         // deviations by which a force has to move before it is taken to
 constexpr double kBandShare = 0.002;  // of the normal force, besides
@@ -67,10 +73,10 @@ void FrictionBelief::reset() noexcept {
   normal_n_ = shear_n_ = axis_x_ = axis_y_ = 0;
   known_ = only_risen_ = true;
   aimed_n_ = 0;
-  surprised_ = false;
+  surprised_ = doubted_ = false;
   agreeing_ = 0;
   misfit_ = 1;
-  change_ = 0;
+  change_ = off_slipped_n_ = off_hollow_n_ = 0;
   strange_ = 0;
   last_ns_ = 0;
   highest_load_ = slide_normal_n_ = slide_load_ = 0;
@@ -81,15 +87,15 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
   const double passed_s = last_ns_ > 0 ? static_cast<double>(time_ns - last_ns_) * 1e-9 : 0;
   last_ns_ = time_ns;
   const double load = patch.shear_n / patch.normal_n, load_sigma = patch.shear_sigma_n / patch.normal_n;
-  const double keep = std::exp(-std::max(0.0, passed_s) / kForgetAfterSeconds);
+  const double keep = shapeless_ ? std::exp(-std::max(0.0, passed_s) / kForgetAfterSeconds) : 1;
   const double sigma = std::max(load_sigma, 0.01 * load);
   for (std::size_t j = 0; j < kCount; ++j) {
     weight_[j] = prior_[j] + keep * (weight_[j] - prior_[j]);
     const double over = (load - friction_[j]) / sigma;  // more is carried than this friction could hold
     if (over > 0) weight_[j] -= std::min(0.5 * over * over, kMostOfFrame);
   }
-  follow(patch);
-  surprised_ = false;
+  if (!shapeless_) follow(patch);
+  surprised_ = doubted_ = false;
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_shape(patch, *reading);
   if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
   normalise();
@@ -150,6 +156,17 @@ bool FrictionBelief::looks_risen(double normal_n, double load) const noexcept {
   return std::fabs(std::fabs(shape_[j].slipped_n) - risen_n) < kLike * load * normal_n + kLikeShare * most_n;
 }
 
+// A friction lower than what has been seen to hold was not there all along: if it is now, then it has just
+// fallen, and its contact is the one believed in, as far as less friction still holds it.
+void FrictionBelief::weaken(std::size_t believed) noexcept {
+  for (std::size_t j = 0; j < believed; ++j) {
+    if (weight_[j] > -kRefuted) continue;
+    contact_[j] = contact_[believed];
+    contact_[j].follow(normal_n_, shear_n_, friction_[j]);
+    shape_[j] = contact_[j].shape();
+  }
+}
+
 void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept {
   const double load = patch.shear_n / patch.normal_n;
   const std::size_t believed = best();
@@ -172,6 +189,15 @@ void FrictionBelief::weigh_shape(const ContactPatch& patch, const Reading& readi
     // What the model itself leaves open is the same in every frame: within that a frame tells nothing.
     const double locked = std::max(std::fabs(reading.shape.slipped_n), std::fabs(reading.shape.hollow_n));
     const double open = std::hypot(kUneven * patch.shear_n, kPast * locked);
+    const double off_slipped = reading.shape.slipped_n - along * shape_[believed].slipped_n,
+                 off_hollow = reading.shape.hollow_n - along * shape_[believed].hollow_n;
+    const bool clean = std::max(reading.shape_sigma.slipped_n, reading.shape_sigma.hollow_n) < kClean * open;
+    const double gain = clean ? 1 : kDoubtGain;
+    off_slipped_n_ += gain * (off_slipped - off_slipped_n_);
+    off_hollow_n_ += gain * (off_hollow - off_hollow_n_);
+    doubted_ =
+        std::max(std::fabs(off_slipped_n_), std::fabs(off_hollow_n_)) > (clean ? kDoubt : kNoisyDoubt) * open;
+    if (doubted_ && clean) weaken(believed);
     const auto part = [open](double off, double sigma) {
       return square(std::max(0.0, std::fabs(off) - open)) / (square(sigma) + square(0.5 * open));
     };

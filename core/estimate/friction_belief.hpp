@@ -41,6 +41,8 @@ class FrictionBelief {
   // This frame does not look as the friction believed before it would have it: that has changed, or was
   // wrong.
   bool surprised() const noexcept { return surprised_; }
+  // So do the frames of late, if by less: how much less friction there is they do not tell.
+  bool doubted() const noexcept { return doubted_; }
   // The frames of late look as some friction would have them, after a history that is known.
   bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
 
@@ -54,6 +56,7 @@ class FrictionBelief {
   void start_anew() noexcept;
   void weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept;
   bool looks_risen(double normal_n, double load) const noexcept;
+  void weaken(std::size_t believed) noexcept;
   void weigh_sliding(double normal_n, double load, double load_sigma) noexcept;
   void normalise() noexcept;
   std::size_t best() const noexcept;
@@ -65,10 +68,11 @@ class FrictionBelief {
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from
-  bool known_ = true, only_risen_ = true, surprised_ = false;
+  bool known_ = true, only_risen_ = true, surprised_ = false, doubted_ = false;
   double misfit_ = 1, change_ = 0;
-  int strange_ = 0;   // frames one after the other that no friction explains
-  int agreeing_ = 0;  // frames that a risen load explains since the past was lost
+  double off_slipped_n_ = 0, off_hollow_n_ = 0;  // of the contact believed in, over some frames
+  int strange_ = 0;                              // frames one after the other that no friction explains
+  int agreeing_ = 0;                             // frames that a risen load explains since the past was lost
   std::int64_t last_ns_ = 0;
   double highest_load_ = 0;
   double slide_normal_n_ = 0, slide_load_ = 0;  // where a plateau of Q/P may have begun

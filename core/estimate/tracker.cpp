@@ -43,6 +43,7 @@ std::optional<Tracker::Margin> Tracker::track(const ContactPatch& patch, const R
     return margin;
   }
   if (few_taxels_) return margin;
+  if (belief_.doubted()) margin.sigma = std::max(margin.sigma, kJustChanged);
   if (belief_.surprised()) {
     // Friction that fell is felt at once in a frame that tells its margin by itself, in the belief a few
     // frames later.
