@@ -74,7 +74,8 @@ TEST(CanDbc, ANameCannotBreakTheFile) {
                                         .device = {},
                                         .options = {}},
                               .driver = "sim",
-                              .friction = {}});
+                              .friction = {},
+                              .gain = {}});
   settings.grasps.push_back({"both", {"left"}});
   EXPECT_EQ(subjects_of(settings), (std::vector<std::string>{"sensor le'ft'", "grasp both"}));
 }

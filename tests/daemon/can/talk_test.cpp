@@ -24,7 +24,8 @@ Settings settings_for(std::vector<std::string> names) {
                                           .device = {},
                                           .options = {}},
                                 .driver = "none",
-                                .friction = {}});
+                                .friction = {},
+                                .gain = {}});
   }
   settings.can.emplace().interface = "can7";
   return settings;

@@ -12,7 +12,8 @@ Settings settings_for(const ChainSetup& setup) {
   settings.sensors.push_back(
       {.setup = {.name = "finger", .layout = setup.layout, .profile = {}, .device = {}, .options = {}},
        .driver = "sim",
-       .friction = {}});
+       .friction = {},
+       .gain = {}});
   settings.alerts = setup.alerts;
   CanSettings& can = settings.can.emplace();
   can.base_id = kBaseId;

@@ -114,8 +114,8 @@ ChainSetup by_moments() {
   return setup;
 }
 
-// One of them may slip: what a static grip does not show, no sensor sees. The force: the target is a margin of
-// 0.5, which is twice the least; as much again is the estimator's error on the safe side.
+// One of them may slip: what a static grip does not show, no sensor sees. The force: the target is a margin
+// of 0.5, which is twice the least; as much again is the estimator's error on the safe side.
 TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
   constexpr std::uint64_t kErrands = 8;
   const ChainSetup setup = by_moments();
