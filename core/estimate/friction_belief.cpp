@@ -36,6 +36,8 @@ constexpr double kStrange = 9;                 // squared misfit of a frame that
 constexpr double kByChance = 4, kChanged = 8;  // logarithms of likelihoods, a frame's and their sum
 constexpr double kSurprising = 16;             // squared misfit of a frame for the friction believed so far
 constexpr int kEnoughAgree = 20;  // frames, then a load that was met half-way has indeed only risen
+constexpr int kBegin = 5;         // frames after which a grasp that begins has grown
+constexpr double kGrown = 1.2;    // so much at least
 constexpr int kMostStrange = 8;   // frames, then the history was not what it seemed
 constexpr double kMemory = 0.9;   // of the misfit, frame by frame
 
@@ -77,7 +79,7 @@ void FrictionBelief::reset() noexcept {
   agreeing_ = 0;
   misfit_ = 1;
   change_ = off_slipped_n_ = off_hollow_n_ = 0;
-  strange_ = 0;
+  strange_ = frames_ = 0;
   last_ns_ = 0;
   highest_load_ = slide_normal_n_ = slide_load_ = 0;
 }
@@ -94,7 +96,10 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
     const double over = (load - friction_[j]) / sigma;  // more is carried than this friction could hold
     if (over > 0) weight_[j] -= std::min(0.5 * over * over, kMostOfFrame);
   }
-  if (!shapeless_) follow(patch);
+  if (!shapeless_) {
+    follow(patch);
+    watch_begin(patch);
+  }
   surprised_ = doubted_ = false;
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_shape(patch, *reading);
   if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
@@ -136,6 +141,15 @@ void FrictionBelief::follow(const ContactPatch& patch) noexcept {
     contact_[j].follow(normal_n_, shear_n_, friction_[j]);
     shape_[j] = contact_[j].shape();
   }
+}
+
+// A grasp begins with little force, and grows. One that is met as it is was begun before: its past is not
+// known.
+void FrictionBelief::watch_begin(const ContactPatch& patch) noexcept {
+  if (frames_ >= kBegin) return;
+  if (frames_++ == 0) first_normal_n_ = patch.normal_n;
+  const bool loaded = patch.shear_n > kClear * patch.shear_sigma_n;
+  if (frames_ == kBegin && loaded && patch.normal_n < kGrown * first_normal_n_) start_anew();
 }
 
 // The past is not known: taken for a load that only rose until frames say otherwise.

@@ -53,6 +53,7 @@ class FrictionBelief {
   using PerFriction = std::array<double, kCount>;
 
   void follow(const ContactPatch& patch) noexcept;
+  void watch_begin(const ContactPatch& patch) noexcept;
   void start_anew() noexcept;
   void weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept;
   bool looks_risen(double normal_n, double load) const noexcept;
@@ -73,6 +74,8 @@ class FrictionBelief {
   double off_slipped_n_ = 0, off_hollow_n_ = 0;  // of the contact believed in, over some frames
   int strange_ = 0;                              // frames one after the other that no friction explains
   int agreeing_ = 0;                             // frames that a risen load explains since the past was lost
+  int frames_ = 0;                               // of this grasp, as long as it begins
+  double first_normal_n_ = 0;
   std::int64_t last_ns_ = 0;
   double highest_load_ = 0;
   double slide_normal_n_ = 0, slide_load_ = 0;  // where a plateau of Q/P may have begun
