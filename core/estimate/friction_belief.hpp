@@ -4,8 +4,8 @@
 // What no frame tells apart stays open: a contact that sticks all over looks the same for every friction that
 // holds it.
 //
-// A friction that lost its weight keeps a rest of it, so that a change is believed within a few frames that
-// speak for it, and sooner if it fell than if it rose. Estimate thread; fixed memory, nothing allocates.
+// A change of friction is believed within a few frames that speak for it, and sooner if it fell than if it
+// rose. Estimate thread; fixed memory, nothing allocates.
 #pragma once
 
 #include <array>
@@ -14,6 +14,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/contact/spring_bed.hpp"
+#include "core/estimate/friction_weights.hpp"
 #include "core/estimate/method.hpp"
 
 namespace slipd {
@@ -30,11 +31,7 @@ class FrictionBelief {
   // One frame in contact, in order of time. `reading` is null where the frame has no shape.
   void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading) noexcept;
 
-  struct Value {
-    double mean = 0, sigma = 0;
-  };
-  Value friction() const noexcept;
-  Value margin(double load, double load_sigma) const noexcept;  // of 1 - load/mu, load = |Q|/P
+  const FrictionWeights& weights() const noexcept { return weights_; }
 
   // The likeliest friction's contact is one whose load has only risen.
   bool only_risen() const noexcept { return only_risen_; }
@@ -47,23 +44,25 @@ class FrictionBelief {
   bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
 
  private:
-  static constexpr std::size_t kCount = 56;
-  static constexpr double kLow = 0.04, kHigh = 2.2;  // friction, evenly spaced in its logarithm
-  static constexpr double kMostMisfit = 4;           // mean square, 1 where all is understood
+  static constexpr std::size_t kCount = FrictionWeights::kCount;
+  static constexpr double kMostMisfit = 4;  // mean square, 1 where all is understood
   using PerFriction = std::array<double, kCount>;
 
   void follow(const ContactPatch& patch) noexcept;
   void watch_begin(const ContactPatch& patch) noexcept;
   void start_anew() noexcept;
-  void weigh_shape(const ContactPatch& patch, const Reading& reading) noexcept;
+  void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
+  // How badly each friction explains the frame: squared deviations.
+  static void misfit_of_margin(double load, const Reading& reading, const FrictionWeights& weights,
+                               PerFriction& misfit) noexcept;
+  void misfit_of_shape(const ContactPatch& patch, const Reading& reading, PerFriction& misfit) noexcept;
+  void judge(const PerFriction& misfit, bool direct) noexcept;
   bool looks_risen(double normal_n, double load) const noexcept;
-  void weaken(std::size_t believed) noexcept;
+  void weaken() noexcept;
   void weigh_sliding(double normal_n, double load, double load_sigma) noexcept;
-  void normalise() noexcept;
-  std::size_t best() const noexcept;
 
+  FrictionWeights weights_;
   bool shapeless_;
-  PerFriction friction_, prior_, weight_;                  // weights are logarithms, the greatest is 0
   std::array<contact::SpringBed::Shape, kCount> shape_{};  // of each contact
   std::array<contact::SpringBed, kCount> contact_;
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis

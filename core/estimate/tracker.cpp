@@ -29,12 +29,12 @@ std::optional<Tracker::Margin> Tracker::track(const ContactPatch& patch, const R
   belief_.update(out.time_ns, patch, reading);
   if (!belief_.understood()) return std::nullopt;
   const double load = patch.shear_n / patch.normal_n, load_sigma = patch.shear_sigma_n / patch.normal_n;
-  const auto friction = belief_.friction();
+  const auto friction = belief_.weights().friction();
   if (friction.sigma < kKnown * friction.mean) {
     out.friction = friction.mean;
     out.friction_sigma = friction.sigma;
   }
-  Margin margin = belief_.margin(load, load_sigma);
+  Margin margin = belief_.weights().margin(load, load_sigma);
   const bool shaped = reading != nullptr && (!few_taxels_ || reading->profile.known);
   if (!shaped) {
     // Forces alone never show how near slip is until it has come: of what may be, the less safe part is told.

@@ -29,7 +29,7 @@ class Tracker {
   void forget() noexcept { belief_.reset(); }
 
  private:
-  using Margin = FrictionBelief::Value;
+  using Margin = FrictionWeights::Value;
   std::optional<Margin> track(const ContactPatch& patch, const Reading* reading, Method method,
                               Estimate& out) noexcept;
 
