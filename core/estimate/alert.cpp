@@ -77,10 +77,20 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   return std::max(0.0, *gamma / -slope);
 }
 
-std::optional<double> grip_increase_n(double normal_n, double shear_n, std::optional<double> friction,
-                                      double target_margin) noexcept {
-  if (!friction || !(*friction > 0)) return std::nullopt;
-  return std::max(0.0, shear_n / (*friction * (1 - target_margin)) - normal_n);
+GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, std::optional<double> friction,
+                       std::optional<double> friction_sigma, double target_margin) noexcept {
+  if (!friction || !(*friction > 0) || !(target_margin < 1)) return {};
+  const double per_shear = 1 / (*friction * (1 - target_margin));
+  const double of_friction = shear_n * per_shear * friction_sigma.value_or(0) / *friction;
+  return {std::max(0.0, shear_n * per_shear - normal_n), std::hypot(of_friction, shear_sigma_n * per_shear)};
+}
+
+void advise(Estimate& out, double shear_sigma_n, double target_margin) noexcept {
+  if (!out.normal_n || !out.shear_n) return;
+  const GripAdvice advice = grip_advice(*out.normal_n, *out.shear_n, shear_sigma_n, out.friction,
+                                        out.friction_sigma, target_margin);
+  out.grip_increase_n = advice.increase_n;
+  out.grip_increase_sigma_n = advice.sigma_n;
 }
 
 }  // namespace slipd

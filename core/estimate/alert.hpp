@@ -37,9 +37,17 @@ class SlipForecast {
   double weight_ = 0, t_ = 0, g_ = 0, tt_ = 0, tg_ = 0, gg_ = 0;
 };
 
-// The normal force in N that is lacking for `target_margin`, 0 if none: Q/(mu (1 - target)) - P. nullopt
-// without friction.
-std::optional<double> grip_increase_n(double normal_n, double shear_n, std::optional<double> friction,
-                                      double target_margin) noexcept;
+struct GripAdvice {
+  std::optional<double> increase_n;  // 0: the grip is as good as it should be
+  std::optional<double> sigma_n;     // standard deviation, of what is lacking or to spare
+};
+
+// The normal force in N that is lacking for `target_margin`: Q/(mu (1 - target)) - P, at least 0. Its sigma
+// is that of friction and of Q; a friction_sigma of nullopt counts as 0. Nothing is said without friction.
+GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, std::optional<double> friction,
+                       std::optional<double> friction_sigma, double target_margin) noexcept;
+
+// Writes it into `out`, whose forces and friction are set.
+void advise(Estimate& out, double shear_sigma_n, double target_margin) noexcept;
 
 }  // namespace slipd

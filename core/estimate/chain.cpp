@@ -150,8 +150,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
         out.center_y_m = reading.center_y_m;
         out.radius_m = reading.radius_m;
       }
-      out.grip_increase_n =
-          grip_increase_n(*out.normal_n, *out.shear_n, out.friction, in.setup.alerts.target_margin);
+      advise(out, patch.shear_sigma_n, in.setup.alerts.target_margin);
     }
   }
   out.alert = in.alert.update(frame.time_ns, out.gamma, out.sigma.value_or(0));

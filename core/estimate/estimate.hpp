@@ -38,7 +38,7 @@ struct Estimate {
   std::optional<double> normal_n, shear_n;
   std::optional<double> center_x_m, center_y_m, radius_m, a_over_r;
   std::optional<double> time_to_slip_s;
-  std::optional<double> grip_increase_n;
+  std::optional<double> grip_increase_n, grip_increase_sigma_n;
   Truth truth;
   State state = State::stale;
   Alert alert = Alert::none;

@@ -1,27 +1,35 @@
-// Several fingers hold one object: what they carry together, against what they could carry together.
+// Several fingers hold one object: what they carry together, against what they could carry together. Estimate
+// thread; plain state, nothing allocated.
 #pragma once
 
-#include <optional>
 #include <span>
 
+#include "core/estimate/alert.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/estimate/settings.hpp"
 
 namespace slipd {
 
-struct GraspMargin {
-  State state = State::stale;   // ok only if every member is ok or without contact; else the gravest member's
-  std::optional<double> gamma;  // 1 - sum |Q| / sum(mu P), 0 … 1; only in state ok
-  std::optional<double> normal_n;  // sum of P; the next two likewise only in state ok
-  std::optional<double> shear_n;   // sum of |Q|
-  std::optional<double> friction;  // sum(mu P) / sum P
-  std::optional<double>
-      grip_increase_n;        // on top of the sum of P, to reach target_margin; 0 if it is reached
-  Alert alert = Alert::none;  // by the thresholds of `alerts`, for this instant
-};
+// `members`: the newest estimates of the grasp's sensors. gamma = 1 - sum|Q| / sum(mu P), 0 … 1; forces are
+// sums, friction is sum(mu P) / sum P, the advice is on top of the sum of P. All only in state ok, which it
+// is if every member is ok or without contact; else it is the gravest member's. A member without contact
+// carries nothing. A member in contact whose forces or friction are unknown leaves the whole grasp
+// `learning`. No members: stale. Sigmas take the members' errors as independent. sequence is the sum of the
+// members', times are the newest. There is no alert and no forecast yet.
+Estimate grasp_estimate(std::span<const Estimate> members, double target_margin) noexcept;
 
-// `members`: the newest estimates of the grasp's sensors. A member without contact carries nothing. A member
-// in contact whose forces or friction are unknown leaves the whole grasp `learning`. No members: stale.
-GraspMargin grasp_margin(std::span<const Estimate> members, const AlertSettings& alerts) noexcept;
+// The same over time: with the alert logic and the forecast of a sensor.
+class GraspJudge {
+ public:
+  explicit GraspJudge(const AlertSettings& alerts) : target_margin_(alerts.target_margin), alert_(alerts) {}
+
+  // Whenever a member's estimate is new. Its clock is published_ns, for the members' own clocks may differ.
+  Estimate judge(std::span<const Estimate> members) noexcept;
+
+ private:
+  double target_margin_;
+  AlertLogic alert_;
+  SlipForecast forecast_;
+};
 
 }  // namespace slipd

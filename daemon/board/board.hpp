@@ -63,13 +63,16 @@ class Panel {
       : name(std::move(sensor_name)), driver(std::move(driver_name)) {}
 
   const std::string name, driver;
-  Latest<Published> latest;  // estimate thread writes
-  LatencyHistogram latency;  // estimate thread writes: sample → published
-  FrameCopy frame;           // io and estimate thread
+  Latest<Published> latest;            // estimate thread writes
+  LatencyHistogram latency;            // estimate thread writes: sample → published
+  FrameCopy frame;                     // io and estimate thread
   ZeroPanel zero;
-  RecordTap flight_tap;                   // acquire thread and the flight recorder
-  RecordTap tap;                          // acquire thread and whoever records
-  std::atomic<bool> simulated{false};     // acquire thread writes, while setting up
+  RecordTap flight_tap;                // acquire thread and the flight recorder
+  RecordTap tap;                       // acquire thread and whoever records
+  std::atomic<bool> simulated{false};  // acquire thread writes, while setting up
+  // Estimate thread writes, once it knows the device: after so long without a frame an estimate holds no
+  // more.
+  std::atomic<std::int64_t> stale_after_ns{20'000'000};
   std::atomic<Link> link{Link::opening};  // acquire thread writes
   // Acquire thread writes. Relaxed: each is a number of its own.
   std::atomic<std::uint64_t> corrupt{0}, timeouts{0}, reconnects{0};
@@ -90,6 +93,17 @@ class Panel {
   DeviceFacts facts_;
 };
 
+// Sensors that hold one object.
+class GraspPanel {
+ public:
+  GraspPanel(std::string grasp_name, std::vector<std::size_t> its_sensors)
+      : name(std::move(grasp_name)), sensors(std::move(its_sensors)) {}
+
+  const std::string name;
+  const std::vector<std::size_t> sensors;  // on the board
+  Latest<Estimate> latest;                 // estimate thread writes: of all of them together
+};
+
 struct Event {
   Estimate estimate;
   std::uint32_t sensor = 0;
@@ -99,6 +113,7 @@ struct Event {
 
 struct Board {
   std::vector<std::unique_ptr<Panel>> sensors;
+  std::vector<std::unique_ptr<GraspPanel>> grasps;
   boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>> events;  // estimate thread → io
   std::deque<LogRing> logs;  // one for each real-time thread
   Wake io;

@@ -39,7 +39,7 @@ Talk::Talk(const Settings& settings, const Board& board, Port& port, LogRing& lo
       next_heartbeat_(start),
       retry_(start),
       reopen_(start) {
-  for (Subject& subject : make_subjects(settings, board))
+  for (Subject& subject : make_subjects(board))
     speakers_.push_back({.subject = std::move(subject), .view = {}});
 }
 

@@ -23,9 +23,9 @@ std::int64_t stale_after_ns(const Seat& seat, const Lane& lane) noexcept {
 
 }  // namespace
 
-Estimating::Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& bell,
-                       Output output)
-    : board_(board), log_(log), bell_(bell), output_(output), desks_(seats.size()) {
+Estimating::Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, const AlertSettings& alerts,
+                       LogRing& log, Doorbell& bell, Doorbell* output)
+    : board_(board), log_(log), bell_(bell), output_(output), grasping_(board, alerts), desks_(seats.size()) {
   for (std::size_t i = 0; i < seats.size(); ++i) desks_[i].seat = seats[i].get();
 }
 
@@ -41,6 +41,7 @@ void Estimating::run(const std::atomic<bool>& stop) noexcept {
         wake_at = std::min(wake_at, Clock::time_point(deadline));
       }
     }
+    if (grasping_.judge() && output_ != nullptr) output_->ring();
     heartbeat_.fetch_add(1, std::memory_order_relaxed);
     if (!busy) bell_.wait(rung, wake_at);
   }
@@ -117,7 +118,8 @@ void Estimating::publish(Desk& desk) noexcept {
   desk.seat->panel.latest.store(desk.reading);
   const Estimate& estimate = desk.reading.estimate;
   const bool changed = estimate.alert != desk.said_alert || estimate.state != desk.said_state;
-  if (output_.bell != nullptr && (output_.each || changed)) output_.bell->ring();
+  if (output_ != nullptr && changed) output_->ring();
+  grasping_.touch(static_cast<std::size_t>(&desk - desks_.data()));
   desk.said_alert = estimate.alert;
   desk.said_state = estimate.state;
   if (desk.event_owed) ++desk.events_lost;  // the one that found no room is replaced by this one
@@ -139,6 +141,9 @@ void Estimating::take_lane(Desk& desk, Lane* lane) noexcept {
   desk.held = nullptr;
   desk.quiet = false;
   desk.since_ns = monotonic_ns();
+  // Relaxed: a number of its own.
+  if (lane != nullptr)
+    desk.seat->panel.stale_after_ns.store(stale_after_ns(*desk.seat, *lane), std::memory_order_relaxed);
 }
 
 }  // namespace slipd

@@ -9,19 +9,17 @@
 #include <memory>
 #include <vector>
 
+#include "daemon/pipeline/grasping.hpp"
 #include "daemon/pipeline/seat.hpp"
 
 namespace slipd {
 
 class Estimating {
  public:
-  // `output`, if any: rung when an alert level or a state changes, and at every estimate if `each`.
-  struct Output {
-    Doorbell* bell = nullptr;
-    bool each = false;
-  };
-  Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log, Doorbell& bell,
-             Output output);
+  // The board has its sensors and grasps. `output`, if any: rung when the alert level or the state of one of
+  // them changes.
+  Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, const AlertSettings& alerts,
+             LogRing& log, Doorbell& bell, Doorbell* output);
 
   // The thread's body: until `stop`, after which every lane is retired.
   void run(const std::atomic<bool>& stop) noexcept;
@@ -53,7 +51,8 @@ class Estimating {
   Board& board_;
   LogRing& log_;
   Doorbell& bell_;
-  Output output_;
+  Doorbell* output_;
+  Grasping grasping_;
   std::vector<Desk> desks_;
   std::atomic<std::uint64_t> heartbeat_{0};
 };

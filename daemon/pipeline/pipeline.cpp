@@ -7,11 +7,23 @@ namespace {
 
 constexpr std::size_t kEstimateStackBytes = std::size_t{512} * 1024;
 
+// Their panels are on the board then, and those of the grasps.
 std::vector<std::unique_ptr<Seat>> seats_for(const Settings& settings, Board& board) {
   std::vector<std::unique_ptr<Seat>> seats;
   for (const auto& sensor : settings.sensors) {
     board.sensors.push_back(std::make_unique<Panel>(sensor.setup.name, sensor.driver));
-    seats.push_back(std::make_unique<Seat>(sensor, *board.sensors.back()));
+    Panel& panel = *board.sensors.back();
+    panel.stale_after_ns = std::chrono::nanoseconds(sensor.stale_after).count();
+    seats.push_back(std::make_unique<Seat>(sensor, panel));
+  }
+  for (const GraspSettings& grasp : settings.grasps) {
+    std::vector<std::size_t> members;
+    for (std::size_t i = 0; i < settings.sensors.size(); ++i) {
+      const auto& names = grasp.sensors;
+      if (std::find(names.begin(), names.end(), settings.sensors[i].setup.name) != names.end())
+        members.push_back(i);
+    }
+    board.grasps.push_back(std::make_unique<GraspPanel>(grasp.name, std::move(members)));
   }
   return seats;
 }
@@ -45,7 +57,7 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
     : settings_(settings),
       seats_(seats_for(settings, board)),
       maker_(settings, seats_, new_log(board), bell_, std::move(models)),
-      estimating_(board, seats_, new_log(board), bell_, {output, !settings.grasps.empty()}),
+      estimating_(board, seats_, settings.alerts, new_log(board), bell_, output),
       zeros_(new_log(board), board.io) {
   std::vector<std::string> problems;
   for (const auto& device : devices_of(settings.sensors)) {

@@ -35,6 +35,7 @@ json estimate_json(const Estimate& estimate, const std::string& sensor, bool sim
               {"a_over_r", number(estimate.a_over_r)},
               {"time_to_slip_ms", number(estimate.time_to_slip_s, 1e3)},
               {"grip_increase_n", number(estimate.grip_increase_n)},
+              {"grip_increase_sigma_n", number(estimate.grip_increase_sigma_n)},
               {"alert", to_string(estimate.alert)},
               {"method", to_string(estimate.method)},
               {"simulated", simulated},
@@ -59,18 +60,22 @@ json estimate_json(const Estimate& estimate, const std::string& sensor, bool sim
   return result;
 }
 
-json grasp_json(const GraspMargin& margin, const std::string& name, const std::vector<std::string>& sensors) {
+json grasp_json(const Estimate& together, const std::string& name, const std::vector<std::string>& sensors) {
   json result{{"grasp", name},
               {"sensors", sensors},
-              {"state", to_string(margin.state)},
-              {"gamma", number(margin.gamma)},
+              {"state", to_string(together.state)},
+              {"gamma", number(together.gamma)},
+              {"sigma", number(together.sigma)},
               {"class", nullptr},
-              {"friction", number(margin.friction)},
-              {"normal_n", number(margin.normal_n)},
-              {"shear_n", number(margin.shear_n)},
-              {"grip_increase_n", number(margin.grip_increase_n)},
-              {"alert", to_string(margin.alert)}};
-  if (margin.gamma) result["class"] = slip_class(*margin.gamma);
+              {"friction", number(together.friction)},
+              {"friction_sigma", number(together.friction_sigma)},
+              {"normal_n", number(together.normal_n)},
+              {"shear_n", number(together.shear_n)},
+              {"time_to_slip_ms", number(together.time_to_slip_s, 1e3)},
+              {"grip_increase_n", number(together.grip_increase_n)},
+              {"grip_increase_sigma_n", number(together.grip_increase_sigma_n)},
+              {"alert", to_string(together.alert)}};
+  if (together.gamma) result["class"] = slip_class(*together.gamma);
   return result;
 }
 

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/grasp.hpp"
 #include "daemon/board/clock.hpp"
 
 namespace slipd {
@@ -15,7 +14,7 @@ namespace slipd {
 nlohmann::ordered_json estimate_json(const Estimate& estimate, const std::string& sensor, bool simulated,
                                      const Now& now);
 
-nlohmann::ordered_json grasp_json(const GraspMargin& margin, const std::string& name,
+nlohmann::ordered_json grasp_json(const Estimate& together, const std::string& name,
                                   const std::vector<std::string>& sensors);
 
 }  // namespace slipd

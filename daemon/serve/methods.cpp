@@ -137,27 +137,18 @@ json Methods::gamma(const Params& params) const {
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   const Now now = Now::read();
-  std::vector<Estimate> estimates;
-  for (const auto& panel : board.sensors) estimates.push_back(panel->latest.load().estimate);
   json sensors = json::array();
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
+  for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
-    sensors.push_back(estimate_json(estimates[i], board.sensors[i]->name,
-                                    board.sensors[i]->simulated.load(std::memory_order_relaxed), now));
+    const Panel& panel = *board.sensors[i];
+    sensors.push_back(estimate_json(panel.latest.load().estimate, panel.name,
+                                    panel.simulated.load(std::memory_order_relaxed), now));
   }
   json grasps = json::array();
-  for (const GraspSettings& grasp : world_.settings.grasps) {
-    std::vector<Estimate> members;
-    bool concerned = all;
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
-      if (std::find(grasp.sensors.begin(), grasp.sensors.end(), board.sensors[i]->name) ==
-          grasp.sensors.end())
-        continue;
-      members.push_back(estimates[i]);
-      concerned = concerned || i == only;
-    }
-    if (concerned)
-      grasps.push_back(grasp_json(grasp_margin(members, world_.settings.alerts), grasp.name, grasp.sensors));
+  for (std::size_t i = 0; i < board.grasps.size(); ++i) {
+    const GraspPanel& grasp = *board.grasps[i];
+    if (all || std::find(grasp.sensors.begin(), grasp.sensors.end(), only) != grasp.sensors.end())
+      grasps.push_back(grasp_json(grasp.latest.load(), grasp.name, world_.settings.grasps[i].sensors));
   }
   return {{"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}};
 }

@@ -58,7 +58,7 @@ void tell(const char* name, MethodChoice method, std::size_t errands, std::uint6
 
 void trace(const char* file, std::uint64_t seed) {
   const gripper::Errand errand = gripper::draw_errand(seed);
-  const ChainSetup setup = setup_for(MethodChoice::fit);
+  const ChainSetup setup = setup_for(MethodChoice::moments);
   const auto deaf = gripper::carry(errand, setup, false), held = gripper::carry(errand, setup, true);
   std::ofstream out(file);
   out << "time_s,force_n,deaf_force_n,least_n,gamma,deaf_gamma,heard\n";

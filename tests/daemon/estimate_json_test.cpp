@@ -82,6 +82,23 @@ TEST(EstimateJson, WhatIsUnknownIsNull) {
   EXPECT_TRUE(json["truth"]["gamma"].is_null());
 }
 
+TEST(EstimateJson, AdviceComesWithItsErrorAndOnlyIfFrictionIsKnown) {
+  Estimate estimate = known();
+  estimate.grip_increase_n = 1.5;
+  estimate.grip_increase_sigma_n = 0.2;
+  for (const auto& json :
+       {estimate_json(estimate, "left", false, kNow), grasp_json(estimate, "both", {"left"})}) {
+    EXPECT_DOUBLE_EQ(json["grip_increase_n"], 1.5);
+    EXPECT_DOUBLE_EQ(json["grip_increase_sigma_n"], 0.2);
+    EXPECT_DOUBLE_EQ(json["time_to_slip_ms"], 50);
+  }
+  for (const auto& json :
+       {estimate_json(known(), "left", false, kNow), grasp_json(known(), "both", {"left"})}) {
+    EXPECT_TRUE(json["grip_increase_n"].is_null());
+    EXPECT_TRUE(json["grip_increase_sigma_n"].is_null());
+  }
+}
+
 TEST(EstimateJson, ARealSensorHasNoTruth) {
   EXPECT_FALSE(estimate_json(known(), "left", false, kNow).contains("truth"));
 }

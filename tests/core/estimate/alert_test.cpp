@@ -71,10 +71,68 @@ TEST(SlipForecast, TellsTheTimeToSlipOfASteadyFallAndNothingOfAHold) {
   EXPECT_LT(alarms, 3);
 }
 
-TEST(GripIncrease, IsWhatIsLackingForTheTargetAndNothingMore) {
-  EXPECT_DOUBLE_EQ(*grip_increase_n(2, 0.8, 0.5, 0.5), 0.8 / 0.25 - 2);
-  EXPECT_DOUBLE_EQ(*grip_increase_n(5, 0.8, 0.5, 0.5), 0);
-  EXPECT_FALSE(grip_increase_n(2, 0.8, std::nullopt, 0.5).has_value());
+TEST(SlipForecast, SaysNothingOfAMarginThatDoesNotFall) {
+  for (const double slope : {0.0, 1e-3, 4e-3}) {
+    SlipForecast forecast;
+    for (int i = 0; i < 100; ++i) EXPECT_FALSE(forecast.update(i * kMs, 0.3 + slope * i, 0)) << slope;
+  }
+}
+
+TEST(SlipForecast, EndsWithTheFall) {
+  SlipForecast forecast;
+  int i = 0;
+  for (; i < 100; ++i) forecast.update(i * kMs, 0.9 - 0.005 * i, 0);
+  EXPECT_NEAR(forecast.update(i * kMs, 0.4, 0).value(), 0.4 / 5, 1e-3);
+  for (; i < 400; ++i) forecast.update(i * kMs, 0.4 + 0.0005 * (i - 100), 0);
+  EXPECT_FALSE(forecast.update(i * kMs, 0.55, 0));
+}
+
+TEST(SlipForecast, BeginsAnewAfterAMarginThatNobodyKnewOrAPause) {
+  SlipForecast forecast;
+  for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
+  EXPECT_TRUE(forecast.update(50 * kMs, 0.4, 0));
+  EXPECT_FALSE(forecast.update(51 * kMs, std::nullopt, 0));
+  EXPECT_FALSE(forecast.update(52 * kMs, 0.38, 0)) << "one sample has no slope";
+  for (int i = 53; i < 80; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
+  EXPECT_FALSE(forecast.update(500 * kMs, 0.05, 0));
+}
+
+TEST(SlipForecast, AMarginAtItsEndHasNoTimeLeft) {
+  SlipForecast forecast;
+  for (int i = 0; i < 90; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
+  EXPECT_DOUBLE_EQ(forecast.update(90 * kMs, 0, 0).value(), 0);
+}
+
+TEST(GripAdvice, IsWhatIsLackingForTheTargetAndNothingMore) {
+  EXPECT_DOUBLE_EQ(grip_advice(2, 0.8, 0, 0.5, 0.0, 0.5).increase_n.value(), 0.8 / 0.25 - 2);
+  EXPECT_DOUBLE_EQ(grip_advice(5, 0.8, 0, 0.5, 0.0, 0.5).increase_n.value(), 0);
+}
+
+TEST(GripAdvice, NobodyKnowsItWithoutFriction) {
+  for (const auto friction : {std::optional<double>(), std::optional(0.0)}) {
+    const GripAdvice advice = grip_advice(2, 0.8, 0.1, friction, 0.1, 0.5);
+    EXPECT_FALSE(advice.increase_n);
+    EXPECT_FALSE(advice.sigma_n);
+  }
+}
+
+// Against the spread of what it says when friction and shear are drawn with their sigmas, to first order.
+TEST(GripAdvice, ItsSigmaIsThatOfFrictionAndShear) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> unit(0, 1);
+  constexpr double kFriction = 0.5, kFrictionSigma = 0.01, kShear = 0.8, kShearSigma = 0.008;
+  constexpr int kTimes = 20000;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kTimes; ++i) {
+    const double n = grip_advice(0, kShear + kShearSigma * unit(random), 0,
+                                 kFriction + kFrictionSigma * unit(random), 0.0, 0.5)
+                         .increase_n.value();
+    sum += n;
+    squares += n * n;
+  }
+  const double spread = std::sqrt(squares / kTimes - sum / kTimes * sum / kTimes);
+  EXPECT_NEAR(grip_advice(2, kShear, kShearSigma, kFriction, kFrictionSigma, 0.5).sigma_n.value(), spread,
+              0.03 * spread);
 }
 
 }  // namespace

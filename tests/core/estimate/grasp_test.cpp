@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 
 namespace slipd {
 namespace {
@@ -26,59 +27,91 @@ Estimate in_state(State state) {
 
 TEST(Grasp, OneFingersMarginIsItsOwn) {
   const std::array members{finger(2, 0.5, 0.5)};
-  EXPECT_DOUBLE_EQ(grasp_margin(members, {}).gamma.value(), 0.5);
+  EXPECT_DOUBLE_EQ(grasp_estimate(members, 0.5).gamma.value(), 0.5);
 }
 
 TEST(Grasp, TheMarginIsOneMinusSumOfShearOverSumOfLimits) {
   const std::array members{finger(2, 0.3, 0.5), finger(4, -0.5, 0.25)};
-  const auto margin = grasp_margin(members, {});
+  const auto margin = grasp_estimate(members, 0.5);
   EXPECT_EQ(margin.state, State::ok);
   EXPECT_DOUBLE_EQ(margin.gamma.value(), 1 - 0.8 / 2.0);
   EXPECT_DOUBLE_EQ(margin.friction.value(), 2.0 / 6);
 }
 
 TEST(Grasp, TheAdviceReachesTheTargetExactly) {
-  const AlertSettings alerts{.target_margin = 0.6};
   const std::array members{finger(2, 0.7, 0.5), finger(2, 0.7, 0.5)};
-  const double more = grasp_margin(members, alerts).grip_increase_n.value();
+  const double more = grasp_estimate(members, 0.6).grip_increase_n.value();
   EXPECT_GT(more, 0);
   const std::array tighter{finger(2 + more / 2, 0.7, 0.5), finger(2 + more / 2, 0.7, 0.5)};
-  EXPECT_NEAR(grasp_margin(tighter, alerts).gamma.value(), 0.6, 1e-12);
-  EXPECT_NEAR(grasp_margin(tighter, alerts).grip_increase_n.value(), 0, 1e-12);
+  EXPECT_NEAR(grasp_estimate(tighter, 0.6).gamma.value(), 0.6, 1e-12);
+  EXPECT_NEAR(grasp_estimate(tighter, 0.6).grip_increase_n.value(), 0, 1e-12);
 }
 
 TEST(Grasp, AFingerInTheAirCarriesNothing) {
   const std::array members{finger(2, 0.5, 0.5), in_state(State::no_contact)};
-  EXPECT_DOUBLE_EQ(grasp_margin(members, {}).gamma.value(), 0.5);
+  EXPECT_DOUBLE_EQ(grasp_estimate(members, 0.5).gamma.value(), 0.5);
   const std::array air{in_state(State::no_contact), in_state(State::no_contact)};
-  EXPECT_EQ(grasp_margin(air, {}).state, State::no_contact);
-  EXPECT_FALSE(grasp_margin(air, {}).gamma);
+  EXPECT_EQ(grasp_estimate(air, 0.5).state, State::no_contact);
+  EXPECT_FALSE(grasp_estimate(air, 0.5).gamma);
 }
 
 TEST(Grasp, WithOneFingerUnknownTheWholeIsUnknown) {
   for (const State state :
        {State::learning, State::out_of_model, State::no_shear, State::unzeroed, State::stale, State::fault}) {
     const std::array members{finger(2, 0.5, 0.5), in_state(state)};
-    EXPECT_EQ(grasp_margin(members, {}).state, state);
-    EXPECT_FALSE(grasp_margin(members, {}).gamma);
+    EXPECT_EQ(grasp_estimate(members, 0.5).state, state);
+    EXPECT_FALSE(grasp_estimate(members, 0.5).gamma);
   }
   Estimate blind = finger(2, 0.5, 0.5);
   blind.friction.reset();
   const std::array members{finger(2, 0.5, 0.5), blind};
-  EXPECT_EQ(grasp_margin(members, {}).state, State::learning);
-  EXPECT_FALSE(grasp_margin({}, {}).gamma);
+  EXPECT_EQ(grasp_estimate(members, 0.5).state, State::learning);
+  EXPECT_FALSE(grasp_estimate({}, 0.5).gamma);
 }
 
-TEST(Grasp, AlertsGoByTheThresholds) {
-  const AlertSettings alerts;
-  const auto alert_at = [&](double gamma) {
-    const std::array members{finger(2, (1 - gamma) * 0.5 * 2, 0.5)};
-    return grasp_margin(members, alerts).alert;
-  };
-  EXPECT_EQ(alert_at(0.9), Alert::none);
-  EXPECT_EQ(alert_at(0.3), Alert::warn);
-  EXPECT_EQ(alert_at(0.1), Alert::slip);
-  EXPECT_EQ(alert_at(-0.1), Alert::slip) << "more shear than the limit counts as none left";
+// Friction that is known to 2 % in each of two like fingers is known to 2 %/sqrt 2 for both.
+TEST(Grasp, ErrorsOfTheFingersAreIndependent) {
+  std::array members{finger(2, 0.5, 0.5), finger(2, 0.5, 0.5)};
+  for (Estimate& each : members) each.friction_sigma = 0.01;
+  const Estimate both = grasp_estimate(members, 0.5);
+  EXPECT_NEAR(both.friction_sigma.value(), 0.01 / std::sqrt(2), 1e-12);
+  EXPECT_NEAR(both.sigma.value(), 0.5 * 0.02 / std::sqrt(2), 1e-12);
+  EXPECT_NEAR(both.grip_increase_sigma_n.value(), 4 * 0.02 / std::sqrt(2), 1e-12);
+}
+
+constexpr std::int64_t kMs = 1'000'000;
+
+std::array<Estimate, 1> at(std::int64_t time_ns, double gamma, double friction_sigma = 0) {
+  std::array members{finger(2, (1 - gamma) * 0.5 * 2, 0.5)};
+  members[0].friction_sigma = friction_sigma;
+  members[0].published_ns = time_ns;
+  return members;
+}
+
+TEST(GraspJudge, HasTheHysteresisAndTheLeastDurationOfASensor) {
+  GraspJudge judge({});  // warn below 0.4, 0.05 of hysteresis, 2 ms
+  EXPECT_EQ(judge.judge(at(0 * kMs, 0.3)).alert, Alert::none);
+  EXPECT_EQ(judge.judge(at(1 * kMs, 0.3)).alert, Alert::none);
+  EXPECT_EQ(judge.judge(at(2 * kMs, 0.3)).alert, Alert::warn);
+  for (int i = 3; i < 20; ++i) EXPECT_EQ(judge.judge(at(i * kMs, 0.42)).alert, Alert::warn) << i;
+  for (int i = 20; i < 23; ++i) judge.judge(at(i * kMs, 0.6));
+  EXPECT_EQ(judge.judge(at(23 * kMs, 0.6)).alert, Alert::none);
+}
+
+TEST(GraspJudge, UncertaintyCountsAgainstTheGrip) {
+  GraspJudge sure({}), unsure({});
+  for (int i = 0; i < 5; ++i) {
+    sure.judge(at(i * kMs, 0.45));
+    unsure.judge(at(i * kMs, 0.45, 0.1));
+  }
+  EXPECT_EQ(sure.judge(at(5 * kMs, 0.45)).alert, Alert::none);
+  EXPECT_EQ(unsure.judge(at(5 * kMs, 0.45, 0.1)).alert, Alert::warn);
+}
+
+TEST(GraspJudge, ForeseesTheSlipOfAMarginThatFalls) {
+  GraspJudge judge({});
+  for (int i = 0; i < 50; ++i) judge.judge(at(i * kMs, 0.9 - 0.01 * i));
+  EXPECT_NEAR(judge.judge(at(50 * kMs, 0.4)).time_to_slip_s.value(), 0.04, 1e-3);
 }
 
 }  // namespace

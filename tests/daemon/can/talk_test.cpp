@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "daemon/pipeline/grasping.hpp"
 #include "tests/daemon/can/fake_port.hpp"
 
 namespace slipd::can {
@@ -39,6 +40,9 @@ class CanTalk : public ::testing::Test {
       board_.sensors.push_back(std::make_unique<Panel>(sensor.setup.name, sensor.driver));
       board_.sensors.back()->link = Link::open;
     }
+    for (const auto& grasp : settings_.grasps)
+      board_.grasps.push_back(std::make_unique<GraspPanel>(grasp.name, std::vector<std::size_t>{0, 1}));
+    grasping_.emplace(board_, settings_.alerts);
     talk_.emplace(settings_, board_, port_, log_, now_);
   }
 
@@ -55,6 +59,7 @@ class CanTalk : public ::testing::Test {
     reading.estimate.normal_n = 2;
     reading.estimate.shear_n = gamma ? std::optional(2 * 0.5 * (1 - *gamma)) : std::nullopt;
     board_.sensors[sensor]->latest.store(reading);
+    grasping_->touch(sensor);
   }
 
   // A millisecond a time, each with a new estimate of every sensor, as at 1 kHz; steps when the talk asked
@@ -62,6 +67,7 @@ class CanTalk : public ::testing::Test {
   void pass(std::chrono::milliseconds time, std::optional<double> gamma = 0.7, Alert alert = Alert::none) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       for (std::size_t i = 0; i < board_.sensors.size(); ++i) publish(i, gamma, alert);
+      grasping_->judge();
       if (now_ >= due_) due_ = talk_->step(now_);
     }
   }
@@ -73,6 +79,7 @@ class CanTalk : public ::testing::Test {
   FakePort port_;
   LogRing log_;
   Talk::Time now_{1000s}, due_{};
+  std::optional<Grasping> grasping_;
   std::optional<Talk> talk_;
 };
 
@@ -280,6 +287,7 @@ TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
   for (; now_ < Talk::Time(1000s) + 20ms; now_ += 1ms) {  // together they hold less well than they should
     publish(0, 0.6);
     publish(1, 0.1);
+    grasping_->judge();
     step();
   }
   const auto alerts = port_.take(kAlert + 2);
@@ -287,6 +295,29 @@ TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
   EXPECT_EQ(raw(alerts[0], "Alert"), 1U);
   EXPECT_EQ(raw(alerts[0], "Gamma"), 3500U);
   EXPECT_EQ(raw(alerts[0], "GripIncrease"), 120U) << "1.3 N of 0.5 * 4 N; 5.2 N give the margin of one half";
+}
+
+TEST_F(CanTalk, AGraspThatNobodyRenewsIsStaleToo) {
+  Settings settings = settings_for({"left", "right"});
+  settings.grasps.push_back({"both", {"left", "right"}});
+  begin(std::move(settings));
+  pass(50ms);
+  port_.sent.clear();
+  now_ += 21ms;
+  step();
+  EXPECT_EQ(raw(port_.take(kEstimate + 2).back(), "State"), 6U);
+}
+
+TEST_F(CanTalk, ASlowDeviceIsAsStaleAsThePipelineSays) {
+  begin(settings_for({"left"}));
+  board_.sensors[0]->stale_after_ns = 120'000'000;  // three frames of a device of 25 Hz
+  pass(1ms);
+  now_ += 100ms;
+  step();
+  EXPECT_EQ(raw(port_.take(kEstimate).back(), "State"), 0U);
+  now_ += 30ms;
+  step();
+  EXPECT_EQ(raw(port_.take(kEstimate).back(), "State"), 6U);
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+// The estimate thread's part for grasps: judges again each whose sensors have something new.
+#pragma once
+
+#include <vector>
+
+#include "core/estimate/grasp.hpp"
+#include "daemon/board/board.hpp"
+
+namespace slipd {
+
+class Grasping {
+ public:
+  // One for each grasp that is on the board by now.
+  Grasping(Board& board, const AlertSettings& alerts);
+
+  // A sensor's new estimate is on the board.
+  void touch(std::size_t sensor) noexcept;
+
+  // After a round over all sensors, so that frames of one moment are judged together. True if a grasp's alert
+  // or state has changed.
+  bool judge() noexcept;
+
+ private:
+  struct Hand {
+    GraspPanel* panel;
+    GraspJudge judge;
+    std::vector<Estimate> members;
+    bool touched = false;
+    State said_state = State::stale;
+    Alert said_alert = Alert::none;
+  };
+  const Board& board_;
+  std::vector<Hand> hands_;
+};
+
+}  // namespace slipd
