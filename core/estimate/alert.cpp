@@ -7,6 +7,7 @@ namespace slipd {
 namespace {
 
 constexpr double kForgetAfterSeconds = 0.02;
+constexpr double kSlowest = 1e-3;  // 1/s: a margin that falls slower than this does not fall
 
 // Starts or stops a stopwatch; true once it has run for `least_ns`.
 bool lasted(bool condition, std::int64_t now_ns, std::int64_t least_ns, std::int64_t& since_ns) noexcept {
@@ -73,7 +74,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   const double slope = (tg_ - t_ * g_ / weight_) / spread;
   const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / weight_;
   const double slope_sigma = std::sqrt(std::max(scatter, 0.01 * sigma * sigma) / spread);
-  if (slope > -3 * slope_sigma || slope >= 0) return std::nullopt;
+  if (slope > -3 * slope_sigma || slope > -kSlowest) return std::nullopt;
   return std::max(0.0, *gamma / -slope);
 }
 

@@ -34,6 +34,7 @@ constexpr int kEnoughAgree = 20;  // frames, then a load that was met half-way h
 // Doubt in the friction believed: its contact is off by more than the model leaves open, over some frames if
 // noise asks for that. Clean: so little noise, of what is left open, that another friction can be looked for.
 constexpr double kDoubt = 1, kNoisyDoubt = 1.6, kDoubtGain = 0.2, kClean = 0.4;
+constexpr int kSettled = 10;  // frames, then the weights have found that other friction
 
 // Sensors without shape.
 constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
@@ -63,8 +64,8 @@ void FrictionBelief::reset() noexcept {
   normal_n_ = shear_n_ = axis_x_ = axis_y_ = 0;
   known_ = only_risen_ = true;
   aimed_n_ = 0;
-  surprised_ = doubted_ = false;
-  agreeing_ = 0;
+  surprised_ = false;
+  agreeing_ = doubted_ = 0;
   misfit_ = 1;
   change_ = off_slipped_n_ = off_hollow_n_ = 0;
   strange_ = frames_ = 0;
@@ -88,7 +89,8 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
     follow(patch);
     watch_begin(patch);
   }
-  surprised_ = doubted_ = false;
+  surprised_ = false;
+  doubted_ = std::max(0, doubted_ - 1);
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_frame(patch, *reading);
   if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
   weights_.normalise();
@@ -211,9 +213,10 @@ void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& r
   const auto& believed = shape_[weights_.likeliest()];
   off_slipped_n_ += gain * (seen.slipped_n - along * believed.slipped_n - off_slipped_n_);
   off_hollow_n_ += gain * (seen.hollow_n - along * believed.hollow_n - off_hollow_n_);
-  doubted_ =
-      std::max(std::fabs(off_slipped_n_), std::fabs(off_hollow_n_)) > (clean ? kDoubt : kNoisyDoubt) * open;
-  if (doubted_ && clean) weaken();
+  if (std::max(std::fabs(off_slipped_n_), std::fabs(off_hollow_n_)) > (clean ? kDoubt : kNoisyDoubt) * open) {
+    doubted_ = clean ? kSettled : 1;
+    if (clean) weaken();
+  }
 
   const auto part = [open](double off, double sigma) {
     return square(std::max(0.0, std::fabs(off) - open)) / (square(sigma) + square(0.5 * open));

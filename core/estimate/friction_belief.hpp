@@ -39,7 +39,7 @@ class FrictionBelief {
   // wrong.
   bool surprised() const noexcept { return surprised_; }
   // So do the frames of late, if by less: how much less friction there is they do not tell.
-  bool doubted() const noexcept { return doubted_; }
+  bool doubted() const noexcept { return doubted_ > 0; }
   // The frames of late look as some friction would have them, after a history that is known.
   bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
 
@@ -68,7 +68,8 @@ class FrictionBelief {
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from
-  bool known_ = true, only_risen_ = true, surprised_ = false, doubted_ = false;
+  bool known_ = true, only_risen_ = true, surprised_ = false;
+  int doubted_ = 0;  // frames for which no margin means anything yet
   double misfit_ = 1, change_ = 0;
   double off_slipped_n_ = 0, off_hollow_n_ = 0;  // of the contact believed in, over some frames
   int strange_ = 0;                              // frames one after the other that no friction explains

@@ -63,9 +63,9 @@ class Panel {
       : name(std::move(sensor_name)), driver(std::move(driver_name)) {}
 
   const std::string name, driver;
-  Latest<Published> latest;            // estimate thread writes
-  LatencyHistogram latency;            // estimate thread writes: sample → published
-  FrameCopy frame;                     // io and estimate thread
+  Latest<Published> latest;  // estimate thread writes
+  LatencyHistogram latency;  // estimate thread writes: sample → published
+  FrameCopy frame;           // io and estimate thread
   ZeroPanel zero;
   RecordTap flight_tap;                // acquire thread and the flight recorder
   RecordTap tap;                       // acquire thread and whoever records
