@@ -17,7 +17,8 @@ using namespace slipd;
 namespace {
 
 constexpr double kPriorPrecision = 12;  // of a number uniform in 0 … 1
-enum Unknown { center_x, center_y, radius, height, load, margin, kUnknowns };
+enum Unknown { center_x, center_y, radius, height, load, margin };
+constexpr int kUnknowns = margin + 1;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
