@@ -17,12 +17,51 @@ namespace {
 
 constexpr std::size_t kGather = std::size_t{1} << 20;
 constexpr std::size_t kFirstLook = std::size_t{1} << 14;
-constexpr std::uint64_t kEntries = 8;
+constexpr std::uint64_t kEntries = 8;  // of a frame; one more with an estimate
+constexpr std::uint64_t kEstimateEntries = 7;
 constexpr int kPatienceMs = 1000;
 
-// All names, heads and numbers of a frame together stay below 200 bytes.
+// All names, heads and numbers of a frame and its estimate together stay below 350 bytes.
 std::size_t largest_frame(std::size_t taxels) {
-  return 256 + 3 * taxels * sizeof(float);
+  return 384 + 3 * taxels * sizeof(float);
+}
+
+// The numbers of an estimate under their names, for writing and reading alike.
+template <typename Estimate, typename Body>
+void for_each_number(Estimate& estimate, Body body) {
+  body("gamma", estimate.gamma);
+  body("sigma", estimate.sigma);
+  body("friction", estimate.friction);
+  body("normal_n", estimate.normal_n);
+  body("shear_n", estimate.shear_n);
+}
+
+void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept {
+  out.text("estimate");
+  out.map(kEstimateEntries);
+  out.text("state");
+  out.unsigned_integer(estimate.state);
+  out.text("alert");
+  out.unsigned_integer(estimate.alert);
+  for_each_number(estimate, [&out](const char* name, double value) {
+    out.text(name);
+    out.float64_or_null(value);
+  });
+}
+
+// False: it is a map, but not of this many entries.
+bool take_estimate(cbor::Reader& in, RecordedEstimate& estimate) noexcept {
+  in.text("estimate");
+  if (in.map() != kEstimateEntries && in.ok()) return false;
+  in.text("state");
+  estimate.state = static_cast<std::uint8_t>(in.unsigned_integer());
+  in.text("alert");
+  estimate.alert = static_cast<std::uint8_t>(in.unsigned_integer());
+  for_each_number(estimate, [&in](const char* name, double& value) {
+    in.text(name);
+    value = in.float64_or_null();
+  });
+  return true;
 }
 
 std::error_code write_all(int fd, const std::uint8_t* bytes, std::size_t size) noexcept {
@@ -58,7 +97,7 @@ RecordingWriter::~RecordingWriter() {
   flush();
 }
 
-std::error_code RecordingWriter::append(const FrameSlot& frame) noexcept {
+std::error_code RecordingWriter::append(const FrameSlot& frame, const RecordedEstimate* estimate) noexcept {
   if (frame.normal_pa.size() != taxels_ || frame.shear_x_pa.size() != taxels_ ||
       frame.shear_y_pa.size() != taxels_) {
     return std::make_error_code(std::errc::invalid_argument);
@@ -66,7 +105,7 @@ std::error_code RecordingWriter::append(const FrameSlot& frame) noexcept {
   if (memory_.size() - size_ < largest_frame(taxels_)) flush();
   if (error_) return error_;
   cbor::Writer out(memory_.data() + size_);
-  out.map(kEntries);
+  out.map(estimate != nullptr ? kEntries + 1 : kEntries);
   out.text("seq");
   out.unsigned_integer(frame.sequence);
   out.text("time_ns");
@@ -87,6 +126,7 @@ std::error_code RecordingWriter::append(const FrameSlot& frame) noexcept {
   out.float32_array(frame.shear_x_pa);
   out.text("shear_y_pa");
   out.float32_array(frame.shear_y_pa);
+  if (estimate != nullptr) put_estimate(out, *estimate);
   size_ = static_cast<std::size_t>(out.at() - memory_.data());
   if (std::chrono::steady_clock::now() - flushed_ >= flush_after_) flush();
   return error_;
@@ -143,7 +183,9 @@ RecordingReader::Status RecordingReader::fail(std::uint64_t offset, const char* 
   return status_ = Status::damaged;
 }
 
-RecordingReader::Status RecordingReader::next(FrameSlot& out) noexcept {
+RecordingReader::Status RecordingReader::next(FrameSlot& out,
+                                              std::optional<RecordedEstimate>* estimate) noexcept {
+  if (estimate != nullptr) estimate->reset();
   if (status_ != Status::frame) return status_;
   const std::size_t taxels = header_.layout.size();
   if (out.normal_pa.size() != taxels || out.shear_x_pa.size() != taxels || out.shear_y_pa.size() != taxels) {
@@ -154,7 +196,9 @@ RecordingReader::Status RecordingReader::next(FrameSlot& out) noexcept {
   if (bytes.empty()) return status_ = Status::end;
 
   cbor::Reader in(bytes);
-  if (in.map() != kEntries && in.ok()) return fail(file_.offset(), "a map of 8 entries, a frame", false);
+  const std::uint64_t entries = in.map();
+  if (in.ok() && entries != kEntries && entries != kEntries + 1)
+    return fail(file_.offset(), "a map of 8 entries, a frame, or 9 with an estimate", false);
   in.text("seq");
   out.sequence = in.unsigned_integer();
   in.text("time_ns");
@@ -171,6 +215,10 @@ RecordingReader::Status RecordingReader::next(FrameSlot& out) noexcept {
   in.float32_array(out.shear_x_pa);
   in.text("shear_y_pa");
   in.float32_array(out.shear_y_pa);
+  if (RecordedEstimate recorded; entries == kEntries + 1) {
+    if (!take_estimate(in, recorded)) return fail(file_.offset() + in.position(), "an estimate", false);
+    if (estimate != nullptr) *estimate = recorded;
+  }
   if (!in.ok())
     return fail(file_.offset() + (in.starved() ? bytes.size() : in.position()), in.fault(), in.starved());
   file_.consume(in.position());

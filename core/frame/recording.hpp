@@ -10,13 +10,17 @@
 //   "device_time_ns" int or
 //                null, "truth_gamma" and "truth_friction" float64 or null, "normal_pa", "shear_x_pa",
 //                "shear_y_pa": arrays of float32, little-endian, as RFC 8746 has them (tag 85), one value a
-//                taxel in the layout's order
+//                taxel in the layout's order. Where it is known what was estimated then (flight recorder), a
+//                ninth, "estimate": map of "state" and "alert", uint, in the order of State and Alert of
+//                core/estimate/estimate.hpp; "gamma", "sigma", "friction", "normal_n", "shear_n": float64 or
+//                null
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -40,6 +44,13 @@ struct RecordingHeader {
   std::int64_t start_monotonic_ns = 0;
   std::string description;  // for people, of any length up to some thousand characters
   bool zeroed = true;       // its frames read 0 without load
+};
+
+// What was estimated from a frame when it was recorded. NaN: not known.
+struct RecordedEstimate {
+  std::uint8_t state = 0, alert = 0;  // as numbered in core/estimate/estimate.hpp, which stands above this
+  double gamma = kUnknown, sigma = kUnknown, friction = kUnknown;
+  double normal_n = kUnknown, shear_n = kUnknown;
 };
 
 // `FILE: byte N: what is wrong, what was expected`.
@@ -66,7 +77,9 @@ class RecordingWriter {
   // Allocates nothing, may wait for the disk. The first error (disk full, pipe closed, a reader that takes
   // nothing for a second) stays: whatever comes later is refused with it. A frame of another size is
   // invalid_argument and leaves no mark.
-  [[nodiscard]] std::error_code append(const FrameSlot& frame) noexcept;
+  // `estimate` may be null: nothing is known of one.
+  [[nodiscard]] std::error_code append(const FrameSlot& frame,
+                                       const RecordedEstimate* estimate = nullptr) noexcept;
   std::error_code flush() noexcept;
   std::uint64_t bytes() const noexcept {
     return written_ + size_;
@@ -101,7 +114,8 @@ class RecordingReader {
   const RecordingHeader& header() const noexcept { return header_; }
 
   // `out`'s spans must have the layout's size; else damaged. end and damaged stay until rewind.
-  Status next(FrameSlot& out) noexcept;
+  // `estimate`, if wanted, is what was recorded with the frame.
+  Status next(FrameSlot& out, std::optional<RecordedEstimate>* estimate = nullptr) noexcept;
   void rewind() noexcept;  // to the first frame
 
   std::uint64_t fault_offset() const noexcept { return fault_offset_; }

@@ -60,6 +60,17 @@ void FlightRecorder::keep(std::size_t sensor, const char* reason) noexcept {
   tracks_[sensor]->asked.store(reason, std::memory_order_relaxed);
 }
 
+void FlightRecorder::note(std::size_t sensor, const Estimate& estimate) noexcept {
+  tracks_[sensor]->noted.push({.time_ns = estimate.time_ns,
+                               .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
+                                            .alert = static_cast<std::uint8_t>(estimate.alert),
+                                            .gamma = estimate.gamma.value_or(kUnknown),
+                                            .sigma = estimate.sigma.value_or(kUnknown),
+                                            .friction = estimate.friction.value_or(kUnknown),
+                                            .normal_n = estimate.normal_n.value_or(kUnknown),
+                                            .shear_n = estimate.shear_n.value_or(kUnknown)}});
+}
+
 void FlightRecorder::run() {
   for (bool last = false; !last;) {
     last = stop_.load(std::memory_order_relaxed);
@@ -82,7 +93,7 @@ void FlightRecorder::follow_device(Track& track) {
   const std::size_t taxels = facts.layout->size();
   const double rate_hz = facts.rate_hz > 0 ? facts.rate_hz : kUnknownRateHz;
   const std::size_t wanted = frames_in(2 * settings_.seconds, rate_hz);
-  const double frame_bytes = 3.0 * sizeof(float) * static_cast<double>(taxels) + sizeof(FrameSlot);
+  const auto frame_bytes = static_cast<double>(FrameHistory::bytes_of_frame(taxels));
   const auto room =
       static_cast<std::size_t>(settings_.max_mb * 1e6 / static_cast<double>(tracks_.size()) / frame_bytes);
   const std::size_t queue = std::min(frames_in(kQueueSeconds, rate_hz), std::max<std::size_t>(room / 4, 1));
@@ -97,12 +108,21 @@ void FlightRecorder::follow_device(Track& track) {
   track.panel->flight_tap.attach(*track.queue);
 }
 
-void FlightRecorder::work(Track& track, Clock::time_point now, bool last) {
-  if (!track.queue) return;
+// An estimate comes after its frame: those that are there now have theirs in the queue of frames already.
+void FlightRecorder::take(Track& track) {
+  const std::size_t estimates = track.noted.read_available();
   while (const FrameSlot* frame = track.queue->front()) {
     track.history->push(*frame);
     track.queue->pop();
   }
+  Noted noted;
+  for (std::size_t i = 0; i < estimates && track.noted.pop(noted); ++i)
+    track.history->note(noted.time_ns, noted.estimate);
+}
+
+void FlightRecorder::work(Track& track, Clock::time_point now, bool last) {
+  if (!track.queue) return;
+  take(track);
   if (const char* asked = track.asked.exchange(nullptr, std::memory_order_relaxed);
       asked != nullptr && track.reason == nullptr) {
     track.reason = asked;
@@ -133,7 +153,8 @@ void FlightRecorder::write(Track& track) {
   const std::error_code error = folder_.add(name, [&](int fd) {
     RecordingWriter writer(fd, header);
     std::error_code trouble;
-    for (std::size_t i = 0; i < history.size() && !trouble; ++i) trouble = writer.append(history[i]);
+    for (std::size_t i = 0; i < history.size() && !trouble; ++i)
+      trouble = writer.append(history[i], history.estimate(i));
     return trouble ? trouble : writer.flush();
   });
   if (error) {

@@ -1,7 +1,7 @@
-// The flight recorder: holds each sensor's last seconds of frames in memory, and on an alert or on request
-// writes them, with as many seconds after it, into a recording that the driver replay plays. One normal
-// thread of its own takes the frames from queues that acquire fills, so that neither acquire nor io ever
-// waits for it or for the disk.
+// The flight recorder: holds each sensor's last seconds of frames and estimates in memory, and on an alert or
+// on request writes them, with as many seconds after it, into a recording that the driver replay plays. One
+// normal thread of its own takes the frames from queues that acquire fills and the estimates from queues that
+// io fills, so that neither ever waits for it or for the disk.
 #pragma once
 
 #include <atomic>
@@ -31,15 +31,23 @@ class FlightRecorder {
   // file's name.
   void keep(std::size_t sensor, const char* reason) noexcept;
 
+  // io. Each estimate, as it is told; one that finds no room is missing in the recording.
+  void note(std::size_t sensor, const Estimate& estimate) noexcept;
+
   const std::filesystem::path& folder() const noexcept { return folder_.path(); }
   std::uint64_t kept() const noexcept { return kept_.load(std::memory_order_relaxed); }
   std::uint64_t failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
 
  private:
   using Clock = std::chrono::steady_clock;
+  struct Noted {
+    std::int64_t time_ns = 0;  // of its frame
+    RecordedEstimate estimate;
+  };
   struct Track {
     Panel* panel = nullptr;
-    std::unique_ptr<FrameQueue> queue;  // attached to the panel's tap
+    std::unique_ptr<FrameQueue> queue;                                          // attached to the panel's tap
+    boost::lockfree::spsc_queue<Noted, boost::lockfree::capacity<2048>> noted;  // io → here
     std::unique_ptr<FrameHistory> history;
     std::optional<TaxelLayout> layout;
     std::atomic<const char*> asked{
@@ -49,6 +57,7 @@ class FlightRecorder {
   };
   void run();
   void follow_device(Track& track);
+  static void take(Track& track);
   void work(Track& track, Clock::time_point now, bool last);
   void write(Track& track);
 

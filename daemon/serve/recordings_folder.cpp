@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <vector>
 
 #include "core/unique_fd.hpp"
@@ -15,6 +16,9 @@ namespace slipd {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr auto kLongestWrite =
+    std::chrono::minutes(10);  // of a file aside; older ones nobody writes any more
 
 std::error_code last_error() {
   return {errno, std::generic_category()};
@@ -48,8 +52,12 @@ std::error_code RecordingsFolder::add(const std::string& name,
 void RecordingsFolder::remove_oldest() const {
   std::error_code ignored;
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
+  const auto long_ago = fs::file_time_type::clock::now() - kLongestWrite;
   for (const auto& item : fs::directory_iterator(path_, ignored)) {
-    if (item.path().extension() == ".rec") found.emplace_back(item.last_write_time(ignored), item.path());
+    const auto extension = item.path().extension();
+    const auto written = item.last_write_time(ignored);
+    if (extension == ".rec") found.emplace_back(written, item.path());
+    if (extension == ".part" && written < long_ago) fs::remove(item.path(), ignored);
   }
   std::sort(found.begin(), found.end());
   for (std::size_t i = 0; i + keep_ < found.size(); ++i) fs::remove(found[i].second, ignored);

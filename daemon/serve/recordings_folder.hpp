@@ -1,5 +1,6 @@
 // Where the flight recorder keeps its files: written aside and renamed, so that a file with a recording's
-// name is a whole one; at most so many of them, the oldest go. Flight recorder's thread.
+// name is a whole one; at most so many of them, the oldest go, and what a crash left half written goes, too.
+// Flight recorder's thread.
 #pragma once
 
 #include <filesystem>

@@ -125,6 +125,7 @@ void Server::take_news() {
 
 void Server::tell(const Event& event) {
   Last& last = last_[event.sensor];
+  if (world_.flight != nullptr) world_.flight->note(event.sensor, event.estimate);
   tell(event, EventKind::estimate);
   if (event.estimate.alert != last.alert) {
     tell(event, EventKind::alert);

@@ -20,12 +20,12 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
        entry.increment(error)) {
     const auto name = entry->path().filename().string();
     const auto kind = entry->path().extension();
-    if (name.front() != '.' && (kind == ".csv" || kind == ".cbor" || kind == ".slipd"))
+    if (name.front() != '.' && (kind == ".csv" || kind == ".cbor" || kind == ".rec" || kind == ".slipd"))
       files.push_back(entry->path());
   }
   if (error) throw DriverError(path.string() + ": " + error.message());
   if (files.empty())
-    throw DriverError(path.string() + ": a folder without any .csv, .cbor or .slipd to play");
+    throw DriverError(path.string() + ": a folder without any .csv, .cbor, .rec or .slipd to play");
   std::sort(files.begin(), files.end());
   return files;
 }

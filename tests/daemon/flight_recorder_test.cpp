@@ -39,6 +39,33 @@ TEST(FrameHistory, HoldsTheNewestInTheirOrder) {
   }
 }
 
+TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
+  FrameHistory history(4, 5);
+  const auto estimate_at = [](std::int64_t time) {
+    return RecordedEstimate{.gamma = static_cast<double>(time) * 0.01};
+  };
+  for (std::int64_t time = 1; time <= 8; ++time) {
+    OwnedFrame frame(static_cast<std::uint64_t>(time));
+    frame.slot.time_ns = 10 * time;
+    history.push(frame.slot);
+    if (time % 2 == 0) history.note(10 * time, estimate_at(time));
+  }
+  history.note(80, {.state = 6});    // what is said when nothing more comes: the frame has its own already
+  history.note(10, estimate_at(1));  // of a frame that is gone
+  history.note(75, estimate_at(7));  // of none
+  history.note(50, estimate_at(5));  // late
+  ASSERT_EQ(history.size(), 5U);     // frames 4 to 8
+  for (std::size_t i = 0; i < 5; ++i) {
+    const std::int64_t time = history[i].time_ns / 10;
+    if (time == 7) {
+      EXPECT_EQ(history.estimate(i), nullptr);
+    } else {
+      ASSERT_NE(history.estimate(i), nullptr) << time;
+      EXPECT_EQ(history.estimate(i)->gamma, static_cast<double>(time) * 0.01);
+    }
+  }
+}
+
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;
   for (const auto& item : fs::directory_iterator(folder)) names.insert(item.path().filename());
@@ -55,6 +82,16 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
     fs::last_write_time(temp.path() / name, fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
   }
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
+}
+
+TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
+  const TempFolder temp;
+  temp.write("crashed.rec.part", "half");
+  fs::last_write_time(temp.path() / "crashed.rec.part",
+                      fs::file_time_type::clock::now() - std::chrono::hours(1));
+  temp.write("under-way.rec.part", "half");
+  EXPECT_FALSE(RecordingsFolder(temp.path(), 3).add("f.rec", [](int) { return std::error_code(); }));
+  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f.rec", "under-way.rec.part"}));
 }
 
 TEST(RecordingsFolder, ItsGroupMayReadWhateverTheUmask) {

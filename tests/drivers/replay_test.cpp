@@ -218,7 +218,7 @@ TEST_F(Replays, TellOfTheGapsThatWereRecorded) {
 }
 
 TEST_F(Replays, OfFoldersPlayTheFilesInOrderAndLoopWithoutATimeThatGoesBack) {
-  record("b.cbor", 3);
+  record("b.rec", 3);
   file("a.csv", std::string(kTwoTaxels) + "\n50,50,50,50,50,50\n");
   file("readme.txt", "no data");
   EXPECT_EQ(play_whole(setup(folder_)).frames.size(), 4U);

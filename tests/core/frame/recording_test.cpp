@@ -155,6 +155,44 @@ TEST_F(Recordings, AreReadByAnyCborLibrary) {
   EXPECT_EQ(second, some_frame(2, 0).memory[1]);
 }
 
+TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
+  const int fd = ::open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+  const RecordedEstimate known{.state = 2, .alert = 1, .gamma = 0.625, .sigma = 0.125, .normal_n = 2.5};
+  {
+    RecordingWriter writer(fd, header_for(TaxelLayout::grid(2, 2, 0.001)));
+    for (std::uint64_t i = 0; i < 6; ++i)
+      ASSERT_FALSE(writer.append(some_frame(4, i).slot, i % 2 == 0 ? &known : nullptr));
+  }
+  ::close(fd);
+  const auto whole = bytes();
+  RecordingReader reader(path_);
+  OwnedFrame got(4);
+  std::optional<RecordedEstimate> estimate;
+  for (std::uint64_t i = 0; i < 6; ++i) {
+    ASSERT_EQ(reader.next(got.slot, &estimate), Status::frame) << reader.fault();
+    EXPECT_EQ(got.memory, some_frame(4, i).memory);
+    ASSERT_EQ(estimate.has_value(), i % 2 == 0);
+    if (!estimate) continue;
+    EXPECT_EQ(estimate->state, 2);
+    EXPECT_EQ(estimate->alert, 1);
+    EXPECT_EQ(estimate->gamma, 0.625);
+    EXPECT_EQ(estimate->sigma, 0.125);
+    EXPECT_TRUE(std::isnan(estimate->friction));
+    EXPECT_EQ(estimate->normal_n, 2.5);
+    EXPECT_TRUE(std::isnan(estimate->shear_n));
+  }
+  EXPECT_EQ(reader.next(got.slot, &estimate), Status::end);
+  EXPECT_FALSE(estimate);
+  reader.rewind();
+  EXPECT_EQ(count_frames(reader), 6U) << "who wants no estimates gets the frames alone";
+  for (const std::size_t cut : {1U, 20U, 60U, 100U}) {
+    write(whole.substr(0, whole.size() - cut));
+    RecordingReader cut_short(path_);
+    EXPECT_EQ(count_frames(cut_short), 5U);
+    EXPECT_NE(cut_short.fault(), "");
+  }
+}
+
 TEST_F(Recordings, CutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {
   const auto ends = ends_of_header_and_frames(3);
   const auto whole = bytes();
