@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slipd {
 namespace {
@@ -9,28 +10,39 @@ namespace {
 constexpr double kForgetAfterSeconds = 0.02;
 constexpr double kSlowest = 1e-3;  // 1/s: a margin that falls slower than this does not fall
 
-// Starts or stops a stopwatch; true once it has run for `least_ns`.
-bool lasted(bool condition, std::int64_t now_ns, std::int64_t least_ns, std::int64_t& since_ns) noexcept {
-  if (!condition) {
-    since_ns = -1;
-    return false;
-  }
-  if (since_ns < 0) since_ns = now_ns;
-  return now_ns - since_ns >= least_ns;
-}
-
 }  // namespace
 
-Alert AlertLogic::update(std::int64_t time_ns, std::optional<double> gamma, double sigma) noexcept {
-  if (!gamma) {
-    level_ = Alert::none;
-    below_warn_since_ns_ = below_slip_since_ns_ = above_since_ns_ = -1;
+void AlertLogic::Stopwatch::pause(std::int64_t for_ns) noexcept {
+  if (since_ns_ >= 0) since_ns_ += for_ns;
+}
+
+bool AlertLogic::Stopwatch::has_run(bool condition, std::int64_t now_ns, std::int64_t least_ns) noexcept {
+  if (!condition) {
+    restart();
+    return false;
+  }
+  if (since_ns_ < 0) since_ns_ = now_ns;
+  return now_ns - since_ns_ >= least_ns;
+}
+
+Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
+  const std::int64_t passed_ns = time_ns - std::exchange(last_ns_, time_ns);
+  if (now.state == State::no_contact) {
+    below_warn_.restart();
+    below_slip_.restart();
+    above_.restart();
+    return level_ = Alert::none;
+  }
+  if (!now.gamma) {
+    below_warn_.pause(passed_ns);
+    below_slip_.pause(passed_ns);
+    above_.restart();
     return level_;
   }
-  const double margin = *gamma - settings_.sigmas * sigma;
+  const double margin = *now.gamma - settings_.sigmas * now.sigma.value_or(0);
   const auto least_ns = static_cast<std::int64_t>(settings_.min_ms * 1e6);
-  const bool slip = lasted(margin < settings_.slip_below, time_ns, least_ns, below_slip_since_ns_);
-  const bool warn = lasted(margin < settings_.warn_below, time_ns, least_ns, below_warn_since_ns_);
+  const bool slip = below_slip_.has_run(margin < settings_.slip_below, time_ns, least_ns);
+  const bool warn = below_warn_.has_run(margin < settings_.warn_below, time_ns, least_ns);
   if (slip) {
     level_ = Alert::slip;
   } else if (warn && level_ == Alert::none) {
@@ -39,9 +51,9 @@ Alert AlertLogic::update(std::int64_t time_ns, std::optional<double> gamma, doub
   if (level_ == Alert::none) return level_;
   const double leave =
       (level_ == Alert::slip ? settings_.slip_below : settings_.warn_below) + settings_.hysteresis;
-  if (lasted(margin >= leave, time_ns, least_ns, above_since_ns_)) {
+  if (above_.has_run(margin >= leave, time_ns, least_ns)) {
     level_ = margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
-    above_since_ns_ = -1;
+    above_.restart();
   }
   return level_;
 }

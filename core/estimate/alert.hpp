@@ -16,13 +16,26 @@ class AlertLogic {
 
   // gamma less `sigmas` times sigma decides. A level is raised by the first sample at which the margin has
   // stayed below its threshold for min_ms, and lowered when it has stayed above threshold + hysteresis for as
-  // long. An unknown margin (nullopt) is no alert: the state says why it is not known.
-  Alert update(std::int64_t time_ns, std::optional<double> gamma, double sigma) noexcept;
+  // long, or when contact is lost. A margin that is not known raises nothing and lowers nothing: who does not
+  // know has no evidence that the grip got safer. Such samples do not count towards min_ms.
+  Alert update(std::int64_t time_ns, const Estimate& now) noexcept;
 
  private:
+  // How long a condition has held; only time between samples that told of it counts.
+  class Stopwatch {
+   public:
+    void restart() noexcept { since_ns_ = -1; }
+    void pause(std::int64_t for_ns) noexcept;
+    bool has_run(bool condition, std::int64_t now_ns, std::int64_t least_ns) noexcept;
+
+   private:
+    std::int64_t since_ns_ = -1;
+  };
+
   AlertSettings settings_;
   Alert level_ = Alert::none;
-  std::int64_t below_warn_since_ns_ = -1, below_slip_since_ns_ = -1, above_since_ns_ = -1;
+  Stopwatch below_warn_, below_slip_, above_;
+  std::int64_t last_ns_ = 0;
 };
 
 // The margin's slope by least squares with exponential forgetting.

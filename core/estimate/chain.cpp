@@ -122,7 +122,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   if (!frame.zeroed) {
     in.tracker.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::unzeroed;
-    out.alert = in.alert.update(frame.time_ns, std::nullopt, 0);
+    out.alert = in.alert.update(frame.time_ns, out);
     out.time_to_slip_s = in.forecast.update(frame.time_ns, std::nullopt, 0);
     return out;
   }
@@ -153,7 +153,9 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
       advise(out, patch.shear_sigma_n, in.setup.alerts.target_margin);
     }
   }
-  out.alert = in.alert.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
+  if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
+    out.a_over_r = *out.radius_m / skin_m;
+  out.alert = in.alert.update(frame.time_ns, out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;
 }

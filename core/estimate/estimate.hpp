@@ -36,7 +36,9 @@ struct Estimate {
   std::optional<double> sigma;    // standard deviation of gamma
   std::optional<double> friction, friction_sigma;
   std::optional<double> normal_n, shear_n;
-  std::optional<double> center_x_m, center_y_m, radius_m, a_over_r;
+  std::optional<double> center_x_m, center_y_m, radius_m;
+  std::optional<double>
+      a_over_r;  // radius over the skin's: contact models hold where it is small; flat: none
   std::optional<double> time_to_slip_s;
   std::optional<double> grip_increase_n, grip_increase_sigma_n;
   Truth truth;

@@ -5,9 +5,11 @@
 namespace slipd::can {
 namespace {
 
-// States that the estimate thread says once and means until it says otherwise.
-bool lasting(State state) noexcept {
-  return state == State::learning || state == State::stale || state == State::fault;
+// What the estimate thread says once and means until it says otherwise. `learning` is that only without a
+// frame, while a model is made.
+bool lasting(const Estimate& said) noexcept {
+  return said.state == State::stale || said.state == State::fault ||
+         (said.state == State::learning && !said.normal_n);
 }
 
 }  // namespace
@@ -25,12 +27,13 @@ Subject::View Subject::look(std::int64_t now_ns) const noexcept {
   }
   const Estimate said =
       grasp_ != nullptr ? grasp_->latest.load() : board_.sensors[sensors_.front()]->latest.load().estimate;
-  if (lasting(said.state) || now_ns - said.published_ns <= stale_after_ns) {
+  if (lasting(said) || now_ns - said.published_ns <= stale_after_ns) {
     view.estimate = said;
   } else {
     view.estimate.sequence = said.sequence;
     view.estimate.time_ns = said.time_ns;
     view.estimate.published_ns = said.published_ns;
+    view.estimate.alert = said.alert;
   }
   return view;
 }

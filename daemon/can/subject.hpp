@@ -12,7 +12,7 @@ namespace slipd::can {
 class Subject {
  public:
   struct View {
-    Estimate estimate;  // without margin and alert where none holds
+    Estimate estimate;  // without margin where none holds
     bool simulated = false;
     bool opening = false;  // a device was not tried yet, so that nobody knows whether it is a simulated one
   };
@@ -22,7 +22,7 @@ class Subject {
   }
 
   // Now. An estimate older than stale_after is stale even if the estimate thread does not say so: then it
-  // stands still itself.
+  // stands still itself. The alert stands with it.
   View look(std::int64_t now_ns) const noexcept;
 
  private:

@@ -66,6 +66,7 @@ void Talk::end(Time now) noexcept {
   for (Speaker& each : speakers_) {
     Estimate stale;
     stale.sequence = each.view.estimate.sequence;
+    stale.alert = each.view.estimate.alert;
     each.view.estimate = stale;
     each.due = true;
     ++each.estimates;

@@ -109,6 +109,7 @@ void Estimating::say_quiet(Desk& desk, Link link, std::int64_t now_ns) noexcept 
   quiet.time_ns = desk.reading.estimate.time_ns;
   quiet.method = desk.lane != nullptr ? desk.lane->chain.method() : Method::none;
   quiet.state = state;
+  quiet.alert = desk.reading.estimate.alert;  // that nothing comes is no sign of a safer grip
   desk.reading.estimate = quiet;
   publish(desk);
 }

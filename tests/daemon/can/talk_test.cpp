@@ -133,7 +133,7 @@ TEST_F(CanTalk, TellsAnAlertAtOnceRepeatsItAndTellsItsEnd) {
   EXPECT_EQ(raw(alerts[1], "Counter"), 6U);
 }
 
-TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriod) {
+TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStands) {
   begin(settings_for({"left"}));
   pass(50ms, 0.3, Alert::warn);
   port_.sent.clear();
@@ -147,10 +147,10 @@ TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriod) {
   EXPECT_LE(stale - sent.begin(), 2) << "stale after 20 ms, told in the period after";
   for (auto each = stale; each != sent.end(); ++each) {
     EXPECT_EQ(raw(*each, "Gamma"), kUnknownMargin);
-    EXPECT_EQ(raw(*each, "Alert"), 0U);
+    EXPECT_EQ(raw(*each, "Alert"), 1U);
   }
   EXPECT_GT(sent.end() - stale, 10) << "and it goes on saying so";
-  EXPECT_EQ(raw(port_.take(kAlert).back(), "Alert"), 0U);
+  for (const Message& each : port_.take(kAlert)) EXPECT_EQ(raw(each, "Alert"), 1U);
 }
 
 TEST_F(CanTalk, NoStateButOkHasAMargin) {
@@ -261,7 +261,7 @@ TEST_F(CanTalk, TheControllersStateIsToldAsItComesAndGoes) {
   EXPECT_EQ(report().bus_offs, 1U);
 }
 
-TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMore) {
+TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
   begin(settings_for({"left", "right"}));
   pass(25ms, 0.1, Alert::slip);
   port_.sent.clear();
@@ -272,7 +272,8 @@ TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMore) {
     EXPECT_EQ(raw(sent[0], "State"), 6U);
     EXPECT_EQ(raw(sent[0], "Gamma"), kUnknownMargin);
     EXPECT_EQ(raw(sent[0], "Counter"), 4U) << "one on from the third";
-    EXPECT_EQ(raw(port_.take(kAlert + i).back(), "Alert"), 0U);
+    EXPECT_EQ(raw(sent[0], "Alert"), 2U);
+    EXPECT_EQ(raw(port_.take(kAlert + i).back(), "Alert"), 2U);
   }
   EXPECT_EQ(raw(port_.take(kHeartbeat).back(), "Stopping"), 1U);
 }

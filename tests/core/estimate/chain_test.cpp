@@ -1,0 +1,93 @@
+// What the chain makes of a margin, on frames at 1 kHz in frame time: when it alerts, and when it takes that
+// back.
+#include "core/estimate/chain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr double kSkinRadius_m = 0.01;
+constexpr double kFriction = 0.5;
+
+ChainSetup setup_16() {
+  ChainSetup setup{.layout = TaxelLayout::grid(16, 16, 0.9e-3),
+                   .scene = {},
+                   .estimator = {.method = MethodChoice::moments},
+                   .alerts = {},
+                   .friction = {}};
+  setup.scene.skin.radius_m = kSkinRadius_m;
+  setup.scene.objects = paper_objects();
+  return setup;
+}
+
+class Chain : public ::testing::Test {
+ protected:
+  // A millisecond a frame, at the end of which both forces are reached.
+  std::vector<Estimate> press(int ms, double normal_n, double shear_n, double noise = 0.01) {
+    std::vector<Estimate> told;
+    const double from_normal_n = normal_n_, from_shear_n = shear_n_;
+    for (int i = 1; i <= ms; ++i) {
+      const double f = static_cast<double>(i) / ms;
+      normal_n_ = from_normal_n + f * (normal_n - from_normal_n);
+      shear_n_ = from_shear_n + f * (shear_n - from_shear_n);
+      contact_.move_to(normal_n_, shear_n_, kFriction);
+      told.push_back(chain_.estimate(maker_.make(contact_, 0, 0, 0.3, noise)));
+    }
+    return told;
+  }
+
+  ChainSetup setup_ = setup_16();
+  EstimatorChain chain_{setup_, nullptr};
+  synthetic::FrameMaker maker_{setup_.layout};
+  contact::LoadHistory contact_{synthetic::paper_pair()};
+  double normal_n_ = 0, shear_n_ = 0;
+};
+
+TEST_F(Chain, TheFirstFrameWhoseMarginHasStayedLowForLongEnoughRaisesTheAlert) {
+  press(100, 2, 0);
+  const auto told = press(200, 2, 0.98);
+  const auto low = [&](const Estimate& e, double threshold) {
+    return e.gamma && *e.gamma - setup_.alerts.sigmas * *e.sigma < threshold;
+  };
+  for (const auto& [level, threshold] :
+       {std::pair{Alert::warn, setup_.alerts.warn_below}, std::pair{Alert::slip, setup_.alerts.slip_below}}) {
+    std::size_t raised = 0;
+    while (raised < told.size() && told[raised].alert < level) ++raised;
+    ASSERT_LT(raised, told.size());
+    int low_for = 0;  // frames; 2 ms are over with the third
+    for (std::size_t i = 0; i <= raised; ++i) {
+      low_for = low(told[i], threshold) ? low_for + 1 : 0;
+      EXPECT_EQ(low_for >= 3, i == raised) << i << " of " << raised;
+    }
+  }
+}
+
+TEST_F(Chain, AnAlertOutlastsDoubtAndEndsWithASaferGripOrWithoutContact) {
+  press(100, 2, 0);
+  ASSERT_EQ(press(200, 2, 0.95).back().alert, Alert::slip);
+  int doubted = 0;
+  for (const Estimate& each : press(50, 2, 0.95, 0.3)) {  // noise of which nobody can make much
+    if (!each.gamma) ++doubted;
+    EXPECT_EQ(each.alert, Alert::slip) << to_string(each.state);
+  }
+  EXPECT_GT(doubted, 0);
+  EXPECT_EQ(press(300, 6, 0.95).back().alert, Alert::none);
+  ASSERT_NE(press(200, 1.7, 0.8).back().alert, Alert::none);
+  EXPECT_EQ(press(50, 0, 0).back().alert, Alert::none);
+}
+
+TEST_F(Chain, TheContactsRadiusIsToldAsAShareOfTheSkinsToo) {
+  const Estimate told = press(100, 2, 0.3).back();
+  EXPECT_DOUBLE_EQ(told.a_over_r.value(), *told.radius_m / kSkinRadius_m);
+  setup_.scene.skin.radius_m = std::numeric_limits<double>::infinity();
+  chain_ = EstimatorChain(setup_, nullptr);
+  EXPECT_FALSE(press(10, 2, 0.3).back().a_over_r) << "a flat skin has none";
+}
+
+}  // namespace
+}  // namespace slipd
