@@ -1,0 +1,117 @@
+#include "tests/bench/scenes.hpp"
+
+#include <cstdlib>
+#include <numbers>
+
+#include "core/estimate/model_setup.hpp"
+#include "core/estimate/trial_frames.hpp"
+#include "core/model/model_file.hpp"
+#include "core/model/train.hpp"
+#include "drivers/sim/simulated_sensor.hpp"
+
+namespace slipd::bench {
+
+TaxelLayout pad(std::size_t side) {
+  return TaxelLayout::grid(side, side, kPad_m / static_cast<double>(side));
+}
+
+Scene scene_of(MethodChoice method) {
+  return {.skin = {},
+          .objects = paper_objects(),
+          .offset_m = method == MethodChoice::svd_knn ? 0 : 0.002,
+          .noise = kNoise};
+}
+
+ChainSetup setup_of(std::size_t side, MethodChoice method) {
+  ChainSetup setup{
+      .layout = pad(side), .scene = scene_of(method), .estimator = {}, .alerts = {}, .friction = {}};
+  setup.estimator.method = method;
+  return setup;
+}
+
+std::filesystem::path folder() {
+  const char* const told =
+      std::getenv("SLIPD_BENCH_DIR");  // NOLINT(concurrency-mt-unsafe): before any thread
+  return told != nullptr ? told : ".";
+}
+
+std::shared_ptr<const Model> model_of(const ChainSetup& setup, std::size_t contacts) {
+  ModelSetup wanted = model_setup_of(setup);
+  if (contacts > 0) wanted.size.contacts = contacts;
+  const auto kept = folder() / "models";
+  try {
+    return std::make_shared<const Model>(load_cached_model(wanted, kept));
+  } catch (const ModelError&) {
+    const ModelData data = train(wanted);
+    save_model(data, model_cache_file(wanted, kept));
+    return std::make_shared<const Model>(data);
+  }
+}
+
+namespace {
+
+// Copies what comes into one block of memory.
+void keep(const Frame& frame, std::size_t index, std::vector<float>& memory, std::vector<Frame>& frames) {
+  const std::size_t taxels = frame.normal_pa.size();
+  Frame kept = frame;
+  float* to = memory.data() + 3 * taxels * index;
+  for (auto* channel : {&kept.normal_pa, &kept.shear_x_pa, &kept.shear_y_pa}) {
+    std::copy(channel->begin(), channel->end(), to);
+    *channel = {to, taxels};
+    to += taxels;
+  }
+  frames.push_back(kept);
+}
+
+}  // namespace
+
+Frames::Frames(const ChainSetup& setup, std::size_t count) : memory_(3 * setup.layout.size() * count) {
+  constexpr std::uint64_t kSeed = 77;  // training draws from 1
+  TrialFrames maker(setup.layout, NoiseKind::relative, setup.scene.noise);
+  for (std::size_t i = 0; i < count; ++i) {
+    const ContactDraw draw = draw_contact(setup.scene, kSeed, i);
+    const Draws random = Draws(kSeed).stream(i).stream(1);
+    const double load = random.uniform(0, 0.05, 0.95) * draw.friction * draw.normal_n;
+    contact::LoadHistory history(contact::make_pair(contact::body_of(setup.scene.skin),
+                                                    {draw.radius_m, draw.modulus_pa, draw.poisson}));
+    history.move_to(draw.normal_n, 0, draw.friction);
+    history.move_to(draw.normal_n, load, draw.friction);
+    maker.feel(history, draw.x_m, draw.y_m);
+    const auto number = static_cast<std::int64_t>(i) + 1;
+    keep(maker.sense(2 * std::numbers::pi * random.uniform(1), random, i + 1, 1'000'000 * number), i, memory_,
+         frames_);
+  }
+}
+
+Grasp::Grasp(std::size_t side, std::size_t count) : memory_(3 * side * side * count) {
+  sim::SensorSettings settings;
+  settings.imperfections.noise = 0.02;
+  sim::Phase grip, load;
+  grip.duration_ns = load.duration_ns = static_cast<std::int64_t>(count) * 500'000;
+  grip.normal_n = sim::Ramp{0.5, 3};
+  grip.shear_n = sim::Ramp{0, 0};
+  grip.friction = 0.5;
+  load.load = sim::Ramp{0, 0.9};
+  settings.cycle = {grip, load};
+  sim::SimulatedSensor sensor(pad(side), settings);
+  std::vector<float> one(3 * side * side);
+  const std::span all(one);
+  FrameSlot slot;
+  slot.normal_pa = all.first(side * side);
+  slot.shear_x_pa = all.subspan(side * side, side * side);
+  slot.shear_y_pa = all.last(side * side);
+  while (frames_.size() < count) {
+    sensor.advance(std::chrono::milliseconds(1));
+    if (sensor.sample(slot)) keep(slot.view(), frames_.size(), memory_, frames_);
+  }
+}
+
+const Frame& Grasp::next() noexcept {
+  const std::uint64_t sequence = now_.sequence + 1;
+  now_ = frames_[at_ = (at_ + 1) % frames_.size()];
+  now_.sequence = sequence;
+  now_.time_ns = static_cast<std::int64_t>(sequence) * 1'000'000;
+  return now_;
+}
+
+}  // namespace slipd::bench
