@@ -283,7 +283,6 @@ void memory() {
                      {"side", side},
                      {"locking", locked},
                      {"resident_mb", usage.resident_mb},
-                     {"highest_mb", usage.highest_mb},
                      {"own_mb", usage.own_mb},
                      {"locked_mb", usage.locked_mb}});
     }

@@ -1,0 +1,125 @@
+#!/usr/bin/python3
+"""peers.py estimate|train FOLDER: what scikit-learn takes for the same, on the files that the benchmarks have left in FOLDER.
+
+estimate: angle, projection and the five nearest neighbours of each frame, one by one and all at once.
+train: randomized SVD of the paper's data set and a search tree on its coordinates.
+Prints one JSON object a line. Leaves the number of threads to the libraries.
+"""
+import json
+import pathlib
+import resource
+import sys
+import time
+
+import numpy as np
+import scipy.sparse.linalg
+import sklearn
+from sklearn.neighbors import KNeighborsRegressor
+from sklearn.utils.extmath import randomized_svd
+
+RANK = 8
+
+
+def say(part, **values):
+    print(json.dumps({"part": part, "version": sklearn.__version__, "blas": blas(), **values}), flush=True)
+
+
+def blas():
+    try:
+        from threadpoolctl import threadpool_info
+        return ", ".join(sorted({f"{pool['internal_api']} {pool.get('version')}, {pool['num_threads']} threads"
+                                 for pool in threadpool_info() if pool["user_api"] == "blas"}))
+    except ImportError:
+        return "unknown BLAS"
+
+
+def highest_mb():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def quantiles(times):
+    times = np.sort(np.array(times)) * 1e6
+    return {f"{name}_us": float(times[int(share * (len(times) - 1))])
+            for name, share in (("p50", .5), ("p99", .99), ("p999", .999), ("max", 1))}
+
+
+def estimate(folder):
+    def read(name, *shape):
+        return np.fromfile(folder / name, np.float32).reshape(shape)
+    basis = read("basis.f32", -1, RANK)
+    points = read("points.f32", -1, RANK)
+    gamma = read("gamma.f32", -1)
+    frames = read("frames.f32", -1, 3, basis.shape[0])
+    knn = KNeighborsRegressor(5, algorithm="kd_tree", weights="distance").fit(points, gamma)
+    across = np.ascontiguousarray(basis.T)
+
+    def angle(frame):  # along the resultant, where there is pressure: as slipd's
+        p, x, y = frame[..., 0, :], frame[..., 1, :], frame[..., 2, :]
+        inside = p > np.float32(.1) * p.max(axis=-1, keepdims=True)
+        qx, qy = (np.einsum("...i,...i->...", q, inside)[..., None] for q in (x, y))
+        size = np.hypot(qx, qy)
+        along = x * (qx / size) + y * (qy / size)
+        return np.arctan(np.divide(along, p, out=np.zeros_like(p), where=inside))
+
+    times, parts = [], {"angle": [], "projection": [], "neighbours": []}
+    for i in range(1000):
+        frame = frames[i % len(frames)]
+        t0 = time.perf_counter()
+        alpha = angle(frame)
+        t1 = time.perf_counter()
+        point = across @ alpha
+        t2 = time.perf_counter()
+        knn.predict(point[None, :])
+        t3 = time.perf_counter()
+        times.append(t3 - t0)
+        for name, spent in zip(parts, (t1 - t0, t2 - t1, t3 - t2)):
+            parts[name].append(spent)
+    say("estimate", way="one by one", **quantiles(times),
+        parts={name: float(np.median(spent)) * 1e6 for name, spent in parts.items()})
+
+    # Its client's: the same calls where there is next to nothing to do.
+    small = KNeighborsRegressor(1, algorithm="kd_tree").fit(points[:2], gamma[:2])
+    calls = []
+    for i in range(1000):
+        t0 = time.perf_counter()
+        small.predict(points[i:i + 1])
+        calls.append(time.perf_counter() - t0)
+    say("estimate", way="an empty predict", **quantiles(calls))
+
+    # Angles of eight at a time: more fall out of the cache and take longer. Neighbours of many more: fewer take longer.
+    at_once, many = 8, 20
+    angles, projections, searches = [], [], []
+    for _ in range(50):
+        t0 = time.perf_counter()
+        alpha = np.concatenate([angle(frames[i:i + at_once]) for i in range(0, len(frames), at_once)])
+        t1 = time.perf_counter()
+        found = alpha @ basis
+        t2 = time.perf_counter()
+        angles.append((t1 - t0) / len(frames))
+        projections.append((t2 - t1) / len(frames))
+        rows = np.tile(found, (many, 1))
+        t3 = time.perf_counter()
+        knn.predict(rows)
+        searches.append((time.perf_counter() - t3) / len(rows))
+    parts = {"angle": angles, "projection": projections, "neighbours": searches}
+    say("estimate", way="batched", frames=len(frames), **quantiles(np.sum(list(parts.values()), axis=0)),
+        parts={name: float(np.median(spent)) * 1e6 for name, spent in parts.items()})
+
+
+def train(folder):
+    taxels = 10000
+    columns = np.fromfile(folder / "columns.f32", np.float32).reshape(-1, taxels).T
+    held_mb = highest_mb()
+    t0 = time.perf_counter()
+    u, s, vt = randomized_svd(columns, RANK, random_state=0)
+    svd_s = time.perf_counter() - t0
+    KNeighborsRegressor(5, algorithm="kd_tree").fit((s[:, None] * vt).T, np.zeros(columns.shape[1]))
+    say("training", seconds=time.perf_counter() - t0, svd_s=svd_s, data_mb=held_mb, highest_mb=highest_mb(),
+        singular_values=[float(v) for v in s])
+    # The true values, by Lanczos to the end of what single precision holds.
+    exact = scipy.sparse.linalg.svds(columns, RANK, tol=1e-6, random_state=0, return_singular_vectors=False)
+    say("exact", singular_values=sorted((float(v) for v in exact), reverse=True))
+
+
+if __name__ == "__main__":
+    {"estimate": estimate, "train": train}[sys.argv[1]](pathlib.Path(sys.argv[2]))
