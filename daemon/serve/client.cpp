@@ -1,5 +1,7 @@
 #include "daemon/serve/client.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <array>
 #include <asio/post.hpp>
@@ -7,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "daemon/serve/descriptors.hpp"
 #include "daemon/serve/rpc.hpp"
 
 namespace slipd {
@@ -16,6 +19,7 @@ using std::chrono::seconds;
 
 constexpr std::size_t kMostNotifications = 256;                     // that wait for one client
 constexpr std::size_t kMostAnswerBytes = std::size_t{1024} * 1024;  // that wait, before no more is read
+constexpr int kMostLinesAtOnce = 4;
 constexpr int kMostAwaited = 16;  // answers under way, before no more is read
 constexpr std::size_t kMostPassedFds = 4;
 constexpr auto kPatience = seconds(1);
@@ -26,7 +30,7 @@ Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
     : socket_(io, socket.release()), patience_(io), owner_(owner), backlog_(kMostNotifications) {}
 
 void Client::read_when_ready() {
-  if (closed_ || reading_ || input_ended_ || crowded()) return;
+  if (closed_ || reading_ || input_ended_ || resting_ || crowded()) return;
   reading_ = true;
   socket_.async_wait(asio::posix::stream_descriptor::wait_read,
                      [self = shared_from_this()](const std::error_code& error) {
@@ -41,7 +45,8 @@ bool Client::crowded() const noexcept {
   return awaited_ >= kMostAwaited || backlog_.answer_bytes() > kMostAnswerBytes;
 }
 
-// One piece at a time, so that a client that sends without end does not keep the loop from the others.
+// One piece, and some lines of it, at a time, so that a client that sends without end does not keep the loop
+// from the others.
 void Client::on_readable() {
   receive();
   take_lines();
@@ -70,7 +75,7 @@ void Client::receive() {
     for (std::size_t i = 0; i < count; ++i) {
       int fd = -1;
       std::memcpy(&fd, CMSG_DATA(item) + i * sizeof(int), sizeof fd);
-      passed_.emplace_back(fd);
+      passed_.push_back(out_of_the_way(UniqueFd(fd)));
       if (passed_.size() > kMostPassedFds) passed_.pop_front();
     }
   }
@@ -83,9 +88,10 @@ void Client::receive() {
 }
 
 void Client::take_lines() {
-  if (taking_) return;
+  if (taking_ || resting_) return;
   taking_ = true;
   std::size_t start = 0;
+  int taken = 0;
   while (!closed_ && !discarding_ && !crowded() && start < input_.size()) {
     const std::size_t newline = input_.find('\n', start);
     const std::size_t end = std::min(newline, input_.size());
@@ -95,6 +101,10 @@ void Client::take_lines() {
       break;
     }
     if (newline == std::string::npos && !input_ended_) break;  // the last line may do without its end
+    if (++taken > kMostLinesAtOnce) {
+      rest();
+      break;
+    }
     std::string line = input_.substr(start, end - start);
     start = std::min(end + 1, input_.size());
     if (line.find_first_not_of(" \t\r") != std::string::npos)
@@ -102,6 +112,19 @@ void Client::take_lines() {
   }
   input_.erase(0, start);
   taking_ = false;
+}
+
+// Goes on when the others have had their turn.
+void Client::rest() {
+  resting_ = true;
+  asio::post(socket_.get_executor(), [self = shared_from_this()] {
+    self->resting_ = false;
+    if (self->closed_) return;
+    self->take_lines();
+    self->flush();
+    self->let_go_if_done();
+    self->read_when_ready();
+  });
 }
 
 void Client::refuse_long_line() {
@@ -167,7 +190,23 @@ void Client::flush() {
 
 void Client::let_go_if_done() {
   const bool all_said = backlog_.empty() && sent_ == output_.size();
-  if (input_ended_ && input_.empty() && all_said && awaited_ == 0 && subscriptions.empty()) close();
+  if (!input_ended_ || resting_) return;
+  if (input_.empty() && all_said && awaited_ == 0 && subscriptions.empty()) return close();
+  notice_hang_up();
+}
+
+// One that sends no more may still read, but not once it is gone for good: where there is nothing to tell a
+// subscriber, no failing send would ever say so.
+void Client::notice_hang_up() {
+  if (closed_ || noticing_) return;
+  pollfd now{socket_.native_handle(), 0, 0};
+  if (poll(&now, 1, 0) == 1 && (now.revents & (POLLHUP | POLLERR)) != 0) return close();
+  noticing_ = true;
+  socket_.async_wait(asio::posix::stream_descriptor::wait_error,
+                     [self = shared_from_this()](const std::error_code& error) {
+                       self->noticing_ = false;
+                       if (!error) self->notice_hang_up();
+                     });
 }
 
 void Client::close() {

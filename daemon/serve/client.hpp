@@ -53,10 +53,12 @@ class Client : public std::enable_shared_from_this<Client> {
   void on_readable();
   void receive();
   void take_lines();
+  void rest();
   bool crowded() const noexcept;
   void refuse_long_line();
   void flush();
   void let_go_if_done();
+  void notice_hang_up();
 
   asio::posix::stream_descriptor socket_;
   asio::steady_timer patience_;  // for a client that is to be closed but goes on sending
@@ -68,9 +70,11 @@ class Client : public std::enable_shared_from_this<Client> {
   std::deque<UniqueFd> passed_;
   std::shared_ptr<std::atomic<bool>> left_ = std::make_shared<std::atomic<bool>>(false);
   int awaited_ = 0;
-  bool reading_ = false;  // a wait for input is pending
-  bool writing_ = false;  // a wait for room is pending
-  bool taking_ = false;   // lines out of input_: not to be begun again by an answer to one of them
+  bool reading_ = false;   // a wait for input is pending
+  bool writing_ = false;   // a wait for room is pending
+  bool noticing_ = false;  // a wait for the other end to hang up is pending
+  bool taking_ = false;    // lines out of input_: not to be begun again by an answer to one of them
+  bool resting_ = false;   // there are more lines, but it is the others' turn
   bool input_ended_ = false;
   bool discarding_ = false;  // said too much in one line: read on to be polite, then close
   bool closed_ = false;

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <nlohmann/json.hpp>
 
+#include "daemon/serve/descriptors.hpp"
 #include "daemon/serve/estimate_json.hpp"
 #include "daemon/serve/flight_recorder.hpp"
 
@@ -35,6 +36,7 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
       last_(world.board.sensors.size()),
       last_estimated_(world.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
+  make_room_for(world.settings.socket.max_clients);
   clients_.owner.line = [this](const auto& client, const std::string& line) { methods_.line(client, line); };
   clients_.owner.gone = [this](const auto& client) {
     clients_.dropped_for_gone += client->dropped();
@@ -84,7 +86,7 @@ void Server::accept_one() {
   if (socket && clients_.all.size() >= world_.settings.socket.max_clients) {
     turn_away(socket);
   } else if (socket) {
-    const auto client = std::make_shared<Client>(io_, std::move(socket), clients_.owner);
+    const auto client = std::make_shared<Client>(io_, out_of_the_way(std::move(socket)), clients_.owner);
     clients_.all.insert(client);
     world_.clients = clients_.all.size();
     client->start();

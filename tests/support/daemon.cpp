@@ -11,6 +11,8 @@
 #include <cstring>
 #include <thread>
 
+#include "tests/support/process_facts.hpp"
+
 namespace slipd::testing {
 namespace {
 
@@ -100,6 +102,17 @@ json Daemon::wait_for(const std::string& method, const std::function<bool(const 
       throw std::runtime_error("waited in vain; last: " + result.dump());
     std::this_thread::sleep_for(5ms);
   }
+}
+
+std::size_t Daemon::descriptors_at_rest() const {
+  RpcClient client(socket_);
+  const auto until = std::chrono::steady_clock::now() + 30s;
+  while (client.result("status")["clients"] != 1) {
+    if (std::chrono::steady_clock::now() > until)
+      throw std::runtime_error("clients that are gone are not let go");
+    std::this_thread::sleep_for(1ms);
+  }
+  return open_descriptors(program_->pid());
 }
 
 std::optional<int> Daemon::stop(std::chrono::milliseconds patience) {

@@ -45,6 +45,9 @@ class Daemon {
   nlohmann::json wait_for(const std::string& method,
                           const std::function<bool(const nlohmann::json&)>& enough) const;
 
+  // How many files it has open once there is no client but the one that asks.
+  std::size_t descriptors_at_rest() const;
+
   // SIGTERM, then its exit code; none if it takes more than `patience`.
   std::optional<int> stop(std::chrono::milliseconds patience = std::chrono::seconds(10));
 

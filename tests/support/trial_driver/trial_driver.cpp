@@ -2,7 +2,11 @@
 // it states as the truth, and misbehaves as its options ask. Not installed.
 #include <atomic>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
 #include <thread>
 
 #include "core/contact/traction.hpp"
@@ -15,8 +19,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kOptions = R"({"type": "object", "additionalProperties": false, "properties": {
   "behaviour": {"enum": ["steady", "hang_in_read", "hang_in_open", "throw_in_create", "throw_in_open",
-    "vanish", "end", "wrong_sensor", "allocate"], "default": "steady", "description": "What goes wrong, after `after` frames."},
-  "after": {"type": "integer", "minimum": 0, "default": 0, "unit": "frames", "description": "Frames before that."},
+    "throw_oddly_in_open", "vanish", "end", "wrong_sensor", "allocate"], "default": "steady",
+    "description": "What goes wrong, after `after` frames."},
+  "after": {"type": "integer", "minimum": 0, "default": 0, "unit": "frames",
+    "description": "Frames before that: since it was opened, or, if it ends, since it was made."},
+  "troubles": {"type": "integer", "minimum": 0, "default": 0,
+    "description": "Seed of random ones: corrupt packets, gaps, silences, long reads, unplugs. 0: none."},
+  "gate": {"type": "string", "default": "", "description": "It is silent until this file is there."},
+  "account": {"type": "string", "default": "",
+    "description": "File to write to, when it is closed, how many frames, gaps, corrupt ones and unplugs there were."},
   "gap_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Leave a sequence number out."},
   "corrupt_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Report a corrupt packet."},
   "burst": {"type": "boolean", "default": false, "description": "Frames as fast as they can be made."},
@@ -27,6 +38,32 @@ constexpr const char* kOptions = R"({"type": "object", "additionalProperties": f
 [[noreturn]] void hang() {
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
+
+// What goes wrong by chance, the same for the same seed.
+class Troubles {
+ public:
+  enum class Kind : std::uint8_t { none, corrupt, gap, silence, long_read, unplug };
+  explicit Troubles(std::uint64_t seed) : random_(static_cast<std::minstd_rand::result_type>(seed)) {}
+
+  // Of the next frame: all but one in a thousand or so are well.
+  Kind next() {
+    static constexpr struct {
+      unsigned in_80000;
+      Kind kind;
+    } kOdds[] = {
+        {20, Kind::corrupt}, {20, Kind::gap}, {10, Kind::silence}, {5, Kind::long_read}, {10, Kind::unplug}};
+    unsigned drawn = static_cast<unsigned>(random_() % 80000);
+    for (const auto& [in_80000, kind] : kOdds) {
+      if (drawn < in_80000) return kind;
+      drawn -= in_80000;
+    }
+    return Kind::none;
+  }
+  unsigned up_to(unsigned most) { return 1 + static_cast<unsigned>(random_() % most); }
+
+ private:
+  std::minstd_rand random_;  // NOLINT(cert-msc51-cpp): the same in every run
+};
 
 class TrialDriver : public DeviceDriver {
  public:
@@ -39,6 +76,9 @@ class TrialDriver : public DeviceDriver {
     burst_ = options_.at("burst");
     paced_ = options_.at("paced");
     gamma_ = options_.at("gamma");
+    gate_ = options_.at("gate").get<std::string>();
+    account_ = options_.at("account").get<std::string>();
+    if (const std::uint64_t seed = options_.at("troubles"); seed > 0) troubles_.emplace(seed);
     if (behaviour_ == "throw_in_create") throw DriverError("the trial device cannot be made: it was told so");
     vanishes_ = behaviour_ == "vanish";
     hangs_ = behaviour_ == "hang_in_read";
@@ -51,10 +91,14 @@ class TrialDriver : public DeviceDriver {
   DeviceInfo open() override {
     if (behaviour_ == "hang_in_open") hang();
     if (behaviour_ == "throw_in_open") throw DriverError("trial device 7 is not there: plug it in");
+    if (behaviour_ == "throw_oddly_in_open") throw 7;
+    if (unplugged_ && troubles_ && troubles_->up_to(2) == 1) throw DriverError("trial device 7 is unplugged");
+    unplugged_ = false;
     DeviceInfo info{.description = "trial device", .serial = "7", .simulated = true, .sensors = {}};
     for (const auto& sensor : sensors_)
       info.sensors.push_back({.layout = sensor.layout, .rate_hz = sensor.rate_hz, .zeroed = true});
     given_ = 0;
+    fresh_ = true;
     next_ = Clock::now();
     return info;
   }
@@ -63,11 +107,23 @@ class TrialDriver : public DeviceDriver {
     const std::uint64_t turn = ++turns_;
     if (allocates_) garbage_ = std::make_unique<std::string>(100, 'x');
     if (corrupt_every_ > 0 && turn % corrupt_every_ == 0) return {ReadStatus::corrupt, 0};
+    if (!gate_.empty() && !gate_opened()) {
+      std::this_thread::sleep_for(timeout);
+      return {};
+    }
+    if (ends_ && sent_.frames >= after_) return {ReadStatus::end, 0};
     if (given_ >= after_) {
       if (hangs_) hang();
       if (vanishes_) return {ReadStatus::disconnected, 0};
-      if (ends_) return {ReadStatus::end, 0};
       if (lies_) return {ReadStatus::frame, static_cast<std::uint16_t>(sensors_.size())};
+    }
+    if (silent_until_ > Clock::now()) {
+      std::this_thread::sleep_for(timeout);
+      return {};
+    }
+    if (troubles_ && !decided_) {
+      const ReadStatus instead = run_into_trouble();
+      if (instead != ReadStatus::frame) return {instead, 0};
     }
     if (!burst_ && !paced_) {
       if (next_ > Clock::now() + timeout) {
@@ -83,18 +139,62 @@ class TrialDriver : public DeviceDriver {
     std::copy(shear_[sensor].begin(), shear_[sensor].end(), slot.shear_x_pa.begin());
     std::fill(slot.shear_y_pa.begin(), slot.shear_y_pa.end(), 0.0F);
     if (gap_every_ > 0 && given_ % gap_every_ == 0) sequence_ += sensors_.size();
-    slot.sequence = sequence_++ / sensors_.size();
+    fresh_ = decided_ = false;
+    ++sent_.frames;
+    slot.sequence = 1 + sequence_++ / sensors_.size();
     slot.time_ns = std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
     slot.device_time_ns = -1;
     slot.truth = {gamma_, kFriction};
     return {ReadStatus::frame, sensor};
   }
 
-  void close() noexcept override {}
+  void close() noexcept override {
+    if (account_.empty()) return;
+    std::ofstream(account_) << nlohmann::json{{"frames", sent_.frames},
+                                              {"left_out", sent_.left_out},
+                                              {"corrupt", sent_.corrupt},
+                                              {"unplugs", sent_.unplugs}};
+  }
   bool paced_by_consumer() const noexcept override { return paced_; }
 
  private:
   static constexpr double kFriction = 0.5;
+
+  bool gate_opened() {
+    std::error_code ignored;
+    if (std::filesystem::exists(gate_, ignored)) gate_.clear();
+    next_ = Clock::now();
+    return gate_.empty();
+  }
+
+  // What read says instead of a frame; `frame`: nothing went wrong, or nothing that keeps it from coming.
+  ReadStatus run_into_trouble() {
+    using namespace std::chrono_literals;
+    switch (troubles_->next()) {
+      case Troubles::Kind::corrupt:
+        ++sent_.corrupt;
+        return ReadStatus::corrupt;
+      case Troubles::Kind::gap:
+        if (fresh_) break;  // before the first of them there is no telling what is missing
+        sent_.left_out += 3;
+        sequence_ += 3 * sensors_.size();
+        break;
+      case Troubles::Kind::silence:
+        silent_until_ = Clock::now() + troubles_->up_to(150) * 1ms;
+        return ReadStatus::timeout;
+      case Troubles::Kind::long_read:
+        std::this_thread::sleep_for(troubles_->up_to(200) * 1ms);
+        break;
+      case Troubles::Kind::unplug:
+        ++sent_.unplugs;
+        unplugged_ = true;
+        return ReadStatus::disconnected;
+      case Troubles::Kind::none:
+        break;
+    }
+    decided_ = true;  // until this frame has come
+    return ReadStatus::frame;
+  }
 
   void draw() {
     const auto pair = contact::make_pair({0.01, 0.5e6, 0.45}, {INFINITY, 2e11, 0.25});
@@ -121,7 +221,13 @@ class TrialDriver : public DeviceDriver {
   std::unique_ptr<std::string> garbage_;
   std::vector<std::vector<float>> normal_, shear_;
   std::uint64_t turns_ = 0, given_ = 0, sequence_ = 0;
-  Clock::time_point next_;
+  Clock::time_point next_, silent_until_;
+  std::string gate_, account_;
+  std::optional<Troubles> troubles_;
+  bool unplugged_ = false, fresh_ = true, decided_ = false;
+  struct {
+    std::uint64_t frames = 0, left_out = 0, corrupt = 0, unplugs = 0;
+  } sent_;
 };
 
 std::unique_ptr<DeviceDriver> create(const std::vector<SensorSetup>& sensors) {

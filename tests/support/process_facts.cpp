@@ -1,0 +1,41 @@
+#include "tests/support/process_facts.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace slipd::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path folder(pid_t process) {
+  return fs::path("/proc") / std::to_string(process);
+}
+
+std::size_t entries(const fs::path& path) {
+  std::size_t count = 0;
+  std::error_code ignored;
+  for (fs::directory_iterator each(path, ignored), end; each != end; each.increment(ignored)) ++count;
+  return count;
+}
+
+}  // namespace
+
+std::size_t resident_kb(pid_t process) {
+  std::ifstream status(folder(process) / "status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stoul(line.substr(6));
+  }
+  return 0;
+}
+
+std::size_t open_descriptors(pid_t process) {
+  return entries(folder(process) / "fd");
+}
+
+std::size_t threads(pid_t process) {
+  return entries(folder(process) / "task");
+}
+
+}  // namespace slipd::testing

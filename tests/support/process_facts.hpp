@@ -1,0 +1,14 @@
+// What the kernel says of a running process: memory, descriptors, threads.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+
+namespace slipd::testing {
+
+std::size_t resident_kb(pid_t process);
+std::size_t open_descriptors(pid_t process);
+std::size_t threads(pid_t process);
+
+}  // namespace slipd::testing

@@ -1,0 +1,237 @@
+// As many clients as may come, and one more; most of them behave badly. Those that behave, and the frames, do
+// not notice. What they would notice is measured in one run, before and during, and printed side by side.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/unique_fd.hpp"
+#include "tests/support/daemon.hpp"
+#include "tests/support/subscriber.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+constexpr std::size_t kClients = 1000;
+constexpr std::size_t kModest = 300;   // files that the daemon finds itself allowed to open at first
+constexpr std::size_t kNeeded = 2500;  // that this test opens at most
+constexpr auto kLook = 1500ms;
+constexpr double kTolerated = 0.05;  // of the frames may be skipped more: what else runs here takes its share
+
+json trial(const std::string& name, const json& options = json::object()) {
+  return {{"name", name},
+          {"driver", "trial"},
+          {"rate_hz", 1000},
+          {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}},
+          {"options", options}};
+}
+
+TEST(Clients, ASubscriberThatLeavesIsLetGoAlsoWhereNothingIsTold) {
+  const TempFolder folder;
+  const Daemon daemon(
+      config_with(folder, json::array({trial("left", {{"behaviour", "hang_in_read"}, {"after", 5}})})),
+      trial_drivers());
+  daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "stale"; });
+  const std::size_t descriptors = daemon.descriptors_at_rest();
+  for (int i = 0; i < 10; ++i) {
+    RpcClient leaving(daemon.socket());
+    leaving.result("subscribe");
+  }
+  {
+    RpcClient half_closed(daemon.socket());
+    half_closed.result("subscribe");
+    half_closed.finish();
+    daemon.wait_for("status", [](const json& s) { return s["clients"] == 2; });
+    EXPECT_FALSE(half_closed.closed_by_peer(50ms)) << "who only says no more is still told";
+  }
+  EXPECT_EQ(daemon.descriptors_at_rest(), descriptors);
+}
+
+// What its well-behaved clients see of a daemon.
+struct View {
+  std::vector<double> published_us, told_us, asked_us;
+  std::uint64_t received = 0, skipped = 0;
+
+  double share_skipped() const { return static_cast<double>(skipped) / static_cast<double>(received); }
+};
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+View look(RpcClient& asking, Subscriber& subscriber, std::chrono::milliseconds time) {
+  View view;
+  const auto count = [&](View& into) {
+    const json status = asking.result("status");
+    for (const json& sensor : status["sensors"]) {
+      into.received += sensor["received"].get<std::uint64_t>();
+      into.skipped += sensor["skipped"].get<std::uint64_t>();
+    }
+  };
+  View before;
+  count(before);
+  subscriber.take_latencies();
+  for (const auto until = Clock::now() + time; Clock::now() < until;) {
+    const auto asked = Clock::now();
+    asking.result("gamma");
+    view.asked_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - asked).count());
+    std::this_thread::sleep_for(5ms);
+  }
+  count(view);
+  view.received -= before.received;
+  view.skipped -= before.skipped;
+  auto latencies = subscriber.take_latencies();
+  view.published_us = std::move(latencies.published_us);
+  view.told_us = std::move(latencies.told_us);
+  return view;
+}
+
+void print(const char* when, View& view) {
+  std::printf("%-8s frames %6llu, skipped %5llu", when, static_cast<unsigned long long>(view.received),
+              static_cast<unsigned long long>(view.skipped));
+  const auto line = [](const char* what, std::vector<double>& us) {
+    std::printf(" | %s p50 %6.0f, p99 %7.0f, max %7.0f us", what, quantile(us, 0.5), quantile(us, 0.99),
+                quantile(us, 1));
+  };
+  line("published", view.published_us);
+  line("told", view.told_us);
+  line("asked", view.asked_us);
+  std::printf("\n");
+}
+
+UniqueFd connection(const std::filesystem::path& path) {
+  UniqueFd fd(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  if (connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    throw std::runtime_error("connect");
+  return fd;
+}
+
+void say(const UniqueFd& to, const std::string& text) {
+  [[maybe_unused]] const auto sent = send(to.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+// What waits to be read: only whole lines, but for the last.
+void expect_whole_lines(const UniqueFd& from) {
+  std::string text(std::size_t{1} << 20, '\0');
+  const auto got = recv(from.get(), text.data(), text.size(), MSG_DONTWAIT);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  std::size_t start = 0;
+  for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n', start)) {
+    const std::string line = text.substr(start, end - start);
+    ASSERT_TRUE(json::accept(line)) << line;
+    start = end + 1;
+  }
+}
+
+// A crowd of every bad habit, for as long as it lives.
+class Crowd {
+ public:
+  Crowd(const Daemon& daemon, std::size_t size) {
+    static constexpr const char* kSubscribe = R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})"
+                                              "\n";
+    for (std::size_t i = 0; i < size; ++i) {
+      all_.push_back(connection(daemon.socket()));
+      if (i % 10 == 0) say(all_.back(), kSubscribe);  // and never reads
+      if (i % 10 == 1) say(all_.back(), R"({"jsonrpc":"2.0","id":1,"method":"gam)");
+    }
+    flooding_ = std::jthread([this](const std::stop_token& stop) { flood(stop); });
+  }
+  ~Crowd() {
+    flooding_ = {};
+    for (const UniqueFd& each : all_) expect_whole_lines(each);
+  }
+  Crowd(const Crowd&) = delete;
+  Crowd& operator=(const Crowd&) = delete;
+
+ private:
+  // Some talk nonsense as fast as it is taken and read little of what is said of it; some read slowly.
+  void flood(const std::stop_token& stop) {
+    setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone
+    const std::string nonsense = R"({"jsonrpc":"2.0","id":1,"method":)"
+                                 "\n{}\n[\n\xff\xfe\n";
+    std::vector<char> bytes(4096);
+    while (!stop.stop_requested()) {
+      for (std::size_t i = 0; i < all_.size(); ++i) {
+        if (i % 20 == 2) {
+          for (int k = 0; k < 20; ++k) say(all_[i], nonsense);
+          while (recv(all_[i].get(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) {
+          }
+        }
+      }
+    }
+  }
+  std::vector<UniqueFd> all_;
+  std::jthread flooding_;
+};
+
+class ThousandClients : public ::testing::Test {
+ protected:
+  // The daemon starts with a modest limit, as a service does, and has to see to it itself.
+  void SetUp() override {
+    rlimit limit{};
+    getrlimit(RLIMIT_NOFILE, &limit);
+    if (limit.rlim_max < kNeeded) GTEST_SKIP() << "no process may open " << kNeeded << " files here";
+    limit.rlim_cur = kModest;
+    setrlimit(RLIMIT_NOFILE, &limit);
+    daemon_ = std::make_unique<Daemon>(config_with(folder_, json::array({trial("left"), trial("right")}),
+                                                   {{"socket", {{"max_clients", kClients}}}}),
+                                       trial_drivers());
+    limit.rlim_cur = kNeeded;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  void expect_no_room() const {
+    RpcClient excess(daemon_->socket());
+    const auto refusal = excess.line();
+    ASSERT_TRUE(refusal);
+    EXPECT_EQ(json::parse(*refusal)["error"]["code"], -32000);
+    EXPECT_THAT(*refusal, HasSubstr("all 1000 places are taken"));
+    EXPECT_TRUE(excess.closed_by_peer());
+  }
+  TempFolder folder_;
+  std::unique_ptr<Daemon> daemon_;
+};
+
+TEST_F(ThousandClients, OfEveryBadHabitAndTheFramesGoOn) {
+  daemon_->wait_for("gamma", [](const json& r) { return r["sensors"][1]["state"] == "ok"; });
+  const std::size_t descriptors = daemon_->descriptors_at_rest();
+  {
+    Subscriber good(daemon_->socket());
+    good.keep_latencies();
+    std::optional<Reading> reading(std::in_place, good);
+    RpcClient asking(daemon_->socket());
+    View before = look(asking, good, kLook);
+    const Crowd crowd(*daemon_, kClients - 2);
+    while (asking.result("status")["clients"] != kClients) std::this_thread::sleep_for(1ms);
+    expect_no_room();
+    View during = look(asking, good, kLook);
+    reading.reset();
+    print("before", before);
+    print("during", during);
+    EXPECT_EQ(good.broken_lines(), 0U);
+    EXPECT_GT(during.asked_us.size(), 10U);
+    EXPECT_GT(during.received, before.received / 2) << "the devices go on";
+    EXPECT_LE(during.share_skipped(), before.share_skipped() + kTolerated);
+  }
+  EXPECT_EQ(daemon_->descriptors_at_rest(), descriptors);
+  EXPECT_EQ(daemon_->stop(), 0);
+}
+
+}  // namespace
+}  // namespace slipd::testing

@@ -1,0 +1,103 @@
+#include "tests/system/soak/mischief.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include "core/unique_fd.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::string record_request(const std::string& sensor, double seconds) {
+  return R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":")" + sensor + R"(","seconds":)" +
+         std::to_string(seconds) + "}}\n";
+}
+
+}  // namespace
+
+Mischief::Mischief(const Daemon& daemon, const TempFolder& folder, std::uint64_t seed)
+    : daemon_(daemon),
+      folder_(folder),
+      random_(static_cast<std::minstd_rand::result_type>(seed)),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+std::array<std::uint64_t, Mischief::kNames.size()> Mischief::stop() {
+  thread_ = {};
+  return done_;
+}
+
+void Mischief::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const std::size_t kind = random_() % kNames.size();
+    try {
+      act(kind);
+      ++done_[kind];
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << kNames[kind] << ": " << error.what();
+      return;
+    }
+    std::this_thread::sleep_for(up_to(60) * 1ms);
+  }
+}
+
+void Mischief::act(std::size_t kind) {
+  if (kind == 0) return stand_still();
+  if (kind == 5 || kind == 6) return record(kind == 6);
+  if (kind == 7) return never_read();
+  RpcClient client(daemon_.socket());
+  switch (kind) {
+    case 1:
+      client.result("subscribe");
+      for (int i = up_to(50); i > 0; --i) client.line(1s);
+      break;
+    case 2:
+      client.send(R"({"jsonrpc":"2.0","id":1,"meth)");
+      break;
+    case 3:
+      for (int i = up_to(500); i > 0; --i) client.send_line(R"({"jsonrpc":"2.0","id":1,"method":)");
+      break;
+    case 4:
+      client.send(std::string(70000, '['));
+      EXPECT_TRUE(client.closed_by_peer());
+      break;
+    case 8:
+      for (int i = up_to(20); i > 0; --i) client.call("frame", {{"sensor", sensor()}});
+      break;
+    case 9:
+      client.result("flight", {{"sensor", sensor()}});
+      break;
+    default:
+      client.result("status");
+      client.result("metrics");
+      client.result("gamma");
+  }
+}
+
+void Mischief::stand_still() {
+  daemon_.program().signal(SIGSTOP);
+  std::this_thread::sleep_for(up_to(200) * 1ms);
+  daemon_.program().signal(SIGCONT);
+}
+
+void Mischief::record(bool leave) {
+  const UniqueFd file(open(folder_.file("soak.rec").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  RpcClient client(daemon_.socket());
+  client.send(record_request(sensor(), leave ? 1000 : 0.05 * up_to(4)), file.get());
+  if (!leave && !client.line()) ADD_FAILURE() << "no answer to record";
+}
+
+void Mischief::never_read() {
+  RpcClient client(daemon_.socket());
+  client.send_line(R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})");
+  std::this_thread::sleep_for(up_to(500) * 1ms);
+}
+
+std::string Mischief::sensor() {
+  return "s" + std::to_string(random_() % 8);
+}
+
+}  // namespace slipd::testing
