@@ -141,7 +141,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
       out.state = State::no_shear;
     } else {
       out.shear_n = patch.shear_n;
-      const bool shaped = in.method && (patch.inside.size() >= kFewInside || weighed_over_time(in.setup)) &&
+      const bool shaped = in.method && (patch.count >= kFewInside || weighed_over_time(in.setup)) &&
                           patch.shear_n > 3 * patch.shear_sigma_n;
       const Reading reading = shaped ? in.method->read(frame, patch) : Reading{};
       in.tracker.update(patch, shaped ? &reading : nullptr, method(), out);

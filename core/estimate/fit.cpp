@@ -47,7 +47,7 @@ void Fit::collect(const Frame& frame, const ContactPatch& patch) noexcept {
   if (layout_.size() <= kFewTaxels) {  // where so little is felt, what is not felt tells as well
     for (std::uint32_t i = 0; i < layout_.size(); ++i) take(i);
   } else {
-    for (const std::uint32_t i : patch.inside) take(i);
+    patch.for_each_inside(take);
   }
 }
 
@@ -191,7 +191,7 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
   const double peak = 1.5 * patch.normal_n / (3.141592653589793 * patch.radius_m * patch.radius_m);
   noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
   noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
-  const MomentRatio ratio = moment_ratio(frame, patch, layout_);
+  const MomentRatio ratio = moment_ratio(patch, layout_);
   out.shape = ratio.shape;
   out.shape_sigma = ratio.shape_sigma;
   Vector at = start(patch, ratio), gradient, trial_gradient;

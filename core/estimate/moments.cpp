@@ -38,21 +38,12 @@ double gamma_of_moment_ratio(double ratio) noexcept {
   return k * k * k;
 }
 
-MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
-  double p = 0, q = 0, p2 = 0, q2 = 0, q4 = 0, r2 = 0, r4 = 0, r6 = 0, r8 = 0;
-  for (const std::uint32_t i : patch.inside) {
-    const double x = layout.x_m()[i] - patch.center_x_m, y = layout.y_m()[i] - patch.center_y_m;
-    const double square = x * x + y * y, normal = frame.normal_pa[i], shear = patch.shear_along_pa(frame, i);
-    p += normal;
-    q += shear;
-    p2 += normal * square;
-    q2 += shear * square;
-    q4 += shear * square * square;
-    r2 += square;
-    r4 += square * square;
-    r6 += square * square * square;
-    r8 += square * square * square * square;
-  }
+MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
+  const MomentSums sums = disc_kernels().moments(patch.taxels, patch.runs, patch.standpoint());
+  const double unit = patch.radius_m * patch.radius_m, unit2 = unit * unit;
+  const double p = sums.p, q = sums.q, p2 = sums.ps * unit, q2 = sums.qs * unit, q4 = sums.qss * unit2;
+  const double r2 = sums.s * unit, r4 = sums.s2 * unit2, r6 = sums.s3 * unit2 * unit,
+               r8 = sums.s4 * unit2 * unit2;
   MomentRatio out;
   if (!(p > 0 && q > 0)) return out;
   out.load = q / p;
@@ -61,7 +52,7 @@ MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const Ta
   if (!(mean_p > 0)) return out;
   out.value = mean_q / mean_p;
   if (patch.cut) return out;
-  const auto n = static_cast<double>(patch.inside.size());
+  const auto n = static_cast<double>(patch.count);
   const auto noise = [&](double sigma_pa, double sum, double mean) {
     const double scatter = std::max(0.0, r4 - 2 * mean * r2 + mean * mean * n);
     return sigma_pa * std::sqrt(scatter) / sum;
@@ -89,12 +80,12 @@ MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const Ta
   return out;
 }
 
-Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
+Reading Moments::read(const Frame&, const ContactPatch& patch) noexcept {
   Reading out;
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
-  const MomentRatio ratio = moment_ratio(frame, patch, layout_);
+  const MomentRatio ratio = moment_ratio(patch, layout_);
   out.shape = ratio.shape;
   out.shape_sigma = ratio.shape_sigma;
   const double open = 3 * ratio.sigma + 0.03;
@@ -107,7 +98,7 @@ Reading Moments::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.friction_sigma = out.sigma < 0.5 * held
                            ? out.friction * std::hypot(out.sigma / held, patch.shear_sigma_n / patch.shear_n)
                            : std::numeric_limits<double>::infinity();
-  const Rings rings = sum_rings(frame, patch, layout_);
+  const Rings rings = sum_rings(patch, layout_);
   out.in_family = family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
   return out;
 }

@@ -20,7 +20,7 @@ struct MomentRatio {
   double load = 0;  // sum q / sum p
   contact::SpringBed::Shape shape, shape_sigma = Reading().shape_sigma;
 };
-MomentRatio moment_ratio(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept;
+MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 
 class Moments final : public SlipMethod {
  public:

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
-#include "core/model/alpha.hpp"
+#include "core/model/alpha_kernels.hpp"
 #include "core/model/knn.hpp"
 #include "core/model/ring_columns.hpp"
 
@@ -26,7 +27,7 @@ SvdKnn::SvdKnn(std::shared_ptr<const Model> model, Precision precision)
     : model_(std::move(model)),
       query_(model_->neighbours(), searched(model_->setup())),
       moments_(model_->setup().layout),
-      alpha_(model_->setup().layout.size()),
+      alpha_(std::max(model_->setup().layout.size(), TaxelView::kLanes)),
       point_(model_->rank()),
       point_double_(model_->rank()),
       precision_(precision) {}
@@ -54,45 +55,48 @@ std::vector<double>& SvdKnn::sums() noexcept {
   return point_double_;
 }
 
+// By the loops where the basis is as wide as they take and single precision will do; else coordinate by
+// coordinate.
 template <class Real>
-bool SvdKnn::project(const Frame& frame, const ContactPatch& patch, float& noise) noexcept {
-  float peak = 0;
-  for (const std::uint32_t i : patch.inside) peak = std::max(peak, frame.normal_pa[i]);
-  const AlphaMask mask{.least_pa = peak * mask_fraction(model_->setup().scene.noise),
-                       .along_x = static_cast<float>(patch.toward_x),
-                       .along_y = static_cast<float>(patch.toward_y)};
-  alpha_of(frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa, mask, alpha_);
-
+void SvdKnn::project_angles(const ContactPatch& patch) noexcept {
   const float* basis = model_->data().basis.data();
   const std::size_t rank = point_.size();
+  if (std::is_same_v<Real, float> && rank % AlphaKernels::kTogether == 0) {
+    for (std::size_t k = 0; k < rank; k += AlphaKernels::kTogether)
+      alpha_kernels().project(alpha_.data(), patch.runs, basis + k, rank, point_.data() + k);
+    return;
+  }
   std::vector<Real>& sum = sums<Real>();
   std::fill(sum.begin(), sum.end(), Real(0));
-  float squares = 0, inverse_squares = 0;
-  std::size_t taken = 0;
-  for (const std::uint32_t i : patch.inside) {
-    if (!(frame.normal_pa[i] > mask.least_pa)) continue;
-    const float alpha = alpha_[i];
-    const float* row = basis + i * rank;
-    for (std::size_t k = 0; k < rank; ++k) sum[k] += Real(alpha) * Real(row[k]);
-    squares += alpha * alpha;
-    inverse_squares += 1 / (frame.normal_pa[i] * frame.normal_pa[i]);
-    ++taken;
-  }
-  if (taken == 0) return false;
-  // d(alpha) = dq/p at most, and each basis has norm 1: the mean over the taxels is what a coordinate sees.
-  noise = static_cast<float>(patch.noise_shear_pa) * std::sqrt(inverse_squares / static_cast<float>(taken));
+  patch.for_each_inside([&](std::uint32_t i) {
+    for (std::size_t k = 0; k < rank; ++k) sum[k] += Real(alpha_[i]) * Real(basis[i * rank + k]);
+  });
   std::transform(sum.begin(), sum.end(), point_.begin(), [](Real z) { return static_cast<float>(z); });
+}
+
+template <class Real>
+bool SvdKnn::project(const ContactPatch& patch, float& noise) noexcept {
+  const AlphaMask mask{.least_pa = patch.peak_pa * mask_fraction(model_->setup().scene.noise),
+                       .along_x = static_cast<float>(patch.toward_x),
+                       .along_y = static_cast<float>(patch.toward_y)};
+  const AngleSums angles = alpha_kernels().angles(patch.taxels, patch.runs, mask, alpha_.data());
+  if (angles.taken == 0) return false;
+  project_angles<Real>(patch);
+  const auto taken = static_cast<float>(angles.taken), squares = static_cast<float>(angles.squares);
+  // d(alpha) = dq/p at most, and each basis has norm 1: the mean over the taxels is what a coordinate sees.
+  noise = static_cast<float>(patch.noise_shear_pa) *
+          std::sqrt(static_cast<float>(angles.inverse_squares_per_pa2) / taken);
   float kept = 0;
   for (const float z : point_) kept += z * z;
-  const float noise_squares = noise * noise * static_cast<float>(taken);
+  const float noise_squares = noise * noise * taken;
   return squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 2 * noise_squares;
 }
 
 template <class Real>
-bool SvdKnn::project_rings(const Frame& frame, const ContactPatch& patch, float& noise) noexcept {
+bool SvdKnn::project_rings(const ContactPatch& patch, float& noise) noexcept {
   const TaxelLayout& layout = model_->setup().layout;
   const std::size_t count = model_->setup().rows();
-  const Rings rings = merged(sum_rings(frame, patch, layout), count);
+  const Rings rings = merged(sum_rings(patch, layout), count);
   const auto angles = ring_angles(rings, count);
   const float* basis = model_->data().basis.data();
   const std::size_t rank = point_.size();
@@ -127,9 +131,9 @@ Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;
   const bool twice = precision_ == Precision::double_precision;
-  const bool known =
-      rings ? (twice ? project_rings<double>(frame, patch, noise) : project_rings<float>(frame, patch, noise))
-            : (twice ? project<double>(frame, patch, noise) : project<float>(frame, patch, noise));
+  const bool known = rings
+                         ? (twice ? project_rings<double>(patch, noise) : project_rings<float>(patch, noise))
+                         : (twice ? project<double>(patch, noise) : project<float>(patch, noise));
   if (!known) return out;
   const ModelData& data = model_->data();
   const KnnAnswer answer = rings

@@ -60,7 +60,7 @@ void RingColumns::fill(std::size_t first, std::size_t count, float* out) const {
     }
     const Frame frame{1, 1, normal, shear, across};
     const ContactPatch& patch = finder.find(frame);
-    const auto angles = patch.touched ? ring_angles(merged(sum_rings(frame, patch, layout_), rings_), rings_)
+    const auto angles = patch.touched ? ring_angles(merged(sum_rings(patch, layout_), rings_), rings_)
                                       : ring_angles({}, rings_);
     std::copy_n(angles.begin(), rings_, out);
   }

@@ -9,6 +9,7 @@
 
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
+#include "core/patch/disc_kernels.hpp"
 
 namespace slipd {
 
@@ -24,8 +25,27 @@ struct ContactPatch {
   double radius_m = 0;                    // a, from the pressure's second moment: <r^2> = 2 a^2 / 5
   double noise_normal_pa = 0;             // standard deviation of one taxel, measured in this frame
   double noise_shear_pa = 0;
-  double shear_sigma_n = 0;               // standard deviation of Q
-  std::span<const std::uint32_t> inside;  // taxels of the disc, valid until the next frame
+  double shear_sigma_n = 0;   // standard deviation of Q
+  float peak_pa = 0;          // the greatest pressure in the disc
+  std::size_t count = 0;      // of the disc's taxels
+  std::span<const Run> runs;  // the disc's taxels, by their numbers; valid until the next frame
+  TaxelView taxels;           // what those loops read
+
+  Standpoint standpoint() const noexcept {
+    return {.x_m = static_cast<float>(center_x_m),
+            .y_m = static_cast<float>(center_y_m),
+            .toward_x = static_cast<float>(toward_x),
+            .toward_y = static_cast<float>(toward_y),
+            .radius_m = static_cast<float>(radius_m)};
+  }
+
+  // Calls with the number of each taxel of the disc.
+  template <typename Body>
+  void for_each_inside(const Body& body) const {
+    for (const Run& run : runs) {
+      for (std::uint32_t i = run.first; i < run.end; ++i) body(i);
+    }
+  }
 
   double shear_along_pa(const Frame& frame, std::uint32_t i) const noexcept {
     return toward_x * frame.shear_x_pa[i] + toward_y * frame.shear_y_pa[i];
@@ -40,17 +60,20 @@ class PatchFinder {
   const ContactPatch& find(const Frame& frame) noexcept;
 
  private:
-  void measure_normal_noise(const Frame& frame) noexcept;
-  bool locate(const Frame& frame) noexcept;
-  void refine(const Frame& frame) noexcept;
+  void view(const Frame& frame) noexcept;
+  void measure_normal_noise() noexcept;
+  bool locate() noexcept;
+  void refine() noexcept;
   void gather(double reach_m) noexcept;
-  void sum_shear(const Frame& frame) noexcept;
-  void measure_shear_noise(const Frame& frame) noexcept;
+  void sum_forces() noexcept;
+  void measure_shear_noise() noexcept;
 
   TaxelLayout layout_;
+  const DiscKernels& kernels_;
   double left_m_, right_m_, bottom_m_, top_m_;  // the outermost taxels' edges
-  std::vector<float> x_m_, y_m_;
-  std::vector<std::uint32_t> inside_;
+  std::vector<float> x_m_, y_m_;                // at least TaxelView::kLanes of each
+  std::vector<float> channels_;                 // of layouts that have fewer taxels; else empty
+  std::vector<Run> runs_, rest_;                // the disc, and all that is not of it
   double peak_pa_ = 0;
   ContactPatch patch_;
 };

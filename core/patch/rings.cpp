@@ -12,16 +12,15 @@ constexpr double kTaxelTolerance = 0.5;  // times taxel side over contact radius
 
 }  // namespace
 
-Rings sum_rings(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept {
+Rings sum_rings(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
+  std::array<RingSums, Rings::kCount> sums{};
+  disc_kernels().rings(patch.taxels, patch.runs, patch.standpoint(), Rings::kCount, sums.data());
   Rings rings;
-  const double scale = Rings::kCount / patch.radius_m;
   const double area = layout.area_m2();
-  for (const std::uint32_t i : patch.inside) {
-    const double r = std::hypot(layout.x_m()[i] - patch.center_x_m, layout.y_m()[i] - patch.center_y_m);
-    const auto ring = std::min(static_cast<std::size_t>(r * scale), Rings::kCount - 1);
-    rings.normal_n[ring] += frame.normal_pa[i] * area;
-    rings.shear_n[ring] += patch.shear_along_pa(frame, i) * area;
-    rings.taxels[ring] += 1;
+  for (std::size_t j = 0; j < Rings::kCount; ++j) {
+    rings.normal_n[j] = sums[j].p * area;
+    rings.shear_n[j] = sums[j].q * area;
+    rings.taxels[j] = sums[j].taxels;
   }
   return rings;
 }

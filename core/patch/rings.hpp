@@ -18,7 +18,7 @@ struct Rings {
 };
 
 // By the taxels' centres; the last ring also takes what lies beyond s = 1 within the patch's disc.
-Rings sum_rings(const Frame& frame, const ContactPatch& patch, const TaxelLayout& layout) noexcept;
+Rings sum_rings(const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 
 // The share of a disc's force within each ring: D_x of radius k (in units of a, 0 < k <= 1) over ring [s0,
 // s1).

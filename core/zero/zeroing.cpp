@@ -217,9 +217,9 @@ bool Zeroing::stands_out() noexcept {
                                             .shear_x_pa = all.subspan(taxels_, taxels_),
                                             .shear_y_pa = all.last(taxels_)});
   if (!patch.touched) return false;
-  const auto out = std::count_if(patch.inside.begin(), patch.inside.end(), [&](std::uint32_t taxel) {
-    return apart_[taxel] > kStandsOut * patch.noise_normal_pa;
-  });
+  int out = 0;
+  patch.for_each_inside(
+      [&](std::uint32_t taxel) { out += apart_[taxel] > kStandsOut * patch.noise_normal_pa ? 1 : 0; });
   return out >= kTogether;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/model/alpha_kernels.hpp"
 #include "core/model/random.hpp"
 
 namespace slipd {
@@ -26,6 +27,49 @@ TEST(Alpha, IsTheAngleOfShearOverPressure) {
     const double along = static_cast<double>(x[i] * 0.6F + y[i] * -0.8F);
     EXPECT_NEAR(alpha[i], std::atan2(along, static_cast<double>(p[i])), 1e-6)
         << x[i] << " " << y[i] << " " << p[i];
+  }
+}
+
+// Of a disc's taxels only, and what else is summed on the way, on every instruction set.
+TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
+  constexpr std::size_t kCount = 1003, kRank = AlphaKernels::kTogether;
+  constexpr float kUntouched = -7;
+  std::vector<float> p(kCount), x(kCount), y(kCount), basis(kCount * kRank);
+  const Draws draws(5);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    p[i] = static_cast<float>(draws.uniform(3 * i, -100, 1000));
+    x[i] = static_cast<float>(draws.uniform(3 * i + 1, -500, 900));
+    y[i] = static_cast<float>(draws.uniform(3 * i + 2, -500, 900));
+  }
+  for (std::size_t i = 0; i < basis.size(); ++i) basis[i] = draws.stream(1).noise(i);
+  const TaxelView view{p.data(), x.data(), y.data(), nullptr, nullptr, kCount};
+  const AlphaMask mask{.least_pa = 50, .along_x = 0.6F, .along_y = 0.8F};
+  const std::vector<Run> runs{{3, 4}, {10, 29}, {100, 164}, {500, 900}, {990, 1003}};
+  for (const AlphaKernels* kernels : all_alpha_kernels()) {
+    std::vector<float> alpha(kCount, kUntouched), point(kRank);
+    const AngleSums sums = kernels->angles(view, runs, mask, alpha.data());
+    double squares = 0, inverse = 0;
+    std::size_t taken = 0;
+    std::vector<double> wanted(kRank);
+    for (const Run& run : runs) {
+      for (std::size_t i = run.first; i < run.end; ++i) {
+        const bool counts = p[i] > mask.least_pa;
+        const double is = counts ? std::atan2(0.6 * x[i] + 0.8 * y[i], static_cast<double>(p[i])) : 0;
+        EXPECT_NEAR(alpha[i], is, 1e-6) << kernels->name;
+        squares += is * is;
+        inverse += counts ? 1.0 / p[i] / p[i] : 0;
+        taken += counts ? 1 : 0;
+        for (std::size_t k = 0; k < kRank; ++k) wanted[k] += is * basis[i * kRank + k];
+      }
+    }
+    EXPECT_EQ(alpha[2], kUntouched) << kernels->name;
+    EXPECT_EQ(alpha[164], kUntouched) << kernels->name;
+    EXPECT_NEAR(sums.squares, squares, 1e-5 * squares) << kernels->name;
+    EXPECT_NEAR(sums.inverse_squares_per_pa2, inverse, 1e-5 * inverse) << kernels->name;
+    EXPECT_EQ(sums.taken, taken) << kernels->name;
+    kernels->project(alpha.data(), runs, basis.data(), kRank, point.data());
+    // Single precision: rounding of as many terms as there are taxels.
+    for (std::size_t k = 0; k < kRank; ++k) EXPECT_NEAR(point[k], wanted[k], 2e-4) << kernels->name;
   }
 }
 

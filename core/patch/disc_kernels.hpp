@@ -1,0 +1,80 @@
+// Sums over taxels: what a frame's estimate spends its time on. The loops exist once for each instruction set
+// (disc_kernels.ipp, built several times with the flags in CMakeLists.txt); which is used is chosen when a
+// PatchFinder is first made, long after main began. Estimate thread; nothing here allocates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace slipd {
+
+// Neighbouring taxels [first, end).
+struct Run {
+  std::uint32_t first = 0, end = 0;
+};
+
+// One frame's channels beside the taxels' places, each with at least kLanes values (zeros where there are
+// fewer taxels).
+struct TaxelView {
+  static constexpr std::size_t kLanes = 16;
+  const float *normal_pa = nullptr, *shear_x_pa = nullptr, *shear_y_pa = nullptr, *x_m = nullptr,
+              *y_m = nullptr;
+  std::size_t size = 0;
+};
+
+struct NoiseSums {
+  double squares = 0;     // of pressures below zero
+  std::size_t below = 0;  // how many
+  float peak = 0;         // the greatest pressure, 0 if none is above
+};
+
+// Of pressure p at places relative to a centre.
+struct PlaceSums {
+  double p = 0, px = 0, py = 0, prr = 0;
+};
+
+struct ForceSums {
+  double p = 0, x = 0, y = 0;
+  float peak = 0;  // of p, at least 0
+};
+
+// Powers of s = r^2/a^2, alone and weighted by pressure p and by the shear along a direction q.
+struct MomentSums {
+  double p = 0, q = 0, ps = 0, qs = 0, qss = 0, s = 0, s2 = 0, s3 = 0, s4 = 0;
+};
+
+// About a centre, with shear along (toward_x, toward_y).
+struct Standpoint {
+  float x_m = 0, y_m = 0, toward_x = 1, toward_y = 0, radius_m = 1;
+};
+
+// One ring's: pressures, shear along the direction, number of taxels.
+struct RingSums {
+  double p = 0, q = 0, taxels = 0, unused = 0;
+};
+
+// Single precision within a few blocks, double across them: relative to the sum of magnitudes within 1e-6 of
+// exact.
+struct DiscKernels {
+  using Runs = std::span<const Run>;
+  const char* name;
+  NoiseSums (*noise)(const TaxelView&) noexcept;
+  PlaceSums (*place)(const TaxelView&,
+                     float least_pa) noexcept;  // of all taxels with at least this, about the origin
+  PlaceSums (*weigh)(const TaxelView&, Runs, float x_m, float y_m) noexcept;
+  ForceSums (*force)(const TaxelView&, Runs) noexcept;
+  double (*shear_squares)(const TaxelView&, Runs,
+                          const Standpoint&) noexcept;  // of the shear along the direction
+  MomentSums (*moments)(const TaxelView&, Runs, const Standpoint&) noexcept;
+  // Adds to `count` rings of equal width, of which the last also takes what lies beyond.
+  void (*rings)(const TaxelView&, Runs, const Standpoint&, std::size_t count, RingSums* rings) noexcept;
+};
+
+// Those for this processor.
+const DiscKernels& disc_kernels() noexcept;
+
+// All that this processor can run, the plainest first: for tests and measurements.
+std::span<const DiscKernels* const> all_disc_kernels() noexcept;
+
+}  // namespace slipd

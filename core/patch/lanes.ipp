@@ -1,0 +1,84 @@
+// Sixteen taxels at a time, as vectors of the compiler's own kind, which it cuts into the registers that
+// there are. Included by files that are built once for each instruction set. No function of the standard
+// library is called here: what is inline there would exist once for all files, perhaps for the wrong
+// processor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/patch/disc_kernels.hpp"
+
+namespace slipd {
+namespace {
+
+using Floats = float __attribute__((vector_size(64)));
+using Ints = std::int32_t __attribute__((vector_size(64)));
+using Half = float __attribute__((vector_size(32)));
+using Doubles = double __attribute__((vector_size(64)));
+
+#define SLIPD_INLINE [[gnu::always_inline]] inline
+
+constexpr std::size_t kLanes = TaxelView::kLanes;
+constexpr int kBlocks = 16;  // of single precision before they are added in double
+
+SLIPD_INLINE Floats load(const float* from) noexcept {
+  Floats values;
+  __builtin_memcpy(&values, from, sizeof values);
+  return values;
+}
+
+SLIPD_INLINE void store(float* to, const Floats& values) noexcept {
+  __builtin_memcpy(to, &values, sizeof values);
+}
+
+SLIPD_INLINE Floats where(const Ints& mask, const Floats& values) noexcept {
+  return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(values));
+}
+
+// Many sums at once, each of sixteen lanes.
+template <int N>
+struct Sums {
+  Floats part[N] = {};
+  Doubles whole[N] = {};
+  int blocks = 0;
+
+  SLIPD_INLINE void next() noexcept {
+    if (++blocks == kBlocks) flush();
+  }
+  SLIPD_INLINE void flush() noexcept {
+    for (int i = 0; i < N; ++i) {
+      const Half low = __builtin_shufflevector(part[i], part[i], 0, 1, 2, 3, 4, 5, 6, 7);
+      const Half high = __builtin_shufflevector(part[i], part[i], 8, 9, 10, 11, 12, 13, 14, 15);
+      whole[i] += __builtin_convertvector(low, Doubles) + __builtin_convertvector(high, Doubles);
+      part[i] = Floats{};
+    }
+    blocks = 0;
+  }
+  SLIPD_INLINE double total(int i) const noexcept {
+    double sum = 0;
+    for (int lane = 0; lane < 8; ++lane) sum += whole[i][lane];
+    return sum;
+  }
+};
+
+// Calls body(place, mask) for blocks that together are the runs, each taxel once; mask: of those that count.
+template <typename Body>
+SLIPD_INLINE void for_blocks(const Run* runs, std::size_t count, std::size_t size,
+                             const Body& body) noexcept {
+  constexpr Ints kNumbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const Ints all = kNumbers >= 0;
+  const std::size_t last = size > kLanes ? size - kLanes : 0;  // where the last whole block begins
+  for (std::size_t r = 0; r < count; ++r) {
+    std::size_t i = runs[r].first;
+    const std::size_t end = runs[r].end;
+    for (; i + kLanes <= end; i += kLanes) body(i, all);
+    if (i == end) continue;
+    const std::size_t from = i < last ? i : last;
+    const auto low = static_cast<std::int32_t>(i - from), high = static_cast<std::int32_t>(end - from);
+    body(from, (kNumbers >= low) & (kNumbers < high));
+  }
+}
+
+}  // namespace
+}  // namespace slipd

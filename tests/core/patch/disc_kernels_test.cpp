@@ -1,0 +1,171 @@
+// The loops over taxels say the same on every instruction set, and the same as plain sums in double.
+#include "core/patch/disc_kernels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace slipd {
+namespace {
+
+// Channels and places of so many taxels, with zeros behind where there are fewer than a block.
+struct Taxels {
+  std::vector<float> normal, shear_x, shear_y, x, y;
+  std::size_t size;
+
+  Taxels(std::size_t count, std::uint32_t seed) : size(count) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> pressure(-2e3F, 1e5F), shear(-5e4F, 5e4F), place(-8e-3F, 8e-3F);
+    for (std::size_t i = 0; i < count; ++i) {
+      normal.push_back(pressure(random));
+      shear_x.push_back(shear(random));
+      shear_y.push_back(shear(random));
+      x.push_back(place(random));
+      y.push_back(place(random));
+    }
+    for (auto* list : {&normal, &shear_x, &shear_y, &x, &y})
+      list->resize(std::max<std::size_t>(count, TaxelView::kLanes));
+  }
+  TaxelView view() const { return {normal.data(), shear_x.data(), shear_y.data(), x.data(), y.data(), size}; }
+};
+
+std::vector<Run> random_runs(std::size_t size, std::mt19937& random) {
+  std::vector<Run> runs;
+  std::uniform_int_distribution<std::uint32_t> gap(0, 9), length(1, 60);
+  for (std::uint32_t at = gap(random); at < size;) {
+    const std::uint32_t end = std::min<std::uint32_t>(at + length(random), static_cast<std::uint32_t>(size));
+    runs.push_back({at, end});
+    at = end + 1 + gap(random);
+  }
+  return runs;
+}
+
+// Within 1e-6 of the sum of what was added, whatever its sign.
+class Near {
+ public:
+  void add(double value) { add(value, std::fabs(value)); }
+  void add(double value, double size) {  // size: of what it is itself the sum of
+    sum_ += value;
+    size_ += size;
+  }
+  void expect(double said, const char* what, const char* kernels) const {
+    EXPECT_NEAR(said, sum_, 1e-6 * size_) << what << ", " << kernels;
+  }
+
+ private:
+  double sum_ = 0, size_ = 0;
+};
+
+const Standpoint kFrom{.x_m = 4e-4F, .y_m = -1.1e-3F, .toward_x = 0.6F, .toward_y = -0.8F, .radius_m = 5e-3F};
+
+class DiscKernelsOf : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
+  std::mt19937 random(7);
+  for (std::uint32_t seed = 0; seed < 5; ++seed) {
+    const Taxels taxels(GetParam(), seed);
+    const TaxelView view = taxels.view();
+    const auto runs = random_runs(GetParam(), random);
+    for (const DiscKernels* kernels : all_disc_kernels()) {
+      Near noise;
+      std::size_t below = 0;
+      float peak = 0;
+      std::array<Near, 4> placed, weighed;
+      std::array<Near, 3> force;
+      std::array<Near, 9> moments;
+      Near squares;
+      const float least = 3e4F;
+      for (std::size_t i = 0; i < view.size; ++i) {
+        const double p = view.normal_pa[i], x = view.x_m[i], y = view.y_m[i];
+        if (p < 0) noise.add(p * p);
+        below += p < 0 ? 1 : 0;
+        peak = std::max(peak, view.normal_pa[i]);
+        const double counted = view.normal_pa[i] < least ? 0 : p;
+        const double values[] = {counted, counted * x, counted * y, counted * (x * x + y * y)};
+        for (std::size_t k = 0; k < 4; ++k) placed[k].add(values[k]);
+      }
+      float inner_peak = 0;
+      for (const auto& run : runs) {
+        for (std::size_t i = run.first; i < run.end; ++i) {
+          const double p = view.normal_pa[i], sx = view.shear_x_pa[i], sy = view.shear_y_pa[i];
+          const double x = view.x_m[i] - kFrom.x_m, y = view.y_m[i] - kFrom.y_m, rr = x * x + y * y;
+          const double q = kFrom.toward_x * sx + kFrom.toward_y * sy;
+          const double s = rr / (static_cast<double>(kFrom.radius_m) * kFrom.radius_m);
+          inner_peak = std::max(inner_peak, view.normal_pa[i]);
+          const double place[] = {p, p * x, p * y, p * rr}, forces[] = {p, sx, sy},
+                       powers[] = {p, q, p * s, q * s, q * s * s, s, s * s, s * s * s, s * s * s * s};
+          for (std::size_t k = 0; k < 4; ++k) weighed[k].add(place[k]);
+          for (std::size_t k = 0; k < 3; ++k) force[k].add(forces[k]);
+          for (std::size_t k = 0; k < 9; ++k) moments[k].add(powers[k]);
+          squares.add(q * q);
+        }
+      }
+      const char* const name = kernels->name;
+      const NoiseSums n = kernels->noise(view);
+      noise.expect(n.squares, "noise", name);
+      EXPECT_EQ(n.below, below) << name;
+      EXPECT_EQ(n.peak, peak) << name;
+      const auto four = [&](const std::array<Near, 4>& of, const PlaceSums& said, const char* what) {
+        const double values[] = {said.p, said.px, said.py, said.prr};
+        for (std::size_t k = 0; k < 4; ++k) of[k].expect(values[k], what, name);
+      };
+      four(placed, kernels->place(view, least), "place");
+      four(weighed, kernels->weigh(view, runs, kFrom.x_m, kFrom.y_m), "weigh");
+      const ForceSums f = kernels->force(view, runs);
+      const double forces[] = {f.p, f.x, f.y};
+      for (std::size_t k = 0; k < 3; ++k) force[k].expect(forces[k], "force", name);
+      EXPECT_EQ(f.peak, inner_peak) << name;
+      squares.expect(kernels->shear_squares(view, runs, kFrom), "squares of shear", name);
+      const MomentSums m = kernels->moments(view, runs, kFrom);
+      const double powers[] = {m.p, m.q, m.ps, m.qs, m.qss, m.s, m.s2, m.s3, m.s4};
+      for (std::size_t k = 0; k < 9; ++k) moments[k].expect(powers[k], "moments", name);
+    }
+  }
+}
+
+// A taxel on the very border of two rings may be in either: rings are compared by what they hold up to each
+// border.
+TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
+  constexpr std::size_t kRings = 16;
+  std::mt19937 random(8);
+  const Taxels taxels(GetParam(), 11);
+  const TaxelView view = taxels.view();
+  const auto runs = random_runs(GetParam(), random);
+  for (const DiscKernels* kernels : all_disc_kernels()) {
+    std::array<RingSums, kRings> rings{};
+    kernels->rings(view, runs, kFrom, kRings, rings.data());
+    std::array<double, kRings> count{};
+    Near p, q;
+    for (const auto& run : runs) {
+      for (std::size_t i = run.first; i < run.end; ++i) {
+        const double r = std::hypot(view.x_m[i] - kFrom.x_m, view.y_m[i] - kFrom.y_m) / kFrom.radius_m;
+        count[std::min(static_cast<std::size_t>(r * kRings), kRings - 1)] += 1;
+        p.add(view.normal_pa[i]);
+        const double along = static_cast<double>(kFrom.toward_x) * view.shear_x_pa[i],
+                     across = static_cast<double>(kFrom.toward_y) * view.shear_y_pa[i];
+        q.add(along + across, std::fabs(along) + std::fabs(across));
+      }
+    }
+    double all_p = 0, all_q = 0;
+    for (std::size_t j = 0; j < kRings; ++j) {
+      all_p += rings[j].p;
+      all_q += rings[j].q;
+      EXPECT_NEAR(rings[j].taxels, count[j], 1) << kernels->name << ", ring " << j;
+    }
+    p.expect(all_p, "pressure", kernels->name);
+    q.expect(all_q, "shear", kernels->name);
+  }
+}
+
+// Fewer than a block, a block, not a multiple of it, and the paper's.
+INSTANTIATE_TEST_SUITE_P(Layouts, DiscKernelsOf, ::testing::Values(1, 9, 16, 17, 100, 1000, 10000));
+
+TEST(DiscKernels, TheChosenAreTheLastOfThoseThatRunHere) {
+  EXPECT_EQ(&disc_kernels(), all_disc_kernels().back());
+}
+
+}  // namespace
+}  // namespace slipd
