@@ -24,17 +24,21 @@ double slope(double k) noexcept {
 
 }  // namespace
 
+// Newton's method on (1 - ratio)(1 + k + k^2) + k^3 + k^4 = 0, the ratio's polynomials divided by 1 - k. Its
+// only positive root is in (0, 1), and from there on it is convex and rises: from k = 1 each step comes
+// nearer without passing it.
 double gamma_of_moment_ratio(double ratio) noexcept {
   if (ratio <= 1) return 0;
   if (ratio >= 5.0 / 3) return 1;
-  double low = 0, high = 1;
-  for (int i = 0; i < 50; ++i) {
-    const double k = 0.5 * (low + high), k2 = k * k;
-    // (1 - k^5)/(1 - k^3), both divided by 1 - k.
-    const double value = (1 + k + k2 + k2 * k + k2 * k2) / (1 + k + k2);
-    (value < ratio ? low : high) = k;
+  const double rest = 1 - ratio;
+  double k = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double k2 = k * k;
+    const double value = rest * (1 + k + k2) + k2 * k + k2 * k2;
+    const double step = value / (rest * (1 + 2 * k) + 3 * k2 + 4 * k2 * k);
+    if (!(step > 1e-15)) break;
+    k -= step;
   }
-  const double k = 0.5 * (low + high);
   return k * k * k;
 }
 
@@ -81,6 +85,10 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) n
 }
 
 Reading Moments::read(const Frame&, const ContactPatch& patch) noexcept {
+  return read(patch, sum_rings(patch, layout_));
+}
+
+Reading Moments::read(const ContactPatch& patch, const Rings& rings) const noexcept {
   Reading out;
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
@@ -98,7 +106,6 @@ Reading Moments::read(const Frame&, const ContactPatch& patch) noexcept {
   out.friction_sigma = out.sigma < 0.5 * held
                            ? out.friction * std::hypot(out.sigma / held, patch.shear_sigma_n / patch.shear_n)
                            : std::numeric_limits<double>::infinity();
-  const Rings rings = sum_rings(patch, layout_);
   out.in_family = family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
   return out;
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/estimate/method.hpp"
+#include "core/patch/rings.hpp"
 
 namespace slipd {
 
@@ -30,6 +31,7 @@ class Moments final : public SlipMethod {
     return {.memory_bytes = sizeof(*this) + 2 * sizeof(double) * layout_.size()};
   }
   Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
+  Reading read(const ContactPatch& patch, const Rings& rings) const noexcept;  // its rings are known already
 
  private:
   TaxelLayout layout_;

@@ -93,10 +93,10 @@ bool SvdKnn::project(const ContactPatch& patch, float& noise) noexcept {
 }
 
 template <class Real>
-bool SvdKnn::project_rings(const ContactPatch& patch, float& noise) noexcept {
+bool SvdKnn::project_rings(const ContactPatch& patch, const Rings& all, float& noise) noexcept {
   const TaxelLayout& layout = model_->setup().layout;
   const std::size_t count = model_->setup().rows();
-  const Rings rings = merged(sum_rings(patch, layout), count);
+  const Rings rings = merged(all, count);
   const auto angles = ring_angles(rings, count);
   const float* basis = model_->data().basis.data();
   const std::size_t rank = point_.size();
@@ -119,21 +119,22 @@ bool SvdKnn::project_rings(const ContactPatch& patch, float& noise) noexcept {
          squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 4 * noise_squares;
 }
 
-Reading SvdKnn::read(const Frame& frame, const ContactPatch& patch) noexcept {
+Reading SvdKnn::read(const Frame&, const ContactPatch& patch) noexcept {
   Reading out;
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
-  const Reading shape = moments_.read(frame, patch);
+  const Rings sums = sum_rings(patch, model_->setup().layout);
+  const Reading shape = moments_.read(patch, sums);
   out.shape = shape.shape;
   out.shape_sigma = shape.shape_sigma;
   float noise = 0;
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;
   const bool twice = precision_ == Precision::double_precision;
-  const bool known = rings
-                         ? (twice ? project_rings<double>(patch, noise) : project_rings<float>(patch, noise))
-                         : (twice ? project<double>(patch, noise) : project<float>(patch, noise));
+  const bool known =
+      rings ? (twice ? project_rings<double>(patch, sums, noise) : project_rings<float>(patch, sums, noise))
+            : (twice ? project<double>(patch, noise) : project<float>(patch, noise));
   if (!known) return out;
   const ModelData& data = model_->data();
   const KnnAnswer answer = rings

@@ -30,7 +30,7 @@ class SvdKnn final : public SlipMethod {
   // Fills point_; returns whether it lies where the training's contacts did. `noise` gets the standard
   // deviation of each of its coordinates that comes of the frame's shear noise, rad.
   template <class Real>
-  bool project_rings(const ContactPatch& patch, float& noise) noexcept;
+  bool project_rings(const ContactPatch& patch, const Rings& all, float& noise) noexcept;
   template <class Real>
   bool project(const ContactPatch& patch, float& noise) noexcept;
   template <class Real>

@@ -152,18 +152,21 @@ void PatchFinder::gather(double reach_m) noexcept {
   }
   // Of each row of a grid a stretch about the disc's middle: its ends nearly by the root, then taxel by
   // taxel.
-  const auto index = [](double place, double pitch, std::size_t count) {
-    return static_cast<std::size_t>(std::clamp(place / pitch, 0.0, static_cast<double>(count)));
+  const auto pitches = static_cast<float>(1 / grid->pitch_m);
+  const auto left = static_cast<float>(left_m_), bottom = static_cast<float>(bottom_m_);
+  const auto reach = static_cast<float>(reach_m);
+  const auto index = [&](float place_m, std::size_t count) {
+    const float place = std::clamp(place_m * pitches, 0.0F, static_cast<float>(count));
+    return static_cast<std::size_t>(static_cast<std::int32_t>(place));
   };
-  const double pitch = grid->pitch_m;
-  const std::size_t first_row = index(patch_.center_y_m - reach_m - bottom_m_, pitch, grid->rows);
-  const std::size_t end_row = index(patch_.center_y_m + reach_m - bottom_m_ + pitch, pitch, grid->rows);
+  const std::size_t first_row = index(cy - reach - bottom, grid->rows);
+  const std::size_t end_row = std::min(index(cy + reach - bottom, grid->rows) + 1, grid->rows);
   for (std::size_t row = first_row; row < end_row; ++row) {
     const std::size_t begin = row * grid->columns, end = begin + grid->columns;
-    const double y = y_m_[begin] - patch_.center_y_m;
-    const double half = std::sqrt(std::max(0.0, reach_m * reach_m - y * y));
-    std::size_t from = begin + index(patch_.center_x_m - half - left_m_, pitch, grid->columns);
-    std::size_t to = begin + index(patch_.center_x_m + half - left_m_ + pitch, pitch, grid->columns);
+    const float y = y_m_[begin] - cy;
+    const float half = std::sqrt(std::max(0.0F, reach2 - y * y));
+    std::size_t from = begin + index(cx - half - left, grid->columns);
+    std::size_t to = std::min(begin + index(cx + half - left, grid->columns) + 1, end);
     while (from < to && !within(from)) ++from;
     while (to > from && !within(to - 1)) --to;
     if (from == to) continue;

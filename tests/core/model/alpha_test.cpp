@@ -44,14 +44,14 @@ TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
   for (std::size_t i = 0; i < basis.size(); ++i) basis[i] = draws.stream(1).noise(i);
   const TaxelView view{p.data(), x.data(), y.data(), nullptr, nullptr, kCount};
   const AlphaMask mask{.least_pa = 50, .along_x = 0.6F, .along_y = 0.8F};
-  const std::vector<Run> runs{{3, 4}, {10, 29}, {100, 164}, {500, 900}, {990, 1003}};
+  const std::vector<slipd::Run> runs{{3, 4}, {10, 29}, {100, 164}, {500, 900}, {990, 1003}};
   for (const AlphaKernels* kernels : all_alpha_kernels()) {
     std::vector<float> alpha(kCount, kUntouched), point(kRank);
     const AngleSums sums = kernels->angles(view, runs, mask, alpha.data());
     double squares = 0, inverse = 0;
     std::size_t taken = 0;
     std::vector<double> wanted(kRank);
-    for (const Run& run : runs) {
+    for (const auto& run : runs) {
       for (std::size_t i = run.first; i < run.end; ++i) {
         const bool counts = p[i] > mask.least_pa;
         const double is = counts ? std::atan2(0.6 * x[i] + 0.8 * y[i], static_cast<double>(p[i])) : 0;
