@@ -28,6 +28,7 @@ class Converter {
     if (clean("/socket")) socket(s.socket);
     if (root_.contains("can") && clean("/can")) can(s);
     if (clean("/recorder")) recorder(s.recorder);
+    if (clean("/metrics")) metrics(s.metrics);
     if (clean("/realtime")) realtime(s.realtime);
     if (clean("/log")) s.log_level = root_["log"]["level"];
     return s;
@@ -172,6 +173,13 @@ class Converter {
   void recorder(RecorderSettings& r) const {
     const json& in = root_["recorder"];
     r = {.seconds = in["seconds"], .max_mb = in["max_mb"], .keep = in["keep"]};
+  }
+
+  void metrics(MetricsSettings& m) {
+    const json& in = root_["metrics"];
+    const std::string file = in["file"];
+    if (!file.empty() && file.front() != '/') add("/metrics/file", in["file"], "expected an absolute path");
+    m = {.file = in["file"].get<std::string>(), .period = std::chrono::seconds(in["period_s"].get<int>())};
   }
 
   void realtime(RealtimeSettings& r) const {

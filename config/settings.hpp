@@ -21,6 +21,7 @@ struct SensorSettings {
   bool stale_after_told = false;  // by the user; else a slower device has three of its frames
   std::optional<double> friction;
   std::vector<float> gain;  // one for all taxels, or one for each
+  bool operator==(const SensorSettings&) const = default;
 };
 
 struct GraspSettings {
@@ -49,6 +50,12 @@ struct RecorderSettings {
   int keep = 20;
 };
 
+// Metrics in a file for a collector that reads files, such as node_exporter's.
+struct MetricsSettings {
+  std::filesystem::path file;  // empty: none is written
+  std::chrono::seconds period{15};
+};
+
 enum class RealtimeMode : std::uint8_t { enforce, prefer, off };
 
 struct RealtimeSettings {
@@ -70,6 +77,7 @@ struct Settings {
   SocketSettings socket;
   std::optional<CanSettings> can;  // absent: no CAN thread
   RecorderSettings recorder;
+  MetricsSettings metrics;
   RealtimeSettings realtime;
   std::string log_level = "info";
 

@@ -25,6 +25,10 @@ class Engine {
   // Ends its threads by `deadline`. False: a driver hangs, so that nothing of this may be destroyed any more.
   bool stop(std::chrono::system_clock::time_point deadline);
 
+  // Before start: what the engine before had learnt, from its give_up after a stop that was true.
+  void inherit(std::vector<Learnt> learnt) { pipeline_.inherit(std::move(learnt)); }
+  std::vector<Learnt> give_up() { return pipeline_.give_up(); }
+
   // Whether each device has been tried: opened, refused or found absent.
   bool tried() const;
   std::uint64_t heartbeat() const noexcept { return pipeline_.heartbeat(); }

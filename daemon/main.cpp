@@ -1,6 +1,4 @@
 // slipd's command line. Exit 0: done or stopped; 1: it failed; 2: wrong use or configuration.
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>

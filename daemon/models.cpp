@@ -4,7 +4,6 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -20,6 +19,7 @@
 #include "core/model/model_file.hpp"
 #include "core/model/setup_json.hpp"
 #include "core/unique_fd.hpp"
+#include "daemon/log/log.hpp"
 
 namespace slipd {
 namespace {
@@ -93,10 +93,11 @@ std::shared_ptr<const Model> Models::get(const std::string& sensor, const ChainS
     try {
       return load();
     } catch (const ModelError& error) {
-      spdlog::warn("{}: {}; it is made anew", sensor, error.what());
+      say(LogLevel::warning, {sensor, Cause::machine}, sensor + ": " + error.what() + "; it is made anew");
     }
   }
-  spdlog::info("{}: training a model of its scene; until it is there, the sensor is learning", sensor);
+  say(LogLevel::info, {sensor},
+      sensor + ": training a model of its scene; until it is there, the sensor is learning");
   train(sensor, to_json(wanted).dump());
   return load();
 }
@@ -123,7 +124,7 @@ void Models::train(const std::string& sensor, const std::string& setup_json) {
     for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {
       last = text.substr(0, end);
       text.erase(0, end + 1);
-      spdlog::info("{}: {}", sensor, last);
+      say(LogLevel::info, {sensor}, sensor + ": " + last);
     }
   }
   int status = 0;

@@ -1,6 +1,5 @@
 #include "daemon/service.hpp"
 
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <asio/io_context.hpp>
@@ -11,7 +10,7 @@
 #include <vector>
 
 #include "daemon/engine.hpp"
-#include "daemon/log.hpp"
+#include "daemon/log/log.hpp"
 #include "daemon/notify.hpp"
 #include "daemon/serve/server.hpp"
 #include "daemon/serve/socket_file.hpp"
@@ -33,7 +32,7 @@ RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
   if (settings.mode == RealtimeMode::enforce) {
     throw std::runtime_error("realtime.mode is \"enforce\", but the system refuses " + grant.refusal);
   }
-  spdlog::warn("real time: not granted: {}", grant.refusal);
+  say(LogLevel::warning, {{}, Cause::configuration}, "real time: not granted: " + grant.refusal);
   return grant;
 }
 
@@ -56,7 +55,9 @@ std::unique_ptr<SocketFile> socket_for(const SocketSettings& settings) {
 // What was granted or made once, at start, stays as it is.
 void keep_what_needs_a_restart(Settings& next, const Settings& now) {
   const auto keep = [](auto& value, const auto& was, const char* name) {
-    if (value != was) spdlog::warn("reload: {} is taken up by a restart only", name);
+    if (value != was)
+      say(LogLevel::warning, {{}, Cause::configuration},
+          std::string("reload: ") + name + " is taken up by a restart only");
     value = was;
   };
   keep(next.socket.path, now.socket.path, "socket.path");
@@ -123,6 +124,7 @@ class Service {
   std::vector<std::unique_ptr<Engine>> hanging_;  // a driver of theirs does not let go: never destroyed
   std::unique_ptr<SocketFile> file_;
   std::optional<Server> server_;
+  LogLimit log_limit_;
   std::string status_;
   std::uint64_t last_heartbeat_ = 0;
 };
@@ -133,14 +135,15 @@ int Service::run() {
   engine_->world().realtime = grant;
   begin();
   on_signals();
-  const Ticker logs(io_, kLogInterval, [this] { drain_logs(engine_->board()); });
+  const Ticker logs(io_, kLogInterval, [this] { drain_logs(engine_->board().logs, log_limit_); });
   const Ticker status(io_, kStatusInterval, [this] { notify::status(engine_->world(), status_); });
   std::optional<Ticker> watchdog;
   if (const auto patience = notify::watchdog_patience())
     watchdog.emplace(io_, *patience / 2, [this] { feed_watchdog(); });
   const std::size_t sensors = engine_->settings().sensors.size();
-  spdlog::info("slipd {} serves {} sensor{} on {}", SLIPD_VERSION, sensors, sensors == 1 ? "" : "s",
-               file_->name());
+  say(LogLevel::info, {},
+      "slipd " SLIPD_VERSION " serves " + std::to_string(sensors) + (sensors == 1 ? " sensor" : " sensors") +
+          " on " + file_->name());
   ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
   say_ready_when_tried();
   io_.run();
@@ -159,7 +162,7 @@ void Service::on_signals() {
       reload();
       return on_signals();
     }
-    spdlog::info("stopping on {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
+    say(LogLevel::info, {}, signal == SIGTERM ? "stopping on SIGTERM" : "stopping on SIGINT");
     io_.stop();
   });
 }
@@ -189,9 +192,9 @@ void Service::reload() {
   if (auto next = next_engine()) {
     exchange(std::move(next));
     change_log_level(engine_->settings().log_level);
-    spdlog::info("reload: the new configuration is in force");
+    say(LogLevel::info, {}, "reload: the new configuration is in force");
   } else {
-    spdlog::error("reload: the configuration in force stays");
+    say(LogLevel::error, {{}, Cause::configuration}, "reload: the configuration in force stays");
   }
   ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
   say_ready_when_tried();
@@ -205,9 +208,10 @@ std::unique_ptr<Engine> Service::next_engine() {
     keep_what_needs_a_restart(settings, engine_->settings());
     return make_engine(std::move(settings), drivers_, config_file_);
   } catch (const SettingsError& error) {
-    for (const std::string& problem : error.problems()) spdlog::error("reload: {}", problem);
+    for (const std::string& problem : error.problems())
+      say(LogLevel::error, {{}, Cause::configuration}, "reload: " + problem);
   } catch (const std::exception& error) {
-    spdlog::error("reload: {}", error.what());
+    say(LogLevel::error, {{}, Cause::configuration}, std::string("reload: ") + error.what());
   }
   return nullptr;
 }
@@ -219,10 +223,14 @@ void Service::exchange(std::unique_ptr<Engine> next) {
   recorder_.end_all();
   server_.reset();
   const bool clean = engine_->stop(std::chrono::system_clock::now() + kStopPatience);
-  drain_logs(engine_->board());
+  drain_logs(engine_->board().logs, log_limit_);
   std::swap(engine_, next);
-  if (!clean) {
-    spdlog::error("reload: a driver of the old configuration hangs and is left behind");
+  log_limit_ = {};
+  if (clean) {
+    engine_->inherit(next->give_up());
+  } else {
+    say(LogLevel::error, {{}, Cause::device},
+        "reload: what reads or sets up a device of the old configuration does not end, and is left behind");
     hanging_.push_back(std::move(next));
   }
   begin();
@@ -236,10 +244,10 @@ int Service::end() {
   recorder_.end_all();
   file_.reset();
   const bool clean = engine_->stop(deadline) && hanging_.empty();
-  drain_logs(engine_->board());
+  drain_logs(engine_->board().logs, log_limit_);
   if (!clean) {
-    spdlog::error("a driver hangs and is left behind; the process ends without it");
-    spdlog::shutdown();
+    say(LogLevel::error, {{}, Cause::device},
+        "a driver hangs and is left behind; the process ends without it");
     _exit(0);  // its thread may touch anything that a destructor would take away
   }
   return 0;

@@ -31,6 +31,7 @@ struct SensorSetup {
   std::string profile;     // empty: none
   nlohmann::json device;   // how to find it: serial, index, port …; an object
   nlohmann::json options;  // an object
+  bool operator==(const SensorSetup&) const = default;
 };
 
 // The surface of a sensor whose device dictates it; see Skin of the scene.

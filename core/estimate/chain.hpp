@@ -24,6 +24,7 @@ struct ChainSetup {
   EstimatorSettings estimator;
   AlertSettings alerts;
   std::optional<double> friction;  // known beforehand
+  bool operator==(const ChainSetup&) const = default;
 };
 
 // Whether a trained model is needed, so that a scene that needs none never makes one.

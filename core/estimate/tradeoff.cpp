@@ -86,6 +86,21 @@ Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std
   return worth;
 }
 
+Worth measure_worth(const ChainSetup& setup, Method method) {
+  constexpr std::size_t kContacts = 48;
+  constexpr std::uint64_t kSeed = 2;  // training draws from 1
+  if (setup.layout.size() <= Fit::kFewTaxels) return {};
+  Scene scene = setup.scene;
+  if (scene.objects.empty()) scene.objects = paper_objects();
+  const auto measured = [&](SlipMethod&& with) -> Worth {
+    return {{measure_tradeoff(setup.layout, scene, with, NoiseKind::relative, scene.noise, kContacts, kSeed)},
+            processor_name()};
+  };
+  if (method == Method::moments) return measured(Moments(setup.layout));
+  if (method == Method::fit) return measured(Fit(setup.layout, expected_friction(setup.scene)));
+  return {};
+}
+
 std::string processor_name() {
   std::ifstream in("/proc/cpuinfo");
   for (std::string line; std::getline(in, line);) {

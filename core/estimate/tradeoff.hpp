@@ -25,6 +25,10 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
 Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
                     std::uint64_t seed);
 
+// What a method that needs no training is worth on a sensor's scene. Without rows for others, and for few
+// taxels, of which no single frame tells its margin.
+Worth measure_worth(const ChainSetup& setup, Method method);
+
 std::string processor_name();  // of this machine, as its kernel says
 
 // The friction that a scene's objects may have; the paper's range for a scene without objects.

@@ -5,21 +5,35 @@
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <cstdint>
+#include <string_view>
 
 namespace slipd {
 
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
 
+// Whose doing it is, as far as slipd can tell: where an administrator looks first.
+enum class Cause : std::uint8_t { none, configuration, device, bus, machine, slipd };
+std::string_view to_string(Cause cause) noexcept;  // "configuration", …; none: empty
+
+struct About {
+  std::string_view sensor;  // empty: of none
+  Cause cause = Cause::none;
+};
+
 struct LogLine {
   LogLevel level = LogLevel::info;
-  char text[243] = {};  // ended by 0, cut if longer
+  Cause cause = Cause::none;
+  char sensor[40] = {};  // ended by 0, cut if longer, as is the text
+  char text[256] = {};
+  const char* kind = nullptr;  // its format, a literal: lines that say the same have the same
 };
 
 class LogRing {
  public:
-  // The ring's own thread. Formats as printf into fixed memory; a line for which there is no room is counted
-  // instead.
-  __attribute__((format(printf, 3, 4))) void write(LogLevel level, const char* format, ...) noexcept;
+  // The ring's own thread. `format` is a literal. Formats as printf into fixed memory; a line for which there
+  // is no room is counted instead.
+  __attribute__((format(printf, 4, 5))) void write(LogLevel level, const About& about, const char* format,
+                                                   ...) noexcept;
 
   // io. False if there is none.
   bool read(LogLine& line) { return lines_.pop(line); }

@@ -218,14 +218,16 @@ void Talk::publish() noexcept {
   const char* const interface = can_.interface.c_str();
   switch (now_.bus) {
     case Bus::absent:
-      return log_.write(LogLevel::warning, "CAN: %s is not there (%s); looking for it", interface,
+      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is not there (%s); looking for it",
+                        interface,
                         now_.error == EMSGSIZE ? "set up without FD" : strerrordesc_np(now_.error));
     case Bus::down:
-      return log_.write(LogLevel::warning, "CAN: %s is down", interface);
+      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is down", interface);
     case Bus::up:
-      return log_.write(LogLevel::info, "CAN: %s is up", interface);
+      return log_.write(LogLevel::info, {{}, Cause::bus}, "CAN: %s is up", interface);
     default:
-      return log_.write(LogLevel::warning, "CAN: %s is in state %s", interface, to_string(now_.bus).data());
+      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is in state %s", interface,
+                        to_string(now_.bus).data());
   }
 }
 

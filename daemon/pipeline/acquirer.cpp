@@ -72,13 +72,13 @@ void Acquirer::run() {
       if (outlet.zero) outlet.zero->rest();
     }
     if (ending == Ending::ended) {
-      log_.write(LogLevel::info, "%s: the recording has ended", name_.c_str());
+      log_.write(LogLevel::info, {name_}, "%s: the recording has ended", name_.c_str());
       set_link(Link::ended);
       break;
     }
     if (ending == Ending::disconnected) {
-      log_.write(LogLevel::warning, "%s: the device is gone; it will be reopened when it is back",
-                 name_.c_str());
+      log_.write(LogLevel::warning, {name_, Cause::device},
+                 "%s: the device is gone; it will be reopened when it is back", name_.c_str());
       for (auto& outlet : outlets_)
         outlet.seat->panel.change_facts([](DeviceFacts& f) { f.trouble = "the device is gone"; });
       set_link(Link::absent);
@@ -96,7 +96,7 @@ bool Acquirer::open() {
     const DeviceInfo info = driver_->open();
     if (info.sensors.size() == outlets_.size()) {
       wire(info);
-      log_.write(LogLevel::info, "%s: open: %s", name_.c_str(), info.description.c_str());
+      log_.write(LogLevel::info, {name_}, "%s: open: %s", name_.c_str(), info.description.c_str());
       last_trouble_.clear();
       return true;
     }
@@ -109,7 +109,8 @@ bool Acquirer::open() {
   }
   driver_->close();
   if (trouble != last_trouble_) {
-    log_.write(LogLevel::error, "%s: %s (tried again until it works)", name_.c_str(), trouble.c_str());
+    log_.write(LogLevel::error, {name_, Cause::device}, "%s: %s (tried again until it works)", name_.c_str(),
+               trouble.c_str());
     last_trouble_ = trouble;
     for (auto& outlet : outlets_)
       outlet.seat->panel.change_facts([&](DeviceFacts& f) { f.trouble = trouble; });

@@ -101,8 +101,8 @@ void Estimating::say_quiet(Desk& desk, Link link, std::int64_t now_ns) noexcept 
   desk.quiet = true;
   if (said) return;
   if (late && state == State::stale) {
-    log_.write(LogLevel::warning, "%s: no frame for %d ms: stale", seat.panel.name.c_str(),
-               static_cast<int>(stale_after_ns(seat, *desk.lane) / 1'000'000));
+    log_.write(LogLevel::warning, {seat.panel.name, Cause::device}, "%s: no frame for %d ms: stale",
+               seat.panel.name.c_str(), static_cast<int>(stale_after_ns(seat, *desk.lane) / 1'000'000));
   }
   Estimate quiet;
   quiet.sequence = desk.reading.estimate.sequence;

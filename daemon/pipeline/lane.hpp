@@ -6,8 +6,10 @@
 #include <atomic>
 #include <memory>
 
+#include "config/settings.hpp"
 #include "core/estimate/chain.hpp"
 #include "core/frame/mailbox.hpp"
+#include "core/model/tradeoff_row.hpp"
 #include "daemon/pipeline/doorbell.hpp"
 #include "drivers/driver.hpp"
 
@@ -24,11 +26,28 @@ struct Feed {
 };
 
 struct Lane {
-  Lane(std::shared_ptr<Feed> from, EstimatorChain with) : feed(std::move(from)), chain(std::move(with)) {}
+  Lane(std::size_t of_sensor, std::shared_ptr<Feed> from, ChainSetup made_for, EstimatorChain with)
+      : sensor(of_sensor),
+        feed(std::move(from)),
+        setup(std::move(made_for)),
+        chain(std::move(with)),
+        method(chain.method()),
+        worth(chain.tradeoff()) {}
 
+  const std::size_t sensor;  // on the board
   const std::shared_ptr<Feed> feed;
+  const ChainSetup setup;  // that its estimator was made for
   EstimatorChain chain;
+  const Method method;
+  const Worth worth;                 // known when it was made, see EstimatorChain::tradeoff
   std::atomic<bool> retired{false};  // estimate thread: no longer in use, may be freed by the maker
+};
+
+// What a sensor's estimator has learnt of the contact that it is in, while the configuration is exchanged.
+struct Learnt {
+  SensorSettings sensor;  // as it was configured
+  ChainSetup setup;
+  EstimatorChain chain;
 };
 
 }  // namespace slipd

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "daemon/pipeline/seat.hpp"
@@ -30,6 +31,12 @@ class LaneMaker {
   void ask_to_stop();
   bool join_until(std::chrono::system_clock::time_point deadline) { return thread_.join_until(deadline); }
 
+  // Before start: what sensors of the configuration before had learnt. One that is still configured as it was
+  // goes on with it.
+  void inherit(std::vector<Learnt> learnt) { inherited_ = std::move(learnt); }
+  // After the end of this thread and of the estimate thread.
+  std::vector<Learnt> give_up();
+
   // Any thread but the real-time ones: a lane is wanted for this feed.
   void want(std::size_t sensor, std::shared_ptr<Feed> feed);
 
@@ -40,6 +47,8 @@ class LaneMaker {
   };
   void run();
   void make(const Job& job);
+  const Lane& lay(const Job& job, Seat& seat);  // throws std::exception for an estimator that cannot be had
+  std::optional<EstimatorChain> inherited(const Seat& seat, const ChainSetup& setup);
   void free_retired();
 
   const Settings& settings_;
@@ -48,8 +57,9 @@ class LaneMaker {
   Doorbell& estimate_;
   ModelSource models_;
   std::vector<std::unique_ptr<Lane>>
-      lanes_;         // every one made and not yet freed; set-up thread, then the destructor
-  std::mutex mutex_;  // guards the next two
+      lanes_;                      // every one made and not yet freed; set-up thread, then the destructor
+  std::vector<Learnt> inherited_;  // set-up thread, once it runs
+  std::mutex mutex_;               // guards the next two
   std::deque<Job> jobs_;
   bool stop_ = false;
   std::condition_variable changed_;

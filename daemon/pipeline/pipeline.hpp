@@ -21,6 +21,11 @@ class Pipeline {
 
   void start(const RealtimeGrant& grant);
 
+  // Before start: see LaneMaker.
+  void inherit(std::vector<Learnt> learnt) { maker_.inherit(std::move(learnt)); }
+  // After a stop that was true.
+  std::vector<Learnt> give_up() { return maker_.give_up(); }
+
   // Ends every thread, by `deadline`. False: a driver still hangs in its thread; nothing that it may touch
   // must be destroyed any more, so the process can only _exit.
   bool stop(std::chrono::system_clock::time_point deadline);

@@ -27,16 +27,17 @@ std::shared_ptr<ZeroDesk> ZeroKeeper::attend(Panel& panel, const SensorInfo& sen
   try {
     if (const auto zero = load_zero(zero_file(identity), identity)) {
       desk->restore(*zero);
-      log.write(LogLevel::info, "%s: its zero, taken %.0f s ago, is restored", panel.name.c_str(),
-                seconds_since(zero->taken_ns));
+      log.write(LogLevel::info, {panel.name}, "%s: its zero, taken %.0f s ago, is restored",
+                panel.name.c_str(), seconds_since(zero->taken_ns));
     } else {
-      log.write(LogLevel::warning,
+      log.write(LogLevel::warning, {panel.name},
                 "%s: what it reads without load is not known yet: let go of it and say slipctl rebias %s",
                 panel.name.c_str(), panel.name.c_str());
     }
   } catch (const std::exception& error) {
     trouble = error.what();
-    log.write(LogLevel::error, "%s: its zero cannot be restored: %s", panel.name.c_str(), trouble.c_str());
+    log.write(LogLevel::error, {panel.name, Cause::machine}, "%s: its zero cannot be restored: %s",
+              panel.name.c_str(), trouble.c_str());
   }
   panel.change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
   const std::lock_guard lock(mutex_);
@@ -97,12 +98,13 @@ void ZeroKeeper::keep(ZeroDesk& desk, const Zero& zero) {
   try {
     const auto file = zero_file(desk.identity());
     save_zero(file, desk.identity(), zero);
-    log_.write(LogLevel::info, "%s: its zero (%s) is kept in %s", name.c_str(),
+    log_.write(LogLevel::info, {name}, "%s: its zero (%s) is kept in %s", name.c_str(),
                std::string(to_string(zero.origin)).c_str(), file.c_str());
   } catch (const std::exception& error) {
     trouble = error.what();
-    log_.write(LogLevel::error, "%s: its zero cannot be kept, and is lost with the next start: %s",
-               name.c_str(), trouble.c_str());
+    log_.write(LogLevel::error, {name, Cause::machine},
+               "%s: its zero cannot be kept, and is lost with the next start: %s", name.c_str(),
+               trouble.c_str());
   }
   desk.panel().change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
 }

@@ -23,43 +23,43 @@ Troubles troubles_of(const Panel& panel) {
           .events_lost = panel.events_lost.load(std::memory_order_relaxed)};
 }
 
-std::vector<std::string> Complaints::look(std::size_t sensor, const std::string& name,
-                                          const std::string& device, const Troubles& totals,
-                                          Clock::time_point now) {
+std::vector<Complaint> Complaints::look(std::size_t sensor, const std::string& name,
+                                        const std::string& device, const Troubles& totals,
+                                        Clock::time_point now) {
   if (sensors_.size() <= sensor) sensors_.resize(sensor + 1);
   auto& [kinds, last, seconds_behind] = sensors_[sensor];
   const bool behind = static_cast<double>(totals.skipped - last.skipped) >
                       kSkippedShare * static_cast<double>(totals.received - last.received);
   seconds_behind = behind ? seconds_behind + 1 : 0;
   last = totals;
-  std::vector<std::string> lines;
-  auto complain = [&, &kinds_of = kinds, which = std::size_t{0}](std::uint64_t total,
+  std::vector<Complaint> complaints;
+  auto complain = [&, &kinds_of = kinds, which = std::size_t{0}](Cause cause, std::uint64_t total,
                                                                  const auto& line) mutable {
     Kind& kind = kinds_of[which++];
     if (total == kind.told || (kind.quiet_until && now < *kind.quiet_until)) return;
-    lines.push_back(name + line(total - kind.told));
+    complaints.push_back({cause, name + line(total - kind.told)});
     kind = {.told = total, .quiet_until = now + kInterval};
   };
   const std::string on = device.empty() ? ": " : " (" + device + "): ";
-  complain(totals.corrupt, [&](std::uint64_t more) {
+  complain(Cause::device, totals.corrupt, [&](std::uint64_t more) {
     return on + count(more, "damaged packet") + " thrown away: the device, its cable or the bus is at fault";
   });
-  complain(totals.lost, [&](std::uint64_t more) {
+  complain(Cause::bus, totals.lost, [&](std::uint64_t more) {
     return on + count(more, "frame") +
            " never came, by the device's own numbering: the device or the bus is too slow";
   });
-  complain(totals.events_lost, [&](std::uint64_t more) {
+  complain(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
     return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";
   });
   if (seconds_behind >= kSecondsBehind) {
-    complain(totals.skipped, [&](std::uint64_t more) {
+    complain(Cause::machine, totals.skipped, [&](std::uint64_t more) {
       return ": " + count(more, "frame") +
              " skipped: this machine is too slow for this rate and method; choose a cheaper estimator.method "
              "or a "
              "lower rate_hz";
     });
   }
-  return lines;
+  return complaints;
 }
 
 }  // namespace slipd

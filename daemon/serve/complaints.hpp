@@ -21,13 +21,18 @@ struct Troubles {
 };
 Troubles troubles_of(const Panel& panel);
 
+struct Complaint {
+  Cause cause = Cause::none;
+  std::string text;
+};
+
 class Complaints {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // About once a second for each sensor. The lines to be logged, if any.
-  std::vector<std::string> look(std::size_t sensor, const std::string& name, const std::string& device,
-                                const Troubles& totals, Clock::time_point now);
+  // About once a second for each sensor. What is to be logged, if anything.
+  std::vector<Complaint> look(std::size_t sensor, const std::string& name, const std::string& device,
+                              const Troubles& totals, Clock::time_point now);
 
  private:
   static constexpr auto kInterval = std::chrono::minutes(1);

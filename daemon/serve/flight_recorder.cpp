@@ -1,6 +1,6 @@
 #include "daemon/serve/flight_recorder.hpp"
 
-#include <spdlog/spdlog.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,7 @@
 
 #include "core/frame/recording.hpp"
 #include "daemon/board/clock.hpp"
+#include "daemon/log/log.hpp"
 
 namespace slipd {
 namespace {
@@ -99,8 +100,9 @@ void FlightRecorder::follow_device(Track& track) {
   const std::size_t queue = std::min(frames_in(kQueueSeconds, rate_hz), std::max<std::size_t>(room / 4, 1));
   const std::size_t frames = std::clamp<std::size_t>(room - std::min(room, queue), 1, wanted);
   if (frames < wanted) {
-    spdlog::warn("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
-                 track.panel->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds);
+    say(LogLevel::warning, {track.panel->name, Cause::configuration},
+        fmt::format("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
+                    track.panel->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
   }
   track.history = std::make_unique<FrameHistory>(taxels, frames);
   track.queue = std::make_unique<FrameQueue>(taxels, queue);
@@ -159,13 +161,15 @@ void FlightRecorder::write(Track& track) {
   });
   if (error) {
     failed_.fetch_add(1, std::memory_order_relaxed);
-    spdlog::error("{}: {} could not be kept: {}", track.panel->name, (folder_.path() / name).string(),
-                  error.message());
+    say(LogLevel::error, {track.panel->name, Cause::machine},
+        track.panel->name + ": " + (folder_.path() / name).string() +
+            " could not be kept: " + error.message());
     return;
   }
   kept_.fetch_add(1, std::memory_order_relaxed);
-  spdlog::info("{}: {} frames are kept in {}", track.panel->name, history.size(),
-               (folder_.path() / name).string());
+  say(LogLevel::info, {track.panel->name},
+      track.panel->name + ": " + std::to_string(history.size()) + " frames are kept in " +
+          (folder_.path() / name).string());
 }
 
 }  // namespace slipd

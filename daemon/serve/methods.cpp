@@ -69,7 +69,8 @@ Methods::Methods(World& world, Recorder& recorder)
   });
   plain("sensors", {}, [this](const Params&) { return sensors_json(world_); });
   plain("status", {}, [this](const Params&) { return status_json(world_); });
-  plain("metrics", {}, [this](const Params&) { return json(metrics_text(world_)); });
+  plain("metrics", {},
+        [this](const Params&) { return json(metrics_text(world_, MetricsFormat::open_metrics)); });
   plain("dbc", {}, [this](const Params&) {
     if (!world_.settings.can)
       throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
@@ -82,9 +83,8 @@ Methods::Methods(World& world, Recorder& recorder)
     const DeviceFacts facts = panel.facts();
     if (facts.tradeoff.rows.empty()) {
       throw rpc::Error(rpc::kNotPossible,
-                       "there is no table of this sensor: its method is named in the configuration and needs "
-                       "no model, or its "
-                       "device is not open yet");
+                       "there is no table of this sensor: its device is not open yet, or single frames of it "
+                       "do not tell their margin (few taxels, one force vector, a flat skin)");
     }
     return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
   });

@@ -1,4 +1,4 @@
-// OpenMetrics text: each family with its type and help, one line a sensor, ended by # EOF.
+// Metrics as text: each family with its type and help, one line a sensor; as OpenMetrics ended by # EOF.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -25,31 +25,31 @@ std::string label_text(const std::string& value) {
 
 class Families {
  public:
-  explicit Families(const World& world) : world_(world) {
+  Families(const World& world, MetricsFormat format) : world_(world), format_(format) {
     out_.precision(std::numeric_limits<double>::max_digits10);
   }
 
   // One line for each sensor whose value is known (not NaN). A counter's lines end in _total.
   void add(const std::string& name, const char* type, const char* help,
            const std::function<double(std::size_t)>& value) {
-    out_ << "# TYPE " << name << ' ' << type << "\n# HELP " << name << ' ' << help << '\n';
+    head(name, type, help);
     for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
       const double number = value(i);
       if (std::isnan(number)) continue;
-      out_ << name << (std::string(type) == "counter" ? "_total" : "") << "{sensor=\""
-           << label_text(world_.board.sensors[i]->name) << "\"} " << number << '\n';
+      out_ << sample(name, type) << "{sensor=\"" << label_text(world_.board.sensors[i]->name) << "\"} "
+           << number << '\n';
     }
   }
 
   void add_one(const std::string& name, const char* type, const char* help, double value) {
-    out_ << "# TYPE " << name << ' ' << type << "\n# HELP " << name << ' ' << help << '\n'
-         << name << (std::string(type) == "counter" ? "_total " : " ") << value << '\n';
+    head(name, type, help);
+    out_ << sample(name, type) << ' ' << value << '\n';
   }
 
-  // What is known without a sensor: labels and the number 1.
+  // What is known without a sensor: labels and the number 1. A gauge, for not every reader knows type info.
   void build(const char* version) {
-    out_ << "# TYPE slipd_build info\n# HELP slipd_build Which slipd this is.\nslipd_build_info{version=\""
-         << version << "\"} 1\n";
+    head("slipd_build_info", "gauge", "Which slipd this is.");
+    out_ << "slipd_build_info{version=\"" << version << "\"} 1\n";
   }
 
   // `labels`: what comes before the quantile, with its comma; empty: nothing.
@@ -66,8 +66,8 @@ class Families {
   }
 
   void seconds(const std::string& name, const char* type, const char* help) {
-    out_ << "# TYPE " << name << ' ' << type << "\n# UNIT " << name << " seconds\n# HELP " << name << ' '
-         << help << '\n';
+    head(name, type, help);
+    if (format_ == MetricsFormat::open_metrics) out_ << "# UNIT " << name << " seconds\n";
   }
 
   void latencies() {
@@ -97,22 +97,32 @@ class Families {
     quantiles("slipd_telling_last_minute_seconds", "", world_.told_last_minute.summary(world_.told));
   }
 
-  std::string text() const { return out_.str() + "# EOF\n"; }
+  std::string text() const { return out_.str() + (format_ == MetricsFormat::open_metrics ? "# EOF\n" : ""); }
 
  private:
+  static std::string sample(const std::string& name, const std::string& type) {
+    return type == "counter" ? name + "_total" : name;
+  }
+  // OpenMetrics calls a counter's family by its name without _total, Prometheus's own format with it.
+  void head(const std::string& name, const char* type, const char* help) {
+    const std::string family = format_ == MetricsFormat::open_metrics ? name : sample(name, type);
+    out_ << "# TYPE " << family << ' ' << type << "\n# HELP " << family << ' ' << help << '\n';
+  }
+
   const World& world_;
+  const MetricsFormat format_;
   std::ostringstream out_;
 };
 
 }  // namespace
 
-std::string metrics_text(const World& world) {
+std::string metrics_text(const World& world, MetricsFormat format) {
   std::vector<Published> readings;
   for (const auto& panel : world.board.sensors) readings.push_back(panel->latest.load());
   const auto panel = [&](std::size_t i) -> const Panel& { return *world.board.sensors[i]; };
   const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
   const auto known = [](const std::optional<double>& value) { return value.value_or(kUnknown); };
-  Families families(world);
+  Families families(world, format);
   families.add("slipd_frames_received", "counter", "Frames that the driver handed over.",
                [&](std::size_t i) { return number(readings[i].counts.received); });
   families.add("slipd_frames_estimated", "counter", "Frames that were answered by an estimate.",

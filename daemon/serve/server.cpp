@@ -1,12 +1,12 @@
 #include "daemon/serve/server.hpp"
 
-#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <nlohmann/json.hpp>
 
+#include "daemon/log/log.hpp"
 #include "daemon/serve/descriptors.hpp"
 #include "daemon/serve/estimate_json.hpp"
 #include "daemon/serve/flight_recorder.hpp"
@@ -33,6 +33,7 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
       news_(io, dup(world.board.io.fd())),
       pause_(io),
       rates_(io),
+      metrics_file_(world.settings.metrics),
       last_(world.board.sensors.size()),
       last_estimated_(world.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
@@ -173,14 +174,15 @@ void Server::measure_rates() {
       last_estimated_[i] = estimated;
       const Panel& panel = *world_.board.sensors[i];
       world_.last_minute[i].look(panel.latency, now);
-      for (const std::string& line :
+      for (const Complaint& complaint :
            complaints_.look(i, panel.name, panel.facts().description, troubles_of(panel), now))
-        spdlog::warn("{}", line);
+        say(LogLevel::warning, {panel.name, complaint.cause}, complaint.text);
     }
     world_.told_last_minute.look(world_.told, now);
     std::uint64_t dropped = clients_.dropped_for_gone;
     for (const auto& client : clients_.all) dropped += client->dropped();
     world_.notifications_dropped = dropped;
+    metrics_file_.look(world_, now);
     methods_.answer_rebias(true);
     measure_rates();
   }));

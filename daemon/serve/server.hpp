@@ -12,6 +12,7 @@
 #include "daemon/serve/client.hpp"
 #include "daemon/serve/complaints.hpp"
 #include "daemon/serve/methods.hpp"
+#include "daemon/serve/metrics_file.hpp"
 #include "daemon/serve/recorder.hpp"
 #include "daemon/serve/world.hpp"
 
@@ -57,6 +58,7 @@ class Server {
   asio::steady_timer pause_;  // before accepting again, when there is no descriptor left
   asio::steady_timer rates_;
   Complaints complaints_;
+  MetricsFile metrics_file_;
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // gone with this, for handlers
   std::vector<Last> last_;                                                  // per sensor, as told
   std::vector<std::uint64_t> last_estimated_;

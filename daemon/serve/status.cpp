@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -44,6 +45,21 @@ std::string can_trouble(int error) {
   return std::generic_category().message(error);
 }
 
+// Of the method in use, measured on unseen contacts of this sensor's scene. Null where it was not: it is
+// still being measured, or single frames of this sensor do not tell their margin.
+json expected_error(const World& world, const DeviceFacts& facts) {
+  const TradeoffRow* used = nullptr;
+  for (const TradeoffRow& row : facts.tradeoff.rows) {
+    const bool rank_fits = row.settings.rank == world.settings.estimator.rank;
+    if (row.method == facts.method && (used == nullptr || rank_fits)) used = &row;
+  }
+  if (used == nullptr || !std::isfinite(used->mean_error)) return nullptr;
+  return {{"mean", used->mean_error},
+          {"p95", used->p95_error},
+          {"answered", used->answered},
+          {"us_per_frame", used->p50_us}};
+}
+
 json sensor_status(const World& world, std::size_t sensor) {
   const Panel& panel = *world.board.sensors[sensor];
   const Published reading = panel.latest.load();
@@ -57,6 +73,7 @@ json sensor_status(const World& world, std::size_t sensor) {
           {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
           {"simulated", panel.simulated.load(std::memory_order_relaxed)},
           {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
+          {"expected_error", expected_error(world, facts)},
           {"zero", zero_json(panel)},
           {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
           {"received", counts.received},

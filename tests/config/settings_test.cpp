@@ -38,6 +38,8 @@ TEST(Settings, of_a_minimal_document_are_the_defaults_of_the_structs) {
   EXPECT_EQ(s.recorder.seconds, d.recorder.seconds);
   EXPECT_EQ(s.recorder.max_mb, d.recorder.max_mb);
   EXPECT_EQ(s.recorder.keep, d.recorder.keep);
+  EXPECT_EQ(s.metrics.file, d.metrics.file);
+  EXPECT_EQ(s.metrics.period, d.metrics.period);
   EXPECT_EQ(s.realtime.mode, d.realtime.mode);
   EXPECT_EQ(s.realtime.priority, d.realtime.priority);
   EXPECT_EQ(s.realtime.cpus, d.realtime.cpus);
@@ -106,6 +108,8 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(s.recorder.seconds, 5);
   EXPECT_EQ(s.recorder.max_mb, 10);
   EXPECT_EQ(s.recorder.keep, 3);
+  EXPECT_EQ(s.metrics.file, "/run/slipd/slipd.prom");
+  EXPECT_EQ(s.metrics.period, std::chrono::seconds(30));
   EXPECT_EQ(s.realtime.mode, RealtimeMode::enforce);
   EXPECT_EQ(s.realtime.priority, 50);
   EXPECT_THAT(s.realtime.cpus, ElementsAre(1, 2));

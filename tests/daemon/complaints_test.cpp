@@ -15,7 +15,12 @@ using namespace std::chrono_literals;
 class Complaining : public ::testing::Test {
  protected:
   std::vector<std::string> after(std::chrono::seconds time, const Troubles& totals) {
-    return complaints_.look(0, "left", "XELA on can0", totals, begin_ + time);
+    std::vector<std::string> lines;
+    for (const Complaint& complaint : complaints_.look(0, "left", "XELA on can0", totals, begin_ + time)) {
+      EXPECT_NE(complaint.cause, Cause::none) << "nobody is named in: " << complaint.text;
+      lines.push_back(complaint.text);
+    }
+    return lines;
   }
   Complaints complaints_;
   const Complaints::Clock::time_point begin_ = Complaints::Clock::now();

@@ -126,6 +126,38 @@ TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
   EXPECT_EQ(daemon.client().result("status")["sensors"][0]["zero"]["restored"], true);
 }
 
+// Held for ever after the one slip that told its friction: nobody could learn it anew.
+TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_sensor_is_configured_otherwise) {
+  const TempFolder folder;
+  constexpr int kForEverMs = 3'600'000;
+  Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
+                 slips_and_holds(3000, kForEverMs));
+  json left = sensor("left", "onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}});
+  left.erase("friction");
+  json config = config_of(folder, json::array({left}));
+  const Daemon daemon(config, real_drivers(), state_in(folder));
+  const auto reload = [&](const char* until) {
+    std::ofstream(daemon.config()) << config.dump();
+    daemon.program().signal(SIGHUP);
+    daemon.wait_for("version",
+                    [&](const json&) { return daemon.program().errors().find(until) != std::string::npos; });
+  };
+  const auto knows = [](const json& estimate) {
+    return estimate["state"] == "ok" && std::fabs(estimate["shear_n"].get<double>() - 3) < 0.06 &&
+           std::fabs(estimate["gamma"].get<double>() - 0.4) < 0.1;
+  };
+  await(daemon, knows);
+  config["log"] = {{"level", "debug"}};
+  config["socket"]["max_clients"] = 5;
+  reload("with what it had learnt before the reload");
+  await(daemon, knows);
+  config["sensors"][0]["rate_hz"] = 40;
+  reload("reload: the new configuration is in force\n");
+  await(daemon, [&](const json& estimate) {
+    return estimate["normal_n"].is_number() && estimate["state"] != "ok" && estimate["gamma"].is_null();
+  });
+}
+
 TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
   const TempFolder folder;
   const std::string line = folder.file("line").string();

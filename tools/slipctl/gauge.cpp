@@ -12,8 +12,6 @@ namespace {
 constexpr char32_t kDots[2][4] = {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}};
 constexpr char32_t kBraille = 0x2800;
 
-using Columns = std::vector<std::optional<double>>;
-
 Columns lowest_by_column(const std::deque<CoursePoint>& course, double now_s, int columns) {
   Columns lowest(static_cast<std::size_t>(columns));
   for (const CoursePoint& point : course) {
@@ -44,9 +42,9 @@ void draw_bar(Canvas& canvas, const Box& box, std::optional<double> gamma, std::
   canvas.put(box.column + mark, box.row, U'┃', {kViolet, std::nullopt, true});
 }
 
-void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& course, double now_s) {
+void draw_line(Canvas& canvas, const Box& box, const Columns& values,
+               const std::function<Rgb(std::optional<double>)>& colour_of) {
   if (box.columns < 1 || box.rows < 1) return;
-  const Columns lowest = lowest_by_column(course, now_s, 2 * box.columns);
   const auto height_of = [&](double gamma) {
     return static_cast<int>(std::lround((1 - std::clamp(gamma, 0.0, 1.0)) * (4 * box.rows - 1)));
   };
@@ -55,12 +53,12 @@ void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& 
     std::optional<double> worst;
     for (std::size_t half = 0; half < 2; ++half) {
       const std::size_t column = 2 * static_cast<std::size_t>(i) + half;
-      const auto gamma = lowest[column];
+      const auto gamma = values[column];
       if (!gamma) continue;
       worst = std::min(worst.value_or(*gamma), *gamma);
       const int here = height_of(*gamma);
       // From next to where the column before ended, so that steep courses stay a line.
-      const auto before = column > 0 ? lowest[column - 1] : std::nullopt;
+      const auto before = column > 0 ? values[column - 1] : std::nullopt;
       const int from = before ? height_of(*before) : here;
       const int first = std::min(here, from + 1);
       const int last = std::max(here, from - 1);
@@ -69,9 +67,14 @@ void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& 
     }
     for (int row = 0; row < box.rows; ++row)
       if (const char32_t dots = cells[static_cast<std::size_t>(row)])
-        canvas.put(box.column + i, box.row + row, kBraille | dots,
-                   {margin_colour(worst), std::nullopt, false});
+        canvas.put(box.column + i, box.row + row, kBraille | dots, {colour_of(worst), std::nullopt, false});
   }
+}
+
+void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& course, double now_s) {
+  if (box.columns < 1) return;
+  draw_line(canvas, box, lowest_by_column(course, now_s, 2 * box.columns),
+            [](std::optional<double> worst) { return margin_colour(worst); });
 }
 
 }  // namespace slipctl

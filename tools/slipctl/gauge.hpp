@@ -2,7 +2,9 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <optional>
+#include <vector>
 
 #include "tools/slipctl/canvas.hpp"
 #include "tools/slipctl/watch_state.hpp"
@@ -15,6 +17,13 @@ struct Box {
 
 // A bar of 0…1 in eighths of a column; the truth, where known, as a mark upon it. No number: an empty bar.
 void draw_bar(Canvas& canvas, const Box& box, std::optional<double> gamma, std::optional<double> truth);
+
+// Values of 0…1, two to each column of the box; absent: a gap.
+using Columns = std::vector<std::optional<double>>;
+
+// A line in braille dots. `colour_of` gets the lower value of each character.
+void draw_line(Canvas& canvas, const Box& box, const Columns& values,
+               const std::function<Rgb(std::optional<double>)>& colour_of);
 
 // The course in braille dots, newest at the right, `box` being the last kCourseSeconds up to now_s. Each
 // column of dots shows the lowest margin of its time, so that the shortest slip is seen; where none was known

@@ -6,6 +6,7 @@
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/commands.hpp"
 #include "tools/slipctl/decode.hpp"
+#include "tools/slipctl/plot.hpp"
 #include "tools/slipctl/probe.hpp"
 #include "tools/slipctl/watch.hpp"
 
@@ -20,6 +21,7 @@ struct Choices {
   WatchOptions watch;
   bool force = false;
   DecodeOptions decode;
+  PlotOptions plot;
   int exit_code = 0;
 };
 
@@ -56,6 +58,20 @@ void add_record(CLI::App& app, Choices& choices) {
   command->add_option("--out", choices.record.out, "the file, which must not be there")->required();
   command->add_flag("--force", choices.record.force, "write over it if it is");
   command->callback([&] { record(choices.common, choices.record); });
+}
+
+void add_plot(CLI::App& app, Choices& choices) {
+  CLI::App* command = app.add_subcommand("plot", "draw a recording: margin, alerts, forces and taxels");
+  command->add_option("file", choices.plot.file)->required();
+  command->add_option("--at", choices.plot.at_s,
+                      "whose taxels: so many seconds from its beginning; else those of least margin");
+  command->add_option("--columns", choices.plot.columns, "width; the terminal's")
+      ->check(CLI::Range(40, 1000));
+  command->add_option("--picture", choices.plot.picture, "write the screen into this file, too, as SVG");
+  command->callback([&] {
+    choices.plot.json = choices.common.json;
+    plot(choices.plot);
+  });
 }
 
 void add_watch(CLI::App& app, Choices& choices) {
@@ -103,6 +119,7 @@ int main(int argc, char** argv) try {
   app.fallthrough();
   add_questions(app, choices);
   add_record(app, choices);
+  add_plot(app, choices);
   add_watch(app, choices);
   add_devices(app, choices);
   try {

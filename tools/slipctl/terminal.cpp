@@ -82,6 +82,11 @@ Terminal::Size Terminal::size() const {
   return {size.ws_col, size.ws_row};
 }
 
+int terminal_columns() {
+  winsize size{};
+  return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
 void Terminal::show(const Canvas& canvas) {
   write_all(encode_change(shown_ ? &*shown_ : nullptr, canvas, depth_));
   shown_ = canvas;

@@ -66,6 +66,8 @@ class Terminal {
   std::optional<Canvas> shown_;
 };
 
+int terminal_columns();  // of standard output; 80 where it does not say
+
 // What the environment (NO_COLOR, COLORTERM, TERM) says of colours.
 ColourDepth colour_depth();
 

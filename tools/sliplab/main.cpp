@@ -20,6 +20,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   add_tradeoff(app, common);
   add_histories(app, common);
   add_paper(app, common);
+  add_picture(app, common);
   add_stability(app, common);
   try {
     app.parse(argc, argv);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "tests/tools/run_program.hpp"
+#include "tests/tools/sample_recording.hpp"
 
 namespace {
 
@@ -32,6 +33,25 @@ class Sliplab : public ::testing::Test {
 
 constexpr const char* kConfig = R"({ "sensors": [ { "name": "left", "driver": "sim",
   "layout": { "grid": [16, 16], "pitch_mm": 0.9 } } ], "estimator": { "offset_mm": 0 } })";
+
+TEST_F(Sliplab, MakesAPictureOfARecording) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot-nox is not installed";
+  slipctl::testing::write_sample_recording(folder_ / "left.rec", true);
+  for (const std::string format : {"svg", "png"}) {
+    const auto ran =
+        run({"--json", "--out", folder_ / "out", "picture", folder_ / "left.rec", "--format", format});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const json said = json::parse(ran.out);
+    EXPECT_EQ(said["frames"], slipctl::testing::kSampleFrames);
+    EXPECT_EQ(said["estimates"], true);
+    std::ifstream picture(said["picture"].get<std::string>(), std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(picture)), {});
+    EXPECT_THAT(bytes, HasSubstr(format == "svg" ? "</svg>" : "IEND"));
+    EXPECT_GT(bytes.size(), 5000U);
+  }
+  EXPECT_EQ(run({"picture", write("x.rec", "nothing")}).exit_code, 1);
+  EXPECT_EQ(run({"picture", folder_ / "none.rec"}).exit_code, 2);
+}
 
 TEST_F(Sliplab, TrainsOnceAndThenFindsTheModel) {
   const std::vector<std::string> words{"--json",   "train", "--config", write("c.json", kConfig),

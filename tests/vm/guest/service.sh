@@ -9,6 +9,10 @@ installs() {  # NAME…
   dpkg -i "${files[@]}" || fail "dpkg refuses $*"
 }
 
+by_apt() {  # install|remove|purge NAME…: with nobody there to answer questions, and no archive to fetch from
+  DEBIAN_FRONTEND=noninteractive apt-get -y -qq -o Dpkg::Use-Pty=0 "$@" </dev/null || fail "apt-get $* fails"
+}
+
 people() {  # alice is a member of group slipd, mallory is nobody in particular
   useradd --groups slipd alice
   useradd mallory
@@ -18,3 +22,8 @@ as() { runuser -u "$1" -- "${@:2}"; }
 serves() { as alice slipctl --json gamma; }
 property() { systemctl show -P "$1" "${2:-slipd.service}"; }
 why() { journalctl --no-pager -o cat -u slipd.service | tail -n 40; }
+fail() {
+  echo "FAILED: $*"
+  systemctl status --no-pager -n 40 slipd.service || true
+  exit 1
+}

@@ -1,0 +1,110 @@
+#include "daemon/log/log.hpp"
+
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+// Our lines of code are no news to whoever reads the journal.
+#define SD_JOURNAL_SUPPRESS_LOCATION
+#include <systemd/sd-journal.h>
+
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+
+namespace slipd {
+namespace {
+
+spdlog::level::level_enum spdlog_level(LogLevel level) {
+  static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,
+                                                          spdlog::level::warn, spdlog::level::err};
+  return kLevels[static_cast<std::size_t>(level)];
+}
+
+// Whoever starts a service with its output on the journal says in this variable which file that is.
+bool on_journal() {
+  const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): before any thread
+  struct stat status {};
+  if (stream == nullptr || fstat(STDERR_FILENO, &status) != 0) return false;
+  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
+}
+
+// A field that would be empty is left out. journald drops what it has no room for, as it does with our
+// output.
+void send_to_journal(spdlog::level::level_enum level, const About& about, std::string_view text) {
+  static constexpr std::string_view kPriorities[] = {"7", "7", "6", "4", "3", "2", "6"};
+  std::array<std::string, 5> fields{
+      "MESSAGE=" + std::string(text), "PRIORITY=" + std::string(kPriorities[static_cast<std::size_t>(level)]),
+      "SYSLOG_IDENTIFIER=slipd", about.sensor.empty() ? "" : "SLIPD_SENSOR=" + std::string(about.sensor),
+      about.cause == Cause::none ? "" : "SLIPD_CAUSE=" + std::string(to_string(about.cause))};
+  std::array<iovec, 5> parts{};
+  int count = 0;
+  for (std::string& field : fields) {
+    if (!field.empty()) parts[static_cast<std::size_t>(count++)] = {field.data(), field.size()};
+  }
+  sd_journal_sendv(parts.data(), count);
+}
+
+class JournalSink : public spdlog::sinks::base_sink<std::mutex> {
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    send_to_journal(message.level, {}, {message.payload.data(), message.payload.size()});
+  }
+  void flush_() override {}
+};
+
+bool journal = false;  // written by set_up_log only, before there are other threads
+
+}  // namespace
+
+void set_up_log(const std::string& level) {
+  journal = on_journal();
+  spdlog::sink_ptr sink;
+  if (journal) {
+    sink = std::make_shared<JournalSink>();
+  } else {
+    sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  }
+  auto logger = std::make_shared<spdlog::logger>("slipd", std::move(sink));
+  logger->set_pattern("%H:%M:%S.%e %^%-7l%$ %v");
+  logger->set_level(spdlog::level::from_str(level));
+  logger->flush_on(spdlog::level::trace);
+  spdlog::set_default_logger(std::move(logger));
+}
+
+void change_log_level(const std::string& level) {
+  spdlog::default_logger_raw()->set_level(spdlog::level::from_str(level));
+}
+
+void say(LogLevel level, const About& about, std::string_view text) {
+  const auto at = spdlog_level(level);
+  if (!spdlog::default_logger_raw()->should_log(at)) return;
+  if (journal) return send_to_journal(at, about, text);
+  spdlog::log(at, "{}", text);
+}
+
+void drain_logs(std::deque<LogRing>& rings, LogLimit& limit) {
+  const auto now = LogLimit::Clock::now();
+  LogLine line;
+  for (LogRing& ring : rings) {
+    while (ring.read(line)) {
+      if (limit.admits(line, now))
+        say(line.level, {static_cast<const char*>(line.sensor), line.cause},
+            static_cast<const char*>(line.text));
+    }
+    if (const auto lost = ring.take_lost(); lost > 0)
+      say(LogLevel::warning, {{}, Cause::slipd},
+          std::to_string(lost) + " log lines found no room and are lost");
+  }
+  for (const LogLimit::Held& held : limit.over(now)) {
+    const LogLine& last = held.last;
+    say(last.level, {static_cast<const char*>(last.sensor), last.cause},
+        std::string(static_cast<const char*>(last.text)) + " (and " + std::to_string(held.count) +
+            " times more within a minute)");
+  }
+}
+
+}  // namespace slipd

@@ -1,0 +1,74 @@
+// What the log is spared: a line that comes again and again is printed a few times a minute, and counted.
+#include "daemon/log/log_limit.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace slipd {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class Limit : public ::testing::Test {
+ protected:
+  static LogLine line(const char* kind, const char* sensor) {
+    LogRing ring;
+    ring.write(LogLevel::warning, {sensor, Cause::device}, "%s", kind);
+    LogLine read;
+    EXPECT_TRUE(ring.read(read));
+    read.kind = kind;
+    return read;
+  }
+  int admitted(const char* kind, const char* sensor, int times, std::chrono::seconds at) {
+    int count = 0;
+    for (int i = 0; i < times; ++i) count += limit_.admits(line(kind, sensor), begin_ + at) ? 1 : 0;
+    return count;
+  }
+  LogLimit limit_;
+  const LogLimit::Clock::time_point begin_ = LogLimit::Clock::now();
+};
+
+constexpr const char* kStale = "no frame";
+constexpr const char* kGone = "the device is gone";
+
+TEST_F(Limit, AFewPassAndTheRestIsCountedUntilTheMinuteIsOver) {
+  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrinted);
+  EXPECT_THAT(limit_.over(begin_ + 59s), IsEmpty());
+  const auto held = limit_.over(begin_ + 61s);
+  ASSERT_THAT(held, SizeIs(1));
+  EXPECT_EQ(held.front().count, 100U - LogLimit::kPrinted);
+  EXPECT_STREQ(held.front().last.text, kStale);
+  EXPECT_STREQ(held.front().last.sensor, "left");
+  EXPECT_EQ(held.front().last.cause, Cause::device);
+  EXPECT_THAT(limit_.over(begin_ + 62s), IsEmpty());
+  EXPECT_EQ(admitted(kStale, "left", 100, 62s), LogLimit::kPrinted) << "a new minute";
+}
+
+TEST_F(Limit, OneSensorsFlapsHideNeitherAnothersNorAnotherTrouble) {
+  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrinted);
+  EXPECT_EQ(admitted(kGone, "left", 3, 1s), 3);
+  EXPECT_EQ(admitted(kStale, "right", 3, 1s), 3);
+  EXPECT_THAT(limit_.over(begin_ + 2min), SizeIs(1)) << "what was not held back is not told again";
+}
+
+TEST(LogLines, ThatAreTooLongAreCut) {
+  LogRing ring;
+  ring.write(LogLevel::info, {std::string(500, 's')}, "%s", std::string(500, 't').c_str());
+  LogLine line;
+  ASSERT_TRUE(ring.read(line));
+  EXPECT_EQ(std::strlen(line.sensor), sizeof line.sensor - 1);
+  EXPECT_EQ(std::strlen(line.text), sizeof line.text - 1);
+}
+
+TEST(Causes, AreNamedAsInTheJournal) {
+  EXPECT_EQ(to_string(Cause::none), "");
+  EXPECT_EQ(to_string(Cause::configuration), "configuration");
+  EXPECT_EQ(to_string(Cause::slipd), "slipd");
+}
+
+}  // namespace
+}  // namespace slipd
