@@ -83,6 +83,8 @@ Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std
     SvdKnn knn(model);
     add(knn);
   }
+  SvdKnn twice(models.front(), Precision::double_precision);
+  add(twice);
   return worth;
 }
 

@@ -21,7 +21,7 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
                              NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed);
 
 // Each method that a sensor of this model could use: moments, fit, and SvdKnn at each of `models`, which are
-// of one scene. On relative noise as strong as the scene says.
+// of one scene, the first of them in double precision as well. On relative noise as strong as the scene says.
 Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
                     std::uint64_t seed);
 

@@ -25,7 +25,7 @@ namespace {
 using namespace slipd;
 
 struct Options {
-  std::size_t grasps = 100;
+  std::size_t grasps = 400;
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
   std::string noise_kind = "sensor";

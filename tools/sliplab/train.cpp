@@ -81,11 +81,14 @@ json report(const Model& model, const std::filesystem::path& file, double second
   for (std::size_t i = 1; i <= model.rank(); ++i) explained.push_back(model.explained(i));
   json rows = json::array();
   for (const auto& row : model.data().worth.rows) {
-    rows.push_back({{"method", row.method},
-                    {"rank", row.settings.rank},
-                    {"mean_error", row.mean_error},
-                    {"answered", row.answered},
-                    {"p50_us", row.p50_us}});
+    rows.push_back(
+        {{"method", row.method},
+         {"rank", row.settings.rank},
+         {"rings", row.settings.rings},
+         {"precision", row.settings.precision == Precision::double_precision ? "double" : "single"},
+         {"mean_error", row.mean_error},
+         {"answered", row.answered},
+         {"p50_us", row.p50_us}});
   }
   return {{"file", file.string()},
           {"seconds", seconds},
@@ -103,17 +106,35 @@ void print(const json& result) {
             << std::round(1000 * result["explained"].back().get<double>()) / 10 << " % of the variance\n";
 }
 
-// The model, with what each method is worth on its scene.
+// Ring counts that a model on rings is compared with.
+std::vector<int> other_rings(const ModelSetup& setup) {
+  std::vector<int> others;
+  for (const int rings : {4, 8, 16}) {
+    if (setup.view == View::rings && rings != setup.rings && rings >= setup.rank) others.push_back(rings);
+  }
+  return others;
+}
+
+// The model, with what each method is worth on its scene, at what it could be set to.
 ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& progress) {
-  constexpr std::size_t kContacts = 500;
+  constexpr std::size_t kContacts = 300;
   std::vector<int> ranks{setup.rank};
   for (const int rank : {3, 5, 8}) {
     if (rank < setup.rank) ranks.push_back(rank);
   }
-  std::vector<ModelData> at_ranks = train_ranks(setup, ranks, threads, progress);
+  const std::vector<int> others = other_rings(setup);
+  const double parts = 1 + static_cast<double>(others.size());
+  double done = 0;
+  const Progress part = [&](double share, const char* what) { progress((done + share) / parts, what); };
+  std::vector<ModelData> at_ranks = train_ranks(setup, ranks, threads, part);
   std::vector<std::shared_ptr<const Model>> models;
-  models.reserve(at_ranks.size());
   for (const auto& data : at_ranks) models.push_back(std::make_shared<const Model>(data));
+  for (const int rings : others) {
+    ++done;
+    ModelSetup other = setup;
+    other.rings = rings;
+    models.push_back(std::make_shared<const Model>(train(other, threads, part)));
+  }
   at_ranks.front().worth = measure_worth(models, kContacts, setup.seed + 1);
   return std::move(at_ranks.front());
 }
