@@ -54,6 +54,9 @@ std::string own_words(std::string text) {
   };
   cut_behind("] ");
   if (text.starts_with("parse error at")) cut_behind(": ");
+  // They quote the file's bytes, which a terminal might take for orders.
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) >= 0x7F; }, '?');
   constexpr std::size_t kLongest = 240;
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
   return text;

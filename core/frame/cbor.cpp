@@ -211,4 +211,10 @@ void Reader::skip() noexcept {
   }
 }
 
+bool is_sound(std::span<const std::uint8_t> bytes) noexcept {
+  Reader reader(bytes);
+  reader.skip();
+  return reader.ok() && reader.position() == bytes.size();
+}
+
 }  // namespace slipd::cbor

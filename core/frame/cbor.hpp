@@ -72,4 +72,8 @@ class Reader {
   bool starved_ = false;
 };
 
+// Whether these bytes are one item, all of definite length and nested at most 16 deep: to be asked before a
+// parser that recurses sees them.
+bool is_sound(std::span<const std::uint8_t> bytes) noexcept;
+
 }  // namespace slipd::cbor

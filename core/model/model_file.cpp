@@ -2,16 +2,13 @@
 
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
+#include "core/frame/cbor.hpp"
 #include "core/model/crc64.hpp"
 #include "core/model/setup_json.hpp"
 #include "core/model/whole_file.hpp"
@@ -108,10 +105,6 @@ std::string hexadecimal(std::uint64_t value) {
   return text.data();
 }
 
-std::string reason() {
-  return std::generic_category().message(errno);
-}
-
 fs::path from_environment(const char* name) {
   const char* value =
       std::getenv(name);  // NOLINT(concurrency-mt-unsafe): set-up, nobody changes the environment
@@ -139,6 +132,7 @@ std::vector<std::uint8_t> encode_model(const ModelData& data) {
 
 Model decode_model(std::span<const std::uint8_t> bytes) {
   try {
+    if (!cbor::is_sound(bytes)) throw ModelError("is damaged or cut: it is no CBOR item");
     const json envelope = json::from_cbor(bytes.begin(), bytes.end());
     if (!envelope.is_object() || envelope.value("format", json()) != kFormat)
       throw ModelError("is no slipd model");
@@ -148,6 +142,7 @@ Model decode_model(std::span<const std::uint8_t> bytes) {
     }
     const auto& body = envelope.at("body").get_binary();
     if (envelope.at("crc64") != crc64(body)) throw ModelError("is damaged: its checksum does not fit");
+    if (!cbor::is_sound(body)) throw ModelError("is damaged: what its checksum covers is no CBOR item");
     return Model(data_of(json::from_cbor(body)));
   } catch (const json::exception& error) {
     throw ModelError(std::string("is damaged or cut: ") + error.what());
@@ -165,9 +160,13 @@ void save_model(const ModelData& data, const fs::path& file) {
 }
 
 Model load_model(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ModelError(file.string() + ": cannot be read: " + reason());
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  constexpr std::size_t kLargest = std::size_t{1} << 30U;
+  std::vector<std::uint8_t> bytes;
+  try {
+    bytes = read_own_file(file, kLargest);
+  } catch (const std::runtime_error& error) {
+    throw ModelError(error.what());
+  }
   try {
     return decode_model(bytes);
   } catch (const ModelError& error) {

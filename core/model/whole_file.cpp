@@ -9,6 +9,8 @@
 #include <string>
 #include <system_error>
 
+#include "core/unique_fd.hpp"
+
 namespace slipd {
 namespace {
 
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 }
 
 void write_synced(const fs::path& file, std::span<const std::uint8_t> bytes, unsigned mode) {
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode);
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
   if (descriptor < 0) refuse(file, ": cannot be written: ", errno);
   ::fchmod(descriptor, mode);
   std::size_t written = 0;
@@ -46,6 +48,7 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes,
   if (error) refuse(file.parent_path(), ": cannot be made: ", error.value());
   // Two that write the same file at once write each into one of its own.
   const fs::path beside = file.string() + ".new-" + std::to_string(::getpid());
+  fs::remove(beside, error);  // of one that had our number and was killed
   try {
     write_synced(beside, bytes, mode);
     fs::rename(beside, file);
@@ -53,6 +56,38 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes,
     fs::remove(beside, error);
     throw;
   }
+}
+
+std::vector<std::uint8_t> read_own_file(const fs::path& file, std::size_t most) {
+  // Not to wait for the writer of a pipe that somebody may have put there.
+  const UniqueFd opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  if (!opened) {
+    if (errno == ELOOP)
+      throw std::runtime_error(file.string() + ": is a symbolic link, which is not followed; remove it");
+    refuse(file, ": cannot be read: ", errno);
+  }
+  struct stat status {};
+  if (::fstat(opened.get(), &status) != 0) refuse(file, ": cannot be read: ", errno);
+  if (!S_ISREG(status.st_mode)) throw std::runtime_error(file.string() + ": is no regular file; remove it");
+  if (status.st_uid != 0 && status.st_uid != ::geteuid()) {
+    throw std::runtime_error(file.string() + ": belongs to user " + std::to_string(status.st_uid) +
+                             ", not to root or slipd's own user; remove it");
+  }
+  if ((status.st_mode & S_IWOTH) != 0)
+    throw std::runtime_error(file.string() + ": can be written by everybody; remove it");
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size > most) throw std::runtime_error(file.string() + ": is larger than any of slipd's; remove it");
+  std::vector<std::uint8_t> bytes(size);
+  std::size_t got = 0;
+  while (got < size) {
+    const auto n = ::read(opened.get(), bytes.data() + got, size - got);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) refuse(file, ": cannot be read: ", errno);
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  bytes.resize(got);
+  return bytes;
 }
 
 }  // namespace slipd

@@ -24,7 +24,7 @@ fs::path default_folder() {
 
 std::string why_untrusted_one(const fs::path& path) {
   struct stat status {};
-  if (stat(path.c_str(), &status) != 0) {
+  if (lstat(path.c_str(), &status) != 0) {
     return path.string() + ": " + std::generic_category().message(errno);
   }
   if (status.st_uid != 0 && status.st_uid != geteuid()) {
@@ -32,9 +32,11 @@ std::string why_untrusted_one(const fs::path& path) {
            ": only root or slipd's own user may own it; use chown";
   }
   // A sticky folder such as /tmp lets nobody replace another's file.
-  const bool sticky_folder = S_ISDIR(status.st_mode) && (status.st_mode & S_ISVTX) != 0;
-  if ((status.st_mode & S_IWOTH) != 0 && !sticky_folder) {
-    return path.string() + " can be written by everybody: use chmod o-w";
+  if (S_ISDIR(status.st_mode) && (status.st_mode & S_ISVTX) != 0) return {};
+  if ((status.st_mode & S_IWOTH) != 0) return path.string() + " can be written by everybody: use chmod o-w";
+  if ((status.st_mode & S_IWGRP) != 0 && status.st_gid != 0 && status.st_gid != getegid()) {
+    return path.string() + " can be written by group " + std::to_string(status.st_gid) +
+           ", which is not slipd's own: use chmod g-w";
   }
   return {};
 }
@@ -42,8 +44,9 @@ std::string why_untrusted_one(const fs::path& path) {
 }  // namespace
 
 std::string why_untrusted(const fs::path& file) {
-  const std::string trouble = why_untrusted_one(file);
-  return trouble.empty() ? why_untrusted_one(file.parent_path()) : trouble;
+  for (fs::path each = file;; each = each.parent_path()) {
+    if (auto trouble = why_untrusted_one(each); !trouble.empty() || each == each.root_path()) return trouble;
+  }
 }
 
 DriverModules::DriverModules(const std::optional<fs::path>& given)
@@ -68,9 +71,10 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
     if (there.empty()) entry.trouble += "none";
     return entry;
   }
-  entry.trouble = why_untrusted(file);
+  const fs::path real = fs::canonical(file, error);  // what links lead to now is judged, and then loaded
+  entry.trouble = error ? file.string() + ": " + error.message() : why_untrusted(real);
   if (!entry.trouble.empty()) return entry;
-  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* library = dlopen(real.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     entry.trouble =
         std::string("it cannot be loaded: ") + dlerror();  // NOLINT(concurrency-mt-unsafe): set-up thread

@@ -34,8 +34,9 @@ class DriverModules : public DriverCatalogue {
   std::map<std::string, Loaded> loaded_;
 };
 
-// Why a file must not be loaded into the daemon: empty if root or the daemon's own user owns it and its
-// folder, and nobody else may write to either.
+// Why a file, of an absolute path without links, must not be loaded into the daemon: empty if root or the
+// daemon's own user owns it and every folder above it, and nobody else may write to any of them: then nobody
+// can change it between this look and its loading.
 std::string why_untrusted(const std::filesystem::path& file);
 
 }  // namespace slipd

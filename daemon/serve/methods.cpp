@@ -32,6 +32,12 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
           {"y_mm", y_mm}};
 }
 
+// For what changes something outside the client's own connection. `user`: as the kernel says, SO_PEERCRED.
+void require_owner(uid_t user, const char* to_do) {
+  if (user != 0 && user != geteuid())
+    throw rpc::Error(rpc::kNotPermitted, std::string("only root and slipd's own user may ") + to_do);
+}
+
 // What came of a bias that was asked for.
 void answer_zero(const Panel& panel, const Reply& reply) {
   switch (panel.zero.report.load().answer) {
@@ -77,7 +83,6 @@ Methods::Methods(World& world, Recorder& recorder)
     return json(can::dbc_text(*world_.settings.can, can::subjects_of(world_.settings)));
   });
   plain("gamma", {"sensor"}, [this](const Params& params) { return gamma(params); });
-  plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
     const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
     const DeviceFacts facts = panel.facts();
@@ -88,6 +93,11 @@ Methods::Methods(World& world, Recorder& recorder)
     }
     return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
   });
+  methods_["flight"] = [this](Client& client, const Params& params, const Reply& reply) {
+    refuse_unknown(params, {"sensor"});
+    require_owner(client.peer().uid, "keep recordings, which makes older ones go");
+    reply.result(flight(params));
+  };
   methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
     rebias(client, params, reply);
   };
@@ -239,10 +249,7 @@ void Methods::rebias(const Client& client, const Params& params, const Reply& re
   const auto force = params.find("force");
   if (force != params.end() && !force->is_boolean())
     throw rpc::Error(rpc::kInvalidParams, "\"force\" must be true or false");
-  const uid_t user = client.peer().uid;
-  if (user != 0 && user != geteuid()) {
-    throw rpc::Error(rpc::kNotPermitted, "only root and slipd's own user may take a bias anew");
-  }
+  require_owner(client.peer().uid, "take a bias anew");
   Panel& panel = *world_.board.sensors[sensor];
   if (panel.link.load(std::memory_order_acquire) != Link::open) {
     throw rpc::Error(rpc::kNotPossible, panel.name + " sends no frames: its device is not open");

@@ -37,7 +37,8 @@ std::error_code RecordingsFolder::add(const std::string& name,
   if (fs::create_directories(path_, error)) chmod(path_.c_str(), 0750);
   if (error) return error;
   const fs::path aside = path_ / (name + ".part");
-  UniqueFd file(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640));
+  fs::remove(aside, error);  // of one that was killed; whatever it is, it is not written through
+  UniqueFd file(open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
   if (!file) return last_error();
   fchmod(file.get(), 0640);  // as above
   error = write(file.get());
@@ -54,6 +55,7 @@ void RecordingsFolder::remove_oldest() const {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   const auto long_ago = fs::file_time_type::clock::now() - kLongestWrite;
   for (const auto& item : fs::directory_iterator(path_, ignored)) {
+    if (item.symlink_status(ignored).type() != fs::file_type::regular) continue;
     const auto extension = item.path().extension();
     const auto written = item.last_write_time(ignored);
     if (extension == ".rec") found.emplace_back(written, item.path());

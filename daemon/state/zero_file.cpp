@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/frame/cbor.hpp"
 #include "core/model/crc64.hpp"
 #include "core/model/whole_file.hpp"
 #include "daemon/state/state_folder.hpp"
@@ -86,6 +85,7 @@ std::vector<std::uint8_t> encode_zero(const ZeroIdentity& identity, const Zero& 
 
 Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identity, const Now& now) {
   try {
+    if (!cbor::is_sound(bytes)) throw ZeroError("is damaged or cut: it is no CBOR item");
     const json envelope = json::from_cbor(bytes.begin(), bytes.end());
     if (!envelope.is_object() || envelope.value("format", json()) != kFormat)
       throw ZeroError("is no zero of slipd's");
@@ -95,6 +95,7 @@ Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identi
     }
     const auto& packed = envelope.at("body").get_binary();
     if (envelope.at("crc64") != crc64(packed)) throw ZeroError("is damaged: its checksum does not fit");
+    if (!cbor::is_sound(packed)) throw ZeroError("is damaged: what its checksum covers is no CBOR item");
     const json body = json::from_cbor(packed);
     if (const ZeroIdentity of = identity_of(body.at("sensor")); !(of == identity)) {
       throw ZeroError("is another sensor's: " + to_string(of) + ", and this is " + to_string(identity));
@@ -124,9 +125,13 @@ fs::path zero_file(const ZeroIdentity& identity) {
 std::optional<Zero> load_zero(const fs::path& file, const ZeroIdentity& identity) {
   std::error_code error;
   if (!fs::exists(file, error) && !error) return std::nullopt;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ZeroError(file.string() + ": cannot be read: " + std::generic_category().message(errno));
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  constexpr std::size_t kLargest = std::size_t{64} << 20U;
+  std::vector<std::uint8_t> bytes;
+  try {
+    bytes = read_own_file(file, kLargest);
+  } catch (const std::runtime_error& trouble) {
+    throw ZeroError(trouble.what());
+  }
   try {
     return decode_zero(bytes, identity, Now::read());
   } catch (const ZeroError& trouble) {

@@ -36,6 +36,7 @@ enum class Item : std::uint8_t {
 constexpr std::uint8_t kMainType = 0, kConstant = 1;
 constexpr std::size_t kDeepest = 16;
 constexpr std::uint32_t kMostBits = 4096 * 8;
+constexpr std::size_t kMostFields = 4096;  // of all reports: a few bytes of descriptor may claim any number
 constexpr std::uint32_t kForceInDyne = 0xE111;  // SI linear: cm g s^-2
 constexpr double kNewtonPerDyne = 1e-5;
 
@@ -138,7 +139,8 @@ class Parser {
   bool input(std::uint32_t flags) {
     std::size_t& at = bits[global_.report];
     if (global_.size > kMostBits || global_.count > kMostBits ||
-        at + std::size_t{global_.size} * global_.count > kMostBits)
+        at + std::size_t{global_.size} * global_.count > kMostBits ||
+        fields.size() + global_.count > kMostFields)
       return false;
     for (std::uint32_t i = 0; i < global_.count; ++i, at += global_.size) {
       if ((flags & kConstant) != 0 || usages_.empty()) continue;  // padding

@@ -22,8 +22,8 @@ struct InputField {
   double zero_count = 0;       // the count of 0 N
 };
 
-// In the descriptor's order. One that ends in the middle of an item, or nests deeper than any device's, says
-// what it said until then.
+// In the descriptor's order. One that ends in the middle of an item, nests deeper than any device's, or has
+// more than 4096 fields says what it said until then.
 std::vector<InputField> input_fields(std::span<const std::uint8_t> descriptor);
 
 // Bytes of an input report, without its number.

@@ -48,6 +48,12 @@ TEST(JsonText, refuses_nesting_beyond_its_limit_and_only_beyond) {
   EXPECT_THAT(error_of(std::string(1000000, '[')), testing::HasSubstr("nested deeper"));
 }
 
+TEST(JsonText, never_repeats_what_a_terminal_would_obey) {
+  for (const char* text : {"\"\xd0\x7f\"", "\"\xc2\x9b\x02\"", "[\x7f]", "\x1b[2J"}) {
+    for (const char c : error_of(text)) EXPECT_TRUE(c >= ' ' && c != '\x7f') << text;
+  }
+}
+
 TEST(JsonText, refuses_what_is_no_text) {
   EXPECT_NE(error_of("\"\xff\""), "");
   EXPECT_NE(error_of(std::string("{\0}", 3)), "");

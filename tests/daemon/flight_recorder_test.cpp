@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <set>
 
@@ -84,6 +85,7 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
 }
 
+<<<<<<< HEAD
 TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   const TempFolder temp;
   temp.write("crashed.rec.part", "half");
@@ -92,6 +94,20 @@ TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   temp.write("under-way.rec.part", "half");
   EXPECT_FALSE(RecordingsFolder(temp.path(), 3).add("f.rec", [](int) { return std::error_code(); }));
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f.rec", "under-way.rec.part"}));
+=======
+TEST(RecordingsFolder, WritesThroughNoLinkThatSomebodyLaidInItsWay) {
+  const TempFolder temp;
+  const fs::path precious = temp.write("precious", "mine");
+  const TempFolder kept;
+  for (const char* name : {"a.rec.part", "a.rec"}) fs::create_symlink(precious, kept.path() / name);
+  const RecordingsFolder folder(kept.path(), 3);
+  EXPECT_FALSE(folder.add("a.rec", [](int fd) {
+    return write(fd, "frames", 6) == 6 ? std::error_code() : std::make_error_code(std::errc::io_error);
+  }));
+  EXPECT_EQ(fs::file_size(precious), 4U);
+  EXPECT_FALSE(fs::is_symlink(kept.path() / "a.rec"));
+  EXPECT_EQ(names_in(kept.path()), std::set<std::string>{"a.rec"});
+>>>>>>> 32b6446 (Fuzz what reads configurations, the socket, models, recordings, CAN, HID descriptors and zeros; mend what that found)
 }
 
 TEST(RecordingsFolder, ItsGroupMayReadWhateverTheUmask) {

@@ -76,6 +76,21 @@ TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
   EXPECT_THAT(refusal_of(encode_zero(kSensor, zero, kNow)), HasSubstr("number of values"));
 }
 
+TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
+  const testing::TempFolder folder;
+  const auto file = folder.file("mine.cbor");
+  save_zero(file, kSensor, some_zero());
+  std::filesystem::create_symlink(file, folder.file("link.cbor"));
+  EXPECT_THROW(static_cast<void>(load_zero(folder.file("link.cbor"), kSensor)), ZeroError);
+  std::filesystem::permissions(file, std::filesystem::perms::others_write,
+                               std::filesystem::perm_options::add);
+  EXPECT_THROW(static_cast<void>(load_zero(file, kSensor)), ZeroError);
+}
+
+TEST(ZeroFile, RefusesNestingWithoutEnd) {
+  EXPECT_THAT(refusal_of(std::vector<std::uint8_t>(1'000'000, 0x81)), HasSubstr("no CBOR item"));
+}
+
 TEST(ZeroFile, IsFoundAgainUnderItsIdentityOnly) {
   const testing::TempFolder folder;
   const auto file = folder.file("zero") / "mine.cbor";

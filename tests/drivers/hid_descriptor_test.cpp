@@ -80,5 +80,11 @@ TEST(Descriptor, of_any_bytes_is_survived) {
   }
 }
 
+TEST(Descriptor, of_few_bytes_cannot_claim_fields_without_end) {
+  Bytes greedy{0x95, 0x7F, 0x96, 0xFF, 0x7F, 0x75, 0x00};  // 32767 values of no bits
+  for (int i = 0; i < 1000; ++i) greedy.insert(greedy.end(), {0x09, 0x01, 0x81, 0x02});
+  EXPECT_LE(input_fields(greedy).size(), 4096);
+}
+
 }  // namespace
 }  // namespace slipd::hid

@@ -3,25 +3,22 @@
 // before each says, on other buses as packets (rule, length, bytes) a tenth of the scan's time-out apart.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 
 #include "drivers/decode/decoder.hpp"
 #include "drivers/decode/framer.hpp"
+#include "tests/fuzz/demand.hpp"
 
 namespace {
 
 using namespace slipd;
+using fuzz::demand;
 using Bytes = std::span<const std::uint8_t>;
 
 // In the order in which they came: the corpus counts on it.
 constexpr const char* kNames[] = {"3dconnexion", "contactile-pts2", "icub-mtb",      "onrobot-rg2-ft",
                                   "optoforce",   "oymotion-rohand", "robotiq-ft300", "robotiq-tsf85",
                                   "takktile",    "vendor-hid-8x8",  "xela-xr1944",   "hid-force"};
-
-void demand(bool holds) {
-  if (!holds) std::abort();
-}
 
 // The device's first sensor.
 class Device {

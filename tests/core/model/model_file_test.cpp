@@ -3,12 +3,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "core/model/crc64.hpp"
 #include "core/model/train.hpp"
 
 namespace slipd {
@@ -118,6 +120,53 @@ TEST_F(ModelFile, AModelOfAnotherSetupIsNotUsed) {
   EXPECT_THROW(load_cached_model(other, folder_), ModelError);
   save_model(small_model(), model_cache_file(small_setup(), folder_));
   EXPECT_EQ(load_cached_model(small_setup(), folder_).setup(), small_setup());
+}
+
+TEST_F(ModelFile, NestingWithoutEndIsRefusedBeforeAnybodyFollowsIt) {
+  const std::vector<std::uint8_t> deep(10'000'000, 0x81);  // a list in a list in a list …
+  EXPECT_THAT(why_refused(deep), HasSubstr("no CBOR item"));
+  const nlohmann::json sealed{{"format", "slipd-model"},
+                              {"version", kModelVersion},
+                              {"crc64", crc64(deep)},
+                              {"body", nlohmann::json::binary(deep)}};
+  EXPECT_THAT(why_refused(nlohmann::json::to_cbor(sealed)), HasSubstr("no CBOR item"));
+}
+
+TEST_F(ModelFile, IsReadFromNoLinkNoPipeAndNoFileThatOthersWrite) {
+  const fs::path file = folder_ / "model.cbor";
+  const auto refusal = [](const fs::path& of) -> std::string {
+    try {
+      load_model(of);
+    } catch (const ModelError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  save_model(small_model(), file);
+  EXPECT_EQ(refusal(file), "");
+  fs::create_symlink(file, folder_ / "link.cbor");
+  EXPECT_THAT(refusal(folder_ / "link.cbor"), HasSubstr("symbolic link"));
+  ASSERT_EQ(::mkfifo((folder_ / "pipe.cbor").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(folder_ / "pipe.cbor"), HasSubstr("no regular file"));
+  fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_THAT(refusal(file), HasSubstr("written by everybody"));
+  fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
+  if (::geteuid() != 0) return;  // only root gives files away
+  ASSERT_EQ(::chown(file.c_str(), 12345, 12345), 0);
+  EXPECT_THAT(refusal(file), HasSubstr("belongs to user 12345"));
+}
+
+TEST_F(ModelFile, IsNotWrittenThroughWhatSomebodyLaidInItsWay) {
+  fs::create_directories(folder_);
+  const fs::path precious = folder_ / "precious";
+  std::ofstream(precious) << "mine";
+  const fs::path file = folder_ / "model.cbor";
+  fs::create_symlink(precious, file.string() + ".new-" + std::to_string(::getpid()));
+  fs::create_symlink(precious, file);
+  save_model(small_model(), file);
+  EXPECT_EQ(fs::file_size(precious), 4U);
+  EXPECT_FALSE(fs::is_symlink(file));
+  EXPECT_NO_THROW(load_model(file));
 }
 
 TEST_F(ModelFile, SavingLeavesNothingElseBehind) {

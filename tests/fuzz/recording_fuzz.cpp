@@ -1,0 +1,43 @@
+// Any bytes as a recording: refused with words, or a header and frames, the same again after a rewind, up to
+// an end or to a place where it says what is wrong.
+#include <optional>
+
+#include "core/frame/recording.hpp"
+#include "tests/drivers/driver_fixture.hpp"
+#include "tests/fuzz/file_of.hpp"
+
+namespace {
+
+using namespace slipd;
+using fuzz::demand;
+using Status = RecordingReader::Status;
+
+constexpr std::size_t kMostTaxels = 4096;  // larger ones are slow, not different
+
+std::uint64_t play(RecordingReader& reader, FrameSlot& slot) {
+  std::uint64_t frames = 0;
+  std::optional<RecordedEstimate> estimate;
+  Status status = reader.next(slot, &estimate);
+  for (; status == Status::frame; status = reader.next(slot, &estimate)) ++frames;
+  demand(reader.next(slot) == status);  // and stays so
+  demand(reader.fault().empty() == (status == Status::end));
+  return frames;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    RecordingReader reader(fuzz::file_of(data, size));
+    const std::size_t taxels = reader.header().layout.size();
+    if (taxels > kMostTaxels) return 0;
+    test::OwnedSlot own(taxels);
+    const std::uint64_t frames = play(reader, own.slot);
+    demand(frames * (12 * taxels + 8) <= size);
+    reader.rewind();
+    demand(play(reader, own.slot) == frames);
+  } catch (const RecordingError& error) {
+    demand(error.offset() <= size && *error.what() != '\0');
+  }
+  return 0;
+}

@@ -1,0 +1,21 @@
+// The bytes of one input inside the envelope that slipd's own files have, with a checksum that fits: what
+// lies behind the checksum is then fuzzed as well.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "core/model/crc64.hpp"
+
+namespace slipd::fuzz {
+
+inline std::vector<std::uint8_t> sealed(const char* format, int version, std::vector<std::uint8_t> body) {
+  const std::uint64_t checksum = crc64(body);
+  return nlohmann::json::to_cbor({{"format", format},
+                                  {"version", version},
+                                  {"crc64", checksum},
+                                  {"body", nlohmann::json::binary(std::move(body))}});
+}
+
+}  // namespace slipd::fuzz
