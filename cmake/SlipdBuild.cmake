@@ -16,6 +16,19 @@ if(SLIPD_SANITIZE)
   target_link_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE})
 endif()
 
+# What a mistake in memory may still do: a stack that was overrun ends the program (stack-protector, stack-clash), so does a
+# library call on a buffer that is too small (FORTIFY_SOURCE), jumps land where jumps may (cf-protection on x86, branch protection
+# on arm64), addresses are random (PIE) and the tables of the linker read-only (relro, now). vm.packages looks after it.
+option(SLIPD_HARDEN "Harden the binaries, as packaged" OFF)
+if(SLIPD_HARDEN)
+  include(CheckPIESupported)
+  check_pie_supported()
+  target_compile_options(slipd_flags INTERFACE -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
+    $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>:-fcf-protection=full>
+    $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},aarch64>:-mbranch-protection=standard>)
+  target_link_options(slipd_flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
+endif()
+
 # slipd_library(name SOURCES … LINKS …): one room of the house as a static library.
 function(slipd_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})

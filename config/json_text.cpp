@@ -54,9 +54,6 @@ std::string own_words(std::string text) {
   };
   cut_behind("] ");
   if (text.starts_with("parse error at")) cut_behind(": ");
-  // They quote the file's bytes, which a terminal might take for orders.
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) >= 0x7F; }, '?');
   constexpr std::size_t kLongest = 240;
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
   return text;
@@ -132,8 +129,30 @@ class Builder {
 
 }  // namespace
 
+std::string plain(std::string_view text) {
+  constexpr unsigned char kDelete = 0x7F, kC1Lead = 0xC2, kC1Low = 0x80, kC1High = 0x9F;
+  std::string out;
+  const auto escape = [&](unsigned char c) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    out += {'\\', 'u', '0', '0', kDigits[c >> 4U], kDigits[c & 15U]};
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : '\0');
+    if (c == kC1Lead && next >= kC1Low && next <= kC1High) {
+      escape(next);
+      ++i;
+    } else if (c < ' ' || c == kDelete) {
+      escape(c);
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
 std::string JsonTextError::located_in(const std::string& file) const {
-  return file + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": " + what();
+  return plain(file + ":" + std::to_string(line_) + ":" + std::to_string(column_) + ": " + what());
 }
 
 json parse_json_text(std::string_view text) {

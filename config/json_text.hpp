@@ -27,6 +27,9 @@ class JsonTextError : public std::runtime_error {
   std::size_t line_, column_;
 };
 
+// `text` with escapes for all that a terminal would obey instead of showing it (C0, DEL, C1).
+std::string plain(std::string_view text);
+
 inline constexpr int kJsonDepth = 64;
 
 // Every number in the result is finite, every string UTF-8, nothing lies deeper than kJsonDepth.

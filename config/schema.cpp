@@ -8,6 +8,7 @@
 #include <regex>
 #include <utility>
 
+#include "config/json_text.hpp"
 #include "config/schema_words.hpp"
 #include "embedded/slipd_meta_schema.hpp"
 
@@ -252,7 +253,8 @@ Problem problem_of(std::string pointer, const json& value, std::string what) {
 }
 
 std::string Problem::in(const std::string& file) const {
-  return file + ": " + (pointer.empty() ? "/" : pointer) + (value.empty() ? "" : " = " + value) + ": " + what;
+  return plain(file + ": " + (pointer.empty() ? "/" : pointer) + (value.empty() ? "" : " = " + value) + ": " +
+               what);
 }
 
 std::string pointer_to(const std::string& at, std::string_view key) {

@@ -9,12 +9,12 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/frame/frame.hpp"
+#include "core/frame/slot_exchange.hpp"
 
 namespace slipd {
 
@@ -36,44 +36,30 @@ class FrameMailbox {
   FrameMailbox& operator=(const FrameMailbox&) = delete;
 
   // Acquire thread: the slot to fill next. Valid until publish.
-  FrameSlot writable() const noexcept { return slots_[write_]; }
+  FrameSlot writable() const noexcept { return slots_[exchange_.filling()]; }
 
   // Acquire thread: hands over `filled`, which writable() gave and the driver filled. True if an unread frame
   // was replaced by it (which is then counted as skipped).
   bool publish(const FrameSlot& filled, const Tally& tally = {}) noexcept {
-    slots_[write_] = filled;
-    tallies_[write_] = tally;
-    // Release: the estimate thread's acquire in take() sees the slot's contents. Acquire: pairs with the
-    // release in take(), so that its reads of the slot we get back are over before we write there.
-    const std::uint32_t was = middle_.exchange(write_ | kFresh, std::memory_order_acq_rel);
-    write_ = was & kIndex;
-    return (was & kFresh) != 0;
+    slots_[exchange_.filling()] = filled;
+    tallies_[exchange_.filling()] = tally;
+    return exchange_.hand_over();
   }
 
-  // Either thread: whether a published frame has not been taken yet. Relaxed: a hint, nothing is read on its
-  // word.
-  bool unread() const noexcept { return (middle_.load(std::memory_order_relaxed) & kFresh) != 0; }
+  // Either thread: whether a published frame has not been taken yet. A hint.
+  bool unread() const noexcept { return exchange_.fresh(); }
 
   // Estimate thread: the newest frame not yet seen, or null. Valid until the next take.
-  const FrameSlot* take() noexcept {
-    if (!unread()) return nullptr;
-    // Acquire and release: the mirror image of publish(). Only this thread clears kFresh, so it is still set.
-    read_ = middle_.exchange(read_, std::memory_order_acq_rel) & kIndex;
-    return &slots_[read_];
-  }
+  const FrameSlot* take() noexcept { return exchange_.take() ? &slots_[exchange_.reading()] : nullptr; }
 
   // Estimate thread: what was published with the frame last taken.
-  const Tally& tally() const noexcept { return tallies_[read_]; }
+  const Tally& tally() const noexcept { return tallies_[exchange_.reading()]; }
 
  private:
-  static constexpr std::uint32_t kIndex = 3;
-  static constexpr std::uint32_t kFresh = 4;
   std::vector<float> memory_;
   std::array<FrameSlot, 3> slots_;
   std::array<Tally, 3> tallies_{};
-  alignas(64) std::uint32_t write_ = 0;  // acquire thread's
-  alignas(64) std::uint32_t read_ = 1;   // estimate thread's
-  alignas(64) std::atomic<std::uint32_t> middle_{2};
+  SlotExchange<> exchange_;
 };
 
 }  // namespace slipd

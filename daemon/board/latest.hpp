@@ -14,7 +14,8 @@
 
 namespace slipd {
 
-template <typename T>
+// `Atomic`: std::atomic, but for the test that tries every order of events that the memory model allows.
+template <typename T, template <typename> class Atomic = std::atomic>
 class Latest {
   static_assert(std::is_trivially_copyable_v<T>);
 
@@ -63,11 +64,11 @@ class Latest {
  private:
   static constexpr std::size_t kWords = (sizeof(T) + 7) / 8;
   struct alignas(64) Copy {
-    std::atomic<std::uint64_t> version{0};
-    std::array<std::atomic<std::uint64_t>, kWords> words{};
+    Atomic<std::uint64_t> version{0};
+    std::array<Atomic<std::uint64_t>, kWords> words{};
   };
   std::array<Copy, 2> copies_;
-  alignas(64) std::atomic<std::uint32_t> current_{0};
+  alignas(64) Atomic<std::uint32_t> current_{0};
 };
 
 }  // namespace slipd

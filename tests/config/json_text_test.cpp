@@ -49,8 +49,10 @@ TEST(JsonText, refuses_nesting_beyond_its_limit_and_only_beyond) {
 }
 
 TEST(JsonText, never_repeats_what_a_terminal_would_obey) {
-  for (const char* text : {"\"\xd0\x7f\"", "\"\xc2\x9b\x02\"", "[\x7f]", "\x1b[2J"}) {
-    for (const char c : error_of(text)) EXPECT_TRUE(c >= ' ' && c != '\x7f') << text;
+  EXPECT_EQ(plain("caf\xc3\xa9 \x1b[2J\x7f\xc2\x9b!\n"), "caf\xc3\xa9 \\u001b[2J\\u007f\\u009b!\\u000a");
+  for (const char* text : {"\"\xd0\x7f\"", "{\"\x7f\": 1, \"\x7f\": 2}", "[\x7f]", "\x1b[2J"}) {
+    EXPECT_EQ(error_of(text), plain(error_of(text)));
+    EXPECT_NE(error_of(text), "");
   }
 }
 

@@ -85,7 +85,6 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
 }
 
-<<<<<<< HEAD
 TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   const TempFolder temp;
   temp.write("crashed.rec.part", "half");
@@ -94,7 +93,8 @@ TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   temp.write("under-way.rec.part", "half");
   EXPECT_FALSE(RecordingsFolder(temp.path(), 3).add("f.rec", [](int) { return std::error_code(); }));
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f.rec", "under-way.rec.part"}));
-=======
+}
+
 TEST(RecordingsFolder, WritesThroughNoLinkThatSomebodyLaidInItsWay) {
   const TempFolder temp;
   const fs::path precious = temp.write("precious", "mine");
@@ -107,7 +107,6 @@ TEST(RecordingsFolder, WritesThroughNoLinkThatSomebodyLaidInItsWay) {
   EXPECT_EQ(fs::file_size(precious), 4U);
   EXPECT_FALSE(fs::is_symlink(kept.path() / "a.rec"));
   EXPECT_EQ(names_in(kept.path()), std::set<std::string>{"a.rec"});
->>>>>>> 32b6446 (Fuzz what reads configurations, the socket, models, recordings, CAN, HID descriptors and zeros; mend what that found)
 }
 
 TEST(RecordingsFolder, ItsGroupMayReadWhateverTheUmask) {

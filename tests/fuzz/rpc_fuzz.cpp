@@ -205,7 +205,12 @@ class Stage {
 
   const Settings settings_ = make_settings();
   Board board_;
-  World world_{.settings = settings_, .board = board_, .realtime = {}, .ring_estimate = [] {}};
+  World world_{.settings = settings_,
+               .board = board_,
+               .realtime = {},
+               .ring_estimate = [] {},
+               .last_minute = {},
+               .rates_hz = {}};
   asio::io_context io_;
   Clients clients_;
   Recorder recorder_{io_};
