@@ -36,7 +36,11 @@ constexpr int kEnoughAgree = 20;  // frames, then a load that was met half-way h
 constexpr double kDoubt = 1, kNoisyDoubt = 1.6, kDoubtGain = 0.2, kClean = 0.4;
 constexpr int kSettled = 10;  // frames, then the weights have found that other friction
 
-// Sensors without shape.
+// Sensors without shape. The load is followed with its slope (an alpha-beta filter), and anew where it jumps.
+constexpr double kLevel = 0.35, kSlope = 0.08, kJump = 4;
+constexpr double kCarriedGain = 0.1,
+                 kCarriedSigma = 0.23;  // of its mean, and that's deviation over one frame's
+constexpr double kSmoothed = 0.53;  // its deviation over one frame's: sqrt((2a^2 + 2b - 3ab)/(a(4 - 2a - b)))
 constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
 constexpr double kHighest = 2;     // deviations by which a load may miss the highest one
 constexpr double kPlateau = 0.015;       // relative: Q/P this even while P changes is sliding
@@ -55,7 +59,7 @@ double square(double x) noexcept {
 }  // namespace
 
 FrictionBelief::FrictionBelief(Range expected, double spread, bool shapeless)
-    : weights_(expected, spread), shapeless_(shapeless) {}
+    : weights_(expected, spread, shapeless ? kShapeless : kContacts), shapeless_(shapeless) {}
 
 void FrictionBelief::reset() noexcept {
   weights_.reset();
@@ -70,6 +74,9 @@ void FrictionBelief::reset() noexcept {
   change_ = off_slipped_n_ = off_hollow_n_ = 0;
   strange_ = frames_ = 0;
   last_ns_ = 0;
+  load_ = {};
+  carried_ = 0;
+  load_change_ = 0;
   highest_load_ = slide_normal_n_ = slide_load_ = 0;
 }
 
@@ -77,13 +84,18 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
                             const Reading* reading) noexcept {
   const double passed_s = last_ns_ > 0 ? static_cast<double>(time_ns - last_ns_) * 1e-9 : 0;
   last_ns_ = time_ns;
-  const double load = patch.shear_n / patch.normal_n, load_sigma = patch.shear_sigma_n / patch.normal_n;
-  const double sigma = std::max(load_sigma, 0.01 * load);
+  read_load(patch);
+  const double load = load_.mean, load_sigma = load_.sigma;
+  // More is carried than a friction could hold. Without shape it is the frames' mean that tells: of the many
+  // frames of a slide those that noise put highest would speak for too much.
+  const double carried = shapeless_ ? carried_ : load;
+  const double sigma = shapeless_ ? std::max(kCarriedSigma * load_sigma / kSmoothed, 0.005 * load)
+                                  : std::max(load_sigma, 0.01 * load);
+  const double counts = shapeless_ ? kCarriedGain : 1;
   if (shapeless_) weights_.fade(std::exp(-std::max(0.0, passed_s) / kForgetAfterSeconds));
-  for (std::size_t j = 0; j < kCount; ++j) {
-    const double over =
-        (load - weights_.friction(j)) / sigma;  // more is carried than this friction could hold
-    if (over > 0) weights_.take(j, 0.5 * over * over);
+  for (std::size_t j = 0; j < weights_.count(); ++j) {
+    const double over = (carried - weights_.friction(j)) / sigma;
+    if (over > 0) weights_.take(j, counts * 0.5 * over * over);
   }
   if (!shapeless_) {
     follow(patch);
@@ -94,6 +106,19 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_frame(patch, *reading);
   if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
   weights_.normalise();
+}
+
+void FrictionBelief::read_load(const ContactPatch& patch) noexcept {
+  const double load = patch.shear_n / patch.normal_n, sigma = patch.shear_sigma_n / patch.normal_n;
+  const double expected = load_.mean + load_change_, off = load - expected;
+  carried_ += (load_.sigma == 0 ? 1 : kCarriedGain) * (load - carried_);
+  if (!shapeless_ || load_.sigma == 0 || std::fabs(off) > kJump * sigma) {
+    load_ = {load, sigma};
+    load_change_ = 0;
+    return;
+  }
+  load_change_ += kSlope * off;
+  load_ = {std::max(0.0, expected + kLevel * off), kSmoothed * sigma};
 }
 
 // Tells the contacts what the forces did, noise left out: a force that only trembles would be a reversal a
@@ -127,7 +152,7 @@ void FrictionBelief::follow(const ContactPatch& patch) noexcept {
   if (normal_to == normal_n_ && shear_to == shear_n_) return;
   normal_n_ = std::max(normal_to, 1e-6 * patch.normal_n);
   shear_n_ = shear_to;
-  for (std::size_t j = 0; j < kCount; ++j) {
+  for (std::size_t j = 0; j < weights_.count(); ++j) {
     contact_[j].follow(normal_n_, shear_n_, weights_.friction(j));
     shape_[j] = contact_[j].shape();
   }
@@ -147,7 +172,7 @@ void FrictionBelief::start_anew() noexcept {
   weights_.reset();
   known_ = false;
   agreeing_ = 0;
-  for (std::size_t j = 0; j < kCount; ++j) {
+  for (std::size_t j = 0; j < weights_.count(); ++j) {
     contact_[j].assume_risen(normal_n_, shear_n_, weights_.friction(j));
     shape_[j] = contact_[j].shape();
   }
@@ -178,7 +203,7 @@ void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& readi
   const bool highest = load > highest_load_ - kHighest * patch.shear_sigma_n / patch.normal_n;
   only_risen_ = shapeless_ ? highest : looks_risen(patch.normal_n, load);
   const bool direct = only_risen_ && reading.in_family;
-  PerFriction misfit;
+  PerFriction misfit;  // of as many as there are
   if (direct) {
     misfit_of_margin(load, reading, weights_, misfit);
   } else if (known_ && !shapeless_ && std::isfinite(reading.shape_sigma.slipped_n)) {
@@ -191,8 +216,8 @@ void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& readi
 
 void FrictionBelief::misfit_of_margin(double load, const Reading& reading, const FrictionWeights& weights,
                                       PerFriction& misfit) noexcept {
-  const double apart = kBetween * FrictionWeights::step();
-  for (std::size_t j = 0; j < kCount; ++j) {
+  const double apart = kBetween * weights.step();
+  for (std::size_t j = 0; j < weights.count(); ++j) {
     const double mobilised = load / weights.friction(j);
     misfit[j] = reading.profile.known ? kOneFrame * 2 * reading.profile.at(1 - mobilised)
                                       : square(reading.gamma - 1 + mobilised) /
@@ -221,7 +246,7 @@ void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& r
   const auto part = [open](double off, double sigma) {
     return square(std::max(0.0, std::fabs(off) - open)) / (square(sigma) + square(0.5 * open));
   };
-  for (std::size_t j = 0; j < kCount; ++j) {
+  for (std::size_t j = 0; j < weights_.count(); ++j) {
     misfit[j] = part(seen.slipped_n - along * shape_[j].slipped_n, noise.slipped_n) +
                 part(seen.hollow_n - along * shape_[j].hollow_n, noise.hollow_n);
   }
@@ -230,7 +255,8 @@ void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& r
 // Takes weight from what explains the frame badly, unless nothing explains it.
 void FrictionBelief::judge(const PerFriction& misfit, bool direct) noexcept {
   const double believed = misfit[weights_.likeliest()];
-  const double least = *std::min_element(misfit.begin(), misfit.end());
+  const double least =
+      *std::min_element(misfit.begin(), misfit.begin() + static_cast<std::ptrdiff_t>(weights_.count()));
   surprised_ = believed > kSurprising;
   misfit_ = kMemory * misfit_ + (1 - kMemory) * std::min(least, 4 * kStrange);
   // Friction has changed when frame after frame says so: what older frames told of it goes.
@@ -248,7 +274,7 @@ void FrictionBelief::judge(const PerFriction& misfit, bool direct) noexcept {
     weights_.reset();
   }
   if (direct) known_ = known_ || ++agreeing_ >= kEnoughAgree;
-  for (std::size_t j = 0; j < kCount; ++j) weights_.take(j, 0.5 * (misfit[j] - least));
+  for (std::size_t j = 0; j < weights_.count(); ++j) weights_.take(j, 0.5 * (misfit[j] - least));
 }
 
 // Coulomb: an object that slides keeps Q/P while P changes. (While both grow from nothing a stuck contact
@@ -262,7 +288,7 @@ void FrictionBelief::weigh_sliding(double normal_n, double load, double load_sig
     return;
   }
   if (normal_n > (1 - kPlateauChange) * slide_normal_n_ || load < 0.9 * highest_load_) return;
-  for (std::size_t j = 0; j < kCount; ++j) {
+  for (std::size_t j = 0; j < weights_.count(); ++j) {
     const double off = std::log(weights_.friction(j) / load) / (3 * kPlateau);
     weights_.take(j, kOneFrame * 0.5 * std::min(off * off, 25.0));
   }

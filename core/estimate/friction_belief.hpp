@@ -33,6 +33,10 @@ class FrictionBelief {
 
   const FrictionWeights& weights() const noexcept { return weights_; }
 
+  // |Q|/P now: of sensors without shape what the last few frames say of it, since nothing else tells their
+  // margin.
+  const FrictionWeights::Value& load() const noexcept { return load_; }
+
   // The likeliest friction's contact is one whose load has only risen.
   bool only_risen() const noexcept { return only_risen_; }
   // This frame does not look as the friction believed before it would have it: that has changed, or was
@@ -44,10 +48,12 @@ class FrictionBelief {
   bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
 
  private:
-  static constexpr std::size_t kCount = FrictionWeights::kCount;
+  // Contacts to follow are dear: as many as frames with a shape tell apart. Without a shape there are none.
+  static constexpr std::size_t kContacts = 56, kShapeless = FrictionWeights::kMost;
   static constexpr double kMostMisfit = 4;  // mean square, 1 where all is understood
-  using PerFriction = std::array<double, kCount>;
+  using PerFriction = std::array<double, FrictionWeights::kMost>;
 
+  void read_load(const ContactPatch& patch) noexcept;
   void follow(const ContactPatch& patch) noexcept;
   void watch_begin(const ContactPatch& patch) noexcept;
   void start_anew() noexcept;
@@ -63,8 +69,11 @@ class FrictionBelief {
 
   FrictionWeights weights_;
   bool shapeless_;
-  std::array<contact::SpringBed::Shape, kCount> shape_{};  // of each contact
-  std::array<contact::SpringBed, kCount> contact_;
+  FrictionWeights::Value load_;
+  double load_change_ = 0;                                    // a frame
+  double carried_ = 0;                                        // of more frames
+  std::array<contact::SpringBed::Shape, kContacts> shape_{};  // of each contact
+  std::array<contact::SpringBed, kContacts> contact_;
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from

@@ -13,10 +13,10 @@ namespace slipd {
 
 class FrictionWeights {
  public:
-  static constexpr std::size_t kCount = 56;
+  static constexpr std::size_t kMost = 224;
 
-  // The range expected ends softly, over about `spread` of log mu.
-  FrictionWeights(Range expected, double spread);
+  // The range expected ends softly, over about `spread` of log mu. count: 2 … kMost.
+  FrictionWeights(Range expected, double spread, std::size_t count);
 
   void reset() noexcept { weight_ = prior_; }  // what the scene expects
   // 1 leaves all as it is, 0 is reset.
@@ -27,6 +27,7 @@ class FrictionWeights {
   // later frame could not move it.
   void normalise() noexcept;
 
+  std::size_t count() const noexcept { return count_; }
   double friction(std::size_t j) const noexcept { return friction_[j]; }
   bool refuted(std::size_t j) const noexcept { return weight_[j] < -kRefuted; }
   std::size_t likeliest() const noexcept;
@@ -37,15 +38,17 @@ class FrictionWeights {
   Value friction() const noexcept;
   Value margin(double load, double load_sigma) const noexcept;  // of 1 - load/mu, load = |Q|/P
 
-  static double step() noexcept;  // of log mu
+  double step() const noexcept { return step_; }  // of log mu
 
  private:
   static constexpr double kLow = 0.04, kHigh = 2.2;
   static constexpr double kMostOfFrame = 20;  // no single frame says more
   static constexpr double kRefuted = 8;       // behind the likeliest
-  using PerFriction = std::array<double, kCount>;
+  using PerFriction = std::array<double, kMost>;
 
-  PerFriction friction_, prior_, weight_;
+  std::size_t count_;
+  double step_;
+  PerFriction friction_{}, prior_{}, weight_{};
 };
 
 }  // namespace slipd

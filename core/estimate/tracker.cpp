@@ -28,7 +28,7 @@ std::optional<Tracker::Margin> Tracker::track(const ContactPatch& patch, const R
                                               Method method, Estimate& out) noexcept {
   belief_.update(out.time_ns, patch, reading);
   if (!belief_.understood()) return std::nullopt;
-  const double load = patch.shear_n / patch.normal_n, load_sigma = patch.shear_sigma_n / patch.normal_n;
+  const auto [load, load_sigma] = belief_.load();
   const auto friction = belief_.weights().friction();
   if (friction.sigma < kKnown * friction.mean) {
     out.friction = friction.mean;
