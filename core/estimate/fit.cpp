@@ -20,6 +20,7 @@ constexpr double kConverged = 1e-3;    // of each unknown's own standard deviati
 constexpr std::size_t kRings = 12;
 constexpr double kOpen = 0.04;  // a sigma of Gamma beyond which the scene is asked
 constexpr std::size_t kSteps = MarginProfile::kSteps;
+constexpr double kLeastOpen = 0.1;
 constexpr double kSceneSpread = 0.15;  // how softly the scene's range of friction ends, in log mu
 
 }  // namespace
@@ -138,10 +139,22 @@ double Fit::ring_misfit(const Vector& at, double uneven_share) const noexcept {
   return used > 0 ? sum / used : 0;
 }
 
+// The profile below holds place, size and height of the contact as they fit best. They are not known so well:
+// the margin's variance with them held, over that with them free.
+double Fit::share_left_open(const Square& hessian) noexcept {
+  const Square covariance = hessian.inverse();
+  const double free = covariance(margin, margin);
+  const double held =
+      1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
+  const double share = held / free;
+  return share > kLeastOpen && share < 1 ? share : (share > 0 && share <= kLeastOpen ? kLeastOpen : 1);
+}
+
 // Where noise leaves the margin open, a parabola about the best fit is no honest picture of it. The whole
 // range is weighed instead: the likelihood of each margin, times what friction the scene expects of it. Mean
 // and deviation of that.
-void Fit::weigh_by_scene(const Vector& at, Reading& out) noexcept {
+void Fit::weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) noexcept {
+  const double open = share_left_open(hessian);
   std::array<double, kSteps> misfit, friction;
   auto& profile = out.profile;
   double least = std::numeric_limits<double>::infinity(), least_expected = least;
@@ -159,7 +172,7 @@ void Fit::weigh_by_scene(const Vector& at, Reading& out) noexcept {
     friction[j] = t / (1 - gamma);
     const double unexpected =
         std::max({0.0, std::log(friction[j] / expected_.high), std::log(expected_.low / friction[j])});
-    profile.misfit[j] = 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
+    profile.misfit[j] = open * 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
     misfit[j] = profile.misfit[j] + 0.5 * unexpected * unexpected / (kSceneSpread * kSceneSpread);
     least = std::min(least, profile.misfit[j]);
     least_expected = std::min(least_expected, misfit[j]);
@@ -224,7 +237,7 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
   }
   if (layout_.size() <= kFewTaxels) {  // no parabola is true to so few: only the whole profile means anything
     evaluate(at, trial_gradient, trial_hessian);
-    weigh_by_scene(at, out);
+    weigh_by_scene(at, trial_hessian, out);
     out.in_family = converged;
     return out;
   }
@@ -245,7 +258,7 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.radius_m = at[radius];
   const double beyond_noise = ring_misfit(at, 0);
   out.in_family = ring_misfit(at, kUneven) < kMostMisfit;
-  if (out.sigma > kOpen) weigh_by_scene(at, out);
+  if (out.sigma > kOpen) weigh_by_scene(at, hessian, out);
   if (beyond_noise >
       kMostMisfit) {  // accepted as an uneven skin; it may as well be a little of another history
     out.sigma = std::hypot(out.sigma, kUnevenSigma);

@@ -48,7 +48,8 @@ class Fit final : public SlipMethod {
   // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
   double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
   double ring_misfit(const Vector& at, double uneven) const noexcept;
-  void weigh_by_scene(const Vector& at, Reading& out) noexcept;
+  static double share_left_open(const Square& hessian) noexcept;
+  void weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) noexcept;
 
   TaxelLayout layout_;
   Range expected_;
