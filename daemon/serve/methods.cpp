@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "daemon/can/dbc.hpp"
-#include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/estimate_text.hpp"
 #include "daemon/serve/flight_recorder.hpp"
 #include "daemon/serve/names.hpp"
 #include "daemon/serve/status.hpp"
@@ -82,7 +82,10 @@ Methods::Methods(World& world, Recorder& recorder)
       throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
     return json(can::dbc_text(*world_.settings.can, can::subjects_of(world_.settings)));
   });
-  plain("gamma", {"sensor"}, [this](const Params& params) { return gamma(params); });
+  methods_["gamma"] = [this](Client&, const Params& params, const Reply& reply) {
+    refuse_unknown(params, {"sensor"});
+    reply.text(gamma(params));
+  };
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
     const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
     const DeviceFacts facts = panel.facts();
@@ -142,25 +145,28 @@ void Methods::call(Client& client, const rpc::Request& request, const Reply& rep
   }
 }
 
-json Methods::gamma(const Params& params) const {
+std::string Methods::gamma(const Params& params) const {
   const Board& board = world_.board;
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   const Now now = Now::read();
-  json sensors = json::array();
+  std::string text = R"({"sensors":[)";
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
+    if (text.back() != '[') text += ',';
     const Panel& panel = *board.sensors[i];
-    sensors.push_back(estimate_json(panel.latest.load().estimate, panel.name,
-                                    panel.simulated.load(std::memory_order_relaxed), now));
+    append_estimate(text, panel.latest.load().estimate, panel.name,
+                    panel.simulated.load(std::memory_order_relaxed), now);
   }
-  json grasps = json::array();
+  text += R"(],"grasps":[)";
   for (std::size_t i = 0; i < board.grasps.size(); ++i) {
     const GraspPanel& grasp = *board.grasps[i];
-    if (all || std::find(grasp.sensors.begin(), grasp.sensors.end(), only) != grasp.sensors.end())
-      grasps.push_back(grasp_json(grasp.latest.load(), grasp.name, world_.settings.grasps[i].sensors));
+    if (!all && std::find(grasp.sensors.begin(), grasp.sensors.end(), only) == grasp.sensors.end()) continue;
+    if (text.back() != '[') text += ',';
+    append_grasp(text, grasp.latest.load(), grasp.name, world_.settings.grasps[i].sensors);
   }
-  return {{"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}};
+  text += "]}";
+  return text;
 }
 
 void Methods::subscribe(Client& client, const Params& params, const Reply& reply) {

@@ -37,7 +37,7 @@ class Methods {
   using Method = std::function<void(Client&, const Params&, const rpc::Reply&)>;
 
   void call(Client& client, const rpc::Request& request, const rpc::Reply& reply);
-  nlohmann::ordered_json gamma(const Params& params) const;
+  std::string gamma(const Params& params) const;
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void frame(const Params& params, const rpc::Reply& reply);

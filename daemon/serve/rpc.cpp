@@ -128,6 +128,10 @@ void Reply::result(const nlohmann::ordered_json& value) const {
   answers_->add(notification_ ? "" : result_text(id_, value));
 }
 
+void Reply::text(const std::string& json) const {
+  answers_->add(notification_ ? "" : R"({"jsonrpc":"2.0","id":)" + dump(id_) + R"(,"result":)" + json + "}");
+}
+
 void Reply::error(int code, const std::string& message) const {
   answers_->add(notification_ ? "" : error_text(id_, code, message));
 }

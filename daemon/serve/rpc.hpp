@@ -79,6 +79,7 @@ class Reply {
  public:
   Reply(const Request& request, std::shared_ptr<Answers> answers);
   void result(const nlohmann::ordered_json& value) const;
+  void text(const std::string& json) const;  // a result that is written already
   void error(int code, const std::string& message) const;
 
  private:

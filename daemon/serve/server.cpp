@@ -8,7 +8,7 @@
 
 #include "daemon/log/log.hpp"
 #include "daemon/serve/descriptors.hpp"
-#include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/estimate_text.hpp"
 #include "daemon/serve/flight_recorder.hpp"
 
 namespace slipd {
@@ -141,6 +141,7 @@ void Server::tell(const Event& event) {
 
 void Server::tell(const Event& event, EventKind kind) {
   static constexpr const char* kMethods[kEventKinds] = {"estimate", "alert", "state"};
+  constexpr std::size_t kUsualBytes = 1024;
   std::shared_ptr<const Notification> head;  // made for the first that wants it
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) {
@@ -148,14 +149,16 @@ void Server::tell(const Event& event, EventKind kind) {
       if (!subscription.wants(event, kind, lost)) continue;
       if (!head) {
         const Panel& panel = *world_.board.sensors[event.sensor];
-        std::string text = estimate_json(event.estimate, panel.name,
-                                         panel.simulated.load(std::memory_order_relaxed), Now::read())
-                               .dump();
+        std::string text;
+        text.reserve(kUsualBytes);
+        text += R"({"jsonrpc":"2.0","method":")";
+        text += kMethods[static_cast<std::size_t>(kind)];
+        text += R"(","params":)";
+        append_estimate(text, event.estimate, panel.name, panel.simulated.load(std::memory_order_relaxed),
+                        Now::read());
         text.pop_back();  // its last brace: `dropped` comes before it
-        head = std::make_shared<const Notification>(
-            Notification{std::string(R"({"jsonrpc":"2.0","method":")") +
-                             kMethods[static_cast<std::size_t>(kind)] + R"(","params":)" + text,
-                         event.estimate.published_ns});
+        head =
+            std::make_shared<const Notification>(Notification{std::move(text), event.estimate.published_ns});
       }
       client->notify(head, lost);
     }

@@ -8,7 +8,7 @@
 
 #include "core/frame/mailbox.hpp"
 #include "daemon/board/latest.hpp"
-#include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/estimate_text.hpp"
 #include "drivers/decode/decoder.hpp"
 #include "tests/bench/scenes.hpp"
 #include "tests/bench/times.hpp"
@@ -152,7 +152,9 @@ void as_text(benchmark::State& state) {
   Times times;
   for (auto _ : state) {
     const std::int64_t since = now_ns();
-    benchmark::DoNotOptimize(estimate_json(estimate, "left", false, now).dump());
+    std::string text;
+    append_estimate(text, estimate, "left", false, now);
+    benchmark::DoNotOptimize(text.data());
     times.add(since);
   }
   times.report(state);

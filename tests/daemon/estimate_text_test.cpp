@@ -1,5 +1,5 @@
 // Estimates as clients see them: nothing unknown becomes a number, no gamma outside state ok.
-#include "daemon/serve/estimate_json.hpp"
+#include "daemon/serve/estimate_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,6 +28,20 @@ Estimate known() {
   return estimate;
 }
 
+nlohmann::json read_estimate(const Estimate& estimate, const std::string& sensor, bool simulated,
+                             const Now& now) {
+  std::string text;
+  append_estimate(text, estimate, sensor, simulated, now);
+  return nlohmann::json::parse(text);
+}
+
+nlohmann::json read_grasp(const Estimate& together, const std::string& name,
+                          const std::vector<std::string>& sensors) {
+  std::string text;
+  append_grasp(text, together, name, sensors);
+  return nlohmann::json::parse(text);
+}
+
 TEST(TradeoffJson, SettingsThatAMethodHasNotAreNull) {
   Worth worth;
   worth.processor = "a processor";
@@ -48,8 +62,8 @@ TEST(TradeoffJson, SettingsThatAMethodHasNotAreNull) {
   EXPECT_EQ(json["rows"][1]["memory_bytes"], 1000);
 }
 
-TEST(EstimateJson, UnitsAreThoseOfTheSocket) {
-  const auto json = estimate_json(known(), "left", true, kNow);
+TEST(EstimateText, UnitsAreThoseOfTheSocket) {
+  const auto json = read_estimate(known(), "left", true, kNow);
   EXPECT_EQ(json["time_ns"], 1'790'000'004'999'000'000);
   EXPECT_DOUBLE_EQ(json["radius_mm"], 3.1);
   EXPECT_DOUBLE_EQ(json["center_mm"][1], -0.4);
@@ -60,21 +74,21 @@ TEST(EstimateJson, UnitsAreThoseOfTheSocket) {
   EXPECT_DOUBLE_EQ(json["truth"]["gamma"], 0.615);
 }
 
-TEST(EstimateJson, GammaIsANumberOnlyInStateOk) {
+TEST(EstimateText, GammaIsANumberOnlyInStateOk) {
   for (int state = 0; state <= static_cast<int>(State::fault); ++state) {
     Estimate estimate = known();
     estimate.state = static_cast<State>(state);
-    const auto json = estimate_json(estimate, "left", false, kNow);
+    const auto json = read_estimate(estimate, "left", false, kNow);
     EXPECT_EQ(json["gamma"].is_number(), estimate.state == State::ok) << json["state"];
     EXPECT_EQ(json["class"].is_number(), estimate.state == State::ok) << json["state"];
   }
 }
 
-TEST(EstimateJson, WhatIsUnknownIsNull) {
+TEST(EstimateText, WhatIsUnknownIsNull) {
   Estimate estimate;
   estimate.state = State::ok;
   estimate.gamma = std::nan("");
-  const auto json = estimate_json(estimate, "left", true, kNow);
+  const auto json = read_estimate(estimate, "left", true, kNow);
   for (const char* key :
        {"gamma", "class", "sigma", "friction", "normal_n", "center_mm", "time_ns", "age_ms", "latency_us"}) {
     EXPECT_TRUE(json[key].is_null()) << key;
@@ -82,33 +96,47 @@ TEST(EstimateJson, WhatIsUnknownIsNull) {
   EXPECT_TRUE(json["truth"]["gamma"].is_null());
 }
 
-TEST(EstimateJson, AdviceComesWithItsErrorAndOnlyIfFrictionIsKnown) {
+TEST(EstimateText, AdviceComesWithItsErrorAndOnlyIfFrictionIsKnown) {
   Estimate estimate = known();
   estimate.grip_increase_n = 1.5;
   estimate.grip_increase_sigma_n = 0.2;
   for (const auto& json :
-       {estimate_json(estimate, "left", false, kNow), grasp_json(estimate, "both", {"left"})}) {
+       {read_estimate(estimate, "left", false, kNow), read_grasp(estimate, "both", {"left"})}) {
     EXPECT_DOUBLE_EQ(json["grip_increase_n"], 1.5);
     EXPECT_DOUBLE_EQ(json["grip_increase_sigma_n"], 0.2);
     EXPECT_DOUBLE_EQ(json["time_to_slip_ms"], 50);
   }
   for (const auto& json :
-       {estimate_json(known(), "left", false, kNow), grasp_json(known(), "both", {"left"})}) {
+       {read_estimate(known(), "left", false, kNow), read_grasp(known(), "both", {"left"})}) {
     EXPECT_TRUE(json["grip_increase_n"].is_null());
     EXPECT_TRUE(json["grip_increase_sigma_n"].is_null());
   }
 }
 
-TEST(EstimateJson, ARealSensorHasNoTruth) {
-  EXPECT_FALSE(estimate_json(known(), "left", false, kNow).contains("truth"));
+TEST(EstimateText, ARealSensorHasNoTruth) {
+  EXPECT_FALSE(read_estimate(known(), "left", false, kNow).contains("truth"));
 }
 
-TEST(EstimateJson, ASampleFromAClockThatRunsAheadHasNoNegativeAge) {
+TEST(EstimateText, ASampleFromAClockThatRunsAheadHasNoNegativeAge) {
   Estimate estimate = known();
   estimate.time_ns = kNow.monotonic_ns + 1'000'000'000;
-  const auto json = estimate_json(estimate, "left", false, kNow);
+  const auto json = read_estimate(estimate, "left", false, kNow);
   EXPECT_EQ(json["age_ms"], 0);
   EXPECT_EQ(json["latency_us"], 0);
+}
+
+TEST(EstimateText, NumbersReadBackAsTheSameAndNamesAsTheyWere) {
+  for (const double value : {0.1, 1.0 / 3, 1e-300, 123456789.0, 5e-324, -2.5, 1e22, 0.0}) {
+    Estimate estimate = known();
+    estimate.gamma = value;
+    const auto json = read_estimate(estimate, "left", false, kNow);
+    EXPECT_EQ(json["gamma"].get<double>(), value);
+    EXPECT_TRUE(json["gamma"].is_number_float()) << "an integer would be another type to some clients";
+  }
+  for (const std::string name : {"left", "a \"b\" \\ c", "\t", "gr\xC3\xBC\xC3\x9F"})
+    EXPECT_EQ(read_grasp(known(), name, {name, "other"})["sensors"][0], name);
+  EXPECT_EQ(read_estimate(known(), "\xFF", false, kNow)["sensor"], "\xEF\xBF\xBD")
+      << "bytes that are no text";
 }
 
 }  // namespace
