@@ -64,8 +64,8 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) n
   const double from_q = noise(patch.noise_shear_pa, q, mean_q),
                from_p = noise(patch.noise_normal_pa, p, mean_p);
   const double coarse = layout.side_m() / patch.radius_m;
-  const double grid = 0.3 * coarse * coarse * coarse + 0.002;
-  out.sigma = std::hypot(from_q, out.value * from_p) / mean_p + grid;
+  const double cut_rim = 0.3 * coarse * coarse * coarse, grid = cut_rim + 0.002;  // of squares on a round rim
+  out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, cut_rim + 0.0007);
 
   // In u = r^2/a^2, with a from the pressure.
   const double a2 = 2.5 * mean_p, side = layout.side_m(), shear_n = patch.shear_n;

@@ -18,6 +18,7 @@ namespace {
 constexpr float kBeyond = 1.5F;
 
 constexpr double kContradicted = 2.5;         // standard deviations
+constexpr double kFrameShare = 0.8;           // of the moments' own deviation
 constexpr double kTellsFriction = 0.2;        // sigma of the margin over 1 - margin
 constexpr double kLeastFrictionSigma = 0.05;  // relative
 
@@ -149,6 +150,8 @@ Reading SvdKnn::read(const Frame&, const ContactPatch& patch) noexcept {
   // reach.
   const double by_noise = answer.reach > 0 ? answer.spread * std::min(noise / answer.reach, 10.0F) : 0.0F;
   out.sigma = std::hypot(model_->gamma_error(answer.spread), by_noise);
+  // On rings noise moves the frame itself, its place and its size, as much as it moves the moments.
+  if (rings) out.sigma = std::hypot(out.sigma, kFrameShare * shape.sigma);
 
   // Friction from the margin, where the load is heavy enough for that: a margin near 1 tells little of it,
   // and the neighbours' own friction is spread too wide to be remembered.
