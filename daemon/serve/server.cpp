@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "daemon/log/log.hpp"
 #include "daemon/serve/descriptors.hpp"
@@ -35,6 +36,7 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
       rates_(io),
       metrics_file_(world.settings.metrics),
       last_(world.board.sensors.size()),
+      grasp_alerts_(world.board.grasps.size()),
       last_estimated_(world.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
   make_room_for(world.settings.socket.max_clients);
@@ -122,8 +124,20 @@ void Server::take_news() {
     tell(event);
   }
   if (world_.board.events.read_available() > 0) world_.board.io.ring();
+  follow_grasps();
   methods_.answer_frames();
   methods_.answer_rebias(false);
+}
+
+// A grasp may slip while each of its sensors alone would not say so.
+void Server::follow_grasps() {
+  if (world_.flight == nullptr) return;
+  for (std::size_t i = 0; i < grasp_alerts_.size(); ++i) {
+    const GraspPanel& grasp = *world_.board.grasps[i];
+    const Alert now = grasp.latest.load().alert;
+    if (now == std::exchange(grasp_alerts_[i], now) || now != Alert::slip) continue;
+    for (const std::size_t sensor : grasp.sensors) world_.flight->keep(sensor, "slip");
+  }
 }
 
 void Server::tell(const Event& event) {

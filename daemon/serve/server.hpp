@@ -48,6 +48,7 @@ class Server {
   void take_news();
   void tell(const Event& event);
   void tell(const Event& event, EventKind kind);
+  void follow_grasps();
   void measure_rates();
 
   asio::io_context& io_;
@@ -61,6 +62,7 @@ class Server {
   MetricsFile metrics_file_;
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // gone with this, for handlers
   std::vector<Last> last_;                                                  // per sensor, as told
+  std::vector<Alert> grasp_alerts_;                                         // per grasp, as last seen
   std::vector<std::uint64_t> last_estimated_;
   std::chrono::steady_clock::time_point last_measured_;
 };
