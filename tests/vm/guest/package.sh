@@ -28,6 +28,7 @@ people
 serves | grep -q '"sensor":"left"' || fail "a member of the group is not answered: $(serves 2>&1)"
 serves | grep -q '"simulated":true' || fail "the simulated sensor is not marked: $(serves)"
 echo "ok: a member of the group is answered, and told that the sensor is simulated"
+as alice slipctl watch --plain --seconds 2 | grep -q "left .* simulated$" || fail "watch does not show it"
 refused "nobody else is" as mallory slipctl gamma
 as mallory slipctl gamma 2>&1 | grep -qi 'permission denied' || fail "the refusal does not say why: $(as mallory slipctl gamma 2>&1)"
 same "it is not root" "$(stat -c %U "/proc/$(property MainPID)")" slipd
