@@ -42,6 +42,8 @@ void count() noexcept {
     ++counts->estimate;
   } else if (std::strncmp(name, "acq:", 4) == 0) {
     ++counts->acquire;
+  } else if (std::strcmp(name, "can") == 0) {
+    ++counts->can;
   } else {
     ++counts->others;
   }

@@ -44,8 +44,8 @@ std::uint64_t estimated(const json& status) {
 // thousand more while clients ask for everything.
 // The frames answered meanwhile, at most.
 std::uint64_t watch(const json& sensors, const std::filesystem::path& drivers, SharedCounts& counts,
-                    const TempFolder& folder, const std::string& method = "moments") {
-  Daemon daemon(config_with(folder, sensors, {{"estimator", {{"method", method}}}}), drivers,
+                    const TempFolder& folder, json more = {{"estimator", {{"method", "moments"}}}}) {
+  Daemon daemon(config_with(folder, sensors, more), drivers,
                 {{"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-allocation-guard.so"},
                  {kAllocationGuardFile, folder.file("counts").string()},
                  {"STATE_DIRECTORY", folder.path().string()}});
@@ -77,6 +77,25 @@ TEST(Allocation, NoneInTheThreadsOfFramesAndEstimates) {
   EXPECT_GT(counts->others, 0U) << "the guard must have counted something";
 }
 
+// With an interface that is not there, which it looks for again and again; with one that is there, and ill,
+// tests/vm/guest/can_output.sh.
+TEST(Allocation, NoneInTheThreadOfTheBus) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
+  const TempFolder folder;
+  SharedCounts counts(folder.file("counts"));
+  const json sensor{{"driver", "trial"}, {"options", {{"gamma", 0.1}}}};
+  json left(sensor), right(sensor);
+  left["name"] = "left";
+  right["name"] = "right";
+  watch({left, right}, trial_drivers(), counts, folder,
+        {{"estimator", {{"method", "moments"}}},
+         {"grasps", {{{"name", "both"}, {"sensors", {"left", "right"}}}}},
+         {"can", {{"interface", "nowhere0"}, {"allow_simulated", true}}}});
+  EXPECT_EQ(counts->can, 0U);
+  EXPECT_EQ(counts->estimate, 0U);
+  EXPECT_GT(counts->others, 0U);
+}
+
 // What is done about a zero comes every hundred milliseconds; the thousand frames are a second.
 TEST(Allocation, NoneForASensorWhoseZeroIsTakenAndFollowed) {
   if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
@@ -102,7 +121,7 @@ TEST(Allocation, OfNearestNeighboursOnlyTheOneInsideFlann) {
   SharedCounts counts(folder.file("counts"));
   const json layout{{"grid", {12, 12}}, {"pitch_mm", 1.2}};
   const auto frames = watch(json::array({{{"name", "left"}, {"driver", "sim"}, {"layout", layout}}}),
-                            real_drivers(), counts, folder, "svd-knn");
+                            real_drivers(), counts, folder, {{"estimator", {{"method", "svd-knn"}}}});
   EXPECT_EQ(counts->acquire, 0U);
   EXPECT_LE(counts->estimate, 2 * frames);
 }

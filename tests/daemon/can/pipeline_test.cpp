@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr std::uint32_t kEstimate = 0x5A0, kAlert = 0x5C0;
-constexpr std::uint64_t kUnknownMargin = 0xFFFF, kStale = 6, kFault = 7, kSlip = 2;
+constexpr std::uint64_t kUnknownMargin = 0xFFFF, kOutOfModel = 3, kStale = 6, kFault = 7, kSlip = 2;
 
 class World {
  public:
@@ -91,9 +91,18 @@ TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
   expect_no_margin_without_ok(world.port().take(kEstimate));
 }
 
+TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
+  World world(R"({"behaviour": "nonsense", "after": 300})");
+  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", 0); }));
+  expect_no_margin_without_ok(world.port().take(kEstimate));
+  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", kOutOfModel); }));
+  expect_no_margin_without_ok(world.port().take(kEstimate));
+}
+
 TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStands) {
   World world(R"({"gamma": 0.05, "behaviour": "end", "after": 300})");
   ASSERT_TRUE(world.talk_until([&] { return world.said(kAlert, "Alert", kSlip); }));
+  world.port().take(kEstimate);  // it was stale before the first frame, too
   ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", kStale); }));
   const auto sent = world.port().take(kEstimate);
   expect_no_margin_without_ok(sent);

@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kOptions = R"({"type": "object", "additionalProperties": false, "properties": {
   "behaviour": {"enum": ["steady", "hang_in_read", "hang_in_open", "throw_in_create", "throw_in_open",
-    "throw_oddly_in_open", "vanish", "end", "wrong_sensor", "allocate"], "default": "steady",
+    "throw_oddly_in_open", "vanish", "end", "wrong_sensor", "allocate", "nonsense"], "default": "steady",
     "description": "What goes wrong, after `after` frames."},
   "after": {"type": "integer", "minimum": 0, "default": 0, "unit": "frames",
     "description": "Frames before that: since it was opened, or, if it ends, since it was made."},
@@ -32,6 +32,7 @@ constexpr const char* kOptions = R"({"type": "object", "additionalProperties": f
   "corrupt_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Report a corrupt packet."},
   "burst": {"type": "boolean", "default": false, "description": "Frames as fast as they can be made."},
   "paced": {"type": "boolean", "default": false, "description": "Wait for the consumer."},
+  "simulated": {"type": "boolean", "default": true, "description": "What it says of itself."},
   "gamma": {"type": "number", "minimum": 0, "maximum": 1, "default": 0.5, "description": "The margin it shows."}
 }})";
 
@@ -85,6 +86,7 @@ class TrialDriver : public DeviceDriver {
     ends_ = behaviour_ == "end";
     lies_ = behaviour_ == "wrong_sensor";
     allocates_ = behaviour_ == "allocate";
+    raves_ = behaviour_ == "nonsense";
     draw();
   }
 
@@ -94,7 +96,8 @@ class TrialDriver : public DeviceDriver {
     if (behaviour_ == "throw_oddly_in_open") throw 7;
     if (unplugged_ && troubles_ && troubles_->up_to(2) == 1) throw DriverError("trial device 7 is unplugged");
     unplugged_ = false;
-    DeviceInfo info{.description = "trial device", .serial = "7", .simulated = true, .sensors = {}};
+    DeviceInfo info{
+        .description = "trial device", .serial = "7", .simulated = options_.at("simulated"), .sensors = {}};
     for (const auto& sensor : sensors_)
       info.sensors.push_back({.layout = sensor.layout, .rate_hz = sensor.rate_hz, .zeroed = true});
     given_ = 0;
@@ -137,6 +140,8 @@ class TrialDriver : public DeviceDriver {
     FrameSlot& slot = slots[sensor];
     std::copy(normal_[sensor].begin(), normal_[sensor].end(), slot.normal_pa.begin());
     std::copy(shear_[sensor].begin(), shear_[sensor].end(), slot.shear_x_pa.begin());
+    if (raves_ && given_ > after_)  // far more shear than any friction holds
+      for (float& shear : slot.shear_x_pa) shear *= kTooMuch;
     std::fill(slot.shear_y_pa.begin(), slot.shear_y_pa.end(), 0.0F);
     if (gap_every_ > 0 && given_ % gap_every_ == 0) sequence_ += sensors_.size();
     fresh_ = decided_ = false;
@@ -159,6 +164,7 @@ class TrialDriver : public DeviceDriver {
 
  private:
   static constexpr double kFriction = 0.5;
+  static constexpr float kTooMuch = 20;
 
   bool gate_opened() {
     std::error_code ignored;
@@ -216,7 +222,7 @@ class TrialDriver : public DeviceDriver {
   std::string behaviour_;
   std::uint64_t after_ = 0, gap_every_ = 0, corrupt_every_ = 0;
   bool burst_ = false, paced_ = false, vanishes_ = false, hangs_ = false, ends_ = false, lies_ = false,
-       allocates_ = false;
+       allocates_ = false, raves_ = false;
   double gamma_ = 0.5;
   std::unique_ptr<std::string> garbage_;
   std::vector<std::vector<float>> normal_, shear_;

@@ -2,13 +2,16 @@
 source /source/tests/vm/guest/check.sh
 
 socket=/run/slipd-test.sock
+counts=/run/counts  # what slipd's threads allocate: tests/support/allocation_guard.hpp
 serve() {  # CAN-SECTION: starts slipd with it; $daemon is its process
   cat >config.json <<JSON
 { "sensors": [ { "name": "left", "driver": "sim", "rate_hz": 100, "stale_after_ms": 5000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
   "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "$socket" },
   "can": $1 }
 JSON
-  in_background slipd.log slipd --config config.json
+  head -c 40 /dev/zero >$counts
+  in_background slipd.log env LD_PRELOAD=/build/test-bin/libslipd-allocation-guard.so SLIPD_TEST_ALLOCATION_GUARD=$counts \
+    slipd --config config.json
   daemon=$background
   awaits "slipd serves" slipctl --socket $socket gamma
 }
@@ -48,7 +51,7 @@ awaits "its last word" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}01"'
 captures vcan0 vcan.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
 says_the_same "classic frames on the virtual bus are what the socket says" vcan.log
-awaits "the last estimate is stale" eval 'grep 5A0# vcan.log | tail -n 1 | grep -q "5A0#FFFFFFFF46"'
+awaits "the last estimate is stale" eval 'grep 5A0# vcan.log | tail -n 1 | grep -q "5A0#FFFFFFFF[456]6"'
 
 captures vcan0 fd.log
 serve '{ "interface": "vcan0", "allow_simulated": true, "base_id": "0x12345600", "extended": true, "fd": true }'
@@ -59,17 +62,26 @@ captures can1 wire.log
 serve '{ "interface": "can0", "allow_simulated": true }'
 says_the_same "and frames over a wire between two controllers" wire.log
 
-# A bus that is ill. Each time: told in the status, and over without a restart.
+# A bus that is ill. Each time: told in the status, and over without a restart, with the newest value.
 captures vcan0 faults.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
+frames() { grep -c 5A0# faults.log || true; }
+sequence() { slipctl --socket $socket --json gamma | grep -o '"seq":[0-9]*' | head -n 1 | cut -d: -f2; }
+# While it is ill, call ails; then speaks checks that the first frame after is no older than what was estimated by then.
+ails() { told=$(sequence) before=$(frames); }
 speaks() {
-  local before
-  before=$(grep -c 5A0# faults.log)
-  awaits "$1" eval "test \"\$(grep -c 5A0# faults.log)\" -gt $before"
+  awaits "$1" eval '(( $(frames) > before ))'
+  local data
+  data=$(grep 5A0# faults.log | sed -n "$((before + 1))p" | cut -d'#' -f2)
+  (( (0x${data:13:1}${data:10:2} - told + 4096 * 1000000) % 4096 < 2048 )) || fail "$1: $data is older than $told"
 }
+metric() { slipctl --socket $socket metrics | grep "^slipd_can_$1"; }
+before=0 told=0
 speaks "it speaks"
+printf '\1' | dd of=$counts conv=notrunc bs=1 status=none  # from here on allocations count
 tc qdisc replace dev vcan0 root pfifo limit 0  # no room for any frame
 awaits "a full queue is counted" eval 'test "$(figure queue_full)" -ge 20'
+ails
 tc qdisc del dev vcan0 root
 speaks "it speaks once there is room"
 cansend vcan0 20000004#0010000000000000
@@ -80,19 +92,28 @@ cansend vcan0 20000100#0000000000000000
 awaits "the controller's restart is told" bus_is up
 ip link set vcan0 down
 awaits "an interface that is down is told" bus_is down
-ip link set vcan0 up
-captures vcan0 faults.log  # candump ends with its interface
+captures_anew() {
+  ip link set vcan0 up
+  captures vcan0 faults.log  # candump ends with its interface
+  before=0
+}
+ails
+captures_anew
 awaits "it comes back" bus_is up
 speaks "and speaks"
 ip link del vcan0
 awaits "an interface that is gone is told" bus_is absent
 ip link add vcan0 type vcan
-ip link set vcan0 up
-captures vcan0 faults.log
+ails
+captures_anew
 awaits "a new one is found" bus_is up
 speaks "and spoken to"
-slipctl --socket $socket metrics | grep -q '^slipd_can_bus_offs_total 1$' || fail "the metrics do not count the bus-off"
+same "the metrics count the bus-off" "$(metric bus_offs_total)" "slipd_can_bus_offs_total 1"
+metric queue_full_total | grep -q ' [1-9]' || fail "the metrics do not count the full queue: $(metric '')"
 estimated=$(status | grep -o '"estimated":[0-9]*' | cut -d: -f2)
 awaits "the pipeline goes on" eval "test \"\$(status | grep -o '\"estimated\":[0-9]*' | cut -d: -f2)\" -gt $estimated"
+count() { od -An -tu8 -j "$1" -N 8 $counts | tr -d ' '; }
+same "the thread of the bus has allocated nothing in all that" "$(count 24)" 0
+test "$(count 32)" -gt 0 || fail "the guard counts nothing"
 ends
 cat slipd.log
