@@ -20,7 +20,7 @@ constexpr double kGrown = 1.2;    // so much at least
 constexpr double kTold = 6;
 constexpr double kBetween = 0.35;  // of the grid's step, so that the right friction may lie between two
 constexpr double kPast = 0.04;     // of what is locked in: how well noisy forces tell the past
-constexpr double kUneven = 0.015;  // of the shear: what skins that are no half space deviate
+constexpr double kUneven = 0.02;   // of the shear: what skins that are no half space deviate
 constexpr double kLike = 0.03,
                  kLikeShare = 0.003;  // of Q, of mu P: as good as slipped by a load that only rose
 
