@@ -2,7 +2,11 @@
 # GoogleMock, a CTest test for each of its cases. LABEL is `unit` unless said otherwise: `system` starts real programs,
 # `vm` boots a kernel. Cases are listed when CTest runs, not while building, so a build never runs what it has built.
 include(GoogleTest)
-find_package(GTest REQUIRED)
+if(CMAKE_CROSSCOMPILING)  # Debian has its sources for all, built ones for each architecture
+  add_subdirectory(/usr/src/googletest ${PROJECT_BINARY_DIR}/googletest EXCLUDE_FROM_ALL)
+else()
+  find_package(GTest REQUIRED)
+endif()
 
 function(slipd_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})

@@ -29,6 +29,11 @@ struct Lists {
   }
 }
 
+[[gnu::always_inline]] inline void values(double x, double side, const Lists& at) noexcept {
+#pragma omp simd
+  for (std::size_t i = 0; i < at.count; ++i) at.value[i] = dome_average(x, at.u[i], at.v[i], side).value;
+}
+
 // f at the taxel's centre plus what its curvature adds over the square: side^2/24 times the Laplacian of
 // f = sqrt(x^2 - r^2), which is -(1/f + x^2/f^3). Derivatives likewise to first order. Meaningless at the
 // rim.
@@ -49,7 +54,7 @@ struct Lists {
 
 using Kernel = void (*)(double, double, const Lists&) noexcept;
 struct Kernels {
-  Kernel exactly, smoothly;
+  Kernel exactly, smoothly, values;
 };
 
 void exactly_baseline(double x, double side, const Lists& at) noexcept {
@@ -58,7 +63,10 @@ void exactly_baseline(double x, double side, const Lists& at) noexcept {
 void smoothly_baseline(double x, double side, const Lists& at) noexcept {
   smoothly(x, side, at);
 }
-constexpr Kernels kBaseline{exactly_baseline, smoothly_baseline};
+void values_baseline(double x, double side, const Lists& at) noexcept {
+  values(x, side, at);
+}
+constexpr Kernels kBaseline{exactly_baseline, smoothly_baseline, values_baseline};
 
 #if defined(__x86_64__)
 [[gnu::target("avx2,fma")]] void exactly_avx2(double x, double side, const Lists& at) noexcept {
@@ -75,7 +83,15 @@ constexpr Kernels kBaseline{exactly_baseline, smoothly_baseline};
                                                                   const Lists& at) noexcept {
   smoothly(x, side, at);
 }
-constexpr Kernels kAvx2{exactly_avx2, smoothly_avx2}, kAvx512{exactly_avx512, smoothly_avx512};
+[[gnu::target("avx2,fma")]] void values_avx2(double x, double side, const Lists& at) noexcept {
+  values(x, side, at);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void values_avx512(double x, double side,
+                                                                const Lists& at) noexcept {
+  values(x, side, at);
+}
+constexpr Kernels kAvx2{exactly_avx2, smoothly_avx2, values_avx2},
+    kAvx512{exactly_avx512, smoothly_avx512, values_avx512};
 
 // Asked when a sheet is made, after main began: resolvers that run while the program is loaded crash under
 // ThreadSanitizer.
@@ -128,6 +144,11 @@ void DomeSheet::evaluate(double x, std::span<const double> u, std::span<const do
     d_u[rim_[j]] = d_u_[j];
     d_v[rim_[j]] = d_v_[j];
   }
+}
+
+void DomeSheet::exact_values(double x, double side_m, std::span<const double> u, std::span<const double> v,
+                             std::span<double> value) noexcept {
+  best().values(x, side_m, {u.data(), v.data(), value.data(), nullptr, nullptr, nullptr, u.size()});
 }
 
 }  // namespace slipd::contact

@@ -20,6 +20,10 @@ class DomeSheet {
   void evaluate(double x, std::span<const double> u, std::span<const double> v, std::span<double> value,
                 std::span<double> d_x, std::span<double> d_u, std::span<double> d_v) noexcept;
 
+  // The values alone, by the closed form everywhere: exact to rounding. No room is needed. Any thread.
+  static void exact_values(double x, double side_m, std::span<const double> u, std::span<const double> v,
+                           std::span<double> value) noexcept;
+
  private:
   double side_;
   std::vector<std::uint32_t> rim_;

@@ -11,7 +11,9 @@ FrameMailbox::FrameMailbox(std::size_t taxels) : memory_(9 * taxels, 0.0F) {
     rest = rest.subspan(taxels);
     return part;
   };
-  for (auto& slot : slots_) {
+  static_assert(sizeof(FrameMailbox) % kLine == 0, "what lies behind a mailbox shares no line with it");
+  for (auto& entry : entries_) {
+    FrameSlot& slot = entry.slot;
     slot.normal_pa = next();
     slot.shear_x_pa = next();
     slot.shear_y_pa = next();

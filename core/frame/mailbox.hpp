@@ -36,13 +36,13 @@ class FrameMailbox {
   FrameMailbox& operator=(const FrameMailbox&) = delete;
 
   // Acquire thread: the slot to fill next. Valid until publish.
-  FrameSlot writable() const noexcept { return slots_[exchange_.filling()]; }
+  FrameSlot writable() const noexcept { return entries_[exchange_.filling()].slot; }
 
   // Acquire thread: hands over `filled`, which writable() gave and the driver filled. True if an unread frame
   // was replaced by it (which is then counted as skipped).
   bool publish(const FrameSlot& filled, const Tally& tally = {}) noexcept {
-    slots_[exchange_.filling()] = filled;
-    tallies_[exchange_.filling()] = tally;
+    entries_[exchange_.filling()].slot = filled;
+    entries_[exchange_.filling()].tally = tally;
     return exchange_.hand_over();
   }
 
@@ -50,15 +50,24 @@ class FrameMailbox {
   bool unread() const noexcept { return exchange_.fresh(); }
 
   // Estimate thread: the newest frame not yet seen, or null. Valid until the next take.
-  const FrameSlot* take() noexcept { return exchange_.take() ? &slots_[exchange_.reading()] : nullptr; }
+  const FrameSlot* take() noexcept {
+    return exchange_.take() ? &entries_[exchange_.reading()].slot : nullptr;
+  }
 
   // Estimate thread: what was published with the frame last taken.
-  const Tally& tally() const noexcept { return tallies_[exchange_.reading()]; }
+  const Tally& tally() const noexcept { return entries_[exchange_.reading()].tally; }
 
  private:
+  // A cache line is never both sides' at once: what one writes for itself would slow the other one down. Each
+  // entry is one side's while it is held, so it has its lines for itself, as the exchange's words have.
+  static constexpr std::size_t kLine = 64;
+  struct alignas(kLine) Entry {
+    FrameSlot slot;
+    Tally tally;
+  };
+  static_assert(sizeof(Entry) % kLine == 0);
   std::vector<float> memory_;
-  std::array<FrameSlot, 3> slots_;
-  std::array<Tally, 3> tallies_{};
+  std::array<Entry, 3> entries_;
   SlotExchange<> exchange_;
 };
 

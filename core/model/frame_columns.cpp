@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/contact/averages.hpp"
+#include "core/contact/dome_sheet.hpp"
+#include "core/contact/hertz.hpp"
 #include "core/model/alpha.hpp"
 #include "core/model/random.hpp"
 
@@ -31,8 +32,7 @@ class Touched {
   // sqrt(radius² - r²) averaged over each taxel, in m.
   void averages(double radius_m, std::vector<double>& out) const {
     out.resize(taxel.size());
-    for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = contact::disc_average(radius_m, u_m_[i], v_m_[i], side_m_);
+    contact::DomeSheet::exact_values(radius_m, side_m_, u_m_, v_m_, out);
   }
 
   std::vector<std::size_t> taxel;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/model/blocks.hpp"
+#include "core/model/packed.hpp"
 #include "core/model/random.hpp"
 
 namespace slipd {
@@ -16,6 +18,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
+
+// What columns may take when they are kept; else they are made again for every pass.
+constexpr std::size_t kMostKeptBytes = std::size_t{256} * 1024 * 1024;
+// Of the first passes' bar that making the columns takes.
+constexpr double kMaking = 0.5;
 
 // Orthonormal columns that span those of y, in double: columns of very different size lose nothing.
 MatrixXf orthonormal(const MatrixXd& y) {
@@ -72,15 +79,23 @@ Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const 
   const Index settled = options.settled > 0 ? std::min<Index>(options.settled, rank) : rank;
   const Index width = std::min<Index>(rank + options.oversampling, side);
 
+  const auto say = [&](double share) {
+    if (progress) progress(share, "singular vectors");
+  };
+  const bool narrow = static_cast<std::size_t>(width) <= PackedKernels::kWidest;
+  const auto kept = narrow ? PackedColumns::of(source, kMostKeptBytes, options.threads,
+                                               [&](double share) { say(kMaking * share); })
+                           : std::nullopt;
+  const double made = kept ? kMaking : 0;
   Svd result;
   MatrixXf q = random_start(rows, width, options.seed);
   VectorXd before = VectorXd::Zero(rank);
   for (result.passes = 1;; ++result.passes) {
     // How many passes it takes is not known before: the bar comes nearer to its end without arriving.
     const double from = 1 - std::pow(0.7, result.passes - 1), to = 1 - std::pow(0.7, result.passes);
-    const Pass pass = multiply(source, q, options.threads, [&](double share) {
-      if (progress) progress(from + (to - from) * share, "singular vectors");
-    });
+    const auto passing = [&](double share) { say(made + (1 - made) * (from + (to - from) * share)); };
+    const Pass pass = kept ? Pass{kept->multiply(q, options.threads, passing), kept->squares()}
+                           : multiply(source, q, options.threads, passing);
     result.total_variance = pass.squares;
     // Rayleigh–Ritz: the best that the subspace holds. Q'(XX')Q is symmetric but for rounding.
     const MatrixXd small = q.cast<double>().transpose() * pass.image;
@@ -94,6 +109,10 @@ Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const 
       const MatrixXd vectors = ritz.eigenvectors().rowwise().reverse().leftCols(rank);
       result.basis = (q.cast<double>() * vectors).cast<float>();
       result.singular_values = values;
+      if (options.coordinates) {
+        result.coordinates = kept ? kept->project(result.basis, options.threads)
+                                  : project(source, result.basis, options.threads);
+      }
       return result;
     }
     q = orthonormal(pass.image);

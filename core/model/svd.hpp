@@ -16,18 +16,21 @@ struct SvdOptions {
   int settled = 0;          // of how many of them, counted from the largest; 0: of all that are kept
   unsigned threads = 2;
   std::uint64_t seed = 1;  // of the start
+  bool coordinates = false;
 };
 
 struct Svd {
   Eigen::MatrixXf basis;            // rows x rank, orthonormal columns
   Eigen::VectorXd singular_values;  // rank, falling
   double total_variance = 0;        // sum of squares of all entries: the sum of all squared singular values
+  Eigen::MatrixXf coordinates;      // rank x columns, basis' X; empty unless asked for
   int passes = 0;
 };
 
 // Not centred. Randomised subspace iteration (Halko, Martinsson, Tropp 2011) with Rayleigh–Ritz: each pass
-// makes every block once and adds X_B (X_B' Q). Memory: a few rows x (rank + oversampling) arrays and one
-// block a thread.
+// adds X_B (X_B' Q) over all blocks. The columns are made once and kept without their zeros if that takes no
+// more than 256 MB, else anew for each pass. Memory besides: a few rows x (rank + oversampling) arrays and
+// one block a thread.
 Svd randomized_svd(const ColumnSource& source, const SvdOptions& options, const Progress& progress = {});
 
 // basis' X: rank x columns.

@@ -39,9 +39,10 @@ double seconds_since(std::int64_t begun_ns) {
 
 void train_on(const ColumnSource& columns, const char* name) {
   const std::int64_t begun = now_ns();
-  const Svd svd = randomized_svd(columns, {.rank = 8, .tolerance = 2e-5, .threads = kThreads});
+  const Svd svd =
+      randomized_svd(columns, {.rank = 8, .tolerance = 2e-5, .threads = kThreads, .coordinates = true});
   const double svd_s = seconds_since(begun);
-  const Eigen::MatrixXf points = project(columns, svd.basis, kThreads);
+  const Eigen::MatrixXf& points = svd.coordinates;
   const Neighbours tree({points.data(), points.data() + points.size()},
                         static_cast<std::size_t>(points.rows()));
   const double all_s = seconds_since(begun);

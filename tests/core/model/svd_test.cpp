@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/model/packed.hpp"
 #include "core/model/random.hpp"
 #include "tests/core/model/matrix_source.hpp"
 
@@ -40,6 +41,56 @@ TEST(RandomizedSvd, SingularValuesAreThoseOfAFullDecomposition) {
           << "fall " << fall << ", value " << i;
     }
     EXPECT_NEAR(svd.total_variance / whole.squaredNorm(), 1, 1e-6);
+  }
+}
+
+TEST(RandomizedSvd, CoordinatesAreTheProjectionsOnItsBasis) {
+  const testing::MatrixSource source(matrix_with_decay(80, 300, 0.7));
+  const Svd svd = randomized_svd(source, {.rank = 6, .coordinates = true});
+  EXPECT_TRUE(svd.coordinates.isApprox(project(source, svd.basis, 2), 1e-5F));
+}
+
+// Zeros within and between the columns, and columns of nothing else.
+TEST(PackedColumns, MultiplyAsTheMatrixDoesOnEveryInstructionSet) {
+  Eigen::MatrixXf matrix = testing::random_matrix(61, 300, 4);
+  matrix = (matrix.array() > 0.3F).select(matrix, 0.0F).eval();
+  matrix.col(7).setZero();
+  const testing::MatrixSource source(matrix);
+  const auto packed = PackedColumns::of(source, 1 << 20, 2);
+  ASSERT_TRUE(packed);
+  EXPECT_NEAR(packed->squares() / matrix.cast<double>().squaredNorm(), 1, 1e-6);
+  for (const Eigen::Index width : {1, 16, 18, 40, 64}) {
+    const Eigen::MatrixXf q = testing::random_matrix(61, width, 9);
+    const Eigen::MatrixXf image = packed->multiply(q, 2).cast<float>();
+    EXPECT_TRUE(image.isApprox(matrix * (matrix.transpose() * q), 1e-5F)) << width;
+    EXPECT_TRUE(packed->project(q, 2).isApprox(q.transpose() * matrix, 1e-5F)) << width;
+  }
+  EXPECT_FALSE(PackedColumns::of(source, 100, 2)) << "no room";
+
+  const std::vector<slipd::Run> runs{{0, 1}, {5, 22}, {40, 61}};
+  std::vector<float> values(39), q(std::size_t{61} * PackedKernels::kWidest);
+  Draws(2).add_noise(values.data(), values.size(), 1);
+  Draws(3).add_noise(q.data(), q.size(), 1);
+  for (const std::size_t width : {16U, 32U, 48U, 64U}) {
+    std::vector<double> wanted(width);
+    std::size_t at = 0;
+    for (const auto& run : runs) {
+      for (std::size_t i = run.first; i < run.end; ++i, ++at) {
+        for (std::size_t k = 0; k < width; ++k)
+          wanted[k] += static_cast<double>(values[at]) * q[i * width + k];
+      }
+    }
+    for (const PackedKernels* kernels : all_packed_kernels()) {
+      std::vector<float> z(width), y(61 * width);
+      const PackedColumn column{runs, values.data()};
+      kernels->project(column, q.data(), width, z.data());
+      kernels->add_product(column, z.data(), width, y.data());
+      for (std::size_t k = 0; k < width; ++k) {
+        EXPECT_NEAR(z[k], wanted[k], 1e-5) << kernels->name;  // rounding of 39 terms
+        EXPECT_NEAR(y[5 * width + k], values[1] * z[k], 1e-6) << kernels->name;
+        EXPECT_EQ(y[3 * width + k], 0) << kernels->name;
+      }
+    }
   }
 }
 
