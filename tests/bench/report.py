@@ -94,13 +94,13 @@ def targets(of):
 
 
 WHY = {
-    "svd-knn": "the contact's disc, its moments and its rings are looked at before anything is projected",
+    "svd-knn": "where the contact is, and whether its load has only risen, is found out before anything is projected, in some ten passes over its disc",
     "registered": "a plane through the neighbours' margins on top of the search",
-    "moments": "each frame is read three times: for its noise, its disc and its sums",
+    "moments": "the frame is read for its noise, its place three times over, its forces, its moments and its rings, each needing the one before",
     "fit": "each step evaluates the model and its slopes on every taxel of the disc",
     "latency": "three threads on two cores: acquire wakes estimate, estimate wakes io, io wakes the client",
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
-    "queries": "a request is parsed as JSON and an answer of twenty numbers written in decimal, where Redis copies bytes",
+    "queries": "a request is parsed as JSON and an answer of twenty numbers written in decimal, where Redis copies bytes; and Asio asks the kernel anew before each wait",
     "training": "the columns are computed, where the peer's time begins with them in memory",
     "startup": "the device's drivers are mapped, the model read and its tree built",
     "memory": "most of it is code that several processes share",
@@ -140,7 +140,8 @@ def machine_text(of):
     return (f"{m['processor']}{' (a virtual machine)' if m['virtual'] else ''}, {m['cores']} cores, {level}, {m['memory_mb']} MB; "
             f"instructions {', '.join(m['vectors']) or 'of the baseline'}; kernel {m['kernel']}; {m['compiler']}; build type Release "
             f"for the baseline instruction set; no real-time privileges asked for; load average before {m['load_before']:.2f}; "
-            f"{m['date']}, commit {m['commit']}. All in one run of {of.all['minutes']:.1f} minutes.")
+            f"{m['date']}, commit {m['commit']}. All in one run of {of.all['minutes']:.1f} minutes."
+            + (" **Others used the machine when the run began: its times are longer than they would be.**" if m["load_before"] > 1 else ""))
 
 
 def estimator_text(of):
@@ -249,6 +250,9 @@ Sensors of 16 x 16 at 1 kHz each, moments; latency from sample to board:
 
 {picture("sensors", "CPU and latency against sensors")}
 {table(["sensors", "CPU, % of a core", "p50", "p99", "skipped"], [[each["sensors"], number(100 * each["cpu"], 1), number(each["p50_us"]), number(each["p99_us"]), each["skipped"]] for each in of.of("sensors")])}
+CAN needs a bus, which here only the guest of the real-kernel tests has, and a guest's times say nothing of hardware: what a
+bus adds is not on this page.
+
 ## Questions on the socket
 
 `gamma` of one sensor, and GET of a value of the same size from redis-server on a Unix socket; the same client program for
