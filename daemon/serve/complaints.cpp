@@ -20,7 +20,8 @@ Troubles troubles_of(const Panel& panel) {
           .corrupt = panel.corrupt.load(std::memory_order_relaxed),
           .lost = counts.lost,
           .skipped = counts.skipped,
-          .events_lost = panel.events_lost.load(std::memory_order_relaxed)};
+          .events_lost = panel.events_lost.load(std::memory_order_relaxed),
+          .simulated = panel.simulated.load(std::memory_order_relaxed)};
 }
 
 std::vector<Complaint> Complaints::look(std::size_t sensor, const std::string& name,
@@ -44,7 +45,10 @@ std::vector<Complaint> Complaints::look(std::size_t sensor, const std::string& n
   complain(Cause::device, totals.corrupt, [&](std::uint64_t more) {
     return on + count(more, "damaged packet") + " thrown away: the device, its cable or the bus is at fault";
   });
-  complain(Cause::bus, totals.lost, [&](std::uint64_t more) {
+  complain(totals.simulated ? Cause::machine : Cause::bus, totals.lost, [&](std::uint64_t more) {
+    if (totals.simulated)
+      return on + count(more, "frame") +
+             " were not simulated in time: this machine is too slow for this rate";
     return on + count(more, "frame") +
            " never came, by the device's own numbering: the device or the bus is too slow";
   });

@@ -18,6 +18,7 @@ namespace slipd {
 struct Troubles {
   std::uint64_t received = 0;
   std::uint64_t corrupt = 0, lost = 0, skipped = 0, events_lost = 0;
+  bool simulated = false;
 };
 Troubles troubles_of(const Panel& panel);
 

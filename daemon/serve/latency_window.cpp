@@ -1,5 +1,7 @@
 #include "daemon/serve/latency_window.hpp"
 
+#include <algorithm>
+
 namespace slipd {
 
 void LatencyWindow::look(const LatencyHistogram& histogram, Clock::time_point now) {
@@ -13,7 +15,12 @@ LatencyHistogram::Summary LatencyWindow::summary(const LatencyHistogram& histogr
   LatencyHistogram::Counts since = histogram.counts();
   const LatencyHistogram::Counts& before = looks_[next_];
   for (std::size_t i = 0; i < since.size(); ++i) since[i] -= before[i];
-  return LatencyHistogram::summary_of(since);
+  LatencyHistogram::Summary result = LatencyHistogram::summary_of(since);
+  // Nothing of the last minute took longer than anything ever did, which is known exactly.
+  const double max_us = histogram.summary().max_us;
+  for (double* value : {&result.p50_us, &result.p99_us, &result.p999_us, &result.max_us})
+    *value = std::min(*value, max_us);
+  return result;
 }
 
 }  // namespace slipd

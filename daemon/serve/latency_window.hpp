@@ -17,7 +17,7 @@ class LatencyWindow {
   // Often, at least once a second. Looks only when it is time.
   void look(const LatencyHistogram& histogram, Clock::time_point now);
 
-  // max_us is a bucket's upper edge here: exact within 13 %.
+  // max_us is a bucket's upper edge here, exact within 13 %, and never above that of all time.
   LatencyHistogram::Summary summary(const LatencyHistogram& histogram) const;
 
  private:

@@ -37,6 +37,11 @@ TEST_F(Complaining, TheDeviceIsNamedForWhatItDid) {
               ElementsAre(HasSubstr("7 frames never came")));
 }
 
+TEST_F(Complaining, ASimulationThatIsLateIsTheMachinesFault) {
+  EXPECT_THAT(after(1s, {.received = 1000, .lost = 7, .simulated = true}),
+              ElementsAre(HasSubstr("7 frames were not simulated in time: this machine")));
+}
+
 TEST_F(Complaining, OnceAMinuteAndThenWithAllThatCameMeanwhile) {
   EXPECT_EQ(after(1s, {.received = 1000, .corrupt = 5}).size(), 1U);
   for (int s = 2; s <= 60; ++s) {

@@ -77,7 +77,7 @@ std::string script_of(const Recorded& recorded, const std::string& name, const O
   script << (options.format == "png" ? "set terminal pngcairo size 900," : "set terminal svg size 900,")
          << (map ? 900 : 560) << " noenhanced font 'sans,12' background 'white'\n"
          << "set output " << quoted(name + "." + options.format) << "\nset datafile separator ','\n"
-         << "set datafile missing 'nan'\nset multiplot title "
+         << "set multiplot title "
          << quoted(recorded.header.sensor + (recorded.header.simulated ? " (simulated)" : "") + ": " +
                    recorded.header.description)
          << "\nset grid\nset key outside right top\nset lmargin 10\nset rmargin 22\nset xrange [0:"
