@@ -32,7 +32,7 @@ void Engine::start(const RealtimeGrant& grant) {
   if (can_) can_->start(grant);
 }
 
-bool Engine::stop(std::chrono::system_clock::time_point deadline) {
+bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
   models_.stop();
   // First the bus: it is told at once that nothing holds any more.
   const bool told = !can_ || can_->stop(deadline);

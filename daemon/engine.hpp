@@ -23,7 +23,7 @@ class Engine {
   void start(const RealtimeGrant& grant);
 
   // Ends its threads by `deadline`. False: a driver hangs, so that nothing of this may be destroyed any more.
-  bool stop(std::chrono::system_clock::time_point deadline);
+  bool stop(std::chrono::steady_clock::time_point deadline);
 
   // Before start: what the engine before had learnt, from its give_up after a stop that was true.
   void inherit(std::vector<Learnt> learnt) { pipeline_.inherit(std::move(learnt)); }

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "core/estimate/model_setup.hpp"
 #include "core/model/model_file.hpp"
 #include "core/model/setup_json.hpp"
+#include "core/model/whole_file.hpp"
 #include "core/unique_fd.hpp"
 #include "daemon/log/log.hpp"
 
@@ -29,7 +31,7 @@ constexpr int kLookMs = 100;  // how soon a stop is seen
 
 // A file in memory that holds `text`, to be read from its beginning.
 UniqueFd file_of(const std::string& text) {
-  UniqueFd file(memfd_create("slipd-model-setup", MFD_CLOEXEC));
+  UniqueFd file(memfd_create("slipd-model", MFD_CLOEXEC));
   if (!file || write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
       lseek(file.get(), 0, SEEK_SET) != 0) {
     throw std::system_error(errno, std::generic_category(), "cannot pass on what to train");
@@ -37,12 +39,22 @@ UniqueFd file_of(const std::string& text) {
   return file;
 }
 
-// The program with `in` as its input and `errors` for what it has to say, undisturbed by our signal mask.
-pid_t start(const std::filesystem::path& program, const UniqueFd& in, const UniqueFd& errors) {
+std::vector<std::uint8_t> bytes_of(const UniqueFd& file) {
+  const off_t size = lseek(file.get(), 0, SEEK_END);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::max<off_t>(size, 0)));
+  if (size < 0 || pread(file.get(), bytes.data(), bytes.size(), 0) != size)
+    throw std::system_error(errno, std::generic_category(), "cannot take over the model");
+  return bytes;
+}
+
+// The program with `in` as its input, `out` for the model and `errors` for what it has to say, undisturbed by
+// our signal mask.
+pid_t start(const std::filesystem::path& program, const UniqueFd& in, const UniqueFd& out,
+            const UniqueFd& errors) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, in.get(), STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, out.get(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&files, errors.get(), STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -54,8 +66,9 @@ pid_t start(const std::filesystem::path& program, const UniqueFd& in, const Uniq
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  std::array<std::string, 4> words{program.string(), "train", "--setup", "-"};
-  std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  std::array<std::string, 6> words{program.string(), "train", "--setup", "-", "--model", "-"};
+  std::array<char*, words.size() + 1> arguments{};  // ended by null
+  std::ranges::transform(words, arguments.begin(), [](std::string& word) { return word.data(); });
   pid_t child = -1;
   const int error = posix_spawnp(&child, words[0].c_str(), &files, &attributes, arguments.data(), environ);
   posix_spawnattr_destroy(&attributes);
@@ -98,17 +111,26 @@ std::shared_ptr<const Model> Models::get(const std::string& sensor, const ChainS
   }
   say(LogLevel::info, {sensor},
       sensor + ": training a model of its scene; until it is there, the sensor is learning");
-  train(sensor, to_json(wanted).dump());
-  return load();
+  const std::vector<std::uint8_t> bytes = train(sensor, to_json(wanted).dump());
+  auto model = std::make_shared<const Model>(decode_model(bytes));
+  known = model;
+  try {
+    write_whole_file(file, bytes);
+  } catch (const std::exception& error) {
+    say(LogLevel::warning, {sensor, Cause::machine},
+        sensor + ": its model is used, but not kept, and is made anew with the next start: " + error.what());
+  }
+  return model;
 }
 
-void Models::train(const std::string& sensor, const std::string& setup_json) {
+std::vector<std::uint8_t> Models::train(const std::string& sensor, const std::string& setup_json) {
   const UniqueFd in = file_of(setup_json);
+  const UniqueFd out = file_of("");
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
   const UniqueFd heard(ends[0]);
   UniqueFd said(ends[1]);
-  const pid_t child = start(trainer_, in, said);
+  const pid_t child = start(trainer_, in, out, said);
   said = UniqueFd();
   std::string text;
   std::string last;
@@ -133,6 +155,7 @@ void Models::train(const std::string& sensor, const std::string& setup_json) {
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw std::runtime_error("training failed" + (last.empty() ? "" : ": " + last));
   }
+  return bytes_of(out);
 }
 
 }  // namespace slipd

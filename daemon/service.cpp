@@ -24,6 +24,7 @@ constexpr auto kLogInterval = 20ms;    // how long a real-time thread's line may
 constexpr auto kStatusInterval = 1s;   // of what systemctl status shows
 constexpr auto kStopPatience = 1s;     // for drivers that hang, of the two seconds that a stop may take
 constexpr auto kReadyPatience = 3s;    // for devices that are slow to open, before slipd calls itself ready
+constexpr int kCannotGoOn = 1;         // exit code
 constexpr auto kReadyInterval = 10ms;  // between looks at them
 
 RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
@@ -78,7 +79,10 @@ class Ticker {
     timer_.expires_after(interval_);
     timer_.async_wait([this](const std::error_code& error) {
       if (error) return;
-      body_();
+      try {
+        body_();
+      } catch (const std::bad_alloc&) {  // the next time, then
+      }
       wait();
     });
   }
@@ -146,7 +150,14 @@ int Service::run() {
           " on " + file_->name());
   ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
   say_ready_when_tried();
-  io_.run();
+  try {
+    io_.run();
+  } catch (const std::exception& error) {
+    // What io waited for may be lost with it: better to begin anew, which the service manager sees to.
+    say(LogLevel::error, {{}, Cause::machine}, std::string("slipd cannot go on: ") + error.what());
+    end();
+    return kCannotGoOn;
+  }
   return end();
 }
 
@@ -222,7 +233,7 @@ void Service::exchange(std::unique_ptr<Engine> next) {
   next->world().started = engine_->world().started;
   recorder_.end_all();
   server_.reset();
-  const bool clean = engine_->stop(std::chrono::system_clock::now() + kStopPatience);
+  const bool clean = engine_->stop(std::chrono::steady_clock::now() + kStopPatience);
   drain_logs(engine_->board().logs, log_limit_);
   std::swap(engine_, next);
   log_limit_ = {};
@@ -238,7 +249,7 @@ void Service::exchange(std::unique_ptr<Engine> next) {
 
 int Service::end() {
   notify::stopping();
-  const auto deadline = std::chrono::system_clock::now() + kStopPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kStopPatience;
   server_.reset();
   clients_.close_all();
   recorder_.end_all();

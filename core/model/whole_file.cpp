@@ -1,6 +1,7 @@
 #include "core/model/whole_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,15 +16,29 @@ namespace slipd {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr const char* kMark = ".new-";  // of what is written beside, before the writer's process
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what, int error) {
   // std::generic_category instead of strerror, whose buffer is shared by all threads.
   throw std::runtime_error(file.string() + what + std::generic_category().message(error));
 }
 
+// Removes what writers that were killed have left beside `file`: who still writes holds a lock.
+void remove_abandoned(const fs::path& file) {
+  const std::string begin = file.filename().string() + kMark;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code ignored;
+  for (const auto& item : fs::directory_iterator(folder, ignored)) {
+    if (!item.path().filename().string().starts_with(begin)) continue;
+    const UniqueFd left(::open(item.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (left && ::flock(left.get(), LOCK_EX | LOCK_NB) == 0) fs::remove(item.path(), ignored);
+  }
+}
+
 void write_synced(const fs::path& file, std::span<const std::uint8_t> bytes, unsigned mode) {
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
   if (descriptor < 0) refuse(file, ": cannot be written: ", errno);
+  ::flock(descriptor, LOCK_EX | LOCK_NB);
   ::fchmod(descriptor, mode);
   std::size_t written = 0;
   bool good = true;
@@ -47,8 +62,8 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes,
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   if (error) refuse(file.parent_path(), ": cannot be made: ", error.value());
   // Two that write the same file at once write each into one of its own.
-  const fs::path beside = file.string() + ".new-" + std::to_string(::getpid());
-  fs::remove(beside, error);  // of one that had our number and was killed
+  const fs::path beside = file.string() + kMark + std::to_string(::getpid());
+  remove_abandoned(file);
   try {
     write_synced(beside, bytes, mode);
     fs::rename(beside, file);

@@ -24,7 +24,7 @@ void Output::start(const RealtimeGrant& grant) {
   });
 }
 
-bool Output::stop(std::chrono::system_clock::time_point deadline) {
+bool Output::stop(std::chrono::steady_clock::time_point deadline) {
   stop_.store(true, std::memory_order_relaxed);  // the bell puts it in order
   bell_.ring();
   return thread_.join_until(deadline);

@@ -20,7 +20,7 @@ class Output {
   void start(const RealtimeGrant& grant);
 
   // Ends it with its last words. False: it was not done by `deadline`.
-  bool stop(std::chrono::system_clock::time_point deadline);
+  bool stop(std::chrono::steady_clock::time_point deadline);
 
   const Latest<Report>& report() const noexcept { return talk_.report(); }
 

@@ -1,6 +1,7 @@
 #include "daemon/pipeline/acquirer.hpp"
 
 #include <algorithm>
+#include <new>
 
 #include "core/zero/gain.hpp"
 
@@ -53,6 +54,19 @@ void Acquirer::ask_to_stop() noexcept {
 }
 
 void Acquirer::run() {
+  while (!stopping()) {
+    const std::uint32_t rung = stop_bell_.rung();
+    try {
+      return attend();
+    } catch (const std::bad_alloc&) {  // in what is done while setting up: once more, then
+      driver_->close();
+      set_link(Link::absent);
+      stop_bell_.wait(rung, Clock::now() + kLongestBackOff);
+    }
+  }
+}
+
+void Acquirer::attend() {
   auto back_off = Clock::duration(kFirstBackOff);
   while (!stopping()) {
     const std::uint32_t rung = stop_bell_.rung();

@@ -29,7 +29,7 @@ class Acquirer {
 
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
   void ask_to_stop() noexcept;
-  bool join_until(std::chrono::system_clock::time_point deadline) { return thread_.join_until(deadline); }
+  bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
  private:
   struct Outlet {
@@ -44,6 +44,7 @@ class Acquirer {
   enum class Ending : std::uint8_t { stopped, disconnected, ended };
 
   void run();
+  void attend();
   bool open();
   void wire(const DeviceInfo& info);
   void wire_zero(Outlet& outlet, const DeviceInfo& info, const SensorInfo& sensor);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <new>
 #include <utility>
 
 #include "core/estimate/tradeoff.hpp"
@@ -50,7 +51,12 @@ void LaneMaker::run() {
       jobs_.pop_front();
     }
     free_retired();
-    make(job);
+    try {
+      make(job);
+    } catch (const std::bad_alloc&) {  // not even to say what is wrong
+      seats_[job.sensor]->refused.store(true, std::memory_order_relaxed);
+      estimate_.ring();
+    }
   }
 }
 

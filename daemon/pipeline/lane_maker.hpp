@@ -29,7 +29,7 @@ class LaneMaker {
 
   void start();
   void ask_to_stop();
-  bool join_until(std::chrono::system_clock::time_point deadline) { return thread_.join_until(deadline); }
+  bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
   // Before start: what sensors of the configuration before had learnt. One that is still configured as it was
   // goes on with it.

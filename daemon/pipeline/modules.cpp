@@ -1,10 +1,13 @@
 #include "daemon/pipeline/modules.hpp"
 
 #include <dlfcn.h>
+#include <link.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstring>
+#include <fstream>
 #include <system_error>
 
 namespace slipd {
@@ -41,6 +44,26 @@ std::string why_untrusted_one(const fs::path& path) {
   return {};
 }
 
+// A module that was cut short, by a full disk say, would not be refused by the loader but take the process
+// down: it maps what the file says of itself, and touches it.
+bool is_whole(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  ElfW(Ehdr) header{};
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  if (error || !in.read(reinterpret_cast<char*>(&header), sizeof header) ||
+      std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_phentsize != sizeof(ElfW(Phdr))) {
+    return false;
+  }
+  in.seekg(static_cast<std::streamoff>(header.e_phoff));
+  for (int i = 0; i < header.e_phnum; ++i) {
+    ElfW(Phdr) part{};
+    if (!in.read(reinterpret_cast<char*>(&part), sizeof part)) return false;
+    if (part.p_offset > size || part.p_filesz > size - part.p_offset) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string why_untrusted(const fs::path& file) {
@@ -74,6 +97,10 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
   const fs::path real = fs::canonical(file, error);  // what links lead to now is judged, and then loaded
   entry.trouble = error ? file.string() + ": " + error.message() : why_untrusted(real);
   if (!entry.trouble.empty()) return entry;
+  if (!is_whole(real)) {
+    entry.trouble = file.string() + " is no module, or is cut short: install it anew";
+    return entry;
+  }
   void* library = dlopen(real.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     entry.trouble =

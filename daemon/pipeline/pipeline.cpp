@@ -93,7 +93,7 @@ void Pipeline::start(const RealtimeGrant& grant) {
   for (auto& acquirer : acquirers_) acquirer->start(settings_.realtime, grant);
 }
 
-bool Pipeline::stop(std::chrono::system_clock::time_point deadline) {
+bool Pipeline::stop(std::chrono::steady_clock::time_point deadline) {
   for (auto& acquirer : acquirers_) acquirer->ask_to_stop();
   maker_.ask_to_stop();
   bool all = true;

@@ -28,7 +28,7 @@ class Pipeline {
 
   // Ends every thread, by `deadline`. False: a driver still hangs in its thread; nothing that it may touch
   // must be destroyed any more, so the process can only _exit.
-  bool stop(std::chrono::system_clock::time_point deadline);
+  bool stop(std::chrono::steady_clock::time_point deadline);
 
   std::uint64_t heartbeat() const noexcept { return estimating_.heartbeat(); }
 

@@ -1,24 +1,32 @@
 #include "daemon/pipeline/thread.hpp"
 
+#include <algorithm>
 #include <climits>
 #include <csignal>
-#include <ctime>
 #include <system_error>
 #include <utility>
 
 namespace slipd {
 namespace {
 
+struct Body {
+  std::function<void()> run;
+  std::shared_ptr<Doorbell> ended;
+};
+
 extern "C" void* slipd_thread_body(void* argument) {
-  const std::unique_ptr<std::function<void()>> body(static_cast<std::function<void()>*>(argument));
-  (*body)();
+  const std::unique_ptr<Body> body(static_cast<Body*>(argument));
+  body->run();
+  body->run = nullptr;
+  body->ended->ring();
   return nullptr;
 }
 
 }  // namespace
 
 Thread::Thread(const std::string& name, std::size_t stack_bytes, std::function<void()> body) {
-  auto owned = std::make_unique<std::function<void()>>(std::move(body));
+  ended_ = std::make_shared<Doorbell>();
+  auto owned = std::make_unique<Body>(Body{std::move(body), ended_});
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, std::max<std::size_t>(stack_bytes, PTHREAD_STACK_MIN));
@@ -36,11 +44,13 @@ Thread::Thread(const std::string& name, std::size_t stack_bytes, std::function<v
   pthread_setname_np(id_, name.substr(0, 15).c_str());
 }
 
-Thread::Thread(Thread&& other) noexcept : id_(other.id_), joinable_(std::exchange(other.joinable_, false)) {}
+Thread::Thread(Thread&& other) noexcept
+    : id_(other.id_), joinable_(std::exchange(other.joinable_, false)), ended_(std::move(other.ended_)) {}
 
 Thread& Thread::operator=(Thread&& other) noexcept {
   std::swap(id_, other.id_);
   std::swap(joinable_, other.joinable_);
+  std::swap(ended_, other.ended_);
   return *this;
 }
 
@@ -48,17 +58,18 @@ Thread::~Thread() {
   if (joinable_) pthread_join(id_, nullptr);
 }
 
-bool Thread::join_until(std::chrono::system_clock::time_point deadline) {
+// By the steady clock: pthread_timedjoin_np has the other one, which somebody may set meanwhile.
+bool Thread::join_until(std::chrono::steady_clock::time_point deadline) {
   if (!joinable_) return true;
-  const auto since = deadline.time_since_epoch();
-  timespec until{};
-  until.tv_sec = static_cast<time_t>(std::chrono::duration_cast<std::chrono::seconds>(since).count());
-  until.tv_nsec = static_cast<long>(
-      (std::chrono::duration_cast<std::chrono::nanoseconds>(since) % std::chrono::seconds(1)).count());
   joinable_ = false;
-  if (pthread_timedjoin_np(id_, nullptr, &until) == 0) return true;
-  pthread_detach(id_);
-  return false;
+  while (ended_->rung() == 0 && ended_->wait(0, deadline)) {
+  }
+  if (ended_->rung() == 0) {
+    pthread_detach(id_);
+    return false;
+  }
+  pthread_join(id_, nullptr);
+  return true;
 }
 
 }  // namespace slipd

@@ -10,6 +10,8 @@
 #include <memory>
 #include <string>
 
+#include "daemon/pipeline/doorbell.hpp"
+
 namespace slipd {
 
 class Thread {
@@ -23,11 +25,12 @@ class Thread {
 
   // Waits for its end until `deadline`. False: it still runs, and is no longer joined by anybody (whatever it
   // uses must then outlive it).
-  bool join_until(std::chrono::system_clock::time_point deadline);
+  bool join_until(std::chrono::steady_clock::time_point deadline);
 
  private:
   pthread_t id_{};
   bool joinable_ = false;
+  std::shared_ptr<Doorbell> ended_;  // rung by its last words
 };
 
 }  // namespace slipd

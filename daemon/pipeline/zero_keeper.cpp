@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 namespace slipd {
 namespace {
@@ -72,7 +73,10 @@ void ZeroKeeper::run() {
   for (bool last = false; !last;) {
     const std::uint32_t rung = bell_.rung();
     last = stop_.load(std::memory_order_relaxed);
-    for (const auto& desk : desks()) look_at(*desk);
+    try {
+      for (const auto& desk : desks()) look_at(*desk);
+    } catch (const std::bad_alloc&) {  // with the next zero, then
+    }
     if (!last) bell_.wait(rung, Doorbell::Clock::now() + kLongestSleep);
   }
 }

@@ -31,7 +31,7 @@ class ZeroKeeper {
 
   // io, when the acquire threads have ended: keeps what is left, and ends.
   void ask_to_stop();
-  bool join_until(std::chrono::system_clock::time_point deadline) { return thread_.join_until(deadline); }
+  bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
  private:
   void run();

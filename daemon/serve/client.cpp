@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <new>
 
 #include "daemon/serve/descriptors.hpp"
 #include "daemon/serve/rpc.hpp"
@@ -36,13 +37,23 @@ void Client::read_when_ready() {
                      [self = shared_from_this()](const std::error_code& error) {
                        self->reading_ = false;
                        if (error || self->closed_) return;
-                       self->on_readable();
+                       self->with_memory_or_close([&] { self->on_readable(); });
                      });
 }
 
 // A client that asks faster than it takes its answers has to wait.
 bool Client::crowded() const noexcept {
   return awaited_ >= kMostAwaited || backlog_.answer_bytes() > kMostAnswerBytes;
+}
+
+// Where there is no memory to serve it, the connection ends, and the client knows.
+template <typename Body>
+void Client::with_memory_or_close(Body body) {
+  try {
+    body();
+  } catch (const std::bad_alloc&) {
+    close();
+  }
 }
 
 // One piece, and some lines of it, at a time, so that a client that sends without end does not keep the loop
@@ -119,11 +130,7 @@ void Client::rest() {
   resting_ = true;
   asio::post(socket_.get_executor(), [self = shared_from_this()] {
     self->resting_ = false;
-    if (self->closed_) return;
-    self->take_lines();
-    self->flush();
-    self->let_go_if_done();
-    self->read_when_ready();
+    if (!self->closed_) self->with_memory_or_close([&] { self->on_writable(); });
   });
 }
 
@@ -142,11 +149,10 @@ void Client::refuse_long_line() {
 void Client::answer(std::string text) {
   if (awaited_ > 0) --awaited_;
   if (closed_) return;
-  if (!text.empty()) backlog_.answer(std::move(text));
-  flush();
-  take_lines();
-  let_go_if_done();
-  read_when_ready();
+  with_memory_or_close([&] {
+    if (!text.empty()) backlog_.answer(std::move(text));
+    on_writable();
+  });
 }
 
 void Client::notify(std::shared_ptr<const Notification> head, std::uint64_t lost) {
@@ -174,10 +180,7 @@ void Client::flush() {
                          [self = shared_from_this()](const std::error_code& error) {
                            self->writing_ = false;
                            if (error || self->closed_) return;
-                           self->flush();
-                           self->take_lines();
-                           self->let_go_if_done();
-                           self->read_when_ready();
+                           self->with_memory_or_close([&] { self->on_writable(); });
                          });
     } else if (errno != EINTR) {
       close();
@@ -186,6 +189,14 @@ void Client::flush() {
   if (!closed_ && discarding_ && backlog_.empty() && sent_ == output_.size()) {
     shutdown(socket_.native_handle(), SHUT_WR);
   }
+}
+
+void Client::on_writable() {
+  flush();
+  take_lines();
+  flush();
+  let_go_if_done();
+  read_when_ready();
 }
 
 void Client::let_go_if_done() {
@@ -217,7 +228,10 @@ void Client::close() {
   std::error_code ignored;
   socket_.close(ignored);
   // Later: the owner may just be going through its clients.
-  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.gone(self); });
+  try {
+    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.gone(self); });
+  } catch (const std::bad_alloc&) {  // it looks for closed ones now and then
+  }
 }
 
 ucred Client::peer() const noexcept {

@@ -35,6 +35,7 @@ class Client : public std::enable_shared_from_this<Client> {
   void answer(std::string text);  // one whole answer; empty: there is nothing to say
   void notify(std::shared_ptr<const Notification> head, std::uint64_t lost);
   void close();
+  bool closed() const noexcept { return closed_; }
 
   // An answer will come later: until then a client that has stopped sending is not let go.
   void await_answer() { ++awaited_; }
@@ -51,6 +52,9 @@ class Client : public std::enable_shared_from_this<Client> {
  private:
   void read_when_ready();
   void on_readable();
+  void on_writable();
+  template <typename Body>
+  void with_memory_or_close(Body body);
   void receive();
   void take_lines();
   void rest();

@@ -1,11 +1,13 @@
 #include "daemon/serve/descriptors.hpp"
 
 #include <fcntl.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/select.h>
 
 #include <algorithm>
+#include <string>
+
+#include "daemon/log/log.hpp"
 
 namespace slipd {
 namespace {
@@ -25,11 +27,10 @@ void make_room_for(std::size_t clients) {
     setrlimit(RLIMIT_NOFILE, &limit);
   }
   if (limit.rlim_cur < kOwn + clients) {
-    spdlog::warn(
-        "socket.max_clients is {}, but slipd may open no more than {} files: clients beyond that wait to be "
-        "let in; "
-        "raise LimitNOFILE, or lower socket.max_clients",
-        clients, limit.rlim_cur);
+    say(LogLevel::warning, {{}, Cause::machine},
+        "socket.max_clients is " + std::to_string(clients) + ", but slipd may open no more than " +
+            std::to_string(limit.rlim_cur) +
+            " files: clients beyond that wait to be let in; raise LimitNOFILE, or lower socket.max_clients");
   }
 }
 

@@ -75,10 +75,7 @@ void FlightRecorder::note(std::size_t sensor, const Estimate& estimate) noexcept
 void FlightRecorder::run() {
   for (bool last = false; !last;) {
     last = stop_.load(std::memory_order_relaxed);
-    for (const auto& track : tracks_) {
-      follow_device(*track);
-      work(*track, Clock::now(), last);
-    }
+    for (const auto& track : tracks_) attend(*track, last);
     if (!last) std::this_thread::sleep_for(kLook);
   }
   for (const auto& track : tracks_) {
@@ -86,11 +83,25 @@ void FlightRecorder::run() {
   }
 }
 
+// Whatever fails, fails for this sensor and now.
+void FlightRecorder::attend(Track& track, bool last) {
+  try {
+    follow_device(track);
+    work(track, Clock::now(), last);
+    track.complained = false;
+  } catch (const std::exception& error) {
+    failed_.fetch_add(1, std::memory_order_relaxed);
+    if (!track.complained)
+      say(LogLevel::error, {track.panel->name, Cause::machine},
+          track.panel->name + ": its last seconds are not kept: " + error.what());
+    track.complained = true;
+  }
+}
+
 // Makes room once the device is known, and anew when it comes back with another layout.
 void FlightRecorder::follow_device(Track& track) {
   const DeviceFacts facts = track.panel->facts();
   if (!facts.layout || (track.layout && *track.layout == *facts.layout)) return;
-  if (track.queue) track.panel->flight_tap.detach();
   const std::size_t taxels = facts.layout->size();
   const double rate_hz = facts.rate_hz > 0 ? facts.rate_hz : kUnknownRateHz;
   const std::size_t wanted = frames_in(2 * settings_.seconds, rate_hz);
@@ -104,8 +115,11 @@ void FlightRecorder::follow_device(Track& track) {
         fmt::format("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
                     track.panel->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
   }
-  track.history = std::make_unique<FrameHistory>(taxels, frames);
-  track.queue = std::make_unique<FrameQueue>(taxels, queue);
+  auto history = std::make_unique<FrameHistory>(taxels, frames);
+  auto frames_to_come = std::make_unique<FrameQueue>(taxels, queue);
+  if (track.queue) track.panel->flight_tap.detach();
+  track.history = std::move(history);
+  track.queue = std::move(frames_to_come);
   track.layout = facts.layout;
   track.panel->flight_tap.attach(*track.queue);
 }

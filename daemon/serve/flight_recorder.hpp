@@ -54,8 +54,10 @@ class FlightRecorder {
         nullptr};                  // io → here; relaxed: a literal, nothing else is read on its word
     const char* reason = nullptr;  // under way: written at `due`
     Clock::time_point due;
+    bool complained = false;  // of what fails still
   };
   void run();
+  void attend(Track& track, bool last);
   void follow_device(Track& track);
   static void take(Track& track);
   void work(Track& track, Clock::time_point now, bool last);

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <new>
 
 #include "daemon/can/dbc.hpp"
 #include "daemon/serve/estimate_text.hpp"
@@ -140,6 +141,8 @@ void Methods::call(Client& client, const rpc::Request& request, const Reply& rep
     method->second(client, request.params, reply);
   } catch (const rpc::Error& error) {
     reply.error(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    reply.error(rpc::kInternalError, "slipd has not enough memory for this");
   } catch (const std::exception& error) {
     reply.error(rpc::kInternalError, error.what());
   }
@@ -299,13 +302,19 @@ void Methods::answer_frames() {
     const auto waiting = std::exchange(frames_wanted_[i], {});
     const auto layout = panel.facts().layout;
     const bool usable = frame->any && layout && layout->size() == frame->normal_pa.size();
-    const json result = usable ? frame_json(*frame, *layout, now) : json();
+    json result;
+    const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
+    try {
+      if (usable) result = frame_json(*frame, *layout, now);
+    } catch (const std::bad_alloc&) {
+      trouble = "slipd has not enough memory for this";
+    }
     panel.frame.release();
     for (const Reply& reply : waiting) {
-      if (usable) {
+      if (trouble == nullptr) {
         reply.result(result);
       } else {
-        reply.error(rpc::kNotPossible, "no frame of this sensor has come yet");
+        reply.error(rpc::kNotPossible, trouble);
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <asio/post.hpp>
 #include <chrono>
+#include <new>
 #include <thread>
 
 #include "core/frame/recording.hpp"
@@ -25,6 +26,19 @@ constexpr auto kLook = 5ms;         // how often the writer looks for frames
 
 std::size_t queue_frames(std::size_t taxels) {
   return std::clamp<std::size_t>(kQueueBytes / (3 * sizeof(float) * taxels), 16, 4096);
+}
+
+// The recording's own thread can wait for memory; io's cannot wait for its end.
+template <typename Handler>
+void post_whatever_it_takes(asio::io_context& io, Handler handler) {
+  for (;;) {
+    try {
+      asio::post(io, handler);
+      return;
+    } catch (const std::bad_alloc&) {
+      std::this_thread::sleep_for(kLook);
+    }
+  }
 }
 
 }  // namespace
@@ -81,18 +95,29 @@ void Recorder::start(Panel& panel, UniqueFd file, double seconds,
   auto job = std::make_unique<Job>(panel, std::move(file), header, seconds);
   job->abandoned = std::move(abandoned);
   job->stop = &stop_;
-  if (!panel.tap.attach(job->queue)) {
-    throw rpc::Error(rpc::kNotPossible, panel.name + " is being recorded already; wait for that to end");
-  }
   Job* const started = job.get();
   jobs_.push_back(std::move(job));
-  started->thread = Thread("rec:" + panel.name, kStackBytes, [this, started, done = std::move(done)] {
-    const RecordingResult result = write(*started);
-    asio::post(io_, [this, started, done, result] {
-      std::erase_if(jobs_, [&](const auto& each) { return each.get() == started; });
-      done(result);
-    });
-  });
+  if (!panel.tap.attach(started->queue)) {
+    jobs_.pop_back();
+    throw rpc::Error(rpc::kNotPossible, panel.name + " is being recorded already; wait for that to end");
+  }
+  const auto forget = [this, started] {
+    std::erase_if(jobs_, [&](const auto& each) { return each.get() == started; });
+  };
+  try {
+    started->thread =
+        Thread("rec:" + panel.name, kStackBytes, [this, started, forget, done = std::move(done)] {
+          const RecordingResult result = write(*started);
+          post_whatever_it_takes(io_, [forget, done, result] {
+            forget();
+            done(result);
+          });
+        });
+  } catch (...) {
+    panel.tap.detach();
+    forget();
+    throw;
+  }
 }
 
 // The writer thread's body.

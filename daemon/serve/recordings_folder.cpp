@@ -42,12 +42,37 @@ std::error_code RecordingsFolder::add(const std::string& name,
   if (!file) return last_error();
   fchmod(file.get(), 0640);  // as above
   error = write(file.get());
+  if (!error) date_after_the_others(file.get());
   if (!error && fdatasync(file.get()) != 0) error = last_error();
   if (!error) fs::rename(aside, path_ / name, error);
   std::error_code ignored;
   if (error) fs::remove(aside, ignored);
   if (!error) remove_oldest();
   return error;
+}
+
+// By their dates the oldest are known: also where the clock was set back, the last written is the newest.
+void RecordingsFolder::date_after_the_others(int fd) const {
+  struct stat mine {};
+  if (fstat(fd, &mine) != 0) return;
+  const auto later = [](const timespec& a, const timespec& b) {
+    return a.tv_sec != b.tv_sec ? a.tv_sec > b.tv_sec : a.tv_nsec > b.tv_nsec;
+  };
+  std::error_code ignored;
+  timespec newest{};
+  for (const auto& item : fs::directory_iterator(path_, ignored)) {
+    struct stat other {};
+    if (item.path().extension() == ".rec" && stat(item.path().c_str(), &other) == 0 &&
+        later(other.st_mtim, newest))
+      newest = other.st_mtim;
+  }
+  if (later(mine.st_mtim, newest)) return;
+  constexpr long kStepNs = 1'000'000, kSecondNs = 1'000'000'000;
+  newest.tv_nsec += kStepNs;
+  newest.tv_sec += newest.tv_nsec / kSecondNs;
+  newest.tv_nsec %= kSecondNs;
+  const timespec both[2] = {newest, newest};
+  futimens(fd, both);
 }
 
 void RecordingsFolder::remove_oldest() const {

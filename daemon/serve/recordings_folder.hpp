@@ -25,6 +25,7 @@ class RecordingsFolder {
   const std::filesystem::path& path() const noexcept { return path_; }
 
  private:
+  void date_after_the_others(int fd) const;
   void remove_oldest() const;
   std::filesystem::path path_;
   std::size_t keep_;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -17,6 +18,16 @@ namespace {
 
 using namespace std::chrono_literals;
 using asio::posix::stream_descriptor;
+
+// What `body` returns; nothing if there was no memory for it. What it was about is lost, the loop is not.
+template <typename Body>
+auto without_memory(Body body) -> std::optional<decltype(body())> {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return std::nullopt;
+  }
+}
 
 }  // namespace
 
@@ -76,15 +87,19 @@ auto Server::while_alive(Body body) {
 }
 
 void Server::accept_when_ready() {
-  listener_.async_wait(stream_descriptor::wait_read, while_alive([this] { accept_one(); }));
+  listener_.async_wait(stream_descriptor::wait_read, while_alive([this] {
+                         if (without_memory([this] { return accept_one(); }).value_or(false))
+                           return accept_when_ready();
+                         pause_.expires_after(100ms);
+                         pause_.async_wait(while_alive([this] { accept_when_ready(); }));
+                       }));
 }
 
-void Server::accept_one() {
+// False: the system has no room for one more, for now.
+bool Server::accept_one() {
   UniqueFd socket(accept4(listener_.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket && (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)) {
-    pause_.expires_after(100ms);
-    pause_.async_wait(while_alive([this] { accept_when_ready(); }));
-    return;
+    return false;
   }
   if (socket && clients_.all.size() >= world_.settings.socket.max_clients) {
     turn_away(socket);
@@ -94,7 +109,7 @@ void Server::accept_one() {
     world_.clients = clients_.all.size();
     client->start();
   }
-  accept_when_ready();
+  return true;
 }
 
 void Server::turn_away(const UniqueFd& socket) {
@@ -110,7 +125,7 @@ void Server::turn_away(const UniqueFd& socket) {
 
 void Server::listen_for_news() {
   news_.async_wait(stream_descriptor::wait_read, while_alive([this] {
-                     take_news();
+                     without_memory([this] { return take_news(), true; });
                      listen_for_news();
                    }));
 }
@@ -174,7 +189,7 @@ void Server::tell(const Event& event, EventKind kind) {
         head =
             std::make_shared<const Notification>(Notification{std::move(text), event.estimate.published_ns});
       }
-      client->notify(head, lost);
+      if (!without_memory([&] { return client->notify(head, lost), true; })) client->close();
     }
   }
 }
@@ -182,27 +197,34 @@ void Server::tell(const Event& event, EventKind kind) {
 void Server::measure_rates() {
   rates_.expires_after(1s);
   rates_.async_wait(while_alive([this] {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double> passed = now - last_measured_;
-    last_measured_ = now;
-    for (std::size_t i = 0; i < last_estimated_.size(); ++i) {
-      const std::uint64_t estimated = world_.board.sensors[i]->latest.load().counts.estimated;
-      world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
-      last_estimated_[i] = estimated;
-      const Panel& panel = *world_.board.sensors[i];
-      world_.last_minute[i].look(panel.latency, now);
-      for (const Complaint& complaint :
-           complaints_.look(i, panel.name, panel.facts().description, troubles_of(panel), now))
-        say(LogLevel::warning, {panel.name, complaint.cause}, complaint.text);
-    }
-    world_.told_last_minute.look(world_.told, now);
-    std::uint64_t dropped = clients_.dropped_for_gone;
-    for (const auto& client : clients_.all) dropped += client->dropped();
-    world_.notifications_dropped = dropped;
-    metrics_file_.look(world_, now);
-    methods_.answer_rebias(true);
+    without_memory([this] { return look_at_sensors(), true; });
     measure_rates();
   }));
+}
+
+void Server::look_at_sensors() {
+  const auto now = std::chrono::steady_clock::now();
+  const std::chrono::duration<double> passed = now - last_measured_;
+  last_measured_ = now;
+  for (std::size_t i = 0; i < last_estimated_.size(); ++i) {
+    const std::uint64_t estimated = world_.board.sensors[i]->latest.load().counts.estimated;
+    world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
+    last_estimated_[i] = estimated;
+    const Panel& panel = *world_.board.sensors[i];
+    world_.last_minute[i].look(panel.latency, now);
+    for (const Complaint& complaint :
+         complaints_.look(i, panel.name, panel.facts().description, troubles_of(panel), now))
+      say(LogLevel::warning, {panel.name, complaint.cause}, complaint.text);
+  }
+  world_.told_last_minute.look(world_.told, now);
+  std::uint64_t dropped = clients_.dropped_for_gone;
+  for (const auto& client : clients_.all) dropped += client->dropped();
+  world_.notifications_dropped = dropped;
+  metrics_file_.look(world_, now);
+  methods_.answer_rebias(true);
+  // Those whose going could not be told of for want of memory.
+  std::erase_if(clients_.all, [](const auto& client) { return client->closed(); });
+  world_.clients = clients_.all.size();
 }
 
 }  // namespace slipd

@@ -42,7 +42,7 @@ class Server {
   template <typename Body>
   auto while_alive(Body body);
   void accept_when_ready();
-  void accept_one();
+  bool accept_one();
   void turn_away(const UniqueFd& socket);
   void listen_for_news();
   void take_news();
@@ -50,6 +50,7 @@ class Server {
   void tell(const Event& event, EventKind kind);
   void follow_grasps();
   void measure_rates();
+  void look_at_sensors();
 
   asio::io_context& io_;
   World& world_;

@@ -85,6 +85,22 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
 }
 
+TEST(RecordingsFolder, TheLastWrittenIsTheNewestAlsoWhereTheClockWasSetBack) {
+  const testing::TempFolder temp;
+  const RecordingsFolder folder(temp.path(), 2);
+  const auto add = [&](const std::string& name) {
+    return folder.add(name, [](int) { return std::error_code(); });
+  };
+  ASSERT_FALSE(add("a.rec"));
+  const auto tomorrow = std::filesystem::file_time_type::clock::now() + std::chrono::hours(24);
+  std::filesystem::last_write_time(temp.file("a.rec"), tomorrow);
+  for (const char* name : {"b.rec", "c.rec", "d.rec"}) ASSERT_FALSE(add(name));
+  EXPECT_FALSE(std::filesystem::exists(temp.file("a.rec")));
+  EXPECT_FALSE(std::filesystem::exists(temp.file("b.rec")));
+  EXPECT_TRUE(std::filesystem::exists(temp.file("c.rec")));
+  EXPECT_TRUE(std::filesystem::exists(temp.file("d.rec")));
+}
+
 TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   const TempFolder temp;
   temp.write("crashed.rec.part", "half");

@@ -139,9 +139,18 @@ ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& pro
   return std::move(at_ranks.front());
 }
 
+// For slipd, which keeps it where it can.
+void write_to_output(const ModelData& data) {
+  const std::vector<std::uint8_t> bytes = encode_model(data);
+  std::cout.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!std::cout.flush()) throw std::runtime_error("the model cannot be written to the standard output");
+}
+
 void run(const Choices& choices, const Common& common) {
   const ModelSetup setup = choices.setup.empty() ? setup_from_config(choices.config, choices.sensor)
                                                  : setup_from_json(choices.setup);
+  if (choices.model == "-")
+    return write_to_output(trained(setup, choices.threads, ProgressBar("training").callback()));
   const std::filesystem::path file = choices.model.empty() ? model_cache_file(setup, model_cache_directory())
                                                            : std::filesystem::path(choices.model);
   const auto started = std::chrono::steady_clock::now();
@@ -174,7 +183,8 @@ void add_train(CLI::App& app, const Common& common) {
   config->needs(sensor);
   command->add_option("--setup", choices->setup, "instead: what to train for, as JSON; - for standard input")
       ->excludes(config);
-  command->add_option("--model", choices->model, "the file to write; slipd's own place if not given");
+  command->add_option("--model", choices->model,
+                      "the file to write, - for standard output; slipd's own place if not given");
   command->add_option("--threads", choices->threads)->check(CLI::Range(1, 4))->capture_default_str();
   command->add_flag("--anew", choices->anew, "train even if there is a good model already");
   command->callback([choices, &common] {

@@ -1,0 +1,11 @@
+// slipd-driver-foreign.so: a module of a driver interface that this slipd does not have. Not installed.
+#include "drivers/driver.hpp"
+
+namespace {
+
+const slipd::DriverModule kModule{slipd::kDriverAbi + 1, "foreign", "of another interface, for tests", "{}",
+                                  nullptr};
+
+}  // namespace
+
+SLIPD_DRIVER_MODULE(kModule)

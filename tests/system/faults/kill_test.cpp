@@ -1,0 +1,159 @@
+// Killed at random moments (SLIPD_KILLS of them; tools/faults), the same ones in every run: while it starts,
+// trains, saves and records. After each, what is on disk is whole, or is refused with its reason; a recording
+// holds all but what the last flush interval brought; and the next start comes up on it.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <random>
+
+#include "core/model/model_file.hpp"
+#include "core/unique_fd.hpp"
+#include "tests/support/daemon.hpp"
+#include "tests/support/replayed.hpp"
+#include "tests/support/subscriber.hpp"
+
+namespace slipd::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr std::int64_t kFlushNs = 500'000'000;
+constexpr std::int64_t kLateNs =
+    1'000'000'000;  // that a writer may be on a machine that does other things, too
+
+class Killed : public ::testing::Test {
+ protected:
+  // One that makes a model, one that finds its zero, and an alert now and then, which the flight recorder
+  // keeps.
+  json config() const {
+    json sensors = json::array();
+    sensors.push_back({{"name", "left"},
+                       {"driver", "sim"},
+                       {"rate_hz", 500},
+                       {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}},
+                       {"options", {{"zeroed", false}, {"zero_spread_kpa", 1}, {"noise", 0.0005}}}});
+    return config_with(
+        folder_, sensors,
+        {{"estimator", {{"method", "svd-knn"}}}, {"recorder", {{"seconds", 0.05}, {"keep", 5}}}});
+  }
+  Program::Environment environment() const { return {{"STATE_DIRECTORY", state_.path().string()}}; }
+
+  // One life, of so long: what was recorded on its behalf is in folder_/asked.rec.
+  void live(std::chrono::milliseconds length) {
+    fs::remove(asked());
+    newest_ = 0;
+    const auto config_file = folder_.write("slipd.json", config().dump());
+    Program program(folder_, "slipd",
+                    {(program_folder() / "slipd").string(), "--config", config_file.string(), "--driver-dir",
+                     real_drivers().string()},
+                    environment());
+    const auto until = Clock::now() + length;
+    attend(until);
+    std::this_thread::sleep_until(until);
+    program.signal(SIGKILL);
+    EXPECT_EQ(program.wait(10s), 128 + SIGKILL) << program.errors();
+  }
+
+  // Records, and hears of frames, as soon as there is a socket, and to the end.
+  void attend(Clock::time_point until) {
+    const fs::path socket = folder_.file("s.sock");
+    while (Clock::now() < until) {
+      try {
+        Subscriber listening(socket);
+        RpcClient recording(socket);
+        const UniqueFd file(open(asked().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+        recording.send(
+            R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":"left","seconds":100}})"
+            "\n",
+            file.get());
+        for (int turn = 0; Clock::now() < until; ++turn) {
+          listening.read(5ms);
+          if (turn % 20 == 10) recording.send_line(R"({"jsonrpc":"2.0","method":"flight"})");
+          const auto& all = listening.told();
+          if (const auto left = all.find("left"); left != all.end()) newest_ = left->second.last_sequence;
+        }
+      } catch (const std::exception&) {  // not there yet
+        std::this_thread::sleep_for(1ms);
+      }
+    }
+  }
+
+  fs::path asked() const { return folder_.file("asked.rec"); }
+
+  // Everything that is kept.
+  void look_at_what_is_left() {
+    for (const auto& item : fs::recursive_directory_iterator(state_.path())) {
+      if (!item.is_regular_file()) continue;
+      const fs::path& file = item.path();
+      SCOPED_TRACE(file.string());
+      if (file.extension() == ".rec") {
+        const Replayed kept = replay(file);
+        EXPECT_EQ(kept.fault, "") << "what has a recording's name is whole";
+        ++whole_recordings_;
+      } else if (file.extension() == ".cbor" && file.filename().string().starts_with("model-")) {
+        EXPECT_NO_THROW(load_model(file));
+        ++whole_models_;
+      }
+    }
+  }
+
+  void look_at_the_recording() {
+    if (!fs::exists(asked())) return;
+    const Replayed kept = replay(asked());
+    if (kept.frames == 0) return;
+    ++recordings_;
+    if (!kept.fault.empty()) {
+      EXPECT_THAT(kept.fault, ::testing::HasSubstr("ends within"));
+      ++cut_;
+    }
+    EXPECT_TRUE(kept.in_order);
+    if (newest_ > kept.last_sequence) {
+      const auto missing_ns = static_cast<std::int64_t>(newest_ - kept.last_sequence) * 1'000'000'000 / 500;
+      most_missing_ns_ = std::max(most_missing_ns_, missing_ns);
+      EXPECT_LE(missing_ns, kFlushNs + kLateNs);
+    }
+  }
+
+  const TempFolder folder_, state_;
+  std::uint64_t newest_ = 0;
+  std::int64_t most_missing_ns_ = 0;
+  int recordings_ = 0, cut_ = 0, whole_recordings_ = 0, whole_models_ = 0;
+};
+
+int wanted_kills() {
+  const char* text = std::getenv("SLIPD_KILLS");
+  return text != nullptr ? std::stoi(text) : 10;
+}
+
+TEST_F(Killed, AtRandomMomentsItLeavesNothingHalf) {
+  std::minstd_rand random(1);
+  int kills = 0;
+  while (kills < wanted_kills() && !HasFailure()) {
+    SCOPED_TRACE("kill " + std::to_string(++kills));
+    live(std::chrono::milliseconds(random() % 1600));
+    look_at_what_is_left();
+    look_at_the_recording();
+  }
+  // A last life, in peace, on what they have left.
+  Daemon daemon(config(), real_drivers(), environment());
+  daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
+  EXPECT_EQ(daemon.stop(), 0);
+  look_at_what_is_left();
+  for (const auto& item : fs::recursive_directory_iterator(state_.path()))
+    EXPECT_THAT(item.path().filename().string(), ::testing::Not(::testing::HasSubstr(".new-")))
+        << "is left over";
+  std::printf(
+      "%d kills: %d recordings asked for, %d of them cut within a frame, at most %lld ms of frames missing "
+      "at an end; "
+      "kept ones looked at: %d recordings, %d models, all whole\n",
+      kills, recordings_, cut_, static_cast<long long>(most_missing_ns_ / 1'000'000), whole_recordings_,
+      whole_models_);
+}
+
+}  // namespace
+}  // namespace slipd::testing

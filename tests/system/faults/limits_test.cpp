@@ -1,0 +1,172 @@
+// What happens where something runs out: descriptors, memory, the disk, the one place on a socket. It is
+// said, it costs what could not be had and nothing else, and is over when it is there again.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "core/unique_fd.hpp"
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+json trial(const std::string& name, const json& options = json::object()) {
+  return {{"name", name},
+          {"driver", "trial"},
+          {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}},
+          {"options", options}};
+}
+
+class Limits : public ::testing::Test {
+ protected:
+  void SetUp() override { await_ok(); }
+  void await_ok() const {
+    daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
+  }
+  // Of the running daemon, until lifted.
+  void limit(__rlimit_resource what, rlim_t most) const {
+    rlimit now{};
+    ASSERT_EQ(prlimit(daemon_.program().pid(), what, nullptr, &now), 0);
+    now.rlim_cur = std::min(most, now.rlim_max);
+    ASSERT_EQ(prlimit(daemon_.program().pid(), what, &now, nullptr), 0);
+  }
+  void lift(__rlimit_resource what) const { limit(what, RLIM_INFINITY); }
+  void expect_frames_go_on(RpcClient& client) const {
+    const auto estimated = [&] {
+      return client.result("status")["sensors"][0]["estimated"].get<std::uint64_t>();
+    };
+    const std::uint64_t before = estimated();
+    const auto until = std::chrono::steady_clock::now() + 10s;
+    while (estimated() < before + 20) ASSERT_LT(std::chrono::steady_clock::now(), until);
+  }
+
+  TempFolder folder_;
+  Daemon daemon_{config_with(folder_, json::array({trial("left")}), {{"recorder", {{"seconds", 0.05}}}}),
+                 trial_drivers(),
+                 {{"STATE_DIRECTORY", folder_.path().string()}}};
+};
+
+TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
+  RpcClient old(daemon_.socket());
+  old.result("version");
+  limit(RLIMIT_NOFILE, 3);  // those that are open stay open
+  RpcClient waiting(daemon_.socket());
+  waiting.send_line(R"({"jsonrpc":"2.0","id":1,"method":"version"})");
+  EXPECT_FALSE(waiting.line(300ms));
+  expect_frames_go_on(old);
+  const UniqueFd file(open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  EXPECT_EQ(old.call("record", {{"sensor", "left"}, {"seconds", 0.1}}, file.get())["error"]["code"], -32602);
+  old.result("flight");
+  while (old.result("status")["recorder"]["failed"] != 1) std::this_thread::sleep_for(1ms);
+  EXPECT_THAT(daemon_.program().errors(), HasSubstr("Too many open files"));
+  daemon_.program().signal(SIGHUP);
+  while (daemon_.program().errors().find("reload:") == std::string::npos) std::this_thread::sleep_for(1ms);
+  expect_frames_go_on(old);
+  lift(RLIMIT_NOFILE);
+  EXPECT_TRUE(waiting.line()) << "it is served when there is room again";
+  EXPECT_TRUE(old.call("record", {{"sensor", "left"}, {"seconds", 0.1}}, file.get()).contains("result"));
+}
+
+rlim_t address_space(const Daemon& daemon) {
+  std::ifstream statm("/proc/" + std::to_string(daemon.program().pid()) + "/statm");
+  rlim_t pages = 0;
+  statm >> pages;
+  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST_F(Limits, WithLittleMemoryWhatNeedsMoreIsRefusedAndTheRestGoesOn) {
+  if (sanitized()) GTEST_SKIP() << "a sanitizer needs an address space without limit";
+  constexpr rlim_t kLittle = 4'000'000;  // a recording's queue takes more
+  RpcClient client(daemon_.socket());
+  limit(RLIMIT_AS, address_space(daemon_) + kLittle);
+  const UniqueFd file(open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  const json record{{"sensor", "left"}, {"seconds", 0.1}};
+  for (int i = 0; i < 3; ++i)
+    EXPECT_THAT(client.call("record", record, file.get()).dump(), HasSubstr("not enough memory"));
+  for (int i = 0; i < 20; ++i) RpcClient(daemon_.socket()).result("frame", {{"sensor", "left"}});
+  expect_frames_go_on(client);
+  lift(RLIMIT_AS);
+  EXPECT_TRUE(client.call("record", record, file.get()).contains("result"))
+      << "and is possible when there is more";
+}
+
+// Then it may come to an end, and be started anew: but it does not stand there as if it served.
+TEST_F(Limits, WithoutAnyMemoryItServesOrEnds) {
+  if (sanitized()) GTEST_SKIP() << "a sanitizer needs an address space without limit";
+  limit(RLIMIT_AS, address_space(daemon_));
+  std::vector<std::unique_ptr<RpcClient>> crowd;
+  try {
+    for (int i = 0; i < 60; ++i) {
+      crowd.push_back(std::make_unique<RpcClient>(daemon_.socket()));
+      crowd.back()->send_line(R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})");
+      for (int k = 0; k < 10; ++k)
+        crowd.back()->send_line(R"({"jsonrpc":"2.0","id":1,"method":"frame","params":{"sensor":"left"}})");
+    }
+  } catch (const std::runtime_error&) {  // it has ended
+  }
+  const auto code = daemon_.program().wait(1s);
+  std::printf("without any memory it %s\n", code ? "ends" : "goes on");
+  crowd.clear();
+  if (code) {
+    EXPECT_NE(*code, 0);
+    return;
+  }
+  lift(RLIMIT_AS);
+  await_ok();
+}
+
+TEST(Disk, ThatTakesNoModelCostsTheKeepingAndNotTheSensor) {
+  const TempFolder folder;
+  Daemon daemon(config_with(folder, json::array({trial("left")}), {{"estimator", {{"method", "svd-knn"}}}}),
+                trial_drivers(), {{"STATE_DIRECTORY", "/dev/full"}});
+  daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
+  EXPECT_EQ(daemon.client().result("status")["sensors"][0]["method"], "svd-knn");
+  EXPECT_THAT(daemon.program().errors(), HasSubstr("is used, but not kept"));
+}
+
+TEST(TwoAtOnce, ManyStartOnOneSocketAndOneServes) {
+  const TempFolder folder;
+  const auto config = folder.write("c.json", config_with(folder, json::array({trial("left")})).dump());
+  constexpr int kMany = 12;
+  for (int round = 0; round < 2; ++round) {  // the second time over what a crash has left
+    std::vector<std::unique_ptr<Program>> all;
+    for (int i = 0; i < kMany; ++i) {
+      all.push_back(std::make_unique<Program>(
+          folder, "slipd" + std::to_string(i),
+          std::vector<std::string>{(program_folder() / "slipd").string(), "--config", config.string(),
+                                   "--driver-dir", trial_drivers().string()}));
+    }
+    int serving = -1;
+    const auto until = std::chrono::steady_clock::now() + 60s;
+    for (int ended = 0; ended < kMany - 1;) {
+      ASSERT_LT(std::chrono::steady_clock::now(), until);
+      ended = 0;
+      for (int i = 0; i < kMany; ++i) {
+        const auto code = all[static_cast<std::size_t>(i)]->wait(5ms);
+        ended += code ? 1 : 0;
+        if (!code) serving = i;
+        if (code) {
+          EXPECT_EQ(code, 1);
+          EXPECT_THAT(all[static_cast<std::size_t>(i)]->errors(), HasSubstr("is served by another slipd"));
+        }
+      }
+    }
+    ASSERT_GE(serving, 0);
+    RpcClient client(folder.file("s.sock"));
+    EXPECT_EQ(client.result("status")["pid"], all[static_cast<std::size_t>(serving)]->pid());
+    all[static_cast<std::size_t>(serving)]->signal(SIGKILL);
+    all[static_cast<std::size_t>(serving)]->wait(10s);
+  }
+}
+
+}  // namespace
+}  // namespace slipd::testing
