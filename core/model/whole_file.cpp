@@ -64,6 +64,7 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes,
   // Two that write the same file at once write each into one of its own.
   const fs::path beside = file.string() + kMark + std::to_string(::getpid());
   remove_abandoned(file);
+  fs::remove(beside, error);  // whatever else has this name
   try {
     write_synced(beside, bytes, mode);
     fs::rename(beside, file);

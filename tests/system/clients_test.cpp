@@ -190,9 +190,11 @@ class ThousandClients : public ::testing::Test {
     if (limit.rlim_max < kNeeded) GTEST_SKIP() << "no process may open " << kNeeded << " files here";
     limit.rlim_cur = kModest;
     setrlimit(RLIMIT_NOFILE, &limit);
-    daemon_ = std::make_unique<Daemon>(config_with(folder_, json::array({trial("left"), trial("right")}),
-                                                   {{"socket", {{"max_clients", kClients}}}}),
-                                       trial_drivers());
+    daemon_ =
+        std::make_unique<Daemon>(config_with(folder_, json::array({trial("left"), trial("right")}),
+                                             {{"socket", {{"max_clients", kClients}}},
+                                              {"realtime", {{"mode", "prefer"}, {"lock_memory", false}}}}),
+                                 trial_drivers());
     limit.rlim_cur = kNeeded;
     setrlimit(RLIMIT_NOFILE, &limit);
   }
@@ -216,18 +218,23 @@ TEST_F(ThousandClients, OfEveryBadHabitAndTheFramesGoOn) {
     good.keep_latencies();
     std::optional<Reading> reading(std::in_place, good);
     RpcClient asking(daemon_->socket());
+    const bool real_time = !asking.result("status")["realtime"]["got"]["priority"].is_null();
     View before = look(asking, good, kLook);
     const Crowd crowd(*daemon_, kClients - 2);
     while (asking.result("status")["clients"] != kClients) std::this_thread::sleep_for(1ms);
     expect_no_room();
     View during = look(asking, good, kLook);
     reading.reset();
+    std::printf("%s real time\n", real_time ? "with" : "without");
     print("before", before);
     print("during", during);
     EXPECT_EQ(good.broken_lines(), 0U);
     EXPECT_GT(during.asked_us.size(), 10U);
     EXPECT_GT(during.received, before.received / 2) << "the devices go on";
-    EXPECT_LE(during.share_skipped(), before.share_skipped() + kTolerated);
+    // Without real time the threads of frames have to share the processors with the crowd itself.
+    if (real_time) {
+      EXPECT_LE(during.share_skipped(), before.share_skipped() + kTolerated);
+    }
   }
   EXPECT_EQ(daemon_->descriptors_at_rest(), descriptors);
   EXPECT_EQ(daemon_->stop(), 0);

@@ -1,0 +1,120 @@
+# What only a kernel of one's own can do to slipd: the clock set back and forth, disks that are full or read-only, HID and
+# USB devices unplugged and plugged in again REPLUGS times (unless said, a few; tools/faults: 200). One boot for all.
+source /source/tests/vm/guest/check.sh
+source /source/tests/vm/guest/margin.sh
+replugs=${REPLUGS:-4}
+export STATE_DIRECTORY=/run/state
+mkdir $STATE_DIRECTORY
+mount -t tmpfs -o size=400k tmpfs $STATE_DIRECTORY
+
+figure() { slipctl --socket /tmp/slipd.sock metrics | sed -n "s/^slipd_$1{sensor=\"$2\"} //p"; }
+figure_is() { test "$(figure "$1" "$2")" = "$3"; }
+more_frames() {  # WHAT: the simulated sensor goes on
+  local before
+  before=$(figure frames_estimated_total steady)
+  awaits "$1" eval "(( \$(figure frames_estimated_total steady) > before + 5 ))"
+}
+recorder() { slipctl --socket /tmp/slipd.sock --json status | grep -o "\"recorder\":{[^}]*}" | grep -o "\"$1\":[0-9]*" | cut -d: -f2; }
+recorder_is() { (( $(recorder "$1") >= $2 )); }
+descriptors() { find "/proc/$slipd/fd" -mindepth 1 | wc -l; }
+
+cat >slipd.json <<'END'
+{ "sensors": [ { "name": "pad", "driver": "hid", "profile": "vendor-hid-8x8", "device": { "serial": "HID42" }, "stale_after_ms": 5000 },
+               { "name": "hub", "driver": "usb", "profile": "contactile-pts2", "device": { "serial": "USB42" }, "rate_hz": 20,
+                 "stale_after_ms": 5000 },
+               { "name": "steady", "driver": "sim", "rate_hz": 50, "stale_after_ms": 2000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
+  "recorder": { "seconds": 0.2, "keep": 3 },
+  "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/slipd.sock" } }
+END
+modprobe -a uhid vhci-hcd
+in_background pad.log simulated-device vendor-hid --at uhid --serial HID42 --rate-hz 50 --script hold.json --control /tmp/pad
+in_background hub.log simulated-device papillarray --at usbip:3240 --serial USB42 --rate-hz 20 --script hold.json --control /tmp/hub
+awaits "the devices" eval 'test -e /dev/hidraw0 && grep -q ready hub.log'
+usbip attach -r 127.0.0.1 -b 1-1
+in_background slipd.log slipd --config slipd.json
+slipd=$background
+for sensor in pad hub steady; do awaits "frames of $sensor" eval "(( \$(figure frames_estimated_total $sensor) > 0 ))"; done
+
+# Unplugged and plugged in again.
+open=$(descriptors)
+began=$SECONDS
+trap 'tail -n 3 replugs.log' EXIT
+for ((i = 1; i <= replugs; ++i)); do
+  order /tmp/pad unplug
+  order /tmp/hub unplug
+  awaits "both gone" eval 'figure_is connected pad 0 && figure_is connected hub 0'
+  order /tmp/pad plug
+  order /tmp/hub plug
+  awaits "served again" usbip attach -r 127.0.0.1 -b 1-1
+  awaits "back, for the ${i}th time" eval 'figure_is connected pad 1 && figure_is connected hub 1'
+done >replugs.log
+trap - EXIT
+(( $(figure reconnects_total pad) >= replugs && $(figure reconnects_total hub) >= replugs )) || fail "not all are counted"
+for sensor in pad hub; do
+  before=$(figure frames_received_total $sensor)
+  awaits "frames of $sensor after $replugs replugs" eval "(( \$(figure frames_received_total $sensor) > before ))"
+done
+awaits "no descriptor more than the $open before" eval "(( \$(descriptors) <= open ))"
+echo "figures: HID and USB replugged $replugs times each in $((SECONDS - began)) s"
+
+# The clock, back and forth. Nothing may become stale by it, and what is told has the new time.
+right=$(date +%s)
+in_background states.log slipctl --socket /tmp/slipd.sock --json watch steady
+for days in -1 +400 -4000 +3 0; do
+  date -s "@$((right + days * 86400))" >/dev/null
+  more_frames "frames go on with the clock $days days off"
+  told=$(of steady time_ns)
+  (( told / 1000000000 - right - days * 86400 < 300 )) || fail "the time told is not the clock's"
+  (( right + days * 86400 - told / 1000000000 < 300 )) || fail "the time told is not the clock's"
+done
+kill "$background"
+refused "no estimate was stale meanwhile" grep -q '"state":"\(stale\|fault\)"' states.log
+# A recording that is written when the clock is back by a day is not the first to go.
+date -s "@$((right - 86400))" >/dev/null
+slipctl --socket /tmp/slipd.sock flight steady >/dev/null
+awaits "a recording with the clock a day back" recorder_is kept 1
+date -s "@$right" >/dev/null
+
+# A stop with a driver that hangs, during which the clock goes back by an hour: in time nevertheless.
+cat >hang.json <<'END'
+{ "sensors": [ { "name": "ill", "driver": "trial", "options": { "behaviour": "hang_in_read" } } ],
+  "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/hang.sock" } }
+END
+in_background hang.log /build/bin/slipd --config hang.json --driver-dir /build/test-drivers
+hanging=$background
+awaits "the other slipd" slipctl --socket /tmp/hang.sock gamma
+kill "$hanging"
+date -s "@$((right - 3600))" >/dev/null
+patience=15 awaits "it ends in time although the clock went back" eval '! kill -0 $hanging'
+date -s "@$((right + 60))" >/dev/null
+
+# A disk that is full, one that is read-only.
+head -c 1M /dev/zero >$STATE_DIRECTORY/filler 2>/dev/null || true
+slipctl --socket /tmp/slipd.sock flight steady >/dev/null
+awaits "a full disk costs the flight recording" recorder_is failed 1
+grep -q "No space left on device" slipd.log || fail "the log does not say why: $(cat slipd.log)"
+more_frames "and nothing else"
+refused "a recording onto it ends with its reason" slipctl --socket /tmp/slipd.sock record --sensor steady --seconds 1 --out $STATE_DIRECTORY/r.rec 2>record.log
+grep -q "No space left on device" record.log || fail "slipctl does not say why: $(cat record.log)"
+mount -o remount,ro $STATE_DIRECTORY
+slipctl --socket /tmp/slipd.sock flight steady >/dev/null
+awaits "a read-only disk does, too" recorder_is failed 2
+grep -q "Read-only file system" slipd.log || fail "the log does not say why: $(cat slipd.log)"
+more_frames "and nothing else"
+cat >model.json <<'END'
+{ "sensors": [ { "name": "steady", "driver": "sim", "rate_hz": 50, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
+  "estimator": { "method": "svd-knn" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/model.sock" } }
+END
+in_background model.log slipd --config model.json
+awaits "a model that cannot be kept is used" grep -q "estimating by svd-knn" model.log
+grep -q "its model is used, but not kept.*Read-only file system" model.log || fail "not said: $(cat model.log)"
+kill "$background"
+mount -o remount,rw $STATE_DIRECTORY
+rm $STATE_DIRECTORY/filler
+kept=$(recorder kept)
+slipctl --socket /tmp/slipd.sock flight steady >/dev/null
+awaits "with room again, recordings are kept" recorder_is kept $((kept + 1))
+same "what is there is whole, without leftovers" "$(find $STATE_DIRECTORY -name '*.part' -o -name '*.new-*')" ""
+
+kill "$slipd"
+awaits "it ends when told to" eval '! kill -0 $slipd'
