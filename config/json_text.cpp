@@ -55,7 +55,7 @@ std::string own_words(std::string text) {
   cut_behind("] ");
   if (text.starts_with("parse error at")) cut_behind(": ");
   constexpr std::size_t kLongest = 240;
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
+  if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "…");
   return text;
 }
 
@@ -95,9 +95,11 @@ class Builder {
   json* place(json&& v) {
     if (open_.empty()) return &(root_ = std::move(v));
     json& parent = *open_.back();
-    if (parent.is_object()) return &(parent[key_] = std::move(v));
-    parent.push_back(std::move(v));
-    return &parent.back();
+    if (!parent.is_object()) {
+      parent.push_back(std::move(v));
+      return &parent.back();
+    }
+    return &(parent[key_] = std::move(v));
   }
   bool add(json v) {
     place(std::move(v));

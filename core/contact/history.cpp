@@ -55,6 +55,7 @@ void LoadHistory::straight(double normal_n, double shear_n, int depth) {
     normal_n_ = shear_n_ = 0;
     return;
   }
+  // cppcheck-suppress containerOutOfBounds ; who carries a load has a knot at its edge
   const double old_edge = normal_n_ > 0 ? knots_.back().w : 0;
   const double radius = pair_.contact_radius_m(normal_n);
   const double edge = radius * radius;

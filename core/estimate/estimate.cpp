@@ -8,6 +8,7 @@ namespace {
 template <std::size_t N, typename Enum>
 std::string_view name_of(const std::array<std::string_view, N>& names, Enum value) noexcept {
   const auto i = static_cast<std::size_t>(value);
+  // cppcheck-suppress returnDanglingLifetime ; the names are literals
   return i < N ? names[i] : "unknown";
 }
 

@@ -25,7 +25,7 @@ constexpr std::array<std::pair<SensorClass, const char*>, 3> kClasses{
 // A short picture of a value for an error; never longer than a line, whatever the file held.
 std::string shown(const json& value) {
   std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
-  if (text.size() > 40) text = text.substr(0, 37) + "...";
+  if (text.size() > 40) text.replace(37, std::string::npos, "...");
   return text;
 }
 

@@ -11,7 +11,7 @@ constexpr std::uint64_t kLoadStream = ~std::uint64_t{2};
 
 }  // namespace
 
-ContactColumns::ContactColumns(Scene scene, std::uint64_t seed, FrameChoice choice)
+ContactColumns::ContactColumns(Scene scene, std::uint64_t seed, const FrameChoice& choice)
     : scene_(std::move(scene)), seed_(seed), choice_(choice) {}
 
 double ContactColumns::gamma(std::size_t column) const {

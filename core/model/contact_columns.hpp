@@ -23,7 +23,7 @@ class ContactColumns : public ColumnSource {
   double friction(std::size_t column) const;
 
  protected:
-  ContactColumns(Scene scene, std::uint64_t seed, FrameChoice choice);
+  ContactColumns(Scene scene, std::uint64_t seed, const FrameChoice& choice);
 
   std::size_t contact(std::size_t column) const noexcept {
     return choice_.first_contact + column / choice_.size.loads;

@@ -48,7 +48,7 @@ float largest_of(const std::vector<float>& values) noexcept {
 
 }  // namespace
 
-FrameColumns::FrameColumns(TaxelSet taxels, Scene scene, std::uint64_t seed, FrameChoice choice)
+FrameColumns::FrameColumns(TaxelSet taxels, Scene scene, std::uint64_t seed, const FrameChoice& choice)
     : ContactColumns(std::move(scene), seed, choice), taxels_(std::move(taxels)) {
   if (!taxels_.weight.empty() && (scene_.noise != 0 || scene_.offset_m != 0)) {
     throw std::invalid_argument(

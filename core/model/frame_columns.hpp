@@ -12,7 +12,7 @@ class FrameColumns final : public ContactColumns {
   // Values: alpha in rad. Noise: uniform
   // within the scene's fraction of the frame's largest pressure on the pressures, of its largest shear on the
   // shears. Throws std::invalid_argument for a noisy or off-centre scene on folded taxels.
-  FrameColumns(TaxelSet taxels, Scene scene, std::uint64_t seed, FrameChoice choice);
+  FrameColumns(TaxelSet taxels, Scene scene, std::uint64_t seed, const FrameChoice& choice);
 
   std::size_t rows() const noexcept override { return taxels_.size(); }
   void fill(std::size_t first, std::size_t count, float* out) const override;

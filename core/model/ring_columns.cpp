@@ -34,7 +34,7 @@ std::array<float, Rings::kCount> ring_angles(const Rings& rings, std::size_t cou
   return angles;
 }
 
-RingColumns::RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, FrameChoice choice,
+RingColumns::RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, const FrameChoice& choice,
                          std::size_t rings)
     : ContactColumns(std::move(scene), seed, choice), layout_(std::move(layout)), rings_(rings) {}
 

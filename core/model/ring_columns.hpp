@@ -24,7 +24,7 @@ class RingColumns final : public ContactColumns {
  public:
   // Noise as in FrameColumns, on all taxels. A contact that the sensor does not notice gives a column of
   // zeros.
-  RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, FrameChoice choice,
+  RingColumns(TaxelLayout layout, Scene scene, std::uint64_t seed, const FrameChoice& choice,
               std::size_t rings = Rings::kCount);
 
   std::size_t rows() const noexcept override { return rings_; }

@@ -6,8 +6,7 @@ namespace slipd {
 namespace {
 
 using Clock = Doorbell::Clock;
-using namespace std::chrono_literals;
-constexpr auto kLongestSleep = 200ms;
+constexpr std::chrono::milliseconds kLongestSleep{200};
 
 std::int64_t monotonic_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();

@@ -97,11 +97,7 @@ Methods::Methods(World& world, Recorder& recorder)
     }
     return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
   });
-  methods_["flight"] = [this](Client& client, const Params& params, const Reply& reply) {
-    refuse_unknown(params, {"sensor"});
-    require_owner(client.peer().uid, "keep recordings, which makes older ones go");
-    reply.result(flight(params));
-  };
+  plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
   methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
     rebias(client, params, reply);
   };

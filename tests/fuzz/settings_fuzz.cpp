@@ -2,7 +2,6 @@
 // file.
 #include <cstdint>
 
-#include "daemon/can/dbc.hpp"
 #include "tests/config/support.hpp"
 #include "tests/fuzz/demand.hpp"
 
@@ -17,7 +16,6 @@ void use(const Settings& settings) {
     static_cast<void>(settings.scene_of(sensor));
   }
   for (const GraspSettings& grasp : settings.grasps) demand(!grasp.sensors.empty());
-  if (settings.can) demand(!can::dbc_text(*settings.can, can::subjects_of(settings)).empty());
 }
 
 }  // namespace

@@ -165,5 +165,28 @@ TEST(Life, AModuleThatEverybodyMayWriteToIsNotLoaded) {
               HasSubstr("belongs to user 12345"));
 }
 
+TEST(Life, AModuleBelowAFolderThatOthersMayChangeIsNotLoaded) {
+  const TempFolder folder;
+  const auto inner = folder.path() / "open" / "drivers";
+  std::filesystem::create_directories(inner);
+  std::filesystem::copy_file(trial_drivers() / "slipd-driver-trial.so", inner / "slipd-driver-trial.so");
+  chmod((inner / "slipd-driver-trial.so").c_str(), 0644);
+  const auto list = [](const std::filesystem::path& drivers) {
+    return run({kSlipd, "--driver-dir", drivers.string(), "--list-drivers"}).output;
+  };
+  EXPECT_THAT(list(inner), HasSubstr("trial: a device that misbehaves"));
+  chmod((folder.path() / "open").c_str(), 0777);
+  EXPECT_THAT(list(inner), HasSubstr("can be written by everybody"));
+  // Nor by way of a link from a folder that is trusted.
+  const auto links = folder.path() / "links";
+  std::filesystem::create_directories(links);
+  std::filesystem::create_symlink(inner / "slipd-driver-trial.so", links / "slipd-driver-trial.so");
+  EXPECT_THAT(list(links), HasSubstr("can be written by everybody"));
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a folder to another group";
+  ASSERT_EQ(chown((folder.path() / "open").c_str(), 0, 12345), 0);
+  chmod((folder.path() / "open").c_str(), 0775);
+  EXPECT_THAT(list(inner), HasSubstr("can be written by group 12345"));
+}
+
 }  // namespace
 }  // namespace slipd::testing

@@ -246,6 +246,52 @@ TEST_F(Socket, TheModeIsAsConfigured) {
   EXPECT_EQ(there.st_mode & 0777, 0600U);
 }
 
+// As another user, until it goes.
+class AsNobody {
+ public:
+  AsNobody() : was_(geteuid()) {
+    if (seteuid(65534) != 0) throw std::runtime_error("cannot become nobody");
+  }
+  ~AsNobody() {
+    if (seteuid(was_) != 0) std::abort();
+  }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+
+ private:
+  uid_t was_;
+};
+
+TEST(Permission, OnlyRootAndSlipdsOwnUserTakeABiasAnewWhateverTheSocketsMode) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be somebody else";
+  const TempFolder folder;
+  chmod(folder.path().c_str(), 0755);
+  const Daemon daemon(config_with(folder, kSensors, {{"socket", {{"mode", "0666"}}}}), trial_drivers());
+  const auto connect = [&](bool as_nobody) {
+    const auto nobody = as_nobody ? std::make_unique<AsNobody>() : nullptr;
+    return std::make_unique<RpcClient>(daemon.socket());
+  };
+  const auto stranger = connect(true);
+  EXPECT_EQ(stranger->result("version").at("name"), "slipd") << "may ask";
+  EXPECT_EQ(stranger->call("rebias", {{"sensor", "left"}}).at("error").at("code"), -32002);
+  EXPECT_EQ(stranger->call("rebias", {{"sensor", "left"}, {"force", true}}).at("error").at("code"), -32002);
+  const json own = connect(false)->call("rebias", {{"sensor", "left"}});
+  EXPECT_TRUE(own.contains("result") || own.at("error").at("code") != -32002) << own;
+}
+
+TEST(Journal, NothingThatAClientSaysIsWrittenIntoIt) {
+  const TempFolder folder;
+  Daemon daemon(config_with(folder, kSensors), trial_drivers());
+  auto client = daemon.client();
+  client.send_line("Ada Lovelace {{{");
+  client.line();
+  client.call("Ada Lovelace");
+  client.call("gamma", {{"sensor", "Ada Lovelace"}});
+  EXPECT_EQ(daemon.stop(), 0);
+  EXPECT_THAT(daemon.program().output() + daemon.program().errors(),
+              ::testing::Not(::testing::HasSubstr("Ada")));
+}
+
 TEST_F(Socket, MetricsAreOpenMetricsAndAgreeWithStatus) {
   auto client = daemon_.client();
   const auto text = client.result("metrics").get<std::string>();

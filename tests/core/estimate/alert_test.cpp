@@ -93,6 +93,27 @@ TEST_F(AlertLogicTest, UncertaintyCountsAgainstTheGrip) {
   EXPECT_EQ(after(5, known(0.45, 0.1)), Alert::warn);
 }
 
+TEST_F(AlertLogicTest, AMarginWithoutASigmaCountsAsItIs) {
+  Estimate sure = known(0.45);
+  sure.sigma.reset();
+  EXPECT_EQ(after(10, sure), Alert::none);
+}
+
+TEST_F(AlertLogicTest, AMarginOnItsThresholdIsNotBelowIt) {
+  EXPECT_EQ(after(10, known(0.4)), Alert::none);
+  EXPECT_EQ(after(10, known(0.2)), Alert::warn);
+}
+
+TEST(AlertLogic, CountsFromTimeZeroLikeFromAnyOther) {
+  for (const std::int64_t start_ns : {std::int64_t{0}, 5 * kMs}) {
+    AlertLogic logic{{}};
+    logic.update(start_ns, known(0.1));
+    logic.update(start_ns + 1000 * kMs, unknown(State::learning));
+    EXPECT_EQ(logic.update(start_ns + 1001 * kMs, known(0.1)), Alert::none) << start_ns;
+    EXPECT_EQ(logic.update(start_ns + 1002 * kMs, known(0.1)), Alert::slip) << start_ns;
+  }
+}
+
 TEST_F(AlertLogicTest, AnUnknownMarginRaisesNothingAndLowersNothing) {
   for (const State state : kUnknowns) {
     logic_ = AlertLogic({});
@@ -171,6 +192,45 @@ TEST(SlipForecast, BeginsAnewAfterAMarginThatNobodyKnewOrAPause) {
   EXPECT_FALSE(forecast.update(52 * kMs, 0.38, 0)) << "one sample has no slope";
   for (int i = 53; i < 80; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
   EXPECT_FALSE(forecast.update(500 * kMs, 0.05, 0));
+}
+
+// Of a fall by `slope` a second without noise, sampled each `step_ns`: what is told by the last of `samples`.
+std::optional<double> told_of(double slope, int samples, std::int64_t step_ns = kMs, double sigma = 0) {
+  SlipForecast forecast;
+  std::optional<double> told;
+  for (int i = 0; i < samples; ++i)
+    told = forecast.update(i * step_ns, 0.9 - slope * static_cast<double>(i * step_ns) * 1e-9, sigma);
+  return told;
+}
+
+TEST(SlipForecast, NeedsTheWeightOfThreeSamplesOfWhichOneLosesItInAFiftiethOfASecond) {
+  EXPECT_FALSE(told_of(5, 3));
+  EXPECT_TRUE(told_of(5, 4));
+  // Each 7 ms, six weigh 2.97 and seven 3.09.
+  EXPECT_FALSE(told_of(2, 6, 7 * kMs));
+  EXPECT_TRUE(told_of(2, 7, 7 * kMs));
+}
+
+TEST(SlipForecast, AFallSlowerThanAThousandthASecondIsNone) {
+  EXPECT_FALSE(told_of(0.95e-3, 100));
+  EXPECT_TRUE(told_of(1.05e-3, 100));
+}
+
+// The margins' own scatter may be hidden by what makes them; a tenth of their sigma is taken to be theirs at
+// least. The sigma of a slope over the last 20 ms, each 1 ms, is that divided by 0.0906 s.
+TEST(SlipForecast, AFallThatIsSmallAgainstSigmaIsNone) {
+  EXPECT_FALSE(told_of(3.2, 200, kMs, 1.0));
+  EXPECT_TRUE(told_of(3.4, 200, kMs, 1.0));
+}
+
+TEST(SlipForecast, WhatWasBeforeAGapSaysNothingOfWhatComesAfter) {
+  for (const bool gap : {true, false}) {  // a margin that nobody knew, or two samples of one time
+    SlipForecast forecast;
+    for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
+    if (gap) forecast.update(50 * kMs, std::nullopt, 0);
+    EXPECT_FALSE(forecast.update((gap ? 51 : 49) * kMs, 0.41, 0));
+    for (int i = 52; i < 60; ++i) EXPECT_FALSE(forecast.update(i * kMs, 0.41, 0)) << gap << i;
+  }
 }
 
 TEST(SlipForecast, AMarginAtItsEndHasNoTimeLeft) {
