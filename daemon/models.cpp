@@ -146,7 +146,7 @@ std::vector<std::uint8_t> Models::train(const std::string& sensor, const std::st
     for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {
       last = text.substr(0, end);
       text.erase(0, end + 1);
-      say(LogLevel::info, {sensor}, sensor + ": " + last);
+      say(LogLevel::info, {sensor}, std::string(sensor).append(": ").append(last));
     }
   }
   int status = 0;

@@ -11,7 +11,7 @@ struct Replayed {
   std::uint64_t frames = 0;
   std::uint64_t last_sequence = 0;
   bool in_order = true;  // each has a higher sequence number than the one before
-  std::string fault;  // why it ended early, or is none; empty: it is whole
+  std::string fault;     // why it ended early, or is none; empty: it is whole
 };
 
 Replayed replay(const std::filesystem::path& file);
