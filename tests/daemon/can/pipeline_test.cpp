@@ -35,7 +35,7 @@ class World {
         talk_(settings_, board_, port_, log_, Doorbell::Clock::now()) {
     pipeline_.start({});
   }
-  ~World() { EXPECT_TRUE(pipeline_.stop(std::chrono::system_clock::now() + 5s)); }
+  ~World() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + 5s)); }
 
   // Talks on, as the CAN thread does, until `enough`; false after ten seconds.
   bool talk_until(const std::function<bool()>& enough) {
