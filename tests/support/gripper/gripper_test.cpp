@@ -114,22 +114,24 @@ ChainSetup by_moments() {
   return setup;
 }
 
-// One of them may slip: what a static grip does not show, no sensor sees. The force: the target is a margin
-// of 0.5, which is twice the least; as much again is the estimator's error on the safe side.
+// What a static grip does not show, no sensor sees: a fall of friction may cost a few milliseconds of
+// sliding, and one errand in twenty has such a fall (docs/alerts.md), which too few errands cannot count. The
+// force: the target is a margin of 0.5, which is twice the least; as much again is the estimator's error on
+// the safe side.
 TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
   constexpr std::uint64_t kErrands = 8;
   const ChainSetup setup = by_moments();
-  int dropped = 0, slipped = 0;
   double force_share = 0;
+  double deaf_s = 0, listening_s = 0;
   for (std::uint64_t seed = 1; seed <= kErrands; ++seed) {
     const Errand errand = draw_errand(seed);
-    if (carry(errand, setup, false).sliding_s > 0) ++dropped;
-    const Carried held = carry(errand, setup, true);
-    if (held.sliding_s > 0) ++slipped;
+    const Carried deaf = carry(errand, setup, false), held = carry(errand, setup, true);
+    EXPECT_GT(deaf.sliding_s, 0) << seed;
+    deaf_s += deaf.sliding_s;
+    listening_s += held.sliding_s;
     force_share += held.force_share / kErrands;
   }
-  EXPECT_EQ(dropped, static_cast<int>(kErrands));
-  EXPECT_LE(slipped, 1);
+  EXPECT_LT(listening_s, 0.01 * deaf_s);
   EXPECT_LT(force_share, 4);
 }
 
