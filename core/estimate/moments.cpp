@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/patch/instruction_sets.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {
@@ -43,7 +44,7 @@ double gamma_of_moment_ratio(double ratio) noexcept {
 }
 
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
-  const MomentSums sums = disc_kernels().moments(patch.taxels, patch.runs, patch.standpoint());
+  const MomentSums sums = best_kernels<DiscKernels>().moments(patch.taxels, patch.runs, patch.standpoint());
   const double unit = patch.radius_m * patch.radius_m, unit2 = unit * unit;
   const double p = sums.p, q = sums.q, p2 = sums.ps * unit, q2 = sums.qs * unit, q4 = sums.qss * unit2;
   const double r2 = sums.s * unit, r4 = sums.s2 * unit2, r6 = sums.s3 * unit2 * unit,

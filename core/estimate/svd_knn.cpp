@@ -9,6 +9,7 @@
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/knn.hpp"
 #include "core/model/ring_columns.hpp"
+#include "core/patch/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -64,7 +65,7 @@ void SvdKnn::project_angles(const ContactPatch& patch) noexcept {
   const std::size_t rank = point_.size();
   if (std::is_same_v<Real, float> && rank % AlphaKernels::kTogether == 0) {
     for (std::size_t k = 0; k < rank; k += AlphaKernels::kTogether)
-      alpha_kernels().project(alpha_.data(), patch.runs, basis + k, rank, point_.data() + k);
+      best_kernels<AlphaKernels>().project(alpha_.data(), patch.runs, basis + k, rank, point_.data() + k);
     return;
   }
   std::vector<Real>& sum = sums<Real>();
@@ -80,7 +81,7 @@ bool SvdKnn::project(const ContactPatch& patch, float& noise) noexcept {
   const AlphaMask mask{.least_pa = patch.peak_pa * mask_fraction(model_->setup().scene.noise),
                        .along_x = static_cast<float>(patch.toward_x),
                        .along_y = static_cast<float>(patch.toward_y)};
-  const AngleSums angles = alpha_kernels().angles(patch.taxels, patch.runs, mask, alpha_.data());
+  const AngleSums angles = best_kernels<AlphaKernels>().angles(patch.taxels, patch.runs, mask, alpha_.data());
   if (angles.taken == 0) return false;
   project_angles<Real>(patch);
   const auto taken = static_cast<float>(angles.taken), squares = static_cast<float>(angles.squares);

@@ -1,5 +1,5 @@
 // Angles and their projection on a basis, taxel by taxel: loops that exist once for each instruction set
-// (alpha_kernels.ipp, built several times with the flags in CMakeLists.txt) and are chosen at run time. Any
+// (alpha_kernels.cpp, built several times with the flags in CMakeLists.txt) and are chosen at run time. Any
 // thread; nothing here allocates.
 #pragma once
 
@@ -28,9 +28,7 @@ struct AlphaKernels {
   AngleSums (*angles)(const TaxelView&, Runs, const AlphaMask&, float* alpha) noexcept;
   // out[k] = sum of alpha[i] basis[i stride + k], k < kTogether, over the runs. Single precision.
   void (*project)(const float* alpha, Runs, const float* basis, std::size_t stride, float* out) noexcept;
+  static const AlphaKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-
-const AlphaKernels& alpha_kernels() noexcept;                       // for this processor
-std::span<const AlphaKernels* const> all_alpha_kernels() noexcept;  // all that it can run, the plainest first
 
 }  // namespace slipd

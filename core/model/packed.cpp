@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "core/model/blocks.hpp"
+#include "core/patch/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -87,7 +88,7 @@ Eigen::MatrixXd PackedColumns::multiply(const Eigen::MatrixXf& q, unsigned threa
   for_each_index(
       blocks_.size(), threads,
       [&](std::size_t, std::size_t lane, std::size_t index) {
-        const PackedKernels& kernels = packed_kernels();
+        const PackedKernels& kernels = best_kernels<PackedKernels>();
         const PackedBlock& block = blocks_[index];
         std::array<float, PackedKernels::kWidest> z;
         for (std::size_t c = 0; c < block.runs_to.size(); ++c) {
@@ -109,7 +110,8 @@ Eigen::MatrixXf PackedColumns::project(const Eigen::MatrixXf& q, unsigned thread
     const PackedBlock& block = blocks_[index];
     std::array<float, PackedKernels::kWidest> z;
     for (std::size_t c = 0; c < block.runs_to.size(); ++c) {
-      packed_kernels().project(block.column(c), wide.data(), static_cast<std::size_t>(wide.cols()), z.data());
+      best_kernels<PackedKernels>().project(block.column(c), wide.data(),
+                                            static_cast<std::size_t>(wide.cols()), z.data());
       result.col(static_cast<Index>(index * kBlockColumns + c)) =
           Eigen::Map<const Eigen::VectorXf>(z.data(), q.cols());
     }

@@ -1,46 +1,66 @@
+// The loops of packed_kernels.hpp; this file is built once for each instruction set (slipd_instruction_sets).
+// As in core/patch/disc_kernels.cpp, no function of the standard library is called.
 #include "core/model/packed_kernels.hpp"
 
-#include <array>
+#include "core/patch/lanes.ipp"
 
 namespace slipd {
-
-extern const PackedKernels kPackedKernels_baseline;
-#if defined(__x86_64__)
-extern const PackedKernels kPackedKernels_avx2;
-extern const PackedKernels kPackedKernels_avx512;
-#endif
-
 namespace {
 
-struct Choice {
-  std::array<const PackedKernels*, 3> all{&kPackedKernels_baseline};
-  std::size_t count = 1;
-
-  Choice() noexcept {
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("fma") == 0) return;
-    all[count++] = &kPackedKernels_avx2;
-    if (__builtin_cpu_supports("avx512vl") == 0 || __builtin_cpu_supports("avx512dq") == 0) return;
-    all[count++] = &kPackedKernels_avx512;
-#endif
+template <int N>
+SLIPD_INLINE void project_by(const PackedColumn& x, const float* q, float* z) noexcept {
+  Floats even[N] = {}, odd[N] = {};  // so that one addition need not wait for the one before
+  const float* value = x.values;
+  for (const Run& run : x.runs) {
+    const float* row = q + std::size_t{run.first} * (kLanes * N);
+    std::size_t left = run.end - run.first;
+    for (; left >= 2; left -= 2, value += 2, row += 2 * kLanes * N) {
+      for (int i = 0; i < N; ++i) {
+        even[i] += value[0] * load(row + kLanes * static_cast<std::size_t>(i));
+        odd[i] += value[1] * load(row + kLanes * static_cast<std::size_t>(N + i));
+      }
+    }
+    if (left == 0) continue;
+    for (int i = 0; i < N; ++i) even[i] += value[0] * load(row + kLanes * static_cast<std::size_t>(i));
+    ++value;
   }
-};
-
-// Asked when first used, after main began: resolvers that run while the program is loaded crash under
-// ThreadSanitizer.
-const Choice& choice() noexcept {
-  static const Choice kChoice;
-  return kChoice;
+  for (int i = 0; i < N; ++i) store(z + kLanes * static_cast<std::size_t>(i), even[i] + odd[i]);
 }
+
+template <int N>
+SLIPD_INLINE void add_by(const PackedColumn& x, const float* z, float* y) noexcept {
+  Floats by[N];
+  for (int i = 0; i < N; ++i) by[i] = load(z + kLanes * static_cast<std::size_t>(i));
+  const float* value = x.values;
+  for (const Run& run : x.runs) {
+    float* row = y + std::size_t{run.first} * (kLanes * N);
+    for (std::size_t left = run.end - run.first; left > 0; --left, ++value, row += kLanes * N) {
+      for (int i = 0; i < N; ++i) {
+        float* const at = row + kLanes * static_cast<std::size_t>(i);
+        store(at, load(at) + *value * by[i]);
+      }
+    }
+  }
+}
+
+void project(const PackedColumn& x, const float* q, std::size_t width, float* z) noexcept {
+  if (width == 1 * kLanes) return project_by<1>(x, q, z);
+  if (width == 2 * kLanes) return project_by<2>(x, q, z);
+  if (width == 3 * kLanes) return project_by<3>(x, q, z);
+  project_by<4>(x, q, z);
+}
+
+void add_product(const PackedColumn& x, const float* z, std::size_t width, float* y) noexcept {
+  if (width == 1 * kLanes) return add_by<1>(x, z, y);
+  if (width == 2 * kLanes) return add_by<2>(x, z, y);
+  if (width == 3 * kLanes) return add_by<3>(x, z, y);
+  add_by<4>(x, z, y);
+}
+
+constexpr PackedKernels kLoops{SLIPD_INSTRUCTION_SET_NAME, project, add_product};
 
 }  // namespace
 
-const PackedKernels& packed_kernels() noexcept {
-  return *choice().all[choice().count - 1];
-}
-
-std::span<const PackedKernels* const> all_packed_kernels() noexcept {
-  return std::span(choice().all).first(choice().count);
-}
+const PackedKernels PackedKernels::SLIPD_INSTRUCTION_SET = kLoops;
 
 }  // namespace slipd

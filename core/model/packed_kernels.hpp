@@ -1,5 +1,5 @@
 // A column without its zeros, and what singular vectors need of it: loops that exist once for each
-// instruction set (packed_kernels.ipp) and are chosen at run time. Training threads.
+// instruction set (packed_kernels.cpp) and are chosen at run time. Training threads.
 #pragma once
 
 #include <cstddef>
@@ -21,11 +21,8 @@ struct PackedKernels {
   const char* name;
   void (*project)(const PackedColumn& x, const float* q, std::size_t width, float* z) noexcept;  // z = Q' x
   void (*add_product)(const PackedColumn& x, const float* z, std::size_t width,
-                      float* y) noexcept;  // Y += x z'
+                      float* y) noexcept;             // Y += x z'
+  static const PackedKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-
-const PackedKernels& packed_kernels() noexcept;  // for this processor
-std::span<const PackedKernels* const>
-all_packed_kernels() noexcept;  // all that it can run, the plainest first
 
 }  // namespace slipd

@@ -1,46 +1,171 @@
+// The loops of disc_kernels.hpp; this file is built once for each instruction set (slipd_instruction_sets).
 #include "core/patch/disc_kernels.hpp"
 
-#include <array>
+#include "core/patch/lanes.ipp"
 
 namespace slipd {
-
-extern const DiscKernels kDiscKernels_baseline;
-#if defined(__x86_64__)
-extern const DiscKernels kDiscKernels_avx2;
-extern const DiscKernels kDiscKernels_avx512;
-#endif
-
 namespace {
 
-struct Choice {
-  std::array<const DiscKernels*, 3> all{&kDiscKernels_baseline};
-  std::size_t count = 1;
+using Four = double __attribute__((vector_size(32)));
 
-  Choice() noexcept {
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("fma") == 0) return;
-    all[count++] = &kDiscKernels_avx2;
-    if (__builtin_cpu_supports("avx512vl") == 0 || __builtin_cpu_supports("avx512dq") == 0) return;
-    all[count++] = &kDiscKernels_avx512;
-#endif
-  }
-};
-
-// Asked when first used, after main began: resolvers that run while the program is loaded crash under
-// ThreadSanitizer.
-const Choice& choice() noexcept {
-  static const Choice kChoice;
-  return kChoice;
+SLIPD_INLINE float greatest(const Floats& of) noexcept {
+  float most = 0;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) most = of[lane] > most ? of[lane] : most;
+  return most;
 }
+
+NoiseSums noise(const TaxelView& at) noexcept {
+  Sums<1> sums;
+  Ints below{};
+  Floats peak{};
+  const Run all{0, static_cast<std::uint32_t>(at.size)};
+  for_blocks(
+      &all, 1, at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats p = where(mask, load(at.normal_pa + i));
+        const Ints under = p < 0;
+        const Floats negative = where(under, p);
+        sums.part[0] += negative * negative;
+        below -= under;
+        peak = p > peak ? p : peak;
+        sums.next();
+      });
+  sums.flush();
+  std::size_t count = 0;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) count += static_cast<std::size_t>(below[lane]);
+  return {sums.total(0), count, greatest(peak)};
+}
+
+PlaceSums place(const TaxelView& at, float least_pa) noexcept {
+  Sums<4> sums;
+  const Run all{0, static_cast<std::uint32_t>(at.size)};
+  for_blocks(
+      &all, 1, at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats given = load(at.normal_pa + i), x = load(at.x_m + i), y = load(at.y_m + i);
+        const Floats p = where(mask & ~(given < least_pa), given);
+        sums.part[0] += p;
+        sums.part[1] += p * x;
+        sums.part[2] += p * y;
+        sums.part[3] += p * (x * x + y * y);
+        sums.next();
+      });
+  sums.flush();
+  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3)};
+}
+
+PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_m) noexcept {
+  Sums<4> sums;
+  for_blocks(
+      runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats p = where(mask, load(at.normal_pa + i)), x = load(at.x_m + i) - x_m,
+                     y = load(at.y_m + i) - y_m;
+        sums.part[0] += p;
+        sums.part[1] += p * x;
+        sums.part[2] += p * y;
+        sums.part[3] += p * (x * x + y * y);
+        sums.next();
+      });
+  sums.flush();
+  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3)};
+}
+
+ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
+  Sums<3> sums;
+  Floats peak{};
+  for_blocks(
+      runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats p = where(mask, load(at.normal_pa + i));
+        sums.part[0] += p;
+        sums.part[1] += where(mask, load(at.shear_x_pa + i));
+        sums.part[2] += where(mask, load(at.shear_y_pa + i));
+        peak = p > peak ? p : peak;
+        sums.next();
+      });
+  sums.flush();
+  return {sums.total(0), sums.total(1), sums.total(2), greatest(peak)};
+}
+
+double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from) noexcept {
+  Sums<1> sums;
+  for_blocks(
+      runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats along =
+            where(mask, from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i));
+        sums.part[0] += along * along;
+        sums.next();
+      });
+  sums.flush();
+  return sums.total(0);
+}
+
+MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from) noexcept {
+  Sums<9> sums;
+  const float over = 1 / (from.radius_m * from.radius_m);
+  for_blocks(
+      runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats x = load(at.x_m + i) - from.x_m, y = load(at.y_m + i) - from.y_m;
+        const Floats s = where(mask, (x * x + y * y) * over), s2 = s * s;
+        const Floats p = where(mask, load(at.normal_pa + i));
+        const Floats q =
+            where(mask, from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i));
+        const Floats qs = q * s;
+        sums.part[0] += p;
+        sums.part[1] += q;
+        sums.part[2] += p * s;
+        sums.part[3] += qs;
+        sums.part[4] += qs * s;
+        sums.part[5] += s;
+        sums.part[6] += s2;
+        sums.part[7] += s2 * s;
+        sums.part[8] += s2 * s2;
+        sums.next();
+      });
+  sums.flush();
+  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3), sums.total(4),
+          sums.total(5), sums.total(6), sums.total(7), sums.total(8)};
+}
+
+void rings(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from, std::size_t count,
+           RingSums* out) noexcept {
+  // Neighbours fall into the same ring: four copies keep one's addition from waiting for the last one's.
+  constexpr std::size_t kCopies = 4, kMost = 16;
+  Four sums[kCopies][kMost] = {};
+  const float scale = static_cast<float>(count) / from.radius_m, square = scale * scale;
+  const auto last = static_cast<std::int32_t>(count - 1);
+  for_blocks(
+      runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
+        const Floats x = load(at.x_m + i) - from.x_m, y = load(at.y_m + i) - from.y_m;
+        const Floats p = load(at.normal_pa + i);
+        const Floats q = from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i);
+        const Floats s = (x * x + y * y) * square;
+        alignas(64) float root[kLanes], ps[kLanes], qs[kLanes];
+        alignas(64) std::int32_t ring[kLanes];
+        __builtin_memcpy(root, &s, sizeof root);
+        __builtin_memcpy(ps, &p, sizeof ps);
+        __builtin_memcpy(qs, &q, sizeof qs);
+#pragma omp simd
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          const auto index = static_cast<std::int32_t>(__builtin_sqrtf(root[lane]));
+          ring[lane] = index < last ? index : last;
+        }
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          if (mask[lane] == 0) continue;
+          sums[lane % kCopies][ring[lane]] +=
+              Four{static_cast<double>(ps[lane]), static_cast<double>(qs[lane]), 1, 0};
+        }
+      });
+  for (std::size_t r = 0; r < count; ++r) {
+    const Four all = (sums[0][r] + sums[1][r]) + (sums[2][r] + sums[3][r]);
+    out[r].p += all[0];
+    out[r].q += all[1];
+    out[r].taxels += all[2];
+  }
+}
+
+constexpr DiscKernels kLoops{
+    SLIPD_INSTRUCTION_SET_NAME, noise, place, weigh, force, shear_squares, moments, rings};
 
 }  // namespace
 
-const DiscKernels& disc_kernels() noexcept {
-  return *choice().all[choice().count - 1];
-}
-
-std::span<const DiscKernels* const> all_disc_kernels() noexcept {
-  return std::span(choice().all).first(choice().count);
-}
+const DiscKernels DiscKernels::SLIPD_INSTRUCTION_SET = kLoops;
 
 }  // namespace slipd

@@ -1,5 +1,5 @@
 // Sums over taxels: what a frame's estimate spends its time on. The loops exist once for each instruction set
-// (disc_kernels.ipp, built several times with the flags in CMakeLists.txt); which is used is chosen when a
+// (disc_kernels.cpp, built several times with the flags in CMakeLists.txt); which is used is chosen when a
 // PatchFinder is first made, long after main began. Estimate thread; nothing here allocates.
 #pragma once
 
@@ -69,12 +69,7 @@ struct DiscKernels {
   MomentSums (*moments)(const TaxelView&, Runs, const Standpoint&) noexcept;
   // Adds to `count` rings of equal width, of which the last also takes what lies beyond.
   void (*rings)(const TaxelView&, Runs, const Standpoint&, std::size_t count, RingSums* rings) noexcept;
+  static const DiscKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-
-// Those for this processor.
-const DiscKernels& disc_kernels() noexcept;
-
-// All that this processor can run, the plainest first: for tests and measurements.
-std::span<const DiscKernels* const> all_disc_kernels() noexcept;
 
 }  // namespace slipd

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/patch/instruction_sets.hpp"
+
 namespace slipd {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr int kRefinements = 3;
 
 PatchFinder::PatchFinder(const TaxelLayout& layout)
     : layout_(layout),
-      kernels_(disc_kernels()),
+      kernels_(best_kernels<DiscKernels>()),
       x_m_(layout.x_m().begin(), layout.x_m().end()),
       y_m_(layout.y_m().begin(), layout.y_m().end()) {
   const double half = layout.side_m() / 2;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/patch/instruction_sets.hpp"
+
 namespace slipd {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double kTaxelTolerance = 0.5;  // times taxel side over contact radius
 
 Rings sum_rings(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
   std::array<RingSums, Rings::kCount> sums{};
-  disc_kernels().rings(patch.taxels, patch.runs, patch.standpoint(), Rings::kCount, sums.data());
+  best_kernels<DiscKernels>().rings(patch.taxels, patch.runs, patch.standpoint(), Rings::kCount, sums.data());
   Rings rings;
   const double area = layout.area_m2();
   for (std::size_t j = 0; j < Rings::kCount; ++j) {

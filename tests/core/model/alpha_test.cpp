@@ -8,6 +8,7 @@
 
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/random.hpp"
+#include "core/patch/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -45,7 +46,7 @@ TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
   const TaxelView view{p.data(), x.data(), y.data(), nullptr, nullptr, kCount};
   const AlphaMask mask{.least_pa = 50, .along_x = 0.6F, .along_y = 0.8F};
   const std::vector<slipd::Run> runs{{3, 4}, {10, 29}, {100, 164}, {500, 900}, {990, 1003}};
-  for (const AlphaKernels* kernels : all_alpha_kernels()) {
+  for (const AlphaKernels* kernels : kernels_at_hand<AlphaKernels>()) {
     std::vector<float> alpha(kCount, kUntouched), point(kRank);
     const AngleSums sums = kernels->angles(view, runs, mask, alpha.data());
     double squares = 0, inverse = 0;

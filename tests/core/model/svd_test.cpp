@@ -9,6 +9,7 @@
 
 #include "core/model/packed.hpp"
 #include "core/model/random.hpp"
+#include "core/patch/instruction_sets.hpp"
 #include "tests/core/model/matrix_source.hpp"
 
 namespace slipd {
@@ -80,7 +81,7 @@ TEST(PackedColumns, MultiplyAsTheMatrixDoesOnEveryInstructionSet) {
           wanted[k] += static_cast<double>(values[at]) * q[i * width + k];
       }
     }
-    for (const PackedKernels* kernels : all_packed_kernels()) {
+    for (const PackedKernels* kernels : kernels_at_hand<PackedKernels>()) {
       std::vector<float> z(width), y(61 * width);
       const PackedColumn column{runs, values.data()};
       kernels->project(column, q.data(), width, z.data());

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "core/patch/instruction_sets.hpp"
+
 namespace slipd {
 namespace {
 
@@ -69,7 +71,7 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
     const Taxels taxels(GetParam(), seed);
     const TaxelView view = taxels.view();
     const auto runs = random_runs(GetParam(), random);
-    for (const DiscKernels* kernels : all_disc_kernels()) {
+    for (const DiscKernels* kernels : kernels_at_hand<DiscKernels>()) {
       Near noise;
       std::size_t below = 0;
       float peak = 0;
@@ -134,7 +136,7 @@ TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
   const Taxels taxels(GetParam(), 11);
   const TaxelView view = taxels.view();
   const auto runs = random_runs(GetParam(), random);
-  for (const DiscKernels* kernels : all_disc_kernels()) {
+  for (const DiscKernels* kernels : kernels_at_hand<DiscKernels>()) {
     std::array<RingSums, kRings> rings{};
     kernels->rings(view, runs, kFrom, kRings, rings.data());
     std::array<double, kRings> count{};
@@ -164,7 +166,7 @@ TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
 INSTANTIATE_TEST_SUITE_P(Layouts, DiscKernelsOf, ::testing::Values(1, 9, 16, 17, 100, 1000, 10000));
 
 TEST(DiscKernels, TheChosenAreTheLastOfThoseThatRunHere) {
-  EXPECT_EQ(&disc_kernels(), all_disc_kernels().back());
+  EXPECT_EQ(&best_kernels<DiscKernels>(), kernels_at_hand<DiscKernels>().back());
 }
 
 }  // namespace

@@ -1,0 +1,38 @@
+// Which loops this processor can run. Kernels: a struct of functions that exists once for each instruction
+// set, as Kernels::baseline, avx2 and avx512 (slipd_instruction_sets in core/CMakeLists.txt). Not for the
+// files with the loops themselves: what is inline here must be built for every processor.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace slipd {
+
+// All that there are, the plainest first. Asked when first used, after main began: resolvers that run while
+// the program is loaded crash under ThreadSanitizer.
+template <typename Kernels>
+std::span<const Kernels* const> kernels_at_hand() noexcept {
+  struct AtHand {
+    std::array<const Kernels*, 3> all{&Kernels::baseline};
+    std::size_t count = 1;
+
+    AtHand() noexcept {
+#if defined(__x86_64__)
+      if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("fma") == 0) return;
+      all[count++] = &Kernels::avx2;
+      if (__builtin_cpu_supports("avx512vl") == 0 || __builtin_cpu_supports("avx512dq") == 0) return;
+      all[count++] = &Kernels::avx512;
+#endif
+    }
+  };
+  static const AtHand kAtHand;
+  return std::span(kAtHand.all).first(kAtHand.count);
+}
+
+template <typename Kernels>
+const Kernels& best_kernels() noexcept {
+  return *kernels_at_hand<Kernels>().back();
+}
+
+}  // namespace slipd
