@@ -15,7 +15,7 @@ in_background slipd.log slipd --config config.json
 daemon=$background
 awaits "slipd is ready" grep -q serves slipd.log
 from=$(grep -c 5A0# frames.log || true)
-awaits "three hundred frames" eval '(( $(grep -c 5A0# frames.log) >= from + 300 ))'
+awaits "three hundred frames" eval '(( $(grep -c 5A0# frames.log) >= from + 310 ))'
 kill "$daemon"
 wait "$daemon" || fail "it does not end well: $(cat slipd.log)"
 cat slipd.log
