@@ -32,7 +32,7 @@ class Models {
   std::vector<std::uint8_t> train(const std::string& sensor, const std::string& setup_json);
   std::filesystem::path trainer_;
   std::map<std::filesystem::path, std::weak_ptr<const Model>> loaded_;  // shared by sensors of one scene
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false};  // relaxed: looked at again and again, nothing else is read on its word
 };
 
 // sliplab beside the running program, else the one that PATH finds.

@@ -31,8 +31,8 @@ class SlotExchange {
   // Reading thread: true if there was something new, which is now in reading().
   bool take() noexcept {
     if (!fresh()) return false;
-    // Acquire and release: the mirror image of hand_over(). Only this thread clears kFresh, so it is still
-    // set.
+    // Acquire and release: the mirror image of hand_over(), with which each of them pairs. Only this thread
+    // clears kFresh, so it is still set.
     reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kIndex;
     return true;
   }

@@ -67,16 +67,19 @@ class Panel {
   LatencyHistogram latency;  // estimate thread writes: sample → published
   FrameCopy frame;           // io and estimate thread
   ZeroPanel zero;
-  RecordTap flight_tap;                // acquire thread and the flight recorder
-  RecordTap tap;                       // acquire thread and whoever records
-  std::atomic<bool> simulated{false};  // acquire thread writes, while setting up
+  RecordTap flight_tap;  // acquire thread and the flight recorder
+  RecordTap tap;         // acquire thread and whoever records
+  // Acquire thread writes, while setting up. Relaxed: nothing else is read on its word.
+  std::atomic<bool> simulated{false};
   // Estimate thread writes, once it knows the device: after so long without a frame an estimate holds no
-  // more.
+  // more. Relaxed: a number of its own.
   std::atomic<std::int64_t> stale_after_ns{20'000'000};
-  std::atomic<Link> link{Link::opening};  // acquire thread writes
+  // Acquire thread writes, with release: whoever reads it with acquire (Estimating::work, can's Subject)
+  // finds the frames that came before. Relaxed where it is only told.
+  std::atomic<Link> link{Link::opening};
   // Acquire thread writes. Relaxed: each is a number of its own.
   std::atomic<std::uint64_t> corrupt{0}, timeouts{0}, reconnects{0};
-  std::atomic<std::uint64_t> events_lost{0};  // estimate thread writes: the event ring was full
+  std::atomic<std::uint64_t> events_lost{0};  // estimate thread writes: the event ring was full. Relaxed, too
 
   DeviceFacts facts() const {
     const std::lock_guard lock(mutex_);

@@ -14,7 +14,8 @@ void FrameCopy::request(std::size_t taxels) {
 }
 
 bool FrameCopy::serve(const FrameSlot* held) noexcept {
-  if (turn_.load(std::memory_order_acquire) != Turn::asked) return false;
+  if (turn_.load(std::memory_order_acquire) != Turn::asked)
+    return false;  // pairs with the release in request
   content_.any = held != nullptr && held->normal_pa.size() == content_.normal_pa.size();
   if (content_.any) {
     content_.sequence = held->sequence;
@@ -28,11 +29,12 @@ bool FrameCopy::serve(const FrameSlot* held) noexcept {
 }
 
 const FrameCopy::Content* FrameCopy::answer() const noexcept {
+  // Pairs with the release in serve: the copy is whole.
   return turn_.load(std::memory_order_acquire) == Turn::answered ? &content_ : nullptr;
 }
 
 void FrameCopy::release() noexcept {
-  turn_.store(Turn::idle, std::memory_order_relaxed);
+  turn_.store(Turn::idle, std::memory_order_relaxed);  // idle is io's own: nobody else reads on its word
 }
 
 }  // namespace slipd

@@ -53,6 +53,7 @@ class Latest {
       // A reader that was away may find a copy filled anew but not yet pointed at. Having seen its words it
       // also sees that current_ points to the other copy: equal here means that these words are the published
       // ones.
+      // Relaxed, as `after` is: the acquire of the words is what keeps both behind.
       const bool published = current_.load(std::memory_order_relaxed) == index;
       if (before == after && (before & 1) == 0 && published) break;
     }

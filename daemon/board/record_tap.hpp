@@ -37,11 +37,12 @@ class RecordTap {
     // queue.
     inside_.store(true, std::memory_order_seq_cst);
     if (FrameQueue* queue = queue_.load(std::memory_order_seq_cst)) queue->push(frame);
-    inside_.store(false, std::memory_order_release);
+    inside_.store(false, std::memory_order_release);  // pairs with the load in detach: the frame is pushed
   }
 
   // io or writer thread. False: another recording has it.
   bool attach(FrameQueue& queue) noexcept {
+    // Pairs with the load in offer that hands the queue to push: it is whole there.
     FrameQueue* none = nullptr;
     return queue_.compare_exchange_strong(none, &queue, std::memory_order_seq_cst);
   }

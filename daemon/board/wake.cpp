@@ -28,6 +28,8 @@ void Wake::ring() noexcept {
 void Wake::clear() noexcept {
   std::uint64_t count = 0;
   [[maybe_unused]] const auto got = read(fd_, &count, sizeof count);  // EAGAIN: nobody rang
+  // Acquire: pairs with the release of the last ring(), whose news io looks for next. Release: with the
+  // acquire of the next one, which writes again.
   rung_.exchange(false, std::memory_order_acq_rel);
 }
 

@@ -17,8 +17,9 @@ struct ZeroRequest {
 class ZeroPanel {
  public:
   Latest<ZeroReport> report;  // acquire thread writes
-  std::atomic<bool> needed{
-      false};  // acquire thread writes, while setting up: the device does not zero itself
+  // Acquire thread writes, while setting up: the device does not zero itself. Relaxed: nothing else is read
+  // on its word.
+  std::atomic<bool> needed{false};
 
   // io. A new zero is wanted; the request's number.
   std::uint32_t ask(bool force) noexcept {

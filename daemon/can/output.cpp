@@ -25,7 +25,7 @@ void Output::start(const RealtimeGrant& grant) {
 }
 
 bool Output::stop(std::chrono::steady_clock::time_point deadline) {
-  stop_.store(true, std::memory_order_relaxed);  // the bell puts it in order
+  stop_.store(true, std::memory_order_relaxed);
   bell_.ring();
   return thread_.join_until(deadline);
 }

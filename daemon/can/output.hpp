@@ -31,7 +31,7 @@ class Output {
   Doorbell& bell_;
   SocketPort port_;
   Talk talk_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false};  // relaxed: the bell orders it
   Thread thread_;
 };
 

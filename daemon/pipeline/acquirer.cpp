@@ -54,8 +54,9 @@ void Acquirer::ask_to_stop() noexcept {
 }
 
 void Acquirer::run() {
-  while (!stopping()) {
-    const std::uint32_t rung = stop_bell_.rung();
+  for (;;) {
+    const std::uint32_t rung = stop_bell_.rung();  // first: a stop after the look at it ends the wait
+    if (stopping()) return;
     try {
       return attend();
     } catch (const std::bad_alloc&) {  // in what is done while setting up: once more, then
@@ -68,8 +69,9 @@ void Acquirer::run() {
 
 void Acquirer::attend() {
   auto back_off = Clock::duration(kFirstBackOff);
-  while (!stopping()) {
+  for (;;) {
     const std::uint32_t rung = stop_bell_.rung();
+    if (stopping()) return;
     if (!open()) {
       set_link(Link::absent);
       stop_bell_.wait(rung, Clock::now() + back_off);

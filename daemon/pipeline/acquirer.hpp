@@ -67,7 +67,7 @@ class Acquirer {
   RealtimeSettings realtime_;
   RealtimeGrant grant_;
   Doorbell stop_bell_;
-  std::atomic<bool> stop_{false};  // relaxed: nothing else is read on its word
+  std::atomic<bool> stop_{false};  // relaxed: the bell orders it
   Thread thread_;
 };
 

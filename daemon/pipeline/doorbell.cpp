@@ -30,6 +30,7 @@ bool Doorbell::wait(std::uint32_t seen, Clock::time_point until) noexcept {
   timespec deadline{};
   deadline.tv_sec = static_cast<time_t>(duration_cast<seconds>(since_boot).count());
   deadline.tv_nsec = static_cast<long>((duration_cast<nanoseconds>(since_boot) % seconds(1)).count());
+  // Either ring() sees that we sleep, or we see its count.
   sleeping_.store(true, std::memory_order_seq_cst);
   bool rung = count_.load(std::memory_order_seq_cst) != seen;
   if (!rung) {

@@ -12,7 +12,8 @@ class Doorbell {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // The waiter: how often it has rung so far. To be read before looking for work.
+  // The waiter: how often it has rung so far. To be read before looking for work. Acquire: pairs with ring(),
+  // whose news is found.
   std::uint32_t rung() const noexcept { return count_.load(std::memory_order_acquire); }
 
   // Any thread, after its news is in place. Never blocks.

@@ -29,8 +29,9 @@ Estimating::Estimating(Board& board, std::vector<std::unique_ptr<Seat>>& seats, 
 }
 
 void Estimating::run(const std::atomic<bool>& stop) noexcept {
-  while (!stop.load(std::memory_order_relaxed)) {
-    const std::uint32_t rung = bell_.rung();
+  for (;;) {
+    const std::uint32_t rung = bell_.rung();  // first: a stop after the look at it ends the wait
+    if (stop.load(std::memory_order_relaxed)) break;
     bool busy = false;
     auto wake_at = Clock::now() + kLongestSleep;
     for (Desk& desk : desks_) {

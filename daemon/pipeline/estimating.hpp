@@ -54,7 +54,7 @@ class Estimating {
   Doorbell* output_;
   Grasping grasping_;
   std::vector<Desk> desks_;
-  std::atomic<std::uint64_t> heartbeat_{0};
+  std::atomic<std::uint64_t> heartbeat_{0};  // relaxed: a number of its own
 };
 
 }  // namespace slipd

@@ -39,8 +39,10 @@ struct Lane {
   const ChainSetup setup;  // that its estimator was made for
   EstimatorChain chain;
   const Method method;
-  const Worth worth;                 // known when it was made, see EstimatorChain::tradeoff
-  std::atomic<bool> retired{false};  // estimate thread: no longer in use, may be freed by the maker
+  const Worth worth;  // known when it was made, see EstimatorChain::tradeoff
+  // No longer in use: the estimate thread says so with release (take_lane), the maker asks with acquire
+  // before it frees it (free_retired).
+  std::atomic<bool> retired{false};
 };
 
 // What a sensor's estimator has learnt of the contact that it is in, while the configuration is exchanged.

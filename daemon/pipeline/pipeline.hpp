@@ -42,8 +42,8 @@ class Pipeline {
   LaneMaker maker_;
   Estimating estimating_;
   std::vector<std::unique_ptr<Acquirer>> acquirers_;
-  ZeroKeeper zeros_;  // ends before what it looks at
-  std::atomic<bool> stop_estimating_{false};
+  ZeroKeeper zeros_;                          // ends before what it looks at
+  std::atomic<bool> stop_estimating_{false};  // relaxed: the bell orders it
   Thread estimate_thread_;
 };
 

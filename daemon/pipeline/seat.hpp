@@ -18,7 +18,8 @@ struct Seat {
   // Lane maker → estimate: exchanged whole, release on putting and acquire on taking, so that what it points
   // to is seen.
   std::atomic<Lane*> incoming{nullptr};
-  // Lane maker → estimate: no estimator can be had for this device as it is.
+  // Lane maker → estimate: no estimator can be had for this device as it is. Relaxed: nothing else is read on
+  // its word, and the bell is rung after it.
   std::atomic<bool> refused{false};
 };
 

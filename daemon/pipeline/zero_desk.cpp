@@ -62,6 +62,7 @@ void ZeroDesk::tell() noexcept {
   const ZeroReport& report = zeroing_.report();
   panel_.zero.report.store(report);
   // The copy comes before the report, so that who sees a zero taken finds it.
+  // Relaxed: only whether to ring.
   if (report.answered != panel_.zero.settled() || filled_.load(std::memory_order_relaxed)) keeper_.ring();
 }
 
@@ -86,19 +87,20 @@ void ZeroDesk::offer() noexcept {
 void ZeroDesk::rest() {
   if (!worth_keeping(kKeepAtLeastNs)) return;
   const auto until = std::chrono::steady_clock::now() + kKeeperPatience;
-  while (filled_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < until)
+  while (filled_.load(std::memory_order_relaxed) &&
+         std::chrono::steady_clock::now() < until)  // offer acquires
     std::this_thread::sleep_for(5ms);
   offer();
   keeper_.ring();
 }
 
 const Zero* ZeroDesk::to_keep() const noexcept {
-  return filled_.load(std::memory_order_acquire) ? &copy_ : nullptr;
+  return filled_.load(std::memory_order_acquire) ? &copy_ : nullptr;  // pairs with the release in offer
 }
 
 void ZeroDesk::release() noexcept {
   kept_takings_ = copy_takings_;
-  filled_.store(false, std::memory_order_release);
+  filled_.store(false, std::memory_order_release);  // pairs with the acquire in offer
 }
 
 }  // namespace slipd

@@ -51,7 +51,8 @@ class ZeroDesk {
   Zeroing zeroing_;
   std::uint32_t offered_takings_ = 0;  // of the zero last offered
   std::int64_t offered_confirmed_ns_ = 0;
-  std::atomic<bool> filled_{false};  // the copy is the keeper's
+  // The copy is the keeper's: offer() releases it to to_keep(), and release() gives it back.
+  std::atomic<bool> filled_{false};
   Zero copy_;
   std::uint32_t copy_takings_ = 0;
   std::uint32_t kept_takings_ = 0;  // keeper's

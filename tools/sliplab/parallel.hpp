@@ -15,6 +15,7 @@ namespace sliplab {
 // not depend on the threads.
 template <class Work, class Done>
 void for_each_index(std::size_t count, unsigned threads, Work work, Done done) {
+  // Each a number of its own; what was worked out is handed over by join.
   std::atomic<std::size_t> next = 0, finished = 0;
   std::vector<std::exception_ptr> failures(std::max(threads, 1U));
   const auto lane = [&](unsigned me) {
