@@ -9,9 +9,15 @@
 namespace slipd::contact {
 namespace {
 
-// A straight path that unloads while both limits are touched is followed in 2^kDepth parts; every other one
-// in a single step, which is exact.
+// A straight path that unloads a curve which is steeper somewhere than friction (a greater one left it so)
+// may touch both limits, and is followed in 2^kDepth parts, or fewer of which each leaves kPart of the
+// contact; every other one in a single step, which is exact: both limits fall by the same for all w, and what
+// is nowhere steeper than they are meets one of them only.
 constexpr int kDepth = 6;
+constexpr double kPart = 0.98;
+
+// Of the whole: by how much the curve may be steeper for rounding's sake.
+constexpr double kSteeper = 1e-9;
 
 // Of the whole: what two slopes may differ by and still be one line.
 constexpr double kCollinear = 1e-13;
@@ -50,24 +56,31 @@ void LoadHistory::move_to(double normal_n, double shear_n, double friction) {
 
 // One straight piece of path with friction as it is.
 void LoadHistory::straight(double normal_n, double shear_n, int depth) {
-  if (normal_n == 0) {
+  const double radius = pair_.contact_radius_m(normal_n);
+  const double edge = radius * radius;
+  if (edge == 0) {  // no force, or none that a contact's extent could be told of
     knots_.clear();
     normal_n_ = shear_n_ = 0;
     return;
   }
   // cppcheck-suppress containerOutOfBounds ; who carries a load has a knot at its edge
   const double old_edge = normal_n_ > 0 ? knots_.back().w : 0;
-  const double radius = pair_.contact_radius_m(normal_n);
-  const double edge = radius * radius;
   const double most_n = friction_ * normal_n;
   const double target = std::clamp(shear_n, -most_n, most_n);
   const double d_normal = normal_n - normal_n_;
   const double d_shear = target - shear_n_;
 
+  if (edge < kPart * old_edge && std::fabs(target) < most_n && depth > 0 && steeper_than_friction(edge)) {
+    const double half_n = 0.5 * (normal_n_ + normal_n), half_q = 0.5 * (shear_n_ + target);
+    straight(half_n, half_q, depth - 1);
+    straight(normal_n, shear_n, depth - 1);
+    return;
+  }
+
   base_ = knots_;
   if (base_.empty()) base_.push_back({0, 0});
   if (edge < old_edge) {  // the rim leaves the contact and what it carried is lost
-    while (base_.size() > 1 && base_[base_.size() - 2].w >= edge) base_.pop_back();
+    while (base_[base_.size() - 2].w >= edge) base_.pop_back();  // the first is at 0
     Knot& last = base_.back();
     const Knot& before = base_[base_.size() - 2];
     last.t = before.t + (last.t - before.t) * (edge - before.w) / (last.w - before.w);
@@ -101,28 +114,20 @@ void LoadHistory::straight(double normal_n, double shear_n, int depth) {
         excess, low, high, -most_n - target, most_n - target,
         [](double l, double h) { return h - l <= 2e-16 * std::max(std::fabs(l), std::fabs(h)); }, most_steps);
     limit(0.5 * (bracket.first + bracket.second), edge, friction_, trial_);
-
-    if (d_normal < 0 && depth > 0) {
-      bool upper = false, lower = false;
-      for (std::size_t i = 0; i + 1 < trial_.size(); ++i) {
-        const double middle = 0.5 * (trial_[i].w + trial_[i + 1].w);
-        const double t = 0.5 * (trial_[i].t + trial_[i + 1].t);
-        const double n = edge - middle;
-        upper = upper || t >= friction_ * n * (1 - 1e-9);
-        lower = lower || t <= -friction_ * n * (1 - 1e-9);
-      }
-      if (upper && lower) {
-        const double half_n = 0.5 * (normal_n_ + normal_n), half_q = 0.5 * (shear_n_ + target);
-        straight(half_n, half_q, depth - 1);
-        straight(normal_n, shear_n, depth - 1);
-        return;
-      }
-    }
   }
   knots_.swap(trial_);
   normal_n_ = normal_n;
   shear_n_ = target;
   simplify();
+}
+
+// Within what will be left of the contact.
+bool LoadHistory::steeper_than_friction(double edge) const noexcept {
+  for (std::size_t i = 0; i + 1 < knots_.size() && knots_[i].w < edge; ++i) {
+    const double rise = std::fabs(knots_[i + 1].t - knots_[i].t);
+    if (rise > friction_ * (knots_[i + 1].w - knots_[i].w + kSteeper * edge)) return true;
+  }
+  return false;
 }
 
 // base_ shifted as a rigid whole, then cut to what friction holds: |t| <= friction * (edge - w).
@@ -132,7 +137,7 @@ void LoadHistory::limit(double shift, double edge, double friction, Curve& out) 
     return Knot{w, std::clamp(t, -most, most)};
   };
   out.clear();
-  for (std::size_t i = 0; i < base_.size(); ++i) {
+  for (std::size_t i = 0;; ++i) {
     const Knot here{base_[i].w, base_[i].t + shift};
     out.push_back(clamped(here.w, here.t));
     if (i + 1 == base_.size()) break;

@@ -60,6 +60,7 @@ class LoadHistory {
   using Curve = std::vector<Knot>;
 
   void straight(double normal_n, double shear_n, int depth);
+  bool steeper_than_friction(double edge_w) const noexcept;
   void limit(double shift, double edge_w, double friction, Curve& out) const;
   double force_n(const Curve& curve) const;
   void simplify();

@@ -69,6 +69,8 @@ TEST(Hertz, BodiesWithoutMeaningAreRefusedByName) {
   EXPECT_NE(message({-0.005, 1e6, 0.3}).find("1/R1 + 1/R2"), std::string::npos);
   EXPECT_EQ(message({-0.02, 1e6, 0.5}), "accepted");
   EXPECT_THROW(make_pair({kInf, 1e6, 0.3}, {kInf, 1e6, 0.3}), ContactError);
+  constexpr Body kSpeck{std::numeric_limits<double>::denorm_min(), 1e6, 0.3};
+  EXPECT_THROW(make_pair(kSpeck, kSpeck), ContactError) << "half the least radius is none";
 }
 
 TEST(Hertz, ForcesAndFrictionWithoutMeaningAreRefused) {

@@ -226,6 +226,27 @@ TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
   EXPECT_EQ(bench.out.slot.sequence, 1);
 }
 
+TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or_had_begun_one) {
+  Bench single("robotiq-ft300");
+  const auto packet = scan_of(devices::robotiq_ft300());
+  EXPECT_EQ(single.frames(packet), 1);
+  single.decoder.spoil();
+  EXPECT_EQ(single.frames(packet), 1);
+  EXPECT_EQ(single.out.slot.sequence, 2);
+
+  Bench many("xela-xr1944");
+  const auto whole = scan_of(devices::xela_xr1944());
+  EXPECT_EQ(many.frames(whole), 1);
+  many.decoder.spoil();  // nobody knows whether all of a scan went with it
+  EXPECT_EQ(many.frames(whole), 1);
+  EXPECT_EQ(many.out.slot.sequence, 1);
+  many.take(whole[0], 0);
+  many.decoder.spoil();
+  EXPECT_EQ(many.decoder.counts().incomplete, 1);
+  EXPECT_EQ(many.frames(whole), 1);
+  EXPECT_EQ(many.out.slot.sequence, 3);
+}
+
 // One packet of one scan, with a count that goes round after 256 and a clock in units of 10 us.
 Profile counting() {
   Profile profile = find_profile("robotiq-ft300");

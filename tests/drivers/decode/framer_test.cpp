@@ -142,6 +142,23 @@ TEST(Framer, looks_for_an_end_marker_no_further_than_the_longest_frame) {
   }
 }
 
+TEST(Framer, takes_a_frame_of_the_longest_length_and_none_longer) {
+  Stream marked;
+  marked.begin = {1};
+  marked.end = {2};
+  marked.longest = 5;
+  Stream counted = by_length();
+  counted.longest = 9;
+  for (const std::size_t more : {0U, 1U}) {
+    Bytes frame{1};
+    frame.resize(4 + more, 7);
+    frame.push_back(2);
+    Framer by_marker(profile_with(marked)), by_count(profile_with(counted));
+    EXPECT_THAT(hear(by_marker, frame).packets, SizeIs(1 - more));
+    EXPECT_THAT(hear(by_count, frame_of(Bytes(5 + more, 7))).packets, SizeIs(1 - more));
+  }
+}
+
 TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {
   Stream stream = by_length();
   stream.records_from = 2;
@@ -216,6 +233,42 @@ TEST(Pts2, puts_what_stands_behind_offsets_of_any_width_into_fixed_places) {
   EXPECT_EQ(force_z, 2);
   EXPECT_TRUE(std::isnan(absent)) << "a sensor that is not plugged in measures nothing";
   EXPECT_FALSE(flatten_pts2(pts2(1), 2, 9, out)) << "another kind of sensor";
+}
+
+TEST(Pts2, comes_out_of_a_stream_without_a_checksum) {
+  Stream stream;
+  stream.begin = {0xAB};
+  stream.length = stream.longest = 1 + pts2(1).size();
+  stream.pts2 = true;
+  Profile profile = profile_with(stream);
+  profile.sensors = 1;
+  profile.layout = TaxelLayout::grid(1, 1, 1e-3);
+  Bytes frame = stream.begin;
+  devices::append(frame, pts2(1));
+  Framer framer(profile);
+  EXPECT_THAT(hear(framer, frame).packets, ElementsAre(SizeIs(kPts2Head + kPts2Pillar)));
+}
+
+TEST(Pts2, refuses_a_sensor_of_more_pillars_than_asked_for) {
+  Bytes two = pts2(1);
+  two[23] = 2;
+  two[24] = 26;
+  two.insert(two.begin() + 25, 26);  // both are the same
+  Bytes out(kPts2Head + 2 * kPts2Pillar);
+  EXPECT_TRUE(flatten_pts2(two, 1, 2, out));
+  EXPECT_FALSE(flatten_pts2(two, 1, 1, out));
+}
+
+TEST(Pts2, passes_over_a_block_of_another_type_unless_it_would_lie_behind_the_end) {
+  Bytes in = pts2(1);
+  for (const std::size_t offset : {3U, 6U, 22U, 24U}) in[offset] += 3;
+  in.insert(in.begin() + 7, {7, 0, 30});
+  Bytes out(kPts2Head + kPts2Pillar);
+  EXPECT_TRUE(flatten_pts2(in, 1, 1, out));
+  in[9] = static_cast<std::uint8_t>(in.size() - 1);
+  EXPECT_TRUE(flatten_pts2(in, 1, 1, out));
+  in[9] = static_cast<std::uint8_t>(in.size());
+  EXPECT_FALSE(flatten_pts2(in, 1, 1, out));
 }
 
 TEST(Pts2, refuses_offsets_that_lead_anywhere_else) {
