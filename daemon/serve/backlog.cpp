@@ -33,7 +33,8 @@ std::optional<std::string> Backlog::next() {
   if (item.head == nullptr) {
     answer_bytes_ -= item.answer.size();
     published_ns_ = 0;
-    return std::move(item.answer) + "\n";
+    item.answer += '\n';
+    return std::move(item.answer);
   }
   --notifications_;
   published_ns_ = item.head->published_ns;

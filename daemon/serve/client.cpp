@@ -116,10 +116,10 @@ void Client::take_lines() {
       rest();
       break;
     }
-    std::string line = input_.substr(start, end - start);
+    const std::string_view line = std::string_view(input_).substr(start, end - start);
     start = std::min(end + 1, input_.size());
     if (line.find_first_not_of(" \t\r") != std::string::npos)
-      owner_.line(shared_from_this(), std::move(line));
+      owner_.line(shared_from_this(), line);
   }
   input_.erase(0, start);
   taking_ = false;
@@ -137,7 +137,7 @@ void Client::rest() {
 void Client::refuse_long_line() {
   input_.clear();
   discarding_ = true;
-  backlog_.answer(rpc::error_text(nullptr, rpc::kInvalidRequest,
+  backlog_.answer(rpc::error_text(rpc::kNoId, rpc::kInvalidRequest,
                                   "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long"));
   subscriptions.clear();
   patience_.expires_after(kPatience);

@@ -13,6 +13,7 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/unique_fd.hpp"
 #include "daemon/serve/backlog.hpp"
@@ -23,7 +24,7 @@ namespace slipd {
 class Client : public std::enable_shared_from_this<Client> {
  public:
   struct Owner {
-    std::function<void(const std::shared_ptr<Client>&, std::string line)>
+    std::function<void(const std::shared_ptr<Client>&, std::string_view line)>
         line;                                                  // a whole line, without its end
     std::function<void(const std::shared_ptr<Client>&)> gone;  // said once
     std::function<void(std::int64_t published_ns)> told;       // a whole notification has gone to the kernel

@@ -14,23 +14,28 @@ std::optional<std::int64_t> class_of(std::optional<double> gamma) {
   return slip_class(std::clamp(*gamma, 0.0, 1.0));
 }
 
+// A recording's clock may run ahead of ours: then it has no age.
+std::int64_t passed_ns(std::int64_t since_ns, std::int64_t until_ns) {
+  return std::max<std::int64_t>(0, until_ns - since_ns);
+}
+
 }  // namespace
 
-void append_estimate(std::string& out, const Estimate& estimate, const std::string& sensor, bool simulated,
-                     const Now& now) {
-  const bool sampled = estimate.time_ns != 0;
-  const bool answered = estimate.state != State::stale && estimate.state != State::fault;
+EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, bool simulated)
+    : sequence_(estimate.sequence),
+      time_ns_(estimate.time_ns),
+      published_ns_(estimate.published_ns),
+      state_(estimate.state),
+      simulated_(simulated) {
+  constexpr std::size_t kUsualBytes = 768;
+  const bool answered =
+      time_ns_ != 0 && estimate.state != State::stale && estimate.state != State::fault;
   const auto gamma = estimate.state == State::ok ? estimate.gamma : std::nullopt;
-  // A recording's clock may run ahead of ours: then it has no age.
-  const auto since = [&](std::int64_t later, double unit) {
-    return static_cast<double>(std::max<std::int64_t>(0, later - estimate.time_ns)) * unit;
-  };
-  const auto when = [](bool known, auto value) { return known ? std::optional(value) : std::nullopt; };
-  ObjectText object(out);
-  object.text("sensor", sensor)
-      .integer("seq", static_cast<std::int64_t>(estimate.sequence))
-      .integer("time_ns", when(sampled, now.realtime_of(estimate.time_ns)))
-      .text("state", to_string(estimate.state))
+  text_.reserve(kUsualBytes);
+  ObjectText object(text_);
+  object.text("sensor", sensor).integer("seq", static_cast<std::int64_t>(estimate.sequence));
+  time_at_ = object.begin("time_ns").size();
+  object.text("state", to_string(estimate.state))
       .number("gamma", gamma)
       .number("sigma", estimate.sigma)
       .integer("class", class_of(gamma))
@@ -56,13 +61,32 @@ void append_estimate(std::string& out, const Estimate& estimate, const std::stri
       .text("alert", to_string(estimate.alert))
       .text("method", to_string(estimate.method))
       .boolean("simulated", simulated)
-      .number("latency_us", when(sampled && answered, since(estimate.published_ns, 1e-3)))
-      .number("age_ms", when(sampled, since(now.monotonic_ns, 1e-6)));
+      .number("latency_us",
+              answered ? std::optional<double>(passed_ns(time_ns_, published_ns_)) : std::nullopt, 1e-3);
+  age_at_ = object.begin("age_ms").size();
   if (simulated) {
     ObjectText truth(object.begin("truth"));
     truth.number("gamma", estimate.truth.gamma).number("friction", estimate.truth.friction).end();
   }
   object.end();
+}
+
+bool EstimateText::is_of(const Estimate& estimate, bool simulated) const noexcept {
+  return !text_.empty() && published_ns_ == estimate.published_ns && sequence_ == estimate.sequence &&
+         time_ns_ == estimate.time_ns && state_ == estimate.state && simulated_ == simulated;
+}
+
+void EstimateText::append_to(std::string& out, const Now& now) const {
+  const bool sampled = time_ns_ != 0;
+  out.append(text_, 0, time_at_);
+  append_integer(out, sampled ? std::optional(now.realtime_of(time_ns_)) : std::nullopt);
+  out.append(text_, time_at_, age_at_ - time_at_);
+  if (sampled) {
+    append_ms(out, passed_ns(time_ns_, now.monotonic_ns));
+  } else {
+    out += "null";
+  }
+  out.append(text_, age_at_);
 }
 
 void append_grasp(std::string& out, const Estimate& together, const std::string& name,

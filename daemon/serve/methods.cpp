@@ -62,12 +62,12 @@ void answer_zero(const Panel& panel, const Reply& reply) {
 }  // namespace
 
 Methods::Methods(World& world, Recorder& recorder)
-    : world_(world), recorder_(recorder), frames_wanted_(world.board.sensors.size()) {
+    : world_(world), recorder_(recorder), said_(world.board.sensors.size()), frames_wanted_(world.board.sensors.size()) {
   // A method that needs neither its client nor time: parameters in, result out.
   const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
     methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
                                                                           const Reply& reply) {
-      refuse_unknown(params, known);
+      refuse_unknown(params, std::span(known));
       reply.result(body(params));
     };
   };
@@ -113,10 +113,10 @@ Methods::Methods(World& world, Recorder& recorder)
   };
 }
 
-void Methods::line(const std::shared_ptr<Client>& client, const std::string& text) {
+void Methods::line(const std::shared_ptr<Client>& client, std::string_view text) {
   client->await_answer();
-  const rpc::Line parsed = rpc::parse(text);
-  if (!parsed.refusal.empty()) return client->answer(parsed.refusal);
+  rpc::Line parsed = rpc::parse(text);
+  if (!parsed.refusal.empty()) return client->answer(std::move(parsed.refusal));
   const auto answers = std::make_shared<rpc::Answers>(
       parsed.batch, parsed.requests.size(), [client](std::string all) { client->answer(std::move(all)); });
   for (const rpc::Request& request : parsed.requests) {
@@ -144,18 +144,23 @@ void Methods::call(Client& client, const rpc::Request& request, const Reply& rep
   }
 }
 
-std::string Methods::gamma(const Params& params) const {
+std::string Methods::gamma(const Params& params) {
+  constexpr std::size_t kUsualBytes = 768;
   const Board& board = world_.board;
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   const Now now = Now::read();
-  std::string text = R"({"sensors":[)";
+  std::string text;
+  text.reserve(kUsualBytes * (all ? board.sensors.size() + board.grasps.size() : 1));
+  text += R"({"sensors":[)";
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
     if (text.back() != '[') text += ',';
     const Panel& panel = *board.sensors[i];
-    append_estimate(text, panel.latest.load().estimate, panel.name,
-                    panel.simulated.load(std::memory_order_relaxed), now);
+    const Estimate estimate = panel.latest.load().estimate;
+    const bool simulated = panel.simulated.load(std::memory_order_relaxed);
+    if (!said_[i].is_of(estimate, simulated)) said_[i] = EstimateText(estimate, panel.name, simulated);
+    said_[i].append_to(text, now);
   }
   text += R"(],"grasps":[)";
   for (std::size_t i = 0; i < board.grasps.size(); ++i) {

@@ -7,9 +7,11 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/serve/client.hpp"
+#include "daemon/serve/estimate_text.hpp"
 #include "daemon/serve/recorder.hpp"
 #include "daemon/serve/rpc.hpp"
 #include "daemon/serve/world.hpp"
@@ -21,7 +23,7 @@ class Methods {
   Methods(World& world, Recorder& recorder);
 
   // Answers one line of a client, through Client::answer.
-  void line(const std::shared_ptr<Client>& client, const std::string& text);
+  void line(const std::shared_ptr<Client>& client, std::string_view text);
 
   // The estimate thread may have left frames that were asked for: answers those who wait for them.
   void answer_frames();
@@ -37,7 +39,7 @@ class Methods {
   using Method = std::function<void(Client&, const Params&, const rpc::Reply&)>;
 
   void call(Client& client, const rpc::Request& request, const rpc::Reply& reply);
-  std::string gamma(const Params& params) const;
+  std::string gamma(const Params& params);
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void frame(const Params& params, const rpc::Reply& reply);
@@ -54,6 +56,7 @@ class Methods {
     std::uint32_t request = 0;
     std::chrono::steady_clock::time_point given_up;
   };
+  std::vector<EstimateText> said_;                      // per sensor, by gamma
   std::vector<std::vector<rpc::Reply>> frames_wanted_;  // per sensor
   std::vector<Rebias> rebias_wanted_;
 };

@@ -24,7 +24,8 @@ std::size_t required_sensor(const nlohmann::json& params, const Board& board) {
   return sensor_index(*name, board);
 }
 
-void refuse_unknown(const nlohmann::json& params, const std::vector<std::string_view>& known) {
+void refuse_unknown(const nlohmann::json& params, std::span<const std::string_view> known) {
+  if (params.empty()) return;
   for (const auto& [key, value] : params.items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::string list;

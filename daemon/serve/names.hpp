@@ -1,9 +1,10 @@
 // Finding what a request speaks of, and refusing what it should not. io thread. Both throw rpc::Error.
 #pragma once
 
+#include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string_view>
-#include <vector>
 
 #include "daemon/board/board.hpp"
 
@@ -17,6 +18,9 @@ std::size_t sensor_index(const nlohmann::json& name, const Board& board);
 std::size_t required_sensor(const nlohmann::json& params, const Board& board);
 
 // -32602 for a member that none of `known` is.
-void refuse_unknown(const nlohmann::json& params, const std::vector<std::string_view>& known);
+void refuse_unknown(const nlohmann::json& params, std::span<const std::string_view> known);
+inline void refuse_unknown(const nlohmann::json& params, std::initializer_list<std::string_view> known) {
+  refuse_unknown(params, std::span(known.begin(), known.size()));
+}
 
 }  // namespace slipd

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "daemon/serve/plain_request.hpp"
+
 namespace slipd::rpc {
 namespace {
 
@@ -33,18 +35,18 @@ std::string dump(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Request refused(const json& id, int code, const std::string& message) {
+Request refused(const std::string& id, int code, const std::string& message) {
   Request request;
   request.refusal = error_text(id, code, message);
   return request;
 }
 
 Request request_from(const json& item) {
-  if (!item.is_object()) return refused(nullptr, kInvalidRequest, "a request is an object");
+  if (!item.is_object()) return refused(kNoId, kInvalidRequest, "a request is an object");
   const auto id = item.find("id");
   const bool id_legal = id == item.end() || id->is_string() || id->is_number() || id->is_null();
-  if (!id_legal) return refused(nullptr, kInvalidRequest, "id must be a string, a number or null");
-  const json known_id = id == item.end() ? json(nullptr) : *id;
+  if (!id_legal) return refused(kNoId, kInvalidRequest, "id must be a string, a number or null");
+  const std::string known_id = id == item.end() ? kNoId : dump(*id);
   const auto version = item.find("jsonrpc");
   if (version == item.end() || *version != "2.0") {
     return refused(known_id, kInvalidRequest, "\"jsonrpc\" must be \"2.0\"");
@@ -76,24 +78,28 @@ Request request_from(const json& item) {
 
 Line parse(std::string_view text) {
   Line line;
+  if (auto request = plain_request(text)) {
+    line.requests.push_back(std::move(*request));
+    return line;
+  }
   if (nested_too_deep(text)) {
     line.refusal =
-        error_text(nullptr, kParseError, "nested deeper than " + std::to_string(kDeepestNesting) + " levels");
+        error_text(kNoId, kParseError, "nested deeper than " + std::to_string(kDeepestNesting) + " levels");
     return line;
   }
   json document;
   try {
     document = json::parse(text);
   } catch (const json::exception& error) {
-    line.refusal = error_text(nullptr, kParseError, std::string("not JSON: ") + error.what());
+    line.refusal = error_text(kNoId, kParseError, std::string("not JSON: ") + error.what());
     return line;
   }
   if (!document.is_array()) {
     line.requests.push_back(request_from(document));
   } else if (document.empty()) {
-    line.refusal = error_text(nullptr, kInvalidRequest, "an empty batch");
+    line.refusal = error_text(kNoId, kInvalidRequest, "an empty batch");
   } else if (document.size() > kLargestBatch) {
-    line.refusal = error_text(nullptr, kInvalidRequest,
+    line.refusal = error_text(kNoId, kInvalidRequest,
                               "a batch has at most " + std::to_string(kLargestBatch) + " requests");
   } else {
     line.batch = true;
@@ -102,20 +108,32 @@ Line parse(std::string_view text) {
   return line;
 }
 
-std::string result_text(const json& id, const nlohmann::ordered_json& result) {
-  return R"({"jsonrpc":"2.0","id":)" + dump(id) + R"(,"result":)" + dump(result) + "}";
+std::string result_text(const std::string& id, std::string_view result) {
+  constexpr std::size_t kFrame = 40;  // what stands around them, and the end of the line
+  std::string text;
+  text.reserve(kFrame + id.size() + result.size());
+  text += R"({"jsonrpc":"2.0","id":)";
+  text += id;
+  text += R"(,"result":)";
+  text += result;
+  text += '}';
+  return text;
 }
 
-std::string error_text(const json& id, int code, const std::string& message) {
-  return R"({"jsonrpc":"2.0","id":)" + dump(id) + R"(,"error":)" +
+std::string error_text(const std::string& id, int code, const std::string& message) {
+  return R"({"jsonrpc":"2.0","id":)" + id + R"(,"error":)" +
          dump(json{{"code", code}, {"message", message}}) + "}";
 }
 
 Answers::Answers(bool batch, std::size_t expected, std::function<void(std::string)> done)
     : batch_(batch), missing_(expected), done_(std::move(done)) {}
 
-void Answers::add(const std::string& text) {
-  if (!text.empty()) collected_ += (collected_.empty() ? "" : ",") + text;
+void Answers::add(std::string text) {
+  if (collected_.empty()) {
+    collected_ = std::move(text);
+  } else if (!text.empty()) {
+    collected_ += "," + text;
+  }
   if (--missing_ > 0) return;
   if (batch_ && !collected_.empty()) collected_ = "[" + collected_ + "]";
   done_(std::move(collected_));
@@ -125,11 +143,11 @@ Reply::Reply(const Request& request, std::shared_ptr<Answers> answers)
     : id_(request.id), notification_(request.notification), answers_(std::move(answers)) {}
 
 void Reply::result(const nlohmann::ordered_json& value) const {
-  answers_->add(notification_ ? "" : result_text(id_, value));
+  answers_->add(notification_ ? "" : result_text(id_, dump(value)));
 }
 
-void Reply::text(const std::string& json) const {
-  answers_->add(notification_ ? "" : R"({"jsonrpc":"2.0","id":)" + dump(id_) + R"(,"result":)" + json + "}");
+void Reply::text(std::string_view json) const {
+  answers_->add(notification_ ? "" : result_text(id_, json));
 }
 
 void Reply::error(int code, const std::string& message) const {

@@ -38,10 +38,12 @@ class Error : public std::runtime_error {
   int code_;
 };
 
+inline constexpr const char* kNoId = "null";
+
 struct Request {
   std::string method;
-  nlohmann::json params;  // an object; empty if there were none
-  nlohmann::json id;
+  nlohmann::json params;   // an object; empty if there were none
+  std::string id = kNoId;  // as JSON
   bool notification = false;  // no id: nobody waits for an answer
   std::optional<std::string>
       refusal;  // the answer, if it is no request: an error, or nothing for a notification
@@ -57,15 +59,15 @@ struct Line {
 Line parse(std::string_view text);
 
 // Answers, complete but for the end of line. Bytes that are no UTF-8 are replaced.
-std::string result_text(const nlohmann::json& id, const nlohmann::ordered_json& result);
-std::string error_text(const nlohmann::json& id, int code, const std::string& message);
+std::string result_text(const std::string& id, std::string_view result);
+std::string error_text(const std::string& id, int code, const std::string& message);
 
 // The answers to one line: collected until the last has come, then handed on as one text (one object, or an
 // array for a batch), or not at all if there is nothing to say.
 class Answers {
  public:
   Answers(bool batch, std::size_t expected, std::function<void(std::string)> done);
-  void add(const std::string& text);  // one answer; empty: a notification's
+  void add(std::string text);  // one answer; empty: a notification's
 
  private:
   bool batch_;
@@ -79,11 +81,11 @@ class Reply {
  public:
   Reply(const Request& request, std::shared_ptr<Answers> answers);
   void result(const nlohmann::ordered_json& value) const;
-  void text(const std::string& json) const;  // a result that is written already
+  void text(std::string_view json) const;  // a result that is written already
   void error(int code, const std::string& message) const;
 
  private:
-  nlohmann::json id_;
+  std::string id_;
   bool notification_;
   std::shared_ptr<Answers> answers_;
 };

@@ -51,7 +51,7 @@ Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& r
       last_estimated_(world.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
   make_room_for(world.settings.socket.max_clients);
-  clients_.owner.line = [this](const auto& client, const std::string& line) { methods_.line(client, line); };
+  clients_.owner.line = [this](const auto& client, std::string_view line) { methods_.line(client, line); };
   clients_.owner.gone = [this](const auto& client) {
     clients_.dropped_for_gone += client->dropped();
     clients_.all.erase(client);
@@ -114,7 +114,7 @@ bool Server::accept_one() {
 
 void Server::turn_away(const UniqueFd& socket) {
   const std::string text =
-      rpc::error_text(nullptr, rpc::kTooManyClients,
+      rpc::error_text(rpc::kNoId, rpc::kTooManyClients,
                       "all " + std::to_string(world_.settings.socket.max_clients) +
                           " places are taken; close a client or raise socket.max_clients") +
       "\n";
@@ -183,8 +183,8 @@ void Server::tell(const Event& event, EventKind kind) {
         text += R"({"jsonrpc":"2.0","method":")";
         text += kMethods[static_cast<std::size_t>(kind)];
         text += R"(","params":)";
-        append_estimate(text, event.estimate, panel.name, panel.simulated.load(std::memory_order_relaxed),
-                        Now::read());
+        EstimateText(event.estimate, panel.name, panel.simulated.load(std::memory_order_relaxed))
+            .append_to(text, Now::read());
         text.pop_back();  // its last brace: `dropped` comes before it
         head =
             std::make_shared<const Notification>(Notification{std::move(text), event.estimate.published_ns});

@@ -26,6 +26,28 @@ void append_number(std::string& out, std::optional<double> value) {
   if (text.find_first_of(".e") == text.npos) out += ".0";
 }
 
+void append_integer(std::string& out, std::optional<std::int64_t> value) {
+  if (!value) {
+    out += "null";
+    return;
+  }
+  std::array<char, kLongest> digits;
+  const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), *value).ptr;
+  out.append(digits.data(), static_cast<std::size_t>(end - digits.data()));
+}
+
+void append_ms(std::string& out, std::int64_t time_ns) {
+  constexpr std::int64_t kPerMs = 1'000'000;
+  append_integer(out, time_ns / kPerMs);
+  std::array<char, 7> digits{'.'};
+  std::int64_t rest = time_ns % kPerMs;
+  for (std::size_t i = digits.size() - 1; i > 0; --i, rest /= 10)
+    digits[i] = static_cast<char>('0' + rest % 10);
+  std::size_t end = digits.size();
+  while (end > 2 && digits[end - 1] == '0') --end;
+  out.append(digits.data(), end);
+}
+
 void append_text(std::string& out, std::string_view value) {
   const bool plain = std::all_of(value.begin(), value.end(),
                                  [](char c) { return c >= ' ' && c < 0x7F && c != '"' && c != '\\'; });
@@ -58,10 +80,8 @@ ObjectText& ObjectText::number(std::string_view key, std::optional<double> value
 }
 
 ObjectText& ObjectText::integer(std::string_view key, std::optional<std::int64_t> value) {
-  if (!value) return raw(key, "null");
-  std::array<char, kLongest> digits;
-  const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), *value).ptr;
-  return raw(key, {digits.data(), static_cast<std::size_t>(end - digits.data())});
+  append_integer(begin(key), value);
+  return *this;
 }
 
 ObjectText& ObjectText::boolean(std::string_view key, bool value) {

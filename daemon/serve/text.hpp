@@ -31,6 +31,9 @@ class ObjectText {
 };
 
 void append_number(std::string& out, std::optional<double> value);
+void append_integer(std::string& out, std::optional<std::int64_t> value);
+// Of a time >= 0 in ns, in ms to the last digit.
+void append_ms(std::string& out, std::int64_t time_ns);
 void append_text(std::string& out, std::string_view value);  // quoted; bytes that are no UTF-8 are replaced
 
 }  // namespace slipd

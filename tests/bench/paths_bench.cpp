@@ -153,7 +153,7 @@ void as_text(benchmark::State& state) {
   for (auto _ : state) {
     const std::int64_t since = now_ns();
     std::string text;
-    append_estimate(text, estimate, "left", false, now);
+    EstimateText(estimate, "left", false).append_to(text, now);
     benchmark::DoNotOptimize(text.data());
     times.add(since);
   }

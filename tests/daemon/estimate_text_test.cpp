@@ -31,7 +31,7 @@ Estimate known() {
 nlohmann::json read_estimate(const Estimate& estimate, const std::string& sensor, bool simulated,
                              const Now& now) {
   std::string text;
-  append_estimate(text, estimate, sensor, simulated, now);
+  EstimateText(estimate, sensor, simulated).append_to(text, now);
   return nlohmann::json::parse(text);
 }
 

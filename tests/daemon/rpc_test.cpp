@@ -19,7 +19,7 @@ TEST(Rpc, ARequestIsReadWithItsParameters) {
   ASSERT_EQ(line.requests.size(), 1U);
   EXPECT_FALSE(line.batch);
   EXPECT_EQ(line.requests[0].method, "gamma");
-  EXPECT_EQ(line.requests[0].id, 3);
+  EXPECT_EQ(line.requests[0].id, "3");
   EXPECT_EQ(line.requests[0].params["sensor"], "left");
   EXPECT_FALSE(line.requests[0].notification);
 }
@@ -65,13 +65,13 @@ TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
   std::string all = "not yet";
   const auto answers = std::make_shared<Answers>(true, 3, [&](std::string text) { all = std::move(text); });
   Request asked;
-  asked.id = 1;
+  asked.id = "1";
   Request told;
   told.notification = true;
   Reply(told, answers).result(true);
   Reply(asked, answers).result(2);
   EXPECT_EQ(all, "not yet");
-  asked.id = 2;
+  asked.id = "2";
   Reply(asked, answers).error(kNotPossible, "no");
   EXPECT_EQ(json::parse(all).size(), 2U);
 }
