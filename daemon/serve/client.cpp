@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include "daemon/serve/descriptors.hpp"
 #include "daemon/serve/rpc.hpp"
@@ -23,6 +24,7 @@ constexpr std::size_t kMostAnswerBytes = std::size_t{1024} * 1024;  // that wait
 constexpr int kMostLinesAtOnce = 4;
 constexpr int kMostAwaited = 16;  // answers under way, before no more is read
 constexpr std::size_t kMostPassedFds = 4;
+constexpr std::uint64_t kFew = 4;  // clients that have had their turn since one's last
 constexpr auto kPatience = seconds(1);
 
 }  // namespace
@@ -57,10 +59,15 @@ void Client::with_memory_or_close(Body body) {
 }
 
 // One piece, and some lines of it, at a time, so that a client that sends without end does not keep the loop
-// from the others.
+// from the others. Where many ask, all that has come is read before anything is answered: answers that go out
+// one after the other wake their reader once.
 void Client::on_readable() {
+  ++owner_.turns;
+  const bool many_ask = owner_.turns - std::exchange(turn_, owner_.turns) > kFew;
   receive();
   take_lines();
+  if (many_ask && !closed_) rest();
+  if (resting_) return;
   flush();
   let_go_if_done();
   read_when_ready();
@@ -118,8 +125,7 @@ void Client::take_lines() {
     }
     const std::string_view line = std::string_view(input_).substr(start, end - start);
     start = std::min(end + 1, input_.size());
-    if (line.find_first_not_of(" \t\r") != std::string::npos)
-      owner_.line(shared_from_this(), line);
+    if (line.find_first_not_of(" \t\r") != std::string::npos) owner_.line(shared_from_this(), line);
   }
   input_.erase(0, start);
   taking_ = false;
@@ -127,7 +133,7 @@ void Client::take_lines() {
 
 // Goes on when the others have had their turn.
 void Client::rest() {
-  resting_ = true;
+  if (std::exchange(resting_, true)) return;
   asio::post(socket_.get_executor(), [self = shared_from_this()] {
     self->resting_ = false;
     if (!self->closed_) self->with_memory_or_close([&] { self->on_writable(); });
@@ -151,7 +157,7 @@ void Client::answer(std::string text) {
   if (closed_) return;
   with_memory_or_close([&] {
     if (!text.empty()) backlog_.answer(std::move(text));
-    on_writable();
+    if (!taking_) on_writable();  // else it is sent when all lines are taken
   });
 }
 

@@ -28,6 +28,7 @@ class Client : public std::enable_shared_from_this<Client> {
         line;                                                  // a whole line, without its end
     std::function<void(const std::shared_ptr<Client>&)> gone;  // said once
     std::function<void(std::int64_t published_ns)> told;       // a whole notification has gone to the kernel
+    std::uint64_t turns = 0;                                   // of all clients, when input was there
   };
 
   Client(asio::io_context& io, UniqueFd socket, Owner& owner);
@@ -75,11 +76,12 @@ class Client : public std::enable_shared_from_this<Client> {
   std::deque<UniqueFd> passed_;
   std::shared_ptr<std::atomic<bool>> left_ = std::make_shared<std::atomic<bool>>(false);
   int awaited_ = 0;
-  bool reading_ = false;   // a wait for input is pending
-  bool writing_ = false;   // a wait for room is pending
-  bool noticing_ = false;  // a wait for the other end to hang up is pending
-  bool taking_ = false;    // lines out of input_: not to be begun again by an answer to one of them
-  bool resting_ = false;   // there are more lines, but it is the others' turn
+  std::uint64_t turn_ = 0;  // its last one
+  bool reading_ = false;    // a wait for input is pending
+  bool writing_ = false;    // a wait for room is pending
+  bool noticing_ = false;   // a wait for the other end to hang up is pending
+  bool taking_ = false;     // lines out of input_: not to be begun again by an answer to one of them
+  bool resting_ = false;    // there are more lines, but it is the others' turn
   bool input_ended_ = false;
   bool discarding_ = false;  // said too much in one line: read on to be polite, then close
   bool closed_ = false;

@@ -28,8 +28,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       state_(estimate.state),
       simulated_(simulated) {
   constexpr std::size_t kUsualBytes = 768;
-  const bool answered =
-      time_ns_ != 0 && estimate.state != State::stale && estimate.state != State::fault;
+  const bool answered = time_ns_ != 0 && estimate.state != State::stale && estimate.state != State::fault;
   const auto gamma = estimate.state == State::ok ? estimate.gamma : std::nullopt;
   text_.reserve(kUsualBytes);
   ObjectText object(text_);

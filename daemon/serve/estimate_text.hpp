@@ -10,10 +10,10 @@
 
 namespace slipd {
 
-// One estimate as an object, its members in the order in which a person reads them. An unknown number is null,
-// never NaN. Before the first frame there is no sample: times and age are null. `truth` is there only for a
-// simulated sensor. All but what hangs on the moment is written once: who asks more often than frames come
-// gets the same text with another age.
+// One estimate as an object, its members in the order in which a person reads them. An unknown number is
+// null, never NaN. Before the first frame there is no sample: times and age are null. `truth` is there only
+// for a simulated sensor. All but what hangs on the moment is written once: who asks more often than frames
+// come gets the same text with another age.
 class EstimateText {
  public:
   EstimateText() = default;  // of no estimate

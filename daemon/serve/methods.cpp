@@ -62,7 +62,10 @@ void answer_zero(const Panel& panel, const Reply& reply) {
 }  // namespace
 
 Methods::Methods(World& world, Recorder& recorder)
-    : world_(world), recorder_(recorder), said_(world.board.sensors.size()), frames_wanted_(world.board.sensors.size()) {
+    : world_(world),
+      recorder_(recorder),
+      said_(world.board.sensors.size()),
+      frames_wanted_(world.board.sensors.size()) {
   // A method that needs neither its client nor time: parameters in, result out.
   const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
     methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,

@@ -42,8 +42,8 @@ inline constexpr const char* kNoId = "null";
 
 struct Request {
   std::string method;
-  nlohmann::json params;   // an object; empty if there were none
-  std::string id = kNoId;  // as JSON
+  nlohmann::json params;      // an object; empty if there were none
+  std::string id = kNoId;     // as JSON
   bool notification = false;  // no id: nobody waits for an answer
   std::optional<std::string>
       refusal;  // the answer, if it is no request: an error, or nothing for a notification

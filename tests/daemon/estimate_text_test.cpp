@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "daemon/serve/text.hpp"
 #include "daemon/serve/tradeoff_json.hpp"
 
 namespace slipd {
@@ -40,6 +41,36 @@ nlohmann::json read_grasp(const Estimate& together, const std::string& name,
   std::string text;
   append_grasp(text, together, name, sensors);
   return nlohmann::json::parse(text);
+}
+
+TEST(EstimateText, IsKeptWhileItsEstimateIsTheNewestAndOnlyItsAgeGoesOn) {
+  Estimate estimate = known();
+  const EstimateText text(estimate, "left", true);
+  EXPECT_FALSE(EstimateText().is_of(Estimate{}, false));
+  EXPECT_TRUE(text.is_of(estimate, true));
+  EXPECT_FALSE(text.is_of(estimate, false));
+  estimate.published_ns += 1;
+  EXPECT_FALSE(text.is_of(estimate, true));
+  std::string first, later;
+  text.append_to(first, kNow);
+  text.append_to(later, {kNow.monotonic_ns + 1'250'000, kNow.realtime_ns + 1'250'000});
+  auto before = nlohmann::json::parse(first), after = nlohmann::json::parse(later);
+  EXPECT_EQ(after["age_ms"], before["age_ms"].get<double>() + 1.25);
+  after["age_ms"] = before["age_ms"];
+  EXPECT_EQ(after, before);
+}
+
+TEST(EstimateText, AgesAreSaidToTheNanosecond) {
+  const auto said = [](std::int64_t time_ns) {
+    std::string text;
+    append_ms(text, time_ns);
+    return text;
+  };
+  EXPECT_EQ(said(0), "0.0");
+  EXPECT_EQ(said(1), "0.000001");
+  EXPECT_EQ(said(1'000'000), "1.0");
+  EXPECT_EQ(said(12'345'600'000), "12345.6");
+  EXPECT_EQ(said(999'999), "0.999999");
 }
 
 TEST(TradeoffJson, SettingsThatAMethodHasNotAreNull) {

@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include "daemon/serve/plain_request.hpp"
+
 namespace slipd::rpc {
 namespace {
 
@@ -53,6 +55,73 @@ TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
       ASSERT_TRUE(json::accept(error_text(request.id, 1, request.method)));
     }
   }
+}
+
+TEST(Rpc, WhatClientsSendUsuallyIsPlain) {
+  for (const char* text : {R"({"jsonrpc":"2.0","id":1,"method":"gamma"})",
+                           R"({"jsonrpc": "2.0", "id": 0, "method": "gamma", "params": {}})",
+                           R"({"method":"gamma","params":{"sensor":"left"},"id":"a-7","jsonrpc":"2.0"} )"}) {
+    ASSERT_TRUE(plain_request(text)) << text;
+    EXPECT_EQ(plain_request(text)->method, "gamma");
+  }
+  EXPECT_EQ(plain_request(R"({"jsonrpc":"2.0","id":"a-7","method":"gamma"})")->id, "\"a-7\"");
+}
+
+TEST(Rpc, WhatIsPlainIsReadAsIfItWereNot) {
+  std::mt19937 random(2);
+  const std::string pieces[] = {"{",
+                                "}",
+                                "\"",
+                                ":",
+                                ",",
+                                "\"id\"",
+                                "\"method\"",
+                                "\"jsonrpc\"",
+                                "\"2.0\"",
+                                "1",
+                                "01",
+                                "1e3",
+                                "-1",
+                                "1.5",
+                                "null",
+                                "\"params\"",
+                                "{\"a\":\"b\"}",
+                                "\"\\u0041\"",
+                                "\"\xC3\xA9\"",
+                                "[]",
+                                " ",
+                                "\t",
+                                "9999999999999999999"};
+  const std::string good = R"({"jsonrpc":"2.0","id":12,"method":"gamma","params":{"sensor":"left","x":"y"}})";
+  int plain = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    std::string text = good;
+    for (std::uint32_t changes = random() % 3; changes > 0; --changes) {
+      const std::size_t at = random() % text.size(), length = random() % 12;
+      switch (random() % 3) {
+        case 0:
+          text[at] = static_cast<char>(random());
+          break;
+        case 1:
+          text.replace(at, length, pieces[random() % std::size(pieces)]);
+          break;
+        default:  // a member twice, or at another place
+          text.insert(at, text.substr(random() % text.size(), random() % 30));
+      }
+    }
+    const auto request = plain_request(text);
+    if (!request) continue;
+    ++plain;
+    const Line line = parse("\n" + text);  // as JSON the same, and not plain
+    ASSERT_TRUE(line.refusal.empty()) << text;
+    ASSERT_EQ(line.requests.size(), 1U) << text;
+    ASSERT_FALSE(line.requests[0].refusal) << text;
+    ASSERT_FALSE(line.requests[0].notification) << text;
+    ASSERT_EQ(request->method, line.requests[0].method) << text;
+    ASSERT_EQ(request->id, line.requests[0].id) << text;
+    ASSERT_EQ(request->params, line.requests[0].params) << text;
+  }
+  EXPECT_GT(plain, 50'000);
 }
 
 TEST(Rpc, ABatchHasALimit) {
