@@ -35,6 +35,8 @@ constexpr int kEnoughAgree = 20;  // frames, then a load that was met half-way h
 // noise asks for that. Clean: so little noise, of what is left open, that another friction can be looked for.
 constexpr double kDoubt = 1, kNoisyDoubt = 1.6, kDoubtGain = 0.2, kClean = 0.4;
 constexpr int kSettled = 10;  // frames, then the weights have found that other friction
+// Of log mu. No friction changes so much at once, but noise may turn one belief into another.
+constexpr double kJumped = 0.4;
 
 // Sensors without shape. The load is followed with its slope (an alpha-beta filter), and anew where it jumps.
 constexpr double kLevel = 0.35, kSlope = 0.08, kJump = 4;
@@ -75,7 +77,7 @@ void FrictionBelief::reset() noexcept {
   strange_ = frames_ = 0;
   last_ns_ = 0;
   load_ = {};
-  carried_ = 0;
+  believed_ = carried_ = 0;
   load_change_ = 0;
   highest_load_ = slide_normal_n_ = slide_load_ = 0;
 }
@@ -106,6 +108,14 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_frame(patch, *reading);
   if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
   weights_.normalise();
+  if (!shapeless_) watch_jumps();
+}
+
+// What has just been something else altogether is told only when it has stood for a while.
+void FrictionBelief::watch_jumps() noexcept {
+  const double believed = weights_.friction(weights_.likeliest());
+  if (believed_ > 0 && std::fabs(std::log(believed / believed_)) > kJumped) doubted_ = kSettled;
+  believed_ = believed;
 }
 
 void FrictionBelief::read_load(const ContactPatch& patch) noexcept {
@@ -239,7 +249,7 @@ void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& r
   off_slipped_n_ += gain * (seen.slipped_n - along * believed.slipped_n - off_slipped_n_);
   off_hollow_n_ += gain * (seen.hollow_n - along * believed.hollow_n - off_hollow_n_);
   if (std::max(std::fabs(off_slipped_n_), std::fabs(off_hollow_n_)) > (clean ? kDoubt : kNoisyDoubt) * open) {
-    doubted_ = clean ? kSettled : 1;
+    doubted_ = std::max(doubted_, clean ? kSettled : 1);
     if (clean) weaken();
   }
 

@@ -63,6 +63,7 @@ class FrictionBelief {
                                PerFriction& misfit) noexcept;
   void misfit_of_shape(const ContactPatch& patch, const Reading& reading, PerFriction& misfit) noexcept;
   void judge(const PerFriction& misfit, bool direct) noexcept;
+  void watch_jumps() noexcept;
   bool looks_risen(double normal_n, double load) const noexcept;
   void weaken() noexcept;
   void weigh_sliding(double normal_n, double load, double load_sigma) noexcept;
@@ -78,7 +79,8 @@ class FrictionBelief {
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from
   bool known_ = true, only_risen_ = true, surprised_ = false;
-  int doubted_ = 0;  // frames for which no margin means anything yet
+  int doubted_ = 0;      // frames for which no margin means anything yet
+  double believed_ = 0;  // the likeliest friction a frame ago, 0 before there was one
   double misfit_ = 1, change_ = 0;
   double off_slipped_n_ = 0, off_hollow_n_ = 0;  // of the contact believed in, over some frames
   int strange_ = 0;                              // frames one after the other that no friction explains
