@@ -1,7 +1,9 @@
 // A contact's load history in short: the same springs as in history.hpp (Popov's dimensionality reduction),
-// but a fixed number of them and no materials, for whoever has to follow many histories at once. A spring at
-// x touches from the pressure on at which the contact's radius is x; it sticks, or slips at friction times
-// its own load. Lengths are in units of the radius that 1 N makes, so that a = cbrt(P) whatever touches what.
+// but a fixed number of them and no materials, for whoever has to follow many histories at once: the
+// estimator does so side by side (core/estimate/spring_beds), which is held against this, the plain form. A
+// spring at x touches from the pressure on at which the contact's radius is x; it sticks, or slips at
+// friction times its own load. Lengths are in units of the radius that 1 N makes, so that a = cbrt(P)
+// whatever touches what.
 //
 // Within 0.005 mu P of the exact history in shape() for a load that the springs resolve (see follow).
 // Plain memory, nothing allocates or throws.

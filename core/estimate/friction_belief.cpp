@@ -61,12 +61,13 @@ double square(double x) noexcept {
 }  // namespace
 
 FrictionBelief::FrictionBelief(Range expected, double spread, bool shapeless)
-    : weights_(expected, spread, shapeless ? kShapeless : kContacts), shapeless_(shapeless) {}
+    : weights_(expected, spread, shapeless ? kShapeless : kContacts),
+      shapeless_(shapeless),
+      contacts_(weights_.frictions().first(kContacts)) {}
 
 void FrictionBelief::reset() noexcept {
   weights_.reset();
-  for (auto& contact : contact_) contact.clear();
-  shape_.fill({});
+  contacts_.clear();
   normal_n_ = shear_n_ = axis_x_ = axis_y_ = 0;
   known_ = only_risen_ = true;
   aimed_n_ = 0;
@@ -162,10 +163,7 @@ void FrictionBelief::follow(const ContactPatch& patch) noexcept {
   if (normal_to == normal_n_ && shear_to == shear_n_) return;
   normal_n_ = std::max(normal_to, 1e-6 * patch.normal_n);
   shear_n_ = shear_to;
-  for (std::size_t j = 0; j < weights_.count(); ++j) {
-    contact_[j].follow(normal_n_, shear_n_, weights_.friction(j));
-    shape_[j] = contact_[j].shape();
-  }
+  contacts_.follow(normal_n_, shear_n_);
 }
 
 // A grasp begins with little force, and grows. One that is met as it is was begun before: its past is not
@@ -182,10 +180,7 @@ void FrictionBelief::start_anew() noexcept {
   weights_.reset();
   known_ = false;
   agreeing_ = 0;
-  for (std::size_t j = 0; j < weights_.count(); ++j) {
-    contact_[j].assume_risen(normal_n_, shear_n_, weights_.friction(j));
-    shape_[j] = contact_[j].shape();
-  }
+  if (!shapeless_) contacts_.assume_risen(normal_n_, shear_n_);
 }
 
 // The likeliest friction's contact, as near as frames can tell.
@@ -193,19 +188,14 @@ bool FrictionBelief::looks_risen(double normal_n, double load) const noexcept {
   const std::size_t j = weights_.likeliest();
   const double most_n = weights_.friction(j) * normal_n,
                risen_n = most_n * risen_slipped(1 - load / weights_.friction(j));
-  return std::fabs(std::fabs(shape_[j].slipped_n) - risen_n) < kLike * load * normal_n + kLikeShare * most_n;
+  return std::fabs(std::fabs(contacts_.shape(j).slipped_n) - risen_n) <
+         kLike * load * normal_n + kLikeShare * most_n;
 }
 
 // A friction lower than what has been seen to hold was not there all along: if it is now, then it has just
 // fallen, and its contact is the one believed in, as far as less friction still holds it.
 void FrictionBelief::weaken() noexcept {
-  const std::size_t believed = weights_.likeliest();
-  for (std::size_t j = 0; j < believed; ++j) {
-    if (!weights_.refuted(j)) continue;
-    contact_[j] = contact_[believed];
-    contact_[j].follow(normal_n_, shear_n_, weights_.friction(j));
-    shape_[j] = contact_[j].shape();
-  }
+  contacts_.weaken(weights_.likeliest(), [this](std::size_t j) { return weights_.refuted(j); });
 }
 
 void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept {
@@ -245,7 +235,7 @@ void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& r
 
   const bool clean = std::max(noise.slipped_n, noise.hollow_n) < kClean * open;
   const double gain = clean ? 1 : kDoubtGain;
-  const auto& believed = shape_[weights_.likeliest()];
+  const auto believed = contacts_.shape(weights_.likeliest());
   off_slipped_n_ += gain * (seen.slipped_n - along * believed.slipped_n - off_slipped_n_);
   off_hollow_n_ += gain * (seen.hollow_n - along * believed.hollow_n - off_hollow_n_);
   if (std::max(std::fabs(off_slipped_n_), std::fabs(off_hollow_n_)) > (clean ? kDoubt : kNoisyDoubt) * open) {
@@ -257,8 +247,9 @@ void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& r
     return square(std::max(0.0, std::fabs(off) - open)) / (square(sigma) + square(0.5 * open));
   };
   for (std::size_t j = 0; j < weights_.count(); ++j) {
-    misfit[j] = part(seen.slipped_n - along * shape_[j].slipped_n, noise.slipped_n) +
-                part(seen.hollow_n - along * shape_[j].hollow_n, noise.hollow_n);
+    const auto expected = contacts_.shape(j);
+    misfit[j] = part(seen.slipped_n - along * expected.slipped_n, noise.slipped_n) +
+                part(seen.hollow_n - along * expected.hollow_n, noise.hollow_n);
   }
 }
 

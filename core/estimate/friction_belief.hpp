@@ -1,5 +1,5 @@
 // What friction this grasp may have, weighed over its frames. Each friction that may be lives through the
-// grasp's forces with a contact of its own (SpringBed), and each frame takes weight from those whose contact
+// grasp's forces with a contact of its own (SpringBeds), and each frame takes weight from those whose contact
 // would look otherwise by now: after a regrip, an unloading or a reversal just as while a load only rises.
 // What no frame tells apart stays open: a contact that sticks all over looks the same for every friction that
 // holds it.
@@ -13,9 +13,9 @@
 #include <cstdint>
 
 #include "core/contact/scene.hpp"
-#include "core/contact/spring_bed.hpp"
 #include "core/estimate/friction_weights.hpp"
 #include "core/estimate/method.hpp"
+#include "core/estimate/spring_beds.hpp"
 
 namespace slipd {
 
@@ -71,10 +71,9 @@ class FrictionBelief {
   FrictionWeights weights_;
   bool shapeless_;
   FrictionWeights::Value load_;
-  double load_change_ = 0;                                    // a frame
-  double carried_ = 0;                                        // of more frames
-  std::array<contact::SpringBed::Shape, kContacts> shape_{};  // of each contact
-  std::array<contact::SpringBed, kContacts> contact_;
+  double load_change_ = 0;  // a frame
+  double carried_ = 0;      // of more frames
+  SpringBeds contacts_;
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from

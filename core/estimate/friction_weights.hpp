@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "core/contact/scene.hpp"
 
@@ -29,6 +30,7 @@ class FrictionWeights {
 
   std::size_t count() const noexcept { return count_; }
   double friction(std::size_t j) const noexcept { return friction_[j]; }
+  std::span<const double> frictions() const noexcept { return std::span(friction_).first(count_); }
   bool refuted(std::size_t j) const noexcept { return weight_[j] < -kRefuted; }
   std::size_t likeliest() const noexcept;
 

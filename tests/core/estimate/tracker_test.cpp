@@ -172,5 +172,23 @@ TEST(Tracker, AGrownLoadThatSlidesIsNeverCalledSafe) {
        0.01, Noise::relative);
 }
 
+TEST(Tracker, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {
+  Tracker tracker({}, {0.1, 0.9}, std::nullopt, true);
+  ContactPatch patch;
+  patch.normal_n = 2;
+  patch.shear_n = patch.shear_x_n = 0.5;
+  patch.shear_sigma_n = 0.01;
+  Reading nonsense;
+  nonsense.in_family = true;
+  nonsense.gamma = 9;
+  nonsense.sigma = 0.01;
+  Estimate estimate;
+  for (int i = 1; i <= 50; ++i) {
+    estimate.time_ns = i * 1'000'000;
+    tracker.update(patch, &nonsense, Method::fit, estimate);
+  }
+  EXPECT_EQ(estimate.state, State::out_of_model);
+}
+
 }  // namespace
 }  // namespace slipd

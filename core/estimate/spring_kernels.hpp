@@ -1,0 +1,32 @@
+// The loops over springs that SpringBeds spends its time in. They exist once for each instruction set
+// (spring_kernels.cpp, built several times), chosen when first used. Estimate thread; nothing here allocates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace slipd {
+
+// Rows of kBeds values, one for each bed, of which the first `vectors` times kLanes are looked at; one row
+// for each spring in `loads`, what it carries. Spring i stands at x = i + 1/2. Each result is that of the
+// same steps in single precision for one bed after the other, to the last bit.
+struct SpringKernels {
+  static constexpr std::size_t kSprings = 48, kLanes = 16, kBeds = 64;
+  const char* name;
+
+  // Loads of spring i grow by slope times grown[i].
+  void (*stretch)(float* loads, const float* grown, const float* slope, std::size_t vectors) noexcept;
+
+  // Shifts all springs of a bed together, each as far as its limit, friction times rest[i], lets it, until
+  // they carry `goal`; of the beds where `which` is -1, and not where it is 0. rest[i] >= 0, and 0 from
+  // `touching` on.
+  void (*settle)(float* loads, const float* rest, std::size_t touching, const float* friction,
+                 const float* goal, const std::int32_t* which, std::size_t vectors) noexcept;
+
+  // Sums of load, load x^2 and load x^4.
+  void (*sums)(const float* loads, float* q, float* q2, float* q4, std::size_t vectors) noexcept;
+
+  static const SpringKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+
+}  // namespace slipd
