@@ -86,15 +86,19 @@ TEST(Framer, finds_every_whole_frame_again_behind_any_garbage) {
     Framer framer(profile_with(by_length()));
     Bytes all;
     std::vector<Bytes> sent;
+    std::size_t between = 0;
     for (int i = 0; i < 10; ++i) {
       // Bytes that begin no frame of themselves, a frame cut short before one whole: both are lost alone.
       Bytes garbage(random() % 20);
       for (auto& byte : garbage) byte = static_cast<std::uint8_t>(random() % 0xAB);
       devices::append(all, garbage);
+      between += garbage.size();
       sent.push_back(frame_of(Bytes(random() % 40, static_cast<std::uint8_t>(random() % 0xAB))));
       devices::append(all, sent.back());
     }
     EXPECT_EQ(hear(framer, all, 1 + random() % 30).packets, sent);
+    EXPECT_EQ(framer.counts().frames, sent.size());
+    EXPECT_EQ(framer.counts().garbage, between);
   }
 }
 
@@ -157,6 +161,16 @@ TEST(Framer, takes_a_frame_of_the_longest_length_and_none_longer) {
     EXPECT_THAT(hear(by_marker, frame).packets, SizeIs(1 - more));
     EXPECT_THAT(hear(by_count, frame_of(Bytes(5 + more, 7))).packets, SizeIs(1 - more));
   }
+}
+
+TEST(Framer, takes_no_frame_that_its_markers_do_not_fit_into) {
+  Stream stream;
+  stream.begin = stream.end = {0xAB};
+  stream.length_byte = {1, 1};
+  stream.longest = 9;
+  Framer framer(profile_with(stream));
+  EXPECT_THAT(hear(framer, {0xAB, 0, 0x11, 0x11, 0xAB, 1, 0xAB, 2, 0xAB}).packets,
+              ElementsAre(Bytes{0xAB, 2, 0xAB}));
 }
 
 TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {

@@ -76,6 +76,23 @@ TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
   EXPECT_TRUE(old.call("record", {{"sensor", "left"}, {"seconds", 0.1}}, file.get()).contains("result"));
 }
 
+TEST_F(Limits, StoppedAndContinuedItGoesOnWithTheNewestFrameAndTheBooksClose) {
+  RpcClient client(daemon_.socket());
+  const auto books = [&] { return client.result("status")["sensors"][0]; };
+  const json before = books();
+  for (int i = 0; i < 5; ++i) {
+    daemon_.program().signal(SIGSTOP);
+    std::this_thread::sleep_for(100ms);  // five times what a sensor may be silent for
+    daemon_.program().signal(SIGCONT);
+    await_ok();
+    expect_frames_go_on(client);
+  }
+  const json after = books();
+  EXPECT_EQ(after["received"],
+            after["estimated"].get<std::uint64_t>() + after["skipped"].get<std::uint64_t>());
+  EXPECT_EQ(after["reconnects"], before["reconnects"]) << "its own standstill is no fault of the device";
+}
+
 rlim_t address_space(const Daemon& daemon) {
   std::ifstream statm("/proc/" + std::to_string(daemon.program().pid()) + "/statm");
   rlim_t pages = 0;

@@ -1,4 +1,5 @@
-# What only a kernel of one's own can do to slipd: the clock set back and forth, disks that are full or read-only, HID and
+# What only a kernel of one's own can do to slipd: the clock set back and forth, disks that are full or read-only, for recordings
+# and for models, HID and
 # USB devices unplugged and plugged in again REPLUGS times (unless said, a few; tools/faults: 200). One boot for all.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/margin.sh
@@ -110,3 +111,31 @@ same "what is there is whole, without leftovers" "$(find $STATE_DIRECTORY -name 
 
 kill "$slipd"
 awaits "it ends when told to" eval '! kill -0 $slipd'
+
+# A model on a disk that is full, that is read-only, and that has room again: used each time, kept the last.
+mkdir /run/models
+mount -t tmpfs -o size=4m tmpfs /run/models
+cat >model.json <<'END'
+{ "sensors": [ { "name": "pad", "driver": "sim", "rate_hz": 50, "stale_after_ms": 5000, "layout": { "grid": [4, 4], "pitch_mm": 3.6 } } ],
+  "estimator": { "method": "svd-knn" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/slipd.sock" } }
+END
+model_is_made() {  # LOG WHAT
+  STATE_DIRECTORY=/run/models in_background "$1" slipd --config model.json
+  slipd=$background
+  patience=60 awaits "$2: the sensor has its estimator" eval '(( $(figure frames_estimated_total pad) > 0 ))'
+  kill "$slipd"
+  awaits "it ends" eval '! kill -0 $slipd'
+}
+head -c 4M /dev/zero >/run/models/filler 2>/dev/null || true
+model_is_made full.log "no room for a model"
+grep -q "is used, but not kept.*No space left on device" full.log || fail "the log does not say why: $(cat full.log)"
+mount -o remount,ro /run/models
+model_is_made readonly.log "a read-only disk for a model"
+grep -q "is used, but not kept.*Read-only file system" readonly.log || fail "the log does not say why: $(cat readonly.log)"
+mount -o remount,rw /run/models
+rm /run/models/filler
+same "neither left anything" "$(find /run/models -type f)" ""
+model_is_made room.log "room for a model"
+same "it is kept, once and whole" "$(find /run/models -type f | grep -c .)" 1
+model_is_made again.log "a model on disk"
+refused "which is not made anew" grep -q "made anew\|training" again.log
