@@ -42,10 +42,9 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, Worth& worth)
   worth.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
-  for (const auto& method : methods) {
-    worth.rows.push_back(
-        measure_tradeoff(setup.layout, scene, *method, NoiseKind::relative, scene.noise, kContacts, kSeed));
-  }
+  std::vector<SlipMethod*> all;
+  for (const auto& method : methods) all.push_back(method.get());
+  worth.rows = measure_tradeoff(setup.layout, scene, all, NoiseKind::relative, scene.noise, kContacts, kSeed);
   return std::move(methods[choose(worth.rows, setup.estimator.budget_us)]);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <limits>
 #include <numbers>
@@ -23,16 +24,55 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
+// One method's answers, frame by frame.
+class Trial {
+ public:
+  Trial(const TaxelLayout& layout, SlipMethod& method) : method_(method), finder_(layout) {
+    row_.method = to_string(method.name());
+    row_.settings = method.settings();
+  }
+
+  void face(const Frame& frame, double gamma) {
+    const double start = thread_us();
+    const ContactPatch& patch = finder_.find(frame);
+    const Reading reading = patch.touched ? method_.read(frame, patch) : Reading{};
+    times_.push_back(thread_us() - start);
+
+    if (!reading.in_family) return;
+    const double error = std::fabs(reading.gamma - gamma);
+    errors_.push_back(error);
+    row_.mean_error += error;
+    row_.right += slip_class(std::clamp(reading.gamma, 0.0, 1.0)) == slip_class(gamma) ? 1 : 0;
+    row_.within_sigma += error < reading.sigma ? 1 : 0;
+    row_.within_two_sigma += error < 2 * reading.sigma ? 1 : 0;
+  }
+
+  TradeoffRow result() {
+    const auto answered = static_cast<double>(errors_.size());
+    for (double* share : {&row_.mean_error, &row_.right, &row_.within_sigma, &row_.within_two_sigma})
+      *share /= answered;
+    row_.answered = answered / static_cast<double>(times_.size());
+    row_.p95_error = quantile(errors_, 0.95);
+    row_.p50_us = quantile(times_, 0.5);
+    row_.p99_us = quantile(times_, 0.99);
+    return row_;
+  }
+
+ private:
+  SlipMethod& method_;
+  PatchFinder finder_;
+  std::vector<double> errors_, times_;
+  TradeoffRow row_;
+};
+
 }  // namespace
 
-TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
-                             NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed) {
-  PatchFinder finder(layout);
+std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
+                                          std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
+                                          std::size_t contacts, std::uint64_t seed) {
   TrialFrames frames(layout, kind, noise);
-  std::vector<double> errors, times;
-  TradeoffRow row;
-  row.method = to_string(method.name());
-  row.settings = method.settings();
+  std::deque<Trial> trials;
+  for (SlipMethod* method : methods) trials.emplace_back(layout, *method);
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
     const Draws random = Draws(seed ^ 0x7261646566666fULL).stream(i);
@@ -43,49 +83,32 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
     contact.move_to(draw.normal_n, (1 - gamma) * draw.friction * draw.normal_n, draw.friction);
     frames.feel(contact, draw.x_m, draw.y_m);
     const Frame frame = frames.sense(2 * std::numbers::pi * random.uniform(1), random);
-
-    const double start = thread_us();
-    const ContactPatch& patch = finder.find(frame);
-    const Reading reading = patch.touched ? method.read(frame, patch) : Reading{};
-    times.push_back(thread_us() - start);
-
-    if (!reading.in_family) continue;
-    const double error = std::fabs(reading.gamma - gamma);
-    errors.push_back(error);
-    row.mean_error += error;
-    row.right += slip_class(std::clamp(reading.gamma, 0.0, 1.0)) == slip_class(gamma) ? 1 : 0;
-    row.within_sigma += error < reading.sigma ? 1 : 0;
-    row.within_two_sigma += error < 2 * reading.sigma ? 1 : 0;
+    for (Trial& trial : trials) trial.face(frame, gamma);
   }
-  const auto answered = static_cast<double>(errors.size());
-  for (double* share : {&row.mean_error, &row.right, &row.within_sigma, &row.within_two_sigma})
-    *share /= answered;
-  row.answered = answered / static_cast<double>(contacts);
-  row.p95_error = quantile(errors, 0.95);
-  row.p50_us = quantile(times, 0.5);
-  row.p99_us = quantile(times, 0.99);
-  return row;
+  std::vector<TradeoffRow> rows;
+  for (Trial& trial : trials) rows.push_back(trial.result());
+  return rows;
+}
+
+TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
+                             NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed) {
+  SlipMethod* const only = &method;
+  return measure_tradeoff(layout, scene, std::span(&only, 1), kind, noise, contacts, seed).front();
 }
 
 Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
                     std::uint64_t seed) {
   const ModelSetup& setup = models.front()->setup();
-  Worth worth{{}, processor_name()};
-  const auto add = [&](SlipMethod& method) {
-    worth.rows.push_back(measure_tradeoff(setup.layout, setup.scene, method, NoiseKind::relative,
-                                          setup.scene.noise, contacts, seed));
-  };
   Moments moments(setup.layout);
-  add(moments);
   Fit fit(setup.layout, expected_friction(setup.scene));
-  add(fit);
-  for (const auto& model : models) {
-    SvdKnn knn(model);
-    add(knn);
-  }
-  SvdKnn twice(models.front(), Precision::double_precision);
-  add(twice);
-  return worth;
+  std::deque<SvdKnn> trained;
+  for (const auto& model : models) trained.emplace_back(model);
+  trained.emplace_back(models.front(), Precision::double_precision);
+  std::vector<SlipMethod*> methods{&moments, &fit};
+  for (SvdKnn& each : trained) methods.push_back(&each);
+  return {measure_tradeoff(setup.layout, setup.scene, methods, NoiseKind::relative, setup.scene.noise,
+                           contacts, seed),
+          processor_name()};
 }
 
 Worth measure_worth(const ChainSetup& setup, Method method) {
