@@ -108,6 +108,49 @@ TEST(Profile, that_takes_one_axis_for_two_is_refused) {
               HasSubstr("/axis = \"x\": is not among the axes"));
 }
 
+struct Contradiction {
+  const char* profile;
+  void (*change)(json&);
+  const char* said;
+};
+
+TEST(Profile, that_contradicts_itself_is_refused_with_the_place_and_the_reason) {
+  const Contradiction all[] = {
+      {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["length"] = 65; }, "more than a CAN frame holds"},
+      {"vendor-hid-8x8", [](json& p) { p["scan"]["packets"][0]["length"] = 256; },
+       "more than a report holds"},
+      {"vendor-hid-8x8", [](json& p) { p["scan"]["key_offset"] = 200; },
+       "/scan/key_offset = 200: lies behind"},
+      {"icub-mtb", [](json& p) { p["scan"]["packets"][0]["match"]["offset"] = 8; },
+       "/match/offset = 8: lies behind"},
+      {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["fields"][0]["sensor"] = 1; },
+       "is no sensor of the device"},
+      {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["fields"][0].erase("type"); },
+       "expected offset and type, or usage"},
+      {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["fields"][0]["scale_n"] = 1; },
+       "expected either scale_pa or scale_n"},
+      {"xela-xr1944", [](json& p) { p["layout"].erase("pitch_mm"); },
+       "expected grid with pitch_mm, or taxels"},
+      {"xela-xr1944",
+       [](json& p) {
+         p["layout"] = {{"taxels", {{0, 0}, {0, 0}}}};
+       },
+       "/layout"},
+      {"robotiq-ft300", [](json& p) { p["layout"]["pitch_mm"] = 1; },
+       "a wrench needs wrench_mm and nothing else"},
+      {"onrobot-rg2-ft", [](json& p) { p.erase("modbus"); }, "/modbus: is missing"},
+      {"onrobot-rg2-ft", [](json& p) { p["scan"]["packets"][0]["length"] = 53; },
+       "no whole number of registers"},
+      {"onrobot-rg2-ft", [](json& p) { p["scan"]["packets"][0]["length"] = 252; },
+       "more than one request can have"},
+      {"contactile-pts2",
+       [](json& p) { p["stream"]["records"] = shipped("robotiq-tsf85")["stream"]["records"]; },
+       "cannot be inside pts2"},
+  };
+  for (const auto& [profile, change, said] : all)
+    EXPECT_THAT(said_of(change, profile), HasSubstr(said)) << profile;
+}
+
 TEST(Profile, with_a_key_that_nobody_knows_is_refused) {
   EXPECT_THAT(said_of([](json& p) { p["rate_hz"] = "fast"; }), HasSubstr("/rate_hz"));
   EXPECT_THAT(said_of([](json& p) { p["scan"]["repeats"] = 3; }), HasSubstr("did you mean \"repeat\""));
