@@ -82,7 +82,7 @@ def targets(of):
         yield "its memory", ours["highest_mb"] / theirs["highest_mb"], 1 / 3, "of scikit-learn's", False, WHY["training"]
     if exact:
         yield "its singular values", singular_error(of), 1e-4, "relative to a full SVD's", False, WHY["training"]
-    for name in ("moments", "svd-knn", "registered"):
+    for name in ("moments", "svd-knn", "registered", "auto"):
         start = of.one("startup", method=name)
         yield f"start-up to first estimate, {name}, {start.get('side')} x {start.get('side')}", (start.get("p50_us") or 0) / 1e3, 100, "ms", False, WHY["startup"]
     for locking in (False, True):
@@ -100,9 +100,9 @@ WHY = {
     "fit": "each step evaluates the model and its slopes on every taxel of the disc",
     "latency": "three threads on two cores: acquire wakes estimate, estimate wakes io, io wakes the client",
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
-    "queries": "a request is parsed as JSON and an answer of twenty numbers written in decimal, where Redis copies bytes; and Asio asks the kernel anew before each wait",
+    "queries": "Asio asks the kernel anew before each wait, which Redis does not; and the sensor at 1 kHz goes on meanwhile, three threads of slipd on the cores that its clients share",
     "training": "the columns are computed, where the peer's time begins with them in memory",
-    "startup": "the device's drivers are mapped, the model read and its tree built",
+    "startup": "the device's drivers are mapped, the model read and its tree built; auto tries its methods on 48 contacts first",
     "memory": "most of it is code that several processes share",
     "idle": "every frame is looked at for a contact, and each is a wake-up of two threads",
 }
@@ -257,6 +257,7 @@ bus adds is not on this page.
 
 `gamma` of one sensor, and GET of a value of the same size from redis-server on a Unix socket; the same client program for
 both, one thread for all its connections, each of which asks again when it has its answer. Server and clients share the cores.
+Both servers in turn, five times; the run with the median of queries is shown.
 
 {picture("clients", "queries a second against clients")}
 {table(["server", "clients", "subscribers", "queries/s", "p50", "p99", "p99.9", "notifications/s"], list(client_rows(of)))}
