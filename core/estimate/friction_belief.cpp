@@ -38,15 +38,7 @@ constexpr int kSettled = 10;  // frames, then the weights have found that other 
 // Of log mu. No friction changes so much at once, but noise may turn one belief into another.
 constexpr double kJumped = 0.4;
 
-// Sensors without shape. The load is followed with its slope (an alpha-beta filter), and anew where it jumps.
-constexpr double kLevel = 0.35, kSlope = 0.08, kJump = 4;
-constexpr double kCarriedGain = 0.1,
-                 kCarriedSigma = 0.23;  // of its mean, and that's deviation over one frame's
-constexpr double kSmoothed = 0.53;  // its deviation over one frame's: sqrt((2a^2 + 2b - 3ab)/(a(4 - 2a - b)))
 constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
-constexpr double kHighest = 2;     // deviations by which a load may miss the highest one
-constexpr double kPlateau = 0.015;       // relative: Q/P this even while P changes is sliding
-constexpr double kPlateauChange = 0.06;  // relative change of P that makes a plateau one
 
 // Of a load that only rose, as a share of mu P: see SpringBed::slipped_n.
 double risen_slipped(double gamma) noexcept {
@@ -63,6 +55,7 @@ double square(double x) noexcept {
 FrictionBelief::FrictionBelief(Range expected, double spread, bool shapeless)
     : weights_(expected, spread, shapeless ? kShapeless : kContacts),
       shapeless_(shapeless),
+      carried_(shapeless),
       contacts_(weights_.frictions().first(kContacts)) {}
 
 void FrictionBelief::reset() noexcept {
@@ -77,27 +70,19 @@ void FrictionBelief::reset() noexcept {
   change_ = off_slipped_n_ = off_hollow_n_ = 0;
   strange_ = frames_ = 0;
   last_ns_ = 0;
-  load_ = {};
-  believed_ = carried_ = 0;
-  load_change_ = 0;
-  highest_load_ = slide_normal_n_ = slide_load_ = 0;
+  carried_.clear();
+  believed_ = 0;
 }
 
 void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
                             const Reading* reading) noexcept {
   const double passed_s = last_ns_ > 0 ? static_cast<double>(time_ns - last_ns_) * 1e-9 : 0;
   last_ns_ = time_ns;
-  read_load(patch);
-  const double load = load_.mean, load_sigma = load_.sigma;
-  // More is carried than a friction could hold. Without shape it is the frames' mean that tells: of the many
-  // frames of a slide those that noise put highest would speak for too much.
-  const double carried = shapeless_ ? carried_ : load;
-  const double sigma = shapeless_ ? std::max(kCarriedSigma * load_sigma / kSmoothed, 0.005 * load)
-                                  : std::max(load_sigma, 0.01 * load);
-  const double counts = shapeless_ ? kCarriedGain : 1;
+  carried_.read(patch);
+  const auto [held, counts] = carried_.held();
   if (shapeless_) weights_.fade(std::exp(-std::max(0.0, passed_s) / kForgetAfterSeconds));
   for (std::size_t j = 0; j < weights_.count(); ++j) {
-    const double over = (carried - weights_.friction(j)) / sigma;
+    const double over = (held.mean - weights_.friction(j)) / held.sigma;  // more than this one could hold
     if (over > 0) weights_.take(j, counts * 0.5 * over * over);
   }
   if (!shapeless_) {
@@ -107,7 +92,9 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
   surprised_ = false;
   doubted_ = std::max(0, doubted_ - 1);
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_frame(patch, *reading);
-  if (shapeless_) weigh_sliding(patch.normal_n, load, load_sigma);
+  if (shapeless_) {
+    if (const auto slides = carried_.look_for_sliding(patch.normal_n)) weigh_sliding(*slides);
+  }
   weights_.normalise();
   if (!shapeless_) watch_jumps();
 }
@@ -117,19 +104,6 @@ void FrictionBelief::watch_jumps() noexcept {
   const double believed = weights_.friction(weights_.likeliest());
   if (believed_ > 0 && std::fabs(std::log(believed / believed_)) > kJumped) doubted_ = kSettled;
   believed_ = believed;
-}
-
-void FrictionBelief::read_load(const ContactPatch& patch) noexcept {
-  const double load = patch.shear_n / patch.normal_n, sigma = patch.shear_sigma_n / patch.normal_n;
-  const double expected = load_.mean + load_change_, off = load - expected;
-  carried_ += (load_.sigma == 0 ? 1 : kCarriedGain) * (load - carried_);
-  if (!shapeless_ || load_.sigma == 0 || std::fabs(off) > kJump * sigma) {
-    load_ = {load, sigma};
-    load_change_ = 0;
-    return;
-  }
-  load_change_ += kSlope * off;
-  load_ = {std::max(0.0, expected + kLevel * off), kSmoothed * sigma};
 }
 
 // Tells the contacts what the forces did, noise left out: a force that only trembles would be a reversal a
@@ -200,7 +174,7 @@ void FrictionBelief::weaken() noexcept {
 
 void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept {
   const double load = patch.shear_n / patch.normal_n;
-  const bool highest = load > highest_load_ - kHighest * patch.shear_sigma_n / patch.normal_n;
+  const bool highest = carried_.is_highest(load, patch.shear_sigma_n / patch.normal_n);
   only_risen_ = shapeless_ ? highest : looks_risen(patch.normal_n, load);
   const bool direct = only_risen_ && reading.in_family;
   PerFriction misfit;  // of as many as there are
@@ -278,19 +252,9 @@ void FrictionBelief::judge(const PerFriction& misfit, bool direct) noexcept {
   for (std::size_t j = 0; j < weights_.count(); ++j) weights_.take(j, 0.5 * (misfit[j] - least));
 }
 
-// Coulomb: an object that slides keeps Q/P while P changes. (While both grow from nothing a stuck contact
-// does so too.)
-void FrictionBelief::weigh_sliding(double normal_n, double load, double load_sigma) noexcept {
-  highest_load_ = std::max(highest_load_, load - load_sigma);
-  const bool even = std::fabs(load - slide_load_) < kPlateau * slide_load_ + 2 * load_sigma;
-  if (!even || slide_load_ == 0 || normal_n > slide_normal_n_) {
-    slide_load_ = load;
-    slide_normal_n_ = normal_n;
-    return;
-  }
-  if (normal_n > (1 - kPlateauChange) * slide_normal_n_ || load < 0.9 * highest_load_) return;
+void FrictionBelief::weigh_sliding(double load) noexcept {
   for (std::size_t j = 0; j < weights_.count(); ++j) {
-    const double off = std::log(weights_.friction(j) / load) / (3 * kPlateau);
+    const double off = std::log(weights_.friction(j) / load) / (3 * CarriedLoad::kPlateau);
     weights_.take(j, kOneFrame * 0.5 * std::min(off * off, 25.0));
   }
 }

@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "core/contact/scene.hpp"
+#include "core/estimate/carried_load.hpp"
 #include "core/estimate/friction_weights.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/spring_beds.hpp"
@@ -35,7 +36,7 @@ class FrictionBelief {
 
   // |Q|/P now: of sensors without shape what the last few frames say of it, since nothing else tells their
   // margin.
-  const FrictionWeights::Value& load() const noexcept { return load_; }
+  const FrictionWeights::Value& load() const noexcept { return carried_.now(); }
 
   // The likeliest friction's contact is one whose load has only risen.
   bool only_risen() const noexcept { return only_risen_; }
@@ -53,7 +54,6 @@ class FrictionBelief {
   static constexpr double kMostMisfit = 4;  // mean square, 1 where all is understood
   using PerFriction = std::array<double, FrictionWeights::kMost>;
 
-  void read_load(const ContactPatch& patch) noexcept;
   void follow(const ContactPatch& patch) noexcept;
   void watch_begin(const ContactPatch& patch) noexcept;
   void start_anew() noexcept;
@@ -66,13 +66,11 @@ class FrictionBelief {
   void watch_jumps() noexcept;
   bool looks_risen(double normal_n, double load) const noexcept;
   void weaken() noexcept;
-  void weigh_sliding(double normal_n, double load, double load_sigma) noexcept;
+  void weigh_sliding(double load) noexcept;
 
   FrictionWeights weights_;
   bool shapeless_;
-  FrictionWeights::Value load_;
-  double load_change_ = 0;  // a frame
-  double carried_ = 0;      // of more frames
+  CarriedLoad carried_;
   SpringBeds contacts_;
   double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
@@ -87,8 +85,6 @@ class FrictionBelief {
   int frames_ = 0;                               // of this grasp, as long as it begins
   double first_normal_n_ = 0;
   std::int64_t last_ns_ = 0;
-  double highest_load_ = 0;
-  double slide_normal_n_ = 0, slide_load_ = 0;  // where a plateau of Q/P may have begun
 };
 
 }  // namespace slipd

@@ -86,6 +86,7 @@ std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene
     for (Trial& trial : trials) trial.face(frame, gamma);
   }
   std::vector<TradeoffRow> rows;
+  rows.reserve(trials.size());
   for (Trial& trial : trials) rows.push_back(trial.result());
   return rows;
 }
