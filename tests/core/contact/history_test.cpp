@@ -244,33 +244,60 @@ TEST(LoadHistory, AgreesWithSpringsLoadedInSmallStepsOnAnyPath) {
 
 // A greater friction leaves a curve that is steeper than the smaller one's limits: unloading then meets both.
 TEST(LoadHistory, AgreesWithSpringsWhereTheLoadIsTakenOffAfterFrictionFell) {
-  for (const double sign : {1.0, -1.0}) {
-    LoadHistory contact(kPair);
-    Springs springs(1.01 * kPair.contact_radius_m(3));
-    const auto move_to = [&](double normal_n, double shear_n, double friction) {
-      contact.move_to(normal_n, sign * shear_n, friction);
-      springs.move_to(normal_n, sign * shear_n, friction);
-    };
-    move_to(3, 0, 0.8);
-    move_to(3, 2.2861, 0.8);
-    move_to(3, -0.1273, 0.8);
-    move_to(3, -0.1273, 0.116);
-    LoadHistory stepwise = contact;
-    move_to(0.599, 0.0617, 0.116);
-    for (int i = 1; i <= 2000; ++i) {
-      const double f = i / 2000.0;
-      stepwise.move_to(3 + f * (0.599 - 3), sign * (-0.1273 + f * (0.0617 + 0.1273)), 0.116);
-    }
-    EXPECT_LT(distance(contact, stepwise), 0.02) << "64 parts place a knot to a percent of the contact";
-    const double edge = std::pow(contact.contact_radius_m(), 2);
-    for (double s = 0.05; s < 1; s += 0.1) {
-      const double x = s * contact.contact_radius_m();
-      double t = 0;
-      for (const auto& term : contact.shear_terms())
-        t += term.coefficient * std::max(0.0, term.radius_m * term.radius_m - x * x);
-      EXPECT_NEAR(t / (0.116 * edge), springs.at(x) / (0.116 * edge), 0.02) << s;
+  struct Step {
+    double normal_n, shear_n, friction;
+  };
+  const std::vector<Step> paths[] = {
+      {{3, 0, 0.8}, {3, 2.2861, 0.8}, {3, -0.1273, 0.8}, {3, -0.1273, 0.116}, {0.599, 0.0617, 0.116}},
+      {{3, 0, 0.8}, {3, 2.4, 0.8}, {3, -0.1273, 0.8}, {3, -0.1273, 0.116}, {0.599, 0.0617, 0.116}},
+      // Steep from the middle on, as all has stuck.
+      {{2.797, 1.618, 0.968}, {0.257, 0.0134, 0.968}, {0.257, 0.0134, 0.225}, {0.13, 0.0281, 0.225}},
+  };
+  for (const auto& path : paths) {
+    for (const double sign : {1.0, -1.0}) {
+      LoadHistory contact(kPair), stepwise(kPair);
+      Springs springs(1.01 * kPair.contact_radius_m(path.front().normal_n));
+      for (const Step& to : path) {
+        stepwise = contact;
+        contact.move_to(to.normal_n, sign * to.shear_n, to.friction);
+        if (sign > 0) springs.move_to(to.normal_n, to.shear_n, to.friction);
+      }
+      const Step from = path[path.size() - 2], to = path.back();
+      for (int i = 1; i <= 2000; ++i) {
+        const double f = i / 2000.0;
+        stepwise.move_to(from.normal_n + f * (to.normal_n - from.normal_n),
+                         sign * (from.shear_n + f * (to.shear_n - from.shear_n)), to.friction);
+      }
+      EXPECT_LT(distance(contact, stepwise), 0.02) << "64 parts place a knot to a percent of the contact";
+      if (sign < 0) continue;  // the mirror image
+      const double edge = std::pow(contact.contact_radius_m(), 2);
+      for (double s = 0.05; s < 1; s += 0.1) {
+        const double x = s * contact.contact_radius_m();
+        double t = 0;
+        for (const auto& term : contact.shear_terms())
+          t += term.coefficient * std::max(0.0, term.radius_m * term.radius_m - x * x);
+        EXPECT_NEAR(t / (to.friction * edge), springs.at(x) / (to.friction * edge), 0.02) << s;
+      }
     }
   }
+}
+
+TEST(LoadHistory, WhereFrictionFellNothingHoldsMoreThanItHoweverSmallTheLoad) {
+  for (const double normal : {1e-6, 0.5, 2.0}) {
+    LoadHistory contact(kPair);
+    contact.move_to(normal, 0, 0.8);
+    contact.move_to(normal, 0.75 * normal, 0.8);
+    contact.move_to(1.5 * normal, 0.35 * normal, 0.3);  // both within the new friction, both rising
+    EXPECT_LT(largest_excess_over_friction(contact), 1e-9) << normal;
+    EXPECT_NEAR(total_shear_n(contact), 0.35 * normal, 1e-12 * normal);
+  }
+}
+
+TEST(LoadHistory, NothingIsFeltOutsideTheContact) {
+  LoadHistory contact(kPair);
+  contact.move_to(2, 0.4, 0.5);
+  EXPECT_EQ(contact.pressure_pa(1.0000001 * contact.contact_radius_m()), 0);
+  EXPECT_EQ(contact.shear_pa(1.0000001 * contact.contact_radius_m()), 0);
 }
 
 TEST(LoadHistory, AnyPathKeepsForceFrictionLawAndIndependenceOfTheSteps) {
