@@ -84,7 +84,8 @@ def targets(of):
         yield "its singular values", singular_error(of), 1e-4, "relative to a full SVD's", False, WHY["training"]
     for name in ("moments", "svd-knn", "registered", "auto"):
         start = of.one("startup", method=name)
-        yield f"start-up to first estimate, {name}, {start.get('side')} x {start.get('side')}", (start.get("p50_us") or 0) / 1e3, 100, "ms", False, WHY["startup"]
+        if start:
+            yield f"start-up to first estimate, {name}, {start['side']} x {start['side']}", start["p50_us"] / 1e3, 100, "ms", False, WHY["startup"]
     for locking in (False, True):
         for method, side, limit in (("moments", 4, 15), ("svd-knn", 100, 30), ("registered", 100, 30)):
             yield (f"resident memory, {method}, {side} x {side}, {'locked' if locking else 'not locked'}",
