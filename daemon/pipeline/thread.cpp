@@ -24,8 +24,8 @@ extern "C" void* slipd_thread_body(void* argument) {
 
 }  // namespace
 
-Thread::Thread(const std::string& name, std::size_t stack_bytes, std::function<void()> body) {
-  ended_ = std::make_shared<Doorbell>();
+Thread::Thread(const std::string& name, std::size_t stack_bytes, std::function<void()> body)
+    : ended_(std::make_shared<Doorbell>()) {
   auto owned = std::make_unique<Body>(Body{std::move(body), ended_});
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
