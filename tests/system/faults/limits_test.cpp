@@ -56,6 +56,7 @@ class Limits : public ::testing::Test {
 };
 
 TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
+  if (sanitized()) GTEST_SKIP() << "without a pipe to try memory with, UBSan takes every object for none";
   RpcClient old(daemon_.socket());
   old.result("version");
   limit(RLIMIT_NOFILE, 3);  // those that are open stay open
