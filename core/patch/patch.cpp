@@ -15,7 +15,9 @@ constexpr double kStandsOut = 5;
 // The disc is taken this much wider than the contact, so that a radius found a little small loses nothing.
 constexpr double kReach = 1.06;
 
+// Rounds of a disc after the last one, unless a round moves it by less than this, of a taxel's side.
 constexpr int kRefinements = 3;
+constexpr double kSettled = 0.01;
 
 }  // namespace
 
@@ -111,10 +113,13 @@ void PatchFinder::refine() noexcept {
     }
     const double dx = sums.px / sums.p, dy = sums.py / sums.p;
     const double spread = sums.prr / sums.p - dx * dx - dy * dy - side * side / 6;
+    const double radius_m = std::sqrt(2.5 * std::max(spread, 0.05 * side * side));
+    const double moved_m = std::max(std::hypot(dx, dy), std::fabs(radius_m - patch_.radius_m));
     patch_.center_x_m += dx;
     patch_.center_y_m += dy;
-    patch_.radius_m = std::sqrt(2.5 * std::max(spread, 0.05 * side * side));
+    patch_.radius_m = radius_m;
     patch_.normal_n = sums.p * layout_.area_m2();
+    if (moved_m < kSettled * side) break;
   }
   // One taxel may stand out by chance; a contact does so as a whole.
   const double chance = patch_.noise_normal_pa * std::sqrt(static_cast<double>(patch_.count));
