@@ -74,6 +74,7 @@ class Client : public std::enable_shared_from_this<Client> {
   std::string output_;    // the line that is being sent
   std::size_t sent_ = 0;  // of output_
   std::deque<UniqueFd> passed_;
+  // io sets it, the writer of a recording that this client asked for looks at it; nothing else goes with it.
   std::shared_ptr<std::atomic<bool>> left_ = std::make_shared<std::atomic<bool>>(false);
   int awaited_ = 0;
   std::uint64_t turn_ = 0;  // its last one

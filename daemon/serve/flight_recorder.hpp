@@ -66,7 +66,7 @@ class FlightRecorder {
   const RecorderSettings settings_;
   RecordingsFolder folder_;
   std::vector<std::unique_ptr<Track>> tracks_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false};  // relaxed: a word of its own, and joining the thread orders the rest
   std::atomic<std::uint64_t> kept_{0}, failed_{0};  // relaxed: numbers of their own
   Thread thread_;
 };

@@ -39,7 +39,7 @@ class Recorder {
   struct Job;
   static RecordingResult write(Job& job);
   asio::io_context& io_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false};  // io sets it, writers look at it each round; nothing else goes with it
   std::list<std::unique_ptr<Job>> jobs_;
 };
 
