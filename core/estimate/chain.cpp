@@ -43,6 +43,7 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, Worth& worth)
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
   std::vector<SlipMethod*> all;
+  all.reserve(methods.size());
   for (const auto& method : methods) all.push_back(method.get());
   worth.rows = measure_tradeoff(setup.layout, scene, all, NoiseKind::relative, scene.noise, kContacts, kSeed);
   return std::move(methods[choose(worth.rows, setup.estimator.budget_us)]);

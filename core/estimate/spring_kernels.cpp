@@ -62,7 +62,7 @@ SLIPD_INLINE Floats shift_of(const float* loads, const float* rest, std::size_t 
     low = off < 0 ? shift : low;
     high = off < 0 ? high : shift;
     const Floats newton = sticking > 0 ? shift - off / sticking : low - 1.0F;
-    const Floats next = (newton > low) & (newton < high) ? newton : 0.5F * (low + high);
+    const Floats next = ((newton > low) & (newton < high)) ? newton : 0.5F * (low + high);
     shift = open ? next : shift;
   }
   return shift;

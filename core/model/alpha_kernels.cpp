@@ -33,7 +33,8 @@ SLIPD_INLINE Floats angle_at(const TaxelView& at, std::size_t i, const AlphaMask
                              const Floats& normal) noexcept {
   const Floats value =
       angle(mask.along_x * load(at.shear_x_pa + i) + mask.along_y * load(at.shear_y_pa + i), normal);
-  return where((normal > mask.least_pa) & (value == value), value);
+  const Ints number = value == value;  // NOLINT(misc-redundant-expression): false of what is none
+  return where((normal > mask.least_pa) & number, value);
 }
 
 void frame(const TaxelView& at, const AlphaMask& mask, float* alpha) noexcept {
