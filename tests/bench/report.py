@@ -97,7 +97,7 @@ def targets(of):
 WHY = {
     "svd-knn": "where the contact is, and whether its load has only risen, is found out before anything is projected, in some ten passes over its disc",
     "registered": "a plane through the neighbours' margins on top of the search",
-    "moments": "the frame is read for its noise, its place three times over, its forces, its moments and its rings, each needing the one before",
+    "moments": "the frame is read for its noise, its place twice or more, its forces, its moments and its rings, each needing the one before",
     "fit": "each step evaluates the model and its slopes on every taxel of the disc",
     "latency": "three threads on two cores: acquire wakes estimate, estimate wakes io, io wakes the client",
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
