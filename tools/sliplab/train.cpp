@@ -128,6 +128,7 @@ ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& pro
   const Progress part = [&](double share, const char* what) { progress((done + share) / parts, what); };
   std::vector<ModelData> at_ranks = train_ranks(setup, ranks, threads, part);
   std::vector<std::shared_ptr<const Model>> models;
+  models.reserve(at_ranks.size() + others.size());
   for (const auto& data : at_ranks) models.push_back(std::make_shared<const Model>(data));
   for (const int rings : others) {
     ++done;
