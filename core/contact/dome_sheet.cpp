@@ -1,10 +1,10 @@
 #include "core/contact/dome_sheet.hpp"
 
-#include <atomic>
 #include <cmath>
 #include <numbers>
 
 #include "core/contact/dome.hpp"
+#include "core/instruction_sets.hpp"
 
 namespace slipd::contact {
 namespace {
@@ -52,60 +52,32 @@ struct Lists {
   }
 }
 
-using Kernel = void (*)(double, double, const Lists&) noexcept;
-struct Kernels {
-  Kernel exactly, smoothly, values;
-};
-
-void exactly_baseline(double x, double side, const Lists& at) noexcept {
-  exactly(x, side, at);
+// Not a file built once for each instruction set, as other loops are: these call the standard library, which
+// is inlined into a function for what that function is built for.
+template <auto kLoop>
+void on_baseline(double x, double side, const Lists& at) noexcept {
+  kLoop(x, side, at);
 }
-void smoothly_baseline(double x, double side, const Lists& at) noexcept {
-  smoothly(x, side, at);
-}
-void values_baseline(double x, double side, const Lists& at) noexcept {
-  values(x, side, at);
-}
-constexpr Kernels kBaseline{exactly_baseline, smoothly_baseline, values_baseline};
-
 #if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void exactly_avx2(double x, double side, const Lists& at) noexcept {
-  exactly(x, side, at);
+template <auto kLoop>
+[[gnu::target("avx2,fma")]] void on_avx2(double x, double side, const Lists& at) noexcept {
+  kLoop(x, side, at);
 }
-[[gnu::target("avx2,fma")]] void smoothly_avx2(double x, double side, const Lists& at) noexcept {
-  smoothly(x, side, at);
+template <auto kLoop>
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void on_avx512(double x, double side, const Lists& at) noexcept {
+  kLoop(x, side, at);
 }
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void exactly_avx512(double x, double side,
-                                                                 const Lists& at) noexcept {
-  exactly(x, side, at);
-}
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void smoothly_avx512(double x, double side,
-                                                                  const Lists& at) noexcept {
-  smoothly(x, side, at);
-}
-[[gnu::target("avx2,fma")]] void values_avx2(double x, double side, const Lists& at) noexcept {
-  values(x, side, at);
-}
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void values_avx512(double x, double side,
-                                                                const Lists& at) noexcept {
-  values(x, side, at);
-}
-constexpr Kernels kAvx2{exactly_avx2, smoothly_avx2, values_avx2},
-    kAvx512{exactly_avx512, smoothly_avx512, values_avx512};
+#endif
 
-// Asked when a sheet is made, after main began: resolvers that run while the program is loaded crash under
-// ThreadSanitizer.
-const Kernels& best() noexcept {
-  static const Kernels& chosen =
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") ? kAvx512
-      : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")        ? kAvx2
-                                                                               : kBaseline;
-  return chosen;
-}
-#else
-const Kernels& best() noexcept {
-  return kBaseline;
-}
+struct DomeKernels {
+  using Kernel = void (*)(double, double, const Lists&) noexcept;
+  Kernel exact, smooth, value;
+  static const DomeKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+const DomeKernels DomeKernels::baseline{on_baseline<exactly>, on_baseline<smoothly>, on_baseline<values>};
+#if defined(__x86_64__)
+const DomeKernels DomeKernels::avx2{on_avx2<exactly>, on_avx2<smoothly>, on_avx2<values>};
+const DomeKernels DomeKernels::avx512{on_avx512<exactly>, on_avx512<smoothly>, on_avx512<values>};
 #endif
 
 }  // namespace
@@ -113,17 +85,17 @@ const Kernels& best() noexcept {
 DomeSheet::DomeSheet(std::size_t most, double side_m)
     : side_(side_m), u_(most), v_(most), value_(most), d_x_(most), d_u_(most), d_v_(most) {
   rim_.reserve(most);
-  best();
+  best_kernels<DomeKernels>();  // not first within a fit
 }
 
 void DomeSheet::evaluate(double x, std::span<const double> u, std::span<const double> v,
                          std::span<double> value, std::span<double> d_x, std::span<double> d_u,
                          std::span<double> d_v) noexcept {
-  const Kernels& kernels = best();
+  const DomeKernels& kernels = best_kernels<DomeKernels>();
   const std::size_t n = u.size();
   const double within = std::max(0.0, x - kRimSides * side_), beyond = x + side_ * (std::numbers::sqrt2 / 2);
   if (within > 0)
-    kernels.smoothly(x, side_, {u.data(), v.data(), value.data(), d_x.data(), d_u.data(), d_v.data(), n});
+    kernels.smooth(x, side_, {u.data(), v.data(), value.data(), d_x.data(), d_u.data(), d_v.data(), n});
   rim_.clear();
   for (std::uint32_t i = 0; i < n; ++i) {
     const double r2 = u[i] * u[i] + v[i] * v[i];
@@ -136,8 +108,8 @@ void DomeSheet::evaluate(double x, std::span<const double> u, std::span<const do
       value[i] = d_x[i] = d_u[i] = d_v[i] = 0;
     }
   }
-  kernels.exactly(x, side_,
-                  {u_.data(), v_.data(), value_.data(), d_x_.data(), d_u_.data(), d_v_.data(), rim_.size()});
+  kernels.exact(x, side_,
+                {u_.data(), v_.data(), value_.data(), d_x_.data(), d_u_.data(), d_v_.data(), rim_.size()});
   for (std::size_t j = 0; j < rim_.size(); ++j) {
     value[rim_[j]] = value_[j];
     d_x[rim_[j]] = d_x_[j];
@@ -148,7 +120,8 @@ void DomeSheet::evaluate(double x, std::span<const double> u, std::span<const do
 
 void DomeSheet::exact_values(double x, double side_m, std::span<const double> u, std::span<const double> v,
                              std::span<double> value) noexcept {
-  best().values(x, side_m, {u.data(), v.data(), value.data(), nullptr, nullptr, nullptr, u.size()});
+  best_kernels<DomeKernels>().value(x, side_m,
+                                    {u.data(), v.data(), value.data(), nullptr, nullptr, nullptr, u.size()});
 }
 
 }  // namespace slipd::contact

@@ -33,7 +33,7 @@ class CarriedLoad {
   };
   Held held() const noexcept;
 
-  // One frame's load, or as good as: the highest one of this grasp that look() has seen.
+  // One frame's load, or as good as: the highest one of this grasp that look_for_sliding() has seen.
   bool is_highest(double load, double sigma) const noexcept;
 
   // After each frame. Coulomb: an object that slides keeps Q/P while P changes. Gives that Q/P while it does.

@@ -147,7 +147,7 @@ double Fit::share_left_open(const Square& hessian) noexcept {
   const double held =
       1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
   const double share = held / free;
-  return share > kLeastOpen && share < 1 ? share : (share > 0 && share <= kLeastOpen ? kLeastOpen : 1);
+  return share > 0 && share < 1 ? std::max(share, kLeastOpen) : 1;
 }
 
 // Where noise leaves the margin open, a parabola about the best fit is no honest picture of it. The whole

@@ -40,7 +40,7 @@ constexpr double kJumped = 0.4;
 
 constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
 
-// Of a load that only rose, as a share of mu P: see SpringBed::slipped_n.
+// Of a load that only rose, as a share of mu P: see ShearShape::slipped_n.
 double risen_slipped(double gamma) noexcept {
   const double k = std::cbrt(std::clamp(gamma, 0.0, 1.0)), k3 = k * k * k;
   return 5.0 / 3 * (1 - k3) - (1 - k3 * k * k);
@@ -174,8 +174,8 @@ void FrictionBelief::weaken() noexcept {
 
 void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept {
   const double load = patch.shear_n / patch.normal_n;
-  const bool highest = carried_.is_highest(load, patch.shear_sigma_n / patch.normal_n);
-  only_risen_ = shapeless_ ? highest : looks_risen(patch.normal_n, load);
+  only_risen_ = shapeless_ ? carried_.is_highest(load, patch.shear_sigma_n / patch.normal_n)
+                           : looks_risen(patch.normal_n, load);
   const bool direct = only_risen_ && reading.in_family;
   PerFriction misfit;  // of as many as there are
   if (direct) {
@@ -201,7 +201,7 @@ void FrictionBelief::misfit_of_margin(double load, const Reading& reading, const
 
 void FrictionBelief::misfit_of_shape(const ContactPatch& patch, const Reading& reading,
                                      PerFriction& misfit) noexcept {
-  const contact::SpringBed::Shape &seen = reading.shape, &noise = reading.shape_sigma;
+  const contact::ShearShape &seen = reading.shape, &noise = reading.shape_sigma;
   const double along = patch.toward_x * axis_x_ + patch.toward_y * axis_y_;
   // What the model itself leaves open is the same in every frame: within that a frame tells nothing.
   const double locked = std::max(std::fabs(seen.slipped_n), std::fabs(seen.hollow_n));

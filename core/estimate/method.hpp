@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/contact/spring_bed.hpp"
+#include "core/contact/shear_shape.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/model/tradeoff_row.hpp"
 #include "core/patch/patch.hpp"
@@ -34,9 +34,9 @@ struct MarginProfile {
 // infinite where the frame does not tell friction (no load).
 struct Reading {
   bool in_family = false;
-  // How the shear lies along the resultant, whatever the contact went through: see contact::SpringBed.
+  // How the shear lies along the resultant, whatever the contact went through: see ShearShape.
   // Deviations are infinite where it is not known.
-  contact::SpringBed::Shape shape,
+  contact::ShearShape shape,
       shape_sigma{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   double gamma = 0, sigma = 0;
   double friction = 0, friction_sigma = 0;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/patch/instruction_sets.hpp"
+#include "core/instruction_sets.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {

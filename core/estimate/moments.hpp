@@ -19,7 +19,7 @@ double gamma_of_moment_ratio(double ratio) noexcept;
 struct MomentRatio {
   double value = 1, sigma = std::numeric_limits<double>::infinity();
   double load = 0;  // sum q / sum p
-  contact::SpringBed::Shape shape, shape_sigma = Reading().shape_sigma;
+  contact::ShearShape shape, shape_sigma = Reading().shape_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/patch/instruction_sets.hpp"
+#include "core/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -49,8 +49,8 @@ void SpringBeds::reach(double radius) noexcept {
   if (radius <= step_ * static_cast<double>(kSprings)) return;
   const double step = kSpare * radius / static_cast<double>(kSprings), ratio = step_ > 0 ? step / step_ : 0;
   step_ = step;
-  for (std::size_t i = 0; i < kSprings && ratio > 0;
-       ++i) {  // further out all the way: none is read after it is set
+  // Each is taken from further out: none is read after it is set.
+  for (std::size_t i = 0; i < kSprings && ratio > 0; ++i) {
     const double at = ratio * (static_cast<double>(i) + 0.5) - 0.5;
     if (at >= static_cast<double>(kSprings - 1)) {
       loads_[i].fill(0);
@@ -146,7 +146,7 @@ void SpringBeds::sum_up() const noexcept {
   summed_ = true;
 }
 
-SpringBeds::Shape SpringBeds::shape(std::size_t j) const noexcept {
+contact::ShearShape SpringBeds::shape(std::size_t j) const noexcept {
   if (!(normal_n_ > 0)) return {};
   if (!summed_) sum_up();
   const float p = sums_.p, p2 = sums_.p2, q = sums_.q[j], q2 = sums_.q2[j], q4 = sums_.q4[j];

@@ -6,10 +6,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/knn.hpp"
 #include "core/model/ring_columns.hpp"
-#include "core/patch/instruction_sets.hpp"
 
 namespace slipd {
 namespace {

@@ -3,8 +3,8 @@
 #include <array>
 #include <atomic>
 
+#include "core/instruction_sets.hpp"
 #include "core/model/blocks.hpp"
-#include "core/patch/instruction_sets.hpp"
 
 namespace slipd {
 namespace {

@@ -35,37 +35,38 @@ NoiseSums noise(const TaxelView& at) noexcept {
   return {sums.total(0), count, greatest(peak)};
 }
 
+// One more block's pressures and places.
+SLIPD_INLINE void add(Sums<4>& sums, const Floats& p, const Floats& x, const Floats& y) noexcept {
+  sums.part[0] += p;
+  sums.part[1] += p * x;
+  sums.part[2] += p * y;
+  sums.part[3] += p * (x * x + y * y);
+  sums.next();
+}
+
+SLIPD_INLINE PlaceSums ended(Sums<4>& sums) noexcept {
+  sums.flush();
+  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3)};
+}
+
 PlaceSums place(const TaxelView& at, float least_pa) noexcept {
   Sums<4> sums;
   const Run all{0, static_cast<std::uint32_t>(at.size)};
   for_blocks(
       &all, 1, at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
         const Floats given = load(at.normal_pa + i), x = load(at.x_m + i), y = load(at.y_m + i);
-        const Floats p = where(mask & ~(given < least_pa), given);
-        sums.part[0] += p;
-        sums.part[1] += p * x;
-        sums.part[2] += p * y;
-        sums.part[3] += p * (x * x + y * y);
-        sums.next();
+        add(sums, where(mask & ~(given < least_pa), given), x, y);
       });
-  sums.flush();
-  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3)};
+  return ended(sums);
 }
 
 PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_m) noexcept {
   Sums<4> sums;
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
-        const Floats p = where(mask, load(at.normal_pa + i)), x = load(at.x_m + i) - x_m,
-                     y = load(at.y_m + i) - y_m;
-        sums.part[0] += p;
-        sums.part[1] += p * x;
-        sums.part[2] += p * y;
-        sums.part[3] += p * (x * x + y * y);
-        sums.next();
+        add(sums, where(mask, load(at.normal_pa + i)), load(at.x_m + i) - x_m, load(at.y_m + i) - y_m);
       });
-  sums.flush();
-  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3)};
+  return ended(sums);
 }
 
 ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {

@@ -1,4 +1,4 @@
-#include "core/contact/spring_bed.hpp"
+#include "tests/core/contact/spring_bed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace slipd::contact {
 namespace {
 
 // From the exact history's disc terms: of D_x <u> = 2 x^2/5 and <u^2> = 8 x^4/35.
-SpringBed::Shape shape_of(const LoadHistory& exact) {
+ShearShape shape_of(const LoadHistory& exact) {
   double q = 0, u = 0, u2 = 0;
   for (const auto& term : exact.shear_terms()) {
     const double s = term.radius_m / exact.contact_radius_m(), force = term.coefficient * s * s * s;

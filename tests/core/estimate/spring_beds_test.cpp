@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "core/contact/spring_bed.hpp"
-#include "core/patch/instruction_sets.hpp"
+#include "core/instruction_sets.hpp"
+#include "tests/core/contact/spring_bed.hpp"
 
 namespace slipd {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/random.hpp"
-#include "core/patch/instruction_sets.hpp"
 
 namespace slipd {
 namespace {

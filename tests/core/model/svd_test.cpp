@@ -7,9 +7,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/instruction_sets.hpp"
 #include "core/model/packed.hpp"
 #include "core/model/random.hpp"
-#include "core/patch/instruction_sets.hpp"
 #include "tests/core/model/matrix_source.hpp"
 
 namespace slipd {

@@ -1,4 +1,4 @@
-#include "core/contact/spring_bed.hpp"
+#include "tests/core/contact/spring_bed.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -113,7 +113,7 @@ void SpringBed::assume_risen(double normal_n, double shear_n, double friction) n
   follow(normal_n, shear_n, friction);
 }
 
-SpringBed::Shape SpringBed::shape() const noexcept {
+ShearShape SpringBed::shape() const noexcept {
   if (!(normal_n_ > 0)) return {};
   const double radius = std::cbrt(normal_n_);
   Row rest;

@@ -1,0 +1,17 @@
+// How shear lies between a contact's centre and its rim, whatever the contact went through: two moments of
+// it, with u = r^2/a^2. A disc D_x has <u> = 2 x^2/5 and <u^2> = 8 x^4/35.
+#pragma once
+
+namespace slipd::contact {
+
+// In N and signed like Q.
+struct ShearShape {
+  // Q (5/3 - 5/2 <u>_q): what slip has taken from the rim. 0 while all sticks, and hardly changed by a load
+  // that changes without slip.
+  double slipped_n = 0;
+  // Q <6 u^2 - 6 u + 1>_q: rim and centre against what is between. Noise on it is independent of Q's and of
+  // the other's.
+  double hollow_n = 0;
+};
+
+}  // namespace slipd::contact
