@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/frame/cbor.hpp"
 #include "core/model/crc64.hpp"
+#include "core/model/sealed.hpp"
 #include "core/model/setup_json.hpp"
 #include "core/model/whole_file.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "slipd-model";
+constexpr SealedKind kKind{"slipd-model", kModelVersion, "is no slipd model", "is a model of version "};
 static_assert(std::endian::native == std::endian::little,
               "lists of numbers are stored in little-endian order");
 
@@ -114,36 +114,22 @@ fs::path from_environment(const char* name) {
 }  // namespace
 
 std::vector<std::uint8_t> encode_model(const ModelData& data) {
-  auto body = json::to_cbor({{"setup", to_json(data.setup)},
-                             {"total_variance", data.total_variance},
-                             {"singular_values", pack(data.singular_values)},
-                             {"basis", pack(data.basis)},
-                             {"coordinates", pack(data.coordinates)},
-                             {"gamma", pack(data.gamma)},
-                             {"friction", pack(data.friction)},
-                             {"errors", to_json(data.errors)},
-                             {"worth", to_json(data.worth)}});
-  const std::uint64_t checksum = crc64(body);
-  return json::to_cbor({{"format", kFormat},
-                        {"version", kModelVersion},
-                        {"crc64", checksum},
-                        {"body", json::binary(std::move(body))}});
+  return seal(kKind, {{"setup", to_json(data.setup)},
+                      {"total_variance", data.total_variance},
+                      {"singular_values", pack(data.singular_values)},
+                      {"basis", pack(data.basis)},
+                      {"coordinates", pack(data.coordinates)},
+                      {"gamma", pack(data.gamma)},
+                      {"friction", pack(data.friction)},
+                      {"errors", to_json(data.errors)},
+                      {"worth", to_json(data.worth)}});
 }
 
 Model decode_model(std::span<const std::uint8_t> bytes) {
   try {
-    if (!cbor::is_sound(bytes)) throw ModelError("is damaged or cut: it is no CBOR item");
-    const json envelope = json::from_cbor(bytes.begin(), bytes.end());
-    if (!envelope.is_object() || envelope.value("format", json()) != kFormat)
-      throw ModelError("is no slipd model");
-    if (envelope.at("version") != kModelVersion) {
-      throw ModelError("is a model of version " + envelope.at("version").dump() +
-                       ", and this slipd uses version " + std::to_string(kModelVersion));
-    }
-    const auto& body = envelope.at("body").get_binary();
-    if (envelope.at("crc64") != crc64(body)) throw ModelError("is damaged: its checksum does not fit");
-    if (!cbor::is_sound(body)) throw ModelError("is damaged: what its checksum covers is no CBOR item");
-    return Model(data_of(json::from_cbor(body)));
+    return Model(data_of(unsealed(kKind, bytes)));
+  } catch (const SealError& error) {
+    throw ModelError(error.what());
   } catch (const json::exception& error) {
     throw ModelError(std::string("is damaged or cut: ") + error.what());
   } catch (const std::invalid_argument& error) {

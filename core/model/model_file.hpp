@@ -1,5 +1,4 @@
-// Models on disk: one CBOR map {format, version, crc64, body}, whose body is the CBOR of the model, so that
-// any damage shows before anything of it is used. Set-up thread and tools only.
+// Models on disk (sealed.hpp). Set-up thread and tools only.
 #pragma once
 
 #include <cstdint>

@@ -9,6 +9,9 @@
 namespace slipd {
 
 enum class Precision : std::uint8_t { single_precision, double_precision };
+constexpr const char* to_string(Precision precision) noexcept {
+  return precision == Precision::single_precision ? "single" : "double";
+}
 
 // What a method was set to. 0: it has no such setting.
 struct MethodSettings {

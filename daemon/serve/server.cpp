@@ -19,13 +19,14 @@ namespace {
 using namespace std::chrono_literals;
 using asio::posix::stream_descriptor;
 
-// What `body` returns; nothing if there was no memory for it. What it was about is lost, the loop is not.
+// False: there was no memory for `body`. What it was about is lost, the loop is not.
 template <typename Body>
-auto without_memory(Body body) -> std::optional<decltype(body())> {
+bool had_memory(Body body) {
   try {
-    return body();
+    body();
+    return true;
   } catch (const std::bad_alloc&) {
-    return std::nullopt;
+    return false;
   }
 }
 
@@ -88,8 +89,8 @@ auto Server::while_alive(Body body) {
 
 void Server::accept_when_ready() {
   listener_.async_wait(stream_descriptor::wait_read, while_alive([this] {
-                         if (without_memory([this] { return accept_one(); }).value_or(false))
-                           return accept_when_ready();
+                         bool room = false;
+                         if (had_memory([&] { room = accept_one(); }) && room) return accept_when_ready();
                          pause_.expires_after(100ms);
                          pause_.async_wait(while_alive([this] { accept_when_ready(); }));
                        }));
@@ -125,7 +126,7 @@ void Server::turn_away(const UniqueFd& socket) {
 
 void Server::listen_for_news() {
   news_.async_wait(stream_descriptor::wait_read, while_alive([this] {
-                     without_memory([this] { return take_news(), true; });
+                     had_memory([this] { take_news(); });
                      listen_for_news();
                    }));
 }
@@ -189,7 +190,7 @@ void Server::tell(const Event& event, EventKind kind) {
         head =
             std::make_shared<const Notification>(Notification{std::move(text), event.estimate.published_ns});
       }
-      if (!without_memory([&] { return client->notify(head, lost), true; })) client->close();
+      if (!had_memory([&] { client->notify(head, lost); })) client->close();
     }
   }
 }
@@ -197,7 +198,7 @@ void Server::tell(const Event& event, EventKind kind) {
 void Server::measure_rates() {
   rates_.expires_after(1s);
   rates_.async_wait(while_alive([this] {
-    without_memory([this] { return look_at_sensors(), true; });
+    had_memory([this] { look_at_sensors(); });
     measure_rates();
   }));
 }

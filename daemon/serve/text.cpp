@@ -85,11 +85,7 @@ ObjectText& ObjectText::integer(std::string_view key, std::optional<std::int64_t
 }
 
 ObjectText& ObjectText::boolean(std::string_view key, bool value) {
-  return raw(key, value ? "true" : "false");
-}
-
-ObjectText& ObjectText::raw(std::string_view key, std::string_view json) {
-  begin(key) += json;
+  begin(key) += value ? "true" : "false";
   return *this;
 }
 

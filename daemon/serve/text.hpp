@@ -20,7 +20,6 @@ class ObjectText {
   ObjectText& number(std::string_view key, std::optional<double> value, double factor = 1);
   ObjectText& integer(std::string_view key, std::optional<std::int64_t> value);
   ObjectText& boolean(std::string_view key, bool value);
-  ObjectText& raw(std::string_view key, std::string_view json);
   std::string& begin(std::string_view key);  // the value is to be appended to what it returns
 
   void end() { out_ += '}'; }

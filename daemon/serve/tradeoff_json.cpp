@@ -23,21 +23,20 @@ json tradeoff_json(const std::string& sensor, const std::string& chosen, double 
                    const Worth& worth) {
   json table = json::array();
   for (const auto& row : worth.rows) {
-    table.push_back(
-        {{"method", row.method},
-         {"rank", setting(row.settings.rank)},
-         {"rings", setting(row.settings.rings)},
-         {"neighbours", setting(row.settings.neighbours)},
-         {"precision", row.settings.precision == Precision::single_precision ? "single" : "double"},
-         {"memory_bytes", row.settings.memory_bytes},
-         {"mean_error", number(row.mean_error)},
-         {"p95_error", number(row.p95_error)},
-         {"class_right", number(row.right)},
-         {"answered", number(row.answered)},
-         {"within_sigma", number(row.within_sigma)},
-         {"within_two_sigma", number(row.within_two_sigma)},
-         {"p50_us", number(row.p50_us)},
-         {"p99_us", number(row.p99_us)}});
+    table.push_back({{"method", row.method},
+                     {"rank", setting(row.settings.rank)},
+                     {"rings", setting(row.settings.rings)},
+                     {"neighbours", setting(row.settings.neighbours)},
+                     {"precision", to_string(row.settings.precision)},
+                     {"memory_bytes", row.settings.memory_bytes},
+                     {"mean_error", number(row.mean_error)},
+                     {"p95_error", number(row.p95_error)},
+                     {"class_right", number(row.right)},
+                     {"answered", number(row.answered)},
+                     {"within_sigma", number(row.within_sigma)},
+                     {"within_two_sigma", number(row.within_two_sigma)},
+                     {"p50_us", number(row.p50_us)},
+                     {"p99_us", number(row.p99_us)}});
   }
   return {{"sensor", sensor},
           {"chosen", chosen},

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "core/frame/cbor.hpp"
 #include "core/model/crc64.hpp"
+#include "core/model/sealed.hpp"
 #include "core/model/whole_file.hpp"
 #include "daemon/state/state_folder.hpp"
 
@@ -17,8 +17,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "slipd-zero";
-constexpr int kVersion = 1;
+constexpr SealedKind kKind{"slipd-zero", 1, "is no zero of slipd's", "is of version "};
 static_assert(std::endian::native == std::endian::little,
               "lists of numbers are stored in little-endian order");
 
@@ -70,33 +69,17 @@ std::string to_string(const ZeroIdentity& identity) {
 }
 
 std::vector<std::uint8_t> encode_zero(const ZeroIdentity& identity, const Zero& zero, const Now& now) {
-  auto body = json::to_cbor({{"sensor", to_json(identity)},
-                             {"origin", to_string(zero.origin)},
-                             {"taken_realtime_ns", now.realtime_of(zero.taken_ns)},
-                             {"confirmed_realtime_ns", now.realtime_of(zero.confirmed_ns)},
-                             {"bias_pa", pack(zero.bias_pa)},
-                             {"noise_pa", pack(zero.noise_pa)}});
-  const std::uint64_t checksum = crc64(body);
-  return json::to_cbor({{"format", kFormat},
-                        {"version", kVersion},
-                        {"crc64", checksum},
-                        {"body", json::binary(std::move(body))}});
+  return seal(kKind, {{"sensor", to_json(identity)},
+                      {"origin", to_string(zero.origin)},
+                      {"taken_realtime_ns", now.realtime_of(zero.taken_ns)},
+                      {"confirmed_realtime_ns", now.realtime_of(zero.confirmed_ns)},
+                      {"bias_pa", pack(zero.bias_pa)},
+                      {"noise_pa", pack(zero.noise_pa)}});
 }
 
 Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identity, const Now& now) {
   try {
-    if (!cbor::is_sound(bytes)) throw ZeroError("is damaged or cut: it is no CBOR item");
-    const json envelope = json::from_cbor(bytes.begin(), bytes.end());
-    if (!envelope.is_object() || envelope.value("format", json()) != kFormat)
-      throw ZeroError("is no zero of slipd's");
-    if (envelope.at("version") != kVersion) {
-      throw ZeroError("is of version " + envelope.at("version").dump() + ", and this slipd uses version " +
-                      std::to_string(kVersion));
-    }
-    const auto& packed = envelope.at("body").get_binary();
-    if (envelope.at("crc64") != crc64(packed)) throw ZeroError("is damaged: its checksum does not fit");
-    if (!cbor::is_sound(packed)) throw ZeroError("is damaged: what its checksum covers is no CBOR item");
-    const json body = json::from_cbor(packed);
+    const json body = unsealed(kKind, bytes);
     if (const ZeroIdentity of = identity_of(body.at("sensor")); !(of == identity)) {
       throw ZeroError("is another sensor's: " + to_string(of) + ", and this is " + to_string(identity));
     }
@@ -108,6 +91,8 @@ Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identi
             .origin = origin_of(body.at("origin")),
             .taken_ns = monotonic("taken_realtime_ns"),
             .confirmed_ns = monotonic("confirmed_realtime_ns")};
+  } catch (const SealError& error) {
+    throw ZeroError(error.what());
   } catch (const json::exception& error) {
     throw ZeroError(std::string("is damaged or cut: ") + error.what());
   }

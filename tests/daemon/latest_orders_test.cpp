@@ -8,6 +8,7 @@ namespace slipd {
 namespace {
 
 using testing::CheckedAtomic;
+using testing::demand;
 using testing::Violation;
 using testing::WeakMemory;
 using Access = WeakMemory::Access;
@@ -20,10 +21,6 @@ constexpr std::size_t kWords = 2, kRound = kWords + 4;  // accesses of one attem
 struct Pair {
   std::uint64_t first, second;
 };
-
-void demand(bool holds, const char* what) {
-  if (!holds) throw Violation(what);
-}
 
 // All stores come first, which leaves nothing out: the writer never looks at what readers do, and a load may
 // see each value that it is not known to be past.

@@ -56,6 +56,12 @@ std::filesystem::path real_drivers() {
   return std::filesystem::path(SLIPD_BINARY_DIR) / "drivers";
 }
 
+json trial_sensor(const std::string& name, const json& options, const json& more) {
+  json sensor{{"name", name}, {"driver", "trial"}, {"options", options}};
+  sensor.merge_patch(more);
+  return sensor;
+}
+
 json config_with(const TempFolder& folder, const json& sensors, const json& more) {
   json config{{"sensors", sensors},
               {"socket", {{"path", folder.file("s.sock").string()}}},

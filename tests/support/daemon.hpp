@@ -13,6 +13,10 @@ namespace slipd::testing {
 std::filesystem::path trial_drivers();
 std::filesystem::path real_drivers();
 
+// A sensor of the driver trial; more members as they are given.
+nlohmann::json trial_sensor(const std::string& name, const nlohmann::json& options = nlohmann::json::object(),
+                            const nlohmann::json& more = nlohmann::json::object());
+
 // A configuration with these sensors and a socket in the folder; more top-level members as they are given.
 nlohmann::json config_with(const TempFolder& folder, const nlohmann::json& sensors,
                            const nlohmann::json& more = nlohmann::json::object());

@@ -29,11 +29,7 @@ constexpr auto kLook = 1500ms;
 constexpr double kTolerated = 0.05;  // of the frames may be skipped more: what else runs here takes its share
 
 json trial(const std::string& name, const json& options = json::object()) {
-  return {{"name", name},
-          {"driver", "trial"},
-          {"rate_hz", 1000},
-          {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}},
-          {"options", options}};
+  return trial_sensor(name, options, {{"rate_hz", 1000}, {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}}});
 }
 
 TEST(Clients, ASubscriberThatLeavesIsLetGoAlsoWhereNothingIsTold) {

@@ -10,13 +10,9 @@ namespace {
 using nlohmann::json;
 
 json trial(const std::string& name, const json& options = json::object(), const json& more = json::object()) {
-  json sensor{{"name", name},
-              {"driver", "trial"},
-              {"stale_after_ms", 200},
-              {"layout", {{"grid", {16, 16}}, {"pitch_mm", 0.9}}},
-              {"options", options}};
-  sensor.merge_patch(more);
-  return sensor;
+  json members{{"stale_after_ms", 200}, {"layout", {{"grid", {16, 16}}, {"pitch_mm", 0.9}}}};
+  members.merge_patch(more);
+  return trial_sensor(name, options, members);
 }
 
 json sensors(std::vector<json> list) {

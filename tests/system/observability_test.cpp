@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 json left(const json& options = json::object()) {
-  return {{"name", "left"}, {"driver", "trial"}, {"rate_hz", 200}, {"options", options}};
+  return trial_sensor("left", options, {{"rate_hz", 200}});
 }
 
 std::string text_of(const std::filesystem::path& file) {

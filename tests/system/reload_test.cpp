@@ -17,10 +17,6 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-json trial(const std::string& name, const json& options = json::object()) {
-  return {{"name", name}, {"driver", "trial"}, {"options", options}};
-}
-
 bool serves(const json& gamma, const std::string& sensor) {
   return gamma["sensors"].size() == 1 && gamma["sensors"][0]["sensor"] == sensor;
 }
@@ -43,14 +39,14 @@ class Reload : public ::testing::Test {
     }
   }
   const TempFolder folder_;
-  Daemon daemon_{only(trial("left")), trial_drivers()};
+  Daemon daemon_{only(trial_sensor("left")), trial_drivers()};
 };
 
 TEST_F(Reload, TakesUpAGoodConfigurationAndKeepsItsClients) {
   auto subscriber = daemon_.client();
   subscriber.result("subscribe");
   EXPECT_EQ(subscriber.notification()["params"]["sensor"], "left");
-  reload(only(trial("right")));
+  reload(only(trial_sensor("right")));
   daemon_.wait_for("gamma", [](const json& r) { return serves(r, "right"); });
   json told;
   do told = subscriber.notification();
@@ -59,11 +55,11 @@ TEST_F(Reload, TakesUpAGoodConfigurationAndKeepsItsClients) {
 }
 
 TEST_F(Reload, ASubscriberByNameIsToldOfItsOwnSensorsOnly) {
-  reload(config_with(folder_, json::array({trial("other"), trial("left")})));
+  reload(config_with(folder_, json::array({trial_sensor("other"), trial_sensor("left")})));
   daemon_.wait_for("gamma", [](const json& r) { return r["sensors"].size() == 2; });
   auto subscriber = daemon_.client();
   subscriber.result("subscribe", {{"sensors", {"left"}}});
-  reload(config_with(folder_, json::array({trial("left"), trial("other")})));
+  reload(config_with(folder_, json::array({trial_sensor("left"), trial_sensor("other")})));
   daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["sensor"] == "left"; });
   for (int i = 0; i < 50; ++i) EXPECT_EQ(subscriber.notification()["params"]["sensor"], "left");
 }
@@ -73,7 +69,7 @@ TEST_F(Reload, KeepsTheOldConfigurationWhenTheNewOneIsBad) {
   await_error("the configuration in force stays");
   reload(only({{"name", "left"}, {"driver", "nosuch"}}));
   await_error("/sensors/0/driver");
-  reload(only(trial("left", {{"behaviour", "throw_in_create"}})));
+  reload(only(trial_sensor("left", {{"behaviour", "throw_in_create"}})));
   await_error("the trial device cannot be made");
   EXPECT_TRUE(serves(daemon_.client().result("gamma"), "left"));
   std::filesystem::remove(daemon_.config());
@@ -83,9 +79,10 @@ TEST_F(Reload, KeepsTheOldConfigurationWhenTheNewOneIsBad) {
 }
 
 TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
-  reload(config_with(folder_, json::array({trial("left"), trial("ill", {{"behaviour", "hang_in_read"}})})));
+  reload(config_with(
+      folder_, json::array({trial_sensor("left"), trial_sensor("ill", {{"behaviour", "hang_in_read"}})})));
   daemon_.wait_for("gamma", [](const json& r) { return r["sensors"].size() == 2; });
-  reload(only(trial("right")));
+  reload(only(trial_sensor("right")));
   daemon_.wait_for("gamma",
                    [](const json& r) { return serves(r, "right") && r["sensors"][0]["state"] == "ok"; });
   EXPECT_EQ(daemon_.stop(2s), 0);
@@ -103,7 +100,7 @@ TEST_F(Reload, EndsARecordingAndSaysSo) {
     return std::filesystem::exists(folder_.file("r.rec")) &&
            std::filesystem::file_size(folder_.file("r.rec")) > 0;
   });
-  reload(only(trial("left")));
+  reload(only(trial_sensor("left")));
   const auto answer = client.line();
   ASSERT_TRUE(answer);
   EXPECT_THAT(*answer, HasSubstr("another configuration"));
@@ -114,7 +111,7 @@ TEST_F(Reload, AgainAndAgainWhileClientsAsk) {
   auto subscriber = daemon_.client();
   subscriber.result("subscribe");
   for (int i = 0; i < 10; ++i) {
-    reload(only(trial(i % 2 == 0 ? "right" : "left")));
+    reload(only(trial_sensor(i % 2 == 0 ? "right" : "left")));
     for (int k = 0; k < 20; ++k) asking.call("frame", {{"sensor", "left"}});
   }
   daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
@@ -126,7 +123,7 @@ TEST(Activation, ServesTheSocketThatItIsPassed) {
   if (!std::filesystem::exists(activate)) GTEST_SKIP() << activate << " is not installed";
   const TempFolder folder;
   const auto socket = folder.file("passed.sock");
-  const auto config = folder.write("c.json", config_with(folder, json::array({trial("left")})).dump());
+  const auto config = folder.write("c.json", config_with(folder, json::array({trial_sensor("left")})).dump());
   Program program(folder, "slipd",
                   {activate.string(), "--listen=" + socket.string(), (program_folder() / "slipd").string(),
                    "--config", config.string(), "--driver-dir", trial_drivers().string()});

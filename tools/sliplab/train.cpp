@@ -81,14 +81,13 @@ json report(const Model& model, const std::filesystem::path& file, double second
   for (std::size_t i = 1; i <= model.rank(); ++i) explained.push_back(model.explained(i));
   json rows = json::array();
   for (const auto& row : model.data().worth.rows) {
-    rows.push_back(
-        {{"method", row.method},
-         {"rank", row.settings.rank},
-         {"rings", row.settings.rings},
-         {"precision", row.settings.precision == Precision::double_precision ? "double" : "single"},
-         {"mean_error", row.mean_error},
-         {"answered", row.answered},
-         {"p50_us", row.p50_us}});
+    rows.push_back({{"method", row.method},
+                    {"rank", row.settings.rank},
+                    {"rings", row.settings.rings},
+                    {"precision", to_string(row.settings.precision)},
+                    {"mean_error", row.mean_error},
+                    {"answered", row.answered},
+                    {"p50_us", row.p50_us}});
   }
   return {{"file", file.string()},
           {"seconds", seconds},

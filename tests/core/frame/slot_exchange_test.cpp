@@ -11,16 +11,13 @@ namespace slipd {
 namespace {
 
 using testing::CheckedAtomic;
+using testing::demand;
 using testing::Violation;
 using testing::WeakMemory;
 using Access = WeakMemory::Access;
 
 constexpr std::size_t kFiller = 1, kReader = 2;
 constexpr int kFrames = 5, kLooks = 4;
-
-void demand(bool holds, const char* what) {
-  if (!holds) throw Violation(what);
-}
 
 // Atomic, as the exchange uses it, with a place before each of the reader's accesses in which the filler may
 // do whatever it still has to. As hand_over() has a single access to what is shared, all orders are among

@@ -25,6 +25,10 @@ class Violation : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+inline void demand(bool holds, const char* what) {
+  if (!holds) throw Violation(what);
+}
+
 class WeakMemory {
  public:
   enum class Access : std::uint8_t { load, store, exchange };

@@ -26,10 +26,7 @@ int wanted_replugs() {
 }
 
 json trial(const std::string& name, const json& options) {
-  return {{"name", name},
-          {"driver", "trial"},
-          {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}},
-          {"options", options}};
+  return trial_sensor(name, options, {{"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}}});
 }
 
 std::uint64_t sum(const json& status, const char* member) {

@@ -20,10 +20,7 @@ using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
 json trial(const std::string& name, const json& options = json::object()) {
-  return {{"name", name},
-          {"driver", "trial"},
-          {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}},
-          {"options", options}};
+  return trial_sensor(name, options, {{"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}});
 }
 
 class Limits : public ::testing::Test {

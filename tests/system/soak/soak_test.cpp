@@ -46,16 +46,14 @@ class Soak : public ::testing::Test {
   json config() const {
     json sensors = json::array();
     for (int i = 0; i < kSensors; ++i) {
-      sensors.push_back({{"name", name_of(i)},
-                         {"driver", "trial"},
-                         {"rate_hz", kRateHz},
-                         {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}},
-                         {"options",
-                          {{"behaviour", "end"},
-                           {"after", static_cast<std::uint64_t>(seconds_ * kRateHz)},
-                           {"troubles", i + 1},
-                           {"gate", folder_.file("gate").string()},
-                           {"account", account_of(i).string()}}}});
+      sensors.push_back(
+          trial_sensor(name_of(i),
+                       {{"behaviour", "end"},
+                        {"after", static_cast<std::uint64_t>(seconds_ * kRateHz)},
+                        {"troubles", i + 1},
+                        {"gate", folder_.file("gate").string()},
+                        {"account", account_of(i).string()}},
+                       {{"rate_hz", kRateHz}, {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}}}));
     }
     return config_with(folder_, sensors, {{"recorder", {{"seconds", 0.2}, {"keep", 3}}}});
   }

@@ -19,10 +19,6 @@ std::string title_of(const std::string& layout) {
   return layout == "wrench" ? "wrench" : layout + "x" + layout;
 }
 
-const char* text_of(Precision precision) {
-  return precision == Precision::single_precision ? "single" : "double";
-}
-
 // What a method has no setting of, or did not answer, is "-".
 std::string cell(double value, const char* form) {
   if (!std::isfinite(value)) return "-";
@@ -51,7 +47,7 @@ void print_line(const Line& line) {
       "  %c %-10s %4s %5s %3s  %-9s %10.1f  %8s  %8s  %5.1f %%  %5.1f %%  %5.1f %%  %5.1f %%  %7.1f  %7.1f  "
       "%s\n",
       line.front ? '*' : ' ', row.method.c_str(), cell(set.rank).c_str(), cell(set.rings).c_str(),
-      cell(set.neighbours).c_str(), text_of(set.precision), 1e-3 * static_cast<double>(set.memory_bytes),
+      cell(set.neighbours).c_str(), to_string(set.precision), 1e-3 * static_cast<double>(set.memory_bytes),
       cell(row.mean_error, "%.4f").c_str(), cell(row.p95_error, "%.4f").c_str(), 100 * row.right,
       100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma, row.p50_us, row.p99_us,
       line.when.c_str());
@@ -153,7 +149,7 @@ nlohmann::ordered_json to_json(const std::vector<Line>& lines, std::size_t conta
                     {"rank", set.rank},
                     {"rings", set.rings},
                     {"neighbours", set.neighbours},
-                    {"precision", text_of(set.precision)},
+                    {"precision", to_string(set.precision)},
                     {"memory_bytes", set.memory_bytes},
                     {"mean_error", row.mean_error},
                     {"p95_error", row.p95_error},
@@ -180,9 +176,10 @@ void write_files(const std::vector<Line>& lines, const std::filesystem::path& fo
     const auto& set = row.settings;
     csv << line.layout << ',' << name_of(line.noise.kind) << ',' << line.noise.half_width << ',' << line.when
         << ',' << row.method << ',' << set.rank << ',' << set.rings << ',' << set.neighbours << ','
-        << text_of(set.precision) << ',' << set.memory_bytes << ',' << row.mean_error << ',' << row.p95_error
-        << ',' << row.right << ',' << row.answered << ',' << row.within_two_sigma << ',' << row.p50_us << ','
-        << row.p99_us << ',' << line.limit.mean_error << ',' << line.front << ',' << row.within_sigma << '\n';
+        << to_string(set.precision) << ',' << set.memory_bytes << ',' << row.mean_error << ','
+        << row.p95_error << ',' << row.right << ',' << row.answered << ',' << row.within_two_sigma << ','
+        << row.p50_us << ',' << row.p99_us << ',' << line.limit.mean_error << ',' << line.front << ','
+        << row.within_sigma << '\n';
   }
   write_file(folder / "tradeoff.csv", csv.str());
   write_fronts(lines, folder / "tradeoff-front.csv");
