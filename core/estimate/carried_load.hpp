@@ -38,13 +38,17 @@ class CarriedLoad {
 
   // After each frame. Coulomb: an object that slides keeps Q/P while P changes. Gives that Q/P while it does.
   // (While both grow from nothing a stuck contact does so too: P has to fall.)
-  std::optional<double> look_for_sliding(double normal_n) noexcept;
+  std::optional<double> look_for_sliding() noexcept;
 
  private:
   bool shapeless_;
   Value now_;
-  double change_ = 0;  // a frame
-  double mean_ = 0;    // of more frames
+  double frame_sigma_ = 0;  // of one frame's load
+  double change_ = 0;       // a frame
+  int frames_ = 0;          // that now_ and change_ come from
+  double astray_ = 0;       // what frames were off of late, in their deviations
+  double mean_ = 0;         // of a fixed number of frames
+  Value normal_n_;          // the same of the normal force
   double highest_ = 0;
   double slide_normal_n_ = 0, slide_load_ = 0;  // where a plateau of Q/P may have begun
 };

@@ -18,7 +18,9 @@ constexpr double kUnevenSigma = 0.03;  // of a margin read off a skin as uneven 
 constexpr double kMostMisfit = 4;      // mean square over rings, about 1 in the family
 constexpr double kConverged = 1e-3;    // of each unknown's own standard deviation
 constexpr std::size_t kRings = 12;
-constexpr double kOpen = 0.04;  // a sigma of Gamma beyond which the scene is asked
+constexpr double kClearly = 2;          // deviations
+constexpr double kPressureSigma = 0.9;  // of Gamma, over what is left of the pressure
+constexpr double kOpen = 0.04;          // a sigma of Gamma beyond which the scene is asked
 constexpr std::size_t kSteps = MarginProfile::kSteps;
 constexpr double kLeastOpen = 0.1;
 constexpr double kSceneSpread = 0.15;  // how softly the scene's range of friction ends, in log mu
@@ -36,13 +38,13 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected)
 }
 
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
-void Fit::collect(const Frame& frame, const ContactPatch& patch) noexcept {
+void Fit::collect(const ContactPatch& patch) noexcept {
   count_ = 0;
   const auto take = [&](std::uint32_t i) {
     x_[count_] = layout_.x_m()[i] - patch.center_x_m;
     y_[count_] = layout_.y_m()[i] - patch.center_y_m;
-    p_[count_] = frame.normal_pa[i];
-    q_[count_] = patch.shear_along_pa(frame, i);
+    p_[count_] = patch.taxels.normal_pa[i];
+    q_[count_] = patch.shear_along_pa(i);
     ++count_;
   };
   if (layout_.size() <= kFewTaxels) {  // where so little is felt, what is not felt tells as well
@@ -139,6 +141,29 @@ double Fit::ring_misfit(const Vector& at, double uneven_share) const noexcept {
   return used > 0 ? sum / used : 0;
 }
 
+// What no noise explains of the pressure, part by part of the disc, as a share of its peak: a contact that is
+// tilted, elliptic or felt through a skin is off to one side or another, an array with dead taxels here and
+// there. Shear is off by as much, and that is not seen in what is left of it, as the margin gives way to it.
+double Fit::pressure_left_over(const Vector& at) const noexcept {
+  struct Part {
+    double off = 0, taxels = 0;
+  };
+  std::array<Part, 16> parts;
+  const double half = 0.5 * at[radius] * at[radius];
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double u = u_[i], v = v_[i];
+    const std::size_t which = (u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) +
+                              (std::fabs(u) > std::fabs(v) ? 4U : 0U) + (u * u + v * v > half ? 8U : 0U);
+    parts[which].off += p_[i] - at[height] * outer_.value[i];
+    parts[which].taxels += 1;
+  }
+  double sum = 0;
+  for (const Part& part : parts) sum += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
+  const double free = parts.size() - 4.0, by_noise = noise_normal_ * noise_normal_;  // the fit took four
+  if (sum < (free + kClearly * std::sqrt(2 * free)) * by_noise) return 0;
+  return std::sqrt((sum - free * by_noise) / static_cast<double>(count_)) / (at[height] * at[radius]);
+}
+
 // The profile below holds place, size and height of the contact as they fit best. They are not known so well:
 // the margin's variance with them held, over that with them free.
 double Fit::share_left_open(const Square& hessian) noexcept {
@@ -198,9 +223,9 @@ void Fit::weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) 
   out.friction_sigma = std::sqrt(std::max(0.0, mu2 / weight - mu * mu) + step * step / 12);
 }
 
-Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
+Reading Fit::read(const Frame&, const ContactPatch& patch) noexcept {
   Reading out;
-  collect(frame, patch);
+  collect(patch);
   const double peak = 1.5 * patch.normal_n / (3.141592653589793 * patch.radius_m * patch.radius_m);
   noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
   noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
@@ -256,14 +281,14 @@ Reading Fit::read(const Frame& frame, const ContactPatch& patch) noexcept {
   out.center_x_m = patch.center_x_m + at[center_x];
   out.center_y_m = patch.center_y_m + at[center_y];
   out.radius_m = at[radius];
-  const double beyond_noise = ring_misfit(at, 0);
-  out.in_family = ring_misfit(at, kUneven) < kMostMisfit;
+  out.in_family = ratio.unlike.hertzian() && ring_misfit(at, kUneven) < kMostMisfit;
   if (out.sigma > kOpen) weigh_by_scene(at, hessian, out);
-  if (beyond_noise >
-      kMostMisfit) {  // accepted as an uneven skin; it may as well be a little of another history
-    out.sigma = std::hypot(out.sigma, kUnevenSigma);
-    out.friction_sigma = std::hypot(out.friction_sigma, 2 * kUnevenSigma * out.friction);
-  }
+  // Beyond noise it is accepted as an uneven skin; it may as well be a little of another history.
+  const double uneven = ring_misfit(at, 0) > kMostMisfit ? kUnevenSigma : 0;
+  const double unlike = std::max(kPressureSigma * pressure_left_over(at), ratio.unlike.sigma());
+  const double doubt = std::hypot(uneven, unlike);
+  out.sigma = std::hypot(out.sigma, doubt);
+  out.friction_sigma = std::hypot(out.friction_sigma, 2 * doubt * out.friction);
   return out;
 }
 

@@ -43,11 +43,12 @@ class Fit final : public SlipMethod {
   using Vector = Eigen::Matrix<double, kUnknowns, 1>;
   using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-  void collect(const Frame& frame, const ContactPatch& patch) noexcept;
+  void collect(const ContactPatch& patch) noexcept;
   Vector start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
   double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
   double ring_misfit(const Vector& at, double uneven) const noexcept;
+  double pressure_left_over(const Vector& at) const noexcept;
   static double share_left_open(const Square& hessian) noexcept;
   void weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) noexcept;
 

@@ -38,7 +38,11 @@ constexpr int kSettled = 10;  // frames, then the weights have found that other 
 // Of log mu. No friction changes so much at once, but noise may turn one belief into another.
 constexpr double kJumped = 0.4;
 
-constexpr double kOneFrame = 0.5;  // of a profile's evidence: neighbouring frames share the skin's unevenness
+// Of profiles' evidence: neighbouring frames share the skin's unevenness, and what noise makes of the
+// contact's place and size draws each of them the same way. That is second order in noise: so much of a
+// margin they tell at best, over so wide a one of each.
+constexpr double kOneFrame = 0.5;
+constexpr double kAlike = 1.2;
 
 // Of a load that only rose, as a share of mu P: see ShearShape::slipped_n.
 double risen_slipped(double gamma) noexcept {
@@ -63,7 +67,7 @@ void FrictionBelief::reset() noexcept {
   contacts_.clear();
   normal_n_ = shear_n_ = axis_x_ = axis_y_ = 0;
   known_ = only_risen_ = true;
-  aimed_n_ = 0;
+  aimed_n_ = told_ = 0;
   surprised_ = false;
   agreeing_ = doubted_ = 0;
   misfit_ = 1;
@@ -93,7 +97,7 @@ void FrictionBelief::update(std::int64_t time_ns, const ContactPatch& patch,
   doubted_ = std::max(0, doubted_ - 1);
   if (reading != nullptr && patch.shear_n > kTold * patch.shear_sigma_n) weigh_frame(patch, *reading);
   if (shapeless_) {
-    if (const auto slides = carried_.look_for_sliding(patch.normal_n)) weigh_sliding(*slides);
+    if (const auto slides = carried_.look_for_sliding()) weigh_sliding(*slides);
   }
   weights_.normalise();
   if (!shapeless_) watch_jumps();
@@ -128,11 +132,8 @@ void FrictionBelief::follow(const ContactPatch& patch) noexcept {
   const auto drag = [](double from, double to, double band) {
     return to > from + band ? to - band : (to < from - band ? to + band : from);
   };
-  const double normal_sigma = patch.noise_normal_pa > 0 && patch.noise_shear_pa > 0
-                                  ? patch.shear_sigma_n * patch.noise_normal_pa / patch.noise_shear_pa
-                                  : patch.shear_sigma_n;
   const double still = kBandShare * patch.normal_n;
-  const double normal_to = drag(normal_n_, patch.normal_n, kBand * normal_sigma + still);
+  const double normal_to = drag(normal_n_, patch.normal_n, kBand * patch.normal_sigma_n + still);
   const double shear_to = drag(shear_n_, shear, kBand * patch.shear_sigma_n + 0.1 * still);
   if (normal_to == normal_n_ && shear_to == shear_n_) return;
   normal_n_ = std::max(normal_to, 1e-6 * patch.normal_n);
@@ -152,6 +153,7 @@ void FrictionBelief::watch_begin(const ContactPatch& patch) noexcept {
 // The past is not known: taken for a load that only rose until frames say otherwise.
 void FrictionBelief::start_anew() noexcept {
   weights_.reset();
+  told_ = 0;
   known_ = false;
   agreeing_ = 0;
   if (!shapeless_) contacts_.assume_risen(normal_n_, shear_n_);
@@ -179,7 +181,8 @@ void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& readi
   const bool direct = only_risen_ && reading.in_family;
   PerFriction misfit;  // of as many as there are
   if (direct) {
-    misfit_of_margin(load, reading, weights_, misfit);
+    misfit_of_margin(load, reading, weights_, told_, misfit);
+    told_ += square(reading.sigma / kAlike);
   } else if (known_ && !shapeless_ && std::isfinite(reading.shape_sigma.slipped_n)) {
     misfit_of_shape(patch, reading, misfit);
   } else {
@@ -189,11 +192,12 @@ void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& readi
 }
 
 void FrictionBelief::misfit_of_margin(double load, const Reading& reading, const FrictionWeights& weights,
-                                      PerFriction& misfit) noexcept {
+                                      double told, PerFriction& misfit) noexcept {
   const double apart = kBetween * weights.step();
+  const double new_in_it = kOneFrame / (1 + told);
   for (std::size_t j = 0; j < weights.count(); ++j) {
     const double mobilised = load / weights.friction(j);
-    misfit[j] = reading.profile.known ? kOneFrame * 2 * reading.profile.at(1 - mobilised)
+    misfit[j] = reading.profile.known ? new_in_it * 2 * reading.profile.at(1 - mobilised)
                                       : square(reading.gamma - 1 + mobilised) /
                                             (square(reading.sigma) + square(apart * mobilised));
   }
@@ -245,7 +249,7 @@ void FrictionBelief::judge(const PerFriction& misfit, bool direct) noexcept {
   }
   strange_ = 0;
   if (change_ > kChanged) {
-    change_ = 0;
+    change_ = told_ = 0;
     weights_.reset();
   }
   if (direct) known_ = known_ || ++agreeing_ >= kEnoughAgree;

@@ -60,7 +60,7 @@ class FrictionBelief {
   void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
   // How badly each friction explains the frame: squared deviations.
   static void misfit_of_margin(double load, const Reading& reading, const FrictionWeights& weights,
-                               PerFriction& misfit) noexcept;
+                               double told, PerFriction& misfit) noexcept;
   void misfit_of_shape(const ContactPatch& patch, const Reading& reading, PerFriction& misfit) noexcept;
   void judge(const PerFriction& misfit, bool direct) noexcept;
   void watch_jumps() noexcept;
@@ -76,6 +76,7 @@ class FrictionBelief {
   double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
   double aimed_n_ = 0;                 // the shear that the axis was taken from
   bool known_ = true, only_risen_ = true, surprised_ = false;
+  double told_ = 0;      // by profiles, in frames' worth of what they all have in common
   int doubted_ = 0;      // frames for which no margin means anything yet
   double believed_ = 0;  // the likeliest friction a frame ago, 0 before there was one
   double misfit_ = 1, change_ = 0;

@@ -13,8 +13,6 @@ namespace {
 // Beyond this mean square the rings belong to another history. In the family it is about 1.
 constexpr double kMostMisfit = 4;
 
-constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 about its middle
-
 // The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k.
 double slope(double k) noexcept {
   const double k2 = k * k, k3 = k2 * k, rest = 1 - k3;
@@ -64,6 +62,7 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) n
   };
   const double from_q = noise(patch.noise_shear_pa, q, mean_q),
                from_p = noise(patch.noise_normal_pa, p, mean_p);
+  out.unlike = unlike_hertz(sums, patch, layout.side_m());
   const double coarse = layout.side_m() / patch.radius_m;
   const double cut_rim = 0.3 * coarse * coarse * coarse, grid = cut_rim + 0.002;  // of squares on a round rim
   out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, cut_rim + 0.0007);
@@ -100,14 +99,15 @@ Reading Moments::read(const ContactPatch& patch, const Rings& rings) const noexc
   const double open = 3 * ratio.sigma + 0.03;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = gamma_of_moment_ratio(ratio.value);
-  out.sigma = slope(std::cbrt(out.gamma)) * ratio.sigma;
+  out.sigma = std::hypot(slope(std::cbrt(out.gamma)) * ratio.sigma, ratio.unlike.sigma());
   const double held = std::max(1e-6, 1 - out.gamma);
   out.friction = ratio.load / held;
   // Near no load friction is a ratio of two small numbers.
   out.friction_sigma = out.sigma < 0.5 * held
                            ? out.friction * std::hypot(out.sigma / held, patch.shear_sigma_n / patch.shear_n)
                            : std::numeric_limits<double>::infinity();
-  out.in_family = family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
+  out.in_family =
+      ratio.unlike.hertzian() && family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/estimate/method.hpp"
+#include "core/estimate/unlike_hertz.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {
@@ -19,6 +20,7 @@ double gamma_of_moment_ratio(double ratio) noexcept;
 struct MomentRatio {
   double value = 1, sigma = std::numeric_limits<double>::infinity();
   double load = 0;  // sum q / sum p
+  UnlikeHertz unlike;
   contact::ShearShape shape, shape_sigma = Reading().shape_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept;

@@ -14,6 +14,12 @@ SLIPD_INLINE float greatest(const Floats& of) noexcept {
   return most;
 }
 
+SLIPD_INLINE std::size_t counted(const Ints& lanes) noexcept {
+  std::size_t count = 0;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) count += static_cast<std::size_t>(lanes[lane]);
+  return count;
+}
+
 NoiseSums noise(const TaxelView& at) noexcept {
   Sums<1> sums;
   Ints below{};
@@ -30,9 +36,7 @@ NoiseSums noise(const TaxelView& at) noexcept {
         sums.next();
       });
   sums.flush();
-  std::size_t count = 0;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) count += static_cast<std::size_t>(below[lane]);
-  return {sums.total(0), count, greatest(peak)};
+  return {sums.total(0), counted(below), greatest(peak)};
 }
 
 // One more block's pressures and places.
@@ -44,9 +48,9 @@ SLIPD_INLINE void add(Sums<4>& sums, const Floats& p, const Floats& x, const Flo
   sums.next();
 }
 
-SLIPD_INLINE PlaceSums ended(Sums<4>& sums) noexcept {
+SLIPD_INLINE PlaceSums ended(Sums<4>& sums, std::size_t holes) noexcept {
   sums.flush();
-  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3)};
+  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3), holes};
 }
 
 PlaceSums place(const TaxelView& at, float least_pa) noexcept {
@@ -57,16 +61,21 @@ PlaceSums place(const TaxelView& at, float least_pa) noexcept {
         const Floats given = load(at.normal_pa + i), x = load(at.x_m + i), y = load(at.y_m + i);
         add(sums, where(mask & ~(given < least_pa), given), x, y);
       });
-  return ended(sums);
+  return ended(sums, 0);
 }
 
-PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_m) noexcept {
+PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_m,
+                const Hole& hole) noexcept {
   Sums<4> sums;
+  Ints holes{};
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
-        add(sums, where(mask, load(at.normal_pa + i)), load(at.x_m + i) - x_m, load(at.y_m + i) - y_m);
+        const Floats p = where(mask, load(at.normal_pa + i)), x = load(at.x_m + i) - x_m,
+                     y = load(at.y_m + i) - y_m;
+        holes -= mask & (p < hole.below_pa) & (x * x + y * y < hole.within_m2);
+        add(sums, p, x, y);
       });
-  return ended(sums);
+  return ended(sums, counted(holes));
 }
 
 ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
@@ -99,30 +108,37 @@ double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const Standpoi
 }
 
 MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from) noexcept {
-  Sums<9> sums;
+  Sums<14> sums;
   const float over = 1 / (from.radius_m * from.radius_m);
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
-        const Floats x = load(at.x_m + i) - from.x_m, y = load(at.y_m + i) - from.y_m;
-        const Floats s = where(mask, (x * x + y * y) * over), s2 = s * s;
+        const Floats x = where(mask, load(at.x_m + i) - from.x_m),
+                     y = where(mask, load(at.y_m + i) - from.y_m);
+        const Floats x2 = x * x * over, y2 = y * y * over, s = x2 + y2, s2 = s * s;
         const Floats p = where(mask, load(at.normal_pa + i));
         const Floats q =
             where(mask, from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i));
-        const Floats qs = q * s;
+        const Floats qs = q * s, ps = p * s;
         sums.part[0] += p;
         sums.part[1] += q;
-        sums.part[2] += p * s;
+        sums.part[2] += ps;
         sums.part[3] += qs;
         sums.part[4] += qs * s;
         sums.part[5] += s;
         sums.part[6] += s2;
         sums.part[7] += s2 * s;
         sums.part[8] += s2 * s2;
+        sums.part[9] += ps * s;
+        sums.part[10] += ps * x;
+        sums.part[11] += ps * y;
+        sums.part[12] += p * (x2 - y2);
+        sums.part[13] += p * (x * y * over);
         sums.next();
       });
   sums.flush();
-  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3), sums.total(4),
-          sums.total(5), sums.total(6), sums.total(7), sums.total(8)};
+  return {sums.total(0),  sums.total(1),  sums.total(2),  sums.total(3), sums.total(4),
+          sums.total(5),  sums.total(6),  sums.total(7),  sums.total(8), sums.total(9),
+          sums.total(10), sums.total(11), sums.total(12), sums.total(13)};
 }
 
 void rings(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from, std::size_t count,

@@ -29,9 +29,15 @@ struct NoiseSums {
   float peak = 0;         // the greatest pressure, 0 if none is above
 };
 
+// A taxel that feels less than this nearer to the centre than that.
+struct Hole {
+  float below_pa = 0, within_m2 = 0;
+};
+
 // Of pressure p at places relative to a centre.
 struct PlaceSums {
   double p = 0, px = 0, py = 0, prr = 0;
+  std::size_t holes = 0;
 };
 
 struct ForceSums {
@@ -39,9 +45,11 @@ struct ForceSums {
   float peak = 0;  // of p, at least 0
 };
 
-// Powers of s = r^2/a^2, alone and weighted by pressure p and by the shear along a direction q.
+// Powers of s = r^2/a^2, alone and weighted by pressure p and by the shear along a direction q. Then how p
+// lies about the centre: p s by each coordinate, p (x^2 - y^2)/a^2 and p x y/a^2.
 struct MomentSums {
-  double p = 0, q = 0, ps = 0, qs = 0, qss = 0, s = 0, s2 = 0, s3 = 0, s4 = 0;
+  double p = 0, q = 0, ps = 0, qs = 0, qss = 0, s = 0, s2 = 0, s3 = 0, s4 = 0, pss = 0, psx = 0, psy = 0,
+         px2y2 = 0, pxy = 0;
 };
 
 // About a centre, with shear along (toward_x, toward_y).
@@ -62,7 +70,7 @@ struct DiscKernels {
   NoiseSums (*noise)(const TaxelView&) noexcept;
   PlaceSums (*place)(const TaxelView&,
                      float least_pa) noexcept;  // of all taxels with at least this, about the origin
-  PlaceSums (*weigh)(const TaxelView&, Runs, float x_m, float y_m) noexcept;
+  PlaceSums (*weigh)(const TaxelView&, Runs, float x_m, float y_m, const Hole&) noexcept;
   ForceSums (*force)(const TaxelView&, Runs) noexcept;
   double (*shear_squares)(const TaxelView&, Runs,
                           const Standpoint&) noexcept;  // of the shear along the direction

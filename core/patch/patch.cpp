@@ -15,6 +15,15 @@ constexpr double kStandsOut = 5;
 // The disc is taken this much wider than the contact, so that a radius found a little small loses nothing.
 constexpr double kReach = 1.06;
 
+// A dead taxel, and what a contact is that can be told to have one. In its inner part (of a^2) it nowhere
+// feels less than a third of the peak.
+constexpr double kInner = 0.8, kNothing = 0.1;  // of the peak
+constexpr double kMostNoise = 0.04;             // of the peak
+constexpr double kLeastMended = 1.5;            // a, in taxels' sides
+constexpr std::size_t kMostDead = 4;            // one in so many of the disc's
+constexpr int kNeighbours = 3;                  // at least, that feel something
+constexpr double kNear = 1.3;                   // of the taxels' side: neighbours of an irregular layout
+
 // Rounds of a disc after the last one, unless a round moves it by less than this, of a taxel's side.
 constexpr int kRefinements = 3;
 constexpr double kSettled = 0.01;
@@ -35,11 +44,11 @@ PatchFinder::PatchFinder(const TaxelLayout& layout)
   top_m_ = *top + half;
   runs_.reserve(layout.size() / 2 + 1);
   rest_.reserve(layout.size() / 2 + 2);
-  if (layout.size() < TaxelView::kLanes) {
-    x_m_.resize(TaxelView::kLanes);
-    y_m_.resize(TaxelView::kLanes);
-    channels_.resize(3 * TaxelView::kLanes);
-  }
+  const std::size_t room = std::max(layout.size(), TaxelView::kLanes);
+  x_m_.resize(room);
+  y_m_.resize(room);
+  channels_.resize(3 * room);
+  dead_.reserve(layout.size() / kMostDead + 1);
 }
 
 const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
@@ -52,14 +61,15 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
     runs_.push_back({0, 1});
     patch_.count = 1;
   } else if ((patch_.touched = locate())) {
-    refine();
+    if (refine() > 0 && mend()) refine();
   }
   if (patch_.touched) {
     patch_.runs = runs_;
     sum_forces();
     measure_shear_noise();
-    patch_.shear_sigma_n =
-        patch_.noise_shear_pa * layout_.area_m2() * std::sqrt(static_cast<double>(patch_.count));
+    const double per_noise = layout_.area_m2() * std::sqrt(static_cast<double>(patch_.count));
+    patch_.normal_sigma_n = per_noise * patch_.noise_normal_pa;
+    patch_.shear_sigma_n = per_noise * patch_.noise_shear_pa;
   }
   return patch_;
 }
@@ -69,12 +79,16 @@ void PatchFinder::view(const Frame& frame) noexcept {
   taxels = {
       frame.normal_pa.data(), frame.shear_x_pa.data(), frame.shear_y_pa.data(), x_m_.data(), y_m_.data(),
       layout_.size()};
+  if (layout_.size() < TaxelView::kLanes) copy_channels();
+}
+
+void PatchFinder::copy_channels() noexcept {
+  TaxelView& taxels = patch_.taxels;
   float* copy = channels_.data();
-  if (copy == nullptr) return;
   for (auto* channel : {&taxels.normal_pa, &taxels.shear_x_pa, &taxels.shear_y_pa}) {
-    std::copy_n(*channel, taxels.size, copy);
+    if (*channel != copy) std::copy_n(*channel, taxels.size, copy);
     *channel = copy;
-    copy += TaxelView::kLanes;
+    copy += channels_.size() / 3;
   }
 }
 
@@ -101,16 +115,18 @@ bool PatchFinder::locate() noexcept {
 }
 
 // The same from all taxels of the disc found so far, those that noise left below the threshold included.
-void PatchFinder::refine() noexcept {
+std::size_t PatchFinder::refine() noexcept {
   const double side = layout_.side_m();
+  std::size_t holes = 0;
   for (int round = 0; round < kRefinements; ++round) {
     gather(kReach * patch_.radius_m + 0.7072 * side);
     const PlaceSums sums = kernels_.weigh(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m),
-                                          static_cast<float>(patch_.center_y_m));
+                                          static_cast<float>(patch_.center_y_m), hole());
     if (!(sums.p > 0)) {
       patch_.touched = false;
-      return;
+      return 0;
     }
+    holes = sums.holes;
     const double dx = sums.px / sums.p, dy = sums.py / sums.p;
     const double spread = sums.prr / sums.p - dx * dx - dy * dy - side * side / 6;
     const double radius_m = std::sqrt(2.5 * std::max(spread, 0.05 * side * side));
@@ -125,11 +141,75 @@ void PatchFinder::refine() noexcept {
   const double chance = patch_.noise_normal_pa * std::sqrt(static_cast<double>(patch_.count));
   if (patch_.normal_n < kStandsOut * chance * layout_.area_m2()) {
     patch_.touched = false;
-    return;
+    return 0;
   }
   const double a = patch_.radius_m - 0.25 * side;
   patch_.cut = patch_.center_x_m - a < left_m_ || patch_.center_x_m + a > right_m_ ||
                patch_.center_y_m - a < bottom_m_ || patch_.center_y_m + a > top_m_;
+  return holes;
+}
+
+// What a taxel of a contact's inner part always feels more than; nothing where noise is too loud to tell, or
+// the contact too small.
+Hole PatchFinder::hole() const noexcept {
+  const double a = patch_.radius_m;
+  if (a < kLeastMended * layout_.side_m() || patch_.noise_normal_pa > kMostNoise * peak_pa_) return {};
+  return {static_cast<float>(kNothing * peak_pa_), static_cast<float>(kInner * a * a)};
+}
+
+bool PatchFinder::mend() noexcept {
+  dead_.clear();
+  patch_.runs = runs_;
+  const Hole hole = this->hole();
+  const float* const p = patch_.taxels.normal_pa;
+  std::size_t holes = 0;
+  patch_.for_each_inside([&](std::uint32_t i) {
+    const float x = x_m_[i] - static_cast<float>(patch_.center_x_m),
+                y = y_m_[i] - static_cast<float>(patch_.center_y_m);
+    if (p[i] >= hole.below_pa || x * x + y * y >= hole.within_m2) return;
+    ++holes;
+    const Dead dead = in_place_of(i, hole.below_pa);
+    if (dead.neighbours >= kNeighbours && dead_.size() < dead_.capacity()) dead_.push_back(dead);
+  });
+  if (dead_.empty() || kMostDead * holes > patch_.count) return false;  // it is the contact that is hollow
+  copy_channels();
+  float* const copy = channels_.data();
+  const std::size_t room = channels_.size() / 3;
+  for (const Dead& dead : dead_) {
+    const auto share = 1 / static_cast<float>(dead.neighbours);
+    copy[dead.taxel] = share * dead.normal_pa;
+    copy[room + dead.taxel] = share * dead.shear_x_pa;
+    copy[2 * room + dead.taxel] = share * dead.shear_y_pa;
+  }
+  patch_.mended = dead_.size();
+  return true;
+}
+
+// The sums of its nearest neighbours that feel something.
+PatchFinder::Dead PatchFinder::in_place_of(std::uint32_t taxel, float least_pa) const noexcept {
+  Dead sums{.taxel = taxel};
+  const TaxelView& felt = patch_.taxels;
+  const auto add = [&](std::size_t i) {
+    if (felt.normal_pa[i] < least_pa) return;
+    ++sums.neighbours;
+    sums.normal_pa += felt.normal_pa[i];
+    sums.shear_x_pa += felt.shear_x_pa[i];
+    sums.shear_y_pa += felt.shear_y_pa[i];
+  };
+  if (const auto& grid = layout_.regular()) {
+    const std::size_t column = taxel % grid->columns, row = taxel / grid->columns;
+    if (column > 0) add(taxel - 1);
+    if (column + 1 < grid->columns) add(taxel + 1);
+    if (row > 0) add(taxel - grid->columns);
+    if (row + 1 < grid->rows) add(taxel + grid->columns);
+  } else {
+    const double near = kNear * layout_.side_m();
+    for (std::size_t i = 0; i < layout_.size(); ++i) {
+      const float x = x_m_[i] - x_m_[taxel], y = y_m_[i] - y_m_[taxel];
+      if (x * x + y * y < near * near) add(i);
+    }
+  }
+  return sums;
 }
 
 void PatchFinder::gather(double reach_m) noexcept {

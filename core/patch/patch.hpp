@@ -1,6 +1,6 @@
 // Where the contact is in a frame and what it carries: the first step of every estimator. Forces come from
 // sums over the contact's own disc, in which noise of either sign cancels; a threshold only serves to find
-// that disc.
+// that disc. A taxel that feels nothing amid a contact is dead: its neighbours stand for it.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,12 @@ struct ContactPatch {
   double radius_m = 0;                    // a, from the pressure's second moment: <r^2> = 2 a^2 / 5
   double noise_normal_pa = 0;             // standard deviation of one taxel, measured in this frame
   double noise_shear_pa = 0;
-  double shear_sigma_n = 0;   // standard deviation of Q
-  float peak_pa = 0;          // the greatest pressure in the disc
-  std::size_t count = 0;      // of the disc's taxels
+  double normal_sigma_n = 0, shear_sigma_n = 0;  // standard deviations of P and Q
+  float peak_pa = 0;                             // the greatest pressure in the disc
+  std::size_t count = 0;                         // of the disc's taxels
+  std::size_t mended = 0;                        // of these, dead ones that neighbours stand for
   std::span<const Run> runs;  // the disc's taxels, by their numbers; valid until the next frame
-  TaxelView taxels;           // what those loops read
+  TaxelView taxels;           // the frame's channels, mended
 
   Standpoint standpoint() const noexcept {
     return {.x_m = static_cast<float>(center_x_m),
@@ -47,8 +48,8 @@ struct ContactPatch {
     }
   }
 
-  double shear_along_pa(const Frame& frame, std::uint32_t i) const noexcept {
-    return toward_x * frame.shear_x_pa[i] + toward_y * frame.shear_y_pa[i];
+  double shear_along_pa(std::uint32_t i) const noexcept {
+    return toward_x * taxels.shear_x_pa[i] + toward_y * taxels.shear_y_pa[i];
   }
 };
 
@@ -61,9 +62,19 @@ class PatchFinder {
 
  private:
   void view(const Frame& frame) noexcept;
+  void copy_channels() noexcept;
   void measure_normal_noise() noexcept;
   bool locate() noexcept;
-  void refine() noexcept;
+  // A dead taxel, and the sums of what stands for it.
+  struct Dead {
+    std::uint32_t taxel = 0;
+    int neighbours = 0;
+    float normal_pa = 0, shear_x_pa = 0, shear_y_pa = 0;
+  };
+  std::size_t refine() noexcept;  // returns how many taxels may be dead
+  Hole hole() const noexcept;
+  bool mend() noexcept;  // true if there were any
+  Dead in_place_of(std::uint32_t taxel, float least_pa) const noexcept;
   void gather(double reach_m) noexcept;
   void sum_forces() noexcept;
   void measure_shear_noise() noexcept;
@@ -72,8 +83,9 @@ class PatchFinder {
   const DiscKernels& kernels_;
   double left_m_, right_m_, bottom_m_, top_m_;  // the outermost taxels' edges
   std::vector<float> x_m_, y_m_;                // at least TaxelView::kLanes of each
-  std::vector<float> channels_;                 // of layouts that have fewer taxels; else empty
-  std::vector<Run> runs_, rest_;                // the disc, and all that is not of it
+  std::vector<float> channels_;                 // for frames that have fewer taxels, or dead ones
+  std::vector<Dead> dead_;
+  std::vector<Run> runs_, rest_;  // the disc, and all that is not of it
   double peak_pa_ = 0;
   ContactPatch patch_;
 };

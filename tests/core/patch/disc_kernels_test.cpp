@@ -77,9 +77,11 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
       float peak = 0;
       std::array<Near, 4> placed, weighed;
       std::array<Near, 3> force;
-      std::array<Near, 9> moments;
+      std::array<Near, 14> moments;
       Near squares;
       const float least = 3e4F;
+      const Hole hole{.below_pa = 1e4F, .within_m2 = 2e-5F};
+      std::size_t holes = 0;
       for (std::size_t i = 0; i < view.size; ++i) {
         const double p = view.normal_pa[i], x = view.x_m[i], y = view.y_m[i];
         if (p < 0) noise.add(p * p);
@@ -95,14 +97,28 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
           const double p = view.normal_pa[i], sx = view.shear_x_pa[i], sy = view.shear_y_pa[i];
           const double x = view.x_m[i] - kFrom.x_m, y = view.y_m[i] - kFrom.y_m, rr = x * x + y * y;
           const double q = kFrom.toward_x * sx + kFrom.toward_y * sy;
-          const double s = rr / (static_cast<double>(kFrom.radius_m) * kFrom.radius_m);
+          const double a2 = static_cast<double>(kFrom.radius_m) * kFrom.radius_m, s = rr / a2;
           inner_peak = std::max(inner_peak, view.normal_pa[i]);
           const double place[] = {p, p * x, p * y, p * rr}, forces[] = {p, sx, sy},
-                       powers[] = {p, q, p * s, q * s, q * s * s, s, s * s, s * s * s, s * s * s * s};
+                       powers[] = {p,
+                                   q,
+                                   p * s,
+                                   q * s,
+                                   q * s * s,
+                                   s,
+                                   s * s,
+                                   s * s * s,
+                                   s * s * s * s,
+                                   p * s * s,
+                                   p * s * x,
+                                   p * s * y,
+                                   p * (x * x - y * y) / a2,
+                                   p * x * y / a2};
           for (std::size_t k = 0; k < 4; ++k) weighed[k].add(place[k]);
           for (std::size_t k = 0; k < 3; ++k) force[k].add(forces[k]);
-          for (std::size_t k = 0; k < 9; ++k) moments[k].add(powers[k]);
+          for (std::size_t k = 0; k < 14; ++k) moments[k].add(powers[k]);
           squares.add(q * q);
+          holes += view.normal_pa[i] < hole.below_pa && rr < hole.within_m2 ? 1 : 0;
         }
       }
       const char* const name = kernels->name;
@@ -115,15 +131,18 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
         for (std::size_t k = 0; k < 4; ++k) of[k].expect(values[k], what, name);
       };
       four(placed, kernels->place(view, least), "place");
-      four(weighed, kernels->weigh(view, runs, kFrom.x_m, kFrom.y_m), "weigh");
+      const PlaceSums w = kernels->weigh(view, runs, kFrom.x_m, kFrom.y_m, hole);
+      four(weighed, w, "weigh");
+      EXPECT_EQ(w.holes, holes) << name;
       const ForceSums f = kernels->force(view, runs);
       const double forces[] = {f.p, f.x, f.y};
       for (std::size_t k = 0; k < 3; ++k) force[k].expect(forces[k], "force", name);
       EXPECT_EQ(f.peak, inner_peak) << name;
       squares.expect(kernels->shear_squares(view, runs, kFrom), "squares of shear", name);
       const MomentSums m = kernels->moments(view, runs, kFrom);
-      const double powers[] = {m.p, m.q, m.ps, m.qs, m.qss, m.s, m.s2, m.s3, m.s4};
-      for (std::size_t k = 0; k < 9; ++k) moments[k].expect(powers[k], "moments", name);
+      const double powers[] = {m.p,  m.q,  m.ps,  m.qs,  m.qss, m.s,     m.s2,
+                               m.s3, m.s4, m.pss, m.psx, m.psy, m.px2y2, m.pxy};
+      for (std::size_t k = 0; k < 14; ++k) moments[k].expect(powers[k], "moments", name);
     }
   }
 }

@@ -78,5 +78,73 @@ TEST(PatchFinder, TellsAContactThatTheEdgeCuts) {
   EXPECT_TRUE(finder.find(maker.make(contact, 0.0065, 0, 0, 0.01)).cut);
 }
 
+// A contact of 2 N in the middle of the pad, of which the taxels chosen read nothing.
+class Blinded {
+ public:
+  Blinded() {
+    contact_.move_to(2, 0, 0.5);
+    contact_.move_to(2, 0.6, 0.5);
+  }
+  template <typename Chosen>
+  Frame frame(Chosen dead) {
+    const Frame felt = maker_.make(contact_, 0, 0, 0.3, 0.01, Noise::sensor);
+    p_.assign(felt.normal_pa.begin(), felt.normal_pa.end());
+    x_.assign(felt.shear_x_pa.begin(), felt.shear_x_pa.end());
+    y_.assign(felt.shear_y_pa.begin(), felt.shear_y_pa.end());
+    for (std::size_t i = 0; i < p_.size(); ++i)
+      if (dead(i)) p_[i] = x_[i] = y_[i] = 0;
+    return {felt.sequence, felt.time_ns, p_, x_, y_};
+  }
+  double from_middle_m(std::size_t i) const {
+    return std::hypot(maker_.layout().x_m()[i], maker_.layout().y_m()[i]);
+  }
+  double radius_m() const { return contact_.contact_radius_m(); }
+  const TaxelLayout& layout() const { return maker_.layout(); }
+
+ private:
+  contact::LoadHistory contact_{synthetic::paper_pair()};
+  FrameMaker maker_{TaxelLayout::grid(32, 32, 0.0005)};
+  std::vector<float> p_, x_, y_;
+};
+
+TEST(PatchFinder, NeighboursStandForDeadTaxels) {
+  Blinded blinded;
+  PatchFinder finder(blinded.layout());
+  EXPECT_EQ(finder.find(blinded.frame([](std::size_t) { return false; })).mended, 0U);
+  std::mt19937 random(4);
+  std::bernoulli_distribution dead(0.05);
+  for (int i = 0; i < 20; ++i) {
+    const auto& patch = finder.find(blinded.frame([&](std::size_t) { return dead(random); }));
+    EXPECT_GT(patch.mended, 0U);
+    EXPECT_NEAR(patch.normal_n / 2, 1, 0.02);
+    EXPECT_NEAR(patch.shear_n / 0.6, 1, 0.03);
+    EXPECT_NEAR(patch.radius_m / blinded.radius_m(), 1, 0.01);
+    EXPECT_NEAR(patch.center_x_m, 0, 5e-5);
+  }
+}
+
+// Neither what lies beyond a contact nor a hollow in it is invented.
+TEST(PatchFinder, AHollowStaysAHollow) {
+  Blinded blinded;
+  PatchFinder finder(blinded.layout());
+  const auto& patch = finder.find(
+      blinded.frame([&](std::size_t i) { return blinded.from_middle_m(i) < 0.4 * blinded.radius_m(); }));
+  ASSERT_TRUE(patch.touched);
+  const double hollow_n = 2 * std::pow(1 - 0.4 * 0.4, 1.5);
+  EXPECT_NEAR(patch.normal_n / hollow_n, 1, 0.1);
+}
+
+TEST(PatchFinder, NeighboursStandForDeadTaxelsAlsoWhereThereIsNoGrid) {
+  const auto grid = TaxelLayout::grid(32, 32, 0.0005);
+  const auto layout =
+      TaxelLayout::scattered({grid.x_m().begin(), grid.x_m().end()}, {grid.y_m().begin(), grid.y_m().end()});
+  Blinded blinded;
+  PatchFinder scattered(layout), regular(grid);
+  const Frame frame = blinded.frame([](std::size_t i) { return i % 37 == 0; });
+  const auto& patch = scattered.find(frame);
+  EXPECT_GT(patch.mended, 0U);
+  EXPECT_NEAR(patch.normal_n, regular.find(frame).normal_n, 1e-6);
+}
+
 }  // namespace
 }  // namespace slipd
