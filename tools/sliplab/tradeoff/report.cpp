@@ -13,7 +13,6 @@
 namespace sliplab {
 namespace {
 
-
 std::string title_of(const std::string& layout) {
   return layout == "wrench" ? "wrench" : layout + "x" + layout;
 }
