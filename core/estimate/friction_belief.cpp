@@ -38,9 +38,9 @@ constexpr int kSettled = 10;  // frames, then the weights have found that other 
 // Of log mu. No friction changes so much at once, but noise may turn one belief into another.
 constexpr double kJumped = 0.4;
 
-// Of profiles' evidence: neighbouring frames share the skin's unevenness, and what noise makes of the
-// contact's place and size draws each of them the same way. That is second order in noise: so much of a
-// margin they tell at best, over so wide a one of each.
+// Of profiles' evidence: neighbouring frames share the skin's unevenness, so that each counts for half. What
+// noise makes of the contact's place and size draws all of them the same way, the more so the less they tell:
+// after n frames of a deviation sigma the next one counts for 1 / (1 + n (sigma/kAlike)^2) of that.
 constexpr double kOneFrame = 0.5;
 constexpr double kAlike = 1.2;
 
