@@ -112,9 +112,8 @@ MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const Standpoint
   const float over = 1 / (from.radius_m * from.radius_m);
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
-        const Floats x = where(mask, load(at.x_m + i) - from.x_m),
-                     y = where(mask, load(at.y_m + i) - from.y_m);
-        const Floats x2 = x * x * over, y2 = y * y * over, s = x2 + y2, s2 = s * s;
+        const Floats x = load(at.x_m + i) - from.x_m, y = load(at.y_m + i) - from.y_m;
+        const Floats x2 = x * x * over, y2 = y * y * over, s = where(mask, x2 + y2), s2 = s * s;
         const Floats p = where(mask, load(at.normal_pa + i));
         const Floats q =
             where(mask, from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i));

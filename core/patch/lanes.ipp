@@ -20,7 +20,7 @@ using Doubles = double __attribute__((vector_size(64)));
 #define SLIPD_INLINE [[gnu::always_inline]] inline
 
 constexpr std::size_t kLanes = TaxelView::kLanes;
-constexpr int kBlocks = 16;  // of single precision before they are added in double
+constexpr int kBlocks = 32;  // of single precision before they are added in double
 
 SLIPD_INLINE Floats load(const float* from) noexcept {
   Floats values;
