@@ -117,7 +117,7 @@ double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexce
 }
 
 // What is left over, ring by ring: noise averages out in a ring, another history does not.
-double Fit::ring_misfit(const Vector& at, double uneven_share) const noexcept {
+Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   const double shape = at[height] * at[load] / (1 - at[margin]);
   struct Ring {
     double off = 0, held = 0, taxels = 0;
@@ -130,15 +130,16 @@ double Fit::ring_misfit(const Vector& at, double uneven_share) const noexcept {
     ring.held += shape * outer_.value[i];
     ring.taxels += 1;
   }
-  double sum = 0;
+  RingMisfit sums;
   int used = 0;
   for (const auto& ring : rings) {
     if (ring.taxels < 1) continue;
-    const double uneven = uneven_share * ring.held;
-    sum += ring.off * ring.off / (noise_shear_ * noise_shear_ * ring.taxels + uneven * uneven);
+    const double uneven = kUneven * ring.held, noise = noise_shear_ * noise_shear_ * ring.taxels;
+    sums.by_noise += ring.off * ring.off / noise;
+    sums.by_skin += ring.off * ring.off / (noise + uneven * uneven);
     ++used;
   }
-  return used > 0 ? sum / used : 0;
+  return used > 0 ? RingMisfit{sums.by_noise / used, sums.by_skin / used} : sums;
 }
 
 // What no noise explains of the pressure, part by part of the disc, as a share of its peak: a contact that is
@@ -281,10 +282,11 @@ Reading Fit::read(const Frame&, const ContactPatch& patch) noexcept {
   out.center_x_m = patch.center_x_m + at[center_x];
   out.center_y_m = patch.center_y_m + at[center_y];
   out.radius_m = at[radius];
-  out.in_family = ratio.unlike.hertzian() && ring_misfit(at, kUneven) < kMostMisfit;
+  const RingMisfit misfit = ring_misfit(at);
+  out.in_family = ratio.unlike.hertzian() && misfit.by_skin < kMostMisfit;
   if (out.sigma > kOpen) weigh_by_scene(at, hessian, out);
   // Beyond noise it is accepted as an uneven skin; it may as well be a little of another history.
-  const double uneven = ring_misfit(at, 0) > kMostMisfit ? kUnevenSigma : 0;
+  const double uneven = misfit.by_noise > kMostMisfit ? kUnevenSigma : 0;
   const double unlike = std::max(kPressureSigma * pressure_left_over(at), ratio.unlike.sigma());
   const double doubt = std::hypot(uneven, unlike);
   out.sigma = std::hypot(out.sigma, doubt);

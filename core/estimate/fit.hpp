@@ -47,7 +47,11 @@ class Fit final : public SlipMethod {
   Vector start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
   double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
-  double ring_misfit(const Vector& at, double uneven) const noexcept;
+  // Mean squares over rings of what is left over: in units of noise, and of noise and an uneven skin.
+  struct RingMisfit {
+    double by_noise = 0, by_skin = 0;
+  };
+  RingMisfit ring_misfit(const Vector& at) const noexcept;
   double pressure_left_over(const Vector& at) const noexcept;
   static double share_left_open(const Square& hessian) noexcept;
   void weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) noexcept;

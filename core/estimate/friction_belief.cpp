@@ -181,7 +181,7 @@ void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& readi
   const bool direct = only_risen_ && reading.in_family;
   PerFriction misfit;  // of as many as there are
   if (direct) {
-    misfit_of_margin(load, reading, weights_, told_, misfit);
+    misfit_of_margin(load, reading, misfit);
     told_ += square(reading.sigma / kAlike);
   } else if (known_ && !shapeless_ && std::isfinite(reading.shape_sigma.slipped_n)) {
     misfit_of_shape(patch, reading, misfit);
@@ -191,12 +191,12 @@ void FrictionBelief::weigh_frame(const ContactPatch& patch, const Reading& readi
   judge(misfit, direct);
 }
 
-void FrictionBelief::misfit_of_margin(double load, const Reading& reading, const FrictionWeights& weights,
-                                      double told, PerFriction& misfit) noexcept {
-  const double apart = kBetween * weights.step();
-  const double new_in_it = kOneFrame / (1 + told);
-  for (std::size_t j = 0; j < weights.count(); ++j) {
-    const double mobilised = load / weights.friction(j);
+void FrictionBelief::misfit_of_margin(double load, const Reading& reading,
+                                      PerFriction& misfit) const noexcept {
+  const double apart = kBetween * weights_.step();
+  const double new_in_it = kOneFrame / (1 + told_);
+  for (std::size_t j = 0; j < weights_.count(); ++j) {
+    const double mobilised = load / weights_.friction(j);
     misfit[j] = reading.profile.known ? new_in_it * 2 * reading.profile.at(1 - mobilised)
                                       : square(reading.gamma - 1 + mobilised) /
                                             (square(reading.sigma) + square(apart * mobilised));

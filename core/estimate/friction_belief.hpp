@@ -59,8 +59,7 @@ class FrictionBelief {
   void start_anew() noexcept;
   void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
   // How badly each friction explains the frame: squared deviations.
-  static void misfit_of_margin(double load, const Reading& reading, const FrictionWeights& weights,
-                               double told, PerFriction& misfit) noexcept;
+  void misfit_of_margin(double load, const Reading& reading, PerFriction& misfit) const noexcept;
   void misfit_of_shape(const ContactPatch& patch, const Reading& reading, PerFriction& misfit) noexcept;
   void judge(const PerFriction& misfit, bool direct) noexcept;
   void watch_jumps() noexcept;
