@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "config/schema.hpp"
+#include "schema/schema.hpp"
 #include "config/settings.hpp"
 
 namespace slipd {

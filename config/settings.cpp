@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "config/convert.hpp"
-#include "config/json_text.hpp"
-#include "config/schema.hpp"
+#include "schema/json_text.hpp"
+#include "schema/schema.hpp"
 #include "embedded/slipd_schema.hpp"
 
 namespace slipd {

@@ -10,7 +10,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/settings.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd {
 

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "daemon/can/output.hpp"
-#include "daemon/models.hpp"
+#include "daemon/model_provider.hpp"
 #include "daemon/pipeline/pipeline.hpp"
-#include "daemon/serve/flight_recorder.hpp"
-#include "daemon/serve/world.hpp"
+#include "daemon/record/flight_recorder.hpp"
+#include "daemon/rpc/rpc_context.hpp"
 
 namespace slipd {
 

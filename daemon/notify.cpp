@@ -7,7 +7,7 @@
 #include <cinttypes>
 #include <stdexcept>
 
-#include "daemon/board/clock.hpp"
+#include "daemon/rt/clock.hpp"
 
 namespace slipd::notify {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/serve/world.hpp"
+#include "daemon/rpc/rpc_context.hpp"
 
 namespace slipd::notify {
 

@@ -12,8 +12,8 @@
 #include "daemon/engine.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/notify.hpp"
-#include "daemon/serve/server.hpp"
-#include "daemon/serve/socket_file.hpp"
+#include "daemon/rpc/server.hpp"
+#include "daemon/rpc/socket_file.hpp"
 
 namespace slipd {
 namespace {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/contact/dome.hpp"
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd::contact {
 namespace {

@@ -15,7 +15,7 @@
 namespace slipd {
 
 class Model;   // core/model/model.hpp
-struct Worth;  // core/model/tradeoff_row.hpp
+struct Worth;  // core/model/work_precision.hpp
 
 struct ChainSetup {
   TaxelLayout layout;

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/contact/shear_shape.hpp"
+#include "core/contact/shear_moments.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/model/tradeoff_row.hpp"
+#include "core/model/work_precision.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {

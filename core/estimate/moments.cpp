@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/estimate/method.hpp"
-#include "core/estimate/unlike_hertz.hpp"
+#include "core/estimate/hertz_deviation.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/knn.hpp"
 #include "core/model/ring_columns.hpp"

@@ -7,7 +7,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/friction_belief.hpp"
+#include "core/estimate/friction_filter.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/settings.hpp"
 

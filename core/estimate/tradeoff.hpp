@@ -11,7 +11,7 @@
 #include "core/estimate/chain.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/trial_frames.hpp"
-#include "core/model/tradeoff_row.hpp"
+#include "core/model/work_precision.hpp"
 
 namespace slipd {
 

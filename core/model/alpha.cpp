@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
 
 namespace slipd {

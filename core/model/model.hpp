@@ -11,7 +11,7 @@
 #include "core/frame/layout.hpp"
 #include "core/model/dataset.hpp"
 #include "core/model/neighbours.hpp"
-#include "core/model/tradeoff_row.hpp"
+#include "core/model/work_precision.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/model/crc64.hpp"
-#include "core/model/sealed.hpp"
+#include "core/storage/crc64.hpp"
+#include "core/storage/sealed.hpp"
 #include "core/model/setup_json.hpp"
-#include "core/model/whole_file.hpp"
+#include "core/storage/whole_file.hpp"
 
 namespace slipd {
 namespace {

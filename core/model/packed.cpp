@@ -3,7 +3,7 @@
 #include <array>
 #include <atomic>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "core/model/blocks.hpp"
 
 namespace slipd {

@@ -2,7 +2,7 @@
 // As in core/patch/disc_kernels.cpp, no function of the standard library is called.
 #include "core/model/packed_kernels.hpp"
 
-#include "core/patch/lanes.ipp"
+#include "core/simd/lanes.ipp"
 
 namespace slipd {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/contact/traction.hpp"
+#include "core/contact/cattaneo_mindlin.hpp"
 #include "core/model/alpha.hpp"
 #include "core/model/random.hpp"
 

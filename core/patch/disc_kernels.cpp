@@ -1,7 +1,7 @@
 // The loops of disc_kernels.hpp; this file is built once for each instruction set (slipd_instruction_sets).
 #include "core/patch/disc_kernels.hpp"
 
-#include "core/patch/lanes.ipp"
+#include "core/simd/lanes.ipp"
 
 namespace slipd {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {

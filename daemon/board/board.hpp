@@ -13,14 +13,14 @@
 
 #include "core/estimate/estimate.hpp"
 #include "core/frame/layout.hpp"
-#include "core/model/tradeoff_row.hpp"
+#include "core/model/work_precision.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
-#include "daemon/board/latest.hpp"
-#include "daemon/board/log_ring.hpp"
+#include "daemon/rt/latest.hpp"
+#include "daemon/rt/log_ring.hpp"
 #include "daemon/board/record_tap.hpp"
-#include "daemon/board/wake.hpp"
-#include "daemon/board/zero_panel.hpp"
+#include "daemon/rt/wake.hpp"
+#include "daemon/board/bias_status.hpp"
 
 namespace slipd {
 

@@ -5,10 +5,10 @@
 #include <atomic>
 
 #include "daemon/can/socket_port.hpp"
-#include "daemon/can/talk.hpp"
-#include "daemon/pipeline/doorbell.hpp"
-#include "daemon/pipeline/realtime.hpp"
-#include "daemon/pipeline/thread.hpp"
+#include "daemon/can/scheduler.hpp"
+#include "daemon/rt/doorbell.hpp"
+#include "daemon/rt/realtime.hpp"
+#include "daemon/rt/thread.hpp"
 
 namespace slipd::can {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/board/log_ring.hpp"
+#include "daemon/rt/log_ring.hpp"
 #include "daemon/log/log_limit.hpp"
 
 namespace slipd {

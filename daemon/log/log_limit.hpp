@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/board/log_ring.hpp"
+#include "daemon/rt/log_ring.hpp"
 
 namespace slipd {
 

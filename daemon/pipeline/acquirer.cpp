@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <new>
 
-#include "core/zero/gain.hpp"
+#include "core/bias/gain.hpp"
 
 namespace slipd {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/realtime.hpp"
-#include "daemon/pipeline/seat.hpp"
-#include "daemon/pipeline/thread.hpp"
-#include "daemon/pipeline/zero_keeper.hpp"
+#include "daemon/rt/realtime.hpp"
+#include "daemon/pipeline/sensor_runtime.hpp"
+#include "daemon/rt/thread.hpp"
+#include "daemon/pipeline/bias_store.hpp"
 
 namespace slipd {
 

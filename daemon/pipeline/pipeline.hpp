@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "daemon/pipeline/acquirer.hpp"
-#include "daemon/pipeline/estimating.hpp"
-#include "daemon/pipeline/lane_maker.hpp"
+#include "daemon/pipeline/estimate_loop.hpp"
+#include "daemon/pipeline/estimator_factory.hpp"
 
 namespace slipd {
 

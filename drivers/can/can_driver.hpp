@@ -11,7 +11,7 @@
 
 #include "drivers/can/can_socket.hpp"
 #include "drivers/decode/decoder.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd::can {
 

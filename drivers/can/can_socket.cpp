@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/pacing.hpp"
 
 namespace slipd::can {

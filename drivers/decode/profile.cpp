@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
-#include "config/json_text.hpp"
-#include "config/schema.hpp"
+#include "schema/json_text.hpp"
+#include "schema/schema.hpp"
 #include "drivers/decode/profile_parts.hpp"
 #include "embedded/profile_schema.hpp"
 

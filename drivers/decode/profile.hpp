@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "drivers/decode/number.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd::decode {
 

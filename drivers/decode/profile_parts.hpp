@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "config/schema.hpp"
+#include "schema/schema.hpp"
 #include "drivers/decode/profile.hpp"
 
 namespace slipd::decode {

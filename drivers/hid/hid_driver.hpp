@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "drivers/decode/sensors.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 struct hid_device_;  // hidapi's own name
 

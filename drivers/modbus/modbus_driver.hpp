@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "drivers/decode/sensors.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 struct _modbus;  // libmodbus' own name
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/frame/buffered_file.hpp"
+#include "core/storage/buffered_file.hpp"
 #include "drivers/replay/source.hpp"
 
 namespace slipd::replay {

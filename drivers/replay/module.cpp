@@ -1,5 +1,5 @@
 // slipd-driver-replay.so: the table by which the daemon finds the driver.
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "embedded/replay_options.hpp"
 

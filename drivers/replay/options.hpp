@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/frame/frame.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd::replay {
 

@@ -1,7 +1,7 @@
-// A recording (core/frame/recording.hpp) as a source of frames.
+// A recording (core/storage/recording.hpp) as a source of frames.
 #pragma once
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 #include "drivers/replay/source.hpp"
 
 namespace slipd::replay {

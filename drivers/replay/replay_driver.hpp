@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/replay/playlist.hpp"
 
 namespace slipd::replay {

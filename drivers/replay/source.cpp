@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-#include "core/frame/buffered_file.hpp"
+#include "core/storage/buffered_file.hpp"
 #include "drivers/replay/csv_source.hpp"
 #include "drivers/replay/recording_source.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/frame/frame.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd::replay {
 

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd::sim {
 namespace {

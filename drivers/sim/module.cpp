@@ -1,5 +1,5 @@
 // slipd-driver-sim.so: the table by which the daemon finds the driver.
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/sim/sim_driver.hpp"
 #include "embedded/sim_options.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
 
 namespace slipd::sim {

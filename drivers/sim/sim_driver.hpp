@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/sim/grip_input.hpp"
 #include "drivers/sim/options.hpp"
 #include "drivers/sim/simulated_sensor.hpp"

@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace {
 

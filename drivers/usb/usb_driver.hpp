@@ -8,7 +8,7 @@
 
 #include "drivers/decode/framer.hpp"
 #include "drivers/decode/sensors.hpp"
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "drivers/usb/wire.hpp"
 
 namespace slipd::usb {

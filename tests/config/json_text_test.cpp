@@ -1,5 +1,5 @@
 // Reading JSON with comments: what is refused, and where it is said to be.
-#include "config/json_text.hpp"
+#include "schema/json_text.hpp"
 
 #include <gmock/gmock.h>
 

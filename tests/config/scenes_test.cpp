@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "config/schema.hpp"
+#include "schema/schema.hpp"
 #include "tests/config/support.hpp"
 #include "tests/config/violations.hpp"
 

@@ -1,5 +1,5 @@
 // The schema walker by itself: what it accepts, fills in, and says.
-#include "config/schema.hpp"
+#include "schema/schema.hpp"
 
 #include <gmock/gmock.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "config/json_text.hpp"
+#include "schema/json_text.hpp"
 #include "config/settings.hpp"
 #include "embedded/slipd_schema.hpp"
 

@@ -1,5 +1,5 @@
 // What waits for a client: answers all of it, notifications only the newest.
-#include "daemon/serve/backlog.hpp"
+#include "daemon/rpc/backlog.hpp"
 
 #include <gtest/gtest.h>
 

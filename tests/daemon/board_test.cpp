@@ -7,9 +7,9 @@
 
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
-#include "daemon/board/latest.hpp"
+#include "daemon/rt/latest.hpp"
 #include "daemon/board/record_tap.hpp"
-#include "daemon/board/wake.hpp"
+#include "daemon/rt/wake.hpp"
 
 namespace slipd {
 namespace {

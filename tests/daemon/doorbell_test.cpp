@@ -1,5 +1,5 @@
 // The doorbell between threads: nothing rung is missed, and no wait is without end.
-#include "daemon/pipeline/doorbell.hpp"
+#include "daemon/rt/doorbell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Estimates as clients see them: nothing unknown becomes a number, no gamma outside state ok.
-#include "daemon/serve/estimate_text.hpp"
+#include "daemon/rpc/estimate_text.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "daemon/serve/text.hpp"
-#include "daemon/serve/tradeoff_json.hpp"
+#include "daemon/rpc/text.hpp"
+#include "daemon/rpc/tradeoff_json.hpp"
 
 namespace slipd {
 namespace {

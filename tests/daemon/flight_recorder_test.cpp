@@ -1,5 +1,5 @@
 // What the flight recorder keeps: the seconds around an alert, so many files, nothing half.
-#include "daemon/serve/flight_recorder.hpp"
+#include "daemon/record/flight_recorder.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,7 +7,7 @@
 
 #include <set>
 
-#include "daemon/serve/frame_history.hpp"
+#include "daemon/record/frame_history.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd {

@@ -1,11 +1,11 @@
 // Lines in, answers out, without a socket.
-#include "daemon/serve/rpc.hpp"
+#include "daemon/rpc/rpc.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "daemon/serve/plain_request.hpp"
+#include "daemon/rpc/plain_request.hpp"
 
 namespace slipd::rpc {
 namespace {

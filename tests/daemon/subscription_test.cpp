@@ -1,11 +1,11 @@
 // What a subscriber is told, and what it is spared.
-#include "daemon/serve/subscription.hpp"
+#include "daemon/rpc/subscription.hpp"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/serve/rpc.hpp"
+#include "daemon/rpc/rpc.hpp"
 
 namespace slipd {
 namespace {

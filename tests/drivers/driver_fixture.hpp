@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace slipd::test {
 

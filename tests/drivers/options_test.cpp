@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "config/schema.hpp"
+#include "schema/schema.hpp"
 #include "embedded/replay_options.hpp"
 #include "embedded/sim_options.hpp"
 #include "tests/drivers/driver_fixture.hpp"

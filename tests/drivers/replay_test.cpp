@@ -10,7 +10,7 @@
 #include <fstream>
 #include <random>
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 #include "drivers/pacing.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "tests/drivers/driver_fixture.hpp"

@@ -2,7 +2,7 @@
 // an end or to a place where it says what is wrong.
 #include <optional>
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/fuzz/file_of.hpp"
 

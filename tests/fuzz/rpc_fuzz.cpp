@@ -10,8 +10,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "daemon/board/clock.hpp"
-#include "daemon/serve/server.hpp"
+#include "daemon/rt/clock.hpp"
+#include "daemon/rpc/server.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/model/crc64.hpp"
+#include "core/storage/crc64.hpp"
 
 namespace slipd::fuzz {
 

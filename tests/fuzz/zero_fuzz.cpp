@@ -2,7 +2,7 @@
 // first byte says whether the rest is the whole file or the body of one whose checksum fits.
 #include <cmath>
 
-#include "daemon/state/zero_file.hpp"
+#include "daemon/state/bias_file.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/sealed.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 
 namespace slipd::testing {
 

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 #include "tests/support/daemon.hpp"
 #include "tests/support/subscriber.hpp"
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

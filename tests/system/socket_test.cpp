@@ -8,7 +8,7 @@
 #include <set>
 #include <thread>
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 #include "tests/support/devices/contacts.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/slipctl/decode.hpp"

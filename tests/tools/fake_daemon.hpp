@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 
 namespace slipctl::testing {
 

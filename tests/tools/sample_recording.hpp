@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/frame/recording.hpp"
-#include "core/unique_fd.hpp"
+#include "core/storage/recording.hpp"
+#include "core/storage/unique_fd.hpp"
 
 namespace slipctl::testing {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 
 namespace slipd {
 

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 
 namespace slipctl {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 #include "tools/slipctl/canvas.hpp"
 
 namespace slipctl {

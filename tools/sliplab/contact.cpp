@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/contact/traction.hpp"
+#include "core/contact/cattaneo_mindlin.hpp"
 #include "tools/sliplab/command.hpp"
 
 namespace sliplab {

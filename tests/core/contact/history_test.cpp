@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/contact/traction.hpp"
+#include "core/contact/cattaneo_mindlin.hpp"
 
 namespace slipd::contact {
 namespace {

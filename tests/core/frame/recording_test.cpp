@@ -1,6 +1,6 @@
 // What is recorded comes back bit for bit; what was whole before a cut or a damage comes back too; nothing
 // else does.
-#include "core/frame/recording.hpp"
+#include "core/storage/recording.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

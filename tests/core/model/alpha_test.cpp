@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/random.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/contact/traction.hpp"
+#include "core/contact/cattaneo_mindlin.hpp"
 #include "core/model/frame_columns.hpp"
 #include "core/model/paper_columns.hpp"
 #include "core/model/svd.hpp"

@@ -1,5 +1,5 @@
 // The checksum of slipd's own files.
-#include "core/model/crc64.hpp"
+#include "core/storage/crc64.hpp"
 
 #include <gtest/gtest.h>
 

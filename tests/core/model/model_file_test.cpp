@@ -10,7 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/model/crc64.hpp"
+#include "core/storage/crc64.hpp"
 #include "core/model/train.hpp"
 
 namespace slipd {

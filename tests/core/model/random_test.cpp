@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/model/crc64.hpp"
+#include "core/storage/crc64.hpp"
 
 namespace slipd {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "core/model/packed.hpp"
 #include "core/model/random.hpp"
 #include "tests/core/model/matrix_source.hpp"

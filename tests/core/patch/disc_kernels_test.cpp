@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/instruction_sets.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "daemon/can/talk.hpp"
+#include "daemon/can/scheduler.hpp"
 #include "daemon/pipeline/modules.hpp"
 #include "tests/daemon/can/fake_port.hpp"
 

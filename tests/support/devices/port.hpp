@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 #include "tests/support/devices/sheet.hpp"
 
 namespace slipd::devices {

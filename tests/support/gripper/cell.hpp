@@ -8,7 +8,7 @@
 
 #include "config/settings.hpp"
 #include "core/estimate/chain.hpp"
-#include "daemon/can/talk.hpp"
+#include "daemon/can/scheduler.hpp"
 #include "drivers/sim/grip_input.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
 #include "tests/support/gripper/bus_pair.hpp"

@@ -1,5 +1,5 @@
 // slipd-driver-foreign.so: a module of a driver interface that this slipd does not have. Not installed.
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include <random>
 #include <thread>
 
-#include "core/contact/traction.hpp"
-#include "drivers/driver.hpp"
+#include "core/contact/cattaneo_mindlin.hpp"
+#include "driver_api/driver.hpp"
 
 namespace {
 

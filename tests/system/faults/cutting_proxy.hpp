@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 
 namespace slipd::testing {
 

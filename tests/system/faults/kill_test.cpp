@@ -9,7 +9,7 @@
 #include <random>
 
 #include "core/model/model_file.hpp"
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 #include "tests/support/daemon.hpp"
 #include "tests/support/replayed.hpp"
 #include "tests/support/subscriber.hpp"

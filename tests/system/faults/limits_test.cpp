@@ -9,7 +9,7 @@
 
 #include <fstream>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

@@ -5,7 +5,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include "core/unique_fd.hpp"
+#include "core/storage/unique_fd.hpp"
 
 namespace slipd::testing {
 namespace {

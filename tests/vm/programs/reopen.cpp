@@ -10,7 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "drivers/driver.hpp"
+#include "driver_api/driver.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/contact/history.hpp"
-#include "core/contact/traction.hpp"
+#include "core/contact/cattaneo_mindlin.hpp"
 #include "core/model/alpha.hpp"
 
 namespace sliplab {

@@ -1,0 +1,279 @@
+#include "core/bias/bias_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace slipd {
+namespace {
+
+constexpr double kFollowSeconds = 10;  // of a drift, what is older than this is followed
+
+// Two blocks stand still if no channel's means differ by more than so many of their standard errors. White
+// noise does so once in 10^8 channels; flicker noise does not fall with the number of frames, so more than
+// kIndependent count for no more.
+constexpr float kStill = 6;
+constexpr float kIndependent = 100;
+constexpr int kTries = 8;  // blocks, before a reading counts as moving
+
+constexpr float kNear = 3;          // standard deviations of a frame, within which a free sensor is expected
+constexpr float kNearSteps = 1.5F;  // or so many of its smallest steps
+constexpr float kExact = 6;         // standard errors of two blocks, within which 0 is 0
+constexpr float kRounding = 1e-6F;
+
+// Offsets differ from taxel to taxel; a contact lifts some that lie together.
+constexpr std::size_t kFewTaxels = 8;  // with fewer no shape is seen
+constexpr double kStandsOut = 5;
+constexpr int kTogether = 3;
+
+float square(float x) noexcept {
+  return x * x;
+}
+
+}  // namespace
+
+std::string_view to_string(ZeroOrigin origin) noexcept {
+  static constexpr std::string_view kNames[] = {"none", "command", "no_load"};
+  return kNames[static_cast<std::size_t>(origin)];
+}
+
+std::string_view to_string(ZeroAnswer answer) noexcept {
+  static constexpr std::string_view kNames[] = {"none", "taken", "moving", "touched", "gone"};
+  return kNames[static_cast<std::size_t>(answer)];
+}
+
+Zeroing::Zeroing(const TaxelLayout& layout, Steps steps)
+    : taxels_(layout.size()),
+      steps_(steps),
+      finder_(layout),
+      block_(taxels_),
+      taken_bias_(3 * taxels_),
+      last_mean_(3 * taxels_),
+      last_variance_(3 * taxels_),
+      apart_(3 * taxels_),
+      sorted_(taxels_) {
+  zero_.bias_pa.resize(3 * taxels_);
+  zero_.noise_pa.resize(3 * taxels_);
+}
+
+void Zeroing::restore(const Zero& zero) {
+  if (zero.bias_pa.size() != 3 * taxels_ || zero.noise_pa.size() != 3 * taxels_)
+    throw std::invalid_argument("a zero of " + std::to_string(zero.bias_pa.size() / 3) + " taxels, not of " +
+                                std::to_string(taxels_));
+  zero_ = zero;
+  taken_bias_ = zero.bias_pa;
+  report_.origin = zero.origin;
+  report_.taken_ns = zero.taken_ns;
+  report_.confirmed_ns = zero.confirmed_ns;
+  report_.restored = true;
+  measure_noise();
+}
+
+void Zeroing::reopened() noexcept {
+  block_.forget();
+  whole_ = false;
+  last_frames_ = 0;
+  seen_free_ = report_.free = false;
+  if (asked_) answer(ZeroAnswer::gone);
+}
+
+void Zeroing::skip_requests(std::uint32_t upto) noexcept {
+  report_.asked = upto;
+  answer(ZeroAnswer::gone);
+}
+
+void Zeroing::ask(std::uint32_t request, bool force) noexcept {
+  report_.asked = request;
+  asked_ = true;
+  force_ = force;
+  tries_ = 0;
+  // Frames from before may be of what was held then.
+  block_.forget();
+  whole_ = false;
+  last_frames_ = 0;
+}
+
+void Zeroing::apply(FrameSlot& frame) noexcept {
+  whole_ = block_.add(frame) || whole_;
+  frame.zeroed = known();
+  if (!frame.zeroed) return;
+  const float* bias = zero_.bias_pa.data();
+  for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa}) {
+    float* const values = channel.data();
+#pragma omp simd
+    for (std::size_t i = 0; i < taxels_; ++i) values[i] -= bias[i];
+    bias += taxels_;
+  }
+}
+
+bool Zeroing::judge() noexcept {
+  if (!whole_) return false;
+  whole_ = false;
+  const bool has_last = last_frames_ > 0;
+  const bool still = has_last && stands_still();
+  report_.free = false;
+  if (asked_) {
+    if (has_last) answer_request(still);
+  } else if (still && (known() ? near_bias() : reads_zero()) && !stands_out()) {
+    if (known()) {
+      follow();
+    } else {
+      take(ZeroOrigin::no_load);
+    }
+  }
+  keep_block();
+  return true;
+}
+
+void Zeroing::answer_request(bool still) noexcept {
+  if (!still) {
+    if (++tries_ >= kTries) answer(ZeroAnswer::moving);
+    return;
+  }
+  if (!force_ && looks_touched()) return answer(ZeroAnswer::touched);
+  take(ZeroOrigin::command);
+  answer(ZeroAnswer::taken);
+}
+
+void Zeroing::answer(ZeroAnswer what) noexcept {
+  asked_ = false;
+  report_.answered = report_.asked;
+  report_.answer = what;
+}
+
+// Whether this block and the one before are of one and the same reading. The noise is that of the quieter of
+// both: a touch that began within the other one is in its variance, too.
+bool Zeroing::stands_still() const noexcept {
+  const auto now = block_.mean_pa();
+  const Kinds least = quieter_by_kind();
+  const float errors = 1 / std::min(kIndependent, static_cast<float>(block_.frames())) +
+                       1 / std::min(kIndependent, static_cast<float>(last_frames_));
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
+    const float within = kStill * kStill * errors * variance + square(kRounding * now[i]);
+    if (!(square(now[i] - last_mean_[i]) <= within)) return false;  // as for what is no number
+  }
+  return true;
+}
+
+// Without a zero yet: whether the sensor reads 0 all over. A load that hides every offset, taxel by taxel,
+// there is not.
+bool Zeroing::reads_zero() const noexcept {
+  const auto now = block_.mean_pa();
+  const Kinds least = quieter_by_kind();
+  const float frames = static_cast<float>(block_.frames() + last_frames_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
+    const float within = std::max(kExact * std::sqrt(variance / frames), step_pa(i) / 2);
+    if (!(std::abs(now[i] + last_mean_[i]) / 2 <= within)) return false;
+  }
+  return true;
+}
+
+float Zeroing::quieter(std::size_t channel) const noexcept {
+  return std::min(block_.variance_pa2()[channel], last_variance_[channel]);
+}
+
+Zeroing::Kinds Zeroing::quieter_by_kind() const noexcept {
+  const Kinds now = mean_by_kind(block_.variance_pa2()), last = mean_by_kind(last_variance_);
+  // A reading that stands between two steps flickers by this much, seen or not.
+  const auto rounding = [](float step_pa) { return square(step_pa) / 12; };
+  return {std::max(std::min(now.normal, last.normal), rounding(steps_.normal_pa)),
+          std::max(std::min(now.shear, last.shear), rounding(steps_.shear_pa))};
+}
+
+Zeroing::Kinds Zeroing::mean_by_kind(std::span<const float> values) const noexcept {
+  double normal = 0, shear = 0;
+  for (std::size_t i = 0; i < taxels_; ++i) normal += values[i];
+  for (std::size_t i = taxels_; i < 3 * taxels_; ++i) shear += values[i];
+  const auto n = static_cast<double>(taxels_);
+  return {static_cast<float>(normal / n), static_cast<float>(shear / (2 * n))};
+}
+
+// With a zero: whether every channel is at it, but for noise and what drift may have done meanwhile.
+bool Zeroing::near_bias() const noexcept {
+  const auto now = block_.mean_pa();
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
+    const float within = std::max(kNear * std::max(zero_.noise_pa[i], least), kNearSteps * step_pa(i)) +
+                         kRounding * std::abs(now[i]);
+    if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
+  }
+  return true;
+}
+
+// Whether the block differs from the bias (from 0, while there is none) as a contact does: some taxels that
+// lie together, more than what the others differ by. What all have in common is drift.
+bool Zeroing::stands_out() noexcept {
+  if (taxels_ < kFewTaxels) return false;
+  const auto now = block_.mean_pa();
+  for (std::size_t i = 0; i < now.size(); ++i) apart_[i] = now[i] - zero_.bias_pa[i];
+  std::copy_n(apart_.begin(), taxels_, sorted_.begin());
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(taxels_ / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  for (std::size_t i = 0; i < taxels_; ++i) apart_[i] -= *middle;
+  const std::span<const float> all(apart_);
+  const ContactPatch& patch = finder_.find({.normal_pa = all.first(taxels_),
+                                            .shear_x_pa = all.subspan(taxels_, taxels_),
+                                            .shear_y_pa = all.last(taxels_)});
+  if (!patch.touched) return false;
+  int out = 0;
+  patch.for_each_inside(
+      [&](std::uint32_t taxel) { out += apart_[taxel] > kStandsOut * patch.noise_normal_pa ? 1 : 0; });
+  return out >= kTogether;
+}
+
+// What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no
+// longer is, is touched. One that was not may have drifted while it was away: then only shape tells.
+bool Zeroing::looks_touched() noexcept {
+  return (seen_free_ && !near_bias()) || stands_out();
+}
+
+void Zeroing::take(ZeroOrigin origin) noexcept {
+  const auto now = block_.mean_pa(), spread = block_.variance_pa2();
+  const float share =
+      static_cast<float>(block_.frames()) / static_cast<float>(block_.frames() + last_frames_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    zero_.bias_pa[i] = last_mean_[i] + share * (now[i] - last_mean_[i]);
+    zero_.noise_pa[i] = std::sqrt(last_variance_[i] + share * (spread[i] - last_variance_[i]));
+  }
+  std::copy(zero_.bias_pa.begin(), zero_.bias_pa.end(), taken_bias_.begin());
+  zero_.origin = report_.origin = origin;
+  zero_.taken_ns = report_.taken_ns = block_.ended_ns();
+  zero_.confirmed_ns = report_.confirmed_ns = block_.ended_ns();
+  report_.drift_pa = 0;
+  report_.restored = false;
+  report_.free = seen_free_ = true;
+  ++report_.taken;
+  measure_noise();
+}
+
+void Zeroing::follow() noexcept {
+  const auto now = block_.mean_pa();
+  const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
+  const auto share = static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, 1.0) / kFollowSeconds));
+  float way = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    zero_.bias_pa[i] += share * (now[i] - zero_.bias_pa[i]);
+    way = std::max(way, std::abs(zero_.bias_pa[i] - taken_bias_[i]));
+  }
+  report_.drift_pa = way;
+  zero_.confirmed_ns = report_.confirmed_ns = block_.ended_ns();
+  report_.free = seen_free_ = true;
+}
+
+void Zeroing::measure_noise() noexcept {
+  for (std::size_t i = 0; i < apart_.size(); ++i) apart_[i] = square(zero_.noise_pa[i]);
+  const Kinds variance = mean_by_kind(apart_);
+  report_.noise_normal_pa = std::sqrt(variance.normal);
+  report_.noise_shear_pa = std::sqrt(variance.shear);
+}
+
+void Zeroing::keep_block() noexcept {
+  std::copy(block_.mean_pa().begin(), block_.mean_pa().end(), last_mean_.begin());
+  std::copy(block_.variance_pa2().begin(), block_.variance_pa2().end(), last_variance_.begin());
+  last_frames_ = block_.frames();
+  last_ended_ns_ = block_.ended_ns();
+}
+
+}  // namespace slipd

@@ -1,0 +1,100 @@
+// Takes a sensor's zero off its frames, and finds out what that zero is.
+//
+// A reading says nothing of itself about whether it is a load or an offset, so a zero is taken on two
+// occasions only: when somebody asks for it, who answers for it that nothing touches the sensor, or when the
+// sensor reads, within its noise, what it has to read without load. Before either there is none, and every
+// frame is marked so. While the sensor is seen to be free, the zero slowly follows its drift; while it is
+// touched, or may be, the zero stays.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+#include "core/bias/frame_block.hpp"
+#include "core/bias/bias.hpp"
+
+namespace slipd {
+
+class Zeroing {
+ public:
+  // The smallest differences that the sensor tells; 0: not known, or none.
+  struct Steps {
+    float normal_pa = 0, shear_pa = 0;
+  };
+
+  // All memory there ever is.
+  explicit Zeroing(const TaxelLayout& layout, Steps steps = {0, 0});
+
+  // Set-up. The zero of an earlier run; of as many taxels, else std::invalid_argument.
+  void restore(const Zero& zero);
+
+  // Set-up or acquire thread, after the device was away: whatever was seen of contacts no longer holds. The
+  // zero does. A zero that was asked for is answered with `gone`.
+  void reopened() noexcept;
+
+  // Set-up. Requests up to this one were for another device in this place: answered with `gone`.
+  void skip_requests(std::uint32_t upto) noexcept;
+
+  // Acquire thread: a new zero is wanted. Two blocks of frames later it is taken, if they stand still and do
+  // not look like a contact; `force` asks for the first only. Requests are numbered from 1; an older one that
+  // is not answered yet is answered with the newer one.
+  void ask(std::uint32_t request, bool force) noexcept;
+
+  // Acquire thread. `frame`: the driver's; afterwards less the bias, and marked by whether there is one.
+  void apply(FrameSlot& frame) noexcept;
+
+  // Acquire thread, after apply, when the frame is on its way: thinks about the frames so far, now and then
+  // for some microseconds a thousand taxels. True if the report has changed.
+  bool judge() noexcept;
+
+  const ZeroReport& report() const noexcept { return report_; }
+  const Zero& zero() const noexcept { return zero_; }  // acquire thread's own; changes in judge
+
+ private:
+  // Of all normal pressures, and of both shears: a taxel that happens to flicker little is no better known
+  // than the others.
+  struct Kinds {
+    float normal = 0, shear = 0;
+  };
+  Kinds mean_by_kind(std::span<const float> values) const noexcept;
+  Kinds quieter_by_kind() const noexcept;
+  float quieter(std::size_t channel) const noexcept;
+  float step_pa(std::size_t channel) const noexcept {
+    return channel < taxels_ ? steps_.normal_pa : steps_.shear_pa;
+  }
+
+  bool known() const noexcept { return report_.origin != ZeroOrigin::none; }
+  bool stands_still() const noexcept;
+  bool reads_zero() const noexcept;
+  bool near_bias() const noexcept;
+  bool stands_out() noexcept;
+  bool looks_touched() noexcept;
+  void answer_request(bool still) noexcept;
+  void answer(ZeroAnswer what) noexcept;
+  void take(ZeroOrigin origin) noexcept;
+  void follow() noexcept;
+  void measure_noise() noexcept;
+  void keep_block() noexcept;
+
+  std::size_t taxels_;
+  Steps steps_;
+  PatchFinder finder_;
+  FrameBlock block_;
+  Zero zero_;
+  ZeroReport report_;
+  std::vector<float> taken_bias_;                 // for the drift
+  std::vector<float> last_mean_, last_variance_;  // of the block before
+  std::uint32_t last_frames_ = 0;                 // 0: there is none
+  std::int64_t last_ended_ns_ = 0;
+  std::vector<float> apart_, sorted_;  // of the block from the bias
+  bool whole_ = false;                 // a block waits for judge
+  bool seen_free_ = false;             // since the device was opened
+  bool asked_ = false, force_ = false;
+  int tries_ = 0;
+};
+
+}  // namespace slipd

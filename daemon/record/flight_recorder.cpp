@@ -1,0 +1,189 @@
+#include "daemon/record/flight_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <thread>
+
+#include "core/storage/recording.hpp"
+#include "daemon/rt/clock.hpp"
+#include "daemon/log/log.hpp"
+
+namespace slipd {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
+constexpr auto kLook = 5ms;
+constexpr double kQueueSeconds = 0.25;  // that this thread may be late by
+constexpr double kUnknownRateHz = 1000;
+
+std::size_t frames_in(double seconds, double rate_hz) {
+  return static_cast<std::size_t>(std::ceil(seconds * rate_hz)) + 16;
+}
+
+// "left-20261120T235959.123Z-slip.rec"
+std::string file_name(const std::string& sensor, const char* reason) {
+  const std::int64_t ms = Now::read().realtime_ns / 1'000'000;
+  const auto seconds = static_cast<std::time_t>(ms / 1000);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::array<char, 64> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%S", &utc);
+  std::string fraction = std::to_string(1000 + ms % 1000);
+  fraction[0] = '.';
+  return sensor + "-" + std::string(text.data(), length) + fraction + "Z-" + reason + ".rec";
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(const RecorderSettings& settings, Board& board)
+    : settings_(settings), folder_(recordings_directory(), static_cast<std::size_t>(settings.keep)) {
+  for (const auto& panel : board.sensors) {
+    tracks_.push_back(std::make_unique<Track>());
+    tracks_.back()->panel = panel.get();
+  }
+}
+
+FlightRecorder::~FlightRecorder() {
+  stop_.store(true, std::memory_order_relaxed);
+}
+
+void FlightRecorder::start() {
+  thread_ = Thread("flight", kStackBytes, [this] { run(); });
+}
+
+void FlightRecorder::keep(std::size_t sensor, const char* reason) noexcept {
+  tracks_[sensor]->asked.store(reason, std::memory_order_relaxed);
+}
+
+void FlightRecorder::note(std::size_t sensor, const Estimate& estimate) noexcept {
+  tracks_[sensor]->noted.push({.time_ns = estimate.time_ns,
+                               .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
+                                            .alert = static_cast<std::uint8_t>(estimate.alert),
+                                            .gamma = estimate.gamma.value_or(kUnknown),
+                                            .sigma = estimate.sigma.value_or(kUnknown),
+                                            .friction = estimate.friction.value_or(kUnknown),
+                                            .normal_n = estimate.normal_n.value_or(kUnknown),
+                                            .shear_n = estimate.shear_n.value_or(kUnknown)}});
+}
+
+void FlightRecorder::run() {
+  for (bool last = false; !last;) {
+    last = stop_.load(std::memory_order_relaxed);
+    for (const auto& track : tracks_) attend(*track, last);
+    if (!last) std::this_thread::sleep_for(kLook);
+  }
+  for (const auto& track : tracks_) {
+    if (track->queue) track->panel->flight_tap.detach();
+  }
+}
+
+// Whatever fails, fails for this sensor and now.
+void FlightRecorder::attend(Track& track, bool last) {
+  try {
+    follow_device(track);
+    work(track, Clock::now(), last);
+    track.complained = false;
+  } catch (const std::exception& error) {
+    failed_.fetch_add(1, std::memory_order_relaxed);
+    if (!track.complained)
+      say(LogLevel::error, {track.panel->name, Cause::machine},
+          track.panel->name + ": its last seconds are not kept: " + error.what());
+    track.complained = true;
+  }
+}
+
+// Makes room once the device is known, and anew when it comes back with another layout.
+void FlightRecorder::follow_device(Track& track) {
+  const DeviceFacts facts = track.panel->facts();
+  if (!facts.layout || (track.layout && *track.layout == *facts.layout)) return;
+  const std::size_t taxels = facts.layout->size();
+  const double rate_hz = facts.rate_hz > 0 ? facts.rate_hz : kUnknownRateHz;
+  const std::size_t wanted = frames_in(2 * settings_.seconds, rate_hz);
+  const auto frame_bytes = static_cast<double>(FrameHistory::bytes_of_frame(taxels));
+  const auto room =
+      static_cast<std::size_t>(settings_.max_mb * 1e6 / static_cast<double>(tracks_.size()) / frame_bytes);
+  const std::size_t queue = std::min(frames_in(kQueueSeconds, rate_hz), std::max<std::size_t>(room / 4, 1));
+  const std::size_t frames = std::clamp<std::size_t>(room - std::min(room, queue), 1, wanted);
+  if (frames < wanted) {
+    say(LogLevel::warning, {track.panel->name, Cause::configuration},
+        fmt::format("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
+                    track.panel->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
+  }
+  auto history = std::make_unique<FrameHistory>(taxels, frames);
+  auto frames_to_come = std::make_unique<FrameQueue>(taxels, queue);
+  if (track.queue) track.panel->flight_tap.detach();
+  track.history = std::move(history);
+  track.queue = std::move(frames_to_come);
+  track.layout = facts.layout;
+  track.panel->flight_tap.attach(*track.queue);
+}
+
+// An estimate comes after its frame: those that are there now have theirs in the queue of frames already.
+void FlightRecorder::take(Track& track) {
+  const std::size_t estimates = track.noted.read_available();
+  while (const FrameSlot* frame = track.queue->front()) {
+    track.history->push(*frame);
+    track.queue->pop();
+  }
+  Noted noted;
+  for (std::size_t i = 0; i < estimates && track.noted.pop(noted); ++i)
+    track.history->note(noted.time_ns, noted.estimate);
+}
+
+void FlightRecorder::work(Track& track, Clock::time_point now, bool last) {
+  if (!track.queue) return;
+  take(track);
+  if (const char* asked = track.asked.exchange(nullptr, std::memory_order_relaxed);
+      asked != nullptr && track.reason == nullptr) {
+    track.reason = asked;
+    track.due =
+        now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings_.seconds));
+  }
+  if (track.reason != nullptr && (now >= track.due || last)) write(track);
+}
+
+void FlightRecorder::write(Track& track) {
+  const std::string name = file_name(track.panel->name, track.reason);
+  track.reason = nullptr;
+  const FrameHistory& history = *track.history;
+  if (history.size() == 0) return;
+  const DeviceFacts facts = track.panel->facts();
+  const Now now = Now::read();
+  bool zeroed = true;
+  for (std::size_t i = 0; i < history.size(); ++i) zeroed = zeroed && history[i].zeroed;
+  const RecordingHeader header{.sensor = track.panel->name,
+                               .sensor_class = facts.sensor_class,
+                               .layout = *track.layout,
+                               .rate_hz = facts.rate_hz,
+                               .simulated = track.panel->simulated.load(std::memory_order_relaxed),
+                               .start_realtime_ns = now.realtime_of(history[0].time_ns),
+                               .start_monotonic_ns = history[0].time_ns,
+                               .description = facts.description,
+                               .zeroed = zeroed};
+  const std::error_code error = folder_.add(name, [&](int fd) {
+    RecordingWriter writer(fd, header);
+    std::error_code trouble;
+    for (std::size_t i = 0; i < history.size() && !trouble; ++i)
+      trouble = writer.append(history[i], history.estimate(i));
+    return trouble ? trouble : writer.flush();
+  });
+  if (error) {
+    failed_.fetch_add(1, std::memory_order_relaxed);
+    say(LogLevel::error, {track.panel->name, Cause::machine},
+        track.panel->name + ": " + (folder_.path() / name).string() +
+            " could not be kept: " + error.message());
+    return;
+  }
+  kept_.fetch_add(1, std::memory_order_relaxed);
+  say(LogLevel::info, {track.panel->name},
+      track.panel->name + ": " + std::to_string(history.size()) + " frames are kept in " +
+          (folder_.path() / name).string());
+}
+
+}  // namespace slipd

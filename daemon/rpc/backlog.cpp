@@ -1,0 +1,44 @@
+#include "daemon/rpc/backlog.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace slipd {
+
+void Backlog::answer(std::string text) {
+  answer_bytes_ += text.size();
+  items_.push_back({std::move(text), nullptr, 0});
+}
+
+void Backlog::notify(std::shared_ptr<const Notification> head, std::uint64_t lost) {
+  dropped_ += lost;
+  items_.push_back({{}, std::move(head), lost});
+  if (++notifications_ > most_) drop_oldest();
+}
+
+void Backlog::drop_oldest() {
+  const auto is_notification = [](const Item& item) { return item.head != nullptr; };
+  const auto oldest = std::find_if(items_.begin(), items_.end(), is_notification);
+  const auto next = std::find_if(std::next(oldest), items_.end(), is_notification);
+  next->lost += oldest->lost + 1;  // there is one: most_ is at least 1, and there are more
+  items_.erase(oldest);
+  --notifications_;
+  ++dropped_;
+}
+
+std::optional<std::string> Backlog::next() {
+  if (items_.empty()) return std::nullopt;
+  Item item = std::move(items_.front());
+  items_.pop_front();
+  if (item.head == nullptr) {
+    answer_bytes_ -= item.answer.size();
+    published_ns_ = 0;
+    item.answer += '\n';
+    return std::move(item.answer);
+  }
+  --notifications_;
+  published_ns_ = item.head->published_ns;
+  return item.head->text + ",\"dropped\":" + std::to_string(item.lost) + "}}\n";
+}
+
+}  // namespace slipd

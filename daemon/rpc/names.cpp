@@ -1,0 +1,38 @@
+#include "daemon/rpc/names.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "daemon/rpc/rpc.hpp"
+
+namespace slipd {
+
+std::size_t sensor_index(const nlohmann::json& name, const Board& board) {
+  if (!name.is_string()) throw rpc::Error(rpc::kInvalidParams, "a sensor is named by a string");
+  std::string known;
+  for (std::size_t i = 0; i < board.sensors.size(); ++i) {
+    if (board.sensors[i]->name == name) return i;
+    known += (i == 0 ? "" : ", ") + board.sensors[i]->name;
+  }
+  throw rpc::Error(rpc::kUnknownSensor,
+                   "there is no sensor \"" + name.get<std::string>() + "\"; there are: " + known);
+}
+
+std::size_t required_sensor(const nlohmann::json& params, const Board& board) {
+  const auto name = params.find("sensor");
+  if (name == params.end()) throw rpc::Error(rpc::kInvalidParams, "\"sensor\" is missing");
+  return sensor_index(*name, board);
+}
+
+void refuse_unknown(const nlohmann::json& params, std::span<const std::string_view> known) {
+  if (params.empty()) return;
+  for (const auto& [key, value] : params.items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    std::string list;
+    for (const auto name : known) list += (list.empty() ? "" : ", ") + std::string(name);
+    throw rpc::Error(rpc::kInvalidParams,
+                     "there is no parameter \"" + key + "\"" + (list.empty() ? "" : "; there are: " + list));
+  }
+}
+
+}  // namespace slipd

@@ -1,0 +1,327 @@
+#include "daemon/rpc/rpc_methods.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <new>
+
+#include "daemon/can/dbc.hpp"
+#include "daemon/rpc/estimate_text.hpp"
+#include "daemon/record/flight_recorder.hpp"
+#include "daemon/rpc/names.hpp"
+#include "daemon/rpc/status.hpp"
+#include "daemon/rpc/tradeoff_json.hpp"
+
+namespace slipd {
+namespace {
+
+using json = nlohmann::ordered_json;  // results, in the order in which a person reads them
+using rpc::Reply;
+
+json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
+  std::vector<double> x_mm(layout.x_m().begin(), layout.x_m().end());
+  std::vector<double> y_mm(layout.y_m().begin(), layout.y_m().end());
+  for (auto* axis : {&x_mm, &y_mm}) {
+    for (double& value : *axis) value *= 1e3;
+  }
+  return {{"seq", frame.sequence},
+          {"time_ns", now.realtime_of(frame.time_ns)},
+          {"normal_pa", frame.normal_pa},
+          {"shear_x_pa", frame.shear_x_pa},
+          {"shear_y_pa", frame.shear_y_pa},
+          {"x_mm", x_mm},
+          {"y_mm", y_mm}};
+}
+
+// For what changes something outside the client's own connection. `user`: as the kernel says, SO_PEERCRED.
+void require_owner(uid_t user, const char* to_do) {
+  if (user != 0 && user != geteuid())
+    throw rpc::Error(rpc::kNotPermitted, std::string("only root and slipd's own user may ") + to_do);
+}
+
+// What came of a bias that was asked for.
+void answer_zero(const Panel& panel, const Reply& reply) {
+  switch (panel.zero.report.load().answer) {
+    case ZeroAnswer::moving:
+      return reply.error(rpc::kNotPossible, panel.name + " does not stand still; let go of it and ask again");
+    case ZeroAnswer::touched:
+      return reply.error(rpc::kNotPossible, panel.name +
+                                                " looks touched; let go of it and ask again, or, if nothing "
+                                                "touches it, ask with \"force\": true");
+    case ZeroAnswer::gone:
+      return reply.error(rpc::kNotPossible, panel.name + " went away meanwhile; ask again when it is back");
+    case ZeroAnswer::none:
+    case ZeroAnswer::taken:
+      break;
+  }
+  json result = zero_json(panel);
+  result["sensor"] = panel.name;
+  reply.result(result);
+}
+
+}  // namespace
+
+Methods::Methods(World& world, Recorder& recorder)
+    : world_(world),
+      recorder_(recorder),
+      said_(world.board.sensors.size()),
+      frames_wanted_(world.board.sensors.size()) {
+  // A method that needs neither its client nor time: parameters in, result out.
+  const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
+    methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
+                                                                          const Reply& reply) {
+      refuse_unknown(params, std::span(known));
+      reply.result(body(params));
+    };
+  };
+  plain("version", {}, [](const Params&) {
+    return json{{"name", "slipd"}, {"version", SLIPD_VERSION}, {"protocol", 1}};
+  });
+  plain("sensors", {}, [this](const Params&) { return sensors_json(world_); });
+  plain("status", {}, [this](const Params&) { return status_json(world_); });
+  plain("metrics", {},
+        [this](const Params&) { return json(metrics_text(world_, MetricsFormat::open_metrics)); });
+  plain("dbc", {}, [this](const Params&) {
+    if (!world_.settings.can)
+      throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
+    return json(can::dbc_text(*world_.settings.can, can::subjects_of(world_.settings)));
+  });
+  methods_["gamma"] = [this](Client&, const Params& params, const Reply& reply) {
+    refuse_unknown(params, {"sensor"});
+    reply.text(gamma(params));
+  };
+  plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
+    const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
+    const DeviceFacts facts = panel.facts();
+    if (facts.tradeoff.rows.empty()) {
+      throw rpc::Error(rpc::kNotPossible,
+                       "there is no table of this sensor: its device is not open yet, or single frames of it "
+                       "do not tell their margin (few taxels, one force vector, a flat skin)");
+    }
+    return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
+  });
+  plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
+  methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
+    rebias(client, params, reply);
+  };
+  methods_["frame"] = [this](Client&, const Params& params, const Reply& reply) { frame(params, reply); };
+  methods_["record"] = [this](Client& client, const Params& params, const Reply& reply) {
+    record(client, params, reply);
+  };
+  methods_["subscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
+    subscribe(client, params, reply);
+  };
+  methods_["unsubscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
+    unsubscribe(client, params, reply);
+  };
+}
+
+void Methods::line(const std::shared_ptr<Client>& client, std::string_view text) {
+  client->await_answer();
+  rpc::Line parsed = rpc::parse(text);
+  if (!parsed.refusal.empty()) return client->answer(std::move(parsed.refusal));
+  const auto answers = std::make_shared<rpc::Answers>(
+      parsed.batch, parsed.requests.size(), [client](std::string all) { client->answer(std::move(all)); });
+  for (const rpc::Request& request : parsed.requests) {
+    if (request.refusal) {
+      answers->add(*request.refusal);
+    } else {
+      call(*client, request, Reply(request, answers));
+    }
+  }
+}
+
+void Methods::call(Client& client, const rpc::Request& request, const Reply& reply) {
+  const auto method = methods_.find(request.method);
+  if (method == methods_.end()) {
+    return reply.error(rpc::kMethodNotFound, "there is no method \"" + request.method + "\"");
+  }
+  try {
+    method->second(client, request.params, reply);
+  } catch (const rpc::Error& error) {
+    reply.error(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    reply.error(rpc::kInternalError, "slipd has not enough memory for this");
+  } catch (const std::exception& error) {
+    reply.error(rpc::kInternalError, error.what());
+  }
+}
+
+std::string Methods::gamma(const Params& params) {
+  constexpr std::size_t kUsualBytes = 768;
+  const Board& board = world_.board;
+  const bool all = !params.contains("sensor");
+  const std::size_t only = all ? 0 : required_sensor(params, board);
+  const Now now = Now::read();
+  std::string text;
+  text.reserve(kUsualBytes * (all ? board.sensors.size() + board.grasps.size() : 1));
+  text += R"({"sensors":[)";
+  for (std::size_t i = 0; i < board.sensors.size(); ++i) {
+    if (!all && i != only) continue;
+    if (text.back() != '[') text += ',';
+    const Panel& panel = *board.sensors[i];
+    const Estimate estimate = panel.latest.load().estimate;
+    const bool simulated = panel.simulated.load(std::memory_order_relaxed);
+    if (!said_[i].is_of(estimate, simulated)) said_[i] = EstimateText(estimate, panel.name, simulated);
+    said_[i].append_to(text, now);
+  }
+  text += R"(],"grasps":[)";
+  for (std::size_t i = 0; i < board.grasps.size(); ++i) {
+    const GraspPanel& grasp = *board.grasps[i];
+    if (!all && std::find(grasp.sensors.begin(), grasp.sensors.end(), only) == grasp.sensors.end()) continue;
+    if (text.back() != '[') text += ',';
+    append_grasp(text, grasp.latest.load(), grasp.name, world_.settings.grasps[i].sensors);
+  }
+  text += "]}";
+  return text;
+}
+
+void Methods::subscribe(Client& client, const Params& params, const Reply& reply) {
+  constexpr std::size_t kMostSubscriptions = 16;
+  if (client.subscriptions.size() >= kMostSubscriptions) {
+    throw rpc::Error(rpc::kInvalidParams, "a client has at most 16 subscriptions; unsubscribe one first");
+  }
+  const int id = client.subscriptions_made + 1;
+  client.subscriptions.emplace_back(id, params, world_.board);
+  client.subscriptions_made = id;
+  reply.result({{"subscription", id}});
+}
+
+void Methods::unsubscribe(Client& client, const Params& params, const Reply& reply) {
+  refuse_unknown(params, {"subscription"});
+  const auto id = params.find("subscription");
+  if (id == params.end() || !id->is_number_integer()) {
+    throw rpc::Error(rpc::kInvalidParams, "\"subscription\" must be the number that subscribe gave");
+  }
+  if (std::erase_if(client.subscriptions, [&](const Subscription& each) { return each.id() == *id; }) == 0) {
+    throw rpc::Error(rpc::kInvalidParams, "this client has no subscription " + id->dump());
+  }
+  reply.result(true);
+}
+
+void Methods::frame(const Params& params, const Reply& reply) {
+  refuse_unknown(params, {"sensor"});
+  const std::size_t sensor = required_sensor(params, world_.board);
+  Panel& panel = *world_.board.sensors[sensor];
+  const auto layout = panel.facts().layout;
+  if (!layout) throw rpc::Error(rpc::kNotPossible, "no frame of this sensor has come yet");
+  frames_wanted_[sensor].push_back(reply);
+  panel.frame.request(layout->size());
+  world_.ring_estimate();
+}
+
+// Keeps what the flight recorder holds of one sensor or of all.
+json Methods::flight(const Params& params) {
+  if (world_.flight == nullptr) {
+    throw rpc::Error(rpc::kNotPossible,
+                     "the flight recorder is off; set recorder.seconds in the configuration");
+  }
+  const Board& board = world_.board;
+  const bool all = !params.contains("sensor");
+  const std::size_t only = all ? 0 : required_sensor(params, board);
+  json names = json::array();
+  for (std::size_t i = 0; i < board.sensors.size(); ++i) {
+    if (!all && i != only) continue;
+    world_.flight->keep(i, "request");
+    names.push_back(board.sensors[i]->name);
+  }
+  return {{"sensors", std::move(names)},
+          {"folder", world_.flight->folder().string()},
+          {"written_in_s", world_.settings.recorder.seconds}};
+}
+
+void Methods::record(Client& client, const Params& params, const Reply& reply) {
+  constexpr double kLongest = 24 * 3600;
+  UniqueFd file = client.take_fd();
+  refuse_unknown(params, {"sensor", "seconds"});
+  const std::size_t sensor = required_sensor(params, world_.board);
+  const auto seconds = params.find("seconds");
+  if (seconds == params.end() || !seconds->is_number() || !(*seconds > 0 && *seconds <= kLongest)) {
+    throw rpc::Error(rpc::kInvalidParams, "\"seconds\" must be a number, above 0 and at most 86400");
+  }
+  if (!file)
+    throw rpc::Error(rpc::kInvalidParams, "pass the file to record into along, as a descriptor (SCM_RIGHTS)");
+  recorder_.start(*world_.board.sensors[sensor], std::move(file), seconds->get<double>(), client.left(),
+                  [reply, name = world_.board.sensors[sensor]->name](const RecordingResult& result) {
+                    if (!result.trouble.empty()) {
+                      return reply.error(rpc::kInternalError, result.trouble + ", after " +
+                                                                  std::to_string(result.frames) + " frames");
+                    }
+                    reply.result({{"sensor", name},
+                                  {"frames", result.frames},
+                                  {"missed", result.missed},
+                                  {"bytes", result.bytes},
+                                  {"seconds", result.seconds}});
+                  });
+}
+
+void Methods::rebias(const Client& client, const Params& params, const Reply& reply) {
+  constexpr std::chrono::seconds kPatience{30};  // eight times sixteen frames of a sensor of 5 Hz
+  refuse_unknown(params, {"sensor", "force"});
+  const std::size_t sensor = required_sensor(params, world_.board);
+  const auto force = params.find("force");
+  if (force != params.end() && !force->is_boolean())
+    throw rpc::Error(rpc::kInvalidParams, "\"force\" must be true or false");
+  require_owner(client.peer().uid, "take a bias anew");
+  Panel& panel = *world_.board.sensors[sensor];
+  if (panel.link.load(std::memory_order_acquire) != Link::open) {
+    throw rpc::Error(rpc::kNotPossible, panel.name + " sends no frames: its device is not open");
+  }
+  if (!panel.zero.needed.load(std::memory_order_relaxed)) {
+    throw rpc::Error(rpc::kNotPossible,
+                     panel.name + " has no bias that slipd could take anew: its frames come zeroed");
+  }
+  const std::uint32_t request = panel.zero.ask(force != params.end() && force->get<bool>());
+  rebias_wanted_.push_back({reply, sensor, request, std::chrono::steady_clock::now() + kPatience});
+}
+
+void Methods::answer_rebias(bool late) {
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(rebias_wanted_, [&](const Rebias& wanted) {
+    const Panel& panel = *world_.board.sensors[wanted.sensor];
+    if (panel.zero.settled() >= wanted.request) {
+      answer_zero(panel, wanted.reply);
+      return true;
+    }
+    if (!late || now < wanted.given_up) return false;
+    wanted.reply.error(rpc::kNotPossible, panel.name + " sends too few frames to take a bias from");
+    return true;
+  });
+}
+
+void Methods::give_up_waiting() {
+  constexpr const char* kWhy = "slipd has stopped or taken up another configuration; ask again";
+  for (auto& waiting : frames_wanted_) {
+    for (const Reply& reply : std::exchange(waiting, {})) reply.error(rpc::kNotPossible, kWhy);
+  }
+  for (const Rebias& wanted : std::exchange(rebias_wanted_, {})) wanted.reply.error(rpc::kNotPossible, kWhy);
+}
+
+void Methods::answer_frames() {
+  const Now now = Now::read();
+  for (std::size_t i = 0; i < frames_wanted_.size(); ++i) {
+    Panel& panel = *world_.board.sensors[i];
+    const FrameCopy::Content* frame = panel.frame.answer();
+    if (frame == nullptr) continue;
+    const auto waiting = std::exchange(frames_wanted_[i], {});
+    const auto layout = panel.facts().layout;
+    const bool usable = frame->any && layout && layout->size() == frame->normal_pa.size();
+    json result;
+    const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
+    try {
+      if (usable) result = frame_json(*frame, *layout, now);
+    } catch (const std::bad_alloc&) {
+      trouble = "slipd has not enough memory for this";
+    }
+    panel.frame.release();
+    for (const Reply& reply : waiting) {
+      if (trouble == nullptr) {
+        reply.result(result);
+      } else {
+        reply.error(rpc::kNotPossible, trouble);
+      }
+    }
+  }
+}
+
+}  // namespace slipd

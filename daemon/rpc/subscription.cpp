@@ -1,0 +1,74 @@
+#include "daemon/rpc/subscription.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "daemon/rpc/names.hpp"
+#include "daemon/rpc/rpc.hpp"
+
+namespace slipd {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kKindNames[kEventKinds] = {"estimate", "alert", "state"};
+
+}  // namespace
+
+Subscription::Subscription(int id, const json& params, const Board& board) : id_(id) {
+  refuse_unknown(params, {"sensors", "max_rate_hz", "events"});
+  if (const auto sensors = params.find("sensors"); sensors != params.end() && !sensors->is_null()) {
+    if (!sensors->is_array()) throw rpc::Error(rpc::kInvalidParams, "\"sensors\" must be a list of names");
+    names_.emplace();
+    for (const json& name : *sensors) names_->push_back(board.sensors[sensor_index(name, board)]->name);
+  }
+  follow(board);
+  if (const auto rate = params.find("max_rate_hz"); rate != params.end() && !rate->is_null()) {
+    const double hz = rate->is_number() ? rate->get<double>() : 0;
+    if (!(hz >= 0.001 && hz <= 1e6))
+      throw rpc::Error(rpc::kInvalidParams, "\"max_rate_hz\" must be 0.001 to 1000000 Hz");
+    interval_ns_ = static_cast<std::int64_t>(1e9 / hz);
+  }
+  const json events = params.value("events", json{"estimate"});
+  if (!events.is_array())
+    throw rpc::Error(rpc::kInvalidParams, "\"events\" must be a list of estimate, alert, state");
+  for (const json& event : events) {
+    const auto* const kind = std::find_if(std::begin(kKindNames), std::end(kKindNames),
+                                          [&](const char* name) { return event == name; });
+    if (kind == std::end(kKindNames)) {
+      throw rpc::Error(rpc::kInvalidParams,
+                       "there is no event " + event.dump() + "; there are estimate, alert and state");
+    }
+    events_[kind - kKindNames] = true;
+  }
+}
+
+void Subscription::follow(const Board& board) {
+  sensors_.assign(board.sensors.size(), Told{});
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    sensors_[i].wanted =
+        !names_ || std::find(names_->begin(), names_->end(), board.sensors[i]->name) != names_->end();
+  }
+}
+
+bool Subscription::wants(const Event& event, EventKind kind, std::uint64_t& lost) {
+  Told& told = sensors_[event.sensor];
+  if (!told.wanted || !events_[static_cast<std::size_t>(kind)]) return false;
+  if (kind != EventKind::estimate) {
+    lost = 0;
+    return true;
+  }
+  told.lost += event.lost_before;
+  const std::int64_t now_ns = event.estimate.published_ns;
+  const bool changed = !told.any || told.state != event.estimate.state;
+  if (!changed && now_ns < told.due_ns) return false;
+  // The next one is due an interval after this one was, so that the mean rate is kept; but never in a burst.
+  told.due_ns = std::max(told.due_ns + interval_ns_, now_ns);
+  if (interval_ns_ > 0 && told.due_ns < now_ns + interval_ns_ / 2) told.due_ns = now_ns + interval_ns_;
+  told.any = true;
+  told.state = event.estimate.state;
+  lost = std::exchange(told.lost, 0);
+  return true;
+}
+
+}  // namespace slipd

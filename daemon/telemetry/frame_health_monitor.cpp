@@ -1,0 +1,69 @@
+#include "daemon/telemetry/frame_health_monitor.hpp"
+
+namespace slipd {
+namespace {
+
+// A machine that is no real-time one misses a frame now and then, and all of them while an estimator is being
+// made: that is no news. So many of them for so long is.
+constexpr double kSkippedShare = 0.05;
+constexpr int kSecondsBehind = 3;
+
+std::string count(std::uint64_t number, const char* what) {
+  return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+}
+
+}  // namespace
+
+Troubles troubles_of(const Panel& panel) {
+  const Counts counts = panel.latest.load().counts;
+  return {.received = counts.received,
+          .corrupt = panel.corrupt.load(std::memory_order_relaxed),
+          .lost = counts.lost,
+          .skipped = counts.skipped,
+          .events_lost = panel.events_lost.load(std::memory_order_relaxed),
+          .simulated = panel.simulated.load(std::memory_order_relaxed)};
+}
+
+std::vector<Complaint> Complaints::look(std::size_t sensor, const std::string& name,
+                                        const std::string& device, const Troubles& totals,
+                                        Clock::time_point now) {
+  if (sensors_.size() <= sensor) sensors_.resize(sensor + 1);
+  auto& [kinds, last, seconds_behind] = sensors_[sensor];
+  const bool behind = static_cast<double>(totals.skipped - last.skipped) >
+                      kSkippedShare * static_cast<double>(totals.received - last.received);
+  seconds_behind = behind ? seconds_behind + 1 : 0;
+  last = totals;
+  std::vector<Complaint> complaints;
+  auto complain = [&, &kinds_of = kinds, which = std::size_t{0}](Cause cause, std::uint64_t total,
+                                                                 const auto& line) mutable {
+    Kind& kind = kinds_of[which++];
+    if (total == kind.told || (kind.quiet_until && now < *kind.quiet_until)) return;
+    complaints.push_back({cause, name + line(total - kind.told)});
+    kind = {.told = total, .quiet_until = now + kInterval};
+  };
+  const std::string on = device.empty() ? ": " : " (" + device + "): ";
+  complain(Cause::device, totals.corrupt, [&](std::uint64_t more) {
+    return on + count(more, "damaged packet") + " thrown away: the device, its cable or the bus is at fault";
+  });
+  complain(totals.simulated ? Cause::machine : Cause::bus, totals.lost, [&](std::uint64_t more) {
+    if (totals.simulated)
+      return on + count(more, "frame") +
+             " were not simulated in time: this machine is too slow for this rate";
+    return on + count(more, "frame") +
+           " never came, by the device's own numbering: the device or the bus is too slow";
+  });
+  complain(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
+    return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";
+  });
+  if (seconds_behind >= kSecondsBehind) {
+    complain(Cause::machine, totals.skipped, [&](std::uint64_t more) {
+      return ": " + count(more, "frame") +
+             " skipped: this machine is too slow for this rate and method; choose a cheaper estimator.method "
+             "or a "
+             "lower rate_hz";
+    });
+  }
+  return complaints;
+}
+
+}  // namespace slipd

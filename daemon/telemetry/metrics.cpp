@@ -1,0 +1,196 @@
+// Metrics as text: each family with its type and help, one line a sensor; as OpenMetrics ended by # EOF.
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include "daemon/rpc/status.hpp"
+
+namespace slipd {
+namespace {
+
+std::string label_text(const std::string& value) {
+  std::string text;
+  for (const char c : value) {
+    if (c == '\n') {
+      text += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text;
+}
+
+class Families {
+ public:
+  Families(const World& world, MetricsFormat format) : world_(world), format_(format) {
+    out_.precision(std::numeric_limits<double>::max_digits10);
+  }
+
+  // One line for each sensor whose value is known (not NaN). A counter's lines end in _total.
+  void add(const std::string& name, const char* type, const char* help,
+           const std::function<double(std::size_t)>& value) {
+    head(name, type, help);
+    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+      const double number = value(i);
+      if (std::isnan(number)) continue;
+      out_ << sample(name, type) << "{sensor=\"" << label_text(world_.board.sensors[i]->name) << "\"} "
+           << number << '\n';
+    }
+  }
+
+  void add_one(const std::string& name, const char* type, const char* help, double value) {
+    head(name, type, help);
+    out_ << sample(name, type) << ' ' << value << '\n';
+  }
+
+  // What is known without a sensor: labels and the number 1. A gauge, for not every reader knows type info.
+  void build(const char* version) {
+    head("slipd_build_info", "gauge", "Which slipd this is.");
+    out_ << "slipd_build_info{version=\"" << version << "\"} 1\n";
+  }
+
+  // `labels`: what comes before the quantile, with its comma; empty: nothing.
+  void quantiles(const std::string& name, const std::string& labels,
+                 const LatencyHistogram::Summary& latency) {
+    if (latency.count == 0) return;
+    const auto line = [&](const char* quantile, double microseconds) {
+      out_ << name << '{' << labels << "quantile=\"" << quantile << "\"} " << microseconds * 1e-6 << '\n';
+    };
+    line("0.5", latency.p50_us);
+    line("0.99", latency.p99_us);
+    line("0.999", latency.p999_us);
+    line("1", latency.max_us);
+  }
+
+  void seconds(const std::string& name, const char* type, const char* help) {
+    head(name, type, help);
+    if (format_ == MetricsFormat::open_metrics) out_ << "# UNIT " << name << " seconds\n";
+  }
+
+  void latencies() {
+    const auto sensor = [&](std::size_t i) {
+      return "sensor=\"" + label_text(world_.board.sensors[i]->name) + "\",";
+    };
+    seconds("slipd_latency_seconds", "summary", "From the sample to its published estimate.");
+    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+      const auto latency = world_.board.sensors[i]->latency.summary();
+      quantiles("slipd_latency_seconds", sensor(i), latency);
+      if (latency.count > 0) {
+        out_ << "slipd_latency_seconds_count{sensor=\"" << label_text(world_.board.sensors[i]->name) << "\"} "
+             << latency.count << '\n';
+      }
+    }
+    seconds("slipd_latency_last_minute_seconds", "gauge", "The same over the last minute.");
+    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+      quantiles("slipd_latency_last_minute_seconds", sensor(i),
+                world_.last_minute[i].summary(world_.board.sensors[i]->latency));
+    }
+    const auto told = world_.told.summary();
+    seconds("slipd_telling_seconds", "summary",
+            "From an estimate being published to its last byte sent to a subscriber.");
+    quantiles("slipd_telling_seconds", "", told);
+    if (told.count > 0) out_ << "slipd_telling_seconds_count " << told.count << '\n';
+    seconds("slipd_telling_last_minute_seconds", "gauge", "The same over the last minute.");
+    quantiles("slipd_telling_last_minute_seconds", "", world_.told_last_minute.summary(world_.told));
+  }
+
+  std::string text() const { return out_.str() + (format_ == MetricsFormat::open_metrics ? "# EOF\n" : ""); }
+
+ private:
+  static std::string sample(const std::string& name, const std::string& type) {
+    return type == "counter" ? name + "_total" : name;
+  }
+  // OpenMetrics calls a counter's family by its name without _total, Prometheus's own format with it.
+  void head(const std::string& name, const char* type, const char* help) {
+    const std::string family = format_ == MetricsFormat::open_metrics ? name : sample(name, type);
+    out_ << "# TYPE " << family << ' ' << type << "\n# HELP " << family << ' ' << help << '\n';
+  }
+
+  const World& world_;
+  const MetricsFormat format_;
+  std::ostringstream out_;
+};
+
+}  // namespace
+
+std::string metrics_text(const World& world, MetricsFormat format) {
+  std::vector<Published> readings;
+  for (const auto& panel : world.board.sensors) readings.push_back(panel->latest.load());
+  const auto panel = [&](std::size_t i) -> const Panel& { return *world.board.sensors[i]; };
+  const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
+  const auto known = [](const std::optional<double>& value) { return value.value_or(kUnknown); };
+  Families families(world, format);
+  families.add("slipd_frames_received", "counter", "Frames that the driver handed over.",
+               [&](std::size_t i) { return number(readings[i].counts.received); });
+  families.add("slipd_frames_estimated", "counter", "Frames that were answered by an estimate.",
+               [&](std::size_t i) { return number(readings[i].counts.estimated); });
+  families.add("slipd_frames_skipped", "counter",
+               "Frames replaced by a newer one before the estimator came to them.",
+               [&](std::size_t i) { return number(readings[i].counts.skipped); });
+  families.add("slipd_frames_corrupt", "counter", "Packets or frames that the driver threw away.",
+               [&](std::size_t i) { return number(panel(i).corrupt.load(std::memory_order_relaxed)); });
+  families.add("slipd_frames_lost", "counter",
+               "Frames missing between those received, by their sequence numbers.",
+               [&](std::size_t i) { return number(readings[i].counts.lost); });
+  families.add("slipd_gaps", "counter", "Jumps of the sequence number.",
+               [&](std::size_t i) { return number(readings[i].counts.gaps); });
+  families.add("slipd_reconnects", "counter", "Times that the device was opened again.",
+               [&](std::size_t i) { return number(panel(i).reconnects.load(std::memory_order_relaxed)); });
+  families.add("slipd_connected", "gauge", "1 while the device is open.", [&](std::size_t i) {
+    return panel(i).link.load(std::memory_order_relaxed) == Link::open ? 1.0 : 0.0;
+  });
+  families.add("slipd_state", "gauge",
+               "0 ok, 1 no_contact, 2 learning, 3 out_of_model, 4 no_shear, 5 unzeroed, 6 stale, 7 fault.",
+               [&](std::size_t i) { return static_cast<double>(readings[i].estimate.state); });
+  families.add("slipd_gamma", "gauge", "Safety margin, 1 no tangential load, 0 gross slip; only in state ok.",
+               [&](std::size_t i) {
+                 const Estimate& estimate = readings[i].estimate;
+                 return estimate.state == State::ok ? known(estimate.gamma) : kUnknown;
+               });
+  families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
+               [&](std::size_t i) { return static_cast<double>(readings[i].estimate.alert); });
+  families.add("slipd_simulated", "gauge", "1 for a simulated sensor.",
+               [&](std::size_t i) { return panel(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0; });
+  families.add("slipd_zeroed", "gauge", "1 if it is known what the sensor reads without load.",
+               [&](std::size_t i) { return panel(i).zero.known() ? 1.0 : 0.0; });
+  families.add("slipd_zero_drift_pascals", "gauge", "How far the zero has followed drift since it was taken.",
+               [&](std::size_t i) { return static_cast<double>(panel(i).zero.report.load().drift_pa); });
+  families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
+               [&](std::size_t i) { return number(panel(i).timeouts.load(std::memory_order_relaxed)); });
+  families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",
+               [&](std::size_t i) { return number(panel(i).events_lost.load(std::memory_order_relaxed)); });
+  families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
+               [&](std::size_t i) { return world.rates_hz[i]; });
+  families.latencies();
+  families.build(SLIPD_VERSION);
+  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
+  families.add_one("slipd_uptime_seconds", "gauge", "Since the start.", uptime.count());
+  families.add_one("slipd_realtime_scheduling", "gauge", "1 if real-time scheduling was granted.",
+                   world.realtime.scheduling ? 1 : 0);
+  families.add_one("slipd_realtime_memory_locked", "gauge", "1 if memory is locked.",
+                   world.realtime.memory_locked ? 1 : 0);
+  families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(world.clients));
+  families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
+                   number(world.notifications_dropped));
+  if (world.can != nullptr) {
+    const can::Report can = world.can->load();
+    families.add_one("slipd_can_state", "gauge",
+                     "0 absent, 1 down, 2 up, 3 error_warning, 4 error_passive, 5 bus_off.",
+                     static_cast<double>(can.bus));
+    families.add_one("slipd_can_sent", "counter", "CAN messages that the kernel took.", number(can.sent));
+    families.add_one("slipd_can_queue_full", "counter", "Attempts to send for which there was no room.",
+                     number(can.full));
+    families.add_one("slipd_can_failed", "counter", "Attempts to send that were refused.",
+                     number(can.failed));
+    families.add_one("slipd_can_bus_errors", "counter", "Error frames of the CAN controller.",
+                     number(can.bus_errors));
+    families.add_one("slipd_can_bus_offs", "counter", "Times that the CAN controller went off the bus.",
+                     number(can.bus_offs));
+  }
+  return families.text();
+}
+
+}  // namespace slipd

@@ -1,0 +1,109 @@
+// A zero comes back from its file as it went there, and whatever else the file may hold is refused.
+#include "daemon/state/bias_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/temp_folder.hpp"
+
+namespace slipd {
+namespace {
+
+using ::testing::HasSubstr;
+
+const ZeroIdentity kSensor{"can", "xela-xr1944", R"({"interface":"can0"})", "board 1", 2};
+constexpr Now kNow{.monotonic_ns = 5'000, .realtime_ns = 1'790'000'000'000'000'000};
+
+Zero some_zero() {
+  return {.bias_pa = {1, -2, 3, 4, 5, 6e9F},
+          .noise_pa = {0, 1, 2, 3, 4, 5},
+          .origin = ZeroOrigin::command,
+          .taken_ns = 1'000,
+          .confirmed_ns = 2'000};
+}
+
+std::string refusal_of(const std::vector<std::uint8_t>& bytes, const ZeroIdentity& sensor = kSensor) {
+  try {
+    static_cast<void>(decode_zero(bytes, sensor, kNow));
+  } catch (const ZeroError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
+  const auto bytes = encode_zero(kSensor, some_zero(), kNow);
+  constexpr Now kAfterReboot{.monotonic_ns = 100, .realtime_ns = kNow.realtime_ns + 1'000'000};
+  const Zero read = decode_zero(bytes, kSensor, kAfterReboot);
+  EXPECT_EQ(read.bias_pa, some_zero().bias_pa);
+  EXPECT_EQ(read.noise_pa, some_zero().noise_pa);
+  EXPECT_EQ(read.origin, ZeroOrigin::command);
+  EXPECT_EQ(kAfterReboot.monotonic_ns - read.taken_ns, 1'000'000 + 4'000) << "its age: before this boot";
+  EXPECT_EQ(kAfterReboot.monotonic_ns - read.confirmed_ns, 1'000'000 + 3'000);
+}
+
+TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
+  const auto bytes = encode_zero(kSensor, some_zero(), kNow);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    auto changed = bytes;
+    changed[i] ^= 0x10;
+    EXPECT_NE(refusal_of(changed), "") << "byte " << i;
+    EXPECT_NE(refusal_of({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(i)}), "")
+        << i << " bytes";
+  }
+}
+
+TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
+  const auto bytes = encode_zero(kSensor, some_zero(), kNow);
+  ZeroIdentity other = kSensor;
+  other.part = "board 2";
+  EXPECT_THAT(refusal_of(bytes, other),
+              HasSubstr("is another sensor's: can xela-xr1944 {\"interface\":\"can0\"} "
+                        "board 1, 2 taxels"));
+  other = kSensor;
+  other.taxels = 3;
+  EXPECT_NE(refusal_of(bytes, other), "");
+}
+
+TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
+  Zero zero = some_zero();
+  zero.bias_pa[3] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(refusal_of(encode_zero(kSensor, zero, kNow)), HasSubstr("no number"));
+  zero = some_zero();
+  zero.noise_pa.pop_back();
+  EXPECT_THAT(refusal_of(encode_zero(kSensor, zero, kNow)), HasSubstr("number of values"));
+}
+
+TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
+  const testing::TempFolder folder;
+  const auto file = folder.file("mine.cbor");
+  save_zero(file, kSensor, some_zero());
+  std::filesystem::create_symlink(file, folder.file("link.cbor"));
+  EXPECT_THROW(static_cast<void>(load_zero(folder.file("link.cbor"), kSensor)), ZeroError);
+  std::filesystem::permissions(file, std::filesystem::perms::others_write,
+                               std::filesystem::perm_options::add);
+  EXPECT_THROW(static_cast<void>(load_zero(file, kSensor)), ZeroError);
+}
+
+TEST(ZeroFile, RefusesNestingWithoutEnd) {
+  EXPECT_THAT(refusal_of(std::vector<std::uint8_t>(1'000'000, 0x81)), HasSubstr("no CBOR item"));
+}
+
+TEST(ZeroFile, IsFoundAgainUnderItsIdentityOnly) {
+  const testing::TempFolder folder;
+  const auto file = folder.file("zero") / "mine.cbor";
+  EXPECT_FALSE(load_zero(file, kSensor)) << "no file is no error";
+  save_zero(file, kSensor, some_zero());
+  ASSERT_TRUE(load_zero(file, kSensor));
+  EXPECT_EQ(load_zero(file, kSensor)->bias_pa, some_zero().bias_pa);
+  for (const auto& left : std::filesystem::directory_iterator(file.parent_path()))
+    EXPECT_EQ(left.path(), file);
+  ZeroIdentity other = kSensor;
+  other.device = "serial 7";
+  EXPECT_THROW(static_cast<void>(load_zero(file, other)), ZeroError);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,66 @@
+// What the log is told of frames that go wrong, and what it is spared.
+#include "daemon/telemetry/frame_health_monitor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace slipd {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using namespace std::chrono_literals;
+
+class Complaining : public ::testing::Test {
+ protected:
+  std::vector<std::string> after(std::chrono::seconds time, const Troubles& totals) {
+    std::vector<std::string> lines;
+    for (const Complaint& complaint : complaints_.look(0, "left", "XELA on can0", totals, begin_ + time)) {
+      EXPECT_NE(complaint.cause, Cause::none) << "nobody is named in: " << complaint.text;
+      lines.push_back(complaint.text);
+    }
+    return lines;
+  }
+  Complaints complaints_;
+  const Complaints::Clock::time_point begin_ = Complaints::Clock::now();
+};
+
+TEST_F(Complaining, NobodyWhenAllIsWell) {
+  EXPECT_THAT(after(1s, {.received = 1000}), IsEmpty());
+}
+
+TEST_F(Complaining, TheDeviceIsNamedForWhatItDid) {
+  EXPECT_THAT(after(1s, {.received = 1000, .corrupt = 1}),
+              ElementsAre(HasSubstr("left (XELA on can0): 1 damaged packet thrown away")));
+  EXPECT_THAT(after(2s, {.received = 2000, .corrupt = 1, .lost = 7}),
+              ElementsAre(HasSubstr("7 frames never came")));
+}
+
+TEST_F(Complaining, ASimulationThatIsLateIsTheMachinesFault) {
+  EXPECT_THAT(after(1s, {.received = 1000, .lost = 7, .simulated = true}),
+              ElementsAre(HasSubstr("7 frames were not simulated in time: this machine")));
+}
+
+TEST_F(Complaining, OnceAMinuteAndThenWithAllThatCameMeanwhile) {
+  EXPECT_EQ(after(1s, {.received = 1000, .corrupt = 5}).size(), 1U);
+  for (int s = 2; s <= 60; ++s) {
+    EXPECT_THAT(
+        after(std::chrono::seconds(s), {.received = 1000, .corrupt = static_cast<std::uint64_t>(5 * s)}),
+        IsEmpty());
+  }
+  EXPECT_THAT(after(61s, {.received = 1000, .corrupt = 305}), ElementsAre(HasSubstr("300 damaged packets")));
+}
+
+TEST_F(Complaining, AFewSkippedFramesAreNoNewsAndManyAreTheMachinesFault) {
+  EXPECT_THAT(after(1s, {.received = 1000, .skipped = 10}), IsEmpty());
+  EXPECT_THAT(after(2s, {.received = 2000, .skipped = 1000}), IsEmpty()) << "an estimator was being made";
+  EXPECT_THAT(after(3s, {.received = 3000, .skipped = 1010}), IsEmpty());
+  EXPECT_THAT(after(4s, {.received = 4000, .skipped = 1500}), IsEmpty());
+  EXPECT_THAT(after(5s, {.received = 5000, .skipped = 2000}), IsEmpty());
+  EXPECT_THAT(after(6s, {.received = 6000, .skipped = 2500}),
+              ElementsAre(HasSubstr("this machine is too slow")));
+}
+
+}  // namespace
+}  // namespace slipd
