@@ -90,7 +90,7 @@ service must be allowed for them, and no more.")
 endforeach()
 
 # For drivers of one's own: what a driver includes, and the one library that it may call.
-install(FILES ${PROJECT_SOURCE_DIR}/driver_api/driver.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/drivers COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/driver_api/driver.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/driver_api COMPONENT dev)
 install(FILES ${PROJECT_SOURCE_DIR}/core/frame/frame.hpp ${PROJECT_SOURCE_DIR}/core/frame/layout.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/core/frame COMPONENT dev)
 install(TARGETS slipd_frame ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "schema/schema.hpp"
 #include "config/settings.hpp"
+#include "schema/schema.hpp"
 
 namespace slipd {
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "config/convert.hpp"
+#include "embedded/slipd_config_schema.hpp"
 #include "schema/json_text.hpp"
 #include "schema/schema.hpp"
-#include "embedded/slipd_schema.hpp"
 
 namespace slipd {
 namespace {
@@ -77,7 +77,7 @@ Settings parse_settings(const std::string& text, const std::string& name, Driver
   } catch (const JsonTextError& e) {
     throw SettingsError({e.located_in(name)});
   }
-  static const json kSchema = parse_json_text(slipd_schema);
+  static const json kSchema = parse_json_text(slipd_config_schema);
   std::vector<Problem> problems = check(kSchema, root);
   Settings settings;
   const bool all_seen = problems.size() < kMostProblems;

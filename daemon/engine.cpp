@@ -12,21 +12,21 @@ Engine::Engine(Settings settings, DriverCatalogue& drivers)
           settings_, drivers, board_,
           [this](const std::string& sensor, const ChainSetup& setup) { return models_.get(sensor, setup); },
           settings_.can ? &output_bell_ : nullptr),
-      world_{.settings = settings_,
-             .board = board_,
-             .realtime = {},
-             .ring_estimate = [this] { pipeline_.ring(); },
-             .flight = nullptr,
-             .last_minute = {},
-             .rates_hz = {},
-             .can = nullptr} {
+      context_{.settings = settings_,
+               .board = board_,
+               .realtime = {},
+               .ring_estimate = [this] { pipeline_.ring(); },
+               .flight = nullptr,
+               .last_minute = {},
+               .rates_hz = {},
+               .can = nullptr} {
   if (settings_.recorder.seconds > 0) flight_ = std::make_unique<FlightRecorder>(settings_.recorder, board_);
-  world_.flight = flight_.get();
-  if (settings_.can) world_.can = &can_.emplace(settings_, board_, output_bell_).report();
+  context_.flight = flight_.get();
+  if (settings_.can) context_.can = &can_.emplace(settings_, board_, output_bell_).report();
 }
 
 void Engine::start(const RealtimeGrant& grant) {
-  world_.realtime = grant;
+  context_.realtime = grant;
   if (flight_) flight_->start();
   pipeline_.start(grant);
   if (can_) can_->start(grant);
@@ -40,8 +40,8 @@ bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
 }
 
 bool Engine::tried() const {
-  return std::none_of(board_.sensors.begin(), board_.sensors.end(), [](const auto& panel) {
-    return panel->link.load(std::memory_order_relaxed) == Link::opening;
+  return std::none_of(board_.sensors.begin(), board_.sensors.end(), [](const auto& status) {
+    return status->link.load(std::memory_order_relaxed) == Link::opening;
   });
 }
 

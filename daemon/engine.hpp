@@ -8,7 +8,7 @@
 #include "daemon/model_provider.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/record/flight_recorder.hpp"
-#include "daemon/rpc/rpc_context.hpp"
+#include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {
 
@@ -26,8 +26,8 @@ class Engine {
   bool stop(std::chrono::steady_clock::time_point deadline);
 
   // Before start: what the engine before had learnt, from its give_up after a stop that was true.
-  void inherit(std::vector<Learnt> learnt) { pipeline_.inherit(std::move(learnt)); }
-  std::vector<Learnt> give_up() { return pipeline_.give_up(); }
+  void inherit(std::vector<LearnedState> learned) { pipeline_.inherit(std::move(learned)); }
+  std::vector<LearnedState> give_up() { return pipeline_.give_up(); }
 
   // Whether each device has been tried: opened, refused or found absent.
   bool tried() const;
@@ -35,17 +35,17 @@ class Engine {
 
   const Settings& settings() const noexcept { return settings_; }
   Board& board() noexcept { return board_; }
-  World& world() noexcept { return world_; }
+  ServiceContext& context() noexcept { return context_; }
 
  private:
   const Settings settings_;
   Board board_;
   std::unique_ptr<FlightRecorder> flight_;  // null: off
-  Models models_;
+  ModelProvider models_;
   Doorbell output_bell_;
   std::optional<can::Output> can_;
   Pipeline pipeline_;
-  World world_;
+  ServiceContext context_;
 };
 
 }  // namespace slipd

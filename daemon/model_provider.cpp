@@ -19,8 +19,8 @@
 #include "core/estimate/model_setup.hpp"
 #include "core/model/model_file.hpp"
 #include "core/model/setup_json.hpp"
-#include "core/storage/whole_file.hpp"
 #include "core/storage/unique_fd.hpp"
+#include "core/storage/whole_file.hpp"
 #include "daemon/log/log.hpp"
 
 namespace slipd {
@@ -90,7 +90,7 @@ std::filesystem::path trainer_beside_program() {
   return !error && std::filesystem::exists(beside, error) ? beside : std::filesystem::path("sliplab");
 }
 
-std::shared_ptr<const Model> Models::get(const std::string& sensor, const ChainSetup& setup) {
+std::shared_ptr<const Model> ModelProvider::get(const std::string& sensor, const ChainSetup& setup) {
   const ModelSetup wanted = model_setup_of(setup);
   const auto folder = model_cache_directory();
   const auto file = model_cache_file(wanted, folder);
@@ -123,7 +123,7 @@ std::shared_ptr<const Model> Models::get(const std::string& sensor, const ChainS
   return model;
 }
 
-std::vector<std::uint8_t> Models::train(const std::string& sensor, const std::string& setup_json) {
+std::vector<std::uint8_t> ModelProvider::train(const std::string& sensor, const std::string& setup_json) {
   const UniqueFd in = file_of(setup_json);
   const UniqueFd out = file_of("");
   std::array<int, 2> ends{};

@@ -15,10 +15,10 @@
 
 namespace slipd {
 
-class Models {
+class ModelProvider {
  public:
   // `trainer`: the program sliplab.
-  explicit Models(std::filesystem::path trainer) : trainer_(std::move(trainer)) {}
+  explicit ModelProvider(std::filesystem::path trainer) : trainer_(std::move(trainer)) {}
 
   // The model of this scene. A cached one that is damaged or foreign is named in the log and made anew; one
   // that the disk does not take is used nevertheless. May take minutes. Throws std::runtime_error if none can

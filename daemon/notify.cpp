@@ -33,20 +33,20 @@ std::optional<std::chrono::microseconds> watchdog_patience() {
   return std::chrono::microseconds(interval_us);
 }
 
-void status(const World& world, std::string& last) {
+void status(const ServiceContext& context, std::string& last) {
   std::size_t connected = 0;
   std::string absent;
-  for (const auto& panel : world.board.sensors) {
-    if (panel->link.load(std::memory_order_relaxed) == Link::open) {
+  for (const auto& status : context.board.sensors) {
+    if (status->link.load(std::memory_order_relaxed) == Link::open) {
       ++connected;
       continue;
     }
-    const std::string trouble = panel->facts().trouble;
-    absent += (absent.empty() ? " (" : "; ") + panel->name + (trouble.empty() ? "" : ": " + trouble);
+    const std::string trouble = status->facts().trouble;
+    absent += (absent.empty() ? " (" : "; ") + status->name + (trouble.empty() ? "" : ": " + trouble);
   }
-  const std::string text = std::to_string(connected) + " of " + std::to_string(world.board.sensors.size()) +
+  const std::string text = std::to_string(connected) + " of " + std::to_string(context.board.sensors.size()) +
                            " sensors connected" + (absent.empty() ? "" : absent + ")") + ", " +
-                           std::to_string(world.clients) + " clients";
+                           std::to_string(context.clients) + " clients";
   if (text == last) return;
   sd_notifyf(0, "STATUS=%s", text.c_str());
   last = text;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/rpc/rpc_context.hpp"
+#include "daemon/telemetry/service_context.hpp"
 
 namespace slipd::notify {
 
@@ -19,7 +19,7 @@ std::optional<std::chrono::microseconds> watchdog_patience();
 
 // For `systemctl status`: how many sensors are connected, which are not and why, how many clients. Said anew
 // only when it has changed since `last`, which is updated.
-void status(const World& world, std::string& last);
+void status(const ServiceContext& context, std::string& last);
 
 // The socket that systemd listens on for us; none: it does not. Throws std::runtime_error for something else
 // than one listening Unix stream socket.

@@ -136,11 +136,11 @@ class Service {
 int Service::run() {
   std::signal(SIGPIPE, SIG_IGN);
   const RealtimeGrant grant = realtime_or_throw(engine_->settings().realtime);
-  engine_->world().realtime = grant;
+  engine_->context().realtime = grant;
   begin();
   on_signals();
   const Ticker logs(io_, kLogInterval, [this] { drain_logs(engine_->board().logs, log_limit_); });
-  const Ticker status(io_, kStatusInterval, [this] { notify::status(engine_->world(), status_); });
+  const Ticker status(io_, kStatusInterval, [this] { notify::status(engine_->context(), status_); });
   std::optional<Ticker> watchdog;
   if (const auto patience = notify::watchdog_patience())
     watchdog.emplace(io_, *patience / 2, [this] { feed_watchdog(); });
@@ -162,8 +162,8 @@ int Service::run() {
 }
 
 void Service::begin() {
-  server_.emplace(io_, engine_->world(), clients_, recorder_, file_->duplicate());
-  engine_->start(engine_->world().realtime);
+  server_.emplace(io_, engine_->context(), clients_, recorder_, file_->duplicate());
+  engine_->start(engine_->context().realtime);
 }
 
 void Service::on_signals() {
@@ -182,7 +182,7 @@ void Service::on_signals() {
 // others.
 void Service::say_ready_when_tried() {
   if (engine_->tried() || std::chrono::steady_clock::now() >= ready_at_latest_) {
-    notify::status(engine_->world(), status_);
+    notify::status(engine_->context(), status_);
     return notify::ready();
   }
   ready_timer_.expires_after(kReadyInterval);
@@ -229,8 +229,8 @@ std::unique_ptr<Engine> Service::next_engine() {
 
 // The old devices are let go before the new ones are opened: they may be the same.
 void Service::exchange(std::unique_ptr<Engine> next) {
-  next->world().realtime = engine_->world().realtime;
-  next->world().started = engine_->world().started;
+  next->context().realtime = engine_->context().realtime;
+  next->context().started = engine_->context().started;
   recorder_.end_all();
   server_.reset();
   const bool clean = engine_->stop(std::chrono::steady_clock::now() + kStopPatience);

@@ -8,9 +8,9 @@
 #include <regex>
 #include <utility>
 
+#include "embedded/slipd_meta_schema.hpp"
 #include "schema/json_text.hpp"
 #include "schema/schema_words.hpp"
-#include "embedded/slipd_meta_schema.hpp"
 
 namespace slipd {
 namespace {

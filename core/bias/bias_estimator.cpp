@@ -32,17 +32,17 @@ float square(float x) noexcept {
 
 }  // namespace
 
-std::string_view to_string(ZeroOrigin origin) noexcept {
+std::string_view to_string(BiasOrigin origin) noexcept {
   static constexpr std::string_view kNames[] = {"none", "command", "no_load"};
   return kNames[static_cast<std::size_t>(origin)];
 }
 
-std::string_view to_string(ZeroAnswer answer) noexcept {
+std::string_view to_string(BiasResult answer) noexcept {
   static constexpr std::string_view kNames[] = {"none", "taken", "moving", "touched", "gone"};
   return kNames[static_cast<std::size_t>(answer)];
 }
 
-Zeroing::Zeroing(const TaxelLayout& layout, Steps steps)
+BiasEstimator::BiasEstimator(const TaxelLayout& layout, Steps steps)
     : taxels_(layout.size()),
       steps_(steps),
       finder_(layout),
@@ -56,7 +56,7 @@ Zeroing::Zeroing(const TaxelLayout& layout, Steps steps)
   zero_.noise_pa.resize(3 * taxels_);
 }
 
-void Zeroing::restore(const Zero& zero) {
+void BiasEstimator::restore(const Bias& zero) {
   if (zero.bias_pa.size() != 3 * taxels_ || zero.noise_pa.size() != 3 * taxels_)
     throw std::invalid_argument("a zero of " + std::to_string(zero.bias_pa.size() / 3) + " taxels, not of " +
                                 std::to_string(taxels_));
@@ -69,20 +69,20 @@ void Zeroing::restore(const Zero& zero) {
   measure_noise();
 }
 
-void Zeroing::reopened() noexcept {
+void BiasEstimator::reopened() noexcept {
   block_.forget();
   whole_ = false;
   last_frames_ = 0;
   seen_free_ = report_.free = false;
-  if (asked_) answer(ZeroAnswer::gone);
+  if (asked_) answer(BiasResult::gone);
 }
 
-void Zeroing::skip_requests(std::uint32_t upto) noexcept {
+void BiasEstimator::skip_requests(std::uint32_t upto) noexcept {
   report_.asked = upto;
-  answer(ZeroAnswer::gone);
+  answer(BiasResult::gone);
 }
 
-void Zeroing::ask(std::uint32_t request, bool force) noexcept {
+void BiasEstimator::ask(std::uint32_t request, bool force) noexcept {
   report_.asked = request;
   asked_ = true;
   force_ = force;
@@ -93,7 +93,7 @@ void Zeroing::ask(std::uint32_t request, bool force) noexcept {
   last_frames_ = 0;
 }
 
-void Zeroing::apply(FrameSlot& frame) noexcept {
+void BiasEstimator::apply(FrameSlot& frame) noexcept {
   whole_ = block_.add(frame) || whole_;
   frame.zeroed = known();
   if (!frame.zeroed) return;
@@ -106,7 +106,7 @@ void Zeroing::apply(FrameSlot& frame) noexcept {
   }
 }
 
-bool Zeroing::judge() noexcept {
+bool BiasEstimator::judge() noexcept {
   if (!whole_) return false;
   whole_ = false;
   const bool has_last = last_frames_ > 0;
@@ -118,24 +118,24 @@ bool Zeroing::judge() noexcept {
     if (known()) {
       follow();
     } else {
-      take(ZeroOrigin::no_load);
+      take(BiasOrigin::no_load);
     }
   }
   keep_block();
   return true;
 }
 
-void Zeroing::answer_request(bool still) noexcept {
+void BiasEstimator::answer_request(bool still) noexcept {
   if (!still) {
-    if (++tries_ >= kTries) answer(ZeroAnswer::moving);
+    if (++tries_ >= kTries) answer(BiasResult::moving);
     return;
   }
-  if (!force_ && looks_touched()) return answer(ZeroAnswer::touched);
-  take(ZeroOrigin::command);
-  answer(ZeroAnswer::taken);
+  if (!force_ && looks_touched()) return answer(BiasResult::in_contact);
+  take(BiasOrigin::command);
+  answer(BiasResult::taken);
 }
 
-void Zeroing::answer(ZeroAnswer what) noexcept {
+void BiasEstimator::answer(BiasResult what) noexcept {
   asked_ = false;
   report_.answered = report_.asked;
   report_.answer = what;
@@ -143,7 +143,7 @@ void Zeroing::answer(ZeroAnswer what) noexcept {
 
 // Whether this block and the one before are of one and the same reading. The noise is that of the quieter of
 // both: a touch that began within the other one is in its variance, too.
-bool Zeroing::stands_still() const noexcept {
+bool BiasEstimator::stands_still() const noexcept {
   const auto now = block_.mean_pa();
   const Kinds least = quieter_by_kind();
   const float errors = 1 / std::min(kIndependent, static_cast<float>(block_.frames())) +
@@ -158,7 +158,7 @@ bool Zeroing::stands_still() const noexcept {
 
 // Without a zero yet: whether the sensor reads 0 all over. A load that hides every offset, taxel by taxel,
 // there is not.
-bool Zeroing::reads_zero() const noexcept {
+bool BiasEstimator::reads_zero() const noexcept {
   const auto now = block_.mean_pa();
   const Kinds least = quieter_by_kind();
   const float frames = static_cast<float>(block_.frames() + last_frames_);
@@ -170,11 +170,11 @@ bool Zeroing::reads_zero() const noexcept {
   return true;
 }
 
-float Zeroing::quieter(std::size_t channel) const noexcept {
+float BiasEstimator::quieter(std::size_t channel) const noexcept {
   return std::min(block_.variance_pa2()[channel], last_variance_[channel]);
 }
 
-Zeroing::Kinds Zeroing::quieter_by_kind() const noexcept {
+BiasEstimator::Kinds BiasEstimator::quieter_by_kind() const noexcept {
   const Kinds now = mean_by_kind(block_.variance_pa2()), last = mean_by_kind(last_variance_);
   // A reading that stands between two steps flickers by this much, seen or not.
   const auto rounding = [](float step_pa) { return square(step_pa) / 12; };
@@ -182,7 +182,7 @@ Zeroing::Kinds Zeroing::quieter_by_kind() const noexcept {
           std::max(std::min(now.shear, last.shear), rounding(steps_.shear_pa))};
 }
 
-Zeroing::Kinds Zeroing::mean_by_kind(std::span<const float> values) const noexcept {
+BiasEstimator::Kinds BiasEstimator::mean_by_kind(std::span<const float> values) const noexcept {
   double normal = 0, shear = 0;
   for (std::size_t i = 0; i < taxels_; ++i) normal += values[i];
   for (std::size_t i = taxels_; i < 3 * taxels_; ++i) shear += values[i];
@@ -191,7 +191,7 @@ Zeroing::Kinds Zeroing::mean_by_kind(std::span<const float> values) const noexce
 }
 
 // With a zero: whether every channel is at it, but for noise and what drift may have done meanwhile.
-bool Zeroing::near_bias() const noexcept {
+bool BiasEstimator::near_bias() const noexcept {
   const auto now = block_.mean_pa();
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
@@ -204,7 +204,7 @@ bool Zeroing::near_bias() const noexcept {
 
 // Whether the block differs from the bias (from 0, while there is none) as a contact does: some taxels that
 // lie together, more than what the others differ by. What all have in common is drift.
-bool Zeroing::stands_out() noexcept {
+bool BiasEstimator::stands_out() noexcept {
   if (taxels_ < kFewTaxels) return false;
   const auto now = block_.mean_pa();
   for (std::size_t i = 0; i < now.size(); ++i) apart_[i] = now[i] - zero_.bias_pa[i];
@@ -216,7 +216,7 @@ bool Zeroing::stands_out() noexcept {
   const ContactPatch& patch = finder_.find({.normal_pa = all.first(taxels_),
                                             .shear_x_pa = all.subspan(taxels_, taxels_),
                                             .shear_y_pa = all.last(taxels_)});
-  if (!patch.touched) return false;
+  if (!patch.in_contact) return false;
   int out = 0;
   patch.for_each_inside(
       [&](std::uint32_t taxel) { out += apart_[taxel] > kStandsOut * patch.noise_normal_pa ? 1 : 0; });
@@ -225,11 +225,11 @@ bool Zeroing::stands_out() noexcept {
 
 // What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no
 // longer is, is touched. One that was not may have drifted while it was away: then only shape tells.
-bool Zeroing::looks_touched() noexcept {
+bool BiasEstimator::looks_touched() noexcept {
   return (seen_free_ && !near_bias()) || stands_out();
 }
 
-void Zeroing::take(ZeroOrigin origin) noexcept {
+void BiasEstimator::take(BiasOrigin origin) noexcept {
   const auto now = block_.mean_pa(), spread = block_.variance_pa2();
   const float share =
       static_cast<float>(block_.frames()) / static_cast<float>(block_.frames() + last_frames_);
@@ -248,7 +248,7 @@ void Zeroing::take(ZeroOrigin origin) noexcept {
   measure_noise();
 }
 
-void Zeroing::follow() noexcept {
+void BiasEstimator::follow() noexcept {
   const auto now = block_.mean_pa();
   const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
   const auto share = static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, 1.0) / kFollowSeconds));
@@ -262,14 +262,14 @@ void Zeroing::follow() noexcept {
   report_.free = seen_free_ = true;
 }
 
-void Zeroing::measure_noise() noexcept {
+void BiasEstimator::measure_noise() noexcept {
   for (std::size_t i = 0; i < apart_.size(); ++i) apart_[i] = square(zero_.noise_pa[i]);
   const Kinds variance = mean_by_kind(apart_);
   report_.noise_normal_pa = std::sqrt(variance.normal);
   report_.noise_shear_pa = std::sqrt(variance.shear);
 }
 
-void Zeroing::keep_block() noexcept {
+void BiasEstimator::keep_block() noexcept {
   std::copy(block_.mean_pa().begin(), block_.mean_pa().end(), last_mean_.begin());
   std::copy(block_.variance_pa2().begin(), block_.variance_pa2().end(), last_variance_.begin());
   last_frames_ = block_.frames();

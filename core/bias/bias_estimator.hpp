@@ -11,15 +11,15 @@
 #include <span>
 #include <vector>
 
+#include "core/bias/bias.hpp"
+#include "core/bias/frame_block.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
-#include "core/bias/frame_block.hpp"
-#include "core/bias/bias.hpp"
 
 namespace slipd {
 
-class Zeroing {
+class BiasEstimator {
  public:
   // The smallest differences that the sensor tells; 0: not known, or none.
   struct Steps {
@@ -27,10 +27,10 @@ class Zeroing {
   };
 
   // All memory there ever is.
-  explicit Zeroing(const TaxelLayout& layout, Steps steps = {0, 0});
+  explicit BiasEstimator(const TaxelLayout& layout, Steps steps = {0, 0});
 
   // Set-up. The zero of an earlier run; of as many taxels, else std::invalid_argument.
-  void restore(const Zero& zero);
+  void restore(const Bias& zero);
 
   // Set-up or acquire thread, after the device was away: whatever was seen of contacts no longer holds. The
   // zero does. A zero that was asked for is answered with `gone`.
@@ -51,8 +51,8 @@ class Zeroing {
   // for some microseconds a thousand taxels. True if the report has changed.
   bool judge() noexcept;
 
-  const ZeroReport& report() const noexcept { return report_; }
-  const Zero& zero() const noexcept { return zero_; }  // acquire thread's own; changes in judge
+  const BiasReport& report() const noexcept { return report_; }
+  const Bias& zero() const noexcept { return zero_; }  // acquire thread's own; changes in judge
 
  private:
   // Of all normal pressures, and of both shears: a taxel that happens to flicker little is no better known
@@ -67,15 +67,15 @@ class Zeroing {
     return channel < taxels_ ? steps_.normal_pa : steps_.shear_pa;
   }
 
-  bool known() const noexcept { return report_.origin != ZeroOrigin::none; }
+  bool known() const noexcept { return report_.origin != BiasOrigin::none; }
   bool stands_still() const noexcept;
   bool reads_zero() const noexcept;
   bool near_bias() const noexcept;
   bool stands_out() noexcept;
   bool looks_touched() noexcept;
   void answer_request(bool still) noexcept;
-  void answer(ZeroAnswer what) noexcept;
-  void take(ZeroOrigin origin) noexcept;
+  void answer(BiasResult what) noexcept;
+  void take(BiasOrigin origin) noexcept;
   void follow() noexcept;
   void measure_noise() noexcept;
   void keep_block() noexcept;
@@ -84,8 +84,8 @@ class Zeroing {
   Steps steps_;
   PatchFinder finder_;
   FrameBlock block_;
-  Zero zero_;
-  ZeroReport report_;
+  Bias zero_;
+  BiasReport report_;
   std::vector<float> taken_bias_;                 // for the drift
   std::vector<float> last_mean_, last_variance_;  // of the block before
   std::uint32_t last_frames_ = 0;                 // 0: there is none

@@ -23,7 +23,7 @@ class FrameBlock {
   bool add(const FrameSlot& frame) noexcept;
   void forget() noexcept { count_ = 0; }  // the frames of the block that is under way
 
-  // Of the last whole block; three values a taxel, as in Zero.
+  // Of the last whole block; three values a taxel, as in Bias.
   std::span<const float> mean_pa() const noexcept { return mean_; }
   std::span<const float> variance_pa2() const noexcept { return variance_; }  // of one frame
   std::uint32_t frames() const noexcept { return frames_; }

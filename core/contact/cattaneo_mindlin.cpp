@@ -5,7 +5,8 @@
 
 namespace slipd::contact {
 
-RisingLoad::RisingLoad(const Pair& pair, double normal_n, double friction, double one_minus_gamma)
+CattaneoMindlin::CattaneoMindlin(const BodyPair& pair, double normal_n, double friction,
+                                 double one_minus_gamma)
     : normal_(normal_n), friction_(friction), load_(one_minus_gamma) {
   check_normal_force(normal_n);
   check_friction(friction);
@@ -26,7 +27,7 @@ RisingLoad::RisingLoad(const Pair& pair, double normal_n, double friction, doubl
 // + sqrt(u)) with 1 - u = (1 - k^2)/(1 - s^2); and k - s, where u is small, as (k^3 - s^3)/(k^2 + ks + s^2),
 // because k^3 = Gamma is known to all its digits and its root is not: from whichever side of 1/2 the
 // subtraction from 1 is exact.
-double RisingLoad::mobilised_friction(double s) const noexcept {
+double CattaneoMindlin::mobilised_friction(double s) const noexcept {
   if (load_ == 0) return 0;
   if (s >= k_) return 1;
   const double one_minus_s2 = (1 - s) * (1 + s);
@@ -36,7 +37,7 @@ double RisingLoad::mobilised_friction(double s) const noexcept {
   return one_minus_k2_ / one_minus_s2 / (1 + std::sqrt(u));
 }
 
-Traction RisingLoad::at(double s) const noexcept {
+Traction CattaneoMindlin::at(double s) const noexcept {
   if (normal_ == 0 || !(s <= 1)) return {};
   const double mobilised = mobilised_friction(s);
   const double pressure = p0_ * std::sqrt((1 - s) * (1 + s));

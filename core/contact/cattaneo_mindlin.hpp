@@ -14,11 +14,11 @@ struct Traction {
   double angle_rad = 0;    // alpha = atan(q/p) in [0, atan(mu)]; at the rim its limit, outside the contact 0
 };
 
-class RisingLoad {
+class CattaneoMindlin {
  public:
   // normal_n: P >= 0. friction: mu > 0. one_minus_gamma: Q/(mu P) in [0, 1]; it is given, and not Gamma,
   // because a small load would lose its digits in 1 - Gamma. Throws ContactError otherwise.
-  RisingLoad(const Pair& pair, double normal_n, double friction, double one_minus_gamma);
+  CattaneoMindlin(const BodyPair& pair, double normal_n, double friction, double one_minus_gamma);
 
   double contact_radius_m() const noexcept { return a_; }
   double peak_pressure_pa() const noexcept { return p0_; }

@@ -38,25 +38,25 @@ double compliance(const Body& body) {
 
 }  // namespace
 
-double Pair::contact_radius_m(double normal_n) const noexcept {
+double BodyPair::contact_radius_m(double normal_n) const noexcept {
   return std::cbrt(0.75 * normal_n * (radius_m / modulus_pa));
 }
 
-double Pair::peak_pressure_pa(double normal_n) const noexcept {
+double BodyPair::peak_pressure_pa(double normal_n) const noexcept {
   if (normal_n == 0) return 0;
   const double a = contact_radius_m(normal_n);
   return 1.5 * (normal_n / a) / (std::numbers::pi * a);
 }
 
-double Pair::disc_scale_pa_per_m() const noexcept {
+double BodyPair::disc_scale_pa_per_m() const noexcept {
   return 2 * modulus_pa / (std::numbers::pi * radius_m);
 }
 
-double Pair::disc_force_n(double x) const noexcept {
+double BodyPair::disc_force_n(double x) const noexcept {
   return 4.0 / 3.0 * (modulus_pa / radius_m) * x * x * x;
 }
 
-Pair make_pair(const Body& sensor, const Body& object) {
+BodyPair make_body_pair(const Body& sensor, const Body& object) {
   check_body(sensor, "R1", "E1", "nu1");
   check_body(object, "R2", "E2", "nu2");
   const double radius = effective_radius(sensor.radius_m, object.radius_m);

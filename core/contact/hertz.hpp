@@ -28,7 +28,7 @@ inline Body body_of(const Skin& skin) {
 }
 
 // The pair of bodies, whatever the force: the paper's E* and R.
-struct Pair {
+struct BodyPair {
   double modulus_pa = 0;  // E*, from 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2
   double radius_m = 0;    // R, from 1/R = 1/R1 + 1/R2
 
@@ -44,7 +44,7 @@ struct Pair {
 
 // Throws ContactError unless both moduli are positive and finite, both nu in (-1, 0.5], no radius is 0 or
 // NaN, and 1/R1 + 1/R2 > 0 (two flats, or a concave body as tight as the other, have no Hertzian contact).
-Pair make_pair(const Body& sensor, const Body& object);
+BodyPair make_body_pair(const Body& sensor, const Body& object);
 
 // Throws ContactError unless the force is finite and not negative.
 void check_normal_force(double normal_n);

@@ -24,7 +24,7 @@ constexpr double kCollinear = 1e-13;
 
 }  // namespace
 
-LoadHistory::LoadHistory(const Pair& pair, std::size_t capacity)
+LoadHistory::LoadHistory(const BodyPair& pair, std::size_t capacity)
     : pair_(pair), capacity_(std::max<std::size_t>(capacity, 8)) {
   // Cutting a curve at its limits adds at most two knots to each of its pieces.
   const std::size_t most = 3 * capacity_ + 8;

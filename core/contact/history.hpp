@@ -29,7 +29,7 @@ struct DiscTerm {
 class LoadHistory {
  public:
   // No contact yet. `capacity`: knots kept at most; beyond it those that matter least are merged.
-  explicit LoadHistory(const Pair& pair, std::size_t capacity = 256);
+  explicit LoadHistory(const BodyPair& pair, std::size_t capacity = 256);
 
   // The load goes in a straight line in the (P, Q) plane to normal_n and shear_n (signed, along one
   // direction) while friction, changed beforehand, stays. A shear beyond mu P slides: it is carried only as
@@ -42,7 +42,7 @@ class LoadHistory {
   double friction() const noexcept { return friction_; }
   double contact_radius_m() const noexcept;
   double safety_margin() const noexcept;  // 1 - |Q|/(mu P); NaN without contact
-  const Pair& pair() const noexcept { return pair_; }
+  const BodyPair& pair() const noexcept { return pair_; }
 
   // The shear traction's terms, largest radius first; the pressure is the one term {contact_radius_m(), 1}.
   // Valid until the next move_to. Empty without load.
@@ -66,7 +66,7 @@ class LoadHistory {
   void simplify();
   void refresh_terms();
 
-  Pair pair_;
+  BodyPair pair_;
   std::size_t capacity_;
   double normal_n_ = 0, shear_n_ = 0, friction_ = 1;
   Curve knots_, base_, trial_;

@@ -5,13 +5,13 @@
 namespace slipd::contact {
 
 // In N and signed like Q.
-struct ShearShape {
+struct ShearMoments {
   // Q (5/3 - 5/2 <u>_q): what slip has taken from the rim. 0 while all sticks, and hardly changed by a load
   // that changes without slip.
-  double slipped_n = 0;
+  double slip_moment_n = 0;
   // Q <6 u^2 - 6 u + 1>_q: rim and centre against what is between. Noise on it is independent of Q's and of
   // the other's.
-  double hollow_n = 0;
+  double second_legendre_n = 0;
 };
 
 }  // namespace slipd::contact

@@ -33,24 +33,25 @@ bool weighed_over_time(const ChainSetup& setup) {
 
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
-std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, Worth& worth) {
+std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
   constexpr std::size_t kContacts = 48;
   constexpr std::uint64_t kSeed = 2;  // training draws from 1
   std::vector<std::unique_ptr<SlipMethod>> methods;
   methods.push_back(std::make_unique<Moments>(setup.layout));
   methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));
-  worth.processor = processor_name();
+  work_precision.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
   std::vector<SlipMethod*> all;
   all.reserve(methods.size());
   for (const auto& method : methods) all.push_back(method.get());
-  worth.rows = measure_tradeoff(setup.layout, scene, all, NoiseKind::relative, scene.noise, kContacts, kSeed);
-  return std::move(methods[choose(worth.rows, setup.estimator.budget_us)]);
+  work_precision.rows =
+      measure_tradeoff(setup.layout, scene, all, NoiseKind::relative, scene.noise, kContacts, kSeed);
+  return std::move(methods[choose(work_precision.rows, setup.estimator.budget_us)]);
 }
 
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
-                                        Worth& worth) {
+                                        WorkPrecision& work_precision) {
   if (only_forces(setup)) return nullptr;
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
@@ -60,14 +61,14 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   }
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
-      return choose_method(setup, worth);
+      return choose_method(setup, work_precision);
     case MethodChoice::fit:
       return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
     case MethodChoice::registered:
-      worth = model->data().worth;
+      work_precision = model->data().work_precision;
       return std::make_unique<SvdKnn>(model);
   }
   throw std::invalid_argument("there is no such estimator");
@@ -80,13 +81,13 @@ struct EstimatorChain::Impl {
       : setup(s),
         model(std::move(m)),
         finder(s.layout),
-        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, worth)),
+        method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         alert(s.alerts) {}
 
   ChainSetup setup;
   std::shared_ptr<const Model> model;
-  Worth worth;
+  WorkPrecision work_precision;
   PatchFinder finder;
   std::unique_ptr<SlipMethod> method;
   Tracker tracker;
@@ -106,8 +107,8 @@ EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;
 
-const Worth& EstimatorChain::tradeoff() const noexcept {
-  return impl_->worth;
+const WorkPrecision& EstimatorChain::tradeoff() const noexcept {
+  return impl_->work_precision;
 }
 
 Method EstimatorChain::method() const noexcept {
@@ -127,7 +128,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
     return out;
   }
   const ContactPatch& patch = in.finder.find(frame);
-  if (!patch.touched) {
+  if (!patch.in_contact) {
     in.tracker.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   } else {
@@ -143,12 +144,12 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
       out.shear_n = patch.shear_n;
       const bool shaped = in.method && (patch.count >= kFewInside || weighed_over_time(in.setup)) &&
                           patch.shear_n > 3 * patch.shear_sigma_n;
-      const Reading reading = shaped ? in.method->read(frame, patch) : Reading{};
-      in.tracker.update(patch, shaped ? &reading : nullptr, method(), out);
-      if (reading.in_family) {
-        out.center_x_m = reading.center_x_m;
-        out.center_y_m = reading.center_y_m;
-        out.radius_m = reading.radius_m;
+      const FrameEstimate frame_estimate = shaped ? in.method->estimate(frame, patch) : FrameEstimate{};
+      in.tracker.update(patch, shaped ? &frame_estimate : nullptr, method(), out);
+      if (frame_estimate.in_model) {
+        out.center_x_m = frame_estimate.center_x_m;
+        out.center_y_m = frame_estimate.center_y_m;
+        out.radius_m = frame_estimate.radius_m;
       }
       advise(out, patch.shear_sigma_n, in.setup.alerts.target_margin);
     }

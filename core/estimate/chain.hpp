@@ -14,8 +14,8 @@
 
 namespace slipd {
 
-class Model;   // core/model/model.hpp
-struct Worth;  // core/model/work_precision.hpp
+class Model;           // core/model/model.hpp
+struct WorkPrecision;  // core/model/work_precision.hpp
 
 struct ChainSetup {
   TaxelLayout layout;
@@ -43,7 +43,7 @@ class EstimatorChain {
 
   // Error against run time on this scene: what the choice was made from for method `automatic`, for a trained
   // method what was measured with its model. No rows for others.
-  const Worth& tradeoff() const noexcept;
+  const WorkPrecision& tradeoff() const noexcept;
 
   // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
   Estimate estimate(const Frame& frame) noexcept;

@@ -179,7 +179,7 @@ double Fit::share_left_open(const Square& hessian) noexcept {
 // Where noise leaves the margin open, a parabola about the best fit is no honest picture of it. The whole
 // range is weighed instead: the likelihood of each margin, times what friction the scene expects of it. Mean
 // and deviation of that.
-void Fit::weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) noexcept {
+void Fit::weigh_by_scene(const Vector& at, const Square& hessian, FrameEstimate& out) noexcept {
   const double open = share_left_open(hessian);
   std::array<double, kSteps> misfit, friction;
   auto& profile = out.profile;
@@ -224,15 +224,15 @@ void Fit::weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) 
   out.friction_sigma = std::sqrt(std::max(0.0, mu2 / weight - mu * mu) + step * step / 12);
 }
 
-Reading Fit::read(const Frame&, const ContactPatch& patch) noexcept {
-  Reading out;
+FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
+  FrameEstimate out;
   collect(patch);
   const double peak = 1.5 * patch.normal_n / (3.141592653589793 * patch.radius_m * patch.radius_m);
   noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
   noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
   const MomentRatio ratio = moment_ratio(patch, layout_);
-  out.shape = ratio.shape;
-  out.shape_sigma = ratio.shape_sigma;
+  out.moments = ratio.moments;
+  out.moments_sigma = ratio.moments_sigma;
   Vector at = start(patch, ratio), gradient, trial_gradient;
   if (!(at[load] > 0) || count_ < kUnknowns) return out;
   Square hessian, trial_hessian;
@@ -264,7 +264,7 @@ Reading Fit::read(const Frame&, const ContactPatch& patch) noexcept {
   if (layout_.size() <= kFewTaxels) {  // no parabola is true to so few: only the whole profile means anything
     evaluate(at, trial_gradient, trial_hessian);
     weigh_by_scene(at, trial_hessian, out);
-    out.in_family = converged;
+    out.in_model = converged;
     return out;
   }
   if (!converged) return out;
@@ -283,12 +283,12 @@ Reading Fit::read(const Frame&, const ContactPatch& patch) noexcept {
   out.center_y_m = patch.center_y_m + at[center_y];
   out.radius_m = at[radius];
   const RingMisfit misfit = ring_misfit(at);
-  out.in_family = ratio.unlike.hertzian() && misfit.by_skin < kMostMisfit;
+  out.in_model = ratio.deviation.hertzian() && misfit.by_skin < kMostMisfit;
   if (out.sigma > kOpen) weigh_by_scene(at, hessian, out);
   // Beyond noise it is accepted as an uneven skin; it may as well be a little of another history.
   const double uneven = misfit.by_noise > kMostMisfit ? kUnevenSigma : 0;
-  const double unlike = std::max(kPressureSigma * pressure_left_over(at), ratio.unlike.sigma());
-  const double doubt = std::hypot(uneven, unlike);
+  const double deviation = std::max(kPressureSigma * pressure_left_over(at), ratio.deviation.sigma());
+  const double doubt = std::hypot(uneven, deviation);
   out.sigma = std::hypot(out.sigma, doubt);
   out.friction_sigma = std::hypot(out.friction_sigma, 2 * doubt * out.friction);
   return out;

@@ -32,9 +32,9 @@ class Fit final : public SlipMethod {
 
   // Levenberg-Marquardt from the moments' start, at most kMostSteps steps. Not in the family if it did not
   // converge or if what is left over is more than noise and the skin's unevenness explain.
-  Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
+  FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
 
-  static constexpr std::size_t kFewTaxels = 40;  // layouts this small are read over time, see FrictionBelief
+  static constexpr std::size_t kFewTaxels = 40;  // layouts this small are read over time, see FrictionFilter
   static constexpr int kMostSteps = 15;
   int steps() const noexcept { return steps_; }  // that the last frame took
 
@@ -54,7 +54,7 @@ class Fit final : public SlipMethod {
   RingMisfit ring_misfit(const Vector& at) const noexcept;
   double pressure_left_over(const Vector& at) const noexcept;
   static double share_left_open(const Square& hessian) noexcept;
-  void weigh_by_scene(const Vector& at, const Square& hessian, Reading& out) noexcept;
+  void weigh_by_scene(const Vector& at, const Square& hessian, FrameEstimate& out) noexcept;
 
   TaxelLayout layout_;
   Range expected_;

@@ -17,7 +17,7 @@ double square(double x) noexcept {
 
 }  // namespace
 
-FrictionWeights::FrictionWeights(Range expected, double spread, std::size_t count)
+FrictionGrid::FrictionGrid(Range expected, double spread, std::size_t count)
     : count_(count), step_(std::log(kHigh / kLow) / static_cast<double>(count - 1)) {
   for (std::size_t j = 0; j < count_; ++j) {
     friction_[j] = kLow * std::exp(step_ * static_cast<double>(j));
@@ -28,16 +28,16 @@ FrictionWeights::FrictionWeights(Range expected, double spread, std::size_t coun
   reset();
 }
 
-void FrictionWeights::fade(double keep) noexcept {
+void FrictionGrid::fade(double keep) noexcept {
   for (std::size_t j = 0; j < count_; ++j) weight_[j] = prior_[j] + keep * (weight_[j] - prior_[j]);
 }
 
-std::size_t FrictionWeights::likeliest() const noexcept {
+std::size_t FrictionGrid::likeliest() const noexcept {
   const auto end = weight_.begin() + static_cast<std::ptrdiff_t>(count_);
   return static_cast<std::size_t>(std::max_element(weight_.begin(), end) - weight_.begin());
 }
 
-void FrictionWeights::normalise() noexcept {
+void FrictionGrid::normalise() noexcept {
   const std::size_t top = likeliest();
   const double most = weight_[top];
   const double beside =
@@ -47,7 +47,7 @@ void FrictionWeights::normalise() noexcept {
     weight_[j] = std::max(soften * (weight_[j] - most), prior_[j] - (j < top ? kRestBelow : kRestAbove));
 }
 
-FrictionWeights::Value FrictionWeights::friction() const noexcept {
+FrictionGrid::Value FrictionGrid::friction() const noexcept {
   const std::size_t top = likeliest();
   double sum = 0, mean = 0, squares = 0, near = 0;
   for (std::size_t j = 0; j < count_; ++j) {
@@ -71,7 +71,7 @@ FrictionWeights::Value FrictionWeights::friction() const noexcept {
   return value;
 }
 
-FrictionWeights::Value FrictionWeights::margin(double load, double load_sigma) const noexcept {
+FrictionGrid::Value FrictionGrid::margin(double load, double load_sigma) const noexcept {
   const Value mu = friction();
   if (mu.sigma < kSharp * mu.mean) {
     const double mobilised = load / mu.mean;

@@ -12,12 +12,12 @@
 
 namespace slipd {
 
-class FrictionWeights {
+class FrictionGrid {
  public:
   static constexpr std::size_t kMost = 224;
 
   // The range expected ends softly, over about `spread` of log mu. count: 2 … kMost.
-  FrictionWeights(Range expected, double spread, std::size_t count);
+  FrictionGrid(Range expected, double spread, std::size_t count);
 
   void reset() noexcept { weight_ = prior_; }  // what the scene expects
   // 1 leaves all as it is, 0 is reset.

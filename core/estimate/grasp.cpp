@@ -47,7 +47,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
   return result;
 }
 
-Estimate GraspJudge::judge(std::span<const Estimate> members) noexcept {
+Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
   Estimate now = grasp_estimate(members, target_margin_);
   now.alert = alert_.update(now.published_ns, now);
   now.time_to_slip_s = forecast_.update(now.published_ns, now.gamma, now.sigma.value_or(0));

@@ -19,9 +19,9 @@ namespace slipd {
 Estimate grasp_estimate(std::span<const Estimate> members, double target_margin) noexcept;
 
 // The same over time: with the alert logic and the forecast of a sensor.
-class GraspJudge {
+class GraspTracker {
  public:
-  explicit GraspJudge(const AlertSettings& alerts) : target_margin_(alerts.target_margin), alert_(alerts) {}
+  explicit GraspTracker(const AlertSettings& alerts) : target_margin_(alerts.target_margin), alert_(alerts) {}
 
   // Whenever a member's estimate is new. Its clock is published_ns, for the members' own clocks may differ.
   Estimate judge(std::span<const Estimate> members) noexcept;

@@ -29,15 +29,15 @@ struct MarginProfile {
   }
 };
 
-// One frame's word. `in_family` false: the frame is no contact whose load has only risen (or whatever else
+// One frame's word. `in_model` false: the frame is no contact whose load has only risen (or whatever else
 // the method covers), and the numbers mean nothing. Sigmas are standard deviations; friction_sigma is
 // infinite where the frame does not tell friction (no load).
-struct Reading {
-  bool in_family = false;
-  // How the shear lies along the resultant, whatever the contact went through: see ShearShape.
+struct FrameEstimate {
+  bool in_model = false;
+  // How the shear lies along the resultant, whatever the contact went through: see ShearMoments.
   // Deviations are infinite where it is not known.
-  contact::ShearShape shape,
-      shape_sigma{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  contact::ShearMoments moments,
+      moments_sigma{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   double gamma = 0, sigma = 0;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
@@ -51,7 +51,7 @@ class SlipMethod {
   virtual MethodSettings settings() const noexcept = 0;  // any thread
   // Estimate thread. Allocates nothing. `patch` is of this very frame and touched, with shear above the
   // noise.
-  virtual Reading read(const Frame& frame, const ContactPatch& patch) noexcept = 0;
+  virtual FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept = 0;
 };
 
 }  // namespace slipd

@@ -14,8 +14,8 @@ int rings_for(const ChainSetup& chain) {
   double radius_m = 0;
   for (std::size_t i = 0; i < kDraws; ++i) {
     const ContactDraw draw = draw_contact(chain.scene, 1, i);
-    const auto pair = contact::make_pair(contact::body_of(chain.scene.skin),
-                                         {draw.radius_m, draw.modulus_pa, draw.poisson});
+    const auto pair = contact::make_body_pair(contact::body_of(chain.scene.skin),
+                                              {draw.radius_m, draw.modulus_pa, draw.poisson});
     radius_m += pair.contact_radius_m(draw.normal_n) / kDraws;
   }
   const double taxels = radius_m / chain.layout.side_m();

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/simd/instruction_sets.hpp"
 #include "core/patch/rings.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -42,7 +42,7 @@ double gamma_of_moment_ratio(double ratio) noexcept {
 }
 
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
-  const MomentSums sums = best_kernels<DiscKernels>().moments(patch.taxels, patch.runs, patch.standpoint());
+  const MomentSums sums = best_kernels<DiscKernels>().moments(patch.taxels, patch.runs, patch.pose());
   const double unit = patch.radius_m * patch.radius_m, unit2 = unit * unit;
   const double p = sums.p, q = sums.q, p2 = sums.ps * unit, q2 = sums.qs * unit, q4 = sums.qss * unit2;
   const double r2 = sums.s * unit, r4 = sums.s2 * unit2, r6 = sums.s3 * unit2 * unit,
@@ -62,7 +62,7 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) n
   };
   const double from_q = noise(patch.noise_shear_pa, q, mean_q),
                from_p = noise(patch.noise_normal_pa, p, mean_p);
-  out.unlike = unlike_hertz(sums, patch, layout.side_m());
+  out.deviation = hertz_deviation(sums, patch, layout.side_m());
   const double coarse = layout.side_m() / patch.radius_m;
   const double cut_rim = 0.3 * coarse * coarse * coarse, grid = cut_rim + 0.002;  // of squares on a round rim
   out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, cut_rim + 0.0007);
@@ -71,43 +71,43 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) n
   const double a2 = 2.5 * mean_p, side = layout.side_m(), shear_n = patch.shear_n;
   const double u = mean_q / a2;
   const double u2 = (q4 / q - 2.0 / 3 * side * side * mean_q - kSquareFourth * std::pow(side, 4)) / (a2 * a2);
-  out.shape = {shear_n * (5.0 / 3 - 2.5 * u), shear_n * (6 * u2 - 6 * u + 1)};
+  out.moments = {shear_n * (5.0 / 3 - 2.5 * u), shear_n * (6 * u2 - 6 * u + 1)};
   const double taxel_n = patch.noise_shear_pa * layout.area_m2(), radius = from_p / mean_p;
   const double zero = 5.0 / 3 * mean_p + spread;  // a taxel there counts for nothing
   const double slipped_weights = (r4 - 2 * zero * r2 + zero * zero * n) / (mean_p * mean_p);
   const double hollow_weights =
       36 * r8 / std::pow(a2, 4) - 72 * r6 / std::pow(a2, 3) + 48 * r4 / std::pow(a2, 2) - 12 * r2 / a2 + n;
-  out.shape_sigma = {std::hypot(taxel_n * std::sqrt(std::max(0.0, slipped_weights)),
-                                shear_n * std::hypot(2.5 * u * radius, grid)),
-                     std::hypot(taxel_n * std::sqrt(std::max(0.0, hollow_weights)),
-                                shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
+  out.moments_sigma = {std::hypot(taxel_n * std::sqrt(std::max(0.0, slipped_weights)),
+                                  shear_n * std::hypot(2.5 * u * radius, grid)),
+                       std::hypot(taxel_n * std::sqrt(std::max(0.0, hollow_weights)),
+                                  shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
   return out;
 }
 
-Reading Moments::read(const Frame&, const ContactPatch& patch) noexcept {
-  return read(patch, sum_rings(patch, layout_));
+FrameEstimate Moments::estimate(const Frame&, const ContactPatch& patch) noexcept {
+  return estimate(patch, sum_rings(patch, layout_));
 }
 
-Reading Moments::read(const ContactPatch& patch, const Rings& rings) const noexcept {
-  Reading out;
+FrameEstimate Moments::estimate(const ContactPatch& patch, const Rings& rings) const noexcept {
+  FrameEstimate out;
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
   const MomentRatio ratio = moment_ratio(patch, layout_);
-  out.shape = ratio.shape;
-  out.shape_sigma = ratio.shape_sigma;
+  out.moments = ratio.moments;
+  out.moments_sigma = ratio.moments_sigma;
   const double open = 3 * ratio.sigma + 0.03;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = gamma_of_moment_ratio(ratio.value);
-  out.sigma = std::hypot(slope(std::cbrt(out.gamma)) * ratio.sigma, ratio.unlike.sigma());
+  out.sigma = std::hypot(slope(std::cbrt(out.gamma)) * ratio.sigma, ratio.deviation.sigma());
   const double held = std::max(1e-6, 1 - out.gamma);
   out.friction = ratio.load / held;
   // Near no load friction is a ratio of two small numbers.
   out.friction_sigma = out.sigma < 0.5 * held
                            ? out.friction * std::hypot(out.sigma / held, patch.shear_sigma_n / patch.shear_n)
                            : std::numeric_limits<double>::infinity();
-  out.in_family =
-      ratio.unlike.hertzian() && family_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
+  out.in_model = ratio.deviation.hertzian() &&
+                 monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
   return out;
 }
 

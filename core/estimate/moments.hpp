@@ -6,8 +6,8 @@
 
 #include <limits>
 
-#include "core/estimate/method.hpp"
 #include "core/estimate/hertz_deviation.hpp"
+#include "core/estimate/method.hpp"
 #include "core/patch/rings.hpp"
 
 namespace slipd {
@@ -20,8 +20,8 @@ double gamma_of_moment_ratio(double ratio) noexcept;
 struct MomentRatio {
   double value = 1, sigma = std::numeric_limits<double>::infinity();
   double load = 0;  // sum q / sum p
-  UnlikeHertz unlike;
-  contact::ShearShape shape, shape_sigma = Reading().shape_sigma;
+  HertzDeviation deviation;
+  contact::ShearMoments moments, moments_sigma = FrameEstimate().moments_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 
@@ -32,8 +32,9 @@ class Moments final : public SlipMethod {
   MethodSettings settings() const noexcept override {
     return {.memory_bytes = sizeof(*this) + 2 * sizeof(double) * layout_.size()};
   }
-  Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
-  Reading read(const ContactPatch& patch, const Rings& rings) const noexcept;  // its rings are known already
+  FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
+  FrameEstimate estimate(const ContactPatch& patch,
+                         const Rings& rings) const noexcept;  // its rings are known already
 
  private:
   TaxelLayout layout_;

@@ -6,10 +6,10 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/simd/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
 #include "core/model/knn.hpp"
 #include "core/model/ring_columns.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -79,8 +79,8 @@ void SvdKnn::project_angles(const ContactPatch& patch) noexcept {
 template <class Real>
 bool SvdKnn::project(const ContactPatch& patch, float& noise) noexcept {
   const AlphaMask mask{.least_pa = patch.peak_pa * mask_fraction(model_->setup().scene.noise),
-                       .along_x = static_cast<float>(patch.toward_x),
-                       .along_y = static_cast<float>(patch.toward_y)};
+                       .along_x = static_cast<float>(patch.direction_x),
+                       .along_y = static_cast<float>(patch.direction_y)};
   const AngleSums angles = best_kernels<AlphaKernels>().angles(patch.taxels, patch.runs, mask, alpha_.data());
   if (angles.taken == 0) return false;
   project_angles<Real>(patch);
@@ -121,15 +121,15 @@ bool SvdKnn::project_rings(const ContactPatch& patch, const Rings& all, float& n
          squares - kept <= kBeyond * model_->data().errors.residual_limit * squares + 4 * noise_squares;
 }
 
-Reading SvdKnn::read(const Frame&, const ContactPatch& patch) noexcept {
-  Reading out;
+FrameEstimate SvdKnn::estimate(const Frame&, const ContactPatch& patch) noexcept {
+  FrameEstimate out;
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
   const Rings sums = sum_rings(patch, model_->setup().layout);
-  const Reading shape = moments_.read(patch, sums);
-  out.shape = shape.shape;
-  out.shape_sigma = shape.shape_sigma;
+  const FrameEstimate shape = moments_.estimate(patch, sums);
+  out.moments = shape.moments;
+  out.moments_sigma = shape.moments_sigma;
   float noise = 0;
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;
@@ -139,7 +139,7 @@ Reading SvdKnn::read(const Frame&, const ContactPatch& patch) noexcept {
             : (twice ? project<double>(patch, noise) : project<float>(patch, noise));
   if (!known) return out;
   const ModelData& data = model_->data();
-  const KnnAnswer answer = rings
+  const KnnResult answer = rings
                                ? plane_answer_of(query_, point_, data.coordinates, data.gamma, data.friction)
                                : answer_of(query_, point_, data.gamma, data.friction);
   const float all_noise = noise * std::sqrt(static_cast<float>(point_.size()));
@@ -163,8 +163,8 @@ Reading SvdKnn::read(const Frame&, const ContactPatch& patch) noexcept {
                            : std::numeric_limits<double>::infinity();
   // Neighbours far apart in friction may lie side by side where the load is light: an answer that the shape
   // itself contradicts is none.
-  out.in_family = shape.in_family &&
-                  std::fabs(out.gamma - shape.gamma) < kContradicted * std::hypot(out.sigma, shape.sigma);
+  out.in_model = shape.in_model &&
+                 std::fabs(out.gamma - shape.gamma) < kContradicted * std::hypot(out.sigma, shape.sigma);
   return out;
 }
 

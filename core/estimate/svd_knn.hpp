@@ -24,7 +24,7 @@ class SvdKnn final : public SlipMethod {
   }
 
   // slipd's code allocates nothing; FLANN makes one small array (see Neighbours::Query::find).
-  Reading read(const Frame& frame, const ContactPatch& patch) noexcept override;
+  FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
 
  private:
   // Fills point_; returns whether it lies where the training's contacts did. `noise` gets the standard

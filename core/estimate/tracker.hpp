@@ -23,19 +23,20 @@ class Tracker {
   // Estimate thread. Fills in state, gamma, sigma, friction and method of `out`, whose forces and sequence
   // are set. `reading` is null where the sensor has no method of its own (one force vector, flat skin), or
   // the frame no shear.
-  void update(const ContactPatch& patch, const Reading* reading, Method method, Estimate& out) noexcept;
+  void update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
+              Estimate& out) noexcept;
 
   // The contact was lost: what was learnt of this object is forgotten.
-  void forget() noexcept { belief_.reset(); }
+  void forget() noexcept { friction_filter_.reset(); }
 
  private:
-  using Margin = FrictionWeights::Value;
-  std::optional<Margin> track(const ContactPatch& patch, const Reading* reading, Method method,
+  using Margin = FrictionGrid::Value;
+  std::optional<Margin> track(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
                               Estimate& out) noexcept;
 
   EstimatorSettings settings_;
   bool few_taxels_;
-  FrictionBelief belief_;
+  FrictionFilter friction_filter_;
 };
 
 }  // namespace slipd

@@ -21,7 +21,7 @@ constexpr double kFallen = 4;                         // deviations of P besides
 
 // Gains of least squares over n frames, the newest first counted in: 2 (2n - 1)/(n (n + 1)) for the level,
 // which is also the share of one frame's variance that is left in it, and 6/(n (n + 1)) for the slope.
-void CarriedLoad::read(const ContactPatch& patch) noexcept {
+void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const double load = patch.shear_n / patch.normal_n, sigma = patch.shear_sigma_n / patch.normal_n;
   const bool first = frame_sigma_ == 0;
   const double gain = first ? 1 : kMeanGain;
@@ -29,7 +29,7 @@ void CarriedLoad::read(const ContactPatch& patch) noexcept {
   normal_n_ = {normal_n_.mean + gain * (patch.normal_n - normal_n_.mean), kMeanSigma * patch.normal_sigma_n};
   frame_sigma_ = sigma;
   const double expected = now_.mean + change_, off = load - expected;
-  if (!shapeless_ || first || !(std::fabs(off) < kJump * sigma)) {
+  if (!force_only_ || first || !(std::fabs(off) < kJump * sigma)) {
     now_ = {load, sigma};
     change_ = astray_ = 0;
     frames_ = 1;
@@ -51,16 +51,16 @@ void CarriedLoad::read(const ContactPatch& patch) noexcept {
   now_ = {std::max(0.0, expected + level * off), std::hypot(std::sqrt(level), lag) * sigma};
 }
 
-CarriedLoad::Held CarriedLoad::held() const noexcept {
-  if (!shapeless_) return {{now_.mean, std::max(now_.sigma, 0.01 * now_.mean)}, 1};
+TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {
+  if (!force_only_) return {{now_.mean, std::max(now_.sigma, 0.01 * now_.mean)}, 1};
   return {{mean_, std::max(kMeanSigma * frame_sigma_, 0.005 * now_.mean)}, kMeanGain};
 }
 
-bool CarriedLoad::is_highest(double load, double sigma) const noexcept {
+bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
   return load > highest_ - kHighest * sigma;
 }
 
-std::optional<double> CarriedLoad::look_for_sliding() noexcept {
+std::optional<double> TractionRatioFilter::look_for_sliding() noexcept {
   const auto [load, sigma] = now_;
   highest_ = std::max(highest_, load - sigma);
   const bool even = std::fabs(load - slide_load_) < kPlateau * slide_load_ + 2 * sigma;

@@ -10,17 +10,17 @@
 
 namespace slipd {
 
-class CarriedLoad {
+class TractionRatioFilter {
  public:
-  using Value = FrictionWeights::Value;
+  using Value = FrictionGrid::Value;
 
   static constexpr double kPlateau = 0.015;  // relative: Q/P this even while P changes is sliding
 
-  explicit CarriedLoad(bool shapeless) noexcept : shapeless_(shapeless) {}
-  void clear() noexcept { *this = CarriedLoad(shapeless_); }
+  explicit TractionRatioFilter(bool force_only) noexcept : force_only_(force_only) {}
+  void clear() noexcept { *this = TractionRatioFilter(force_only_); }
 
   // One frame in contact.
-  void read(const ContactPatch& patch) noexcept;
+  void update(const ContactPatch& patch) noexcept;
 
   const Value& now() const noexcept { return now_; }
 
@@ -41,7 +41,7 @@ class CarriedLoad {
   std::optional<double> look_for_sliding() noexcept;
 
  private:
-  bool shapeless_;
+  bool force_only_;
   Value now_;
   double frame_sigma_ = 0;  // of one frame's load
   double change_ = 0;       // a frame

@@ -12,7 +12,7 @@
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/thread_clock.hpp"
 #include "core/model/dataset.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 namespace {
@@ -35,16 +35,16 @@ class Trial {
   void face(const Frame& frame, double gamma) {
     const double start = thread_us();
     const ContactPatch& patch = finder_.find(frame);
-    const Reading reading = patch.touched ? method_.read(frame, patch) : Reading{};
+    const FrameEstimate frame_estimate = patch.in_contact ? method_.estimate(frame, patch) : FrameEstimate{};
     times_.push_back(thread_us() - start);
 
-    if (!reading.in_family) return;
-    const double error = std::fabs(reading.gamma - gamma);
+    if (!frame_estimate.in_model) return;
+    const double error = std::fabs(frame_estimate.gamma - gamma);
     errors_.push_back(error);
     row_.mean_error += error;
-    row_.right += slip_class(std::clamp(reading.gamma, 0.0, 1.0)) == slip_class(gamma) ? 1 : 0;
-    row_.within_sigma += error < reading.sigma ? 1 : 0;
-    row_.within_two_sigma += error < 2 * reading.sigma ? 1 : 0;
+    row_.right += slip_class(std::clamp(frame_estimate.gamma, 0.0, 1.0)) == slip_class(gamma) ? 1 : 0;
+    row_.within_sigma += error < frame_estimate.sigma ? 1 : 0;
+    row_.within_two_sigma += error < 2 * frame_estimate.sigma ? 1 : 0;
   }
 
   TradeoffRow result() {
@@ -75,10 +75,10 @@ std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene
   for (SlipMethod* method : methods) trials.emplace_back(layout, *method);
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
-    const Draws random = Draws(seed ^ 0x7261646566666fULL).stream(i);
+    const RandomStream random = RandomStream(seed ^ 0x7261646566666fULL).stream(i);
     const double gamma = random.uniform(0);
-    contact::LoadHistory contact(
-        contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
+    contact::LoadHistory contact(contact::make_body_pair(contact::body_of(scene.skin),
+                                                         {draw.radius_m, draw.modulus_pa, draw.poisson}));
     contact.move_to(draw.normal_n, 0, draw.friction);
     contact.move_to(draw.normal_n, (1 - gamma) * draw.friction * draw.normal_n, draw.friction);
     frames.feel(contact, draw.x_m, draw.y_m);
@@ -97,8 +97,8 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
   return measure_tradeoff(layout, scene, std::span(&only, 1), kind, noise, contacts, seed).front();
 }
 
-Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
-                    std::uint64_t seed) {
+WorkPrecision measure_work_precision(const std::vector<std::shared_ptr<const Model>>& models,
+                                     std::size_t contacts, std::uint64_t seed) {
   const ModelSetup& setup = models.front()->setup();
   Moments moments(setup.layout);
   Fit fit(setup.layout, expected_friction(setup.scene));
@@ -112,13 +112,13 @@ Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std
           processor_name()};
 }
 
-Worth measure_worth(const ChainSetup& setup, Method method) {
+WorkPrecision measure_work_precision(const ChainSetup& setup, Method method) {
   constexpr std::size_t kContacts = 48;
   constexpr std::uint64_t kSeed = 2;  // training draws from 1
   if (setup.layout.size() <= Fit::kFewTaxels) return {};
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
-  const auto measured = [&](SlipMethod&& with) -> Worth {
+  const auto measured = [&](SlipMethod&& with) -> WorkPrecision {
     return {{measure_tradeoff(setup.layout, scene, with, NoiseKind::relative, scene.noise, kContacts, kSeed)},
             processor_name()};
   };

@@ -26,12 +26,12 @@ TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, Slip
 
 // Each method that a sensor of this model could use: moments, fit, and SvdKnn at each of `models`, which are
 // of one scene, the first of them in double precision as well. On relative noise as strong as the scene says.
-Worth measure_worth(const std::vector<std::shared_ptr<const Model>>& models, std::size_t contacts,
-                    std::uint64_t seed);
+WorkPrecision measure_work_precision(const std::vector<std::shared_ptr<const Model>>& models,
+                                     std::size_t contacts, std::uint64_t seed);
 
 // What a method that needs no training is worth on a sensor's scene. Without rows for others, and for few
 // taxels, of which no single frame tells its margin.
-Worth measure_worth(const ChainSetup& setup, Method method);
+WorkPrecision measure_work_precision(const ChainSetup& setup, Method method);
 
 std::string processor_name();  // of this machine, as its kernel says
 

@@ -26,7 +26,7 @@ void TrialFrames::feel(const contact::LoadHistory& contact, double center_x_m, d
   contact::taxel_averages(layout_, center_x_m, center_y_m, contact, normal_, shear_);
 }
 
-Frame TrialFrames::sense(double toward_rad, const Draws& random, std::uint64_t sequence,
+Frame TrialFrames::sense(double direction_rad, const RandomStream& random, std::uint64_t sequence,
                          std::int64_t time_ns) {
   float most_p = 0, most_q = 0;
   for (std::size_t i = 0; i < normal_.size(); ++i) {
@@ -36,7 +36,7 @@ Frame TrialFrames::sense(double toward_rad, const Draws& random, std::uint64_t s
   const auto n = normal_.size();
   noisy_ = normal_;
   random.stream(0).add_noise(noisy_.data(), n, noise_ * most_p);
-  const auto c = static_cast<float>(std::cos(toward_rad)), s = static_cast<float>(std::sin(toward_rad));
+  const auto c = static_cast<float>(std::cos(direction_rad)), s = static_cast<float>(std::sin(direction_rad));
   x_ = shear_;
   if (kind_ == NoiseKind::relative) random.stream(1).add_noise(x_.data(), n, noise_ * most_q);
   for (std::size_t i = 0; i < n; ++i) {

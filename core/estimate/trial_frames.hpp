@@ -8,7 +8,7 @@
 #include "core/contact/history.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 
@@ -29,7 +29,8 @@ class TrialFrames {
   std::span<float> shear_pa() noexcept { return shear_; }
 
   // With noise, the shear turned into a direction of the plane. The frame is valid until the next call.
-  Frame sense(double toward_rad, const Draws& random, std::uint64_t sequence = 1, std::int64_t time_ns = 1);
+  Frame sense(double direction_rad, const RandomStream& random, std::uint64_t sequence = 1,
+              std::int64_t time_ns = 1);
 
   // Of the frame that was sensed last; for what a sensor does after its noise (dead taxels).
   std::span<float> sensed_normal_pa() noexcept { return noisy_; }

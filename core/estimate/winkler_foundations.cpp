@@ -9,7 +9,7 @@ namespace slipd {
 namespace {
 
 constexpr double kSpare = 1.2;  // springs stand this much further out than the contact when they are set
-constexpr auto kSprings = SpringKernels::kSprings;
+constexpr auto kSprings = WinklerKernels::kSprings;
 
 constexpr float place(std::size_t i) noexcept {
   return static_cast<float>(i) + 0.5F;
@@ -24,20 +24,21 @@ float sum_of(const std::array<float, kSprings>& rest) noexcept {
 
 }  // namespace
 
-SpringBeds::SpringBeds(std::span<const double> frictions) noexcept
-    : SpringBeds(frictions, best_kernels<SpringKernels>()) {}
+WinklerFoundations::WinklerFoundations(std::span<const double> frictions) noexcept
+    : WinklerFoundations(frictions, best_kernels<WinklerKernels>()) {}
 
-SpringBeds::SpringBeds(std::span<const double> frictions, const SpringKernels& kernels) noexcept
+WinklerFoundations::WinklerFoundations(std::span<const double> frictions,
+                                       const WinklerKernels& kernels) noexcept
     : kernels_(&kernels),
       count_(std::min(frictions.size(), kMost)),
-      vectors_((count_ + SpringKernels::kLanes - 1) / SpringKernels::kLanes) {
+      vectors_((count_ + WinklerKernels::kLanes - 1) / WinklerKernels::kLanes) {
   friction_.fill(1);
   std::copy_n(frictions.begin(), count_, friction_.begin());
   std::transform(friction_.begin(), friction_.end(), mu_.begin(),
                  [](double mu) { return static_cast<float>(mu); });
 }
 
-void SpringBeds::clear() noexcept {
+void WinklerFoundations::clear() noexcept {
   step_ = normal_n_ = told_n_ = 0;
   shear_n_.fill(0);
   loads_ = {};
@@ -45,7 +46,7 @@ void SpringBeds::clear() noexcept {
 }
 
 // Sets the springs wider when the contact has outgrown them.
-void SpringBeds::reach(double radius) noexcept {
+void WinklerFoundations::reach(double radius) noexcept {
   if (radius <= step_ * static_cast<double>(kSprings)) return;
   const double step = kSpare * radius / static_cast<double>(kSprings), ratio = step_ > 0 ? step / step_ : 0;
   step_ = step;
@@ -66,14 +67,14 @@ void SpringBeds::reach(double radius) noexcept {
 }
 
 // Of each spring what it is pressed with: edge - x^2 where that is above 0.
-SpringBeds::Rest SpringBeds::rests(double edge) const noexcept {
+WinklerFoundations::Rest WinklerFoundations::rests(double edge) const noexcept {
   const auto square = static_cast<float>(step_ * step_), outside = static_cast<float>(edge);
   Rest rest;
   for (std::size_t i = 0; i < kSprings; ++i) rest[i] = std::max(outside - square * place(i) * place(i), 0.0F);
   return rest;
 }
 
-void SpringBeds::settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept {
+void WinklerFoundations::settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept {
   const auto touching = static_cast<std::size_t>(
       std::find_if(rest.begin(), rest.end(), [](float r) { return r <= 0; }) - rest.begin());
   const double as_felt_n = sum_of(rest);
@@ -82,7 +83,7 @@ void SpringBeds::settle(const Rest& rest, const PerBed<std::int32_t>& which) noe
   kernels_->settle(loads_[0].data(), rest.data(), touching, mu_.data(), goal.data(), which.data(), vectors_);
 }
 
-void SpringBeds::follow(double normal_n, double shear_n) noexcept {
+void WinklerFoundations::follow(double normal_n, double shear_n) noexcept {
   if (!(normal_n > 0)) {
     clear();
     return;
@@ -115,13 +116,13 @@ void SpringBeds::follow(double normal_n, double shear_n) noexcept {
   summed_ = false;
 }
 
-void SpringBeds::assume_risen(double normal_n, double shear_n) noexcept {
+void WinklerFoundations::assume_monotonic(double normal_n, double shear_n) noexcept {
   clear();
   follow(normal_n, 0);
   follow(normal_n, shear_n);
 }
 
-void SpringBeds::weaken(std::size_t from, const PerBed<std::int32_t>& which) noexcept {
+void WinklerFoundations::weaken(std::size_t from, const PerBed<std::int32_t>& which) noexcept {
   if (!(normal_n_ > 0)) return;
   for (std::size_t j = 0; j < from; ++j) {
     if (which[j] == 0) continue;
@@ -134,7 +135,7 @@ void SpringBeds::weaken(std::size_t from, const PerBed<std::int32_t>& which) noe
   summed_ = false;
 }
 
-void SpringBeds::sum_up() const noexcept {
+void WinklerFoundations::sum_up() const noexcept {
   const double radius = std::cbrt(normal_n_);
   const Rest rest = rests(radius * radius);
   sums_.p = sums_.p2 = 0;
@@ -146,7 +147,7 @@ void SpringBeds::sum_up() const noexcept {
   summed_ = true;
 }
 
-contact::ShearShape SpringBeds::shape(std::size_t j) const noexcept {
+contact::ShearMoments WinklerFoundations::shear_moments(std::size_t j) const noexcept {
   if (!(normal_n_ > 0)) return {};
   if (!summed_) sum_up();
   const float p = sums_.p, p2 = sums_.p2, q = sums_.q[j], q2 = sums_.q2[j], q4 = sums_.q4[j];

@@ -17,13 +17,14 @@
 
 namespace slipd {
 
-class SpringBeds {
+class WinklerFoundations {
  public:
-  static constexpr std::size_t kMost = SpringKernels::kBeds;
+  static constexpr std::size_t kMost = WinklerKernels::kBeds;
 
   // A bed for each friction > 0, at most kMost; no contact yet.
-  explicit SpringBeds(std::span<const double> frictions, const SpringKernels& kernels) noexcept;
-  explicit SpringBeds(std::span<const double> frictions) noexcept;  // the kernels that suit this processor
+  explicit WinklerFoundations(std::span<const double> frictions, const WinklerKernels& kernels) noexcept;
+  explicit WinklerFoundations(
+      std::span<const double> frictions) noexcept;  // the kernels that suit this processor
 
   void clear() noexcept;  // no contact
 
@@ -33,7 +34,7 @@ class SpringBeds {
   void follow(double normal_n, double shear_n) noexcept;
 
   // Forgets the past: shear rose from nothing to shear_n under a normal force that did not change.
-  void assume_risen(double normal_n, double shear_n) noexcept;
+  void assume_monotonic(double normal_n, double shear_n) noexcept;
 
   // The beds before `from` for which `chosen` is true go on from its contact, as far as their friction holds
   // it under the same load.
@@ -48,12 +49,12 @@ class SpringBeds {
 
   // Of bed j, 0 … frictions - 1; reckoned when first asked for after a change. (A spring at x counts with 2
   // x^2 and 8/3 x^4.)
-  contact::ShearShape shape(std::size_t j) const noexcept;
+  contact::ShearMoments shear_moments(std::size_t j) const noexcept;
 
  private:
   template <typename T>
   using PerBed = std::array<T, kMost>;
-  using Rest = std::array<float, SpringKernels::kSprings>;
+  using Rest = std::array<float, WinklerKernels::kSprings>;
 
   void reach(double radius) noexcept;
   Rest rests(double edge) const noexcept;
@@ -61,7 +62,7 @@ class SpringBeds {
   void settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept;
   void sum_up() const noexcept;
 
-  const SpringKernels* kernels_;
+  const WinklerKernels* kernels_;
   std::size_t count_, vectors_;
   PerBed<double> friction_;
   PerBed<float> mu_;  // the same
@@ -69,7 +70,7 @@ class SpringBeds {
   double normal_n_ = 0;
   double told_n_ = 0;  // the shear that all were told last
   PerBed<double> shear_n_{};
-  std::array<PerBed<float>, SpringKernels::kSprings> loads_{};
+  std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
 
   struct Sums {
     PerBed<float> q, q2, q4;

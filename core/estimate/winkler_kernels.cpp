@@ -8,8 +8,8 @@
 namespace slipd {
 namespace {
 
-constexpr auto kSprings = SpringKernels::kSprings, kBeds = SpringKernels::kBeds;
-static_assert(kLanes == SpringKernels::kLanes);
+constexpr auto kSprings = WinklerKernels::kSprings, kBeds = WinklerKernels::kBeds;
+static_assert(kLanes == WinklerKernels::kLanes);
 constexpr int kMostSteps = 12;
 
 SLIPD_INLINE Floats lesser(const Floats& a, const Floats& b) noexcept {
@@ -100,10 +100,10 @@ void sums(const float* loads, float* q, float* q2, float* q4, std::size_t vector
   }
 }
 
-constexpr SpringKernels kLoops{SLIPD_INSTRUCTION_SET_NAME, stretch, settle, sums};
+constexpr WinklerKernels kLoops{SLIPD_INSTRUCTION_SET_NAME, stretch, settle, sums};
 
 }  // namespace
 
-const SpringKernels SpringKernels::SLIPD_INSTRUCTION_SET = kLoops;
+const WinklerKernels WinklerKernels::SLIPD_INSTRUCTION_SET = kLoops;
 
 }  // namespace slipd

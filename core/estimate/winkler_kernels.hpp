@@ -1,4 +1,4 @@
-// The loops over springs that SpringBeds spends its time in. They exist once for each instruction set
+// The loops over springs that WinklerFoundations spends its time in. They exist once for each instruction set
 // (spring_kernels.cpp, built several times), chosen when first used. Estimate thread; nothing here allocates.
 #pragma once
 
@@ -10,7 +10,7 @@ namespace slipd {
 // Rows of kBeds values, one for each bed, of which the first `vectors` times kLanes are looked at; one row
 // for each spring in `loads`, what it carries. Spring i stands at x = i + 1/2. Each result is that of the
 // same steps in single precision for one bed after the other, to the last bit.
-struct SpringKernels {
+struct WinklerKernels {
   static constexpr std::size_t kSprings = 48, kLanes = 16, kBeds = 64;
   const char* name;
 
@@ -26,7 +26,7 @@ struct SpringKernels {
   // Sums of load, load x^2 and load x^4.
   void (*sums)(const float* loads, float* q, float* q2, float* q4, std::size_t vectors) noexcept;
 
-  static const SpringKernels baseline, avx2, avx512;  // chosen by best_kernels
+  static const WinklerKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
 
 }  // namespace slipd

@@ -28,7 +28,7 @@ class SlotExchange {
   // its word.
   bool fresh() const noexcept { return (middle_.load(std::memory_order_relaxed) & kFresh) != 0; }
 
-  // Reading thread: true if there was something new, which is now in reading().
+  // FrameEstimate thread: true if there was something new, which is now in reading().
   bool take() noexcept {
     if (!fresh()) return false;
     // Acquire and release: the mirror image of hand_over(), with which each of them pairs. Only this thread
@@ -37,7 +37,7 @@ class SlotExchange {
     return true;
   }
 
-  // Reading thread: its slot.
+  // FrameEstimate thread: its slot.
   std::uint32_t reading() const noexcept { return reading_; }
 
  private:

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/simd/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 

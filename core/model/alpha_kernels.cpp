@@ -38,7 +38,7 @@ SLIPD_INLINE Floats angle_at(const TaxelView& at, std::size_t i, const AlphaMask
 }
 
 void frame(const TaxelView& at, const AlphaMask& mask, float* alpha) noexcept {
-  const Run all{0, static_cast<std::uint32_t>(at.size)};
+  const TaxelRun all{0, static_cast<std::uint32_t>(at.size)};
   for_blocks(
       &all, 1, at.size, [&](std::size_t i, const Ints&) __attribute__((always_inline)) {
         store(alpha + i, angle_at(at, i, mask, load(at.normal_pa + i)));
@@ -46,7 +46,7 @@ void frame(const TaxelView& at, const AlphaMask& mask, float* alpha) noexcept {
 }
 
 void ratio(const float* given, float* alpha, std::size_t count) noexcept {
-  const Run all{0, static_cast<std::uint32_t>(count)};
+  const TaxelRun all{0, static_cast<std::uint32_t>(count)};
   for_blocks(
       &all, 1, count, [&](std::size_t i, const Ints&) __attribute__((always_inline)) {
         store(alpha + i, angle(load(given + i), Floats{} + 1.0F));
@@ -84,7 +84,7 @@ void project(const float* alpha, AlphaKernels::Runs runs, const float* basis, st
     __builtin_memcpy(&row, basis + i * stride, sizeof row);
     sums[copy] += alpha[i] * row;
   };
-  for (const Run& run : runs) {
+  for (const TaxelRun& run : runs) {
     std::size_t i = run.first;
     for (; i + kCopies <= run.end; i += kCopies) {
       add(i, 0);

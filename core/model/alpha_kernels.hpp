@@ -19,7 +19,7 @@ struct AngleSums {
 };
 
 struct AlphaKernels {
-  using Runs = std::span<const Run>;
+  using Runs = std::span<const TaxelRun>;
   static constexpr std::size_t kTogether = 8;  // coordinates of a projection
   const char* name;
   void (*frame)(const TaxelView&, const AlphaMask&, float* alpha) noexcept;  // places are not looked at

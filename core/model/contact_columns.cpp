@@ -17,15 +17,15 @@ ContactColumns::ContactColumns(Scene scene, std::uint64_t seed, const FrameChoic
 double ContactColumns::gamma(std::size_t column) const {
   const std::size_t step = column % choice_.size.loads;
   if (!choice_.random_loads) return gamma_of_step(step, choice_.size.loads);
-  return Draws(seed_).stream(kLoadStream).stream(contact(column)).uniform(step);
+  return RandomStream(seed_).stream(kLoadStream).stream(contact(column)).uniform(step);
 }
 
 double ContactColumns::friction(std::size_t column) const {
   return draw_contact(scene_, seed_, contact(column)).friction;
 }
 
-Draws ContactColumns::noise(std::size_t column) const noexcept {
-  return Draws(seed_).stream(kNoiseStream).stream(contact(column)).stream(column % choice_.size.loads);
+RandomStream ContactColumns::noise(std::size_t column) const noexcept {
+  return RandomStream(seed_).stream(kNoiseStream).stream(contact(column)).stream(column % choice_.size.loads);
 }
 
 }  // namespace slipd

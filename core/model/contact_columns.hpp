@@ -4,7 +4,7 @@
 
 #include "core/model/column_source.hpp"
 #include "core/model/dataset.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 
@@ -28,7 +28,7 @@ class ContactColumns : public ColumnSource {
   std::size_t contact(std::size_t column) const noexcept {
     return choice_.first_contact + column / choice_.size.loads;
   }
-  Draws noise(std::size_t column) const noexcept;
+  RandomStream noise(std::size_t column) const noexcept;
 
   Scene scene_;
   std::uint64_t seed_;

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 namespace {
@@ -29,7 +29,7 @@ const ObjectFamily& pick_family(const Scene& scene, double share) {
 }  // namespace
 
 ContactDraw draw_contact(const Scene& scene, std::uint64_t seed, std::size_t index) {
-  const Draws draws = Draws(seed).stream(index);
+  const RandomStream draws = RandomStream(seed).stream(index);
   const auto within = [&](std::uint64_t purpose, const Range& range) {
     return draws.uniform(purpose, range.low, range.high);
   };

@@ -10,7 +10,7 @@
 #include "core/contact/dome_sheet.hpp"
 #include "core/contact/hertz.hpp"
 #include "core/model/alpha.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 namespace {
@@ -63,13 +63,13 @@ void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const 
   std::vector<float> normal, shear, across, angle;
   std::optional<Touched> touched;
   ContactDraw draw;
-  contact::Pair pair;
+  contact::BodyPair pair;
   double radius_m = 0;
   for (std::size_t j = first; j < first + count; ++j, out += n) {
     if (j == first || j % choice_.size.loads == 0) {
       draw = draw_contact(scene_, seed_, contact(j));
-      pair =
-          contact::make_pair(contact::body_of(scene_.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
+      pair = contact::make_body_pair(contact::body_of(scene_.skin),
+                                     {draw.radius_m, draw.modulus_pa, draw.poisson});
       radius_m = pair.contact_radius_m(draw.normal_n);
       touched.emplace(taxels_, draw, radius_m);
       touched->averages(radius_m, whole);
@@ -87,7 +87,7 @@ void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const 
       shear[i] = margin < 1 ? static_cast<float>(scale * draw.friction * (whole[i] - stick[i])) : 0.0F;
     }
     if (fraction != 0) {
-      const Draws random = noise(j);
+      const RandomStream random = noise(j);
       random.stream(0).add_noise(normal.data(), size, fraction * largest_of(normal));
       random.stream(1).add_noise(shear.data(), size, fraction * largest_of(shear));
     }

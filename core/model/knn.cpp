@@ -13,7 +13,7 @@ constexpr double kPlaneDamping = 1e-3;
 
 }  // namespace
 
-KnnAnswer answer_of(Neighbours::Query& query, std::span<const float> point, std::span<const float> gamma,
+KnnResult answer_of(Neighbours::Query& query, std::span<const float> point, std::span<const float> gamma,
                     std::span<const float> friction) noexcept {
   const std::size_t found = query.find(point);
   if (found == 0) return {};
@@ -36,10 +36,10 @@ KnnAnswer answer_of(Neighbours::Query& query, std::span<const float> point, std:
           .reach = std::sqrt(query.squared_distances()[found - 1])};
 }
 
-KnnAnswer plane_answer_of(Neighbours::Query& query, std::span<const float> point,
+KnnResult plane_answer_of(Neighbours::Query& query, std::span<const float> point,
                           std::span<const float> points, std::span<const float> gamma,
                           std::span<const float> friction) noexcept {
-  KnnAnswer out = answer_of(query, point, gamma, friction);
+  KnnResult out = answer_of(query, point, gamma, friction);
   const std::size_t rank = point.size();
   if (!out.known || rank > kMostPlane || !(out.reach > 0)) return out;
   // Weighted least squares about the point itself, in units of the furthest neighbour, so that the constant

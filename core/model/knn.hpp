@@ -9,7 +9,7 @@
 
 namespace slipd {
 
-struct KnnAnswer {
+struct KnnResult {
   bool known = false;  // false: the point was not finite
   float gamma = 0;     // mean of the neighbours', weighted by 1/distance
   float friction = 0;  // likewise
@@ -19,7 +19,7 @@ struct KnnAnswer {
 };
 
 // `gamma` and `friction`: of the points that `query` searches.
-KnnAnswer answer_of(Neighbours::Query& query, std::span<const float> point, std::span<const float> gamma,
+KnnResult answer_of(Neighbours::Query& query, std::span<const float> point, std::span<const float> gamma,
                     std::span<const float> friction) noexcept;
 
 // How many a model's answers are made of: k, and on rings at least as many as a plane is well laid through.
@@ -32,7 +32,7 @@ constexpr std::size_t searched(const ModelSetup& setup) noexcept {
 // The same with the neighbours' slope taken out: a plane through their gammas instead of their mean, held
 // flat where they do not tell its slope. `points`: as the query searches them, one after the other. For
 // smooth families of few dimensions, as contacts on rings are.
-KnnAnswer plane_answer_of(Neighbours::Query& query, std::span<const float> point,
+KnnResult plane_answer_of(Neighbours::Query& query, std::span<const float> point,
                           std::span<const float> points, std::span<const float> gamma,
                           std::span<const float> friction) noexcept;
 

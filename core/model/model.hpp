@@ -60,7 +60,7 @@ struct ModelData {
   std::vector<float> coordinates;       // columns x rank, a column's values side by side, rad
   std::vector<float> gamma, friction;   // of each column
   ErrorStatistics errors;
-  Worth worth;  // each method on this sensor and scene; no rows where nobody measured
+  WorkPrecision work_precision;  // each method on this sensor and scene; no rows where nobody measured
 };
 
 class Model {

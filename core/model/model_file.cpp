@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/model/setup_json.hpp"
 #include "core/storage/crc64.hpp"
 #include "core/storage/sealed.hpp"
-#include "core/model/setup_json.hpp"
 #include "core/storage/whole_file.hpp"
 
 namespace slipd {
@@ -75,16 +75,16 @@ TradeoffRow row_of(const json& from) {
           .p99_us = from.at(13)};
 }
 
-json to_json(const Worth& worth) {
+json to_json(const WorkPrecision& work_precision) {
   json rows = json::array();
-  for (const auto& row : worth.rows) rows.push_back(to_json(row));
-  return {{"rows", std::move(rows)}, {"processor", worth.processor}};
+  for (const auto& row : work_precision.rows) rows.push_back(to_json(row));
+  return {{"rows", std::move(rows)}, {"processor", work_precision.processor}};
 }
 
-Worth worth_of(const json& from) {
-  Worth worth{{}, from.at("processor")};
-  for (const auto& row : from.at("rows")) worth.rows.push_back(row_of(row));
-  return worth;
+WorkPrecision worth_of(const json& from) {
+  WorkPrecision work_precision{{}, from.at("processor")};
+  for (const auto& row : from.at("rows")) work_precision.rows.push_back(row_of(row));
+  return work_precision;
 }
 
 ModelData data_of(const json& from) {
@@ -96,7 +96,7 @@ ModelData data_of(const json& from) {
           .gamma = unpack<float>(from.at("gamma")),
           .friction = unpack<float>(from.at("friction")),
           .errors = errors_of(from.at("errors")),
-          .worth = worth_of(from.at("worth"))};
+          .work_precision = worth_of(from.at("worth"))};
 }
 
 std::string hexadecimal(std::uint64_t value) {
@@ -122,7 +122,7 @@ std::vector<std::uint8_t> encode_model(const ModelData& data) {
                       {"gamma", pack(data.gamma)},
                       {"friction", pack(data.friction)},
                       {"errors", to_json(data.errors)},
-                      {"worth", to_json(data.worth)}});
+                      {"worth", to_json(data.work_precision)}});
 }
 
 Model decode_model(std::span<const std::uint8_t> bytes) {

@@ -3,8 +3,8 @@
 #include <array>
 #include <atomic>
 
-#include "core/simd/instruction_sets.hpp"
 #include "core/model/blocks.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -50,7 +50,7 @@ PackedColumn PackedColumns::PackedBlock::column(std::size_t index) const noexcep
 }
 
 std::size_t PackedColumns::PackedBlock::bytes() const noexcept {
-  return sizeof(Run) * runs.capacity() + sizeof(float) * values.capacity() +
+  return sizeof(TaxelRun) * runs.capacity() + sizeof(float) * values.capacity() +
          2 * sizeof(std::size_t) * runs_to.capacity();
 }
 

@@ -29,7 +29,7 @@ class PackedColumns {
 
  private:
   struct PackedBlock {
-    std::vector<Run> runs;
+    std::vector<TaxelRun> runs;
     std::vector<float> values;
     std::vector<std::size_t> runs_to, values_to;  // of each column, where they end
     PackedColumn column(std::size_t index) const noexcept;

@@ -11,7 +11,7 @@ template <int N>
 SLIPD_INLINE void project_by(const PackedColumn& x, const float* q, float* z) noexcept {
   Floats even[N] = {}, odd[N] = {};  // so that one addition need not wait for the one before
   const float* value = x.values;
-  for (const Run& run : x.runs) {
+  for (const TaxelRun& run : x.runs) {
     const float* row = q + std::size_t{run.first} * (kLanes * N);
     std::size_t left = run.end - run.first;
     for (; left >= 2; left -= 2, value += 2, row += 2 * kLanes * N) {
@@ -32,7 +32,7 @@ SLIPD_INLINE void add_by(const PackedColumn& x, const float* z, float* y) noexce
   Floats by[N];
   for (int i = 0; i < N; ++i) by[i] = load(z + kLanes * static_cast<std::size_t>(i));
   const float* value = x.values;
-  for (const Run& run : x.runs) {
+  for (const TaxelRun& run : x.runs) {
     float* row = y + std::size_t{run.first} * (kLanes * N);
     for (std::size_t left = run.end - run.first; left > 0; --left, ++value, row += kLanes * N) {
       for (int i = 0; i < N; ++i) {

@@ -11,7 +11,7 @@ namespace slipd {
 
 // Rows other than those of the runs are 0; `values`: one after the other, as many as the runs have rows.
 struct PackedColumn {
-  std::span<const Run> runs;
+  std::span<const TaxelRun> runs;
   const float* values = nullptr;
 };
 

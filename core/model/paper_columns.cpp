@@ -7,7 +7,7 @@
 
 #include "core/contact/cattaneo_mindlin.hpp"
 #include "core/model/alpha.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 namespace {
@@ -46,15 +46,15 @@ void PaperColumns::fill(std::size_t first, std::size_t count, float* out) const 
   std::vector<float> values, angles;
   Placed placed;
   ContactDraw draw;
-  contact::Pair pair;
+  contact::BodyPair pair;
   for (std::size_t j = first; j < first + count; ++j, out += n) {
     if (j == first || j % size_.loads == 0) {
       draw = draw_contact(scene_, seed_, contact(j));
-      pair =
-          contact::make_pair(contact::body_of(scene_.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
+      pair = contact::make_body_pair(contact::body_of(scene_.skin),
+                                     {draw.radius_m, draw.modulus_pa, draw.poisson});
       placed = place(taxels_, draw, pair.contact_radius_m(draw.normal_n));
     }
-    const contact::RisingLoad load(pair, draw.normal_n, draw.friction, 1 - gamma(j));
+    const contact::CattaneoMindlin load(pair, draw.normal_n, draw.friction, 1 - gamma(j));
     const std::size_t touched = placed.taxel.size();
     values.resize(touched);
     for (std::size_t i = 0; i < touched; ++i) {
@@ -78,7 +78,7 @@ void PaperColumns::fill(std::size_t first, std::size_t count, float* out) const 
     }
     if (scene_.noise != 0) {
       // A stream that no contact has: contacts are counted from 0.
-      const Draws noise = Draws(seed_).stream(~std::uint64_t{0}).stream(j);
+      const RandomStream noise = RandomStream(seed_).stream(~std::uint64_t{0}).stream(j);
       noise.add_noise(out, n, static_cast<float>(scene_.noise) * largest);
     }
   }

@@ -45,12 +45,12 @@ void RingColumns::fill(std::size_t first, std::size_t count, float* out) const {
   std::vector<float> normal(n), shear(n), across(n, 0.0F);
   for (std::size_t j = first; j < first + count; ++j, out += rows()) {
     const ContactDraw draw = draw_contact(scene_, seed_, contact(j));
-    contact::LoadHistory load(
-        contact::make_pair(contact::body_of(scene_.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
+    contact::LoadHistory load(contact::make_body_pair(contact::body_of(scene_.skin),
+                                                      {draw.radius_m, draw.modulus_pa, draw.poisson}));
     load.move_to(draw.normal_n, 0, draw.friction);
     load.move_to(draw.normal_n, (1 - gamma(j)) * draw.friction * draw.normal_n, draw.friction);
     contact::taxel_averages(layout_, draw.x_m, draw.y_m, load, normal, shear);
-    const Draws random = noise(j);
+    const RandomStream random = noise(j);
     const auto most = [](const std::vector<float>& values) {
       return *std::max_element(values.begin(), values.end());
     };
@@ -60,8 +60,8 @@ void RingColumns::fill(std::size_t first, std::size_t count, float* out) const {
     }
     const Frame frame{1, 1, normal, shear, across};
     const ContactPatch& patch = finder.find(frame);
-    const auto angles = patch.touched ? ring_angles(merged(sum_rings(patch, layout_), rings_), rings_)
-                                      : ring_angles({}, rings_);
+    const auto angles = patch.in_contact ? ring_angles(merged(sum_rings(patch, layout_), rings_), rings_)
+                                         : ring_angles({}, rings_);
     std::copy_n(angles.begin(), rings_, out);
   }
 }

@@ -9,7 +9,7 @@
 
 #include "core/model/blocks.hpp"
 #include "core/model/packed.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 namespace {
@@ -33,10 +33,10 @@ MatrixXf orthonormal(const MatrixXd& y) {
 }
 
 MatrixXf random_start(Index rows, Index columns, std::uint64_t seed) {
-  const Draws draws(seed);
+  const RandomStream draws(seed);
   MatrixXd start(rows, columns);
   for (Index c = 0; c < columns; ++c) {
-    const Draws column = draws.stream(static_cast<std::uint64_t>(c));
+    const RandomStream column = draws.stream(static_cast<std::uint64_t>(c));
     for (Index r = 0; r < rows; ++r) start(r, c) = column.noise(static_cast<std::uint64_t>(r));
   }
   return orthonormal(start);

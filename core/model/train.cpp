@@ -117,7 +117,7 @@ ErrorStatistics measure_errors(const ModelData& data, const ContactColumns& unse
   std::vector<float> distances, residuals;
   for (std::size_t j = 0; j < unseen.columns(); ++j) {
     const std::span<const float> point(coordinates.data() + j * width, width);
-    const KnnAnswer answer = data.setup.view == View::rings
+    const KnnResult answer = data.setup.view == View::rings
                                  ? plane_answer_of(query, point, data.coordinates, data.gamma, data.friction)
                                  : answer_of(query, point, data.gamma, data.friction);
     misses.push_back({answer.spread, std::abs(answer.gamma - static_cast<float>(unseen.gamma(j))),

@@ -32,7 +32,7 @@ struct TradeoffRow {
 };
 
 // A table and what it was made on.
-struct Worth {
+struct WorkPrecision {
   std::vector<TradeoffRow> rows;
   std::string processor;  // on which the times were taken
 };

@@ -24,7 +24,7 @@ NoiseSums noise(const TaxelView& at) noexcept {
   Sums<1> sums;
   Ints below{};
   Floats peak{};
-  const Run all{0, static_cast<std::uint32_t>(at.size)};
+  const TaxelRun all{0, static_cast<std::uint32_t>(at.size)};
   for_blocks(
       &all, 1, at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
         const Floats p = where(mask, load(at.normal_pa + i));
@@ -48,14 +48,14 @@ SLIPD_INLINE void add(Sums<4>& sums, const Floats& p, const Floats& x, const Flo
   sums.next();
 }
 
-SLIPD_INLINE PlaceSums ended(Sums<4>& sums, std::size_t holes) noexcept {
+SLIPD_INLINE PlaceSums ended(Sums<4>& sums, std::size_t dead_taxels) noexcept {
   sums.flush();
-  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3), holes};
+  return {sums.total(0), sums.total(1), sums.total(2), sums.total(3), dead_taxels};
 }
 
 PlaceSums place(const TaxelView& at, float least_pa) noexcept {
   Sums<4> sums;
-  const Run all{0, static_cast<std::uint32_t>(at.size)};
+  const TaxelRun all{0, static_cast<std::uint32_t>(at.size)};
   for_blocks(
       &all, 1, at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
         const Floats given = load(at.normal_pa + i), x = load(at.x_m + i), y = load(at.y_m + i);
@@ -65,17 +65,17 @@ PlaceSums place(const TaxelView& at, float least_pa) noexcept {
 }
 
 PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_m,
-                const Hole& hole) noexcept {
+                const DeadTaxelTest& dead_taxel_test) noexcept {
   Sums<4> sums;
-  Ints holes{};
+  Ints dead_taxels{};
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
         const Floats p = where(mask, load(at.normal_pa + i)), x = load(at.x_m + i) - x_m,
                      y = load(at.y_m + i) - y_m;
-        holes -= mask & (p < hole.below_pa) & (x * x + y * y < hole.within_m2);
+        dead_taxels -= mask & (p < dead_taxel_test.below_pa) & (x * x + y * y < dead_taxel_test.within_m2);
         add(sums, p, x, y);
       });
-  return ended(sums, counted(holes));
+  return ended(sums, counted(dead_taxels));
 }
 
 ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
@@ -94,12 +94,12 @@ ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
   return {sums.total(0), sums.total(1), sums.total(2), greatest(peak)};
 }
 
-double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from) noexcept {
+double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const ContactPose& from) noexcept {
   Sums<1> sums;
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
-        const Floats along =
-            where(mask, from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i));
+        const Floats along = where(
+            mask, from.direction_x * load(at.shear_x_pa + i) + from.direction_y * load(at.shear_y_pa + i));
         sums.part[0] += along * along;
         sums.next();
       });
@@ -107,7 +107,7 @@ double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const Standpoi
   return sums.total(0);
 }
 
-MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from) noexcept {
+MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const ContactPose& from) noexcept {
   Sums<14> sums;
   const float over = 1 / (from.radius_m * from.radius_m);
   for_blocks(
@@ -115,8 +115,8 @@ MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const Standpoint
         const Floats x = load(at.x_m + i) - from.x_m, y = load(at.y_m + i) - from.y_m;
         const Floats x2 = x * x * over, y2 = y * y * over, s = where(mask, x2 + y2), s2 = s * s;
         const Floats p = where(mask, load(at.normal_pa + i));
-        const Floats q =
-            where(mask, from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i));
+        const Floats q = where(
+            mask, from.direction_x * load(at.shear_x_pa + i) + from.direction_y * load(at.shear_y_pa + i));
         const Floats qs = q * s, ps = p * s;
         sums.part[0] += p;
         sums.part[1] += q;
@@ -140,7 +140,7 @@ MomentSums moments(const TaxelView& at, DiscKernels::Runs runs, const Standpoint
           sums.total(10), sums.total(11), sums.total(12), sums.total(13)};
 }
 
-void rings(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from, std::size_t count,
+void rings(const TaxelView& at, DiscKernels::Runs runs, const ContactPose& from, std::size_t count,
            RingSums* out) noexcept {
   // Neighbours fall into the same ring: four copies keep one's addition from waiting for the last one's.
   constexpr std::size_t kCopies = 4, kMost = 16;
@@ -151,7 +151,8 @@ void rings(const TaxelView& at, DiscKernels::Runs runs, const Standpoint& from, 
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
         const Floats x = load(at.x_m + i) - from.x_m, y = load(at.y_m + i) - from.y_m;
         const Floats p = load(at.normal_pa + i);
-        const Floats q = from.toward_x * load(at.shear_x_pa + i) + from.toward_y * load(at.shear_y_pa + i);
+        const Floats q =
+            from.direction_x * load(at.shear_x_pa + i) + from.direction_y * load(at.shear_y_pa + i);
         const Floats s = (x * x + y * y) * square;
         alignas(64) float root[kLanes], ps[kLanes], qs[kLanes];
         alignas(64) std::int32_t ring[kLanes];

@@ -10,7 +10,7 @@
 namespace slipd {
 
 // Neighbouring taxels [first, end).
-struct Run {
+struct TaxelRun {
   std::uint32_t first = 0, end = 0;
 };
 
@@ -30,14 +30,14 @@ struct NoiseSums {
 };
 
 // A taxel that feels less than this nearer to the centre than that.
-struct Hole {
+struct DeadTaxelTest {
   float below_pa = 0, within_m2 = 0;
 };
 
 // Of pressure p at places relative to a centre.
 struct PlaceSums {
   double p = 0, px = 0, py = 0, prr = 0;
-  std::size_t holes = 0;
+  std::size_t dead_taxels = 0;
 };
 
 struct ForceSums {
@@ -52,9 +52,9 @@ struct MomentSums {
          px2y2 = 0, pxy = 0;
 };
 
-// About a centre, with shear along (toward_x, toward_y).
-struct Standpoint {
-  float x_m = 0, y_m = 0, toward_x = 1, toward_y = 0, radius_m = 1;
+// About a centre, with shear along (direction_x, direction_y).
+struct ContactPose {
+  float x_m = 0, y_m = 0, direction_x = 1, direction_y = 0, radius_m = 1;
 };
 
 // One ring's: pressures, shear along the direction, number of taxels.
@@ -65,18 +65,18 @@ struct RingSums {
 // Single precision within a few blocks, double across them: relative to the sum of magnitudes within 1e-6 of
 // exact.
 struct DiscKernels {
-  using Runs = std::span<const Run>;
+  using Runs = std::span<const TaxelRun>;
   const char* name;
   NoiseSums (*noise)(const TaxelView&) noexcept;
   PlaceSums (*place)(const TaxelView&,
                      float least_pa) noexcept;  // of all taxels with at least this, about the origin
-  PlaceSums (*weigh)(const TaxelView&, Runs, float x_m, float y_m, const Hole&) noexcept;
+  PlaceSums (*weigh)(const TaxelView&, Runs, float x_m, float y_m, const DeadTaxelTest&) noexcept;
   ForceSums (*force)(const TaxelView&, Runs) noexcept;
   double (*shear_squares)(const TaxelView&, Runs,
-                          const Standpoint&) noexcept;  // of the shear along the direction
-  MomentSums (*moments)(const TaxelView&, Runs, const Standpoint&) noexcept;
+                          const ContactPose&) noexcept;  // of the shear along the direction
+  MomentSums (*moments)(const TaxelView&, Runs, const ContactPose&) noexcept;
   // Adds to `count` rings of equal width, of which the last also takes what lies beyond.
-  void (*rings)(const TaxelView&, Runs, const Standpoint&, std::size_t count, RingSums* rings) noexcept;
+  void (*rings)(const TaxelView&, Runs, const ContactPose&, std::size_t count, RingSums* rings) noexcept;
   static const DiscKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
 

@@ -57,13 +57,13 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
   view(frame);
   measure_normal_noise();
   if (layout_.size() == 1) {  // one force vector: no place, no noise to measure
-    patch_.touched = frame.normal_pa[0] > 0;
+    patch_.in_contact = frame.normal_pa[0] > 0;
     runs_.push_back({0, 1});
     patch_.count = 1;
-  } else if ((patch_.touched = locate())) {
-    if (refine() > 0 && mend()) refine();
+  } else if ((patch_.in_contact = locate())) {
+    if (refine() > 0 && interpolate_dead_taxels()) refine();
   }
-  if (patch_.touched) {
+  if (patch_.in_contact) {
     patch_.runs = runs_;
     sum_forces();
     measure_shear_noise();
@@ -117,16 +117,16 @@ bool PatchFinder::locate() noexcept {
 // The same from all taxels of the disc found so far, those that noise left below the threshold included.
 std::size_t PatchFinder::refine() noexcept {
   const double side = layout_.side_m();
-  std::size_t holes = 0;
+  std::size_t dead_taxels = 0;
   for (int round = 0; round < kRefinements; ++round) {
     gather(kReach * patch_.radius_m + 0.7072 * side);
     const PlaceSums sums = kernels_.weigh(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m),
-                                          static_cast<float>(patch_.center_y_m), hole());
+                                          static_cast<float>(patch_.center_y_m), dead_taxel_test());
     if (!(sums.p > 0)) {
-      patch_.touched = false;
+      patch_.in_contact = false;
       return 0;
     }
-    holes = sums.holes;
+    dead_taxels = sums.dead_taxels;
     const double dx = sums.px / sums.p, dy = sums.py / sums.p;
     const double spread = sums.prr / sums.p - dx * dx - dy * dy - side * side / 6;
     const double radius_m = std::sqrt(2.5 * std::max(spread, 0.05 * side * side));
@@ -140,54 +140,55 @@ std::size_t PatchFinder::refine() noexcept {
   // One taxel may stand out by chance; a contact does so as a whole.
   const double chance = patch_.noise_normal_pa * std::sqrt(static_cast<double>(patch_.count));
   if (patch_.normal_n < kStandsOut * chance * layout_.area_m2()) {
-    patch_.touched = false;
+    patch_.in_contact = false;
     return 0;
   }
   const double a = patch_.radius_m - 0.25 * side;
   patch_.cut = patch_.center_x_m - a < left_m_ || patch_.center_x_m + a > right_m_ ||
                patch_.center_y_m - a < bottom_m_ || patch_.center_y_m + a > top_m_;
-  return holes;
+  return dead_taxels;
 }
 
 // What a taxel of a contact's inner part always feels more than; nothing where noise is too loud to tell, or
 // the contact too small.
-Hole PatchFinder::hole() const noexcept {
+DeadTaxelTest PatchFinder::dead_taxel_test() const noexcept {
   const double a = patch_.radius_m;
   if (a < kLeastMended * layout_.side_m() || patch_.noise_normal_pa > kMostNoise * peak_pa_) return {};
   return {static_cast<float>(kNothing * peak_pa_), static_cast<float>(kInner * a * a)};
 }
 
-bool PatchFinder::mend() noexcept {
+bool PatchFinder::interpolate_dead_taxels() noexcept {
   dead_.clear();
   patch_.runs = runs_;
-  const Hole hole = this->hole();
+  const DeadTaxelTest dead_taxel_test = this->dead_taxel_test();
   const float* const p = patch_.taxels.normal_pa;
-  std::size_t holes = 0;
+  std::size_t dead_taxels = 0;
   patch_.for_each_inside([&](std::uint32_t i) {
     const float x = x_m_[i] - static_cast<float>(patch_.center_x_m),
                 y = y_m_[i] - static_cast<float>(patch_.center_y_m);
-    if (p[i] >= hole.below_pa || x * x + y * y >= hole.within_m2) return;
-    ++holes;
-    const Dead dead = in_place_of(i, hole.below_pa);
+    if (p[i] >= dead_taxel_test.below_pa || x * x + y * y >= dead_taxel_test.within_m2) return;
+    ++dead_taxels;
+    const DeadTaxel dead = in_place_of(i, dead_taxel_test.below_pa);
     if (dead.neighbours >= kNeighbours && dead_.size() < dead_.capacity()) dead_.push_back(dead);
   });
-  if (dead_.empty() || kMostDead * holes > patch_.count) return false;  // it is the contact that is hollow
+  if (dead_.empty() || kMostDead * dead_taxels > patch_.count)
+    return false;  // it is the contact that is hollow
   copy_channels();
   float* const copy = channels_.data();
   const std::size_t room = channels_.size() / 3;
-  for (const Dead& dead : dead_) {
+  for (const DeadTaxel& dead : dead_) {
     const auto share = 1 / static_cast<float>(dead.neighbours);
     copy[dead.taxel] = share * dead.normal_pa;
     copy[room + dead.taxel] = share * dead.shear_x_pa;
     copy[2 * room + dead.taxel] = share * dead.shear_y_pa;
   }
-  patch_.mended = dead_.size();
+  patch_.interpolated = dead_.size();
   return true;
 }
 
 // The sums of its nearest neighbours that feel something.
-PatchFinder::Dead PatchFinder::in_place_of(std::uint32_t taxel, float least_pa) const noexcept {
-  Dead sums{.taxel = taxel};
+PatchFinder::DeadTaxel PatchFinder::in_place_of(std::uint32_t taxel, float least_pa) const noexcept {
+  DeadTaxel sums{.taxel = taxel};
   const TaxelView& felt = patch_.taxels;
   const auto add = [&](std::size_t i) {
     if (felt.normal_pa[i] < least_pa) return;
@@ -272,8 +273,8 @@ void PatchFinder::sum_forces() noexcept {
   patch_.peak_pa = sums.peak;
   patch_.shear_n = std::hypot(patch_.shear_x_n, patch_.shear_y_n);
   if (patch_.shear_n > 0) {
-    patch_.toward_x = patch_.shear_x_n / patch_.shear_n;
-    patch_.toward_y = patch_.shear_y_n / patch_.shear_n;
+    patch_.direction_x = patch_.shear_x_n / patch_.shear_n;
+    patch_.direction_y = patch_.shear_y_n / patch_.shear_n;
   }
 }
 
@@ -286,12 +287,12 @@ void PatchFinder::measure_shear_noise() noexcept {
   }
   rest_.clear();
   std::uint32_t from = 0;
-  for (const Run& run : runs_) {
+  for (const TaxelRun& run : runs_) {
     if (from < run.first) rest_.push_back({from, run.first});
     from = run.end;
   }
   if (from < layout_.size()) rest_.push_back({from, static_cast<std::uint32_t>(layout_.size())});
-  const double squares = kernels_.shear_squares(patch_.taxels, rest_, patch_.standpoint());
+  const double squares = kernels_.shear_squares(patch_.taxels, rest_, patch_.pose());
   patch_.noise_shear_pa = std::sqrt(squares / static_cast<double>(off));
 }
 

@@ -15,12 +15,13 @@ namespace slipd {
 
 // All of it of one frame. Without contact (touched false) only the noise means anything.
 struct ContactPatch {
-  bool touched = false;
+  bool in_contact = false;
   bool cut = false;                     // the disc reaches beyond the outermost taxels: its sums lack a part
   double normal_n = 0;                  // P
   double shear_x_n = 0, shear_y_n = 0;  // components of Q
   double shear_n = 0;                   // |Q|
-  double toward_x = 1, toward_y = 0;  // unit vector along Q; shear is signed by it, so noise does not rectify
+  double direction_x = 1,
+         direction_y = 0;  // unit vector along Q; shear is signed by it, so noise does not rectify
   double center_x_m = 0, center_y_m = 0;  // pressure centroid
   double radius_m = 0;                    // a, from the pressure's second moment: <r^2> = 2 a^2 / 5
   double noise_normal_pa = 0;             // standard deviation of one taxel, measured in this frame
@@ -28,28 +29,28 @@ struct ContactPatch {
   double normal_sigma_n = 0, shear_sigma_n = 0;  // standard deviations of P and Q
   float peak_pa = 0;                             // the greatest pressure in the disc
   std::size_t count = 0;                         // of the disc's taxels
-  std::size_t mended = 0;                        // of these, dead ones that neighbours stand for
-  std::span<const Run> runs;  // the disc's taxels, by their numbers; valid until the next frame
-  TaxelView taxels;           // the frame's channels, mended
+  std::size_t interpolated = 0;                  // of these, dead ones that neighbours stand for
+  std::span<const TaxelRun> runs;  // the disc's taxels, by their numbers; valid until the next frame
+  TaxelView taxels;                // the frame's channels, mended
 
-  Standpoint standpoint() const noexcept {
+  ContactPose pose() const noexcept {
     return {.x_m = static_cast<float>(center_x_m),
             .y_m = static_cast<float>(center_y_m),
-            .toward_x = static_cast<float>(toward_x),
-            .toward_y = static_cast<float>(toward_y),
+            .direction_x = static_cast<float>(direction_x),
+            .direction_y = static_cast<float>(direction_y),
             .radius_m = static_cast<float>(radius_m)};
   }
 
   // Calls with the number of each taxel of the disc.
   template <typename Body>
   void for_each_inside(const Body& body) const {
-    for (const Run& run : runs) {
+    for (const TaxelRun& run : runs) {
       for (std::uint32_t i = run.first; i < run.end; ++i) body(i);
     }
   }
 
   double shear_along_pa(std::uint32_t i) const noexcept {
-    return toward_x * taxels.shear_x_pa[i] + toward_y * taxels.shear_y_pa[i];
+    return direction_x * taxels.shear_x_pa[i] + direction_y * taxels.shear_y_pa[i];
   }
 };
 
@@ -66,15 +67,15 @@ class PatchFinder {
   void measure_normal_noise() noexcept;
   bool locate() noexcept;
   // A dead taxel, and the sums of what stands for it.
-  struct Dead {
+  struct DeadTaxel {
     std::uint32_t taxel = 0;
     int neighbours = 0;
     float normal_pa = 0, shear_x_pa = 0, shear_y_pa = 0;
   };
   std::size_t refine() noexcept;  // returns how many taxels may be dead
-  Hole hole() const noexcept;
-  bool mend() noexcept;  // true if there were any
-  Dead in_place_of(std::uint32_t taxel, float least_pa) const noexcept;
+  DeadTaxelTest dead_taxel_test() const noexcept;
+  bool interpolate_dead_taxels() noexcept;  // true if there were any
+  DeadTaxel in_place_of(std::uint32_t taxel, float least_pa) const noexcept;
   void gather(double reach_m) noexcept;
   void sum_forces() noexcept;
   void measure_shear_noise() noexcept;
@@ -84,8 +85,8 @@ class PatchFinder {
   double left_m_, right_m_, bottom_m_, top_m_;  // the outermost taxels' edges
   std::vector<float> x_m_, y_m_;                // at least TaxelView::kLanes of each
   std::vector<float> channels_;                 // for frames that have fewer taxels, or dead ones
-  std::vector<Dead> dead_;
-  std::vector<Run> runs_, rest_;  // the disc, and all that is not of it
+  std::vector<DeadTaxel> dead_;
+  std::vector<TaxelRun> runs_, rest_;  // the disc, and all that is not of it
   double peak_pa_ = 0;
   ContactPatch patch_;
 };

@@ -16,7 +16,7 @@ constexpr double kTaxelTolerance = 0.5;  // times taxel side over contact radius
 
 Rings sum_rings(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
   std::array<RingSums, Rings::kCount> sums{};
-  best_kernels<DiscKernels>().rings(patch.taxels, patch.runs, patch.standpoint(), Rings::kCount, sums.data());
+  best_kernels<DiscKernels>().rings(patch.taxels, patch.runs, patch.pose(), Rings::kCount, sums.data());
   Rings rings;
   const double area = layout.area_m2();
   for (std::size_t j = 0; j < Rings::kCount; ++j) {
@@ -35,8 +35,8 @@ double disc_share(double k, double s0, double s1) noexcept {
   return beyond(s0) - beyond(s1);
 }
 
-double family_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout, double gamma,
-                     double friction) noexcept {
+double monotonic_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout,
+                        double gamma, double friction) noexcept {
   const double k = std::max(1e-9, std::cbrt(gamma));
   const double noise_n =
       std::hypot(patch.noise_shear_pa, friction * patch.noise_normal_pa) * layout.area_m2();

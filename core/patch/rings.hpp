@@ -27,7 +27,7 @@ double disc_share(double k, double s0, double s1) noexcept;
 // How far the rings are from a load that only rose to `gamma` at `friction`: mean square of (measured -
 // expected) shear, each ring in units of its own noise and of what the model and the taxels' size leave open.
 // About 1 or less in the family; regrip, unloading and reversal give tens to thousands.
-double family_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout, double gamma,
-                     double friction) noexcept;
+double monotonic_misfit(const Rings& rings, const ContactPatch& patch, const TaxelLayout& layout,
+                        double gamma, double friction) noexcept;
 
 }  // namespace slipd

@@ -64,7 +64,7 @@ struct Sums {
 
 // Calls body(place, mask) for blocks that together are the runs, each taxel once; mask: of those that count.
 template <typename Body>
-SLIPD_INLINE void for_blocks(const Run* runs, std::size_t count, std::size_t size,
+SLIPD_INLINE void for_blocks(const TaxelRun* runs, std::size_t count, std::size_t size,
                              const Body& body) noexcept {
   constexpr Ints kNumbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   const Ints all = kNumbers >= 0;

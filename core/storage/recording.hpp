@@ -26,9 +26,9 @@
 #include <system_error>
 #include <vector>
 
-#include "core/storage/buffered_file.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
+#include "core/storage/buffered_file.hpp"
 
 namespace slipd {
 

@@ -14,13 +14,13 @@
 #include "core/estimate/estimate.hpp"
 #include "core/frame/layout.hpp"
 #include "core/model/work_precision.hpp"
+#include "daemon/board/bias_channel.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
+#include "daemon/board/record_tap.hpp"
 #include "daemon/rt/latest.hpp"
 #include "daemon/rt/log_ring.hpp"
-#include "daemon/board/record_tap.hpp"
 #include "daemon/rt/wake.hpp"
-#include "daemon/board/bias_status.hpp"
 
 namespace slipd {
 
@@ -52,21 +52,21 @@ struct DeviceFacts {
   std::optional<TaxelLayout> layout;
   double rate_hz = 0;        // 0: the device does not say
   std::string method;        // empty until an estimator is ready
-  Worth tradeoff;            // what `auto` chose it from, or came with its model; else without rows
+  WorkPrecision tradeoff;    // what `auto` chose it from, or came with its model; else without rows
   std::string trouble;       // why it is absent; empty: it is not
   std::string zero_trouble;  // why its zero was not restored, or is not kept; empty: it is
 };
 
-class Panel {
+class SensorStatus {
  public:
-  Panel(std::string sensor_name, std::string driver_name)
+  SensorStatus(std::string sensor_name, std::string driver_name)
       : name(std::move(sensor_name)), driver(std::move(driver_name)) {}
 
   const std::string name, driver;
   Latest<Published> latest;  // estimate thread writes
   LatencyHistogram latency;  // estimate thread writes: sample → published
   FrameCopy frame;           // io and estimate thread
-  ZeroPanel zero;
+  BiasChannel zero;
   RecordTap flight_tap;  // acquire thread and the flight recorder
   RecordTap tap;         // acquire thread and whoever records
   // Acquire thread writes, while setting up. Relaxed: nothing else is read on its word.
@@ -74,7 +74,7 @@ class Panel {
   // Estimate thread writes, once it knows the device: after so long without a frame an estimate holds no
   // more. Relaxed: a number of its own.
   std::atomic<std::int64_t> stale_after_ns{20'000'000};
-  // Acquire thread writes, with release: whoever reads it with acquire (Estimating::work, can's Subject)
+  // Acquire thread writes, with release: whoever reads it with acquire (EstimateLoop::work, can's CanSource)
   // finds the frames that came before. Relaxed where it is only told.
   std::atomic<Link> link{Link::opening};
   // Acquire thread writes. Relaxed: each is a number of its own.
@@ -97,9 +97,9 @@ class Panel {
 };
 
 // Sensors that hold one object.
-class GraspPanel {
+class GraspStatus {
  public:
-  GraspPanel(std::string grasp_name, std::vector<std::size_t> its_sensors)
+  GraspStatus(std::string grasp_name, std::vector<std::size_t> its_sensors)
       : name(std::move(grasp_name)), sensors(std::move(its_sensors)) {}
 
   const std::string name;
@@ -115,8 +115,8 @@ struct Event {
 };
 
 struct Board {
-  std::vector<std::unique_ptr<Panel>> sensors;
-  std::vector<std::unique_ptr<GraspPanel>> grasps;
+  std::vector<std::unique_ptr<SensorStatus>> sensors;
+  std::vector<std::unique_ptr<GraspStatus>> grasps;
   boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>> events;  // estimate thread → io
   std::deque<LogRing> logs;  // one for each real-time thread
   Wake io;

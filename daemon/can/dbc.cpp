@@ -54,7 +54,7 @@ class Instance {
   Instance(const CanSettings& can, std::uint32_t shipped_id) : can_(can), shipped_id_(shipped_id) {}
 
   // The statement with its identifier moved by `index` messages, or empty if it is about another message.
-  std::string of(const std::string& statement, std::size_t index, const std::string& subject) const {
+  std::string of(const std::string& statement, std::size_t index, const std::string& source) const {
     const std::string shipped = std::to_string(shipped_id_);
     const std::size_t at = find_word(statement, shipped);
     if (at == std::string::npos) return {};
@@ -62,7 +62,7 @@ class Instance {
     std::string text = statement;
     text.replace(at, shipped.size(), std::to_string(can_.extended ? id | kExtendedMark : id));
     text = replaced(text, "_0: 8", "_" + std::to_string(index) + ": 8");
-    text = replaced(text, kShippedSubject, subject);
+    text = replaced(text, kShippedSubject, source);
     if (text.starts_with("BA_ \"VFrameFormat\""))
       text = replaced(text, " 0;", " " + frame_format(can_) + ";");
     if (shipped_id_ == kShippedBase && text.starts_with("BA_ \"GenMsgCycleTime\""))
@@ -78,26 +78,26 @@ class Instance {
 }  // namespace
 
 std::vector<std::string> subjects_of(const Settings& settings) {
-  std::vector<std::string> subjects;
-  for (const auto& sensor : settings.sensors) subjects.push_back("sensor " + sensor.setup.name);
-  for (const auto& grasp : settings.grasps) subjects.push_back("grasp " + grasp.name);
-  for (std::string& subject : subjects) {
+  std::vector<std::string> sources;
+  for (const auto& sensor : settings.sensors) sources.push_back("sensor " + sensor.setup.name);
+  for (const auto& grasp : settings.grasps) sources.push_back("grasp " + grasp.name);
+  for (std::string& source : sources) {
     std::replace_if(
-        subject.begin(), subject.end(), [](char c) { return c == '"' || c == '\\' || c == '\n'; }, '\'');
+        source.begin(), source.end(), [](char c) { return c == '"' || c == '\\' || c == '\n'; }, '\'');
   }
-  return subjects;
+  return sources;
 }
 
-std::string dbc_text(const CanSettings& can, const std::vector<std::string>& subjects) {
+std::string dbc_text(const CanSettings& can, const std::vector<std::string>& sources) {
   const Instance estimate(can, kShippedBase);
   const Instance alert(can, kShippedBase + kAlertOffset);
   const Instance heartbeat(can, kShippedBase + kHeartbeatOffset);
   std::string text;
   for (const std::string& statement : statements(slipd_dbc)) {
     std::string made = heartbeat.of(statement, 0, "");
-    for (std::size_t i = 0; i < subjects.size(); ++i) {
-      made += estimate.of(statement, i, subjects[i]);
-      made += alert.of(statement, i, subjects[i]);
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      made += estimate.of(statement, i, sources[i]);
+      made += alert.of(statement, i, sources[i]);
     }
     text += made.empty() ? statement : made;
   }

@@ -13,6 +13,6 @@ namespace slipd::can {
 std::vector<std::string> subjects_of(const Settings& settings);
 
 // `subjects`: at most kMostMessages.
-std::string dbc_text(const CanSettings& can, const std::vector<std::string>& subjects);
+std::string dbc_text(const CanSettings& can, const std::vector<std::string>& sources);
 
 }  // namespace slipd::can

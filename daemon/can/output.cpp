@@ -15,7 +15,7 @@ Output::Output(const Settings& settings, Board& board, Doorbell& bell)
     : settings_(settings),
       bell_(bell),
       port_(*settings.can, messages_of_a_period(settings)),
-      talk_(settings, board, port_, board.logs.emplace_back(), Doorbell::Clock::now()) {}
+      scheduler_(settings, board, port_, board.logs.emplace_back(), Doorbell::Clock::now()) {}
 
 void Output::start(const RealtimeGrant& grant) {
   thread_ = Thread("can", kStackBytes, [this, grant] {
@@ -34,9 +34,9 @@ void Output::run() noexcept {
   for (;;) {
     const std::uint32_t rung = bell_.rung();
     if (stop_.load(std::memory_order_relaxed)) break;
-    bell_.wait(rung, talk_.step(Doorbell::Clock::now()));
+    bell_.wait(rung, scheduler_.step(Doorbell::Clock::now()));
   }
-  talk_.end(Doorbell::Clock::now());
+  scheduler_.end(Doorbell::Clock::now());
 }
 
 }  // namespace slipd::can

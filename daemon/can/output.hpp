@@ -1,11 +1,11 @@
-// The CAN thread: a Talk on a socket, woken by the clock or by a change of alert. io makes, starts and stops
-// it.
+// The CAN thread: a CanScheduler on a socket, woken by the clock or by a change of alert. io makes, starts
+// and stops it.
 #pragma once
 
 #include <atomic>
 
-#include "daemon/can/socket_port.hpp"
 #include "daemon/can/scheduler.hpp"
+#include "daemon/can/socket_port.hpp"
 #include "daemon/rt/doorbell.hpp"
 #include "daemon/rt/realtime.hpp"
 #include "daemon/rt/thread.hpp"
@@ -22,7 +22,7 @@ class Output {
   // Ends it with its last words. False: it was not done by `deadline`.
   bool stop(std::chrono::steady_clock::time_point deadline);
 
-  const Latest<Report>& report() const noexcept { return talk_.report(); }
+  const Latest<Report>& report() const noexcept { return scheduler_.report(); }
 
  private:
   void run() noexcept;
@@ -30,7 +30,7 @@ class Output {
   const Settings& settings_;
   Doorbell& bell_;
   SocketPort port_;
-  Talk talk_;
+  CanScheduler scheduler_;
   std::atomic<bool> stop_{false};  // relaxed: the bell orders it
   Thread thread_;
 };

@@ -18,18 +18,18 @@ constexpr auto kDownInterval = 20ms;     // of an interface that is down
 constexpr auto kReopenInterval = 200ms;  // of an interface that is gone
 constexpr auto kOpeningPatience = 3s;    // until a device that was never opened is spoken of
 
-std::int64_t nanoseconds_of(Talk::Time time) noexcept {
+std::int64_t nanoseconds_of(CanScheduler::Time time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }
 
 // The next multiple of the interval that is still to come: a late thread leaves turns out and keeps the beat.
-void move_on(Talk::Time& next, std::chrono::nanoseconds interval, Talk::Time now) noexcept {
+void move_on(CanScheduler::Time& next, std::chrono::nanoseconds interval, CanScheduler::Time now) noexcept {
   if (next <= now) next += ((now - next) / interval + 1) * interval;
 }
 
 }  // namespace
 
-Talk::Talk(const Settings& settings, const Board& board, Port& port, LogRing& log, Time start)
+CanScheduler::CanScheduler(const Settings& settings, const Board& board, Port& port, LogRing& log, Time start)
     : settings_(settings),
       can_(*settings.can),
       port_(port),
@@ -39,11 +39,10 @@ Talk::Talk(const Settings& settings, const Board& board, Port& port, LogRing& lo
       next_heartbeat_(start),
       retry_(start),
       reopen_(start) {
-  for (Subject& subject : make_subjects(board))
-    speakers_.push_back({.subject = std::move(subject), .view = {}});
+  for (CanSource& source : make_sources(board)) slots_.push_back({.source = std::move(source), .view = {}});
 }
 
-Talk::Time Talk::step(Time now) noexcept {
+CanScheduler::Time CanScheduler::step(Time now) noexcept {
   listen();
   look(now);
   mark_due(now);
@@ -53,17 +52,17 @@ Talk::Time Talk::step(Time now) noexcept {
   }
   publish();
   Time until = std::min(next_period_, next_heartbeat_ > now ? next_heartbeat_ : now + kReopenInterval);
-  for (const Speaker& each : speakers_) {
+  for (const MessageSlot& each : slots_) {
     if (each.view.estimate.alert != Alert::none && each.alert_again > now)
       until = std::min(until, each.alert_again);
   }
   return retry_ > now ? std::min(until, retry_) : until;
 }
 
-void Talk::end(Time now) noexcept {
+void CanScheduler::end(Time now) noexcept {
   look(now);
   if (!be_open(now)) return;
-  for (Speaker& each : speakers_) {
+  for (MessageSlot& each : slots_) {
     Estimate stale;
     stale.sequence = each.view.estimate.sequence;
     stale.alert = each.view.estimate.alert;
@@ -78,12 +77,12 @@ void Talk::end(Time now) noexcept {
   publish();
 }
 
-void Talk::listen() noexcept {
+void CanScheduler::listen() noexcept {
   BusError error;
   while (open_ && port_.next_error(error)) hear(error);
 }
 
-void Talk::hear(const BusError& error) noexcept {
+void CanScheduler::hear(const BusError& error) noexcept {
   ++now_.bus_errors;
   if ((error.kind & CAN_ERR_CRTL) != 0) {
     constexpr unsigned kByte = 1;
@@ -99,7 +98,7 @@ void Talk::hear(const BusError& error) noexcept {
   if ((error.kind & CAN_ERR_RESTARTED) != 0) controller_ = Bus::up;
 }
 
-bool Talk::be_open(Time now) noexcept {
+bool CanScheduler::be_open(Time now) noexcept {
   if (open_) return true;
   if (now < reopen_) return false;
   now_.error = port_.open();
@@ -113,32 +112,32 @@ bool Talk::be_open(Time now) noexcept {
   return true;
 }
 
-void Talk::look(Time now) noexcept {
+void CanScheduler::look(Time now) noexcept {
   const std::int64_t now_ns = nanoseconds_of(now);
   now_.withheld = 0;
-  for (std::size_t i = 0; i < speakers_.size(); ++i) {
-    speakers_[i].view = speakers_[i].subject.look(now_ns);
-    if (speakers_[i].view.simulated && !can_.allow_simulated) now_.withheld |= std::uint32_t{1} << i;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    slots_[i].view = slots_[i].source.look(now_ns);
+    if (slots_[i].view.simulated && !can_.allow_simulated) now_.withheld |= std::uint32_t{1} << i;
   }
 }
 
-bool Talk::withheld(std::size_t index, Time now) noexcept {
-  const bool unknown = speakers_[index].view.opening && now - start_ < kOpeningPatience;
+bool CanScheduler::withheld(std::size_t index, Time now) noexcept {
+  const bool unknown = slots_[index].view.opening && now - start_ < kOpeningPatience;
   return unknown || (now_.withheld >> index & 1U) != 0;
 }
 
-void Talk::mark_due(Time now) noexcept {
+void CanScheduler::mark_due(Time now) noexcept {
   if (now < next_period_) return;
   move_on(next_period_, can_.period, now);
-  for (Speaker& each : speakers_) {
+  for (MessageSlot& each : slots_) {
     each.due = true;
     ++each.estimates;  // even if it cannot be sent: a jump tells of it
   }
 }
 
-bool Talk::send_alerts(Time now) noexcept {
-  for (std::size_t i = 0; i < speakers_.size(); ++i) {
-    Speaker& each = speakers_[i];
+bool CanScheduler::send_alerts(Time now) noexcept {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    MessageSlot& each = slots_[i];
     const Estimate& estimate = each.view.estimate;
     const bool changed = estimate.alert != each.said;
     const bool repeated = estimate.alert != Alert::none && now >= each.alert_again;
@@ -153,25 +152,25 @@ bool Talk::send_alerts(Time now) noexcept {
   return true;
 }
 
-bool Talk::send_estimates(Time now) noexcept {
-  for (std::size_t turn = 0; turn < speakers_.size(); ++turn) {
+bool CanScheduler::send_estimates(Time now) noexcept {
+  for (std::size_t turn = 0; turn < slots_.size(); ++turn) {
     const std::size_t i = next_;
-    Speaker& each = speakers_[i];
+    MessageSlot& each = slots_[i];
     if (each.due && !withheld(i, now)) {
       const std::uint32_t id = can_.base_id + static_cast<std::uint32_t>(i);
       const Message message = encode_estimate(id, each.view.estimate, each.view.simulated, each.estimates);
       if (send(message, now) != Outcome::sent) return false;
     }
     each.due = false;
-    next_ = (next_ + 1) % speakers_.size();
+    next_ = (next_ + 1) % slots_.size();
   }
   return true;
 }
 
-bool Talk::send_heartbeat(Time now, bool stopping) noexcept {
+bool CanScheduler::send_heartbeat(Time now, bool stopping) noexcept {
   if (now < next_heartbeat_) return true;
   const auto uptime = std::chrono::duration_cast<std::chrono::seconds>(now - start_).count();
-  const Heartbeat heartbeat{speakers_.size(), static_cast<std::uint64_t>(uptime), stopping};
+  const Heartbeat heartbeat{slots_.size(), static_cast<std::uint64_t>(uptime), stopping};
   if (send(encode_heartbeat(can_.base_id + kHeartbeatOffset, heartbeat, heartbeats_), now) != Outcome::sent)
     return false;
   ++heartbeats_;
@@ -179,7 +178,7 @@ bool Talk::send_heartbeat(Time now, bool stopping) noexcept {
   return true;
 }
 
-Talk::Outcome Talk::send(const Message& message, Time now) noexcept {
+CanScheduler::Outcome CanScheduler::send(const Message& message, Time now) noexcept {
   const int error = port_.send(message);
   if (error == 0) {
     ++now_.sent;
@@ -196,7 +195,7 @@ Talk::Outcome Talk::send(const Message& message, Time now) noexcept {
   return Outcome::failed;
 }
 
-void Talk::lost(int error, Time now) noexcept {
+void CanScheduler::lost(int error, Time now) noexcept {
   up_ = false;
   if (error == ENETDOWN) return;  // the socket hears when it is up again
   now_.error = error;
@@ -205,12 +204,12 @@ void Talk::lost(int error, Time now) noexcept {
   reopen_ = now;
 }
 
-Bus Talk::bus() const noexcept {
+Bus CanScheduler::bus() const noexcept {
   if (!open_) return Bus::absent;
   return up_ ? controller_ : Bus::down;
 }
 
-void Talk::publish() noexcept {
+void CanScheduler::publish() noexcept {
   now_.bus = bus();
   report_.store(now_);
   if (now_.bus == told_) return;

@@ -18,12 +18,12 @@
 
 namespace slipd::can {
 
-class Talk {
+class CanScheduler {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   // `settings` has a section can. All outlive it.
-  Talk(const Settings& settings, const Board& board, Port& port, LogRing& log, Time start);
+  CanScheduler(const Settings& settings, const Board& board, Port& port, LogRing& log, Time start);
 
   // Sends what is due; returns when something will be. To be called then, and whenever an alert may have
   // changed.
@@ -37,13 +37,13 @@ class Talk {
 
  private:
   enum class Outcome : std::uint8_t { sent, full, failed };
-  struct Speaker {
-    Subject subject;
+  struct MessageSlot {
+    CanSource source;
     unsigned estimates = 0, alerts = 0;  // turns, for the counters
     bool due = false;                    // this period's estimate is still to be sent
     Alert said = Alert::none;            // the level last sent
     Time alert_again{};                  // when it is to be repeated, or tried again
-    Subject::View view;
+    CanSource::View view;
   };
 
   void listen() noexcept;
@@ -65,7 +65,7 @@ class Talk {
   Port& port_;
   LogRing& log_;
   const Time start_;
-  std::vector<Speaker> speakers_;
+  std::vector<MessageSlot> slots_;
   std::size_t next_ = 0;  // who is to speak first, so that a full queue does not always hit the same
   unsigned heartbeats_ = 0;
   Time next_period_, next_heartbeat_, retry_;

@@ -14,16 +14,16 @@ bool lasting(const Estimate& said) noexcept {
 
 }  // namespace
 
-Subject::View Subject::look(std::int64_t now_ns) const noexcept {
+CanSource::View CanSource::look(std::int64_t now_ns) const noexcept {
   View view;
   std::int64_t stale_after_ns = 0;
   for (const std::size_t sensor : sensors_) {
-    const Panel& panel = *board_.sensors[sensor];
+    const SensorStatus& status = *board_.sensors[sensor];
     // The link first: once it is open, the acquire thread has said whether it is simulated.
-    const Link link = panel.link.load(std::memory_order_acquire);
+    const Link link = status.link.load(std::memory_order_acquire);
     view.opening = view.opening || link == Link::opening;
-    view.simulated = view.simulated || panel.simulated.load(std::memory_order_relaxed);
-    stale_after_ns = std::max(stale_after_ns, panel.stale_after_ns.load(std::memory_order_relaxed));
+    view.simulated = view.simulated || status.simulated.load(std::memory_order_relaxed);
+    stale_after_ns = std::max(stale_after_ns, status.stale_after_ns.load(std::memory_order_relaxed));
   }
   const Estimate said =
       grasp_ != nullptr ? grasp_->latest.load() : board_.sensors[sensors_.front()]->latest.load().estimate;
@@ -38,11 +38,11 @@ Subject::View Subject::look(std::int64_t now_ns) const noexcept {
   return view;
 }
 
-std::vector<Subject> make_subjects(const Board& board) {
-  std::vector<Subject> subjects;
-  for (std::size_t i = 0; i < board.sensors.size(); ++i) subjects.push_back(Subject::of_sensor(board, i));
-  for (const auto& grasp : board.grasps) subjects.push_back(Subject::of_grasp(board, *grasp));
-  return subjects;
+std::vector<CanSource> make_sources(const Board& board) {
+  std::vector<CanSource> sources;
+  for (std::size_t i = 0; i < board.sensors.size(); ++i) sources.push_back(CanSource::of_sensor(board, i));
+  for (const auto& grasp : board.grasps) sources.push_back(CanSource::of_grasp(board, *grasp));
+  return sources;
 }
 
 }  // namespace slipd::can

@@ -9,15 +9,15 @@
 
 namespace slipd::can {
 
-class Subject {
+class CanSource {
  public:
   struct View {
     Estimate estimate;  // without margin where none holds
     bool simulated = false;
     bool opening = false;  // a device was not tried yet, so that nobody knows whether it is a simulated one
   };
-  static Subject of_sensor(const Board& board, std::size_t sensor) { return {board, {sensor}, nullptr}; }
-  static Subject of_grasp(const Board& board, const GraspPanel& grasp) {
+  static CanSource of_sensor(const Board& board, std::size_t sensor) { return {board, {sensor}, nullptr}; }
+  static CanSource of_grasp(const Board& board, const GraspStatus& grasp) {
     return {board, grasp.sensors, &grasp};
   }
 
@@ -26,15 +26,15 @@ class Subject {
   View look(std::int64_t now_ns) const noexcept;
 
  private:
-  Subject(const Board& board, std::vector<std::size_t> sensors, const GraspPanel* grasp)
+  CanSource(const Board& board, std::vector<std::size_t> sensors, const GraspStatus* grasp)
       : board_(board), sensors_(std::move(sensors)), grasp_(grasp) {}
 
   const Board& board_;
   std::vector<std::size_t> sensors_;
-  const GraspPanel* grasp_;
+  const GraspStatus* grasp_;
 };
 
 // A sensor each, then a grasp each, in the order of the configuration.
-std::vector<Subject> make_subjects(const Board& board);
+std::vector<CanSource> make_sources(const Board& board);
 
 }  // namespace slipd::can

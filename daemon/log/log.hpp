@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/rt/log_ring.hpp"
 #include "daemon/log/log_limit.hpp"
+#include "daemon/rt/log_ring.hpp"
 
 namespace slipd {
 

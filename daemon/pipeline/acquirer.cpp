@@ -30,16 +30,16 @@ std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
 }  // namespace
 
 Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
-                   std::vector<std::unique_ptr<Seat>>& seats, ZeroKeeper& zeros, LogRing& log,
+                   std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& zeros, LogRing& log,
                    Doorbell& estimate, FeedOpened opened)
     : driver_(std::move(driver)), zeros_(zeros), log_(log), estimate_(estimate), opened_(std::move(opened)) {
   for (const std::size_t sensor : sensors) {
-    Outlet& outlet = outlets_.emplace_back();
-    outlet.sensor = sensor;
-    outlet.seat = seats[sensor].get();
-    name_ += (name_.empty() ? "" : ", ") + outlet.seat->panel.name;
+    SensorChannel& channel = channels_.emplace_back();
+    channel.sensor = sensor;
+    channel.runtime = runtimes[sensor].get();
+    name_ += (name_.empty() ? "" : ", ") + channel.runtime->status.name;
   }
-  slots_.resize(outlets_.size());
+  slots_.resize(channels_.size());
 }
 
 void Acquirer::start(const RealtimeSettings& settings, const RealtimeGrant& grant) {
@@ -84,8 +84,8 @@ void Acquirer::attend() {
     const Ending ending = pump();
     leave_realtime(grant_);
     driver_->close();
-    for (auto& outlet : outlets_) {
-      if (outlet.zero) outlet.zero->rest();
+    for (auto& channel : channels_) {
+      if (channel.zero) channel.zero->rest();
     }
     if (ending == Ending::ended) {
       log_.write(LogLevel::info, {name_}, "%s: the recording has ended", name_.c_str());
@@ -95,8 +95,8 @@ void Acquirer::attend() {
     if (ending == Ending::disconnected) {
       log_.write(LogLevel::warning, {name_, Cause::device},
                  "%s: the device is gone; it will be reopened when it is back", name_.c_str());
-      for (auto& outlet : outlets_)
-        outlet.seat->panel.change_facts([](DeviceFacts& f) { f.trouble = "the device is gone"; });
+      for (auto& channel : channels_)
+        channel.runtime->status.change_facts([](DeviceFacts& f) { f.trouble = "the device is gone"; });
       set_link(Link::absent);
       // A device that opens but says nothing is no better than one that does not open.
       back_off = delivered_ ? Clock::duration(kFirstBackOff)
@@ -110,14 +110,14 @@ bool Acquirer::open() {
   std::string trouble;
   try {
     const DeviceInfo info = driver_->open();
-    if (info.sensors.size() == outlets_.size()) {
+    if (info.sensors.size() == channels_.size()) {
       wire(info);
       log_.write(LogLevel::info, {name_}, "%s: open: %s", name_.c_str(), info.description.c_str());
       last_trouble_.clear();
       return true;
     }
     trouble = "the driver speaks of " + std::to_string(info.sensors.size()) + " sensors where " +
-              std::to_string(outlets_.size()) + " are configured";
+              std::to_string(channels_.size()) + " are configured";
   } catch (const std::exception& error) {
     trouble = error.what();
   } catch (...) {
@@ -128,18 +128,18 @@ bool Acquirer::open() {
     log_.write(LogLevel::error, {name_, Cause::device}, "%s: %s (tried again until it works)", name_.c_str(),
                trouble.c_str());
     last_trouble_ = trouble;
-    for (auto& outlet : outlets_)
-      outlet.seat->panel.change_facts([&](DeviceFacts& f) { f.trouble = trouble; });
+    for (auto& channel : channels_)
+      channel.runtime->status.change_facts([&](DeviceFacts& f) { f.trouble = trouble; });
   }
   return false;
 }
 
 void Acquirer::wire(const DeviceInfo& info) {
-  for (std::size_t i = 0; i < outlets_.size(); ++i) {
-    Outlet& outlet = outlets_[i];
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    SensorChannel& channel = channels_[i];
     const SensorInfo& sensor = info.sensors[i];
-    Panel& panel = outlet.seat->panel;
-    panel.change_facts([&](DeviceFacts& facts) {
+    SensorStatus& status = channel.runtime->status;
+    status.change_facts([&](DeviceFacts& facts) {
       facts.description = info.description;
       facts.serial = info.serial;
       facts.sensor_class = sensor.sensor_class;
@@ -147,41 +147,41 @@ void Acquirer::wire(const DeviceInfo& info) {
       facts.rate_hz = sensor.rate_hz;
       facts.trouble.clear();
     });
-    panel.simulated.store(info.simulated, std::memory_order_relaxed);
-    outlet.last_sequence.reset();
-    outlet.gain = gain_of(outlet.seat->settings, sensor.layout.size());
-    if (was_open_) panel.reconnects.fetch_add(1, std::memory_order_relaxed);
+    status.simulated.store(info.simulated, std::memory_order_relaxed);
+    channel.last_sequence.reset();
+    channel.gain = gain_of(channel.runtime->settings, sensor.layout.size());
+    if (was_open_) status.reconnects.fetch_add(1, std::memory_order_relaxed);
     const bool paced = driver_->paced_by_consumer();
-    const bool same = outlet.feed && outlet.feed->info.layout == sensor.layout &&
-                      outlet.feed->info.sensor_class == sensor.sensor_class && outlet.feed->paced == paced;
+    const bool same = channel.feed && channel.feed->info.layout == sensor.layout &&
+                      channel.feed->info.sensor_class == sensor.sensor_class && channel.feed->paced == paced;
     if (!same) {
-      outlet.feed = std::make_shared<Feed>(sensor, paced);
-      opened_(outlet.sensor, outlet.feed);
+      channel.feed = std::make_shared<FrameFeed>(sensor, paced);
+      opened_(channel.sensor, channel.feed);
     }
-    slots_[i] = outlet.feed->mailbox.writable();
-    wire_zero(outlet, info, sensor);
+    slots_[i] = channel.feed->mailbox.writable();
+    wire_zero(channel, info, sensor);
   }
   was_open_ = true;
 }
 
 // The same device goes on with the zero that it had; another one has its own.
-void Acquirer::wire_zero(Outlet& outlet, const DeviceInfo& info, const SensorInfo& sensor) {
-  Panel& panel = outlet.seat->panel;
-  const SensorSetup& setup = outlet.seat->settings.setup;
-  panel.zero.needed.store(!sensor.zeroed, std::memory_order_relaxed);
-  const ZeroIdentity identity{.driver = panel.driver,
+void Acquirer::wire_zero(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor) {
+  SensorStatus& status = channel.runtime->status;
+  const SensorSetup& setup = channel.runtime->settings.setup;
+  status.zero.needed.store(!sensor.zeroed, std::memory_order_relaxed);
+  const BiasIdentity identity{.driver = status.driver,
                               .profile = setup.profile,
                               .device = info.serial.empty() ? setup.device.dump() : "serial " + info.serial,
-                              .part = sensor.part.empty() ? panel.name : sensor.part,
+                              .part = sensor.part.empty() ? status.name : sensor.part,
                               .taxels = sensor.layout.size()};
-  if (!sensor.zeroed && outlet.zero && outlet.zero->identity() == identity) return outlet.zero->reopened();
-  if (outlet.zero) zeros_.leave(outlet.zero);
-  outlet.zero = sensor.zeroed ? nullptr : zeros_.attend(panel, sensor, identity, log_);
+  if (!sensor.zeroed && channel.zero && channel.zero->identity() == identity) return channel.zero->reopened();
+  if (channel.zero) zeros_.leave(channel.zero);
+  channel.zero = sensor.zeroed ? nullptr : zeros_.attend(status, sensor, identity, log_);
 }
 
 void Acquirer::set_link(Link link) noexcept {
   // Release: whoever reads it also finds the frames that came before.
-  for (auto& outlet : outlets_) outlet.seat->panel.link.store(link, std::memory_order_release);
+  for (auto& channel : channels_) channel.runtime->status.link.store(link, std::memory_order_release);
   estimate_.ring();
 }
 
@@ -189,17 +189,17 @@ Acquirer::Ending Acquirer::pump() noexcept {
   while (!stopping()) {
     const ReadResult result = driver_->read(slots_, kReadTimeout);
     // A driver that names a sensor it does not have is at fault; what it read is of no use.
-    const bool known = result.sensor < outlets_.size();
-    Panel& panel = outlets_[known ? result.sensor : 0].seat->panel;
+    const bool known = result.sensor < channels_.size();
+    SensorStatus& status = channels_[known ? result.sensor : 0].runtime->status;
     switch (known || result.status != ReadStatus::frame ? result.status : ReadStatus::corrupt) {
       case ReadStatus::frame:
         if (!deliver(result.sensor)) return Ending::stopped;
         break;
       case ReadStatus::timeout:
-        panel.timeouts.fetch_add(1, std::memory_order_relaxed);
+        status.timeouts.fetch_add(1, std::memory_order_relaxed);
         break;
       case ReadStatus::corrupt:
-        panel.corrupt.fetch_add(1, std::memory_order_relaxed);
+        status.corrupt.fetch_add(1, std::memory_order_relaxed);
         break;
       case ReadStatus::disconnected:
         return Ending::disconnected;
@@ -212,30 +212,30 @@ Acquirer::Ending Acquirer::pump() noexcept {
 
 // False: told to stop while waiting for the frame before to be taken.
 bool Acquirer::deliver(std::size_t index) noexcept {
-  Outlet& outlet = outlets_[index];
+  SensorChannel& channel = channels_[index];
   FrameSlot& slot = slots_[index];
-  Feed& feed = *outlet.feed;
+  FrameFeed& feed = *channel.feed;
   while (feed.paced && feed.mailbox.unread()) {
     if (stopping()) return false;
     const std::uint32_t rung = feed.taken.rung();
     if (feed.mailbox.unread()) feed.taken.wait(rung, Clock::now() + kReadTimeout);
   }
-  ++outlet.tally.received;
+  ++channel.tally.received;
   delivered_ = true;
-  if (outlet.last_sequence && slot.sequence > *outlet.last_sequence + 1) {
-    ++outlet.tally.gaps;
-    outlet.tally.lost += slot.sequence - *outlet.last_sequence - 1;
+  if (channel.last_sequence && slot.sequence > *channel.last_sequence + 1) {
+    ++channel.tally.gaps;
+    channel.tally.lost += slot.sequence - *channel.last_sequence - 1;
   }
-  outlet.last_sequence = slot.sequence;
+  channel.last_sequence = slot.sequence;
   slot.zeroed = true;
-  if (outlet.zero) outlet.zero->apply(slot);
-  if (!outlet.gain.empty()) apply_gain(outlet.gain, slot);
-  outlet.seat->panel.tap.offer(slot);
-  outlet.seat->panel.flight_tap.offer(slot);
-  feed.mailbox.publish(slot, outlet.tally);
+  if (channel.zero) channel.zero->apply(slot);
+  if (!channel.gain.empty()) apply_gain(channel.gain, slot);
+  channel.runtime->status.tap.offer(slot);
+  channel.runtime->status.flight_tap.offer(slot);
+  feed.mailbox.publish(slot, channel.tally);
   slot = feed.mailbox.writable();
   estimate_.ring();
-  if (outlet.zero) outlet.zero->afterwards();
+  if (channel.zero) channel.zero->afterwards();
   return true;
 }
 

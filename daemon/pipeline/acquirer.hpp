@@ -9,35 +9,35 @@
 #include <string>
 #include <vector>
 
-#include "daemon/rt/realtime.hpp"
-#include "daemon/pipeline/sensor_runtime.hpp"
-#include "daemon/rt/thread.hpp"
 #include "daemon/pipeline/bias_store.hpp"
+#include "daemon/pipeline/sensor_runtime.hpp"
+#include "daemon/rt/realtime.hpp"
+#include "daemon/rt/thread.hpp"
 
 namespace slipd {
 
 // Asks for an estimator for a sensor whose device has just been opened. Called by the acquire thread while
 // setting up.
-using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<Feed> feed)>;
+using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<FrameFeed> feed)>;
 
 class Acquirer {
  public:
   // `sensors`: the indices of `seats` that this device carries, in the driver's order.
   Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
-           std::vector<std::unique_ptr<Seat>>& seats, ZeroKeeper& zeros, LogRing& log, Doorbell& estimate,
-           FeedOpened opened);
+           std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& zeros, LogRing& log,
+           Doorbell& estimate, FeedOpened opened);
 
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
   void ask_to_stop() noexcept;
   bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
  private:
-  struct Outlet {
+  struct SensorChannel {
     std::size_t sensor = 0;
-    Seat* seat = nullptr;
-    std::shared_ptr<Feed> feed;
-    std::shared_ptr<ZeroDesk> zero;  // null: its frames are zeroed
-    std::vector<float> gain;         // of each taxel; empty: 1
+    SensorRuntime* runtime = nullptr;
+    std::shared_ptr<FrameFeed> feed;
+    std::shared_ptr<BiasWorker> zero;  // null: its frames are zeroed
+    std::vector<float> gain;           // of each taxel; empty: 1
     Tally tally;
     std::optional<std::uint64_t> last_sequence;  // none: just (re)opened
   };
@@ -47,16 +47,16 @@ class Acquirer {
   void attend();
   bool open();
   void wire(const DeviceInfo& info);
-  void wire_zero(Outlet& outlet, const DeviceInfo& info, const SensorInfo& sensor);
+  void wire_zero(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
   Ending pump() noexcept;
   bool deliver(std::size_t index) noexcept;
   void set_link(Link link) noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
   std::unique_ptr<DeviceDriver> driver_;
-  std::vector<Outlet> outlets_;
+  std::vector<SensorChannel> channels_;
   std::vector<FrameSlot> slots_;
-  ZeroKeeper& zeros_;
+  BiasStore& zeros_;
   LogRing& log_;
   Doorbell& estimate_;
   FeedOpened opened_;

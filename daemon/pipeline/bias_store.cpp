@@ -17,46 +17,46 @@ double seconds_since(std::int64_t time_ns) {
 
 }  // namespace
 
-ZeroKeeper::~ZeroKeeper() {
+BiasStore::~BiasStore() {
   ask_to_stop();
 }
 
-std::shared_ptr<ZeroDesk> ZeroKeeper::attend(Panel& panel, const SensorInfo& sensor,
-                                             const ZeroIdentity& identity, LogRing& log) {
-  auto desk = std::make_shared<ZeroDesk>(panel, sensor, identity, bell_);
+std::shared_ptr<BiasWorker> BiasStore::attend(SensorStatus& status, const SensorInfo& sensor,
+                                              const BiasIdentity& identity, LogRing& log) {
+  auto worker = std::make_shared<BiasWorker>(status, sensor, identity, bell_);
   std::string trouble;
   try {
     if (const auto zero = load_zero(zero_file(identity), identity)) {
-      desk->restore(*zero);
-      log.write(LogLevel::info, {panel.name}, "%s: its zero, taken %.0f s ago, is restored",
-                panel.name.c_str(), seconds_since(zero->taken_ns));
+      worker->restore(*zero);
+      log.write(LogLevel::info, {status.name}, "%s: its zero, taken %.0f s ago, is restored",
+                status.name.c_str(), seconds_since(zero->taken_ns));
     } else {
-      log.write(LogLevel::warning, {panel.name},
+      log.write(LogLevel::warning, {status.name},
                 "%s: what it reads without load is not known yet: let go of it and say slipctl rebias %s",
-                panel.name.c_str(), panel.name.c_str());
+                status.name.c_str(), status.name.c_str());
     }
   } catch (const std::exception& error) {
     trouble = error.what();
-    log.write(LogLevel::error, {panel.name, Cause::machine}, "%s: its zero cannot be restored: %s",
-              panel.name.c_str(), trouble.c_str());
+    log.write(LogLevel::error, {status.name, Cause::machine}, "%s: its zero cannot be restored: %s",
+              status.name.c_str(), trouble.c_str());
   }
-  panel.change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
+  status.change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
   const std::lock_guard lock(mutex_);
-  desks_.push_back(desk);
+  workers_.push_back(worker);
   if (!running_ && !stop_.load(std::memory_order_relaxed)) {
     thread_ = Thread("zeros", kStackBytes, [this] { run(); });
     running_ = true;
   }
   bell_.ring();  // for requests that were the last device's
-  return desk;
+  return worker;
 }
 
-void ZeroKeeper::leave(const std::shared_ptr<ZeroDesk>& desk) {
+void BiasStore::leave(const std::shared_ptr<BiasWorker>& worker) {
   const std::lock_guard lock(mutex_);
-  std::erase(desks_, desk);
+  std::erase(workers_, worker);
 }
 
-void ZeroKeeper::ask_to_stop() {
+void BiasStore::ask_to_stop() {
   {
     const std::lock_guard lock(mutex_);  // after it, no thread is started any more
     stop_.store(true, std::memory_order_relaxed);
@@ -64,44 +64,44 @@ void ZeroKeeper::ask_to_stop() {
   bell_.ring();
 }
 
-std::vector<std::shared_ptr<ZeroDesk>> ZeroKeeper::desks() const {
+std::vector<std::shared_ptr<BiasWorker>> BiasStore::workers() const {
   const std::lock_guard lock(mutex_);
-  return desks_;
+  return workers_;
 }
 
-void ZeroKeeper::run() {
+void BiasStore::run() {
   for (bool last = false; !last;) {
     const std::uint32_t rung = bell_.rung();
     last = stop_.load(std::memory_order_relaxed);
     try {
-      for (const auto& desk : desks()) look_at(*desk);
+      for (const auto& worker : workers()) look_at(*worker);
     } catch (const std::bad_alloc&) {  // with the next zero, then
     }
     if (!last) bell_.wait(rung, Doorbell::Clock::now() + kLongestSleep);
   }
 }
 
-void ZeroKeeper::look_at(ZeroDesk& desk) {
-  ZeroPanel& told = desk.panel().zero;
+void BiasStore::look_at(BiasWorker& worker) {
+  BiasChannel& told = worker.status().zero;
   // First the report, then the copy: a zero that the report tells of has been put there before.
-  const ZeroReport report = told.report.load();
-  if (const Zero* zero = desk.to_keep()) {
-    keep(desk, *zero);
-    desk.release();
+  const BiasReport report = told.report.load();
+  if (const Bias* zero = worker.to_keep()) {
+    keep(worker, *zero);
+    worker.release();
   }
   if (report.answered == told.settled()) return;
   // A copy that was still the last one's is filled anew with the next block.
-  if (report.answer == ZeroAnswer::taken && desk.kept_takings() != report.taken) return;
+  if (report.answer == BiasResult::taken && worker.kept_takings() != report.taken) return;
   told.settle(report.answered);
   io_.ring();
 }
 
-void ZeroKeeper::keep(ZeroDesk& desk, const Zero& zero) {
-  const std::string& name = desk.panel().name;
+void BiasStore::keep(BiasWorker& worker, const Bias& zero) {
+  const std::string& name = worker.status().name;
   std::string trouble;
   try {
-    const auto file = zero_file(desk.identity());
-    save_zero(file, desk.identity(), zero);
+    const auto file = zero_file(worker.identity());
+    save_zero(file, worker.identity(), zero);
     log_.write(LogLevel::info, {name}, "%s: its zero (%s) is kept in %s", name.c_str(),
                std::string(to_string(zero.origin)).c_str(), file.c_str());
   } catch (const std::exception& error) {
@@ -110,7 +110,7 @@ void ZeroKeeper::keep(ZeroDesk& desk, const Zero& zero) {
                "%s: its zero cannot be kept, and is lost with the next start: %s", name.c_str(),
                trouble.c_str());
   }
-  desk.panel().change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
+  worker.status().change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
 }
 
 }  // namespace slipd

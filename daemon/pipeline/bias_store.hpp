@@ -8,26 +8,26 @@
 #include <vector>
 
 #include "daemon/board/board.hpp"
-#include "daemon/rt/thread.hpp"
 #include "daemon/pipeline/bias_worker.hpp"
+#include "daemon/rt/thread.hpp"
 
 namespace slipd {
 
-class ZeroKeeper {
+class BiasStore {
  public:
   // `log`: its own. All outlive it.
-  ZeroKeeper(LogRing& log, Wake& io) : log_(log), io_(io) {}
-  ~ZeroKeeper();
-  ZeroKeeper(const ZeroKeeper&) = delete;
-  ZeroKeeper& operator=(const ZeroKeeper&) = delete;
+  BiasStore(LogRing& log, Wake& io) : log_(log), io_(io) {}
+  ~BiasStore();
+  BiasStore(const BiasStore&) = delete;
+  BiasStore& operator=(const BiasStore&) = delete;
 
   // Acquire thread, while setting up: a desk for a sensor whose device has been opened, with the zero that is
   // kept for it, if there is a good one; why there is none is logged to `log` and told in the sensor's facts.
-  std::shared_ptr<ZeroDesk> attend(Panel& panel, const SensorInfo& sensor, const ZeroIdentity& identity,
-                                   LogRing& log);
+  std::shared_ptr<BiasWorker> attend(SensorStatus& status, const SensorInfo& sensor,
+                                     const BiasIdentity& identity, LogRing& log);
 
   // Acquire thread, while setting up: this desk is not used any more.
-  void leave(const std::shared_ptr<ZeroDesk>& desk);
+  void leave(const std::shared_ptr<BiasWorker>& worker);
 
   // io, when the acquire threads have ended: keeps what is left, and ends.
   void ask_to_stop();
@@ -35,16 +35,16 @@ class ZeroKeeper {
 
  private:
   void run();
-  void look_at(ZeroDesk& desk);
-  void keep(ZeroDesk& desk, const Zero& zero);
-  std::vector<std::shared_ptr<ZeroDesk>> desks() const;
+  void look_at(BiasWorker& worker);
+  void keep(BiasWorker& worker, const Bias& zero);
+  std::vector<std::shared_ptr<BiasWorker>> workers() const;
 
   LogRing& log_;
   Wake& io_;
   Doorbell bell_;
   std::atomic<bool> stop_{false};  // relaxed: the bell orders it
   mutable std::mutex mutex_;       // guards the next two
-  std::vector<std::shared_ptr<ZeroDesk>> desks_;
+  std::vector<std::shared_ptr<BiasWorker>> workers_;
   bool running_ = false;
   Thread thread_;
 };

@@ -14,17 +14,18 @@ constexpr std::size_t kStackBytes = std::size_t{1024} * 1024;
 
 }  // namespace
 
-LaneMaker::LaneMaker(const Settings& settings, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log,
-                     Doorbell& estimate, ModelSource models)
-    : settings_(settings), seats_(seats), log_(log), estimate_(estimate), models_(std::move(models)) {}
+EstimatorFactory::EstimatorFactory(const Settings& settings,
+                                   std::vector<std::unique_ptr<SensorRuntime>>& runtimes, LogRing& log,
+                                   Doorbell& estimate, ModelSource models)
+    : settings_(settings), runtimes_(runtimes), log_(log), estimate_(estimate), models_(std::move(models)) {}
 
-LaneMaker::~LaneMaker() = default;
+EstimatorFactory::~EstimatorFactory() = default;
 
-void LaneMaker::start() {
+void EstimatorFactory::start() {
   thread_ = Thread("set-up", kStackBytes, [this] { run(); });
 }
 
-void LaneMaker::ask_to_stop() {
+void EstimatorFactory::ask_to_stop() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -32,7 +33,7 @@ void LaneMaker::ask_to_stop() {
   changed_.notify_one();
 }
 
-void LaneMaker::want(std::size_t sensor, std::shared_ptr<Feed> feed) {
+void EstimatorFactory::want(std::size_t sensor, std::shared_ptr<FrameFeed> feed) {
   {
     const std::lock_guard lock(mutex_);
     jobs_.push_back({sensor, std::move(feed)});
@@ -40,7 +41,7 @@ void LaneMaker::want(std::size_t sensor, std::shared_ptr<Feed> feed) {
   changed_.notify_one();
 }
 
-void LaneMaker::run() {
+void EstimatorFactory::run() {
   for (;;) {
     Job job;
     {
@@ -54,66 +55,68 @@ void LaneMaker::run() {
     try {
       make(job);
     } catch (const std::bad_alloc&) {  // not even to say what is wrong
-      seats_[job.sensor]->refused.store(true, std::memory_order_relaxed);
+      runtimes_[job.sensor]->refused.store(true, std::memory_order_relaxed);
       estimate_.ring();
     }
   }
 }
 
-void LaneMaker::make(const Job& job) {
-  Seat& seat = *seats_[job.sensor];
-  const Lane* lane = nullptr;
+void EstimatorFactory::make(const Job& job) {
+  SensorRuntime& runtime = *runtimes_[job.sensor];
+  const EstimatorInstance* instance = nullptr;
   try {
-    lane = &lay(job, seat);
-    seat.refused.store(false, std::memory_order_relaxed);
+    instance = &build(job, runtime);
+    runtime.refused.store(false, std::memory_order_relaxed);
   } catch (const std::exception& error) {
     const std::string trouble = error.what();
-    seat.panel.change_facts([&](DeviceFacts& facts) { facts.trouble = trouble; });
-    seat.refused.store(true, std::memory_order_relaxed);
-    log_.write(LogLevel::error, {seat.panel.name, Cause::configuration}, "%s: no estimator: %s",
-               seat.panel.name.c_str(), trouble.c_str());
+    runtime.status.change_facts([&](DeviceFacts& facts) { facts.trouble = trouble; });
+    runtime.refused.store(true, std::memory_order_relaxed);
+    log_.write(LogLevel::error, {runtime.status.name, Cause::configuration}, "%s: no estimator: %s",
+               runtime.status.name.c_str(), trouble.c_str());
   }
   estimate_.ring();
   // What it is worth is good to know, but nothing waits for it.
-  if (lane == nullptr || !lane->worth.rows.empty()) return;
-  const Worth worth = measure_worth(lane->setup, lane->method);
-  seat.panel.change_facts([&](DeviceFacts& facts) { facts.tradeoff = worth; });
+  if (instance == nullptr || !instance->work_precision.rows.empty()) return;
+  const WorkPrecision work_precision = measure_work_precision(instance->setup, instance->method);
+  runtime.status.change_facts([&](DeviceFacts& facts) { facts.tradeoff = work_precision; });
 }
 
-const Lane& LaneMaker::lay(const Job& job, Seat& seat) {
-  Scene scene = settings_.scene_of(seat.settings);
+const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& runtime) {
+  Scene scene = settings_.scene_of(runtime.settings);
   if (const auto& skin = job.feed->info.skin) scene.skin = {skin->radius_m, skin->modulus_pa, skin->poisson};
   const ChainSetup setup{.layout = job.feed->info.layout,
                          .sensor_class = job.feed->info.sensor_class,
                          .scene = scene,
                          .estimator = settings_.estimator,
                          .alerts = settings_.alerts,
-                         .friction = seat.settings.friction};
-  std::optional<EstimatorChain> chain = inherited(seat, setup);
+                         .friction = runtime.settings.friction};
+  std::optional<EstimatorChain> chain = inherited(runtime, setup);
   const char* const past = chain ? ", with what it had learnt before the reload" : "";
   if (!chain) {
     std::shared_ptr<const Model> model;
-    if (needs_model(setup)) model = models_(seat.panel.name, setup);
+    if (needs_model(setup)) model = models_(runtime.status.name, setup);
     chain.emplace(setup, std::move(model));
   }
-  lanes_.push_back(std::make_unique<Lane>(job.sensor, job.feed, setup, std::move(*chain)));
-  Lane* const lane = lanes_.back().get();
-  const std::string method(to_string(lane->method));
-  seat.panel.change_facts([&](DeviceFacts& facts) {
+  instances_.push_back(std::make_unique<EstimatorInstance>(job.sensor, job.feed, setup, std::move(*chain)));
+  EstimatorInstance* const instance = instances_.back().get();
+  const std::string method(to_string(instance->method));
+  runtime.status.change_facts([&](DeviceFacts& facts) {
     facts.method = method;
-    facts.tradeoff = lane->worth;
+    facts.tradeoff = instance->work_precision;
   });
   // One that the estimate thread never came to take is retired by nobody else.
-  if (Lane* untaken = seat.incoming.exchange(lane, std::memory_order_acq_rel)) untaken->retired = true;
-  log_.write(LogLevel::info, {seat.panel.name}, "%s: estimating by %s%s", seat.panel.name.c_str(),
+  if (EstimatorInstance* untaken = runtime.incoming.exchange(instance, std::memory_order_acq_rel))
+    untaken->retired = true;
+  log_.write(LogLevel::info, {runtime.status.name}, "%s: estimating by %s%s", runtime.status.name.c_str(),
              method.c_str(), past);
-  return *lane;
+  return *instance;
 }
 
 // By a sensor of the same name, in every way configured as it was.
-std::optional<EstimatorChain> LaneMaker::inherited(const Seat& seat, const ChainSetup& setup) {
-  const auto found = std::find_if(inherited_.begin(), inherited_.end(), [&](const Learnt& learnt) {
-    return learnt.sensor == seat.settings && learnt.setup == setup;
+std::optional<EstimatorChain> EstimatorFactory::inherited(const SensorRuntime& runtime,
+                                                          const ChainSetup& setup) {
+  const auto found = std::find_if(inherited_.begin(), inherited_.end(), [&](const LearnedState& learned) {
+    return learned.sensor == runtime.settings && learned.setup == setup;
   });
   if (found == inherited_.end()) return std::nullopt;
   EstimatorChain chain = std::move(found->chain);
@@ -122,23 +125,24 @@ std::optional<EstimatorChain> LaneMaker::inherited(const Seat& seat, const Chain
 }
 
 // The last lane of each sensor is the one that was in use.
-std::vector<Learnt> LaneMaker::give_up() {
-  std::vector<Learnt> learnt;
-  for (std::size_t sensor = 0; sensor < seats_.size(); ++sensor) {
-    const auto last = std::find_if(lanes_.rbegin(), lanes_.rend(),
-                                   [&](const auto& lane) { return lane->sensor == sensor; });
-    if (last == lanes_.rend()) continue;
-    learnt.push_back({seats_[sensor]->settings, (*last)->setup, std::move((*last)->chain)});
+std::vector<LearnedState> EstimatorFactory::give_up() {
+  std::vector<LearnedState> learned;
+  for (std::size_t sensor = 0; sensor < runtimes_.size(); ++sensor) {
+    const auto last = std::find_if(instances_.rbegin(), instances_.rend(),
+                                   [&](const auto& instance) { return instance->sensor == sensor; });
+    if (last == instances_.rend()) continue;
+    learned.push_back({runtimes_[sensor]->settings, (*last)->setup, std::move((*last)->chain)});
   }
-  lanes_.clear();
+  instances_.clear();
   // And what was kept for a device that never came.
-  std::move(inherited_.begin(), inherited_.end(), std::back_inserter(learnt));
-  return learnt;
+  std::move(inherited_.begin(), inherited_.end(), std::back_inserter(learned));
+  return learned;
 }
 
-void LaneMaker::free_retired() {
+void EstimatorFactory::free_retired() {
   // Acquire: pairs with the estimate thread's release, so that its last use is over.
-  std::erase_if(lanes_, [](const auto& lane) { return lane->retired.load(std::memory_order_acquire); });
+  std::erase_if(instances_,
+                [](const auto& instance) { return instance->retired.load(std::memory_order_acquire); });
 }
 
 }  // namespace slipd

@@ -21,11 +21,11 @@ namespace slipd {
 using ModelSource =
     std::function<std::shared_ptr<const Model>(const std::string& sensor, const ChainSetup& setup)>;
 
-class LaneMaker {
+class EstimatorFactory {
  public:
-  LaneMaker(const Settings& settings, std::vector<std::unique_ptr<Seat>>& seats, LogRing& log,
-            Doorbell& estimate, ModelSource models);
-  ~LaneMaker();
+  EstimatorFactory(const Settings& settings, std::vector<std::unique_ptr<SensorRuntime>>& runtimes,
+                   LogRing& log, Doorbell& estimate, ModelSource models);
+  ~EstimatorFactory();
 
   void start();
   void ask_to_stop();
@@ -33,33 +33,34 @@ class LaneMaker {
 
   // Before start: what sensors of the configuration before had learnt. One that is still configured as it was
   // goes on with it.
-  void inherit(std::vector<Learnt> learnt) { inherited_ = std::move(learnt); }
+  void inherit(std::vector<LearnedState> learned) { inherited_ = std::move(learned); }
   // After the end of this thread and of the estimate thread.
-  std::vector<Learnt> give_up();
+  std::vector<LearnedState> give_up();
 
   // Any thread but the real-time ones: a lane is wanted for this feed.
-  void want(std::size_t sensor, std::shared_ptr<Feed> feed);
+  void want(std::size_t sensor, std::shared_ptr<FrameFeed> feed);
 
  private:
   struct Job {
     std::size_t sensor = 0;
-    std::shared_ptr<Feed> feed;
+    std::shared_ptr<FrameFeed> feed;
   };
   void run();
   void make(const Job& job);
-  const Lane& lay(const Job& job, Seat& seat);  // throws std::exception for an estimator that cannot be had
-  std::optional<EstimatorChain> inherited(const Seat& seat, const ChainSetup& setup);
+  const EstimatorInstance& build(
+      const Job& job, SensorRuntime& runtime);  // throws std::exception for an estimator that cannot be had
+  std::optional<EstimatorChain> inherited(const SensorRuntime& runtime, const ChainSetup& setup);
   void free_retired();
 
   const Settings& settings_;
-  std::vector<std::unique_ptr<Seat>>& seats_;
+  std::vector<std::unique_ptr<SensorRuntime>>& runtimes_;
   LogRing& log_;
   Doorbell& estimate_;
   ModelSource models_;
-  std::vector<std::unique_ptr<Lane>>
-      lanes_;                      // every one made and not yet freed; set-up thread, then the destructor
-  std::vector<Learnt> inherited_;  // set-up thread, once it runs
-  std::mutex mutex_;               // guards the next two
+  std::vector<std::unique_ptr<EstimatorInstance>>
+      instances_;  // every one made and not yet freed; set-up thread, then the destructor
+  std::vector<LearnedState> inherited_;  // set-up thread, once it runs
+  std::mutex mutex_;                     // guards the next two
   std::deque<Job> jobs_;
   bool stop_ = false;
   std::condition_variable changed_;

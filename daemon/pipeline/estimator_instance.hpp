@@ -1,6 +1,6 @@
-// What a sensor's frames run through once its device is known: a Feed, which acquire fills and estimate
-// empties, and a Lane, the Feed with an estimator made for it. Both are made by set-up threads and handed
-// over whole.
+// What a sensor's frames run through once its device is known: a FrameFeed, which acquire fills and estimate
+// empties, and a EstimatorInstance, the FrameFeed with an estimator made for it. Both are made by set-up
+// threads and handed over whole.
 #pragma once
 
 #include <atomic>
@@ -15,8 +15,8 @@
 
 namespace slipd {
 
-struct Feed {
-  Feed(const SensorInfo& sensor, bool wait_for_taker)
+struct FrameFeed {
+  FrameFeed(const SensorInfo& sensor, bool wait_for_taker)
       : info(sensor), mailbox(sensor.layout.size()), paced(wait_for_taker) {}
 
   const SensorInfo info;
@@ -25,28 +25,29 @@ struct Feed {
   Doorbell taken;    // estimate rings it, if paced
 };
 
-struct Lane {
-  Lane(std::size_t of_sensor, std::shared_ptr<Feed> from, ChainSetup made_for, EstimatorChain with)
+struct EstimatorInstance {
+  EstimatorInstance(std::size_t of_sensor, std::shared_ptr<FrameFeed> from, ChainSetup made_for,
+                    EstimatorChain with)
       : sensor(of_sensor),
         feed(std::move(from)),
         setup(std::move(made_for)),
         chain(std::move(with)),
         method(chain.method()),
-        worth(chain.tradeoff()) {}
+        work_precision(chain.tradeoff()) {}
 
   const std::size_t sensor;  // on the board
-  const std::shared_ptr<Feed> feed;
+  const std::shared_ptr<FrameFeed> feed;
   const ChainSetup setup;  // that its estimator was made for
   EstimatorChain chain;
   const Method method;
-  const Worth worth;  // known when it was made, see EstimatorChain::tradeoff
-  // No longer in use: the estimate thread says so with release (take_lane), the maker asks with acquire
+  const WorkPrecision work_precision;  // known when it was made, see EstimatorChain::tradeoff
+  // No longer in use: the estimate thread says so with release (take_instance), the maker asks with acquire
   // before it frees it (free_retired).
   std::atomic<bool> retired{false};
 };
 
 // What a sensor's estimator has learnt of the contact that it is in, while the configuration is exchanged.
-struct Learnt {
+struct LearnedState {
   SensorSettings sensor;  // as it was configured
   ChainSetup setup;
   EstimatorChain chain;

@@ -4,33 +4,34 @@
 
 namespace slipd {
 
-Grasping::Grasping(Board& board, const AlertSettings& alerts) : board_(board) {
-  for (const auto& panel : board.grasps) {
-    hands_.push_back({.panel = panel.get(),
-                      .judge = GraspJudge(alerts),
-                      .members = std::vector<Estimate>(panel->sensors.size())});
+GraspEvaluator::GraspEvaluator(Board& board, const AlertSettings& alerts) : board_(board) {
+  for (const auto& status : board.grasps) {
+    grasp_states_.push_back({.status = status.get(),
+                             .judge = GraspTracker(alerts),
+                             .members = std::vector<Estimate>(status->sensors.size())});
   }
 }
 
-void Grasping::touch(std::size_t sensor) noexcept {
-  for (Hand& hand : hands_) {
-    const auto& sensors = hand.panel->sensors;
-    hand.touched = hand.touched || std::find(sensors.begin(), sensors.end(), sensor) != sensors.end();
+void GraspEvaluator::touch(std::size_t sensor) noexcept {
+  for (GraspState& grasp_state : grasp_states_) {
+    const auto& sensors = grasp_state.status->sensors;
+    grasp_state.touched =
+        grasp_state.touched || std::find(sensors.begin(), sensors.end(), sensor) != sensors.end();
   }
 }
 
-bool Grasping::judge() noexcept {
+bool GraspEvaluator::judge() noexcept {
   bool changed = false;
-  for (Hand& hand : hands_) {
-    if (!hand.touched) continue;
-    hand.touched = false;
-    for (std::size_t i = 0; i < hand.members.size(); ++i)
-      hand.members[i] = board_.sensors[hand.panel->sensors[i]]->latest.load().estimate;
-    const Estimate now = hand.judge.judge(hand.members);
-    hand.panel->latest.store(now);
-    changed = changed || now.state != hand.said_state || now.alert != hand.said_alert;
-    hand.said_state = now.state;
-    hand.said_alert = now.alert;
+  for (GraspState& grasp_state : grasp_states_) {
+    if (!grasp_state.touched) continue;
+    grasp_state.touched = false;
+    for (std::size_t i = 0; i < grasp_state.members.size(); ++i)
+      grasp_state.members[i] = board_.sensors[grasp_state.status->sensors[i]]->latest.load().estimate;
+    const Estimate now = grasp_state.judge.judge(grasp_state.members);
+    grasp_state.status->latest.store(now);
+    changed = changed || now.state != grasp_state.said_state || now.alert != grasp_state.said_alert;
+    grasp_state.said_state = now.state;
+    grasp_state.said_alert = now.alert;
   }
   return changed;
 }

@@ -8,10 +8,10 @@
 
 namespace slipd {
 
-class Grasping {
+class GraspEvaluator {
  public:
   // One for each grasp that is on the board by now.
-  Grasping(Board& board, const AlertSettings& alerts);
+  GraspEvaluator(Board& board, const AlertSettings& alerts);
 
   // A sensor's new estimate is on the board.
   void touch(std::size_t sensor) noexcept;
@@ -21,16 +21,16 @@ class Grasping {
   bool judge() noexcept;
 
  private:
-  struct Hand {
-    GraspPanel* panel;
-    GraspJudge judge;
+  struct GraspState {
+    GraspStatus* status;
+    GraspTracker judge;
     std::vector<Estimate> members;
     bool touched = false;
     State said_state = State::stale;
     Alert said_alert = Alert::none;
   };
   const Board& board_;
-  std::vector<Hand> hands_;
+  std::vector<GraspState> grasp_states_;
 };
 
 }  // namespace slipd

@@ -8,13 +8,13 @@ namespace {
 constexpr std::size_t kEstimateStackBytes = std::size_t{512} * 1024;
 
 // Their panels are on the board then, and those of the grasps.
-std::vector<std::unique_ptr<Seat>> seats_for(const Settings& settings, Board& board) {
-  std::vector<std::unique_ptr<Seat>> seats;
+std::vector<std::unique_ptr<SensorRuntime>> seats_for(const Settings& settings, Board& board) {
+  std::vector<std::unique_ptr<SensorRuntime>> runtimes;
   for (const auto& sensor : settings.sensors) {
-    board.sensors.push_back(std::make_unique<Panel>(sensor.setup.name, sensor.driver));
-    Panel& panel = *board.sensors.back();
-    panel.stale_after_ns = std::chrono::nanoseconds(sensor.stale_after).count();
-    seats.push_back(std::make_unique<Seat>(sensor, panel));
+    board.sensors.push_back(std::make_unique<SensorStatus>(sensor.setup.name, sensor.driver));
+    SensorStatus& status = *board.sensors.back();
+    status.stale_after_ns = std::chrono::nanoseconds(sensor.stale_after).count();
+    runtimes.push_back(std::make_unique<SensorRuntime>(sensor, status));
   }
   for (const GraspSettings& grasp : settings.grasps) {
     std::vector<std::size_t> members;
@@ -23,9 +23,9 @@ std::vector<std::unique_ptr<Seat>> seats_for(const Settings& settings, Board& bo
       if (std::find(names.begin(), names.end(), settings.sensors[i].setup.name) != names.end())
         members.push_back(i);
     }
-    board.grasps.push_back(std::make_unique<GraspPanel>(grasp.name, std::move(members)));
+    board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members)));
   }
-  return seats;
+  return runtimes;
 }
 
 // The sensors of each device, by index. A sensor that names no device has one of its own.
@@ -55,9 +55,9 @@ LogRing& new_log(Board& board) {
 Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models,
                    Doorbell* output)
     : settings_(settings),
-      seats_(seats_for(settings, board)),
-      maker_(settings, seats_, new_log(board), bell_, std::move(models)),
-      estimating_(board, seats_, settings.alerts, new_log(board), bell_, output),
+      runtimes_(seats_for(settings, board)),
+      maker_(settings, runtimes_, new_log(board), bell_, std::move(models)),
+      estimating_(board, runtimes_, settings.alerts, new_log(board), bell_, output),
       zeros_(new_log(board), board.io) {
   std::vector<std::string> problems;
   for (const auto& device : devices_of(settings.sensors)) {
@@ -72,10 +72,10 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
     setups.reserve(device.size());
     for (const std::size_t sensor : device) setups.push_back(settings.sensors[sensor].setup);
     try {
-      auto opened = [this](std::size_t sensor, std::shared_ptr<Feed> feed) {
+      auto opened = [this](std::size_t sensor, std::shared_ptr<FrameFeed> feed) {
         maker_.want(sensor, std::move(feed));
       };
-      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, seats_, zeros_,
+      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, runtimes_, zeros_,
                                                       new_log(board), bell_, std::move(opened)));
     } catch (const std::exception& error) {
       problems.push_back(place + " (" + first.setup.name + ", driver " + first.driver + "): " + error.what());

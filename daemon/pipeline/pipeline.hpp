@@ -21,10 +21,10 @@ class Pipeline {
 
   void start(const RealtimeGrant& grant);
 
-  // Before start: see LaneMaker.
-  void inherit(std::vector<Learnt> learnt) { maker_.inherit(std::move(learnt)); }
+  // Before start: see EstimatorFactory.
+  void inherit(std::vector<LearnedState> learned) { maker_.inherit(std::move(learned)); }
   // After a stop that was true.
-  std::vector<Learnt> give_up() { return maker_.give_up(); }
+  std::vector<LearnedState> give_up() { return maker_.give_up(); }
 
   // Ends every thread, by `deadline`. False: a driver still hangs in its thread; nothing that it may touch
   // must be destroyed any more, so the process can only _exit.
@@ -38,11 +38,11 @@ class Pipeline {
  private:
   const Settings& settings_;
   Doorbell bell_;
-  std::vector<std::unique_ptr<Seat>> seats_;
-  LaneMaker maker_;
-  Estimating estimating_;
+  std::vector<std::unique_ptr<SensorRuntime>> runtimes_;
+  EstimatorFactory maker_;
+  EstimateLoop estimating_;
   std::vector<std::unique_ptr<Acquirer>> acquirers_;
-  ZeroKeeper zeros_;                          // ends before what it looks at
+  BiasStore zeros_;                           // ends before what it looks at
   std::atomic<bool> stop_estimating_{false};  // relaxed: the bell orders it
   Thread estimate_thread_;
 };

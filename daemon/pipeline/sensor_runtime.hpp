@@ -10,16 +10,17 @@
 
 namespace slipd {
 
-struct Seat {
-  Seat(const SensorSettings& sensor, Panel& its_panel) : settings(sensor), panel(its_panel) {}
+struct SensorRuntime {
+  SensorRuntime(const SensorSettings& sensor, SensorStatus& its_status)
+      : settings(sensor), status(its_status) {}
 
   const SensorSettings settings;
-  Panel& panel;
-  // Lane maker → estimate: exchanged whole, release on putting and acquire on taking, so that what it points
-  // to is seen.
-  std::atomic<Lane*> incoming{nullptr};
-  // Lane maker → estimate: no estimator can be had for this device as it is. Relaxed: nothing else is read on
-  // its word, and the bell is rung after it.
+  SensorStatus& status;
+  // EstimatorInstance maker → estimate: exchanged whole, release on putting and acquire on taking, so that
+  // what it points to is seen.
+  std::atomic<EstimatorInstance*> incoming{nullptr};
+  // EstimatorInstance maker → estimate: no estimator can be had for this device as it is. Relaxed: nothing
+  // else is read on its word, and the bell is rung after it.
   std::atomic<bool> refused{false};
 };
 

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "core/storage/recording.hpp"
-#include "daemon/rt/clock.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/rt/clock.hpp"
 
 namespace slipd {
 namespace {
@@ -43,9 +43,9 @@ std::string file_name(const std::string& sensor, const char* reason) {
 
 FlightRecorder::FlightRecorder(const RecorderSettings& settings, Board& board)
     : settings_(settings), folder_(recordings_directory(), static_cast<std::size_t>(settings.keep)) {
-  for (const auto& panel : board.sensors) {
+  for (const auto& status : board.sensors) {
     tracks_.push_back(std::make_unique<Track>());
-    tracks_.back()->panel = panel.get();
+    tracks_.back()->status = status.get();
   }
 }
 
@@ -79,7 +79,7 @@ void FlightRecorder::run() {
     if (!last) std::this_thread::sleep_for(kLook);
   }
   for (const auto& track : tracks_) {
-    if (track->queue) track->panel->flight_tap.detach();
+    if (track->queue) track->status->flight_tap.detach();
   }
 }
 
@@ -92,15 +92,15 @@ void FlightRecorder::attend(Track& track, bool last) {
   } catch (const std::exception& error) {
     failed_.fetch_add(1, std::memory_order_relaxed);
     if (!track.complained)
-      say(LogLevel::error, {track.panel->name, Cause::machine},
-          track.panel->name + ": its last seconds are not kept: " + error.what());
+      say(LogLevel::error, {track.status->name, Cause::machine},
+          track.status->name + ": its last seconds are not kept: " + error.what());
     track.complained = true;
   }
 }
 
 // Makes room once the device is known, and anew when it comes back with another layout.
 void FlightRecorder::follow_device(Track& track) {
-  const DeviceFacts facts = track.panel->facts();
+  const DeviceFacts facts = track.status->facts();
   if (!facts.layout || (track.layout && *track.layout == *facts.layout)) return;
   const std::size_t taxels = facts.layout->size();
   const double rate_hz = facts.rate_hz > 0 ? facts.rate_hz : kUnknownRateHz;
@@ -111,17 +111,17 @@ void FlightRecorder::follow_device(Track& track) {
   const std::size_t queue = std::min(frames_in(kQueueSeconds, rate_hz), std::max<std::size_t>(room / 4, 1));
   const std::size_t frames = std::clamp<std::size_t>(room - std::min(room, queue), 1, wanted);
   if (frames < wanted) {
-    say(LogLevel::warning, {track.panel->name, Cause::configuration},
+    say(LogLevel::warning, {track.status->name, Cause::configuration},
         fmt::format("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
-                    track.panel->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
+                    track.status->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
   }
   auto history = std::make_unique<FrameHistory>(taxels, frames);
   auto frames_to_come = std::make_unique<FrameQueue>(taxels, queue);
-  if (track.queue) track.panel->flight_tap.detach();
+  if (track.queue) track.status->flight_tap.detach();
   track.history = std::move(history);
   track.queue = std::move(frames_to_come);
   track.layout = facts.layout;
-  track.panel->flight_tap.attach(*track.queue);
+  track.status->flight_tap.attach(*track.queue);
 }
 
 // An estimate comes after its frame: those that are there now have theirs in the queue of frames already.
@@ -149,19 +149,19 @@ void FlightRecorder::work(Track& track, Clock::time_point now, bool last) {
 }
 
 void FlightRecorder::write(Track& track) {
-  const std::string name = file_name(track.panel->name, track.reason);
+  const std::string name = file_name(track.status->name, track.reason);
   track.reason = nullptr;
   const FrameHistory& history = *track.history;
   if (history.size() == 0) return;
-  const DeviceFacts facts = track.panel->facts();
+  const DeviceFacts facts = track.status->facts();
   const Now now = Now::read();
   bool zeroed = true;
   for (std::size_t i = 0; i < history.size(); ++i) zeroed = zeroed && history[i].zeroed;
-  const RecordingHeader header{.sensor = track.panel->name,
+  const RecordingHeader header{.sensor = track.status->name,
                                .sensor_class = facts.sensor_class,
                                .layout = *track.layout,
                                .rate_hz = facts.rate_hz,
-                               .simulated = track.panel->simulated.load(std::memory_order_relaxed),
+                               .simulated = track.status->simulated.load(std::memory_order_relaxed),
                                .start_realtime_ns = now.realtime_of(history[0].time_ns),
                                .start_monotonic_ns = history[0].time_ns,
                                .description = facts.description,
@@ -175,14 +175,14 @@ void FlightRecorder::write(Track& track) {
   });
   if (error) {
     failed_.fetch_add(1, std::memory_order_relaxed);
-    say(LogLevel::error, {track.panel->name, Cause::machine},
-        track.panel->name + ": " + (folder_.path() / name).string() +
+    say(LogLevel::error, {track.status->name, Cause::machine},
+        track.status->name + ": " + (folder_.path() / name).string() +
             " could not be kept: " + error.message());
     return;
   }
   kept_.fetch_add(1, std::memory_order_relaxed);
-  say(LogLevel::info, {track.panel->name},
-      track.panel->name + ": " + std::to_string(history.size()) + " frames are kept in " +
+  say(LogLevel::info, {track.status->name},
+      track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " +
           (folder_.path() / name).string());
 }
 

@@ -11,9 +11,9 @@
 
 #include "config/settings.hpp"
 #include "daemon/board/board.hpp"
-#include "daemon/rt/thread.hpp"
 #include "daemon/record/frame_history.hpp"
 #include "daemon/record/recordings_folder.hpp"
+#include "daemon/rt/thread.hpp"
 
 namespace slipd {
 
@@ -45,7 +45,7 @@ class FlightRecorder {
     RecordedEstimate estimate;
   };
   struct Track {
-    Panel* panel = nullptr;
+    SensorStatus* status = nullptr;
     std::unique_ptr<FrameQueue> queue;                                          // attached to the panel's tap
     boost::lockfree::spsc_queue<Noted, boost::lockfree::capacity<2048>> noted;  // io → here
     std::unique_ptr<FrameHistory> history;

@@ -11,7 +11,6 @@
 #include "core/storage/recording.hpp"
 #include "daemon/rt/clock.hpp"
 #include "daemon/rt/thread.hpp"
-#include "daemon/rpc/rpc.hpp"
 
 namespace slipd {
 namespace {
@@ -44,14 +43,14 @@ void post_whatever_it_takes(asio::io_context& io, Handler handler) {
 }  // namespace
 
 struct Recorder::Job {
-  Job(Panel& its_panel, UniqueFd to, const RecordingHeader& header, double for_seconds)
-      : panel(its_panel),
+  Job(SensorStatus& its_status, UniqueFd to, const RecordingHeader& header, double for_seconds)
+      : status(its_status),
         file(std::move(to)),
         queue(header.layout.size(), queue_frames(header.layout.size())),
         writer(file.get(), header),
         seconds(for_seconds) {}
 
-  Panel& panel;
+  SensorStatus& status;
   UniqueFd file;
   FrameQueue queue;
   RecordingWriter writer;
@@ -73,40 +72,40 @@ void Recorder::end_all() {
   stop_ = false;
 }
 
-void Recorder::start(Panel& panel, UniqueFd file, double seconds,
+void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
                      std::shared_ptr<std::atomic<bool>> abandoned,
                      std::function<void(const RecordingResult&)> done) {
   const int flags = fcntl(file.get(), F_GETFL);
   if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) {
-    throw rpc::Error(rpc::kInvalidParams, "the descriptor passed along is not open for writing");
+    throw UnfitFile("the descriptor passed along is not open for writing");
   }
-  const DeviceFacts facts = panel.facts();
-  if (!facts.layout) throw rpc::Error(rpc::kNotPossible, "this sensor's device has not been opened yet");
+  const DeviceFacts facts = status.facts();
+  if (!facts.layout) throw RecordingRefused("this sensor's device has not been opened yet");
   const Now now = Now::read();
-  const RecordingHeader header{.sensor = panel.name,
+  const RecordingHeader header{.sensor = status.name,
                                .sensor_class = facts.sensor_class,
                                .layout = *facts.layout,
                                .rate_hz = facts.rate_hz,
-                               .simulated = panel.simulated.load(std::memory_order_relaxed),
+                               .simulated = status.simulated.load(std::memory_order_relaxed),
                                .start_realtime_ns = now.realtime_ns,
                                .start_monotonic_ns = now.monotonic_ns,
                                .description = facts.description,
-                               .zeroed = panel.zero.known()};
-  auto job = std::make_unique<Job>(panel, std::move(file), header, seconds);
+                               .zeroed = status.zero.known()};
+  auto job = std::make_unique<Job>(status, std::move(file), header, seconds);
   job->abandoned = std::move(abandoned);
   job->stop = &stop_;
   Job* const started = job.get();
   jobs_.push_back(std::move(job));
-  if (!panel.tap.attach(started->queue)) {
+  if (!status.tap.attach(started->queue)) {
     jobs_.pop_back();
-    throw rpc::Error(rpc::kNotPossible, panel.name + " is being recorded already; wait for that to end");
+    throw RecordingRefused(status.name + " is being recorded already; wait for that to end");
   }
   const auto forget = [this, started] {
     std::erase_if(jobs_, [&](const auto& each) { return each.get() == started; });
   };
   try {
     started->thread =
-        Thread("rec:" + panel.name, kStackBytes, [this, started, forget, done = std::move(done)] {
+        Thread("rec:" + status.name, kStackBytes, [this, started, forget, done = std::move(done)] {
           const RecordingResult result = write(*started);
           post_whatever_it_takes(io_, [forget, done, result] {
             forget();
@@ -114,7 +113,7 @@ void Recorder::start(Panel& panel, UniqueFd file, double seconds,
           });
         });
   } catch (...) {
-    panel.tap.detach();
+    status.tap.detach();
     forget();
     throw;
   }
@@ -138,7 +137,7 @@ RecordingResult Recorder::write(Job& job) {
     take_all();
     std::this_thread::sleep_until(std::min(end, Clock::now() + kLook));
   }
-  job.panel.tap.detach();
+  job.status.tap.detach();
   take_all();
   if (!error) error = job.writer.flush();
   if (error) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <list>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "core/storage/unique_fd.hpp"
@@ -21,19 +22,32 @@ struct RecordingResult {
   std::string trouble;  // why it ended early; empty: it did not
 };
 
+// Thrown by Recorder::start before anything is recorded; what() says why.
+class RecordingRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// The file that was given cannot be recorded into.
+class UnfitFile : public RecordingRefused {
+ public:
+  using RecordingRefused::RecordingRefused;
+};
+
 class Recorder {
  public:
   explicit Recorder(asio::io_context& io);
   ~Recorder();  // ends all recordings; what they have is on disk then
 
-  // Ends all recordings early. What they have is on disk when it returns, and no panel is touched any more.
+  // Ends all recordings early. What they have is on disk when it returns, and no sensor status is used any
+  // more.
   void end_all();
 
   // Starts one into `file`. `done` is called in the io thread. `abandoned` ends it early, without trouble.
-  // Throws rpc::Error if the sensor is being recorded, or has no layout yet, or the file cannot be written
-  // to.
-  void start(Panel& panel, UniqueFd file, double seconds, std::shared_ptr<std::atomic<bool>> abandoned,
-             std::function<void(const RecordingResult&)> done);
+  // Throws UnfitFile for a descriptor that is not open for writing, RecordingRefused if the sensor is being
+  // recorded or has no layout yet.
+  void start(SensorStatus& status, UniqueFd file, double seconds,
+             std::shared_ptr<std::atomic<bool>> abandoned, std::function<void(const RecordingResult&)> done);
 
  private:
   struct Job;

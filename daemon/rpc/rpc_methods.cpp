@@ -6,11 +6,12 @@
 #include <new>
 
 #include "daemon/can/dbc.hpp"
-#include "daemon/rpc/estimate_text.hpp"
 #include "daemon/record/flight_recorder.hpp"
+#include "daemon/rpc/estimate_text.hpp"
 #include "daemon/rpc/names.hpp"
 #include "daemon/rpc/status.hpp"
 #include "daemon/rpc/tradeoff_json.hpp"
+#include "daemon/telemetry/metrics.hpp"
 
 namespace slipd {
 namespace {
@@ -40,32 +41,33 @@ void require_owner(uid_t user, const char* to_do) {
 }
 
 // What came of a bias that was asked for.
-void answer_zero(const Panel& panel, const Reply& reply) {
-  switch (panel.zero.report.load().answer) {
-    case ZeroAnswer::moving:
-      return reply.error(rpc::kNotPossible, panel.name + " does not stand still; let go of it and ask again");
-    case ZeroAnswer::touched:
-      return reply.error(rpc::kNotPossible, panel.name +
+void answer_zero(const SensorStatus& status, const Reply& reply) {
+  switch (status.zero.report.load().answer) {
+    case BiasResult::moving:
+      return reply.error(rpc::kNotPossible,
+                         status.name + " does not stand still; let go of it and ask again");
+    case BiasResult::in_contact:
+      return reply.error(rpc::kNotPossible, status.name +
                                                 " looks touched; let go of it and ask again, or, if nothing "
                                                 "touches it, ask with \"force\": true");
-    case ZeroAnswer::gone:
-      return reply.error(rpc::kNotPossible, panel.name + " went away meanwhile; ask again when it is back");
-    case ZeroAnswer::none:
-    case ZeroAnswer::taken:
+    case BiasResult::gone:
+      return reply.error(rpc::kNotPossible, status.name + " went away meanwhile; ask again when it is back");
+    case BiasResult::none:
+    case BiasResult::taken:
       break;
   }
-  json result = zero_json(panel);
-  result["sensor"] = panel.name;
+  json result = zero_json(status);
+  result["sensor"] = status.name;
   reply.result(result);
 }
 
 }  // namespace
 
-Methods::Methods(World& world, Recorder& recorder)
-    : world_(world),
+RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
+    : context_(context),
       recorder_(recorder),
-      said_(world.board.sensors.size()),
-      frames_wanted_(world.board.sensors.size()) {
+      said_(context.board.sensors.size()),
+      frames_wanted_(context.board.sensors.size()) {
   // A method that needs neither its client nor time: parameters in, result out.
   const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
     methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
@@ -77,28 +79,28 @@ Methods::Methods(World& world, Recorder& recorder)
   plain("version", {}, [](const Params&) {
     return json{{"name", "slipd"}, {"version", SLIPD_VERSION}, {"protocol", 1}};
   });
-  plain("sensors", {}, [this](const Params&) { return sensors_json(world_); });
-  plain("status", {}, [this](const Params&) { return status_json(world_); });
+  plain("sensors", {}, [this](const Params&) { return sensors_json(context_); });
+  plain("status", {}, [this](const Params&) { return status_json(context_); });
   plain("metrics", {},
-        [this](const Params&) { return json(metrics_text(world_, MetricsFormat::open_metrics)); });
+        [this](const Params&) { return json(metrics_text(context_, MetricsFormat::open_metrics)); });
   plain("dbc", {}, [this](const Params&) {
-    if (!world_.settings.can)
+    if (!context_.settings.can)
       throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
-    return json(can::dbc_text(*world_.settings.can, can::subjects_of(world_.settings)));
+    return json(can::dbc_text(*context_.settings.can, can::subjects_of(context_.settings)));
   });
   methods_["gamma"] = [this](Client&, const Params& params, const Reply& reply) {
     refuse_unknown(params, {"sensor"});
     reply.text(gamma(params));
   };
   plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
-    const Panel& panel = *world_.board.sensors[required_sensor(params, world_.board)];
-    const DeviceFacts facts = panel.facts();
+    const SensorStatus& status = *context_.board.sensors[required_sensor(params, context_.board)];
+    const DeviceFacts facts = status.facts();
     if (facts.tradeoff.rows.empty()) {
       throw rpc::Error(rpc::kNotPossible,
                        "there is no table of this sensor: its device is not open yet, or single frames of it "
                        "do not tell their margin (few taxels, one force vector, a flat skin)");
     }
-    return tradeoff_json(panel.name, facts.method, world_.settings.estimator.budget_us, facts.tradeoff);
+    return tradeoff_json(status.name, facts.method, context_.settings.estimator.budget_us, facts.tradeoff);
   });
   plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
   methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
@@ -116,7 +118,7 @@ Methods::Methods(World& world, Recorder& recorder)
   };
 }
 
-void Methods::line(const std::shared_ptr<Client>& client, std::string_view text) {
+void RpcMethods::line(const std::shared_ptr<Client>& client, std::string_view text) {
   client->await_answer();
   rpc::Line parsed = rpc::parse(text);
   if (!parsed.refusal.empty()) return client->answer(std::move(parsed.refusal));
@@ -131,7 +133,7 @@ void Methods::line(const std::shared_ptr<Client>& client, std::string_view text)
   }
 }
 
-void Methods::call(Client& client, const rpc::Request& request, const Reply& reply) {
+void RpcMethods::call(Client& client, const rpc::Request& request, const Reply& reply) {
   const auto method = methods_.find(request.method);
   if (method == methods_.end()) {
     return reply.error(rpc::kMethodNotFound, "there is no method \"" + request.method + "\"");
@@ -147,9 +149,9 @@ void Methods::call(Client& client, const rpc::Request& request, const Reply& rep
   }
 }
 
-std::string Methods::gamma(const Params& params) {
+std::string RpcMethods::gamma(const Params& params) {
   constexpr std::size_t kUsualBytes = 768;
-  const Board& board = world_.board;
+  const Board& board = context_.board;
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   const Now now = Now::read();
@@ -159,35 +161,35 @@ std::string Methods::gamma(const Params& params) {
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
     if (text.back() != '[') text += ',';
-    const Panel& panel = *board.sensors[i];
-    const Estimate estimate = panel.latest.load().estimate;
-    const bool simulated = panel.simulated.load(std::memory_order_relaxed);
-    if (!said_[i].is_of(estimate, simulated)) said_[i] = EstimateText(estimate, panel.name, simulated);
+    const SensorStatus& status = *board.sensors[i];
+    const Estimate estimate = status.latest.load().estimate;
+    const bool simulated = status.simulated.load(std::memory_order_relaxed);
+    if (!said_[i].is_of(estimate, simulated)) said_[i] = EstimateText(estimate, status.name, simulated);
     said_[i].append_to(text, now);
   }
   text += R"(],"grasps":[)";
   for (std::size_t i = 0; i < board.grasps.size(); ++i) {
-    const GraspPanel& grasp = *board.grasps[i];
+    const GraspStatus& grasp = *board.grasps[i];
     if (!all && std::find(grasp.sensors.begin(), grasp.sensors.end(), only) == grasp.sensors.end()) continue;
     if (text.back() != '[') text += ',';
-    append_grasp(text, grasp.latest.load(), grasp.name, world_.settings.grasps[i].sensors);
+    append_grasp(text, grasp.latest.load(), grasp.name, context_.settings.grasps[i].sensors);
   }
   text += "]}";
   return text;
 }
 
-void Methods::subscribe(Client& client, const Params& params, const Reply& reply) {
+void RpcMethods::subscribe(Client& client, const Params& params, const Reply& reply) {
   constexpr std::size_t kMostSubscriptions = 16;
   if (client.subscriptions.size() >= kMostSubscriptions) {
     throw rpc::Error(rpc::kInvalidParams, "a client has at most 16 subscriptions; unsubscribe one first");
   }
   const int id = client.subscriptions_made + 1;
-  client.subscriptions.emplace_back(id, params, world_.board);
+  client.subscriptions.emplace_back(id, params, context_.board);
   client.subscriptions_made = id;
   reply.result({{"subscription", id}});
 }
 
-void Methods::unsubscribe(Client& client, const Params& params, const Reply& reply) {
+void RpcMethods::unsubscribe(Client& client, const Params& params, const Reply& reply) {
   refuse_unknown(params, {"subscription"});
   const auto id = params.find("subscription");
   if (id == params.end() || !id->is_number_integer()) {
@@ -199,97 +201,104 @@ void Methods::unsubscribe(Client& client, const Params& params, const Reply& rep
   reply.result(true);
 }
 
-void Methods::frame(const Params& params, const Reply& reply) {
+void RpcMethods::frame(const Params& params, const Reply& reply) {
   refuse_unknown(params, {"sensor"});
-  const std::size_t sensor = required_sensor(params, world_.board);
-  Panel& panel = *world_.board.sensors[sensor];
-  const auto layout = panel.facts().layout;
+  const std::size_t sensor = required_sensor(params, context_.board);
+  SensorStatus& status = *context_.board.sensors[sensor];
+  const auto layout = status.facts().layout;
   if (!layout) throw rpc::Error(rpc::kNotPossible, "no frame of this sensor has come yet");
   frames_wanted_[sensor].push_back(reply);
-  panel.frame.request(layout->size());
-  world_.ring_estimate();
+  status.frame.request(layout->size());
+  context_.ring_estimate();
 }
 
 // Keeps what the flight recorder holds of one sensor or of all.
-json Methods::flight(const Params& params) {
-  if (world_.flight == nullptr) {
+json RpcMethods::flight(const Params& params) {
+  if (context_.flight == nullptr) {
     throw rpc::Error(rpc::kNotPossible,
                      "the flight recorder is off; set recorder.seconds in the configuration");
   }
-  const Board& board = world_.board;
+  const Board& board = context_.board;
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   json names = json::array();
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
-    world_.flight->keep(i, "request");
+    context_.flight->keep(i, "request");
     names.push_back(board.sensors[i]->name);
   }
   return {{"sensors", std::move(names)},
-          {"folder", world_.flight->folder().string()},
-          {"written_in_s", world_.settings.recorder.seconds}};
+          {"folder", context_.flight->folder().string()},
+          {"written_in_s", context_.settings.recorder.seconds}};
 }
 
-void Methods::record(Client& client, const Params& params, const Reply& reply) {
+void RpcMethods::record(Client& client, const Params& params, const Reply& reply) {
   constexpr double kLongest = 24 * 3600;
   UniqueFd file = client.take_fd();
   refuse_unknown(params, {"sensor", "seconds"});
-  const std::size_t sensor = required_sensor(params, world_.board);
+  const std::size_t sensor = required_sensor(params, context_.board);
   const auto seconds = params.find("seconds");
   if (seconds == params.end() || !seconds->is_number() || !(*seconds > 0 && *seconds <= kLongest)) {
     throw rpc::Error(rpc::kInvalidParams, "\"seconds\" must be a number, above 0 and at most 86400");
   }
   if (!file)
     throw rpc::Error(rpc::kInvalidParams, "pass the file to record into along, as a descriptor (SCM_RIGHTS)");
-  recorder_.start(*world_.board.sensors[sensor], std::move(file), seconds->get<double>(), client.left(),
-                  [reply, name = world_.board.sensors[sensor]->name](const RecordingResult& result) {
-                    if (!result.trouble.empty()) {
-                      return reply.error(rpc::kInternalError, result.trouble + ", after " +
-                                                                  std::to_string(result.frames) + " frames");
-                    }
-                    reply.result({{"sensor", name},
-                                  {"frames", result.frames},
-                                  {"missed", result.missed},
-                                  {"bytes", result.bytes},
-                                  {"seconds", result.seconds}});
-                  });
+  SensorStatus& status = *context_.board.sensors[sensor];
+  const auto answer = [reply, name = status.name](const RecordingResult& result) {
+    if (!result.trouble.empty()) {
+      return reply.error(rpc::kInternalError,
+                         result.trouble + ", after " + std::to_string(result.frames) + " frames");
+    }
+    reply.result({{"sensor", name},
+                  {"frames", result.frames},
+                  {"missed", result.missed},
+                  {"bytes", result.bytes},
+                  {"seconds", result.seconds}});
+  };
+  try {
+    recorder_.start(status, std::move(file), seconds->get<double>(), client.left(), answer);
+  } catch (const UnfitFile& unfit) {
+    throw rpc::Error(rpc::kInvalidParams, unfit.what());
+  } catch (const RecordingRefused& refused) {
+    throw rpc::Error(rpc::kNotPossible, refused.what());
+  }
 }
 
-void Methods::rebias(const Client& client, const Params& params, const Reply& reply) {
+void RpcMethods::rebias(const Client& client, const Params& params, const Reply& reply) {
   constexpr std::chrono::seconds kPatience{30};  // eight times sixteen frames of a sensor of 5 Hz
   refuse_unknown(params, {"sensor", "force"});
-  const std::size_t sensor = required_sensor(params, world_.board);
+  const std::size_t sensor = required_sensor(params, context_.board);
   const auto force = params.find("force");
   if (force != params.end() && !force->is_boolean())
     throw rpc::Error(rpc::kInvalidParams, "\"force\" must be true or false");
   require_owner(client.peer().uid, "take a bias anew");
-  Panel& panel = *world_.board.sensors[sensor];
-  if (panel.link.load(std::memory_order_acquire) != Link::open) {
-    throw rpc::Error(rpc::kNotPossible, panel.name + " sends no frames: its device is not open");
+  SensorStatus& status = *context_.board.sensors[sensor];
+  if (status.link.load(std::memory_order_acquire) != Link::open) {
+    throw rpc::Error(rpc::kNotPossible, status.name + " sends no frames: its device is not open");
   }
-  if (!panel.zero.needed.load(std::memory_order_relaxed)) {
+  if (!status.zero.needed.load(std::memory_order_relaxed)) {
     throw rpc::Error(rpc::kNotPossible,
-                     panel.name + " has no bias that slipd could take anew: its frames come zeroed");
+                     status.name + " has no bias that slipd could take anew: its frames come zeroed");
   }
-  const std::uint32_t request = panel.zero.ask(force != params.end() && force->get<bool>());
+  const std::uint32_t request = status.zero.ask(force != params.end() && force->get<bool>());
   rebias_wanted_.push_back({reply, sensor, request, std::chrono::steady_clock::now() + kPatience});
 }
 
-void Methods::answer_rebias(bool late) {
+void RpcMethods::answer_rebias(bool late) {
   const auto now = std::chrono::steady_clock::now();
   std::erase_if(rebias_wanted_, [&](const Rebias& wanted) {
-    const Panel& panel = *world_.board.sensors[wanted.sensor];
-    if (panel.zero.settled() >= wanted.request) {
-      answer_zero(panel, wanted.reply);
+    const SensorStatus& status = *context_.board.sensors[wanted.sensor];
+    if (status.zero.settled() >= wanted.request) {
+      answer_zero(status, wanted.reply);
       return true;
     }
     if (!late || now < wanted.given_up) return false;
-    wanted.reply.error(rpc::kNotPossible, panel.name + " sends too few frames to take a bias from");
+    wanted.reply.error(rpc::kNotPossible, status.name + " sends too few frames to take a bias from");
     return true;
   });
 }
 
-void Methods::give_up_waiting() {
+void RpcMethods::give_up_waiting() {
   constexpr const char* kWhy = "slipd has stopped or taken up another configuration; ask again";
   for (auto& waiting : frames_wanted_) {
     for (const Reply& reply : std::exchange(waiting, {})) reply.error(rpc::kNotPossible, kWhy);
@@ -297,14 +306,14 @@ void Methods::give_up_waiting() {
   for (const Rebias& wanted : std::exchange(rebias_wanted_, {})) wanted.reply.error(rpc::kNotPossible, kWhy);
 }
 
-void Methods::answer_frames() {
+void RpcMethods::answer_frames() {
   const Now now = Now::read();
   for (std::size_t i = 0; i < frames_wanted_.size(); ++i) {
-    Panel& panel = *world_.board.sensors[i];
-    const FrameCopy::Content* frame = panel.frame.answer();
+    SensorStatus& status = *context_.board.sensors[i];
+    const FrameCopy::Content* frame = status.frame.answer();
     if (frame == nullptr) continue;
     const auto waiting = std::exchange(frames_wanted_[i], {});
-    const auto layout = panel.facts().layout;
+    const auto layout = status.facts().layout;
     const bool usable = frame->any && layout && layout->size() == frame->normal_pa.size();
     json result;
     const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
@@ -313,7 +322,7 @@ void Methods::answer_frames() {
     } catch (const std::bad_alloc&) {
       trouble = "slipd has not enough memory for this";
     }
-    panel.frame.release();
+    status.frame.release();
     for (const Reply& reply : waiting) {
       if (trouble == nullptr) {
         reply.result(result);

@@ -10,17 +10,17 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/record/recorder.hpp"
 #include "daemon/rpc/client.hpp"
 #include "daemon/rpc/estimate_text.hpp"
-#include "daemon/record/recorder.hpp"
 #include "daemon/rpc/rpc.hpp"
-#include "daemon/rpc/rpc_context.hpp"
+#include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {
 
-class Methods {
+class RpcMethods {
  public:
-  Methods(World& world, Recorder& recorder);
+  RpcMethods(ServiceContext& context, Recorder& recorder);
 
   // Answers one line of a client, through Client::answer.
   void line(const std::shared_ptr<Client>& client, std::string_view text);
@@ -47,7 +47,7 @@ class Methods {
   nlohmann::ordered_json flight(const Params& params);
   void record(Client& client, const Params& params, const rpc::Reply& reply);
 
-  World& world_;
+  ServiceContext& context_;
   Recorder& recorder_;
   std::map<std::string, Method, std::less<>> methods_;
   struct Rebias {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "daemon/log/log.hpp"
+#include "daemon/record/flight_recorder.hpp"
 #include "daemon/rpc/descriptors.hpp"
 #include "daemon/rpc/estimate_text.hpp"
-#include "daemon/record/flight_recorder.hpp"
 
 namespace slipd {
 namespace {
@@ -37,36 +37,37 @@ void Clients::close_all() {
   all.clear();
 }
 
-Server::Server(asio::io_context& io, World& world, Clients& clients, Recorder& recorder, int listener)
+Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, Recorder& recorder,
+               int listener)
     : io_(io),
-      world_(world),
+      context_(context),
       clients_(clients),
-      methods_(world, recorder),
+      methods_(context, recorder),
       listener_(io, listener),
-      news_(io, dup(world.board.io.fd())),
+      news_(io, dup(context.board.io.fd())),
       pause_(io),
       rates_(io),
-      metrics_file_(world.settings.metrics),
-      last_(world.board.sensors.size()),
-      grasp_alerts_(world.board.grasps.size()),
-      last_estimated_(world.board.sensors.size()),
+      metrics_file_(context.settings.metrics),
+      last_(context.board.sensors.size()),
+      grasp_alerts_(context.board.grasps.size()),
+      last_estimated_(context.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
-  make_room_for(world.settings.socket.max_clients);
+  make_room_for(context.settings.socket.max_clients);
   clients_.owner.line = [this](const auto& client, std::string_view line) { methods_.line(client, line); };
   clients_.owner.gone = [this](const auto& client) {
     clients_.dropped_for_gone += client->dropped();
     clients_.all.erase(client);
-    world_.clients = clients_.all.size();
+    context_.clients = clients_.all.size();
   };
   clients_.owner.told = [this](std::int64_t published_ns) {
-    world_.told.record(Now::read().monotonic_ns - published_ns);
+    context_.told.record(Now::read().monotonic_ns - published_ns);
   };
-  world_.clients = clients_.all.size();
+  context_.clients = clients_.all.size();
   for (const auto& client : clients_.all) {
-    for (Subscription& subscription : client->subscriptions) subscription.follow(world.board);
+    for (Subscription& subscription : client->subscriptions) subscription.follow(context.board);
   }
-  world_.rates_hz.resize(world.board.sensors.size());
-  world_.last_minute.resize(world.board.sensors.size());
+  context_.rates_hz.resize(context.board.sensors.size());
+  context_.last_minute.resize(context.board.sensors.size());
   accept_when_ready();
   listen_for_news();
   measure_rates();
@@ -102,12 +103,12 @@ bool Server::accept_one() {
   if (!socket && (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)) {
     return false;
   }
-  if (socket && clients_.all.size() >= world_.settings.socket.max_clients) {
+  if (socket && clients_.all.size() >= context_.settings.socket.max_clients) {
     turn_away(socket);
   } else if (socket) {
     const auto client = std::make_shared<Client>(io_, out_of_the_way(std::move(socket)), clients_.owner);
     clients_.all.insert(client);
-    world_.clients = clients_.all.size();
+    context_.clients = clients_.all.size();
     client->start();
   }
   return true;
@@ -116,7 +117,7 @@ bool Server::accept_one() {
 void Server::turn_away(const UniqueFd& socket) {
   const std::string text =
       rpc::error_text(rpc::kNoId, rpc::kTooManyClients,
-                      "all " + std::to_string(world_.settings.socket.max_clients) +
+                      "all " + std::to_string(context_.settings.socket.max_clients) +
                           " places are taken; close a client or raise socket.max_clients") +
       "\n";
   // A fresh socket has room for it.
@@ -132,14 +133,14 @@ void Server::listen_for_news() {
 }
 
 void Server::take_news() {
-  world_.board.io.clear();
+  context_.board.io.clear();
   Event event;
   // As many as were there at first, so that a flood does not keep the loop from the clients.
-  for (std::size_t left = world_.board.events.read_available(); left > 0 && world_.board.events.pop(event);
-       --left) {
+  for (std::size_t left = context_.board.events.read_available();
+       left > 0 && context_.board.events.pop(event); --left) {
     tell(event);
   }
-  if (world_.board.events.read_available() > 0) world_.board.io.ring();
+  if (context_.board.events.read_available() > 0) context_.board.io.ring();
   follow_grasps();
   methods_.answer_frames();
   methods_.answer_rebias(false);
@@ -147,23 +148,23 @@ void Server::take_news() {
 
 // A grasp may slip while each of its sensors alone would not say so.
 void Server::follow_grasps() {
-  if (world_.flight == nullptr) return;
+  if (context_.flight == nullptr) return;
   for (std::size_t i = 0; i < grasp_alerts_.size(); ++i) {
-    const GraspPanel& grasp = *world_.board.grasps[i];
+    const GraspStatus& grasp = *context_.board.grasps[i];
     const Alert now = grasp.latest.load().alert;
     if (now == std::exchange(grasp_alerts_[i], now) || now != Alert::slip) continue;
-    for (const std::size_t sensor : grasp.sensors) world_.flight->keep(sensor, "slip");
+    for (const std::size_t sensor : grasp.sensors) context_.flight->keep(sensor, "slip");
   }
 }
 
 void Server::tell(const Event& event) {
   Last& last = last_[event.sensor];
-  if (world_.flight != nullptr) world_.flight->note(event.sensor, event.estimate);
+  if (context_.flight != nullptr) context_.flight->note(event.sensor, event.estimate);
   tell(event, EventKind::estimate);
   if (event.estimate.alert != last.alert) {
     tell(event, EventKind::alert);
-    if (event.estimate.alert == Alert::slip && world_.flight != nullptr)
-      world_.flight->keep(event.sensor, "slip");
+    if (event.estimate.alert == Alert::slip && context_.flight != nullptr)
+      context_.flight->keep(event.sensor, "slip");
   }
   if (event.estimate.state != last.state) tell(event, EventKind::state);
   last = {event.estimate.state, event.estimate.alert};
@@ -178,13 +179,13 @@ void Server::tell(const Event& event, EventKind kind) {
       std::uint64_t lost = 0;
       if (!subscription.wants(event, kind, lost)) continue;
       if (!head) {
-        const Panel& panel = *world_.board.sensors[event.sensor];
+        const SensorStatus& status = *context_.board.sensors[event.sensor];
         std::string text;
         text.reserve(kUsualBytes);
         text += R"({"jsonrpc":"2.0","method":")";
         text += kMethods[static_cast<std::size_t>(kind)];
         text += R"(","params":)";
-        EstimateText(event.estimate, panel.name, panel.simulated.load(std::memory_order_relaxed))
+        EstimateText(event.estimate, status.name, status.simulated.load(std::memory_order_relaxed))
             .append_to(text, Now::read());
         text.pop_back();  // its last brace: `dropped` comes before it
         head =
@@ -208,24 +209,24 @@ void Server::look_at_sensors() {
   const std::chrono::duration<double> passed = now - last_measured_;
   last_measured_ = now;
   for (std::size_t i = 0; i < last_estimated_.size(); ++i) {
-    const std::uint64_t estimated = world_.board.sensors[i]->latest.load().counts.estimated;
-    world_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
+    const std::uint64_t estimated = context_.board.sensors[i]->latest.load().counts.estimated;
+    context_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
     last_estimated_[i] = estimated;
-    const Panel& panel = *world_.board.sensors[i];
-    world_.last_minute[i].look(panel.latency, now);
-    for (const Complaint& complaint :
-         complaints_.look(i, panel.name, panel.facts().description, troubles_of(panel), now))
-      say(LogLevel::warning, {panel.name, complaint.cause}, complaint.text);
+    const SensorStatus& status = *context_.board.sensors[i];
+    context_.last_minute[i].look(status.latency, now);
+    for (const HealthNotice& notice :
+         health_monitor_.look(i, status.name, status.facts().description, health_totals_of(status), now))
+      say(LogLevel::warning, {status.name, notice.cause}, notice.text);
   }
-  world_.told_last_minute.look(world_.told, now);
+  context_.told_last_minute.look(context_.told, now);
   std::uint64_t dropped = clients_.dropped_for_gone;
   for (const auto& client : clients_.all) dropped += client->dropped();
-  world_.notifications_dropped = dropped;
-  metrics_file_.look(world_, now);
+  context_.notifications_dropped = dropped;
+  metrics_file_.look(context_, now);
   methods_.answer_rebias(true);
   // Those whose going could not be told of for want of memory.
   std::erase_if(clients_.all, [](const auto& client) { return client->closed(); });
-  world_.clients = clients_.all.size();
+  context_.clients = clients_.all.size();
 }
 
 }  // namespace slipd

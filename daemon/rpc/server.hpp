@@ -9,12 +9,12 @@
 #include <set>
 #include <vector>
 
-#include "daemon/rpc/client.hpp"
-#include "daemon/telemetry/frame_health_monitor.hpp"
-#include "daemon/rpc/rpc_methods.hpp"
-#include "daemon/telemetry/metrics_file.hpp"
 #include "daemon/record/recorder.hpp"
-#include "daemon/rpc/rpc_context.hpp"
+#include "daemon/rpc/client.hpp"
+#include "daemon/rpc/rpc_methods.hpp"
+#include "daemon/telemetry/frame_health_monitor.hpp"
+#include "daemon/telemetry/metrics_file.hpp"
+#include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {
 
@@ -29,7 +29,7 @@ struct Clients {
 class Server {
  public:
   // Serves those who are connected and those who come to `listener`, its own from now on.
-  Server(asio::io_context& io, World& world, Clients& clients, Recorder& recorder, int listener);
+  Server(asio::io_context& io, ServiceContext& context, Clients& clients, Recorder& recorder, int listener);
   ~Server();  // no more news, no new clients; who waits for a frame is told that it will not come
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -53,13 +53,13 @@ class Server {
   void look_at_sensors();
 
   asio::io_context& io_;
-  World& world_;
+  ServiceContext& context_;
   Clients& clients_;
-  Methods methods_;
+  RpcMethods methods_;
   asio::posix::stream_descriptor listener_, news_;
   asio::steady_timer pause_;  // before accepting again, when there is no descriptor left
   asio::steady_timer rates_;
-  Complaints complaints_;
+  FrameHealthMonitor health_monitor_;
   MetricsFile metrics_file_;
   std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // gone with this, for handlers
   std::vector<Last> last_;                                                  // per sensor, as told

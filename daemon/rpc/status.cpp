@@ -7,25 +7,25 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "daemon/rt/clock.hpp"
 #include "daemon/can/dbc.hpp"
 #include "daemon/record/flight_recorder.hpp"
+#include "daemon/rt/clock.hpp"
 
 namespace slipd {
 namespace {
 
 using json = nlohmann::ordered_json;
 
-json realtime_json(const World& world) {
-  const RealtimeSettings& asked = world.settings.realtime;
+json realtime_json(const ServiceContext& context) {
+  const RealtimeSettings& asked = context.settings.realtime;
   static constexpr const char* kModes[] = {"enforce", "prefer", "off"};
   json result{{"mode", kModes[static_cast<std::size_t>(asked.mode)]}, {"asked", nullptr}, {"got", nullptr}};
   if (asked.mode == RealtimeMode::off) return result;
   result["asked"] = {{"priority", asked.priority}, {"cpus", asked.cpus}, {"lock_memory", asked.lock_memory}};
-  result["got"] = {{"priority", world.realtime.scheduling ? json(asked.priority) : json(nullptr)},
-                   {"cpus", world.realtime.cpus ? json(asked.cpus) : json::array()},
-                   {"lock_memory", world.realtime.memory_locked}};
-  if (!world.realtime.refusal.empty()) result["refused"] = world.realtime.refusal;
+  result["got"] = {{"priority", context.realtime.scheduling ? json(asked.priority) : json(nullptr)},
+                   {"cpus", context.realtime.cpus ? json(asked.cpus) : json::array()},
+                   {"lock_memory", context.realtime.memory_locked}};
+  if (!context.realtime.refusal.empty()) result["refused"] = context.realtime.refusal;
   return result;
 }
 
@@ -47,10 +47,10 @@ std::string can_trouble(int error) {
 
 // Of the method in use, measured on unseen contacts of this sensor's scene. Null where it was not: it is
 // still being measured, or single frames of this sensor do not tell their margin.
-json expected_error(const World& world, const DeviceFacts& facts) {
+json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
   const TradeoffRow* used = nullptr;
   for (const TradeoffRow& row : facts.tradeoff.rows) {
-    const bool rank_fits = row.settings.rank == world.settings.estimator.rank;
+    const bool rank_fits = row.settings.rank == context.settings.estimator.rank;
     if (row.method == facts.method && (used == nullptr || rank_fits)) used = &row;
   }
   if (used == nullptr || !std::isfinite(used->mean_error)) return nullptr;
@@ -60,52 +60,52 @@ json expected_error(const World& world, const DeviceFacts& facts) {
           {"us_per_frame", used->p50_us}};
 }
 
-json sensor_status(const World& world, std::size_t sensor) {
-  const Panel& panel = *world.board.sensors[sensor];
-  const Published reading = panel.latest.load();
-  const DeviceFacts facts = panel.facts();
+json sensor_status(const ServiceContext& context, std::size_t sensor) {
+  const SensorStatus& status = *context.board.sensors[sensor];
+  const Published reading = status.latest.load();
+  const DeviceFacts facts = status.facts();
   const Counts& counts = reading.counts;
-  return {{"name", panel.name},
+  return {{"name", status.name},
           {"state", to_string(reading.estimate.state)},
           {"alert", to_string(reading.estimate.alert)},
-          {"driver", panel.driver},
+          {"driver", status.driver},
           {"device", facts.description},
-          {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
-          {"simulated", panel.simulated.load(std::memory_order_relaxed)},
+          {"connected", status.link.load(std::memory_order_relaxed) == Link::open},
+          {"simulated", status.simulated.load(std::memory_order_relaxed)},
           {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
-          {"expected_error", expected_error(world, facts)},
-          {"zero", zero_json(panel)},
+          {"expected_error", expected_error(context, facts)},
+          {"zero", zero_json(status)},
           {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
           {"received", counts.received},
           {"estimated", counts.estimated},
           {"skipped", counts.skipped},
           {"gaps", counts.gaps},
           {"lost", counts.lost},
-          {"corrupt", panel.corrupt.load(std::memory_order_relaxed)},
-          {"timeouts", panel.timeouts.load(std::memory_order_relaxed)},
-          {"reconnects", panel.reconnects.load(std::memory_order_relaxed)},
-          {"events_lost", panel.events_lost.load(std::memory_order_relaxed)},
-          {"rate_hz", world.rates_hz[sensor]},
-          {"latency_us", latency_json(panel.latency.summary())},
-          {"latency_last_minute_us", latency_json(world.last_minute[sensor].summary(panel.latency))}};
+          {"corrupt", status.corrupt.load(std::memory_order_relaxed)},
+          {"timeouts", status.timeouts.load(std::memory_order_relaxed)},
+          {"reconnects", status.reconnects.load(std::memory_order_relaxed)},
+          {"events_lost", status.events_lost.load(std::memory_order_relaxed)},
+          {"rate_hz", context.rates_hz[sensor]},
+          {"latency_us", latency_json(status.latency.summary())},
+          {"latency_last_minute_us", latency_json(context.last_minute[sensor].summary(status.latency))}};
 }
 
-json recorder_json(const World& world) {
-  if (world.flight == nullptr) return "off";
-  return {{"folder", world.flight->folder().string()},
-          {"kept", world.flight->kept()},
-          {"failed", world.flight->failed()}};
+json recorder_json(const ServiceContext& context) {
+  if (context.flight == nullptr) return "off";
+  return {{"folder", context.flight->folder().string()},
+          {"kept", context.flight->kept()},
+          {"failed", context.flight->failed()}};
 }
 
-json can_json(const World& world) {
-  const can::Report report = world.can->load();
+json can_json(const ServiceContext& context) {
+  const can::Report report = context.can->load();
   json withheld = json::array();
-  const std::vector<std::string> subjects = can::subjects_of(world.settings);
-  for (std::size_t i = 0; i < subjects.size(); ++i) {
-    if ((report.withheld >> i & 1U) != 0) withheld.push_back(subjects[i]);
+  const std::vector<std::string> sources = can::subjects_of(context.settings);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if ((report.withheld >> i & 1U) != 0) withheld.push_back(sources[i]);
   }
   const bool absent = report.bus == can::Bus::absent && report.error != 0;
-  return {{"interface", world.settings.can->interface},
+  return {{"interface", context.settings.can->interface},
           {"state", to_string(report.bus)},
           {"trouble", absent ? json(can_trouble(report.error)) : json(nullptr)},
           {"sent", report.sent},
@@ -119,13 +119,13 @@ json can_json(const World& world) {
 
 }  // namespace
 
-json zero_json(const Panel& panel) {
-  if (!panel.zero.needed.load(std::memory_order_relaxed)) return nullptr;
-  const ZeroReport zero = panel.zero.report.load();
-  const std::string trouble = panel.facts().zero_trouble;
+json zero_json(const SensorStatus& status) {
+  if (!status.zero.needed.load(std::memory_order_relaxed)) return nullptr;
+  const BiasReport zero = status.zero.report.load();
+  const std::string trouble = status.facts().zero_trouble;
   const std::int64_t now_ns = Now::read().monotonic_ns;
   const auto age_s = [&](std::int64_t time_ns) { return 1e-9 * static_cast<double>(now_ns - time_ns); };
-  const bool known = zero.origin != ZeroOrigin::none;
+  const bool known = zero.origin != BiasOrigin::none;
   const auto if_known = [&](const json& value) { return known ? value : json(nullptr); };
   return {{"origin", to_string(zero.origin)},
           {"restored", zero.restored},
@@ -138,39 +138,43 @@ json zero_json(const Panel& panel) {
           {"trouble", trouble.empty() ? json(nullptr) : json(trouble)}};
 }
 
-json status_json(const World& world) {
-  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
+json status_json(const ServiceContext& context) {
+  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - context.started;
   json sensors = json::array();
-  for (std::size_t i = 0; i < world.board.sensors.size(); ++i) sensors.push_back(sensor_status(world, i));
+  for (std::size_t i = 0; i < context.board.sensors.size(); ++i) sensors.push_back(sensor_status(context, i));
   json outputs{{"socket",
-                {{"path", world.settings.socket.path.string()},
-                 {"dropped", world.notifications_dropped},
-                 {"latency_us", latency_json(world.told.summary())},
-                 {"latency_last_minute_us", latency_json(world.told_last_minute.summary(world.told))}}}};
-  if (world.can != nullptr) outputs["can"] = can_json(world);
-  return {
-      {"version", SLIPD_VERSION},      {"uptime_s", uptime.count()},       {"pid", getpid()},
-      {"sensors", std::move(sensors)}, {"realtime", realtime_json(world)}, {"recorder", recorder_json(world)},
-      {"outputs", std::move(outputs)}, {"clients", world.clients}};
+                {{"path", context.settings.socket.path.string()},
+                 {"dropped", context.notifications_dropped},
+                 {"latency_us", latency_json(context.told.summary())},
+                 {"latency_last_minute_us", latency_json(context.told_last_minute.summary(context.told))}}}};
+  if (context.can != nullptr) outputs["can"] = can_json(context);
+  return {{"version", SLIPD_VERSION},
+          {"uptime_s", uptime.count()},
+          {"pid", getpid()},
+          {"sensors", std::move(sensors)},
+          {"realtime", realtime_json(context)},
+          {"recorder", recorder_json(context)},
+          {"outputs", std::move(outputs)},
+          {"clients", context.clients}};
 }
 
-json sensors_json(const World& world) {
+json sensors_json(const ServiceContext& context) {
   static constexpr const char* kClasses[] = {"array3", "wrench", "normal"};
   json sensors = json::array();
-  for (std::size_t i = 0; i < world.board.sensors.size(); ++i) {
-    const Panel& panel = *world.board.sensors[i];
-    const DeviceFacts facts = panel.facts();
-    const SensorSetup& setup = world.settings.sensors[i].setup;
+  for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
+    const SensorStatus& status = *context.board.sensors[i];
+    const DeviceFacts facts = status.facts();
+    const SensorSetup& setup = context.settings.sensors[i].setup;
     const bool opened = facts.layout.has_value();
     sensors.push_back(
-        {{"name", panel.name},
-         {"driver", panel.driver},
+        {{"name", status.name},
+         {"driver", status.driver},
          {"class", opened ? json(kClasses[static_cast<std::size_t>(facts.sensor_class)]) : json(nullptr)},
          {"taxels", opened ? json(facts.layout->size()) : json(nullptr)},
          {"rate_hz", facts.rate_hz > 0 ? facts.rate_hz : setup.rate_hz},
          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
-         {"simulated", panel.simulated.load(std::memory_order_relaxed)},
-         {"connected", panel.link.load(std::memory_order_relaxed) == Link::open},
+         {"simulated", status.simulated.load(std::memory_order_relaxed)},
+         {"connected", status.link.load(std::memory_order_relaxed) == Link::open},
          {"device", facts.description},
          {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});
   }

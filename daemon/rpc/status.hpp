@@ -2,21 +2,16 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 
-#include "daemon/rpc/rpc_context.hpp"
+#include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {
 
-nlohmann::ordered_json status_json(const World& world);
-
-// The same as text for a scraper: OpenMetrics, or the older format that node_exporter reads from files.
-enum class MetricsFormat : std::uint8_t { open_metrics, prometheus };
-std::string metrics_text(const World& world, MetricsFormat format);
+nlohmann::ordered_json status_json(const ServiceContext& context);
 
 // What is known of a sensor's zero; null where its frames come zeroed.
-nlohmann::ordered_json zero_json(const Panel& panel);
+nlohmann::ordered_json zero_json(const SensorStatus& status);
 
-nlohmann::ordered_json sensors_json(const World& world);
+nlohmann::ordered_json sensors_json(const ServiceContext& context);
 
 }  // namespace slipd

@@ -20,9 +20,9 @@ json setting(int value) {
 }  // namespace
 
 json tradeoff_json(const std::string& sensor, const std::string& chosen, double budget_us,
-                   const Worth& worth) {
+                   const WorkPrecision& work_precision) {
   json table = json::array();
-  for (const auto& row : worth.rows) {
+  for (const auto& row : work_precision.rows) {
     table.push_back({{"method", row.method},
                      {"rank", setting(row.settings.rank)},
                      {"rings", setting(row.settings.rings)},
@@ -41,7 +41,7 @@ json tradeoff_json(const std::string& sensor, const std::string& chosen, double 
   return {{"sensor", sensor},
           {"chosen", chosen},
           {"budget_us", budget_us},
-          {"processor", worth.processor},
+          {"processor", work_precision.processor},
           {"rows", std::move(table)}};
 }
 

@@ -10,6 +10,6 @@ namespace slipd {
 
 // {"sensor", "chosen", "budget_us", "rows": [{"method", "mean_error", …}]}; unknown numbers are null.
 nlohmann::ordered_json tradeoff_json(const std::string& sensor, const std::string& chosen, double budget_us,
-                                     const Worth& worth);
+                                     const WorkPrecision& work_precision);
 
 }  // namespace slipd

@@ -21,7 +21,7 @@ constexpr SealedKind kKind{"slipd-zero", 1, "is no zero of slipd's", "is of vers
 static_assert(std::endian::native == std::endian::little,
               "lists of numbers are stored in little-endian order");
 
-json to_json(const ZeroIdentity& identity) {
+json to_json(const BiasIdentity& identity) {
   return {{"driver", identity.driver},
           {"profile", identity.profile},
           {"device", identity.device},
@@ -29,7 +29,7 @@ json to_json(const ZeroIdentity& identity) {
           {"taxels", identity.taxels}};
 }
 
-ZeroIdentity identity_of(const json& in) {
+BiasIdentity identity_of(const json& in) {
   return {in.at("driver"), in.at("profile"), in.at("device"), in.at("part"), in.at("taxels")};
 }
 
@@ -42,25 +42,25 @@ json pack(const std::vector<float>& list) {
 // So many finite numbers.
 std::vector<float> unpack(const json& from, std::size_t expected) {
   const auto& bytes = from.get_binary();
-  if (bytes.size() != expected * sizeof(float)) throw ZeroError("holds another number of values than taxels");
+  if (bytes.size() != expected * sizeof(float)) throw BiasError("holds another number of values than taxels");
   std::vector<float> list(expected);
   if (expected > 0) std::memcpy(list.data(), bytes.data(), bytes.size());
   for (const float value : list) {
-    if (!std::isfinite(value)) throw ZeroError("holds a value that is no number");
+    if (!std::isfinite(value)) throw BiasError("holds a value that is no number");
   }
   return list;
 }
 
-ZeroOrigin origin_of(const std::string& name) {
-  for (const ZeroOrigin origin : {ZeroOrigin::command, ZeroOrigin::no_load}) {
+BiasOrigin origin_of(const std::string& name) {
+  for (const BiasOrigin origin : {BiasOrigin::command, BiasOrigin::no_load}) {
     if (name == to_string(origin)) return origin;
   }
-  throw ZeroError("holds a zero of unknown origin");
+  throw BiasError("holds a zero of unknown origin");
 }
 
 }  // namespace
 
-std::string to_string(const ZeroIdentity& identity) {
+std::string to_string(const BiasIdentity& identity) {
   std::string text = identity.driver;
   for (const std::string* part : {&identity.profile, &identity.device, &identity.part}) {
     if (!part->empty()) text += " " + *part;
@@ -68,7 +68,7 @@ std::string to_string(const ZeroIdentity& identity) {
   return text + ", " + std::to_string(identity.taxels) + " taxels";
 }
 
-std::vector<std::uint8_t> encode_zero(const ZeroIdentity& identity, const Zero& zero, const Now& now) {
+std::vector<std::uint8_t> encode_zero(const BiasIdentity& identity, const Bias& zero, const Now& now) {
   return seal(kKind, {{"sensor", to_json(identity)},
                       {"origin", to_string(zero.origin)},
                       {"taken_realtime_ns", now.realtime_of(zero.taken_ns)},
@@ -77,11 +77,11 @@ std::vector<std::uint8_t> encode_zero(const ZeroIdentity& identity, const Zero& 
                       {"noise_pa", pack(zero.noise_pa)}});
 }
 
-Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identity, const Now& now) {
+Bias decode_zero(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now) {
   try {
     const json body = unsealed(kKind, bytes);
-    if (const ZeroIdentity of = identity_of(body.at("sensor")); !(of == identity)) {
-      throw ZeroError("is another sensor's: " + to_string(of) + ", and this is " + to_string(identity));
+    if (const BiasIdentity of = identity_of(body.at("sensor")); !(of == identity)) {
+      throw BiasError("is another sensor's: " + to_string(of) + ", and this is " + to_string(identity));
     }
     const auto monotonic = [&](const char* key) {
       return now.monotonic_ns - (now.realtime_ns - body.at(key).get<std::int64_t>());
@@ -92,13 +92,13 @@ Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identi
             .taken_ns = monotonic("taken_realtime_ns"),
             .confirmed_ns = monotonic("confirmed_realtime_ns")};
   } catch (const SealError& error) {
-    throw ZeroError(error.what());
+    throw BiasError(error.what());
   } catch (const json::exception& error) {
-    throw ZeroError(std::string("is damaged or cut: ") + error.what());
+    throw BiasError(std::string("is damaged or cut: ") + error.what());
   }
 }
 
-fs::path zero_file(const ZeroIdentity& identity) {
+fs::path zero_file(const BiasIdentity& identity) {
   const std::string text = to_json(identity).dump(-1, ' ', true, json::error_handler_t::replace);
   const auto* const bytes = reinterpret_cast<const std::uint8_t*>(text.data());
   char name[40];
@@ -107,7 +107,7 @@ fs::path zero_file(const ZeroIdentity& identity) {
   return state_folder() / "zero" / name;
 }
 
-std::optional<Zero> load_zero(const fs::path& file, const ZeroIdentity& identity) {
+std::optional<Bias> load_zero(const fs::path& file, const BiasIdentity& identity) {
   std::error_code error;
   if (!fs::exists(file, error) && !error) return std::nullopt;
   constexpr std::size_t kLargest = std::size_t{64} << 20U;
@@ -115,16 +115,16 @@ std::optional<Zero> load_zero(const fs::path& file, const ZeroIdentity& identity
   try {
     bytes = read_own_file(file, kLargest);
   } catch (const std::runtime_error& trouble) {
-    throw ZeroError(trouble.what());
+    throw BiasError(trouble.what());
   }
   try {
     return decode_zero(bytes, identity, Now::read());
-  } catch (const ZeroError& trouble) {
-    throw ZeroError(file.string() + ": " + trouble.what());
+  } catch (const BiasError& trouble) {
+    throw BiasError(file.string() + ": " + trouble.what());
   }
 }
 
-void save_zero(const fs::path& file, const ZeroIdentity& identity, const Zero& zero) {
+void save_zero(const fs::path& file, const BiasIdentity& identity, const Bias& zero) {
   write_whole_file(file, encode_zero(identity, zero, Now::read()), 0640);
 }
 

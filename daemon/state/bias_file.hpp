@@ -17,34 +17,34 @@ namespace slipd {
 
 // Whose zero it is. What the device says of itself where it can, so that it is known on another port and
 // under another name.
-struct ZeroIdentity {
+struct BiasIdentity {
   std::string driver, profile;
   std::string device;  // its serial, else how the configuration finds it
   std::string part;    // which of its sensors
   std::size_t taxels = 0;
-  bool operator==(const ZeroIdentity&) const = default;
+  bool operator==(const BiasIdentity&) const = default;
 };
 
-std::string to_string(const ZeroIdentity& identity);  // for people, one line
+std::string to_string(const BiasIdentity& identity);  // for people, one line
 
 // `FILE: why it is not used`.
-class ZeroError : public std::runtime_error {
+class BiasError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Times are kept as CLOCK_REALTIME; `now` is one moment on both clocks. decode throws ZeroError for bytes
+// Times are kept as CLOCK_REALTIME; `now` is one moment on both clocks. decode throws BiasError for bytes
 // that are damaged, cut, of another version, or another sensor's.
-std::vector<std::uint8_t> encode_zero(const ZeroIdentity& identity, const Zero& zero, const Now& now);
-Zero decode_zero(std::span<const std::uint8_t> bytes, const ZeroIdentity& identity, const Now& now);
+std::vector<std::uint8_t> encode_zero(const BiasIdentity& identity, const Bias& zero, const Now& now);
+Bias decode_zero(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now);
 
 // Where it is kept: in the folder `zero` of the state folder. Throws as state_folder does.
-std::filesystem::path zero_file(const ZeroIdentity& identity);
+std::filesystem::path zero_file(const BiasIdentity& identity);
 
-// None: there is no such file. Throws ZeroError.
-std::optional<Zero> load_zero(const std::filesystem::path& file, const ZeroIdentity& identity);
+// None: there is no such file. Throws BiasError.
+std::optional<Bias> load_zero(const std::filesystem::path& file, const BiasIdentity& identity);
 
 // Throws std::runtime_error.
-void save_zero(const std::filesystem::path& file, const ZeroIdentity& identity, const Zero& zero);
+void save_zero(const std::filesystem::path& file, const BiasIdentity& identity, const Bias& zero);
 
 }  // namespace slipd

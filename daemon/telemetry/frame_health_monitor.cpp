@@ -14,31 +14,31 @@ std::string count(std::uint64_t number, const char* what) {
 
 }  // namespace
 
-Troubles troubles_of(const Panel& panel) {
-  const Counts counts = panel.latest.load().counts;
+HealthTotals health_totals_of(const SensorStatus& status) {
+  const Counts counts = status.latest.load().counts;
   return {.received = counts.received,
-          .corrupt = panel.corrupt.load(std::memory_order_relaxed),
+          .corrupt = status.corrupt.load(std::memory_order_relaxed),
           .lost = counts.lost,
           .skipped = counts.skipped,
-          .events_lost = panel.events_lost.load(std::memory_order_relaxed),
-          .simulated = panel.simulated.load(std::memory_order_relaxed)};
+          .events_lost = status.events_lost.load(std::memory_order_relaxed),
+          .simulated = status.simulated.load(std::memory_order_relaxed)};
 }
 
-std::vector<Complaint> Complaints::look(std::size_t sensor, const std::string& name,
-                                        const std::string& device, const Troubles& totals,
-                                        Clock::time_point now) {
+std::vector<HealthNotice> FrameHealthMonitor::look(std::size_t sensor, const std::string& name,
+                                                   const std::string& device, const HealthTotals& totals,
+                                                   Clock::time_point now) {
   if (sensors_.size() <= sensor) sensors_.resize(sensor + 1);
   auto& [kinds, last, seconds_behind] = sensors_[sensor];
   const bool behind = static_cast<double>(totals.skipped - last.skipped) >
                       kSkippedShare * static_cast<double>(totals.received - last.received);
   seconds_behind = behind ? seconds_behind + 1 : 0;
   last = totals;
-  std::vector<Complaint> complaints;
+  std::vector<HealthNotice> notices;
   auto complain = [&, &kinds_of = kinds, which = std::size_t{0}](Cause cause, std::uint64_t total,
                                                                  const auto& line) mutable {
     Kind& kind = kinds_of[which++];
     if (total == kind.told || (kind.quiet_until && now < *kind.quiet_until)) return;
-    complaints.push_back({cause, name + line(total - kind.told)});
+    notices.push_back({cause, name + line(total - kind.told)});
     kind = {.told = total, .quiet_until = now + kInterval};
   };
   const std::string on = device.empty() ? ": " : " (" + device + "): ";
@@ -63,7 +63,7 @@ std::vector<Complaint> Complaints::look(std::size_t sensor, const std::string& n
              "lower rate_hz";
     });
   }
-  return complaints;
+  return notices;
 }
 
 }  // namespace slipd

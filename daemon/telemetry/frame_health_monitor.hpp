@@ -15,25 +15,25 @@
 namespace slipd {
 
 // The running totals of one sensor that complaints are made of.
-struct Troubles {
+struct HealthTotals {
   std::uint64_t received = 0;
   std::uint64_t corrupt = 0, lost = 0, skipped = 0, events_lost = 0;
   bool simulated = false;
 };
-Troubles troubles_of(const Panel& panel);
+HealthTotals health_totals_of(const SensorStatus& status);
 
-struct Complaint {
+struct HealthNotice {
   Cause cause = Cause::none;
   std::string text;
 };
 
-class Complaints {
+class FrameHealthMonitor {
  public:
   using Clock = std::chrono::steady_clock;
 
   // About once a second for each sensor. What is to be logged, if anything.
-  std::vector<Complaint> look(std::size_t sensor, const std::string& name, const std::string& device,
-                              const Troubles& totals, Clock::time_point now);
+  std::vector<HealthNotice> look(std::size_t sensor, const std::string& name, const std::string& device,
+                                 const HealthTotals& totals, Clock::time_point now);
 
  private:
   static constexpr auto kInterval = std::chrono::minutes(1);
@@ -44,7 +44,7 @@ class Complaints {
   };
   struct Sensor {
     std::array<Kind, kKinds> kinds;
-    Troubles last;
+    HealthTotals last;
     int seconds_behind = 0;  // looks in a row that found many skipped frames
   };
   std::vector<Sensor> sensors_;

@@ -1,11 +1,11 @@
 // Metrics as text: each family with its type and help, one line a sensor; as OpenMetrics ended by # EOF.
+#include "daemon/telemetry/metrics.hpp"
+
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <sstream>
 #include <string>
-
-#include "daemon/rpc/status.hpp"
 
 namespace slipd {
 namespace {
@@ -25,7 +25,7 @@ std::string label_text(const std::string& value) {
 
 class Families {
  public:
-  Families(const World& world, MetricsFormat format) : world_(world), format_(format) {
+  Families(const ServiceContext& context, MetricsFormat format) : context_(context), format_(format) {
     out_.precision(std::numeric_limits<double>::max_digits10);
   }
 
@@ -33,10 +33,10 @@ class Families {
   void add(const std::string& name, const char* type, const char* help,
            const std::function<double(std::size_t)>& value) {
     head(name, type, help);
-    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+    for (std::size_t i = 0; i < context_.board.sensors.size(); ++i) {
       const double number = value(i);
       if (std::isnan(number)) continue;
-      out_ << sample(name, type) << "{sensor=\"" << label_text(world_.board.sensors[i]->name) << "\"} "
+      out_ << sample(name, type) << "{sensor=\"" << label_text(context_.board.sensors[i]->name) << "\"} "
            << number << '\n';
     }
   }
@@ -72,29 +72,29 @@ class Families {
 
   void latencies() {
     const auto sensor = [&](std::size_t i) {
-      return "sensor=\"" + label_text(world_.board.sensors[i]->name) + "\",";
+      return "sensor=\"" + label_text(context_.board.sensors[i]->name) + "\",";
     };
     seconds("slipd_latency_seconds", "summary", "From the sample to its published estimate.");
-    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
-      const auto latency = world_.board.sensors[i]->latency.summary();
+    for (std::size_t i = 0; i < context_.board.sensors.size(); ++i) {
+      const auto latency = context_.board.sensors[i]->latency.summary();
       quantiles("slipd_latency_seconds", sensor(i), latency);
       if (latency.count > 0) {
-        out_ << "slipd_latency_seconds_count{sensor=\"" << label_text(world_.board.sensors[i]->name) << "\"} "
-             << latency.count << '\n';
+        out_ << "slipd_latency_seconds_count{sensor=\"" << label_text(context_.board.sensors[i]->name)
+             << "\"} " << latency.count << '\n';
       }
     }
     seconds("slipd_latency_last_minute_seconds", "gauge", "The same over the last minute.");
-    for (std::size_t i = 0; i < world_.board.sensors.size(); ++i) {
+    for (std::size_t i = 0; i < context_.board.sensors.size(); ++i) {
       quantiles("slipd_latency_last_minute_seconds", sensor(i),
-                world_.last_minute[i].summary(world_.board.sensors[i]->latency));
+                context_.last_minute[i].summary(context_.board.sensors[i]->latency));
     }
-    const auto told = world_.told.summary();
+    const auto told = context_.told.summary();
     seconds("slipd_telling_seconds", "summary",
             "From an estimate being published to its last byte sent to a subscriber.");
     quantiles("slipd_telling_seconds", "", told);
     if (told.count > 0) out_ << "slipd_telling_seconds_count " << told.count << '\n';
     seconds("slipd_telling_last_minute_seconds", "gauge", "The same over the last minute.");
-    quantiles("slipd_telling_last_minute_seconds", "", world_.told_last_minute.summary(world_.told));
+    quantiles("slipd_telling_last_minute_seconds", "", context_.told_last_minute.summary(context_.told));
   }
 
   std::string text() const { return out_.str() + (format_ == MetricsFormat::open_metrics ? "# EOF\n" : ""); }
@@ -109,20 +109,20 @@ class Families {
     out_ << "# TYPE " << family << ' ' << type << "\n# HELP " << family << ' ' << help << '\n';
   }
 
-  const World& world_;
+  const ServiceContext& context_;
   const MetricsFormat format_;
   std::ostringstream out_;
 };
 
 }  // namespace
 
-std::string metrics_text(const World& world, MetricsFormat format) {
+std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
   std::vector<Published> readings;
-  for (const auto& panel : world.board.sensors) readings.push_back(panel->latest.load());
-  const auto panel = [&](std::size_t i) -> const Panel& { return *world.board.sensors[i]; };
+  for (const auto& status : context.board.sensors) readings.push_back(status->latest.load());
+  const auto status = [&](std::size_t i) -> const SensorStatus& { return *context.board.sensors[i]; };
   const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
   const auto known = [](const std::optional<double>& value) { return value.value_or(kUnknown); };
-  Families families(world, format);
+  Families families(context, format);
   families.add("slipd_frames_received", "counter", "Frames that the driver handed over.",
                [&](std::size_t i) { return number(readings[i].counts.received); });
   families.add("slipd_frames_estimated", "counter", "Frames that were answered by an estimate.",
@@ -131,16 +131,16 @@ std::string metrics_text(const World& world, MetricsFormat format) {
                "Frames replaced by a newer one before the estimator came to them.",
                [&](std::size_t i) { return number(readings[i].counts.skipped); });
   families.add("slipd_frames_corrupt", "counter", "Packets or frames that the driver threw away.",
-               [&](std::size_t i) { return number(panel(i).corrupt.load(std::memory_order_relaxed)); });
+               [&](std::size_t i) { return number(status(i).corrupt.load(std::memory_order_relaxed)); });
   families.add("slipd_frames_lost", "counter",
                "Frames missing between those received, by their sequence numbers.",
                [&](std::size_t i) { return number(readings[i].counts.lost); });
   families.add("slipd_gaps", "counter", "Jumps of the sequence number.",
                [&](std::size_t i) { return number(readings[i].counts.gaps); });
   families.add("slipd_reconnects", "counter", "Times that the device was opened again.",
-               [&](std::size_t i) { return number(panel(i).reconnects.load(std::memory_order_relaxed)); });
+               [&](std::size_t i) { return number(status(i).reconnects.load(std::memory_order_relaxed)); });
   families.add("slipd_connected", "gauge", "1 while the device is open.", [&](std::size_t i) {
-    return panel(i).link.load(std::memory_order_relaxed) == Link::open ? 1.0 : 0.0;
+    return status(i).link.load(std::memory_order_relaxed) == Link::open ? 1.0 : 0.0;
   });
   families.add("slipd_state", "gauge",
                "0 ok, 1 no_contact, 2 learning, 3 out_of_model, 4 no_shear, 5 unzeroed, 6 stale, 7 fault.",
@@ -152,31 +152,32 @@ std::string metrics_text(const World& world, MetricsFormat format) {
                });
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
                [&](std::size_t i) { return static_cast<double>(readings[i].estimate.alert); });
-  families.add("slipd_simulated", "gauge", "1 for a simulated sensor.",
-               [&](std::size_t i) { return panel(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0; });
+  families.add("slipd_simulated", "gauge", "1 for a simulated sensor.", [&](std::size_t i) {
+    return status(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0;
+  });
   families.add("slipd_zeroed", "gauge", "1 if it is known what the sensor reads without load.",
-               [&](std::size_t i) { return panel(i).zero.known() ? 1.0 : 0.0; });
+               [&](std::size_t i) { return status(i).zero.known() ? 1.0 : 0.0; });
   families.add("slipd_zero_drift_pascals", "gauge", "How far the zero has followed drift since it was taken.",
-               [&](std::size_t i) { return static_cast<double>(panel(i).zero.report.load().drift_pa); });
+               [&](std::size_t i) { return static_cast<double>(status(i).zero.report.load().drift_pa); });
   families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
-               [&](std::size_t i) { return number(panel(i).timeouts.load(std::memory_order_relaxed)); });
+               [&](std::size_t i) { return number(status(i).timeouts.load(std::memory_order_relaxed)); });
   families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",
-               [&](std::size_t i) { return number(panel(i).events_lost.load(std::memory_order_relaxed)); });
+               [&](std::size_t i) { return number(status(i).events_lost.load(std::memory_order_relaxed)); });
   families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
-               [&](std::size_t i) { return world.rates_hz[i]; });
+               [&](std::size_t i) { return context.rates_hz[i]; });
   families.latencies();
   families.build(SLIPD_VERSION);
-  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - world.started;
+  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - context.started;
   families.add_one("slipd_uptime_seconds", "gauge", "Since the start.", uptime.count());
   families.add_one("slipd_realtime_scheduling", "gauge", "1 if real-time scheduling was granted.",
-                   world.realtime.scheduling ? 1 : 0);
+                   context.realtime.scheduling ? 1 : 0);
   families.add_one("slipd_realtime_memory_locked", "gauge", "1 if memory is locked.",
-                   world.realtime.memory_locked ? 1 : 0);
-  families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(world.clients));
+                   context.realtime.memory_locked ? 1 : 0);
+  families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(context.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
-                   number(world.notifications_dropped));
-  if (world.can != nullptr) {
-    const can::Report can = world.can->load();
+                   number(context.notifications_dropped));
+  if (context.can != nullptr) {
+    const can::Report can = context.can->load();
     families.add_one("slipd_can_state", "gauge",
                      "0 absent, 1 down, 2 up, 3 error_warning, 4 error_passive, 5 bus_off.",
                      static_cast<double>(can.bus));

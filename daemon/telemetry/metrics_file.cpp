@@ -9,7 +9,7 @@
 
 #include "core/storage/unique_fd.hpp"
 #include "daemon/log/log.hpp"
-#include "daemon/rpc/status.hpp"
+#include "daemon/telemetry/metrics.hpp"
 
 namespace slipd {
 namespace {
@@ -42,10 +42,10 @@ MetricsFile::~MetricsFile() {
   if (!settings_.file.empty()) std::filesystem::remove(settings_.file, ignored);
 }
 
-void MetricsFile::look(const World& world, std::chrono::steady_clock::time_point now) {
+void MetricsFile::look(const ServiceContext& context, std::chrono::steady_clock::time_point now) {
   if (settings_.file.empty() || now < due_) return;
   due_ = now + settings_.period;
-  const std::error_code error = replace(settings_.file, metrics_text(world, MetricsFormat::prometheus));
+  const std::error_code error = replace(settings_.file, metrics_text(context, MetricsFormat::prometheus));
   if (error && !refused_) {
     say(LogLevel::warning, {{}, Cause::configuration},
         "metrics.file: " + settings_.file.string() + " cannot be written: " + error.message() +

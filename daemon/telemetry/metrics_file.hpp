@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "config/settings.hpp"
-#include "daemon/rpc/rpc_context.hpp"
+#include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {
 
@@ -17,7 +17,7 @@ class MetricsFile {
   MetricsFile& operator=(const MetricsFile&) = delete;
 
   // Often. Writes when it is time. That it cannot is logged once, and again after it could.
-  void look(const World& world, std::chrono::steady_clock::time_point now);
+  void look(const ServiceContext& context, std::chrono::steady_clock::time_point now);
 
  private:
   const MetricsSettings settings_;

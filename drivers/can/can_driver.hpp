@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "driver_api/driver.hpp"
 #include "drivers/can/can_socket.hpp"
 #include "drivers/decode/decoder.hpp"
-#include "driver_api/driver.hpp"
 
 namespace slipd::can {
 

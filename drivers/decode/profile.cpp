@@ -9,10 +9,10 @@
 #include <set>
 #include <sstream>
 
-#include "schema/json_text.hpp"
-#include "schema/schema.hpp"
 #include "drivers/decode/profile_parts.hpp"
 #include "embedded/profile_schema.hpp"
+#include "schema/json_text.hpp"
+#include "schema/schema.hpp"
 
 namespace slipd::decode {
 namespace {

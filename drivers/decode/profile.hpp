@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/decode/number.hpp"
 #include "driver_api/driver.hpp"
+#include "drivers/decode/number.hpp"
 
 namespace slipd::decode {
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "schema/schema.hpp"
 #include "drivers/decode/profile.hpp"
+#include "schema/schema.hpp"
 
 namespace slipd::decode {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "drivers/decode/sensors.hpp"
 #include "driver_api/driver.hpp"
+#include "drivers/decode/sensors.hpp"
 
 struct hid_device_;  // hidapi's own name
 

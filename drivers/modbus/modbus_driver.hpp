@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "drivers/decode/sensors.hpp"
 #include "driver_api/driver.hpp"
+#include "drivers/decode/sensors.hpp"
 
 struct _modbus;  // libmodbus' own name
 

@@ -24,7 +24,7 @@ float largest(std::span<const float> values) noexcept {
 }
 
 // Exactly the share asked for, so that a sensor of few taxels has as many dead ones as it says.
-std::vector<std::uint32_t> drawn(const Draws& draws, std::size_t taxels, double share) {
+std::vector<std::uint32_t> drawn(const RandomStream& draws, std::size_t taxels, double share) {
   std::vector<std::uint32_t> all(taxels);
   std::iota(all.begin(), all.end(), 0U);
   const auto count = static_cast<std::size_t>(std::llround(share * static_cast<double>(taxels)));
@@ -41,19 +41,21 @@ std::vector<std::uint32_t> drawn(const Draws& draws, std::size_t taxels, double 
 
 Imperfections::Imperfections(const ImperfectionSettings& settings, std::size_t taxels)
     : settings_(settings),
-      noise_(Draws(settings.seed).stream(noise_stream)),
-      loss_(Draws(settings.seed).stream(loss_stream)),
-      delay_(Draws(settings.seed).stream(delay_stream)),
-      dead_(drawn(Draws(settings.seed).stream(dead_stream), taxels, settings.dead)) {
+      noise_(RandomStream(settings.seed).stream(noise_stream)),
+      loss_(RandomStream(settings.seed).stream(loss_stream)),
+      delay_(RandomStream(settings.seed).stream(delay_stream)),
+      dead_(drawn(RandomStream(settings.seed).stream(dead_stream), taxels, settings.dead)) {
   if (settings.gain_spread > 0) {
     gain_.assign(taxels, 1.0F);
-    Draws(settings.seed)
+    RandomStream(settings.seed)
         .stream(gain_stream)
         .add_noise(gain_.data(), taxels, static_cast<float>(settings.gain_spread));
   }
   const auto each_channel = [&](Stream stream, double within) {
     std::vector<float> values(within > 0 ? 3 * taxels : 0);
-    Draws(settings.seed).stream(stream).add_noise(values.data(), values.size(), static_cast<float>(within));
+    RandomStream(settings.seed)
+        .stream(stream)
+        .add_noise(values.data(), values.size(), static_cast<float>(within));
     return values;
   };
   zero_pa_ = each_channel(zero_stream, settings.zero_spread_pa);
@@ -90,7 +92,7 @@ void Imperfections::add_noise(FrameSlot& frame, std::uint64_t number) const noex
   const float pressure = share * (relative ? largest(frame.normal_pa) : full);
   const float shear =
       share * (relative ? std::max(largest(frame.shear_x_pa), largest(frame.shear_y_pa)) : full);
-  const Draws draws = noise_.stream(number);
+  const RandomStream draws = noise_.stream(number);
   draws.stream(0).add_noise(frame.normal_pa.data(), frame.normal_pa.size(), pressure);
   draws.stream(1).add_noise(frame.shear_x_pa.data(), frame.shear_x_pa.size(), shear);
   draws.stream(2).add_noise(frame.shear_y_pa.data(), frame.shear_y_pa.size(), shear);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/frame/frame.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd::sim {
 
@@ -47,7 +47,7 @@ class Imperfections {
   void add_noise(FrameSlot& frame, std::uint64_t number) const noexcept;
 
   ImperfectionSettings settings_;
-  Draws noise_, loss_, delay_;
+  RandomStream noise_, loss_, delay_;
   std::vector<float> gain_;          // empty: all 1
   std::vector<float> zero_pa_;       // as drift_pa_s_
   std::vector<float> drift_pa_s_;    // normal, shear x, shear y of all taxels; empty: none

@@ -76,7 +76,7 @@ Options parse_options(const SensorSetup& sensor) {
   try {
     Options options = options_of(sensor);
     static_cast<void>(Script(options.sensor.cycle));
-    static_cast<void>(contact::make_pair(options.sensor.skin, options.sensor.object));
+    static_cast<void>(contact::make_body_pair(options.sensor.skin, options.sensor.object));
     return options;
   } catch (const contact::ContactError& e) {
     throw DriverError(

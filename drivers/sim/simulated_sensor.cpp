@@ -17,7 +17,7 @@ SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& setti
       offset_x_m_(settings.offset_x_m),
       offset_y_m_(settings.offset_y_m),
       script_(settings.cycle),
-      load_(contact::make_pair(settings.skin, settings.object)),
+      load_(contact::make_body_pair(settings.skin, settings.object)),
       imperfections_(settings.imperfections, layout_.size()),
       normal_pa_(layout_.size()),
       shear_pa_(layout_.size()) {

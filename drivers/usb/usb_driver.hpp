@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "driver_api/driver.hpp"
 #include "drivers/decode/framer.hpp"
 #include "drivers/decode/sensors.hpp"
-#include "driver_api/driver.hpp"
 #include "drivers/usb/wire.hpp"
 
 namespace slipd::usb {

@@ -29,7 +29,7 @@ struct Grasp {
   double friction = 0, ramp_s = 0;
 };
 
-struct Run {
+struct TaxelRun {
   std::optional<double> alert_s, warn_due_s,
       slip_s;                            // when: the first alert, truth below warn_below, truth at 0
   std::optional<double> alert_margin;    // truth at the first alert
@@ -111,7 +111,7 @@ class Draw {
   double normal_n_ = 0;
 };
 
-Run run(const TaxelLayout& layout, const Grasp& grasp, const ChainSetup& setup) {
+TaxelRun run(const TaxelLayout& layout, const Grasp& grasp, const ChainSetup& setup) {
   sim::SimulatedSensor sensor(layout, grasp.sensor);
   EstimatorChain chain(setup, nullptr);
   std::vector<float> memory(3 * layout.size());
@@ -122,7 +122,7 @@ Run run(const TaxelLayout& layout, const Grasp& grasp, const ChainSetup& setup) 
   slot.shear_y_pa = all.subspan(2 * layout.size());
   std::int64_t length_ns = 0;
   for (const auto& each : grasp.sensor.cycle) length_ns += each.duration_ns;
-  Run result;
+  TaxelRun result;
   for (std::int64_t t = 1'000'000; t < length_ns; t += 1'000'000) {
     sensor.advance(1ms);
     if (!sensor.sample(slot)) continue;
@@ -157,7 +157,7 @@ bool tell(std::size_t side, std::size_t grasps, MethodChoice method, std::uint64
   std::size_t in_time = 0, early = 0, alarms = 0, busy_alarms = 0, frames = 0, answered = 0;
   std::vector<double> leads, margins;
   for (std::size_t i = 0; i < grasps; ++i) {
-    const Run result = run(layout, draw.slipping(), setup);
+    const TaxelRun result = run(layout, draw.slipping(), setup);
     if (result.alert_s && result.slip_s && *result.alert_s < *result.slip_s) {
       ++in_time;
       leads.push_back((*result.slip_s - *result.alert_s) / (*result.slip_s - *result.warn_due_s));
@@ -169,7 +169,7 @@ bool tell(std::size_t side, std::size_t grasps, MethodChoice method, std::uint64
   }
   for (const bool busy : {false, true}) {
     for (std::size_t i = 0; i < grasps; ++i) {
-      const Run result = run(layout, draw.holding(busy), setup);
+      const TaxelRun result = run(layout, draw.holding(busy), setup);
       if (result.alert_s) ++(busy ? busy_alarms : alarms);
       frames += result.frames;
       answered += result.answered;

@@ -42,9 +42,9 @@ void time_method(benchmark::State& state, const ChainSetup& setup, SlipMethod& m
     const Frame& frame = frames.next();
     const std::int64_t since = now_ns();
     const ContactPatch& patch = finder.find(frame);
-    const Reading reading = method.read(frame, patch);
+    const FrameEstimate reading = method.estimate(frame, patch);
     times.add(since);
-    answered += reading.in_family ? 1 : 0;
+    answered += reading.in_model ? 1 : 0;
     ++asked;
   }
   times.report(state);
@@ -124,8 +124,8 @@ void floor_search(benchmark::State& state) {
     const ContactPatch& patch = finder.find(frame);
     alpha_of(frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa,
              {.least_pa = peak * mask_fraction(kNoise),
-              .along_x = static_cast<float>(patch.toward_x),
-              .along_y = static_cast<float>(patch.toward_y)},
+              .along_x = static_cast<float>(patch.direction_x),
+              .along_y = static_cast<float>(patch.direction_y)},
              alpha);
     for (std::size_t k = 0; k < rank; ++k) {
       float sum = 0;
@@ -167,7 +167,7 @@ void hand_over() {
 }
 
 void register_all() {
-  using Run = void (*)(benchmark::State&, MethodChoice);
+  using TaxelRun = void (*)(benchmark::State&, MethodChoice);
   const std::pair<const char*, MethodChoice> methods[] = {{"moments", MethodChoice::moments},
                                                           {"svd-knn", MethodChoice::svd_knn},
                                                           {"registered", MethodChoice::registered},
@@ -178,8 +178,8 @@ void register_all() {
     made->UseRealTime()->Unit(benchmark::kMicrosecond);
   };
   for (const auto& [name, choice] : methods) {
-    const Run method = method_of_side, chain = chain_of_side;
-    const auto bind = [choice = choice](Run run) {
+    const TaxelRun method = method_of_side, chain = chain_of_side;
+    const auto bind = [choice = choice](TaxelRun run) {
       return [run, choice](benchmark::State& s) { run(s, choice); };
     };
     // Training on more taxels than the paper's takes minutes; the methods that need none go on.

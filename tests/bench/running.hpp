@@ -17,7 +17,7 @@ nlohmann::json trial(const std::string& name, std::size_t side, double rate_hz,
 nlohmann::json config(const testing::TempFolder& folder, const nlohmann::json& sensors,
                       const std::string& method, const nlohmann::json& more = nlohmann::json::object());
 
-// Models are kept in bench::folder() from one run to the next.
+// ModelProvider are kept in bench::folder() from one run to the next.
 testing::Program::Environment state();
 
 void wait_for_estimates(const testing::Daemon& daemon, std::uint64_t count);

@@ -70,10 +70,10 @@ Frames::Frames(const ChainSetup& setup, std::size_t count) : memory_(3 * setup.l
   TrialFrames maker(setup.layout, NoiseKind::relative, setup.scene.noise);
   for (std::size_t i = 0; i < count; ++i) {
     const ContactDraw draw = draw_contact(setup.scene, kSeed, i);
-    const Draws random = Draws(kSeed).stream(i).stream(1);
+    const RandomStream random = RandomStream(kSeed).stream(i).stream(1);
     const double load = random.uniform(0, 0.05, 0.95) * draw.friction * draw.normal_n;
-    contact::LoadHistory history(contact::make_pair(contact::body_of(setup.scene.skin),
-                                                    {draw.radius_m, draw.modulus_pa, draw.poisson}));
+    contact::LoadHistory history(contact::make_body_pair(contact::body_of(setup.scene.skin),
+                                                         {draw.radius_m, draw.modulus_pa, draw.poisson}));
     history.move_to(draw.normal_n, 0, draw.friction);
     history.move_to(draw.normal_n, load, draw.friction);
     maker.feel(history, draw.x_m, draw.y_m);

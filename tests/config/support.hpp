@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "schema/json_text.hpp"
 #include "config/settings.hpp"
-#include "embedded/slipd_schema.hpp"
+#include "embedded/slipd_config_schema.hpp"
+#include "schema/json_text.hpp"
 
 namespace slipd::test {
 
@@ -59,7 +59,7 @@ inline std::string text_of(const std::string& file) {
 }
 
 inline nlohmann::json schema() {
-  return parse_json_text(slipd_schema);
+  return parse_json_text(slipd_config_schema);
 }
 
 // Every key of the configuration, within its range.

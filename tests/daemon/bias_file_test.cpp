@@ -13,21 +13,21 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const ZeroIdentity kSensor{"can", "xela-xr1944", R"({"interface":"can0"})", "board 1", 2};
+const BiasIdentity kSensor{"can", "xela-xr1944", R"({"interface":"can0"})", "board 1", 2};
 constexpr Now kNow{.monotonic_ns = 5'000, .realtime_ns = 1'790'000'000'000'000'000};
 
-Zero some_zero() {
+Bias some_zero() {
   return {.bias_pa = {1, -2, 3, 4, 5, 6e9F},
           .noise_pa = {0, 1, 2, 3, 4, 5},
-          .origin = ZeroOrigin::command,
+          .origin = BiasOrigin::command,
           .taken_ns = 1'000,
           .confirmed_ns = 2'000};
 }
 
-std::string refusal_of(const std::vector<std::uint8_t>& bytes, const ZeroIdentity& sensor = kSensor) {
+std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentity& sensor = kSensor) {
   try {
     static_cast<void>(decode_zero(bytes, sensor, kNow));
-  } catch (const ZeroError& error) {
+  } catch (const BiasError& error) {
     return error.what();
   }
   return {};
@@ -36,10 +36,10 @@ std::string refusal_of(const std::vector<std::uint8_t>& bytes, const ZeroIdentit
 TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
   const auto bytes = encode_zero(kSensor, some_zero(), kNow);
   constexpr Now kAfterReboot{.monotonic_ns = 100, .realtime_ns = kNow.realtime_ns + 1'000'000};
-  const Zero read = decode_zero(bytes, kSensor, kAfterReboot);
+  const Bias read = decode_zero(bytes, kSensor, kAfterReboot);
   EXPECT_EQ(read.bias_pa, some_zero().bias_pa);
   EXPECT_EQ(read.noise_pa, some_zero().noise_pa);
-  EXPECT_EQ(read.origin, ZeroOrigin::command);
+  EXPECT_EQ(read.origin, BiasOrigin::command);
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.taken_ns, 1'000'000 + 4'000) << "its age: before this boot";
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.confirmed_ns, 1'000'000 + 3'000);
 }
@@ -57,7 +57,7 @@ TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
 
 TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
   const auto bytes = encode_zero(kSensor, some_zero(), kNow);
-  ZeroIdentity other = kSensor;
+  BiasIdentity other = kSensor;
   other.part = "board 2";
   EXPECT_THAT(refusal_of(bytes, other),
               HasSubstr("is another sensor's: can xela-xr1944 {\"interface\":\"can0\"} "
@@ -68,7 +68,7 @@ TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
 }
 
 TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
-  Zero zero = some_zero();
+  Bias zero = some_zero();
   zero.bias_pa[3] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(refusal_of(encode_zero(kSensor, zero, kNow)), HasSubstr("no number"));
   zero = some_zero();
@@ -81,10 +81,10 @@ TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
   const auto file = folder.file("mine.cbor");
   save_zero(file, kSensor, some_zero());
   std::filesystem::create_symlink(file, folder.file("link.cbor"));
-  EXPECT_THROW(static_cast<void>(load_zero(folder.file("link.cbor"), kSensor)), ZeroError);
+  EXPECT_THROW(static_cast<void>(load_zero(folder.file("link.cbor"), kSensor)), BiasError);
   std::filesystem::permissions(file, std::filesystem::perms::others_write,
                                std::filesystem::perm_options::add);
-  EXPECT_THROW(static_cast<void>(load_zero(file, kSensor)), ZeroError);
+  EXPECT_THROW(static_cast<void>(load_zero(file, kSensor)), BiasError);
 }
 
 TEST(ZeroFile, RefusesNestingWithoutEnd) {
@@ -100,9 +100,9 @@ TEST(ZeroFile, IsFoundAgainUnderItsIdentityOnly) {
   EXPECT_EQ(load_zero(file, kSensor)->bias_pa, some_zero().bias_pa);
   for (const auto& left : std::filesystem::directory_iterator(file.parent_path()))
     EXPECT_EQ(left.path(), file);
-  ZeroIdentity other = kSensor;
+  BiasIdentity other = kSensor;
   other.device = "serial 7";
-  EXPECT_THROW(static_cast<void>(load_zero(file, other)), ZeroError);
+  EXPECT_THROW(static_cast<void>(load_zero(file, other)), BiasError);
 }
 
 }  // namespace

@@ -16,12 +16,12 @@ namespace slipd {
 namespace {
 
 const SensorInfo kInfo{.layout = TaxelLayout::grid(3, 2, 0.002)};
-const ZeroIdentity kSensor{"trial", "", "{}", "left", 6};
+const BiasIdentity kSensor{"trial", "", "{}", "left", 6};
 
 // The acquire thread of a sensor that reads `offset` everywhere, as fast as it goes; frames are 10 ms apart.
 class Acquiring {
  public:
-  Acquiring(ZeroDesk& desk, const std::atomic<float>& offset)
+  Acquiring(BiasWorker& worker, const std::atomic<float>& offset)
       : thread_([&](const std::stop_token& stop) {
           std::vector<float> memory(18);
           FrameSlot slot;
@@ -31,26 +31,26 @@ class Acquiring {
           while (!stop.stop_requested()) {
             std::fill(memory.begin(), memory.end(), offset.load());
             slot.time_ns += 10'000'000;
-            desk.apply(slot);
-            desk.afterwards();
+            worker.apply(slot);
+            worker.afterwards();
           }
-          desk.rest();
+          worker.rest();
         }) {}
 
  private:
   std::jthread thread_;
 };
 
-class Desk : public ::testing::Test {
+class SensorSlot : public ::testing::Test {
  protected:
-  Desk() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
-  ~Desk() override {
+  SensorSlot() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
+  ~SensorSlot() override {
     unsetenv("STATE_DIRECTORY");
-    keeper_.ask_to_stop();
+    store_.ask_to_stop();
   }
 
   void await_settled(std::uint32_t request) {
-    while (panel_.zero.settled() < request) {
+    while (status_.zero.settled() < request) {
       pollfd news{wake_.fd(), POLLIN, 0};
       ASSERT_GT(poll(&news, 1, 10'000), 0);
       wake_.clear();
@@ -60,51 +60,51 @@ class Desk : public ::testing::Test {
   const testing::TempFolder folder_;
   LogRing log_, keepers_log_;
   Wake wake_;
-  Panel panel_{"left", "trial"};
-  ZeroKeeper keeper_{keepers_log_, wake_};
+  SensorStatus status_{"left", "trial"};
+  BiasStore store_{keepers_log_, wake_};
 };
 
-TEST_F(Desk, SettlesARequestOnceItsZeroIsOnDisk) {
-  const auto desk = keeper_.attend(panel_, kInfo, kSensor, log_);
+TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {
+  const auto worker = store_.attend(status_, kInfo, kSensor, log_);
   std::atomic<float> offset{1000};
-  const Acquiring acquiring(*desk, offset);
+  const Acquiring acquiring(*worker, offset);
   for (std::uint32_t i = 1; i <= 20; ++i) {
     offset = 1000.0F * static_cast<float>(i);
-    await_settled(panel_.zero.ask(true));
-    EXPECT_EQ(panel_.zero.report.load().answer, ZeroAnswer::taken);
+    await_settled(status_.zero.ask(true));
+    EXPECT_EQ(status_.zero.report.load().answer, BiasResult::taken);
     const auto kept = load_zero(zero_file(kSensor), kSensor);
     ASSERT_TRUE(kept);
     EXPECT_THAT(kept->bias_pa, ::testing::Each(1000.0F * static_cast<float>(i)));
   }
 }
 
-TEST_F(Desk, AnswersARequestOfADeviceThatWasExchanged) {
-  const auto first = keeper_.attend(panel_, kInfo, kSensor, log_);
-  const std::uint32_t request = panel_.zero.ask(false);
-  keeper_.leave(first);
-  ZeroIdentity other = kSensor;
+TEST_F(SensorSlot, AnswersARequestOfADeviceThatWasExchanged) {
+  const auto first = store_.attend(status_, kInfo, kSensor, log_);
+  const std::uint32_t request = status_.zero.ask(false);
+  store_.leave(first);
+  BiasIdentity other = kSensor;
   other.device = "serial 8";
-  const auto second = keeper_.attend(panel_, kInfo, other, log_);
+  const auto second = store_.attend(status_, kInfo, other, log_);
   await_settled(request);
-  EXPECT_EQ(panel_.zero.report.load().answer, ZeroAnswer::gone);
-  EXPECT_EQ(panel_.zero.report.load().origin, ZeroOrigin::none);
+  EXPECT_EQ(status_.zero.report.load().answer, BiasResult::gone);
+  EXPECT_EQ(status_.zero.report.load().origin, BiasOrigin::none);
 }
 
-TEST_F(Desk, OfTheNextRunFindsTheZero) {
+TEST_F(SensorSlot, OfTheNextRunFindsTheZero) {
   std::atomic<float> offset{500};
   {
-    const auto desk = keeper_.attend(panel_, kInfo, kSensor, log_);
-    const Acquiring acquiring(*desk, offset);
-    await_settled(panel_.zero.ask(true));
+    const auto worker = store_.attend(status_, kInfo, kSensor, log_);
+    const Acquiring acquiring(*worker, offset);
+    await_settled(status_.zero.ask(true));
   }
   LogRing log;
-  Panel panel("renamed", "trial");
-  ZeroKeeper keeper(log, wake_);
-  const auto desk = keeper.attend(panel, kInfo, kSensor, log);
-  const ZeroReport report = panel.zero.report.load();
-  EXPECT_EQ(report.origin, ZeroOrigin::command);
+  SensorStatus status("renamed", "trial");
+  BiasStore store(log, wake_);
+  const auto worker = store.attend(status, kInfo, kSensor, log);
+  const BiasReport report = status.zero.report.load();
+  EXPECT_EQ(report.origin, BiasOrigin::command);
   EXPECT_TRUE(report.restored);
-  EXPECT_EQ(panel.facts().zero_trouble, "");
+  EXPECT_EQ(status.facts().zero_trouble, "");
 }
 
 }  // namespace

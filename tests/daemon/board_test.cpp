@@ -7,8 +7,8 @@
 
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
-#include "daemon/rt/latest.hpp"
 #include "daemon/board/record_tap.hpp"
+#include "daemon/rt/latest.hpp"
 #include "daemon/rt/wake.hpp"
 
 namespace slipd {

@@ -74,14 +74,14 @@ TEST(EstimateText, AgesAreSaidToTheNanosecond) {
 }
 
 TEST(TradeoffJson, SettingsThatAMethodHasNotAreNull) {
-  Worth worth;
-  worth.processor = "a processor";
-  worth.rows.resize(2);
-  worth.rows[0].method = "moments";
-  worth.rows[0].mean_error = kUnknown;
-  worth.rows[1].method = "registered";
-  worth.rows[1].settings = {3, 16, 5, Precision::single_precision, 1000};
-  const auto json = tradeoff_json("left", "moments", 50, worth);
+  WorkPrecision work_precision;
+  work_precision.processor = "a processor";
+  work_precision.rows.resize(2);
+  work_precision.rows[0].method = "moments";
+  work_precision.rows[0].mean_error = kUnknown;
+  work_precision.rows[1].method = "registered";
+  work_precision.rows[1].settings = {3, 16, 5, Precision::single_precision, 1000};
+  const auto json = tradeoff_json("left", "moments", 50, work_precision);
   EXPECT_EQ(json["processor"], "a processor");
   EXPECT_TRUE(json["rows"][0]["rank"].is_null());
   EXPECT_TRUE(json["rows"][0]["mean_error"].is_null());

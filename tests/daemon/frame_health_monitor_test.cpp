@@ -14,16 +14,17 @@ using namespace std::chrono_literals;
 
 class Complaining : public ::testing::Test {
  protected:
-  std::vector<std::string> after(std::chrono::seconds time, const Troubles& totals) {
+  std::vector<std::string> after(std::chrono::seconds time, const HealthTotals& totals) {
     std::vector<std::string> lines;
-    for (const Complaint& complaint : complaints_.look(0, "left", "XELA on can0", totals, begin_ + time)) {
-      EXPECT_NE(complaint.cause, Cause::none) << "nobody is named in: " << complaint.text;
-      lines.push_back(complaint.text);
+    for (const HealthNotice& notice :
+         health_monitor_.look(0, "left", "XELA on can0", totals, begin_ + time)) {
+      EXPECT_NE(notice.cause, Cause::none) << "nobody is named in: " << notice.text;
+      lines.push_back(notice.text);
     }
     return lines;
   }
-  Complaints complaints_;
-  const Complaints::Clock::time_point begin_ = Complaints::Clock::now();
+  FrameHealthMonitor health_monitor_;
+  const FrameHealthMonitor::Clock::time_point begin_ = FrameHealthMonitor::Clock::now();
 };
 
 TEST_F(Complaining, NobodyWhenAllIsWell) {

@@ -24,9 +24,9 @@ struct Pair {
 
 // All stores come first, which leaves nothing out: the writer never looks at what readers do, and a load may
 // see each value that it is not known to be past.
-template <typename Subject>
+template <typename CanSource>
 void read_while_written(WeakMemory& memory) {
-  Subject latest(Pair{0, 0});
+  CanSource latest(Pair{0, 0});
   memory.tell(0, kWriter);
   memory.tell(0, kReader);
   const std::size_t told = memory.choose(kStores + 1);  // of how many stores the reader has heard
@@ -79,10 +79,10 @@ class OnceLatest {
   CheckedAtomic<std::uint64_t> current_;
 };
 
-using Subject = Latest<Pair, CheckedAtomic>;
+using CanSource = Latest<Pair, CheckedAtomic>;
 
 TEST(Latest, InEveryOrderOfEventsIsWholeAndNeverGoesBack) {
-  const std::size_t paths = WeakMemory::explore(read_while_written<Subject>);
+  const std::size_t paths = WeakMemory::explore(read_while_written<CanSource>);
   RecordProperty("paths", static_cast<int>(paths));
   EXPECT_GT(paths, 1000U);
 }
@@ -122,7 +122,7 @@ TEST(Latest, NeedsEachOfItsOrders) {
     const auto weakened = [&](std::size_t location, std::size_t, Access access, std::memory_order order) {
       return access == site.access && site.of(location) ? std::memory_order_relaxed : order;
     };
-    EXPECT_THROW(WeakMemory::explore(read_while_written<Subject>, weakened), Violation) << site.name;
+    EXPECT_THROW(WeakMemory::explore(read_while_written<CanSource>, weakened), Violation) << site.name;
   }
 }
 

@@ -15,8 +15,8 @@ using nlohmann::json;
 class Subscribed : public ::testing::Test {
  protected:
   Subscribed() {
-    board_.sensors.push_back(std::make_unique<Panel>("left", "trial"));
-    board_.sensors.push_back(std::make_unique<Panel>("right", "trial"));
+    board_.sensors.push_back(std::make_unique<SensorStatus>("left", "trial"));
+    board_.sensors.push_back(std::make_unique<SensorStatus>("right", "trial"));
   }
   static Event at_ms(double ms, State state = State::ok) {
     Event event;

@@ -6,9 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "schema/schema.hpp"
 #include "embedded/replay_options.hpp"
 #include "embedded/sim_options.hpp"
+#include "schema/schema.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 
 namespace slipd {

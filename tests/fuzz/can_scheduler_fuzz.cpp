@@ -3,8 +3,8 @@
 // one byte's orders with their operands.
 #include <cstring>
 
-#include "daemon/can/signals.hpp"
 #include "daemon/can/scheduler.hpp"
+#include "daemon/can/signals.hpp"
 #include "tests/daemon/can/fake_port.hpp"
 #include "tests/fuzz/demand.hpp"
 
@@ -36,21 +36,21 @@ class Script {
     settings.can.emplace();
     settings.can->interface = "can7";
     for (std::size_t i = 0; i < kSensors; ++i) {
-      board_.sensors.push_back(std::make_unique<Panel>("s" + std::to_string(i), "none"));
+      board_.sensors.push_back(std::make_unique<SensorStatus>("s" + std::to_string(i), "none"));
       board_.sensors.back()->link = Link::open;
     }
-    talk_.emplace(settings_, board_, port_, log_, now_);
+    scheduler_.emplace(settings_, board_, port_, log_, now_);
   }
 
   void run(Bytes in) {
     in_ = in;
     while (!in_.empty()) {
       order(byte());
-      demand(talk_->step(now_) >= now_ - std::chrono::seconds(1));
+      demand(scheduler_->step(now_) >= now_ - std::chrono::seconds(1));
       for (const Message& message : port_.sent) check(message);
       port_.sent.clear();
     }
-    talk_->end(now_);
+    scheduler_->end(now_);
     for (const Message& message : port_.sent) check(message);
   }
 
@@ -113,12 +113,12 @@ class Script {
   }
 
   Bytes in_;
-  Talk::Time now_{std::chrono::hours(1)};
+  CanScheduler::Time now_{std::chrono::hours(1)};
   Settings settings_;
   Board board_;
   FakePort port_;
   LogRing log_;
-  std::optional<Talk> talk_;
+  std::optional<CanScheduler> scheduler_;
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ void use(Model&& decoded) {
   demand(decode_model(encode_model(model->data())).setup() == setup);
   Neighbours::Query query(model->neighbours(), searched(setup));
   const std::vector<float> point(model->rank(), 0.5F);
-  const KnnAnswer answer = answer_of(query, point, model->data().gamma, model->data().friction);
+  const KnnResult answer = answer_of(query, point, model->data().gamma, model->data().friction);
   if (answer.known) demand(answer.gamma >= 0 && answer.gamma <= 1 && answer.friction >= 0);
 }
 

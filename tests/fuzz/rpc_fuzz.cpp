@@ -10,8 +10,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "daemon/rt/clock.hpp"
 #include "daemon/rpc/server.hpp"
+#include "daemon/rt/clock.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace {
@@ -113,14 +113,15 @@ class Stage {
  public:
   Stage() {
     for (const SensorSettings& sensor : settings_.sensors) {
-      Panel& panel = *board_.sensors.emplace_back(std::make_unique<Panel>(sensor.setup.name, sensor.driver));
-      panel.change_facts([&](DeviceFacts& facts) { facts.layout = sensor.setup.layout; });
-      panel.zero.needed = true;
-      panel.link = Link::open;
+      SensorStatus& status =
+          *board_.sensors.emplace_back(std::make_unique<SensorStatus>(sensor.setup.name, sensor.driver));
+      status.change_facts([&](DeviceFacts& facts) { facts.layout = sensor.setup.layout; });
+      status.zero.needed = true;
+      status.link = Link::open;
     }
-    board_.grasps.push_back(std::make_unique<GraspPanel>("gripper", std::vector<std::size_t>{0, 1}));
+    board_.grasps.push_back(std::make_unique<GraspStatus>("gripper", std::vector<std::size_t>{0, 1}));
     const UniqueFd listener = make_listener(address_, length_);
-    server_.emplace(io_, world_, clients_, recorder_, dup(listener.get()));
+    server_.emplace(io_, context_, clients_, recorder_, dup(listener.get()));
     connect();
   }
 
@@ -173,14 +174,14 @@ class Stage {
         publish();
         break;
       case 5:
-        for (auto& panel : board_.sensors) panel->frame.serve(nullptr);
+        for (auto& status : board_.sensors) status->frame.serve(nullptr);
         board_.io.ring();
         break;
       case 6:
         descriptor_ = true;
         break;
       case 7:
-        for (auto& panel : board_.sensors) panel->zero.settle(panel->zero.newest().number);
+        for (auto& status : board_.sensors) status->zero.settle(status->zero.newest().number);
         board_.io.ring();
         break;
       case 8:
@@ -205,12 +206,12 @@ class Stage {
 
   const Settings settings_ = make_settings();
   Board board_;
-  World world_{.settings = settings_,
-               .board = board_,
-               .realtime = {},
-               .ring_estimate = [] {},
-               .last_minute = {},
-               .rates_hz = {}};
+  ServiceContext context_{.settings = settings_,
+                          .board = board_,
+                          .realtime = {},
+                          .ring_estimate = [] {},
+                          .last_minute = {},
+                          .rates_hz = {}};
   asio::io_context io_;
   Clients clients_;
   Recorder recorder_{io_};

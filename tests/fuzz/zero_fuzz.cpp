@@ -11,10 +11,10 @@ namespace {
 using namespace slipd;
 using fuzz::demand;
 
-const ZeroIdentity kSensor{"can", "xela-xr1944", R"({"interface":"can0"})", "board 1", 2};
+const BiasIdentity kSensor{"can", "xela-xr1944", R"({"interface":"can0"})", "board 1", 2};
 constexpr Now kNow{.monotonic_ns = 5'000, .realtime_ns = 1'790'000'000'000'000'000};
 
-void use(const Zero& zero) {
+void use(const Bias& zero) {
   demand(zero.bias_pa.size() == 3 * kSensor.taxels && zero.noise_pa.size() == 3 * kSensor.taxels);
   for (const auto* list : {&zero.bias_pa, &zero.noise_pa}) {
     for (const float value : *list) demand(std::isfinite(value));
@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if ((data[0] & 1U) != 0) bytes = fuzz::sealed("slipd-zero", 1, std::move(bytes));
   try {
     use(decode_zero(bytes, kSensor, kNow));
-  } catch (const ZeroError& error) {
+  } catch (const BiasError& error) {
     demand(*error.what() != '\0');
   }
   return 0;

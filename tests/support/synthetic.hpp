@@ -14,19 +14,19 @@ namespace slipd::synthetic {
 
 enum class Noise { relative, sensor };
 
-inline contact::Pair paper_pair(double object_radius_m = std::numeric_limits<double>::infinity(),
-                                double object_modulus_pa = 2e11) {
-  return contact::make_pair({0.01, 0.5e6, 0.45}, {object_radius_m, object_modulus_pa, 0.25});
+inline contact::BodyPair paper_pair(double object_radius_m = std::numeric_limits<double>::infinity(),
+                                    double object_modulus_pa = 2e11) {
+  return contact::make_body_pair({0.01, 0.5e6, 0.45}, {object_radius_m, object_modulus_pa, 0.25});
 }
 
 // A contact as the paper's section II.B draws them: half of the objects flat, half stiff.
-inline contact::Pair random_pair(std::mt19937_64& random) {
+inline contact::BodyPair random_pair(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   const bool stiff = unit(random) < 0.5, flat = unit(random) < 0.5;
   const double radius = flat ? std::numeric_limits<double>::infinity() : 0.01 + 0.04 * unit(random);
   const double modulus = stiff ? 1e11 * (1 + 2 * unit(random)) : 0.1e6 + 9.9e6 * unit(random);
-  return contact::make_pair({0.01, 0.5e6, 0.45},
-                            {radius, modulus, stiff ? 0.2 + 0.1 * unit(random) : 0.35 + 0.1 * unit(random)});
+  return contact::make_body_pair(
+      {0.01, 0.5e6, 0.45}, {radius, modulus, stiff ? 0.2 + 0.1 * unit(random) : 0.35 + 0.1 * unit(random)});
 }
 
 class FrameMaker {

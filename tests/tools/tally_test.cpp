@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Reading reading(std::uint64_t sequence, const std::string& alert, double gamma = 0.5) {
+EstimateView reading(std::uint64_t sequence, const std::string& alert, double gamma = 0.5) {
   nlohmann::json sample = estimate_sample("left", sequence, gamma);
   sample["alert"] = alert;
   return reading_from(sample);
@@ -52,7 +52,7 @@ TEST(Tally, SeesNoSlipWhereThereIsNone) {
 TEST(Tally, MeasuresTheMarginsAgainstTheTruth) {
   Tally tally;
   for (int i = 0; i < 10; ++i) {
-    Reading each = reading(static_cast<std::uint64_t>(i), "none", 0.5);
+    EstimateView each = reading(static_cast<std::uint64_t>(i), "none", 0.5);
     each.true_gamma = 0.5 + 0.01 * i;
     tally.take(each, true);
   }
@@ -62,7 +62,7 @@ TEST(Tally, MeasuresTheMarginsAgainstTheTruth) {
 
 TEST(Tally, ClaimsNoErrorWithoutATruth) {
   Tally tally;
-  Reading real = reading(1, "none");
+  EstimateView real = reading(1, "none");
   real.true_gamma.reset();
   tally.take(real, true);
   EXPECT_TRUE(totals(tally)["mean_error"].is_null());

@@ -81,7 +81,7 @@ TEST(View, FillsTheBarInProportionToTheMargin) {
 
 TEST(View, ShowsGraspsBelowTheirSensors) {
   WatchState state = watch_sample(2);
-  Reading grasp = *state.sensors[0].latest;
+  EstimateView grasp = *state.sensors[0].latest;
   grasp.sensor = "gripper";
   grasp.gamma = 0.31;
   grasp.alert = "warn";

@@ -59,8 +59,8 @@ std::vector<SensorInfo> sensors_from(const json& result) {
   return sensors;
 }
 
-Reading reading_from(const json& estimate) {
-  Reading reading;
+EstimateView reading_from(const json& estimate) {
+  EstimateView reading;
   reading.sensor = text(estimate, "sensor");
   reading.state = text(estimate, "state", "stale");
   reading.alert = text(estimate, "alert", "none");
@@ -92,8 +92,8 @@ Reading reading_from(const json& estimate) {
   return reading;
 }
 
-std::vector<Reading> grasps_from(const json& result) {
-  std::vector<Reading> grasps;
+std::vector<EstimateView> grasps_from(const json& result) {
+  std::vector<EstimateView> grasps;
   for (const json& each : member(result, "grasps")) {
     grasps.push_back(reading_from(each));
     grasps.back().sensor = text(each, "grasp");

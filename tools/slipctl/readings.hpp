@@ -19,7 +19,7 @@ struct SensorInfo {
 };
 
 // One estimate; units as on the socket, an unknown number is absent.
-struct Reading {
+struct EstimateView {
   std::string sensor;
   std::string state = "stale";
   std::string alert = "none";
@@ -50,8 +50,8 @@ struct SensorCounts {
 };
 
 std::vector<SensorInfo> sensors_from(const nlohmann::ordered_json& result);  // of `sensors`
-Reading reading_from(const nlohmann::ordered_json& estimate);                // one estimate
-std::vector<Reading> grasps_from(
+EstimateView reading_from(const nlohmann::ordered_json& estimate);           // one estimate
+std::vector<EstimateView> grasps_from(
     const nlohmann::ordered_json& result);  // of `gamma`; `sensor` is the grasp's name
 TaxelFrame frame_from(
     const nlohmann::ordered_json& result);  // of `frame`; throws ClientError if lengths differ

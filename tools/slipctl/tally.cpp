@@ -37,7 +37,7 @@ std::string shares(const SensorTally& tally) {
 
 }  // namespace
 
-void Tally::take(const Reading& reading, bool is_estimate) {
+void Tally::take(const EstimateView& reading, bool is_estimate) {
   SensorTally& sensor = sensors_[reading.sensor];
   // An event and the estimate that it belongs to come in either order: a rise is counted with the first of
   // them.

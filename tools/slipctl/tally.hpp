@@ -31,7 +31,8 @@ struct SensorTally {
 
 class Tally {
  public:
-  void take(const Reading& reading, bool is_estimate);  // estimate or event; events count for alerts only
+  void take(const EstimateView& reading,
+            bool is_estimate);  // estimate or event; events count for alerts only
   bool slip_seen() const;
 
   // `before` and `after`: the daemon's own counts at both ends of `seconds`.

@@ -16,8 +16,8 @@ constexpr Style kFaint{kDim, std::nullopt, false};
 constexpr Style kStrong{std::nullopt, std::nullopt, true};
 constexpr Style kSimulated{kViolet, std::nullopt, true};
 
-const Reading& reading_of(const SensorWatch& sensor) {
-  static const Reading nothing_yet;
+const EstimateView& reading_of(const SensorWatch& sensor) {
+  static const EstimateView nothing_yet;
   return sensor.latest ? *sensor.latest : nothing_yet;
 }
 
@@ -38,7 +38,7 @@ std::string pace(const SensorWatch& sensor) {
 }
 
 void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
-  const Reading& reading = reading_of(sensor);
+  const EstimateView& reading = reading_of(sensor);
   int right =
       text_up_to(canvas, box.columns, box.row, " " + reading.alert + " ", alert_style(reading.alert)) - 1;
   right = text_up_to(canvas, right, box.row, pace(sensor), kPlain) - 1;
@@ -51,7 +51,7 @@ void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
 }
 
 void draw_margin(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
-  const Reading& reading = reading_of(sensor);
+  const EstimateView& reading = reading_of(sensor);
   constexpr int kStateColumns = 14;
   std::string numbers = "  " + with_sigma(reading.gamma, reading.sigma);
   if (sensor.info.simulated) numbers += "  true " + fixed(reading.true_gamma, 2);
@@ -74,7 +74,7 @@ void draw_last_seconds(Canvas& canvas, const Box& box, const SensorWatch& sensor
 using Figure = std::pair<const char*, std::string>;
 
 std::vector<Figure> figures_of(const SensorWatch& sensor) {
-  const Reading& r = reading_of(sensor);
+  const EstimateView& r = reading_of(sensor);
   std::vector<Figure> figures{
       {"normal", fixed(r.normal_n, 2, "N")},
       {"shear", fixed(r.shear_n, 2, "N")},
@@ -120,7 +120,7 @@ void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, Colour
   int at = 0;
   if (!sensor.frame.normal_pa.empty() && limit >= 6) {
     const int columns = map_columns(sensor.frame, inner.rows, limit);
-    const Reading& reading = reading_of(sensor);
+    const EstimateView& reading = reading_of(sensor);
     const auto friction = reading.friction ? reading.friction : reading.true_friction;
     canvas.text(0, box.row, "pressure ≤ " + fixed(sensor.peak_pa / 1000, 1, "kPa"), kFaint,
                 columns + kGap - 1);
@@ -147,7 +147,7 @@ void draw_sensor(Canvas& canvas, const Box& box, const SensorWatch& sensor, doub
 }
 
 // One row: name, state, bar, number, alert.
-void draw_grasp(Canvas& canvas, int row, const Reading& grasp) {
+void draw_grasp(Canvas& canvas, int row, const EstimateView& grasp) {
   constexpr int kNameColumns = 14;
   constexpr int kNumberColumns = 26;
   canvas.text(0, row, grasp.sensor, kStrong, kNameColumns - 1);
@@ -190,7 +190,7 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
 }
 
 std::string plain_line(const SensorWatch& sensor, double elapsed_s) {
-  const Reading& reading = reading_of(sensor);
+  const EstimateView& reading = reading_of(sensor);
   std::string line = fixed(elapsed_s, 2, "s") + "  " + sensor.info.name + "  " + reading.state + "  margin " +
                      with_sigma(reading.gamma, reading.sigma);
   if (reading.true_gamma) line += "  true " + fixed(reading.true_gamma, 2);

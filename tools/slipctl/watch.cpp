@@ -116,7 +116,7 @@ class Watcher {
       if (!notification) return;
       const bool is_estimate = notification->method == "estimate";
       if (!is_estimate && notification->method != "alert") continue;
-      const Reading reading = reading_from(notification->params);
+      const EstimateView reading = reading_from(notification->params);
       tally_.take(reading, is_estimate);
       if (!is_estimate) continue;
       take_reading(state_, reading);

@@ -4,7 +4,7 @@
 
 namespace slipctl {
 
-void take_reading(WatchState& state, const Reading& reading) {
+void take_reading(WatchState& state, const EstimateView& reading) {
   const auto sensor = std::find_if(state.sensors.begin(), state.sensors.end(),
                                    [&](const SensorWatch& each) { return each.info.name == reading.sensor; });
   if (sensor == state.sensors.end()) return;

@@ -19,7 +19,7 @@ inline constexpr double kCourseSeconds = 10;
 
 struct SensorWatch {
   SensorInfo info;
-  std::optional<Reading> latest;
+  std::optional<EstimateView> latest;
   std::deque<CoursePoint> course;  // the last kCourseSeconds, oldest first
   TaxelFrame frame;
   double peak_pa = 0;  // highest pressure so far: the map's scale
@@ -30,11 +30,11 @@ struct WatchState {
   std::string socket;
   double elapsed_s = 0;
   std::vector<SensorWatch> sensors;
-  std::vector<Reading> grasps;  // `sensor` is the grasp's name
+  std::vector<EstimateView> grasps;  // `sensor` is the grasp's name
 };
 
 // Takes a reading in: the latest one and the course. Readings of sensors that are not watched are ignored.
-void take_reading(WatchState& state, const Reading& reading);
+void take_reading(WatchState& state, const EstimateView& reading);
 
 void take_frame(SensorWatch& sensor, TaxelFrame frame);
 

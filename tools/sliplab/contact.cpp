@@ -51,8 +51,8 @@ double number_in(const std::string& cell, const char* column) {
 Results compute(const Inputs& in) {
   const auto [normal, mu, r1, e1, nu1, r2, e2, nu2, load, s] = in;
   if (!(s >= 0)) throw ContactError("s: must be a position r/a of 0 or more");
-  const Pair pair = make_pair({r1, e1, nu1}, {r2, e2, nu2});
-  const RisingLoad contact(pair, normal, mu, load);
+  const BodyPair pair = make_body_pair({r1, e1, nu1}, {r2, e2, nu2});
+  const CattaneoMindlin contact(pair, normal, mu, load);
   const Traction at = contact.at(s);
   return {pair.modulus_pa,
           pair.radius_m,

@@ -83,7 +83,7 @@ Line measure(std::size_t side, const std::string& method, const Options& options
         };
         grasps[i] =
             drive(draw_grasp(setup.scene, seed, i), setup.layout, setup.scene.skin, options.sensing,
-                  Draws(seed).stream(i), chain, i == 0 ? watch : std::function<void(const Moment&)>{});
+                  RandomStream(seed).stream(i), chain, i == 0 ? watch : std::function<void(const Moment&)>{});
       },
       [&](double share) { bar.show(share, "grasps"); });
   Line line{side, method, {}, {}};

@@ -29,7 +29,7 @@ double normal_below(double x) {
 }  // namespace
 
 // In units of a and p0: p = A(1), q = mu (A(1) - A(k)); A the average of sqrt(x^2 - r^2) over a taxel, exact.
-double limit_sigma(const TaxelLayout& layout, const contact::Pair& pair, const ContactDraw& draw,
+double limit_sigma(const TaxelLayout& layout, const contact::BodyPair& pair, const ContactDraw& draw,
                    double gamma, NoiseKind kind, double noise) {
   const double a = pair.contact_radius_m(draw.normal_n), side = layout.side_m() / a;
   const double k = std::cbrt(gamma), mu = draw.friction;
@@ -72,9 +72,9 @@ Limit limit_of(const TaxelLayout& layout, const Scene& scene, NoiseKind kind, do
   Limit sum{0, 0};
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
-    const double gamma = Draws(seed ^ 0x6c696d6974ULL).uniform(i, 0.001, 0.999);
+    const double gamma = RandomStream(seed ^ 0x6c696d6974ULL).uniform(i, 0.001, 0.999);
     const auto pair =
-        contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
+        contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
     const double alone = limit_sigma(layout, pair, draw, gamma, kind, noise);
     const double sigma = 1 / std::sqrt(1 / (alone * alone) + kPriorPrecision);
     sum.mean_error += std::sqrt(2 / std::numbers::pi) * sigma;

@@ -13,7 +13,7 @@ namespace sliplab {
 
 // Standard deviation of the margin of a contact at `gamma` in (0, 1) whose load rose; infinite where the
 // frame does not tell. noise: half-width of uniform noise, as a fraction (see NoiseKind).
-double limit_sigma(const slipd::TaxelLayout& layout, const slipd::contact::Pair& pair,
+double limit_sigma(const slipd::TaxelLayout& layout, const slipd::contact::BodyPair& pair,
                    const slipd::ContactDraw& draw, double gamma, slipd::NoiseKind kind, double noise);
 
 // The mean over contacts of a scene as measure_tradeoff draws them, with what is known beforehand (Gamma

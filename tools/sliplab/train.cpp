@@ -80,7 +80,7 @@ json report(const Model& model, const std::filesystem::path& file, double second
   json explained = json::array();
   for (std::size_t i = 1; i <= model.rank(); ++i) explained.push_back(model.explained(i));
   json rows = json::array();
-  for (const auto& row : model.data().worth.rows) {
+  for (const auto& row : model.data().work_precision.rows) {
     rows.push_back({{"method", row.method},
                     {"rank", row.settings.rank},
                     {"rings", row.settings.rings},
@@ -135,7 +135,7 @@ ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& pro
     other.rings = rings;
     models.push_back(std::make_shared<const Model>(train(other, threads, part)));
   }
-  at_ranks.front().worth = measure_worth(models, kContacts, setup.seed + 1);
+  at_ranks.front().work_precision = measure_work_precision(models, kContacts, setup.seed + 1);
   return std::move(at_ranks.front());
 }
 

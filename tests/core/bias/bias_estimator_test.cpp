@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/estimate/chain.hpp"
 #include "core/bias/gain.hpp"
+#include "core/estimate/chain.hpp"
 #include "tests/core/bias/raw_sensor.hpp"
 #include "tests/support/heap_count.hpp"
 
@@ -31,218 +31,219 @@ EstimatorChain make_chain() {
 // standard errors.
 constexpr float kMeanError = 5 * RawSensor::kNoisePa / 14;
 
-void rebias(Zeroing& zeroing, RawSensor& sensor, std::uint32_t request = 1, bool force = false) {
-  zeroing.ask(request, force);
-  sensor.run(zeroing, 2);
+void rebias(BiasEstimator& bias_estimator, RawSensor& sensor, std::uint32_t request = 1, bool force = false) {
+  bias_estimator.ask(request, force);
+  sensor.run(bias_estimator, 2);
 }
 
-TEST(Zeroing, TakesTheMeanOfTheFramesAsTheZeroWhenAsked) {
+TEST(BiasEstimator, TakesTheMeanOfTheFramesAsTheZeroWhenAsked) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  sensor.run(zeroing, 1);
-  rebias(zeroing, sensor);
-  EXPECT_EQ(zeroing.report().answered, 1U);
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::taken);
-  EXPECT_EQ(zeroing.report().origin, ZeroOrigin::command);
-  EXPECT_LT(sensor.farthest(zeroing), kMeanError);
+  BiasEstimator bias_estimator(sensor.layout());
+  sensor.run(bias_estimator, 1);
+  rebias(bias_estimator, sensor);
+  EXPECT_EQ(bias_estimator.report().answered, 1U);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::taken);
+  EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::command);
+  EXPECT_LT(sensor.farthest(bias_estimator), kMeanError);
 }
 
-TEST(Zeroing, MeasuresTheNoise) {
+TEST(BiasEstimator, MeasuresTheNoise) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  rebias(zeroing, sensor);
+  BiasEstimator bias_estimator(sensor.layout());
+  rebias(bias_estimator, sensor);
   // Of 200 frames and 576 taxels: within 2 %.
-  EXPECT_NEAR(zeroing.report().noise_normal_pa / RawSensor::kNoisePa, 1, 0.02);
-  EXPECT_NEAR(zeroing.report().noise_shear_pa / RawSensor::kNoisePa, 1, 0.02);
+  EXPECT_NEAR(bias_estimator.report().noise_normal_pa / RawSensor::kNoisePa, 1, 0.02);
+  EXPECT_NEAR(bias_estimator.report().noise_shear_pa / RawSensor::kNoisePa, 1, 0.02);
 }
 
-TEST(Zeroing, MarksEveryFrameAsLongAsThereIsNoZero) {
+TEST(BiasEstimator, MarksEveryFrameAsLongAsThereIsNoZero) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  EXPECT_FALSE(sensor.run(zeroing, 1).zeroed);
-  EXPECT_EQ(zeroing.report().origin, ZeroOrigin::none) << "offsets are no proof of anything";
-  rebias(zeroing, sensor);
-  EXPECT_TRUE(sensor.run(zeroing, 0.01).zeroed);
+  BiasEstimator bias_estimator(sensor.layout());
+  EXPECT_FALSE(sensor.run(bias_estimator, 1).zeroed);
+  EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::none) << "offsets are no proof of anything";
+  rebias(bias_estimator, sensor);
+  EXPECT_TRUE(sensor.run(bias_estimator, 0.01).zeroed);
 }
 
-TEST(Zeroing, TakesNoHeldLoadForZeroByItself) {
+TEST(BiasEstimator, TakesNoHeldLoadForZeroByItself) {
   for (const double normal_n : {0.2, 1.0, 5.0}) {
     RawSensor sensor(pad());
     sensor.without_offsets();
     sensor.press(normal_n, 0.3 * normal_n);
-    Zeroing zeroing(sensor.layout());
-    EXPECT_FALSE(sensor.run(zeroing, 3).zeroed) << normal_n;
+    BiasEstimator bias_estimator(sensor.layout());
+    EXPECT_FALSE(sensor.run(bias_estimator, 3).zeroed) << normal_n;
   }
 }
 
-TEST(Zeroing, ASensorThatReadsZeroByItselfNeedsNobodysWord) {
+TEST(BiasEstimator, ASensorThatReadsZeroByItselfNeedsNobodysWord) {
   RawSensor sensor(pad());
   sensor.without_offsets();
-  Zeroing zeroing(sensor.layout());
-  EXPECT_TRUE(sensor.run(zeroing, 1).zeroed);
-  EXPECT_EQ(zeroing.report().origin, ZeroOrigin::no_load);
+  BiasEstimator bias_estimator(sensor.layout());
+  EXPECT_TRUE(sensor.run(bias_estimator, 1).zeroed);
+  EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::no_load);
 }
 
-TEST(Zeroing, AGripThatShakesIsNoZero) {
+TEST(BiasEstimator, AGripThatShakesIsNoZero) {
   // On a force sensor there is no shape, and a shaking load looks like noise about a mean.
   for (const float share : {0.1F, 0.5F, 0.9F}) {
     RawSensor sensor(TaxelLayout::wrench(0.02));
     sensor.without_offsets();
-    Zeroing zeroing(sensor.layout());
+    BiasEstimator bias_estimator(sensor.layout());
     for (int i = 0; i < 5000; ++i) {
       const float load = 20000 * (1 + share * std::sin(0.3F * static_cast<float>(i)));
       sensor.press_everywhere(load, load / 4);
       FrameSlot slot = sensor.read();
-      zeroing.apply(slot);
-      zeroing.judge();
+      bias_estimator.apply(slot);
+      bias_estimator.judge();
     }
-    EXPECT_EQ(zeroing.report().origin, ZeroOrigin::none) << share;
+    EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::none) << share;
   }
 }
 
 // At 20 Hz a block is 0.8 s: a touch may begin anywhere in it.
-TEST(Zeroing, ATouchThatBeginsInAnyFrameOfABlockLeavesNothingInTheZero) {
+TEST(BiasEstimator, ATouchThatBeginsInAnyFrameOfABlockLeavesNothingInTheZero) {
   for (const float noise_pa : {0.0F, RawSensor::kNoisePa}) {
     for (int free_frames = 0; free_frames < 70; ++free_frames) {
       RawSensor sensor(TaxelLayout::grid(4, 4, 0.0047), noise_pa, 50'000'000);
       sensor.without_offsets();
-      Zeroing zeroing(sensor.layout());
-      sensor.run(zeroing, 0.05 * free_frames + 0.001);
+      BiasEstimator bias_estimator(sensor.layout());
+      sensor.run(bias_estimator, 0.05 * free_frames + 0.001);
       sensor.press(3, 0.9);
-      sensor.run(zeroing, 5);
+      sensor.run(bias_estimator, 5);
       sensor.release();
-      sensor.run(zeroing, 5);
-      ASSERT_NE(zeroing.report().origin, ZeroOrigin::none);
-      ASSERT_LE(sensor.farthest(zeroing), 6 * noise_pa / std::sqrt(32.0F)) << free_frames << ", " << noise_pa;
+      sensor.run(bias_estimator, 5);
+      ASSERT_NE(bias_estimator.report().origin, BiasOrigin::none);
+      ASSERT_LE(sensor.farthest(bias_estimator), 6 * noise_pa / std::sqrt(32.0F))
+          << free_frames << ", " << noise_pa;
     }
   }
 }
 
-TEST(Zeroing, RefusesWhileTheReadingMoves) {
+TEST(BiasEstimator, RefusesWhileTheReadingMoves) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  zeroing.ask(1, true);
+  BiasEstimator bias_estimator(sensor.layout());
+  bias_estimator.ask(1, true);
   for (int i = 0; i < 3000; ++i) {
     sensor.press_everywhere(3 * static_cast<float>(i), 0);
     FrameSlot slot = sensor.read();
-    zeroing.apply(slot);
-    zeroing.judge();
+    bias_estimator.apply(slot);
+    bias_estimator.judge();
   }
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::moving);
-  EXPECT_EQ(zeroing.report().origin, ZeroOrigin::none);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::moving);
+  EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::none);
 }
 
-TEST(Zeroing, RefusesWhatLooksLikeAContactUnlessForced) {
+TEST(BiasEstimator, RefusesWhatLooksLikeAContactUnlessForced) {
   RawSensor sensor(pad());
   sensor.press(3, 0.5);
-  Zeroing zeroing(sensor.layout());
+  BiasEstimator bias_estimator(sensor.layout());
   // A device with offsets as large as a load shows no shape before its first zero; this one has small ones.
   sensor.without_offsets();
-  rebias(zeroing, sensor, 1);
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::touched);
-  EXPECT_EQ(zeroing.report().origin, ZeroOrigin::none);
-  rebias(zeroing, sensor, 2, true);
-  EXPECT_EQ(zeroing.report().answered, 2U);
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::taken);
+  rebias(bias_estimator, sensor, 1);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::in_contact);
+  EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::none);
+  rebias(bias_estimator, sensor, 2, true);
+  EXPECT_EQ(bias_estimator.report().answered, 2U);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::taken);
 }
 
-TEST(Zeroing, RefusesASensorThatItSawFreeAndThatIsTouchedNow) {
+TEST(BiasEstimator, RefusesASensorThatItSawFreeAndThatIsTouchedNow) {
   RawSensor sensor(TaxelLayout::wrench(0.02));  // where no shape tells
-  Zeroing zeroing(sensor.layout());
-  rebias(zeroing, sensor, 1);
+  BiasEstimator bias_estimator(sensor.layout());
+  rebias(bias_estimator, sensor, 1);
   sensor.press_everywhere(20000, 3000);
-  rebias(zeroing, sensor, 2);
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::touched);
-  EXPECT_LT(sensor.farthest(zeroing), kMeanError) << "and the zero stays";
+  rebias(bias_estimator, sensor, 2);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::in_contact);
+  EXPECT_LT(sensor.farthest(bias_estimator), kMeanError) << "and the zero stays";
   sensor.release();
-  rebias(zeroing, sensor, 3);
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::taken);
+  rebias(bias_estimator, sensor, 3);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::taken);
 }
 
-TEST(Zeroing, FollowsDriftWhileTheSensorIsFree) {
+TEST(BiasEstimator, FollowsDriftWhileTheSensorIsFree) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  rebias(zeroing, sensor);
+  BiasEstimator bias_estimator(sensor.layout());
+  rebias(bias_estimator, sensor);
   constexpr float kRate = 10;  // Pa/s; over a minute three times the noise
   sensor.drifts(kRate);
-  sensor.run(zeroing, 60);
-  EXPECT_TRUE(zeroing.report().free);
-  EXPECT_LT(sensor.farthest(zeroing), 10 * kRate + kMeanError) << "what ten seconds of drift make";
-  EXPECT_GT(zeroing.report().drift_pa, 40 * kRate);
+  sensor.run(bias_estimator, 60);
+  EXPECT_TRUE(bias_estimator.report().free);
+  EXPECT_LT(sensor.farthest(bias_estimator), 10 * kRate + kMeanError) << "what ten seconds of drift make";
+  EXPECT_GT(bias_estimator.report().drift_pa, 40 * kRate);
 }
 
-TEST(Zeroing, FollowsACoarseSensorThatStandsStillBetweenItsSteps) {
+TEST(BiasEstimator, FollowsACoarseSensorThatStandsStillBetweenItsSteps) {
   constexpr float kStep = 500;
   RawSensor sensor(TaxelLayout::grid(4, 4, 0.005), 20);
   sensor.round_to(kStep);
-  Zeroing zeroing(sensor.layout(), {kStep, kStep});
-  rebias(zeroing, sensor);
-  ASSERT_EQ(zeroing.report().answer, ZeroAnswer::taken);
+  BiasEstimator bias_estimator(sensor.layout(), {kStep, kStep});
+  rebias(bias_estimator, sensor);
+  ASSERT_EQ(bias_estimator.report().answer, BiasResult::taken);
   sensor.drifts(10);
-  sensor.run(zeroing, 120);
-  EXPECT_TRUE(zeroing.report().free);
-  EXPECT_LT(sensor.farthest(zeroing), 1.5F * kStep);
+  sensor.run(bias_estimator, 120);
+  EXPECT_TRUE(bias_estimator.report().free);
+  EXPECT_LT(sensor.farthest(bias_estimator), 1.5F * kStep);
   sensor.press_everywhere(3 * kStep, 0);
-  sensor.run(zeroing, 10);
-  EXPECT_FALSE(zeroing.report().free);
+  sensor.run(bias_estimator, 10);
+  EXPECT_FALSE(bias_estimator.report().free);
 }
 
-TEST(Zeroing, WhatIsNoNumberNeverGetsIntoTheZero) {
+TEST(BiasEstimator, WhatIsNoNumberNeverGetsIntoTheZero) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  rebias(zeroing, sensor);
+  BiasEstimator bias_estimator(sensor.layout());
+  rebias(bias_estimator, sensor);
   for (int i = 0; i < 1000; ++i) {
     FrameSlot slot = sensor.read();
     if (i % 50 == 0) slot.shear_x_pa[7] = std::numeric_limits<float>::quiet_NaN();
-    zeroing.apply(slot);
-    zeroing.judge();
+    bias_estimator.apply(slot);
+    bias_estimator.judge();
   }
-  EXPECT_FALSE(zeroing.report().free);
-  EXPECT_LT(sensor.farthest(zeroing), kMeanError);
-  sensor.run(zeroing, 1);
-  EXPECT_TRUE(zeroing.report().free);
+  EXPECT_FALSE(bias_estimator.report().free);
+  EXPECT_LT(sensor.farthest(bias_estimator), kMeanError);
+  sensor.run(bias_estimator, 1);
+  EXPECT_TRUE(bias_estimator.report().free);
 }
 
-TEST(Zeroing, KeepsTheZeroWhileSomethingIsHeld) {
+TEST(BiasEstimator, KeepsTheZeroWhileSomethingIsHeld) {
   for (const bool everywhere : {false, true}) {
     RawSensor sensor(pad());
-    Zeroing zeroing(sensor.layout());
-    rebias(zeroing, sensor);
-    const auto before = zeroing.zero().bias_pa;
+    BiasEstimator bias_estimator(sensor.layout());
+    rebias(bias_estimator, sensor);
+    const auto before = bias_estimator.zero().bias_pa;
     if (everywhere) {
       sensor.press_everywhere(3000, 500);
     } else {
       sensor.press(0.3, 0.05);
     }
-    sensor.run(zeroing, 60);
-    EXPECT_FALSE(zeroing.report().free);
+    sensor.run(bias_estimator, 60);
+    EXPECT_FALSE(bias_estimator.report().free);
     for (std::size_t i = 0; i < before.size(); ++i)
-      ASSERT_NEAR(zeroing.zero().bias_pa[i], before[i], 0.02 * RawSensor::kNoisePa)
+      ASSERT_NEAR(bias_estimator.zero().bias_pa[i], before[i], 0.02 * RawSensor::kNoisePa)
           << "but for the block in which it was touched";
   }
 }
 
-TEST(Zeroing, FollowsAgainAfterAHoldDuringWhichItDrifted) {
+TEST(BiasEstimator, FollowsAgainAfterAHoldDuringWhichItDrifted) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  rebias(zeroing, sensor);
+  BiasEstimator bias_estimator(sensor.layout());
+  rebias(bias_estimator, sensor);
   sensor.drifts(8);
   sensor.press(3, 0.5);
-  sensor.run(zeroing, 40);
-  EXPECT_FALSE(zeroing.report().free);
+  sensor.run(bias_estimator, 40);
+  EXPECT_FALSE(bias_estimator.report().free);
   sensor.release();
-  sensor.run(zeroing, 60);
-  EXPECT_TRUE(zeroing.report().free);
-  EXPECT_LT(sensor.farthest(zeroing), 10 * 8 + kMeanError);
+  sensor.run(bias_estimator, 60);
+  EXPECT_TRUE(bias_estimator.report().free);
+  EXPECT_LT(sensor.farthest(bias_estimator), 10 * 8 + kMeanError);
 }
 
-TEST(Zeroing, ARestoredZeroHoldsInMidGrasp) {
+TEST(BiasEstimator, ARestoredZeroHoldsInMidGrasp) {
   RawSensor sensor(pad());
-  Zeroing first(sensor.layout());
+  BiasEstimator first(sensor.layout());
   rebias(first, sensor);
   sensor.press(3, 0.8);
 
-  Zeroing second(sensor.layout());
+  BiasEstimator second(sensor.layout());
   second.restore(first.zero());
   EXPECT_TRUE(second.report().restored);
   EstimatorChain before = make_chain();
@@ -265,30 +266,31 @@ TEST(Zeroing, ARestoredZeroHoldsInMidGrasp) {
   EXPECT_LT(sensor.farthest(second), kMeanError);
 }
 
-TEST(Zeroing, WithoutAZeroTheChainSaysUnzeroedAndNothingElse) {
+TEST(BiasEstimator, WithoutAZeroTheChainSaysUnzeroedAndNothingElse) {
   RawSensor sensor(pad());
   sensor.press(3, 0.8);
-  Zeroing zeroing(sensor.layout());
+  BiasEstimator bias_estimator(sensor.layout());
   EstimatorChain chain = make_chain();
-  const Estimate told = chain.estimate(sensor.run(zeroing, 0.5).view());
+  const Estimate told = chain.estimate(sensor.run(bias_estimator, 0.5).view());
   EXPECT_EQ(told.state, State::unzeroed);
   EXPECT_FALSE(told.gamma || told.normal_n || told.shear_n || told.friction);
   EXPECT_EQ(told.alert, Alert::none);
 }
 
-TEST(Zeroing, AfterAReplugAHeldLoadIsNotTakenForDriftAndARequestIsAnswered) {
+TEST(BiasEstimator, AfterAReplugAHeldLoadIsNotTakenForDriftAndARequestIsAnswered) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  rebias(zeroing, sensor);
+  BiasEstimator bias_estimator(sensor.layout());
+  rebias(bias_estimator, sensor);
   sensor.press(3, 0.5);
-  zeroing.ask(2, false);
-  zeroing.reopened();
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::gone);
-  sensor.run(zeroing, 10);
-  EXPECT_FALSE(zeroing.report().free);
-  EXPECT_LT(sensor.farthest(zeroing), kMeanError);
-  rebias(zeroing, sensor, 3);
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::touched) << "by its shape, against the zero that is known";
+  bias_estimator.ask(2, false);
+  bias_estimator.reopened();
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::gone);
+  sensor.run(bias_estimator, 10);
+  EXPECT_FALSE(bias_estimator.report().free);
+  EXPECT_LT(sensor.farthest(bias_estimator), kMeanError);
+  rebias(bias_estimator, sensor, 3);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::in_contact)
+      << "by its shape, against the zero that is known";
 }
 
 TEST(Gain, MultipliesAllChannelsOfItsTaxel) {
@@ -301,25 +303,25 @@ TEST(Gain, MultipliesAllChannelsOfItsTaxel) {
   EXPECT_EQ(memory, (std::vector<float>{2, 20, 6, 40, 10, 60}));
 }
 
-TEST(Zeroing, RefusesTheZeroOfAnotherSensor) {
-  Zeroing zeroing(pad());
-  const Zero other{.bias_pa = std::vector<float>(9), .noise_pa = std::vector<float>(9)};
-  EXPECT_THROW(zeroing.restore(other), std::invalid_argument);
+TEST(BiasEstimator, RefusesTheZeroOfAnotherSensor) {
+  BiasEstimator bias_estimator(pad());
+  const Bias other{.bias_pa = std::vector<float>(9), .noise_pa = std::vector<float>(9)};
+  EXPECT_THROW(bias_estimator.restore(other), std::invalid_argument);
 }
 
-TEST(Zeroing, AllocatesNothingWhileFramesCome) {
+TEST(BiasEstimator, AllocatesNothingWhileFramesCome) {
   RawSensor sensor(pad());
-  Zeroing zeroing(sensor.layout());
-  zeroing.ask(1, false);
+  BiasEstimator bias_estimator(sensor.layout());
+  bias_estimator.ask(1, false);
   std::uint64_t allocated = 0;
   for (int i = 0; i < 1000; ++i) {
     FrameSlot slot = sensor.read();
     const auto before = test::allocations();
-    zeroing.apply(slot);
-    zeroing.judge();
+    bias_estimator.apply(slot);
+    bias_estimator.judge();
     allocated += test::allocations() - before;
   }
-  EXPECT_EQ(zeroing.report().answer, ZeroAnswer::taken);
+  EXPECT_EQ(bias_estimator.report().answer, BiasResult::taken);
   EXPECT_EQ(allocated, 0U);
 }
 

@@ -75,22 +75,22 @@ class RawSensor {
   }
 
   // Through the zeroing for so long; the last frame.
-  FrameSlot run(Zeroing& zeroing, double seconds) {
+  FrameSlot run(BiasEstimator& bias_estimator, double seconds) {
     FrameSlot slot;
     for (auto frames = static_cast<int>(seconds * 1e9 / static_cast<double>(period_ns_)); frames > 0;
          --frames) {
       slot = read();
-      zeroing.apply(slot);
-      zeroing.judge();
+      bias_estimator.apply(slot);
+      bias_estimator.judge();
     }
     return slot;
   }
 
   // What the zero lacks, at most.
-  float farthest(const Zeroing& zeroing) const {
+  float farthest(const BiasEstimator& bias_estimator) const {
     float most = 0;
     for (std::size_t i = 0; i < offsets_.size(); ++i)
-      most = std::max(most, std::abs(zeroing.zero().bias_pa[i] - offsets_[i]));
+      most = std::max(most, std::abs(bias_estimator.zero().bias_pa[i] - offsets_[i]));
     return most;
   }
 

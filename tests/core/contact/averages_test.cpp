@@ -11,7 +11,8 @@
 namespace slipd::contact {
 namespace {
 
-const Pair kPair = make_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
+const BodyPair kPair =
+    make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
 // The average by brute force: exact in one direction (a circular segment's area), many lines in the other.
 double by_lines(double radius, double u, double v, double side) {

@@ -22,8 +22,8 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr Body kSkin{0.01, 0.5e6, 0.45};
 constexpr Body kFlat{kInf, 2e11, 0.25};
 
-TEST(RisingLoad, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
-  const Pair pair = make_pair(kSkin, kFlat);
+TEST(CattaneoMindlin, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
+  const BodyPair pair = make_body_pair(kSkin, kFlat);
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 400; ++i) {
@@ -39,7 +39,7 @@ TEST(RisingLoad, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
                                   : std::min(1.0, stick * (1 + 1e-6 * (unit(random) - 0.5)));
     const double normal = std::pow(10.0, -9 + 12 * unit(random)),
                  friction = std::pow(10.0, -6 + 6.7 * unit(random));
-    const RisingLoad contact(pair, normal, friction, load);
+    const CattaneoMindlin contact(pair, normal, friction, load);
     const auto got = contact.at(s);
     const auto want = precise::reference(kSkin, kFlat, normal, friction, load, s);
     // At the edge of the stick zone the ratio falls like the root of the distance: 1e-12, as elsewhere, needs
@@ -52,7 +52,7 @@ TEST(RisingLoad, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
   }
 }
 
-TEST(RisingLoad, AgreesWithTheSharedReferenceTable) {
+TEST(CattaneoMindlin, AgreesWithTheSharedReferenceTable) {
   const char* shared = std::getenv("SLIPD_SHARED");
   const std::filesystem::path file =
       std::filesystem::path(shared != nullptr ? shared : SLIPD_SOURCE_DIR "/../shared") /
@@ -70,8 +70,8 @@ TEST(RisingLoad, AgreesWithTheSharedReferenceTable) {
       v.push_back(std::strtod(cell.c_str(), nullptr));
     }
     ASSERT_EQ(v.size(), 19U);
-    const Pair pair = make_pair({v[2], v[3], v[4]}, {v[5], v[6], v[7]});
-    const RisingLoad contact(pair, v[0], v[1], v[8]);
+    const BodyPair pair = make_body_pair({v[2], v[3], v[4]}, {v[5], v[6], v[7]});
+    const CattaneoMindlin contact(pair, v[0], v[1], v[8]);
     const auto at = contact.at(v[9]);
     const double got[] = {pair.modulus_pa,
                           pair.radius_m,
@@ -91,10 +91,10 @@ TEST(RisingLoad, AgreesWithTheSharedReferenceTable) {
   EXPECT_GE(rows, 400);
 }
 
-TEST(RisingLoad, IntegralsReturnTheForces) {
-  const Pair pair = make_pair(kSkin, kFlat);
+TEST(CattaneoMindlin, IntegralsReturnTheForces) {
+  const BodyPair pair = make_body_pair(kSkin, kFlat);
   for (const double load : {0.0, 1e-6, 0.3, 0.9, 1.0}) {
-    const RisingLoad contact(pair, 2, 0.4, load);
+    const CattaneoMindlin contact(pair, 2, 0.4, load);
     const double a = contact.contact_radius_m();
     double normal = 0, shear = 0;
     constexpr int kRings = 200000;  // midpoint rule on r dr: the rim's root costs kRings^-1.5, here 1e-8
@@ -109,11 +109,11 @@ TEST(RisingLoad, IntegralsReturnTheForces) {
   }
 }
 
-TEST(RisingLoad, AngleRisesWithRadiusAndWithLoadUpToFriction) {
-  const Pair pair = make_pair(kSkin, kFlat);
+TEST(CattaneoMindlin, AngleRisesWithRadiusAndWithLoadUpToFriction) {
+  const BodyPair pair = make_body_pair(kSkin, kFlat);
   for (double load = 0.05; load <= 1; load += 0.05) {
-    const RisingLoad contact(pair, 1, 0.6, std::min(load, 1.0));
-    const RisingLoad lighter(pair, 1, 0.6, load - 0.05);
+    const CattaneoMindlin contact(pair, 1, 0.6, std::min(load, 1.0));
+    const CattaneoMindlin lighter(pair, 1, 0.6, load - 0.05);
     double before = 0;
     for (double s = 0; s <= 1; s += 0.01) {
       const double angle = contact.at(s).angle_rad;
@@ -125,24 +125,24 @@ TEST(RisingLoad, AngleRisesWithRadiusAndWithLoadUpToFriction) {
   }
 }
 
-TEST(RisingLoad, NothingIsFeltOutsideTheContactNorWithoutForce) {
-  const Pair pair = make_pair(kSkin, kFlat);
-  const auto outside = RisingLoad(pair, 1, 0.5, 0.5).at(1.0000001);
+TEST(CattaneoMindlin, NothingIsFeltOutsideTheContactNorWithoutForce) {
+  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  const auto outside = CattaneoMindlin(pair, 1, 0.5, 0.5).at(1.0000001);
   EXPECT_EQ(outside.pressure_pa, 0);
   EXPECT_EQ(outside.shear_pa, 0);
   EXPECT_EQ(outside.angle_rad, 0);
-  const auto untouched = RisingLoad(pair, 0, 0.5, 0.5).at(0.5);
+  const auto untouched = CattaneoMindlin(pair, 0, 0.5, 0.5).at(0.5);
   EXPECT_EQ(untouched.pressure_pa, 0);
   EXPECT_EQ(untouched.shear_pa, 0);
 }
 
-TEST(RisingLoad, LoadsWithoutMeaningAreRefused) {
-  const Pair pair = make_pair(kSkin, kFlat);
-  EXPECT_THROW(RisingLoad(pair, 1, 0.5, -1e-12), ContactError);
-  EXPECT_THROW(RisingLoad(pair, 1, 0.5, 1.0000001), ContactError);
-  EXPECT_THROW(RisingLoad(pair, 1, 0.5, std::nan("")), ContactError);
-  EXPECT_THROW(RisingLoad(pair, -1, 0.5, 0.5), ContactError);
-  EXPECT_THROW(RisingLoad(pair, 1, 0, 0.5), ContactError);
+TEST(CattaneoMindlin, LoadsWithoutMeaningAreRefused) {
+  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, -1e-12), ContactError);
+  EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, 1.0000001), ContactError);
+  EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, std::nan("")), ContactError);
+  EXPECT_THROW(CattaneoMindlin(pair, -1, 0.5, 0.5), ContactError);
+  EXPECT_THROW(CattaneoMindlin(pair, 1, 0, 0.5), ContactError);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ TEST(Hertz, AgreesWithFourHundredDigitsFromSoftToStiffAndConcaveToFlat) {
                                    : std::pow(10.0, -6 + 12 * unit(random)),
                       std::pow(10.0, 2 + 12 * unit(random)), -0.9 + 1.4 * unit(random)};
     const double normal = std::pow(10.0, -9 + 12 * unit(random));
-    const Pair pair = make_pair(kSkin, object);
+    const BodyPair pair = make_body_pair(kSkin, object);
     const auto want = precise::reference(kSkin, object, normal, 0.5, 0.5, 0.5);
     EXPECT_LT(precise::error(pair.modulus_pa, want.modulus), 1e-14);
     EXPECT_LT(precise::error(pair.radius_m, want.radius), 1e-14);
@@ -35,7 +35,7 @@ TEST(Hertz, AgreesWithFourHundredDigitsFromSoftToStiffAndConcaveToFlat) {
 }
 
 TEST(Hertz, ADiscAsWideAsTheContactCarriesTheNormalForce) {
-  const Pair pair = make_pair(kSkin, {kInf, 2e11, 0.3});
+  const BodyPair pair = make_body_pair(kSkin, {kInf, 2e11, 0.3});
   for (const double normal : {1e-9, 1.0, 1e3}) {
     EXPECT_NEAR(pair.disc_force_n(pair.contact_radius_m(normal)) / normal, 1, 1e-14);
     EXPECT_NEAR(pair.disc_scale_pa_per_m() * pair.contact_radius_m(normal) / pair.peak_pressure_pa(normal), 1,
@@ -44,7 +44,7 @@ TEST(Hertz, ADiscAsWideAsTheContactCarriesTheNormalForce) {
 }
 
 TEST(Hertz, NoForceMeansNoExtentAndNoPressure) {
-  const Pair pair = make_pair(kSkin, {kInf, 2e11, 0.3});
+  const BodyPair pair = make_body_pair(kSkin, {kInf, 2e11, 0.3});
   EXPECT_EQ(pair.contact_radius_m(0), 0);
   EXPECT_EQ(pair.peak_pressure_pa(0), 0);
 }
@@ -52,7 +52,7 @@ TEST(Hertz, NoForceMeansNoExtentAndNoPressure) {
 TEST(Hertz, BodiesWithoutMeaningAreRefusedByName) {
   const auto message = [](const Body& object) -> std::string {
     try {
-      make_pair(kSkin, object);
+      make_body_pair(kSkin, object);
     } catch (const ContactError& error) {
       return error.what();
     }
@@ -68,9 +68,9 @@ TEST(Hertz, BodiesWithoutMeaningAreRefusedByName) {
   EXPECT_NE(message({-0.01, 1e6, 0.3}).find("1/R1 + 1/R2"), std::string::npos);
   EXPECT_NE(message({-0.005, 1e6, 0.3}).find("1/R1 + 1/R2"), std::string::npos);
   EXPECT_EQ(message({-0.02, 1e6, 0.5}), "accepted");
-  EXPECT_THROW(make_pair({kInf, 1e6, 0.3}, {kInf, 1e6, 0.3}), ContactError);
+  EXPECT_THROW(make_body_pair({kInf, 1e6, 0.3}, {kInf, 1e6, 0.3}), ContactError);
   constexpr Body kSpeck{std::numeric_limits<double>::denorm_min(), 1e6, 0.3};
-  EXPECT_THROW(make_pair(kSpeck, kSpeck), ContactError) << "half the least radius is none";
+  EXPECT_THROW(make_body_pair(kSpeck, kSpeck), ContactError) << "half the least radius is none";
 }
 
 TEST(Hertz, ForcesAndFrictionWithoutMeaningAreRefused) {

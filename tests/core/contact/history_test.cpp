@@ -13,7 +13,8 @@
 namespace slipd::contact {
 namespace {
 
-const Pair kPair = make_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
+const BodyPair kPair =
+    make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
 double total_shear_n(const LoadHistory& contact) {
   double sum = 0;
@@ -61,7 +62,7 @@ TEST(LoadHistory, ARisingLoadIsCattaneoAndMindlins) {
     LoadHistory contact(kPair);
     contact.move_to(2, 0, 0.5);
     contact.move_to(2, load * 0.5 * 2, 0.5);
-    const RisingLoad closed(kPair, 2, 0.5, load);
+    const CattaneoMindlin closed(kPair, 2, 0.5, load);
     for (double s = 0; s < 1; s += 0.01) {
       EXPECT_NEAR(contact.shear_pa(s * closed.contact_radius_m()), closed.at(s).shear_pa,
                   kRoot * closed.peak_pressure_pa());
@@ -81,7 +82,7 @@ TEST(LoadHistory, RegripAtConstantShearLeavesTheFamilyAsWorkedOut) {
   // The new ring carries nothing; inside, the traction is what it was: mu (D_a - D_c).
   const double a = kPair.contact_radius_m(2);
   EXPECT_NEAR(contact.shear_pa(1.01 * a), 0, 1e-6);
-  const RisingLoad before(kPair, 2, 0.5, 0.8);
+  const CattaneoMindlin before(kPair, 2, 0.5, 0.8);
   EXPECT_NEAR(contact.shear_pa(0.5 * a), before.at(0.5).shear_pa, kRoot * before.peak_pressure_pa());
 }
 
@@ -123,7 +124,7 @@ TEST(LoadHistory, UnloadingAtConstantShearKeepsTheStickZoneThatTheForcesAskFor) 
   contact.move_to(3, 0, 0.5);
   contact.move_to(3, 0.6, 0.5);
   contact.move_to(2, 0.6, 0.5);
-  const RisingLoad closed(kPair, 2, 0.5, 0.6);
+  const CattaneoMindlin closed(kPair, 2, 0.5, 0.6);
   for (double s = 0; s < 1; s += 0.01) {
     EXPECT_NEAR(contact.shear_pa(s * closed.contact_radius_m()), closed.at(s).shear_pa,
                 kRoot * closed.peak_pressure_pa());

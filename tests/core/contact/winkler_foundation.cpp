@@ -15,13 +15,13 @@ constexpr float place(std::size_t i) noexcept {
 
 }  // namespace
 
-void SpringBed::clear() noexcept {
+void WinklerFoundation::clear() noexcept {
   step_ = normal_n_ = shear_n_ = 0;
   load_.fill(0);
 }
 
 // Sets the springs wider when the contact has outgrown them.
-void SpringBed::reach(double radius) noexcept {
+void WinklerFoundation::reach(double radius) noexcept {
   if (radius <= step_ * kSprings) return;
   const double step = kSpare * radius / kSprings, ratio = step_ > 0 ? step / step_ : 0;
   Row old = load_;
@@ -36,7 +36,7 @@ void SpringBed::reach(double radius) noexcept {
   step_ = step;
 }
 
-void SpringBed::limits(double edge, double friction, Row& most) const noexcept {
+void WinklerFoundation::limits(double edge, double friction, Row& most) const noexcept {
   const auto square = static_cast<float>(step_ * step_), outside = static_cast<float>(edge),
              mu = static_cast<float>(friction);
   for (std::size_t i = 0; i < kSprings; ++i) {
@@ -46,7 +46,7 @@ void SpringBed::limits(double edge, double friction, Row& most) const noexcept {
 }
 
 // The sum of edge - x^2 over the springs that touch: the normal force as the springs see it.
-double SpringBed::touching(double edge) const noexcept {
+double WinklerFoundation::touching(double edge) const noexcept {
   Row rest;
   limits(edge, 1, rest);
   float sum = 0;
@@ -55,7 +55,7 @@ double SpringBed::touching(double edge) const noexcept {
 }
 
 // Shifts all springs together, each as far as its limit lets it, until they carry `target`.
-void SpringBed::settle(const Row& most, double target) noexcept {
+void WinklerFoundation::settle(const Row& most, double target) noexcept {
   float low = 0, high = 0, shift = 0;
   for (std::size_t i = 0; i < kSprings; ++i) {
     low = std::min(low, -most[i] - load_[i]);
@@ -81,7 +81,7 @@ void SpringBed::settle(const Row& most, double target) noexcept {
   }
 }
 
-void SpringBed::follow(double normal_n, double shear_n, double friction) noexcept {
+void WinklerFoundation::follow(double normal_n, double shear_n, double friction) noexcept {
   if (!(normal_n > 0)) {
     clear();
     return;
@@ -107,13 +107,13 @@ void SpringBed::follow(double normal_n, double shear_n, double friction) noexcep
   shear_n_ = target_n;
 }
 
-void SpringBed::assume_risen(double normal_n, double shear_n, double friction) noexcept {
+void WinklerFoundation::assume_monotonic(double normal_n, double shear_n, double friction) noexcept {
   clear();
   follow(normal_n, 0, friction);
   follow(normal_n, shear_n, friction);
 }
 
-ShearShape SpringBed::shape() const noexcept {
+ShearMoments WinklerFoundation::shear_moments() const noexcept {
   if (!(normal_n_ > 0)) return {};
   const double radius = std::cbrt(normal_n_);
   Row rest;

@@ -1,5 +1,5 @@
-// One contact of what core/estimate/winkler_foundations follows many of, in its plain form: what the other is held
-// against, to the last bit, and what is itself held against the exact history.
+// One contact of what core/estimate/winkler_foundations follows many of, in its plain form: what the other is
+// held against, to the last bit, and what is itself held against the exact history.
 #pragma once
 
 #include <array>
@@ -9,16 +9,16 @@
 
 namespace slipd::contact {
 
-class SpringBed {
+class WinklerFoundation {
  public:
-  // As of SpringBeds, but for the friction, which is told each time.
+  // As of WinklerFoundations, but for the friction, which is told each time.
   void clear() noexcept;
   void follow(double normal_n, double shear_n, double friction) noexcept;
-  void assume_risen(double normal_n, double shear_n, double friction) noexcept;
+  void assume_monotonic(double normal_n, double shear_n, double friction) noexcept;
 
   double shear_n() const noexcept { return shear_n_; }
 
-  ShearShape shape() const noexcept;
+  ShearMoments shear_moments() const noexcept;
 
  private:
   static constexpr std::size_t kSprings = 48;

@@ -36,9 +36,9 @@ Result try_contacts(std::size_t side, double noise, Noise kind, int contacts) {
     const Frame frame = maker.make(contact, 0.002 * (2 * unit(random) - 1), 0.002 * (2 * unit(random) - 1),
                                    6.28 * unit(random), noise, kind);
     const auto& patch = finder.find(frame);
-    if (!patch.touched) continue;
-    const Reading reading = fit.read(frame, patch);
-    if (!reading.in_family) continue;
+    if (!patch.in_contact) continue;
+    const FrameEstimate reading = fit.estimate(frame, patch);
+    if (!reading.in_model) continue;
     const double error = std::fabs(reading.gamma - gamma);
     result.answered += 1;
     result.error += error;
@@ -88,8 +88,8 @@ TEST(Fit, ReadsAContactThatTheEdgeCutsFromItsVisiblePart) {
   const Frame frame = maker.make(contact, 0.0060, 0, 0.3, 0.01);
   const auto& patch = finder.find(frame);
   ASSERT_TRUE(patch.cut);
-  const Reading reading = fit.read(frame, patch);
-  ASSERT_TRUE(reading.in_family);
+  const FrameEstimate reading = fit.estimate(frame, patch);
+  ASSERT_TRUE(reading.in_model);
   EXPECT_NEAR(reading.gamma, 0.4, std::max(0.01, 3 * reading.sigma));
 }
 
@@ -102,21 +102,21 @@ TEST(Fit, OtherHistoriesAreNotOfTheFamilyButWhatSlippedIsTold) {
   contact.move_to(2, 0.8, 0.5);
   contact.move_to(3, 0.8, 0.5);
   const Frame regripped = maker.make(contact, 0, 0, 0.3, 0.01);
-  EXPECT_FALSE(fit.read(regripped, finder.find(regripped)).in_family);
+  EXPECT_FALSE(fit.estimate(regripped, finder.find(regripped)).in_model);
   contact.move_to(3, -0.9, 0.5);
   contact.move_to(3, 0.6, 0.5);
   const Frame reversed = maker.make(contact, 0, 0, 0.3, 0.01);
-  const Reading reading = fit.read(reversed, finder.find(reversed));
-  EXPECT_FALSE(reading.in_family);
+  const FrameEstimate reading = fit.estimate(reversed, finder.find(reversed));
+  EXPECT_FALSE(reading.in_model);
   double q = 0, q2 = 0;  // of the exact history's discs
   for (const auto& term : contact.shear_terms()) {
     const double force = term.coefficient * std::pow(term.radius_m, 3);
     q += force;
     q2 += force * std::pow(term.radius_m / contact.contact_radius_m(), 2);
   }
-  const double slipped_n = (5.0 / 3 - q2 / q) * contact.shear_n();
-  EXPECT_NEAR(reading.shape.slipped_n, slipped_n, 3 * reading.shape_sigma.slipped_n);
-  EXPECT_LT(reading.shape_sigma.slipped_n, 0.02 * slipped_n);
+  const double slip_moment_n = (5.0 / 3 - q2 / q) * contact.shear_n();
+  EXPECT_NEAR(reading.moments.slip_moment_n, slip_moment_n, 3 * reading.moments_sigma.slip_moment_n);
+  EXPECT_LT(reading.moments_sigma.slip_moment_n, 0.02 * slip_moment_n);
 }
 
 TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
@@ -129,7 +129,7 @@ TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
     contact.move_to(2, shear, 0.5);
     const Frame frame = maker.make(contact, 0, 0, 0.3, 0.05, Noise::sensor);
     const auto before = test::allocations();
-    fit.read(frame, finder.find(frame));
+    fit.estimate(frame, finder.find(frame));
     EXPECT_EQ(test::allocations(), before);
     EXPECT_LE(fit.steps(), Fit::kMostSteps);
   }

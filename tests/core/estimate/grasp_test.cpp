@@ -88,8 +88,8 @@ std::array<Estimate, 1> at(std::int64_t time_ns, double gamma, double friction_s
   return members;
 }
 
-TEST(GraspJudge, HasTheHysteresisAndTheLeastDurationOfASensor) {
-  GraspJudge judge({});  // warn below 0.4, 0.05 of hysteresis, 2 ms
+TEST(GraspTracker, HasTheHysteresisAndTheLeastDurationOfASensor) {
+  GraspTracker judge({});  // warn below 0.4, 0.05 of hysteresis, 2 ms
   EXPECT_EQ(judge.judge(at(0 * kMs, 0.3)).alert, Alert::none);
   EXPECT_EQ(judge.judge(at(1 * kMs, 0.3)).alert, Alert::none);
   EXPECT_EQ(judge.judge(at(2 * kMs, 0.3)).alert, Alert::warn);
@@ -98,8 +98,8 @@ TEST(GraspJudge, HasTheHysteresisAndTheLeastDurationOfASensor) {
   EXPECT_EQ(judge.judge(at(23 * kMs, 0.6)).alert, Alert::none);
 }
 
-TEST(GraspJudge, UncertaintyCountsAgainstTheGrip) {
-  GraspJudge sure({}), unsure({});
+TEST(GraspTracker, UncertaintyCountsAgainstTheGrip) {
+  GraspTracker sure({}), unsure({});
   for (int i = 0; i < 5; ++i) {
     sure.judge(at(i * kMs, 0.45));
     unsure.judge(at(i * kMs, 0.45, 0.1));
@@ -108,8 +108,8 @@ TEST(GraspJudge, UncertaintyCountsAgainstTheGrip) {
   EXPECT_EQ(unsure.judge(at(5 * kMs, 0.45, 0.1)).alert, Alert::warn);
 }
 
-TEST(GraspJudge, ForeseesTheSlipOfAMarginThatFalls) {
-  GraspJudge judge({});
+TEST(GraspTracker, ForeseesTheSlipOfAMarginThatFalls) {
+  GraspTracker judge({});
   for (int i = 0; i < 50; ++i) judge.judge(at(i * kMs, 0.9 - 0.01 * i));
   EXPECT_NEAR(judge.judge(at(50 * kMs, 0.4)).time_to_slip_s.value(), 0.04, 1e-3);
 }

@@ -40,8 +40,8 @@ TEST(Moments, ReadUnseenContactsOffTheMiddleWithAnHonestSigma) {
                                    6.28 * unit(random), 0.05);
     const auto& patch = finder.find(frame);
     if (patch.cut) continue;  // the largest contacts reach over the edge
-    const Reading reading = moments.read(frame, patch);
-    ASSERT_TRUE(reading.in_family) << "gamma " << gamma << " friction " << friction;
+    const FrameEstimate reading = moments.estimate(frame, patch);
+    ASSERT_TRUE(reading.in_model) << "gamma " << gamma << " friction " << friction;
     ++answered;
     error += std::fabs(reading.gamma - gamma);
     within_two += std::fabs(reading.gamma - gamma) < 2 * reading.sigma ? 1 : 0;
@@ -55,19 +55,19 @@ TEST(Moments, OtherHistoriesAreNotOfTheFamily) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
   Moments moments(maker.layout());
-  const auto in_family = [&](const contact::LoadHistory& contact) {
+  const auto in_model = [&](const contact::LoadHistory& contact) {
     const Frame frame = maker.make(contact, 0, 0, 0.5, 0.01);
-    return moments.read(frame, finder.find(frame)).in_family;
+    return moments.estimate(frame, finder.find(frame)).in_model;
   };
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.8, 0.5);
-  EXPECT_TRUE(in_family(contact));
+  EXPECT_TRUE(in_model(contact));
   contact::LoadHistory regripped = contact, reversed = contact;
   regripped.move_to(3, 0.8, 0.5);
-  EXPECT_FALSE(in_family(regripped));
+  EXPECT_FALSE(in_model(regripped));
   reversed.move_to(2, 0.2, 0.5);
-  EXPECT_FALSE(in_family(reversed));
+  EXPECT_FALSE(in_model(reversed));
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ TEST(Registered, ReadsUnseenContactsWhereverTheyLie) {
     contact.move_to(normal, (1 - gamma) * friction * normal, friction);
     const Frame frame = maker.make(contact, 0.002 * (2 * unit(random) - 1), 0.002 * (2 * unit(random) - 1),
                                    2 * std::numbers::pi * unit(random), 0.05);
-    const Reading reading = registered.read(frame, finder.find(frame));
-    if (!reading.in_family) continue;
+    const FrameEstimate reading = registered.estimate(frame, finder.find(frame));
+    if (!reading.in_model) continue;
     ++answered;
     error += std::fabs(reading.gamma - gamma);
     within_two += std::fabs(reading.gamma - gamma) < 2 * reading.sigma ? 1 : 0;
@@ -111,8 +111,8 @@ TEST(Registered, OnFourRingsInDoublePrecisionItAnswersAsInSingle) {
   PatchFinder finder(layout);
   const Frame frame = maker.make(contact, 0, 0, 0.3, 0.001);
   const auto& patch = finder.find(frame);
-  const Reading one = single.read(frame, patch), two = twice.read(frame, patch);
-  ASSERT_TRUE(one.in_family);
+  const FrameEstimate one = single.estimate(frame, patch), two = twice.read(frame, patch);
+  ASSERT_TRUE(one.in_model);
   EXPECT_NEAR(one.gamma, 0.4, 0.05);
   EXPECT_NEAR(one.gamma, two.gamma, 1e-4);
 }

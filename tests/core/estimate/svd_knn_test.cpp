@@ -45,9 +45,9 @@ Score score_of(double noise, synthetic::Noise kind) {
     contact.move_to(normal, 0, friction);
     contact.move_to(normal, (1 - gamma) * friction * normal, friction);
     const Frame frame = maker.make(contact, 0, 0, 2 * std::numbers::pi * unit(random), noise, kind);
-    const Reading reading = estimator.read(frame, finder.find(frame));
+    const FrameEstimate reading = estimator.estimate(frame, finder.find(frame));
     ++score.frames;
-    if (!reading.in_family) continue;
+    if (!reading.in_model) continue;
     ++score.answered;
     const double miss = std::abs(reading.gamma - gamma);
     score.error += miss;
@@ -89,8 +89,8 @@ TEST(SvdKnn, IsNotWrongAfterARegripUnloadingOrReversal) {
     contact::LoadHistory contact(synthetic::paper_pair());
     for (const auto& [normal, shear] : path) contact.move_to(normal, shear, 0.5);
     const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
-    const Reading reading = estimator.read(frame, finder.find(frame));
-    if (!reading.in_family) return std::nullopt;
+    const FrameEstimate reading = estimator.estimate(frame, finder.find(frame));
+    if (!reading.in_model) return std::nullopt;
     return std::abs(reading.gamma - contact.safety_margin());
   };
   EXPECT_LE(miss({{2, 0}, {2, 0.8}}).value(), 0.1) << "loading is answered";
@@ -112,9 +112,9 @@ TEST(SvdKnn, AllocatesNothingOfItsOwn) {
   contact.move_to(2, 0.5, 0.5);
   const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
   const ContactPatch& patch = finder.find(frame);
-  estimator.read(frame, patch);
+  estimator.estimate(frame, patch);
   const std::uint64_t before = test::allocations();
-  for (int i = 0; i < 100; ++i) estimator.read(frame, patch);
+  for (int i = 0; i < 100; ++i) estimator.estimate(frame, patch);
   // One a frame is FLANN's, within KDTreeSingleIndex::findNeighbors.
   EXPECT_LE(test::allocations() - before, 100U);
 }

@@ -178,8 +178,8 @@ TEST(Tracker, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {
   patch.normal_n = 2;
   patch.shear_n = patch.shear_x_n = 0.5;
   patch.shear_sigma_n = 0.01;
-  Reading nonsense;
-  nonsense.in_family = true;
+  FrameEstimate nonsense;
+  nonsense.in_model = true;
   nonsense.gamma = 9;
   nonsense.sigma = 0.01;
   Estimate estimate;

@@ -16,7 +16,7 @@ class Readings {
  public:
   ContactPatch of(double normal_n, double shear_n) {
     ContactPatch patch;
-    patch.touched = true;
+    patch.in_contact = true;
     patch.normal_n = normal_n + noise_(random_);
     patch.shear_n = std::fabs(shear_n + noise_(random_));
     patch.normal_sigma_n = patch.shear_sigma_n = kNoiseN;
@@ -28,13 +28,13 @@ class Readings {
   std::normal_distribution<double> noise_{0, kNoiseN};
 };
 
-TEST(CarriedLoad, OfManyFramesIsFarBetterThanOfOne) {
+TEST(TractionRatioFilter, OfManyFramesIsFarBetterThanOfOne) {
   Readings readings;
-  CarriedLoad carried(true);
+  TractionRatioFilter carried(true);
   double squares = 0, within = 0;
   const int frames = 2000, settling = 50;
   for (int i = 0; i < frames + settling; ++i) {
-    carried.read(readings.of(3, 0.9));
+    carried.update(readings.of(3, 0.9));
     if (i < settling) continue;
     const double off = carried.now().mean - 0.3;
     squares += off * off;
@@ -46,15 +46,15 @@ TEST(CarriedLoad, OfManyFramesIsFarBetterThanOfOne) {
 }
 
 // Loads that rise, stand and fall in 40 frames each: what it lags behind stays within what it leaves open.
-TEST(CarriedLoad, FollowsALoadThatTurns) {
+TEST(TractionRatioFilter, FollowsALoadThatTurns) {
   Readings readings;
-  CarriedLoad carried(true);
+  TractionRatioFilter carried(true);
   double within = 0, worst = 0;
   const int frames = 4000, leg = 40;
   for (int i = 0; i < frames; ++i) {
     const double part = static_cast<double>(i % leg) / leg;
     const double legs[] = {part, 1, 1 - part, 0}, load = 0.1 + 0.4 * legs[i / leg % 4];
-    carried.read(readings.of(3, 3 * load));
+    carried.update(readings.of(3, 3 * load));
     const double off = std::fabs(carried.now().mean - load);
     within += off < 2 * carried.now().sigma ? 1 : 0;
     worst = std::max(worst, off);
@@ -63,32 +63,32 @@ TEST(CarriedLoad, FollowsALoadThatTurns) {
   EXPECT_LT(worst, 5 * kNoiseN / 3);
 }
 
-TEST(CarriedLoad, FollowsAJumpAtOnce) {
-  CarriedLoad carried(true);
+TEST(TractionRatioFilter, FollowsAJumpAtOnce) {
+  TractionRatioFilter carried(true);
   Readings readings;
-  for (int i = 0; i < 100; ++i) carried.read(readings.of(3, 0.3));
-  carried.read(readings.of(3, 2.1));
+  for (int i = 0; i < 100; ++i) carried.update(readings.of(3, 0.3));
+  carried.update(readings.of(3, 2.1));
   EXPECT_NEAR(carried.now().mean, 0.7, 3 * kNoiseN / 3);
 }
 
-TEST(CarriedLoad, NoiseInTheNormalForceIsNotTakenForSliding) {
+TEST(TractionRatioFilter, NoiseInTheNormalForceIsNotTakenForSliding) {
   for (const double normal_n : {0.3, 0.5, 1.0, 3.0}) {
-    CarriedLoad carried(true);
+    TractionRatioFilter carried(true);
     Readings readings;
     for (int i = 0; i < 5000; ++i) {
-      carried.read(readings.of(normal_n, 0.4 * normal_n));
+      carried.update(readings.of(normal_n, 0.4 * normal_n));
       ASSERT_FALSE(carried.look_for_sliding()) << normal_n << " N, frame " << i;
     }
   }
 }
 
-TEST(CarriedLoad, AnEvenRatioWhileTheGripFallsIsSliding) {
-  CarriedLoad carried(true);
+TEST(TractionRatioFilter, AnEvenRatioWhileTheGripFallsIsSliding) {
+  TractionRatioFilter carried(true);
   Readings readings;
   std::optional<double> slides;
   for (int i = 0; i < 200 && !slides; ++i) {
     const double normal_n = i < 50 ? 3 : 3 - 0.01 * (i - 50);
-    carried.read(readings.of(normal_n, 0.4 * normal_n));
+    carried.update(readings.of(normal_n, 0.4 * normal_n));
     slides = carried.look_for_sliding();
   }
   ASSERT_TRUE(slides);
@@ -96,13 +96,13 @@ TEST(CarriedLoad, AnEvenRatioWhileTheGripFallsIsSliding) {
 }
 
 // Without noise, as one force vector gives them.
-TEST(CarriedLoad, OfReadingsWithoutNoiseIsEachFramesOwn) {
-  CarriedLoad carried(true);
+TEST(TractionRatioFilter, OfReadingsWithoutNoiseIsEachFramesOwn) {
+  TractionRatioFilter carried(true);
   for (const double shear_n : {0.0, 0.5, 0.5, 0.6, 0.1}) {
     ContactPatch patch;
     patch.normal_n = 2;
     patch.shear_n = shear_n;
-    carried.read(patch);
+    carried.update(patch);
     EXPECT_EQ(carried.now().mean, shear_n / 2);
     EXPECT_EQ(carried.now().sigma, 0);
   }

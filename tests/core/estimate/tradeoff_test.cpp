@@ -48,18 +48,18 @@ TEST(Tradeoff, AModelComesWithTheWorthOfEachMethodAndRank) {
   std::vector<std::shared_ptr<const Model>> models;
   for (auto& data : train_ranks(setup, {5, 3}))
     models.push_back(std::make_shared<const Model>(std::move(data)));
-  const Worth worth = measure_worth(models, 30, 9);
-  ASSERT_EQ(worth.rows.size(), 5U);
-  EXPECT_FALSE(worth.processor.empty());
-  EXPECT_EQ(worth.rows[0].method, "moments");
-  EXPECT_EQ(worth.rows[1].method, "fit");
-  EXPECT_EQ(worth.rows[2].settings.rank, 5);
-  EXPECT_EQ(worth.rows[3].settings.rank, 3);
-  EXPECT_EQ(worth.rows[3].settings.rings, 16);
-  EXPECT_EQ(worth.rows[4].settings.precision, Precision::double_precision);
-  EXPECT_NEAR(worth.rows[4].mean_error, worth.rows[2].mean_error, 1e-3);
-  EXPECT_GT(worth.rows[2].settings.memory_bytes, worth.rows[3].settings.memory_bytes);
-  EXPECT_GT(worth.rows[1].settings.memory_bytes, worth.rows[0].settings.memory_bytes);
+  const WorkPrecision work_precision = measure_work_precision(models, 30, 9);
+  ASSERT_EQ(work_precision.rows.size(), 5U);
+  EXPECT_FALSE(work_precision.processor.empty());
+  EXPECT_EQ(work_precision.rows[0].method, "moments");
+  EXPECT_EQ(work_precision.rows[1].method, "fit");
+  EXPECT_EQ(work_precision.rows[2].settings.rank, 5);
+  EXPECT_EQ(work_precision.rows[3].settings.rank, 3);
+  EXPECT_EQ(work_precision.rows[3].settings.rings, 16);
+  EXPECT_EQ(work_precision.rows[4].settings.precision, Precision::double_precision);
+  EXPECT_NEAR(work_precision.rows[4].mean_error, work_precision.rows[2].mean_error, 1e-3);
+  EXPECT_GT(work_precision.rows[2].settings.memory_bytes, work_precision.rows[3].settings.memory_bytes);
+  EXPECT_GT(work_precision.rows[1].settings.memory_bytes, work_precision.rows[0].settings.memory_bytes);
 }
 
 TEST(Tradeoff, TheChoiceIsTheLeastErrorWithinTheBudgetOrTheFastest) {

@@ -13,7 +13,7 @@
 namespace slipd {
 namespace {
 
-using contact::SpringBed;
+using contact::WinklerFoundation;
 
 std::vector<double> frictions(std::size_t count) {
   std::vector<double> all;
@@ -25,7 +25,7 @@ std::vector<double> frictions(std::size_t count) {
 // Both forms of the same contacts.
 class Both {
  public:
-  Both(std::size_t count, const SpringKernels& kernels)
+  Both(std::size_t count, const WinklerKernels& kernels)
       : frictions_(frictions(count)), alone_(count), beds_(frictions_, kernels), name_(kernels.name) {}
 
   void follow(double normal_n, double shear_n) {
@@ -34,11 +34,12 @@ class Both {
     normal_n_ = normal_n;
     shear_n_ = shear_n;
   }
-  void assume_risen(double normal_n, double shear_n) {
+  void assume_monotonic(double normal_n, double shear_n) {
     normal_n_ = normal_n;
     shear_n_ = shear_n;
-    beds_.assume_risen(normal_n, shear_n);
-    for (std::size_t j = 0; j < alone_.size(); ++j) alone_[j].assume_risen(normal_n, shear_n, frictions_[j]);
+    beds_.assume_monotonic(normal_n, shear_n);
+    for (std::size_t j = 0; j < alone_.size(); ++j)
+      alone_[j].assume_monotonic(normal_n, shear_n, frictions_[j]);
   }
   void weaken(std::size_t from) {
     const auto odd = [](std::size_t j) { return j % 2 == 1; };
@@ -56,23 +57,23 @@ class Both {
 
   void expect_same() {
     for (std::size_t j = 0; j < alone_.size(); ++j) {
-      const auto expected = alone_[j].shape(), got = beds_.shape(j);
-      ASSERT_EQ(got.slipped_n, expected.slipped_n) << name_ << ", bed " << j;
-      ASSERT_EQ(got.hollow_n, expected.hollow_n) << name_ << ", bed " << j;
+      const auto expected = alone_[j].shear_moments(), got = beds_.shear_moments(j);
+      ASSERT_EQ(got.slip_moment_n, expected.slip_moment_n) << name_ << ", bed " << j;
+      ASSERT_EQ(got.second_legendre_n, expected.second_legendre_n) << name_ << ", bed " << j;
       ASSERT_EQ(beds_.shear_n(j), alone_[j].shear_n()) << name_ << ", bed " << j;
     }
   }
 
  private:
   std::vector<double> frictions_;
-  std::vector<SpringBed> alone_;
-  SpringBeds beds_;
+  std::vector<WinklerFoundation> alone_;
+  WinklerFoundations beds_;
   const char* name_;
   double normal_n_ = 1, shear_n_ = 0;
 };
 
-TEST(SpringBeds, SayWhatEachWouldSayAloneToTheLastBit) {
-  for (const SpringKernels* kernels : kernels_at_hand<SpringKernels>()) {
+TEST(WinklerFoundations, SayWhatEachWouldSayAloneToTheLastBit) {
+  for (const WinklerKernels* kernels : kernels_at_hand<WinklerKernels>()) {
     for (const std::size_t count : {1U, 16U, 56U, 64U}) {
       std::mt19937_64 random(count);
       std::uniform_real_distribution<double> unit(0, 1);
@@ -83,7 +84,7 @@ TEST(SpringBeds, SayWhatEachWouldSayAloneToTheLastBit) {
         if (what < 0.05) {
           both.clear();
         } else if (what < 0.1) {
-          both.assume_risen(p, q);
+          both.assume_monotonic(p, q);
         } else if (what < 0.25) {
           both.weaken(std::uniform_int_distribution<std::size_t>(0, count - 1)(random));
         }
@@ -100,16 +101,17 @@ TEST(SpringBeds, SayWhatEachWouldSayAloneToTheLastBit) {
   }
 }
 
-TEST(SpringBeds, WithoutAContactThereIsNoShape) {
+TEST(WinklerFoundations, WithoutAContactThereIsNoShape) {
   const double friction = 0.5;
-  SpringBeds beds(std::span(&friction, 1));
-  EXPECT_EQ(beds.shape(0).slipped_n, 0);
+  WinklerFoundations beds(std::span(&friction, 1));
+  EXPECT_EQ(beds.shear_moments(0).slip_moment_n, 0);
   beds.follow(2, 5);
   EXPECT_EQ(beds.shear_n(0), 1);
-  EXPECT_NEAR(beds.shape(0).slipped_n, 2.0 / 3, 0.01) << "gross slip: shear lies as pressure does";
+  EXPECT_NEAR(beds.shear_moments(0).slip_moment_n, 2.0 / 3, 0.01)
+      << "gross slip: shear lies as pressure does";
   beds.follow(0, 1);
   EXPECT_EQ(beds.shear_n(0), 0);
-  EXPECT_EQ(beds.shape(0).slipped_n, 0);
+  EXPECT_EQ(beds.shear_moments(0).slip_moment_n, 0);
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "core/simd/instruction_sets.hpp"
 #include "core/model/alpha_kernels.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 TEST(Alpha, IsTheAngleOfShearOverPressure) {
   constexpr std::size_t kCount = 4099;  // no multiple of a vector register's lanes
   std::vector<float> p(kCount), x(kCount), y(kCount), alpha(kCount);
-  const Draws draws(3);
+  const RandomStream draws(3);
   for (std::size_t i = 0; i < kCount; ++i) {
     p[i] = static_cast<float>(std::exp(draws.uniform(4 * i, -10, 15)));
     x[i] = static_cast<float>(p[i] * std::sinh(draws.uniform(4 * i + 1, -9, 9)));
@@ -36,7 +36,7 @@ TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
   constexpr std::size_t kCount = 1003, kRank = AlphaKernels::kTogether;
   constexpr float kUntouched = -7;
   std::vector<float> p(kCount), x(kCount), y(kCount), basis(kCount * kRank);
-  const Draws draws(5);
+  const RandomStream draws(5);
   for (std::size_t i = 0; i < kCount; ++i) {
     p[i] = static_cast<float>(draws.uniform(3 * i, -100, 1000));
     x[i] = static_cast<float>(draws.uniform(3 * i + 1, -500, 900));
@@ -45,7 +45,7 @@ TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
   for (std::size_t i = 0; i < basis.size(); ++i) basis[i] = draws.stream(1).noise(i);
   const TaxelView view{p.data(), x.data(), y.data(), nullptr, nullptr, kCount};
   const AlphaMask mask{.least_pa = 50, .along_x = 0.6F, .along_y = 0.8F};
-  const std::vector<slipd::Run> runs{{3, 4}, {10, 29}, {100, 164}, {500, 900}, {990, 1003}};
+  const std::vector<slipd::TaxelRun> runs{{3, 4}, {10, 29}, {100, 164}, {500, 900}, {990, 1003}};
   for (const AlphaKernels* kernels : kernels_at_hand<AlphaKernels>()) {
     std::vector<float> alpha(kCount, kUntouched), point(kRank);
     const AngleSums sums = kernels->angles(view, runs, mask, alpha.data());

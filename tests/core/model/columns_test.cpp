@@ -57,9 +57,9 @@ TEST(PaperColumns, AreTheContactModelAtEachTaxel) {
     for (std::size_t j = 0; j < columns.columns(); j += 7) {
       columns.fill(j, 1, values.data());
       const ContactDraw draw = draw_contact(scene, 5, columns.contact(j));
-      const auto pair =
-          contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
-      const contact::RisingLoad load(pair, draw.normal_n, draw.friction, 1 - columns.gamma(j));
+      const auto pair = contact::make_body_pair(contact::body_of(scene.skin),
+                                                {draw.radius_m, draw.modulus_pa, draw.poisson});
+      const contact::CattaneoMindlin load(pair, draw.normal_n, draw.friction, 1 - columns.gamma(j));
       for (std::size_t i = 0; i < layout.size(); ++i) {
         const auto there = load.at(std::hypot(layout.x_m()[i] - draw.x_m, layout.y_m()[i] - draw.y_m) /
                                    load.contact_radius_m());

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/model/column_source.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd::testing {
 
@@ -26,7 +26,7 @@ class MatrixSource final : public ColumnSource {
 
 inline Eigen::MatrixXf random_matrix(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
   Eigen::MatrixXf matrix = Eigen::MatrixXf::Zero(rows, columns);
-  Draws(seed).add_noise(matrix.data(), static_cast<std::uint64_t>(matrix.size()), 1);
+  RandomStream(seed).add_noise(matrix.data(), static_cast<std::uint64_t>(matrix.size()), 1);
   return matrix;
 }
 

@@ -10,8 +10,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/storage/crc64.hpp"
 #include "core/model/train.hpp"
+#include "core/storage/crc64.hpp"
 
 namespace slipd {
 namespace {
@@ -54,15 +54,15 @@ TEST_F(ModelFile, KeepsWhatEachMethodWasWorth) {
   row.settings = {3, 16, 5, Precision::single_precision, 12345};
   row.mean_error = 0.01;
   row.p99_us = 7;
-  data.worth = {{row}, "a processor"};
-  const Worth worth = decode_model(encode_model(data)).data().worth;
-  ASSERT_EQ(worth.rows.size(), 1U);
-  EXPECT_EQ(worth.processor, "a processor");
-  EXPECT_EQ(worth.rows[0].method, "registered");
-  EXPECT_EQ(worth.rows[0].settings.memory_bytes, 12345U);
-  EXPECT_EQ(worth.rows[0].settings.precision, Precision::single_precision);
-  EXPECT_EQ(worth.rows[0].mean_error, 0.01);
-  EXPECT_EQ(worth.rows[0].p99_us, 7);
+  data.work_precision = {{row}, "a processor"};
+  const WorkPrecision work_precision = decode_model(encode_model(data)).data().work_precision;
+  ASSERT_EQ(work_precision.rows.size(), 1U);
+  EXPECT_EQ(work_precision.processor, "a processor");
+  EXPECT_EQ(work_precision.rows[0].method, "registered");
+  EXPECT_EQ(work_precision.rows[0].settings.memory_bytes, 12345U);
+  EXPECT_EQ(work_precision.rows[0].settings.precision, Precision::single_precision);
+  EXPECT_EQ(work_precision.rows[0].mean_error, 0.01);
+  EXPECT_EQ(work_precision.rows[0].p99_us, 7);
 }
 
 TEST_F(ModelFile, ComesBackAsItWas) {

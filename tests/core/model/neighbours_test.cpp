@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "core/model/knn.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace slipd {
 namespace {
 
 std::vector<float> random_points(std::size_t count, std::size_t dimensions, std::uint64_t seed) {
   std::vector<float> points(count * dimensions);
-  Draws(seed).add_noise(points.data(), points.size(), 1);
+  RandomStream(seed).add_noise(points.data(), points.size(), 1);
   return points;
 }
 

@@ -1,4 +1,4 @@
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,14 +10,14 @@
 namespace slipd {
 namespace {
 
-TEST(Draws, AreTheSameOnEveryMachine) {
+TEST(RandomStream, AreTheSameOnEveryMachine) {
   // Recorded once; a change of these changes every model and every figure.
-  EXPECT_EQ(Draws(1).bits(0), 6791897765849424158ULL);
-  EXPECT_EQ(Draws(1).stream(5).bits(7), 11349061025129719534ULL);
+  EXPECT_EQ(RandomStream(1).bits(0), 6791897765849424158ULL);
+  EXPECT_EQ(RandomStream(1).stream(5).bits(7), 11349061025129719534ULL);
 }
 
-TEST(Draws, AreUniformAndIndependentOfTheirNeighbours) {
-  const Draws draws = Draws(42).stream(3);
+TEST(RandomStream, AreUniformAndIndependentOfTheirNeighbours) {
+  const RandomStream draws = RandomStream(42).stream(3);
   constexpr int kCount = 100000;
   double sum = 0, squares = 0, product = 0;
   for (std::uint64_t i = 0; i < kCount; ++i) {
@@ -26,7 +26,7 @@ TEST(Draws, AreUniformAndIndependentOfTheirNeighbours) {
     ASSERT_LT(u, 1);
     sum += u;
     squares += u * u;
-    product += (u - 0.5) * (Draws(42).stream(4).uniform(i) - 0.5);
+    product += (u - 0.5) * (RandomStream(42).stream(4).uniform(i) - 0.5);
   }
   // Five standard errors of 100000 draws.
   EXPECT_NEAR(sum / kCount, 0.5, 5 * std::sqrt(1.0 / 12 / kCount));
@@ -34,12 +34,12 @@ TEST(Draws, AreUniformAndIndependentOfTheirNeighbours) {
   EXPECT_NEAR(product / kCount, 0, 5 / 12.0 / std::sqrt(kCount));
 }
 
-TEST(Draws, NoiseAddedInBulkIsTheNoiseOfEachPlace) {
+TEST(RandomStream, NoiseAddedInBulkIsTheNoiseOfEachPlace) {
   for (const std::uint64_t n : {1U, 2U, 9U}) {
     std::vector<float> values(n, 0.0F);
-    Draws(8).add_noise(values.data(), n, 1);
+    RandomStream(8).add_noise(values.data(), n, 1);
     for (std::uint64_t i = 0; i < n; ++i) {
-      EXPECT_EQ(values[i], Draws(8).noise(i));
+      EXPECT_EQ(values[i], RandomStream(8).noise(i));
       EXPECT_LE(std::abs(values[i]), 1.0F);
     }
   }

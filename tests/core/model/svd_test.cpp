@@ -7,9 +7,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/simd/instruction_sets.hpp"
 #include "core/model/packed.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "tests/core/model/matrix_source.hpp"
 
 namespace slipd {
@@ -68,10 +68,10 @@ TEST(PackedColumns, MultiplyAsTheMatrixDoesOnEveryInstructionSet) {
   }
   EXPECT_FALSE(PackedColumns::of(source, 100, 2)) << "no room";
 
-  const std::vector<slipd::Run> runs{{0, 1}, {5, 22}, {40, 61}};
+  const std::vector<slipd::TaxelRun> runs{{0, 1}, {5, 22}, {40, 61}};
   std::vector<float> values(39), q(std::size_t{61} * PackedKernels::kWidest);
-  Draws(2).add_noise(values.data(), values.size(), 1);
-  Draws(3).add_noise(q.data(), q.size(), 1);
+  RandomStream(2).add_noise(values.data(), values.size(), 1);
+  RandomStream(3).add_noise(q.data(), q.size(), 1);
   for (const std::size_t width : {16U, 32U, 48U, 64U}) {
     std::vector<double> wanted(width);
     std::size_t at = 0;

@@ -34,8 +34,8 @@ struct Taxels {
   TaxelView view() const { return {normal.data(), shear_x.data(), shear_y.data(), x.data(), y.data(), size}; }
 };
 
-std::vector<Run> random_runs(std::size_t size, std::mt19937& random) {
-  std::vector<Run> runs;
+std::vector<TaxelRun> random_runs(std::size_t size, std::mt19937& random) {
+  std::vector<TaxelRun> runs;
   std::uniform_int_distribution<std::uint32_t> gap(0, 9), length(1, 60);
   for (std::uint32_t at = gap(random); at < size;) {
     const std::uint32_t end = std::min<std::uint32_t>(at + length(random), static_cast<std::uint32_t>(size));
@@ -61,7 +61,8 @@ class Near {
   double sum_ = 0, size_ = 0;
 };
 
-const Standpoint kFrom{.x_m = 4e-4F, .y_m = -1.1e-3F, .toward_x = 0.6F, .toward_y = -0.8F, .radius_m = 5e-3F};
+const ContactPose kFrom{
+    .x_m = 4e-4F, .y_m = -1.1e-3F, .direction_x = 0.6F, .direction_y = -0.8F, .radius_m = 5e-3F};
 
 class DiscKernelsOf : public ::testing::TestWithParam<std::size_t> {};
 
@@ -80,8 +81,8 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
       std::array<Near, 14> moments;
       Near squares;
       const float least = 3e4F;
-      const Hole hole{.below_pa = 1e4F, .within_m2 = 2e-5F};
-      std::size_t holes = 0;
+      const DeadTaxelTest dead_taxel_test{.below_pa = 1e4F, .within_m2 = 2e-5F};
+      std::size_t dead_taxels = 0;
       for (std::size_t i = 0; i < view.size; ++i) {
         const double p = view.normal_pa[i], x = view.x_m[i], y = view.y_m[i];
         if (p < 0) noise.add(p * p);
@@ -96,7 +97,7 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
         for (std::size_t i = run.first; i < run.end; ++i) {
           const double p = view.normal_pa[i], sx = view.shear_x_pa[i], sy = view.shear_y_pa[i];
           const double x = view.x_m[i] - kFrom.x_m, y = view.y_m[i] - kFrom.y_m, rr = x * x + y * y;
-          const double q = kFrom.toward_x * sx + kFrom.toward_y * sy;
+          const double q = kFrom.direction_x * sx + kFrom.direction_y * sy;
           const double a2 = static_cast<double>(kFrom.radius_m) * kFrom.radius_m, s = rr / a2;
           inner_peak = std::max(inner_peak, view.normal_pa[i]);
           const double place[] = {p, p * x, p * y, p * rr}, forces[] = {p, sx, sy},
@@ -118,7 +119,8 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
           for (std::size_t k = 0; k < 3; ++k) force[k].add(forces[k]);
           for (std::size_t k = 0; k < 14; ++k) moments[k].add(powers[k]);
           squares.add(q * q);
-          holes += view.normal_pa[i] < hole.below_pa && rr < hole.within_m2 ? 1 : 0;
+          dead_taxels +=
+              view.normal_pa[i] < dead_taxel_test.below_pa && rr < dead_taxel_test.within_m2 ? 1 : 0;
         }
       }
       const char* const name = kernels->name;
@@ -131,9 +133,9 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
         for (std::size_t k = 0; k < 4; ++k) of[k].expect(values[k], what, name);
       };
       four(placed, kernels->place(view, least), "place");
-      const PlaceSums w = kernels->weigh(view, runs, kFrom.x_m, kFrom.y_m, hole);
+      const PlaceSums w = kernels->weigh(view, runs, kFrom.x_m, kFrom.y_m, dead_taxel_test);
       four(weighed, w, "weigh");
-      EXPECT_EQ(w.holes, holes) << name;
+      EXPECT_EQ(w.dead_taxels, dead_taxels) << name;
       const ForceSums f = kernels->force(view, runs);
       const double forces[] = {f.p, f.x, f.y};
       for (std::size_t k = 0; k < 3; ++k) force[k].expect(forces[k], "force", name);
@@ -165,8 +167,8 @@ TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
         const double r = std::hypot(view.x_m[i] - kFrom.x_m, view.y_m[i] - kFrom.y_m) / kFrom.radius_m;
         count[std::min(static_cast<std::size_t>(r * kRings), kRings - 1)] += 1;
         p.add(view.normal_pa[i]);
-        const double along = static_cast<double>(kFrom.toward_x) * view.shear_x_pa[i],
-                     across = static_cast<double>(kFrom.toward_y) * view.shear_y_pa[i];
+        const double along = static_cast<double>(kFrom.direction_x) * view.shear_x_pa[i],
+                     across = static_cast<double>(kFrom.direction_y) * view.shear_y_pa[i];
         q.add(along + across, std::fabs(along) + std::fabs(across));
       }
     }

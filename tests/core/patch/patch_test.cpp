@@ -26,14 +26,14 @@ TEST(PatchFinder, FindsForcesPlaceAndRadiusOfAContactAnywhereOnThePad) {
     const double x = 0.001 * (2 * unit(random) - 1), y = 0.001 * (2 * unit(random) - 1),
                  toward = 6.28 * unit(random);
     const auto& patch = finder.find(maker.make(contact, x, y, toward, 0.02));
-    ASSERT_TRUE(patch.touched);
+    ASSERT_TRUE(patch.in_contact);
     EXPECT_NEAR(patch.normal_n / normal, 1, 0.005);
     EXPECT_NEAR(patch.shear_n / contact.shear_n(), 1, 0.005);
     EXPECT_NEAR(patch.center_x_m, x, 2e-5);
     EXPECT_NEAR(patch.center_y_m, y, 2e-5);
     EXPECT_NEAR(patch.radius_m / contact.contact_radius_m(), 1, 0.01);
-    EXPECT_NEAR(patch.toward_x, std::cos(toward), 0.01);
-    EXPECT_NEAR(patch.toward_y, std::sin(toward), 0.01);
+    EXPECT_NEAR(patch.direction_x, std::cos(toward), 0.01);
+    EXPECT_NEAR(patch.direction_y, std::sin(toward), 0.01);
   }
 }
 
@@ -63,10 +63,10 @@ TEST(PatchFinder, NoiseAloneIsNoContact) {
     for (auto* channel : {&p, &x, &y}) {
       for (auto& value : *channel) value = noise(random);
     }
-    EXPECT_FALSE(finder.find({1, 1, p, x, y}).touched);
+    EXPECT_FALSE(finder.find({1, 1, p, x, y}).in_contact);
   }
   std::fill(p.begin(), p.end(), 0.0F);
-  EXPECT_FALSE(finder.find({1, 1, p, x, y}).touched);
+  EXPECT_FALSE(finder.find({1, 1, p, x, y}).in_contact);
 }
 
 TEST(PatchFinder, TellsAContactThatTheEdgeCuts) {
@@ -110,12 +110,12 @@ class Blinded {
 TEST(PatchFinder, NeighboursStandForDeadTaxels) {
   Blinded blinded;
   PatchFinder finder(blinded.layout());
-  EXPECT_EQ(finder.find(blinded.frame([](std::size_t) { return false; })).mended, 0U);
+  EXPECT_EQ(finder.find(blinded.frame([](std::size_t) { return false; })).interpolated, 0U);
   std::mt19937 random(4);
   std::bernoulli_distribution dead(0.05);
   for (int i = 0; i < 20; ++i) {
     const auto& patch = finder.find(blinded.frame([&](std::size_t) { return dead(random); }));
-    EXPECT_GT(patch.mended, 0U);
+    EXPECT_GT(patch.interpolated, 0U);
     EXPECT_NEAR(patch.normal_n / 2, 1, 0.02);
     EXPECT_NEAR(patch.shear_n / 0.6, 1, 0.03);
     EXPECT_NEAR(patch.radius_m / blinded.radius_m(), 1, 0.01);
@@ -129,9 +129,9 @@ TEST(PatchFinder, AHollowStaysAHollow) {
   PatchFinder finder(blinded.layout());
   const auto& patch = finder.find(
       blinded.frame([&](std::size_t i) { return blinded.from_middle_m(i) < 0.4 * blinded.radius_m(); }));
-  ASSERT_TRUE(patch.touched);
-  const double hollow_n = 2 * std::pow(1 - 0.4 * 0.4, 1.5);
-  EXPECT_NEAR(patch.normal_n / hollow_n, 1, 0.1);
+  ASSERT_TRUE(patch.in_contact);
+  const double second_legendre_n = 2 * std::pow(1 - 0.4 * 0.4, 1.5);
+  EXPECT_NEAR(patch.normal_n / second_legendre_n, 1, 0.1);
 }
 
 TEST(PatchFinder, NeighboursStandForDeadTaxelsAlsoWhereThereIsNoGrid) {
@@ -142,7 +142,7 @@ TEST(PatchFinder, NeighboursStandForDeadTaxelsAlsoWhereThereIsNoGrid) {
   PatchFinder scattered(layout), regular(grid);
   const Frame frame = blinded.frame([](std::size_t i) { return i % 37 == 0; });
   const auto& patch = scattered.find(frame);
-  EXPECT_GT(patch.mended, 0U);
+  EXPECT_GT(patch.interpolated, 0U);
   EXPECT_NEAR(patch.normal_n, regular.find(frame).normal_n, 1e-6);
 }
 

@@ -24,11 +24,11 @@ TEST(CanDbc, EverySubjectHasItsMessages) {
       testing::read_dbc(dbc_text(can_at(0x100, false, false), {"sensor left", "sensor right", "grasp both"}));
   ASSERT_EQ(messages.size(), 7U);
   const auto shipped = testing::read_dbc(std::string(slipd_dbc));
-  const char* subjects[] = {"sensor left", "sensor right", "grasp both"};
+  const char* sources[] = {"sensor left", "sensor right", "grasp both"};
   for (std::uint32_t i = 0; i < 3; ++i) {
     const auto& estimate = messages.at(0x100 + i);
     EXPECT_EQ(estimate.name, "SLIP_ESTIMATE_" + std::to_string(i));
-    EXPECT_NE(estimate.comment.find(subjects[i]), std::string::npos);
+    EXPECT_NE(estimate.comment.find(sources[i]), std::string::npos);
     EXPECT_EQ(estimate.attributes.at("GenMsgCycleTime"), 4);
     EXPECT_EQ(messages.at(0x120 + i).name, "SLIP_ALERT_" + std::to_string(i));
     EXPECT_EQ(messages.at(0x120 + i).attributes.at("GenMsgCycleTime"), 50);

@@ -17,9 +17,9 @@ using namespace std::chrono_literals;
 constexpr std::uint32_t kEstimate = 0x5A0, kAlert = 0x5C0;
 constexpr std::uint64_t kUnknownMargin = 0xFFFF, kOutOfModel = 3, kStale = 6, kFault = 7, kSlip = 2;
 
-class World {
+class ServiceContext {
  public:
-  explicit World(const std::string& options)
+  explicit ServiceContext(const std::string& options)
       : modules_(std::filesystem::path(SLIPD_BINARY_DIR) / "test-drivers"),
         settings_(parse_settings(R"({"sensors": [{"name": "left", "driver": "trial", "stale_after_ms": 200,
                     "layout": {"grid": [16, 16], "pitch_mm": 0.9}, "options": )" +
@@ -32,10 +32,10 @@ class World {
               throw std::runtime_error("moments need no model");
             },
             &bell_),
-        talk_(settings_, board_, port_, log_, Doorbell::Clock::now()) {
+        scheduler_(settings_, board_, port_, log_, Doorbell::Clock::now()) {
     pipeline_.start({});
   }
-  ~World() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + 5s)); }
+  ~ServiceContext() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + 5s)); }
 
   // Talks on, as the CAN thread does, until `enough`; false after ten seconds.
   bool talk_until(const std::function<bool()>& enough) {
@@ -44,7 +44,7 @@ class World {
       const auto now = Doorbell::Clock::now();
       if (now > patience) return false;
       const std::uint32_t rung = bell_.rung();
-      bell_.wait(rung, talk_.step(now));
+      bell_.wait(rung, scheduler_.step(now));
     }
     return true;
   }
@@ -63,7 +63,7 @@ class World {
   Pipeline pipeline_;
   FakePort port_;
   LogRing log_;
-  Talk talk_;
+  CanScheduler scheduler_;
 };
 
 void expect_no_margin_without_ok(const std::vector<Message>& sent) {
@@ -74,10 +74,10 @@ void expect_no_margin_without_ok(const std::vector<Message>& sent) {
 }
 
 TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
-  World world(R"({"gamma": 0.05})");
-  ASSERT_TRUE(world.talk_until(
-      [&] { return world.said(kAlert, "Alert", kSlip) && world.said(kEstimate, "State", 0); }));
-  const auto sent = world.port().take(kEstimate);
+  ServiceContext context(R"({"gamma": 0.05})");
+  ASSERT_TRUE(context.talk_until(
+      [&] { return context.said(kAlert, "Alert", kSlip) && context.said(kEstimate, "State", 0); }));
+  const auto sent = context.port().take(kEstimate);
   const auto& last =
       *std::find_if(sent.begin(), sent.end(), [](const Message& m) { return raw(m, "State") == 0; });
   EXPECT_LE(raw(last, "Gamma"), 10000U);
@@ -86,29 +86,29 @@ TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
 }
 
 TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
-  World world(R"({"behaviour": "throw_in_open"})");
-  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", kFault); }));
-  expect_no_margin_without_ok(world.port().take(kEstimate));
+  ServiceContext context(R"({"behaviour": "throw_in_open"})");
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kFault); }));
+  expect_no_margin_without_ok(context.port().take(kEstimate));
 }
 
 TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
-  World world(R"({"behaviour": "nonsense", "after": 300})");
-  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", 0); }));
-  expect_no_margin_without_ok(world.port().take(kEstimate));
-  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", kOutOfModel); }));
-  expect_no_margin_without_ok(world.port().take(kEstimate));
+  ServiceContext context(R"({"behaviour": "nonsense", "after": 300})");
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", 0); }));
+  expect_no_margin_without_ok(context.port().take(kEstimate));
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kOutOfModel); }));
+  expect_no_margin_without_ok(context.port().take(kEstimate));
 }
 
 TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStands) {
-  World world(R"({"gamma": 0.05, "behaviour": "end", "after": 300})");
-  ASSERT_TRUE(world.talk_until([&] { return world.said(kAlert, "Alert", kSlip); }));
-  world.port().take(kEstimate);  // it was stale before the first frame, too
-  ASSERT_TRUE(world.talk_until([&] { return world.said(kEstimate, "State", kStale); }));
-  const auto sent = world.port().take(kEstimate);
+  ServiceContext context(R"({"gamma": 0.05, "behaviour": "end", "after": 300})");
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kAlert, "Alert", kSlip); }));
+  context.port().take(kEstimate);  // it was stale before the first frame, too
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kStale); }));
+  const auto sent = context.port().take(kEstimate);
   expect_no_margin_without_ok(sent);
   EXPECT_EQ(raw(sent.back(), "State"), kStale);
   EXPECT_EQ(raw(sent.back(), "Alert"), kSlip) << "that nothing comes is no sign of a safer grip";
-  EXPECT_EQ(raw(world.port().take(kAlert).back(), "Alert"), kSlip);
+  EXPECT_EQ(raw(context.port().take(kAlert).back(), "Alert"), kSlip);
 }
 
 }  // namespace

@@ -37,13 +37,13 @@ class CanTalk : public ::testing::Test {
   void begin(Settings settings) {
     settings_ = std::move(settings);
     for (const auto& sensor : settings_.sensors) {
-      board_.sensors.push_back(std::make_unique<Panel>(sensor.setup.name, sensor.driver));
+      board_.sensors.push_back(std::make_unique<SensorStatus>(sensor.setup.name, sensor.driver));
       board_.sensors.back()->link = Link::open;
     }
     for (const auto& grasp : settings_.grasps)
-      board_.grasps.push_back(std::make_unique<GraspPanel>(grasp.name, std::vector<std::size_t>{0, 1}));
-    grasping_.emplace(board_, settings_.alerts);
-    talk_.emplace(settings_, board_, port_, log_, now_);
+      board_.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::vector<std::size_t>{0, 1}));
+    grasp_evaluator_.emplace(board_, settings_.alerts);
+    scheduler_.emplace(settings_, board_, port_, log_, now_);
   }
 
   // As the estimate thread does at this moment.
@@ -59,7 +59,7 @@ class CanTalk : public ::testing::Test {
     reading.estimate.normal_n = 2;
     reading.estimate.shear_n = gamma ? std::optional(2 * 0.5 * (1 - *gamma)) : std::nullopt;
     board_.sensors[sensor]->latest.store(reading);
-    grasping_->touch(sensor);
+    grasp_evaluator_->touch(sensor);
   }
 
   // A millisecond a time, each with a new estimate of every sensor, as at 1 kHz; steps when the talk asked
@@ -67,20 +67,20 @@ class CanTalk : public ::testing::Test {
   void pass(std::chrono::milliseconds time, std::optional<double> gamma = 0.7, Alert alert = Alert::none) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       for (std::size_t i = 0; i < board_.sensors.size(); ++i) publish(i, gamma, alert);
-      grasping_->judge();
-      if (now_ >= due_) due_ = talk_->step(now_);
+      grasp_evaluator_->judge();
+      if (now_ >= due_) due_ = scheduler_->step(now_);
     }
   }
-  void step() { due_ = talk_->step(now_); }
-  Report report() const { return talk_->report().load(); }
+  void step() { due_ = scheduler_->step(now_); }
+  Report report() const { return scheduler_->report().load(); }
 
   Settings settings_;
   Board board_;
   FakePort port_;
   LogRing log_;
-  Talk::Time now_{1000s}, due_{};
-  std::optional<Grasping> grasping_;
-  std::optional<Talk> talk_;
+  CanScheduler::Time now_{1000s}, due_{};
+  std::optional<GraspEvaluator> grasp_evaluator_;
+  std::optional<CanScheduler> scheduler_;
 };
 
 TEST_F(CanTalk, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
@@ -104,8 +104,8 @@ TEST_F(CanTalk, KeepsItsBeatWhenItIsLate) {
   begin(settings_for({"left"}));
   step();
   for (const auto late : {0ms, 3ms, 9ms}) {
-    now_ = Talk::Time(1000s) + 100ms + late;
-    EXPECT_EQ(talk_->step(now_), Talk::Time(1000s) + 110ms);
+    now_ = CanScheduler::Time(1000s) + 100ms + late;
+    EXPECT_EQ(scheduler_->step(now_), CanScheduler::Time(1000s) + 110ms);
   }
 }
 
@@ -137,7 +137,7 @@ TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStand
   begin(settings_for({"left"}));
   pass(50ms, 0.3, Alert::warn);
   port_.sent.clear();
-  while (now_ < Talk::Time(1000s) + 200ms) {  // the estimate thread stands still
+  while (now_ < CanScheduler::Time(1000s) + 200ms) {  // the estimate thread stands still
     now_ = due_;
     step();
   }
@@ -265,7 +265,7 @@ TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
   begin(settings_for({"left", "right"}));
   pass(25ms, 0.1, Alert::slip);
   port_.sent.clear();
-  talk_->end(now_);
+  scheduler_->end(now_);
   for (std::uint32_t i = 0; i < 2; ++i) {
     const auto sent = port_.take(kEstimate + i);
     ASSERT_EQ(sent.size(), 1U);
@@ -285,10 +285,11 @@ TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
   pass(10ms);
   auto sent = port_.take(kEstimate + 2);
   ASSERT_EQ(sent.size(), 1U);
-  for (; now_ < Talk::Time(1000s) + 20ms; now_ += 1ms) {  // together they hold less well than they should
+  for (; now_ < CanScheduler::Time(1000s) + 20ms;
+       now_ += 1ms) {  // together they hold less well than they should
     publish(0, 0.6);
     publish(1, 0.1);
-    grasping_->judge();
+    grasp_evaluator_->judge();
     step();
   }
   const auto alerts = port_.take(kAlert + 2);

@@ -26,8 +26,8 @@ Settings settings_for(const ChainSetup& setup) {
 Cell::Cell(const sim::SensorSettings& sensor, const GripperSettings& gripper, const ChainSetup& setup,
            bool listening)
     : settings_(settings_for(setup)),
-      panel_(add_panel()),
-      talk_(settings_, board_, bus_, log_, now_),
+      status_(add_sensor()),
+      scheduler_(settings_, board_, bus_, log_, now_),
       sensor_(setup.layout, sensor),
       chain_(setup, nullptr),
       memory_(3 * setup.layout.size()),
@@ -55,21 +55,21 @@ void Cell::step() {
   while (bus_.next(frame)) hearing_.hear(frame, now_);
 }
 
-Panel& Cell::add_panel() {
-  Panel& panel = *board_.sensors.emplace_back(std::make_unique<Panel>("finger", "sim"));
-  panel.simulated = true;
-  panel.link = Link::open;
-  return panel;
+SensorStatus& Cell::add_sensor() {
+  SensorStatus& status = *board_.sensors.emplace_back(std::make_unique<SensorStatus>("finger", "sim"));
+  status.simulated = true;
+  status.link = Link::open;
+  return status;
 }
 
 // As the estimate thread does; then it is the CAN thread's turn, if one is due or the bell rings.
 void Cell::publish(Estimate estimate) noexcept {
   estimate.published_ns = std::chrono::nanoseconds(now_.time_since_epoch()).count();
-  Published reading = panel_.latest.load();
+  Published reading = status_.latest.load();
   const bool rings = estimate.alert != reading.estimate.alert || estimate.state != reading.estimate.state;
   reading.estimate = estimate;
-  panel_.latest.store(reading);
-  if (rings || now_ >= due_) due_ = talk_.step(now_);
+  status_.latest.store(reading);
+  if (rings || now_ >= due_) due_ = scheduler_.step(now_);
 }
 
 }  // namespace slipd::gripper

@@ -33,7 +33,7 @@ class Cell {
   std::optional<double> heard() const noexcept { return hearing_.margin(now_); }
 
  private:
-  Panel& add_panel();
+  SensorStatus& add_sensor();
   void publish(Estimate estimate) noexcept;
 
   testing::TempFolder folder_;
@@ -42,8 +42,8 @@ class Cell {
   LogRing log_;
   Time now_{std::chrono::seconds(1000)}, due_{};
   BusPair bus_;
-  Panel& panel_;
-  can::Talk talk_;
+  SensorStatus& status_;
+  can::CanScheduler scheduler_;
   sim::SimulatedSensor sensor_;
   EstimatorChain chain_;
   std::vector<float> memory_;

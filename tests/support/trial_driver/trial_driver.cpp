@@ -203,8 +203,8 @@ class TrialDriver : public DeviceDriver {
   }
 
   void draw() {
-    const auto pair = contact::make_pair({0.01, 0.5e6, 0.45}, {INFINITY, 2e11, 0.25});
-    const contact::RisingLoad load(pair, 2.0, kFriction, 1 - gamma_);
+    const auto pair = contact::make_body_pair({0.01, 0.5e6, 0.45}, {INFINITY, 2e11, 0.25});
+    const contact::CattaneoMindlin load(pair, 2.0, kFriction, 1 - gamma_);
     for (const auto& sensor : sensors_) {
       auto& normal = normal_.emplace_back();
       auto& shear = shear_.emplace_back();

@@ -60,9 +60,9 @@ TEST(Grasp, EveryMoveHasANameOfItsOwn) {
 TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
   const Grasp once = draw_grasp(scene(), 3, 7), again = draw_grasp(scene(), 3, 7),
               other = draw_grasp(scene(), 3, 8);
-  EXPECT_EQ(once.toward_rad, again.toward_rad);
+  EXPECT_EQ(once.direction_rad, again.direction_rad);
   EXPECT_EQ(once.pieces.back().shear_n, again.pieces.back().shear_n);
-  EXPECT_NE(once.toward_rad, other.toward_rad);
+  EXPECT_NE(once.direction_rad, other.direction_rad);
 }
 
 TEST(Tally, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
@@ -99,7 +99,7 @@ TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
   const Grasp grasp = draw_grasp(setup.scene, 5, 0);
   double frames = 0;
   const auto tallies =
-      drive(grasp, setup.layout, setup.scene.skin, {}, slipd::Draws(1), chain, [&](const Moment& at) {
+      drive(grasp, setup.layout, setup.scene.skin, {}, slipd::RandomStream(1), chain, [&](const Moment& at) {
         ++frames;
         EXPECT_LE(std::fabs(at.shear_n), at.truth.friction * at.normal_n * (1 + 1e-9));
         EXPECT_NEAR(at.truth.gamma, 1 - std::fabs(at.shear_n) / (at.truth.friction * at.normal_n), 1e-9);

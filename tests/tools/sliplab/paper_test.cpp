@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 #include "tests/core/model/matrix_source.hpp"
 #include "tools/sliplab/paper/experiment.hpp"
 #include "tools/sliplab/paper/split.hpp"

@@ -43,7 +43,7 @@ TEST(Limit, IsTheGuideThatAnIndependentPrototypeFound) {
 
 TEST(Limit, GrowsWithNoiseInProportionWhileItIsSmall) {
   const auto layout = layout_of({.side = 16});
-  const auto pair = slipd::contact::make_pair({0.01, 0.5e6, 0.45}, {0.02, 2e11, 0.25});
+  const auto pair = slipd::contact::make_body_pair({0.01, 0.5e6, 0.45}, {0.02, 2e11, 0.25});
   const slipd::ContactDraw draw{2, 0.5, 0.02, 2e11, 0.25, 0.001, 0};
   const double one = limit_sigma(layout, pair, draw, 0.4, NoiseKind::sensor, 1e-4);
   EXPECT_NEAR(limit_sigma(layout, pair, draw, 0.4, NoiseKind::sensor, 3e-4) / one, 3, 1e-6);

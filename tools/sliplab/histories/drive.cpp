@@ -8,12 +8,12 @@
 namespace sliplab {
 
 ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
-             const Sensing& sensing, const slipd::Draws& noise, slipd::EstimatorChain& chain,
+             const Sensing& sensing, const slipd::RandomStream& noise, slipd::EstimatorChain& chain,
              const std::function<void(const Moment&)>& watch) {
   using namespace slipd;
   const auto& object = grasp.contact;
   contact::LoadHistory contact(
-      contact::make_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
+      contact::make_body_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
   TrialFrames frames(layout, sensing.kind, sensing.noise);
   ByMove tallies;
   std::uint64_t sequence = 0;
@@ -27,7 +27,7 @@ ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::
       frames.feel(contact, object.x_m, object.y_m);
       ++sequence;
       const double time_s = static_cast<double>(sequence) * sensing.frame_s;
-      const Frame frame = frames.sense(grasp.toward_rad, noise.stream(sequence), sequence,
+      const Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
                                        static_cast<std::int64_t>(1e9 * time_s));
       const double start_us = thread_us();
       const Estimate estimate = chain.estimate(frame);

@@ -29,7 +29,7 @@ using ByMove = std::array<Tally, kMoves>;
 
 // `chain` is new. `watch` may be empty; it sees every frame of contact.
 ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
-             const Sensing& sensing, const slipd::Draws& noise, slipd::EstimatorChain& chain,
+             const Sensing& sensing, const slipd::RandomStream& noise, slipd::EstimatorChain& chain,
              const std::function<void(const Moment&)>& watch = {});
 
 }  // namespace sliplab

@@ -8,7 +8,7 @@
 namespace sliplab {
 namespace {
 
-using slipd::Draws;
+using slipd::RandomStream;
 using slipd::Range;
 
 constexpr double kShortestSeconds = 0.04, kLongestSeconds = 0.4;
@@ -23,7 +23,7 @@ Range reach(Range all, Range more) {
 }
 
 // One move from where the piece before left the contact. `u` gives numbers in [0, 1) by their place.
-Piece next(Move move, const Piece& from, const Draws& u, Range normal_n, Range friction) {
+Piece next(Move move, const Piece& from, const RandomStream& u, Range normal_n, Range friction) {
   Piece to = from;
   to.move = move;
   to.seconds = kShortestSeconds * std::pow(kLongestSeconds / kShortestSeconds, u.uniform(0));
@@ -84,12 +84,12 @@ Grasp draw_grasp(const slipd::Scene& scene, std::uint64_t seed, std::size_t inde
     normal_n = reach(normal_n, family.normal_n);
     friction = reach(friction, family.friction);
   }
-  const Draws random = Draws(seed ^ 0x6772617370ULL).stream(index);
+  const RandomStream random = RandomStream(seed ^ 0x6772617370ULL).stream(index);
   Grasp grasp{slipd::draw_contact(scene, seed, index), 2 * std::numbers::pi * random.uniform(0), {}};
   Piece last{Move::grip, grasp.contact.normal_n, 0, grasp.contact.friction, 0};
   const std::size_t pieces = moves + 3;
   for (std::size_t i = 0; i < pieces; ++i) {
-    const Draws u = random.stream(i);
+    const RandomStream u = random.stream(i);
     Move move = kDrawn[static_cast<std::size_t>(u.uniform(3) * kDrawn.size())];
     if (i == 0) move = Move::grip;
     if (i == 1) move = Move::load;

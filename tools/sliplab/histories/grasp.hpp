@@ -8,7 +8,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/model/dataset.hpp"
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace sliplab {
 
@@ -38,7 +38,7 @@ struct Piece {
 
 struct Grasp {
   slipd::ContactDraw contact;  // friction and normal force of the begin
-  double toward_rad = 0;       // the direction of the shear
+  double direction_rad = 0;    // the direction of the shear
   std::vector<Piece> pieces;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace sliplab {
 namespace {
@@ -14,7 +14,7 @@ constexpr std::uint64_t kSplitStream = ~std::uint64_t{9};  // contacts' streams 
 
 // For each of `count` things: whether it trains.
 std::vector<bool> pick(std::size_t count, std::uint64_t seed) {
-  const slipd::Draws draws = slipd::Draws(seed).stream(kSplitStream);
+  const slipd::RandomStream draws = slipd::RandomStream(seed).stream(kSplitStream);
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 
 namespace sliplab {
 namespace {
@@ -163,12 +163,12 @@ double Adversary::feel(Flaw flaw, double strength, const contact::LoadHistory& c
 
 Trial Adversary::make(Flaw flaw, double strength, const Scene& scene, std::uint64_t seed, std::size_t index) {
   ContactDraw draw = draw_contact(scene, seed, index);
-  const Draws random = Draws(seed ^ 0x666c6177ULL).stream(index);
-  const double load = 1 - random.uniform(0), toward_rad = 2 * std::numbers::pi * random.uniform(1),
+  const RandomStream random = RandomStream(seed ^ 0x666c6177ULL).stream(index);
+  const double load = 1 - random.uniform(0), direction_rad = 2 * std::numbers::pi * random.uniform(1),
                turn_rad = 2 * std::numbers::pi * random.uniform(2);
   const double normal_n = draw.normal_n, mu = draw.friction, shear_n = load * mu * normal_n;
   contact::LoadHistory contact(
-      contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
+      contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
   const double alone = flaw == Flaw::grown ? 1 - strength : 1;  // of the load, what rose by itself
   contact.move_to(alone * normal_n, 0, mu);
   contact.move_to(alone * normal_n, alone * shear_n, mu);
@@ -186,7 +186,7 @@ Trial Adversary::make(Flaw flaw, double strength, const Scene& scene, std::uint6
   } else {
     frames_.feel(contact, draw.x_m, draw.y_m);
   }
-  const Draws taxels = random.stream(3);
+  const RandomStream taxels = random.stream(3);
   if (flaw == Flaw::gains) {
     for (std::size_t i = 0; i < layout_.size(); ++i) {
       const auto gain = static_cast<float>(1 + strength * static_cast<double>(taxels.noise(i)));
@@ -196,7 +196,7 @@ Trial Adversary::make(Flaw flaw, double strength, const Scene& scene, std::uint6
   }
   const auto normal = frames_.normal_pa();
   const float peak_pa = *std::max_element(normal.begin(), normal.end());
-  const Frame frame = frames_.sense(toward_rad, random.stream(4));
+  const Frame frame = frames_.sense(direction_rad, random.stream(4));
   const auto p = frames_.sensed_normal_pa(), x = frames_.sensed_shear_x_pa(), y = frames_.sensed_shear_y_pa();
   for (std::size_t i = 0; i < layout_.size(); ++i) {
     if (flaw == Flaw::biased) {

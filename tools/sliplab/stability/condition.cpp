@@ -31,7 +31,7 @@ std::shared_ptr<const Model> model_of(const TrialSetup& setup, View view, int ra
 
 contact::LoadHistory loaded(const Scene& scene, const ContactDraw& draw, double gamma) {
   contact::LoadHistory contact(
-      contact::make_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
+      contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
   contact.move_to(draw.normal_n, 0, draw.friction);
   contact.move_to(draw.normal_n, (1 - gamma) * draw.friction * draw.normal_n, draw.friction);
   return contact;
@@ -39,9 +39,9 @@ contact::LoadHistory loaded(const Scene& scene, const ContactDraw& draw, double 
 
 std::optional<double> told(SlipMethod& method, PatchFinder& finder, const Frame& frame) {
   const ContactPatch& patch = finder.find(frame);
-  if (!patch.touched) return {};
-  const Reading reading = method.read(frame, patch);
-  if (!reading.in_family) return {};
+  if (!patch.in_contact) return {};
+  const FrameEstimate reading = method.estimate(frame, patch);
+  if (!reading.in_model) return {};
   return reading.gamma;
 }
 
@@ -81,13 +81,13 @@ std::vector<Condition> condition_of(const TrialSetup& setup, std::vector<NamedMe
     double limit = 0;
     for (std::size_t i = 0; i < setup.contacts; ++i) {
       const ContactDraw draw = draw_contact(scene, setup.seed, i);
-      const Draws random = Draws(setup.seed).stream(i);
+      const RandomStream random = RandomStream(setup.seed).stream(i);
       const auto contact = loaded(scene, draw, gamma);
       limit += std::pow(limit_sigma(layout, contact.pair(), draw, gamma, setup.kind, kSmall), 2);
-      const double toward_rad = 2 * std::numbers::pi * random.uniform(0);
+      const double direction_rad = 2 * std::numbers::pi * random.uniform(0);
       clean.feel(contact, draw.x_m, draw.y_m);
       noisy.feel(contact, draw.x_m, draw.y_m);
-      const Frame without = clean.sense(toward_rad, random), with = noisy.sense(toward_rad, random);
+      const Frame without = clean.sense(direction_rad, random), with = noisy.sense(direction_rad, random);
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const auto first = told(*methods[m].method, finder, without),
                    second = told(*methods[m].method, finder, with);
@@ -117,7 +117,7 @@ std::vector<Bits> bits_needed(const TrialSetup& setup, std::vector<NamedMethod>&
     std::vector<double> sums(methods.size(), 0), counts(methods.size(), 0);
     for (std::size_t i = 0; i < setup.contacts; ++i) {
       const ContactDraw draw = draw_contact(scene, setup.seed, i);
-      const Draws random = Draws(setup.seed).stream(i);
+      const RandomStream random = RandomStream(setup.seed).stream(i);
       frames.feel(loaded(scene, draw, random.uniform(0)), draw.x_m, draw.y_m);
       const Frame whole = frames.sense(2 * std::numbers::pi * random.uniform(1), random);
       std::vector<std::optional<double>> before;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/contact/history.hpp"
 #include "core/contact/cattaneo_mindlin.hpp"
+#include "core/contact/history.hpp"
 #include "core/model/alpha.hpp"
 
 namespace sliplab {
@@ -15,7 +15,7 @@ namespace {
 
 using Precise =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<60>, boost::multiprecision::et_off>;
-using slipd::Draws;
+using slipd::RandomStream;
 namespace contact = slipd::contact;
 
 constexpr double kSkinRadius = 0.01, kSkinModulus = 0.5e6, kSkinPoisson = 0.45;
@@ -39,7 +39,7 @@ double worst_of(const std::array<Real, 7>& got, const std::array<Precise, 7>& wa
   return worst;
 }
 
-double logarithmic(const Draws& random, std::uint64_t i, double low, double high) {
+double logarithmic(const RandomStream& random, std::uint64_t i, double low, double high) {
   return low * std::pow(high / low, random.uniform(i));
 }
 
@@ -76,7 +76,7 @@ std::vector<double> places_on(Axis axis) {
   return {};
 }
 
-Case draw_case(Axis axis, double place, const Draws& u) {
+Case draw_case(Axis axis, double place, const RandomStream& u) {
   const bool stiff = u.uniform(0) < 0.5, flat = u.uniform(1) < 0.5;
   Case in{.modulus_1 = kSkinModulus,
           .poisson_1 = kSkinPoisson,
@@ -96,8 +96,8 @@ Case draw_case(Axis axis, double place, const Draws& u) {
   if (axis == Axis::curvature)
     in.radius_2 = place == 0 ? std::numeric_limits<double>::infinity() : in.radius_1 / place;
   if (axis == Axis::size) {
-    const auto pair = contact::make_pair({in.radius_1, in.modulus_1, in.poisson_1},
-                                         {in.radius_2, in.modulus_2, in.poisson_2});
+    const auto pair = contact::make_body_pair({in.radius_1, in.modulus_1, in.poisson_1},
+                                              {in.radius_2, in.modulus_2, in.poisson_2});
     in.normal_n = pair.disc_force_n(place * pair.radius_m);
   }
   const double k = std::cbrt(1 - in.load), where = u.uniform(8);
@@ -109,13 +109,13 @@ Case draw_case(Axis axis, double place, const Draws& u) {
 
 Worst worst_at(Axis axis, double place, std::size_t cases, std::uint64_t seed) {
   Worst worst{axis, place, 0, 0, 0, 0, 0};
-  const Draws random = Draws(seed).stream(static_cast<std::uint64_t>(axis));
+  const RandomStream random = RandomStream(seed).stream(static_cast<std::uint64_t>(axis));
   for (std::size_t i = 0; i < cases; ++i) {
     const Case in = draw_case(axis, place, random.stream(i));
     const auto want = listed(textbook<Precise>(in));
-    const auto pair = contact::make_pair({in.radius_1, in.modulus_1, in.poisson_1},
-                                         {in.radius_2, in.modulus_2, in.poisson_2});
-    const contact::RisingLoad rising(pair, in.normal_n, in.friction, in.load);
+    const auto pair = contact::make_body_pair({in.radius_1, in.modulus_1, in.poisson_1},
+                                              {in.radius_2, in.modulus_2, in.poisson_2});
+    const contact::CattaneoMindlin rising(pair, in.normal_n, in.friction, in.load);
     const auto at = rising.at(in.s);
     worst.closed_form = std::max(
         worst.closed_form,

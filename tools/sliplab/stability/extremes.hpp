@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/model/random.hpp"
+#include "core/numeric/random.hpp"
 #include "tools/sliplab/stability/textbook.hpp"
 
 namespace sliplab {
@@ -24,7 +24,7 @@ std::vector<double> places_on(Axis axis);
 
 // A contact of the paper's at this place of the axis, its other quantities drawn; s anywhere, often near the
 // rim or the stick zone's edge.
-Case draw_case(Axis axis, double place, const slipd::Draws& random);
+Case draw_case(Axis axis, double place, const slipd::RandomStream& random);
 
 // Largest relative errors over a's, p0's, c's, Q's, p's, q's and alpha's.
 struct Worst {

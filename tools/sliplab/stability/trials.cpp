@@ -83,15 +83,15 @@ std::vector<Ordeal> tell_extremes(const TrialSetup& setup, const Done& done) {
   const auto work = [&](std::size_t i) {
     Bench bench(setup);
     TrialFrames frames(layout, setup.kind, setup.noise);
-    const Draws random = Draws(setup.seed).stream(static_cast<std::uint64_t>(axes[i]));
+    const RandomStream random = RandomStream(setup.seed).stream(static_cast<std::uint64_t>(axes[i]));
     for (std::size_t j = 0; j < setup.contacts; ++j) {
-      const Draws u = random.stream(j);
+      const RandomStream u = random.stream(j);
       const Case in = draw_case(axes[i], rows[i].strength, u);
-      contact::LoadHistory contact(contact::make_pair({in.radius_1, in.modulus_1, in.poisson_1},
-                                                      {in.radius_2, in.modulus_2, in.poisson_2}));
+      contact::LoadHistory contact(contact::make_body_pair({in.radius_1, in.modulus_1, in.poisson_1},
+                                                           {in.radius_2, in.modulus_2, in.poisson_2}));
       contact.move_to(in.normal_n, 0, in.friction);
       contact.move_to(in.normal_n, in.load * in.friction * in.normal_n, in.friction);
-      const Draws place = u.stream(1);
+      const RandomStream place = u.stream(1);
       frames.feel(contact, place.uniform(0, -0.002, 0.002), place.uniform(1, -0.002, 0.002));
       bench.tell(frames.sense(2 * std::numbers::pi * place.uniform(2), u.stream(2)), 1 - in.load);
     }

@@ -15,7 +15,7 @@ using namespace slipd;
 Grasp slipping_grasp(const Scene& scene, std::uint64_t seed, std::size_t index) {
   Grasp grasp = draw_grasp(scene, seed, index, 0);
   grasp.pieces.resize(1);
-  const Draws random = Draws(seed ^ 0x736c6970ULL).stream(index);
+  const RandomStream random = RandomStream(seed ^ 0x736c6970ULL).stream(index);
   Piece last = grasp.pieces.front();
   const auto add = [&](Move move, double normal_n, double share, double seconds) {
     const double most = last.friction * normal_n;
@@ -76,7 +76,7 @@ std::vector<Line> measure_over_time(const std::string& layout, const TaxelLayout
     EstimatorChain chain(setup, nullptr);
     method = chain.method();
     bool slipped = false;
-    drive(slipping_grasp(scene, seed, i), taxels, scene.skin, sensing, Draws(seed).stream(i), chain,
+    drive(slipping_grasp(scene, seed, i), taxels, scene.skin, sensing, RandomStream(seed).stream(i), chain,
           [&](const Moment& at) {
             Part& part = parts[slipped ? 1 : 0];
             part.tally.add(at.estimate, at.truth.gamma);

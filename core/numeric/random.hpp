@@ -8,13 +8,13 @@
 
 namespace slipd {
 
-class Draws {
+class RandomStream {
  public:
-  constexpr explicit Draws(std::uint64_t seed) noexcept : key_(mix(seed + kStep)) {}
+  constexpr explicit RandomStream(std::uint64_t seed) noexcept : key_(mix(seed + kStep)) {}
 
   // An independent sequence of its own, for a contact or a column.
-  constexpr Draws stream(std::uint64_t index) const noexcept {
-    Draws child(key_);
+  constexpr RandomStream stream(std::uint64_t index) const noexcept {
+    RandomStream child(key_);
     child.key_ = mix(child.key_ ^ mix((index + 1) * kStep));
     return child;
   }

@@ -15,7 +15,7 @@ namespace slipd {
 
 class FlightRecorder;
 
-struct World {
+struct ServiceContext {
   const Settings& settings;
   Board& board;
   RealtimeGrant realtime;

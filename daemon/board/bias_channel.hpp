@@ -9,14 +9,14 @@
 
 namespace slipd {
 
-struct ZeroRequest {
+struct BiasRequest {
   std::uint32_t number = 0;  // from 1; 0: there was none
   bool force = false;
 };
 
-class ZeroPanel {
+class BiasChannel {
  public:
-  Latest<ZeroReport> report;  // acquire thread writes
+  Latest<BiasReport> report;  // acquire thread writes
   // Acquire thread writes, while setting up: the device does not zero itself. Relaxed: nothing else is read
   // on its word.
   std::atomic<bool> needed{false};
@@ -31,11 +31,11 @@ class ZeroPanel {
 
   // Any thread: whether its frames read 0 without load.
   bool known() const noexcept {
-    return !needed.load(std::memory_order_relaxed) || report.load().origin != ZeroOrigin::none;
+    return !needed.load(std::memory_order_relaxed) || report.load().origin != BiasOrigin::none;
   }
 
   // Any thread: the newest request.
-  ZeroRequest newest() const noexcept {
+  BiasRequest newest() const noexcept {
     const std::uint32_t word = wanted_.load(std::memory_order_relaxed);
     return {word >> 1U, (word & 1U) != 0};
   }
