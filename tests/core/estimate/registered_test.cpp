@@ -111,7 +111,7 @@ TEST(Registered, OnFourRingsInDoublePrecisionItAnswersAsInSingle) {
   PatchFinder finder(layout);
   const Frame frame = maker.make(contact, 0, 0, 0.3, 0.001);
   const auto& patch = finder.find(frame);
-  const FrameEstimate one = single.estimate(frame, patch), two = twice.read(frame, patch);
+  const FrameEstimate one = single.estimate(frame, patch), two = twice.estimate(frame, patch);
   ASSERT_TRUE(one.in_model);
   EXPECT_NEAR(one.gamma, 0.4, 0.05);
   EXPECT_NEAR(one.gamma, two.gamma, 1e-4);
