@@ -31,13 +31,13 @@ endif()
 
 # Which lines are run is noted of these rooms only: what else there is is built as in the preset dev, and taken from the same cache.
 # Counts may be lost between threads, but not that there was one.
-option(SLIPD_COVERAGE "Note which lines of core, drivers/decode, daemon/serve and config are run" OFF)
+option(SLIPD_COVERAGE "Note which lines of core, drivers/decode, daemon/rpc and config are run" OFF)
 if(SLIPD_COVERAGE)
   target_link_options(slipd_flags INTERFACE --coverage)
 endif()
 function(slipd_note_lines target)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
-  if(SLIPD_COVERAGE AND room MATCHES "^(core|drivers/decode|daemon/serve|config)(/|$)")
+  if(SLIPD_COVERAGE AND room MATCHES "^(core|drivers/decode|daemon/rpc|config)(/|$)")
     target_compile_options(${target} PRIVATE --coverage -O1)
   endif()
 endfunction()

@@ -54,6 +54,41 @@ void LoadHistory::move_to(double normal_n, double shear_n, double friction) {
   refresh_terms();
 }
 
+// What the contact carried so far, over the extent that it has now: a rim that leaves the contact takes its
+// traction with it, a rim that is new carries none yet.
+void LoadHistory::carry_over(double old_edge, double edge) {
+  base_ = knots_;
+  if (base_.empty()) base_.push_back({0, 0});
+  if (edge < old_edge) {  // the rim leaves the contact and what it carried is lost
+    while (base_[base_.size() - 2].w >= edge) base_.pop_back();  // the first is at 0
+    Knot& last = base_.back();
+    const Knot& before = base_[base_.size() - 2];
+    last.t = before.t + (last.t - before.t) * (edge - before.w) / (last.w - before.w);
+    last.w = edge;
+  } else if (edge > old_edge) {
+    base_.push_back({edge, 0});
+  }
+}
+
+// Springs stick and move by one shift, as far as friction lets them; the shift is the one that carries
+// `target_n` in all. Bracketed by the shifts at which everything slips, and solved by TOMS 748.
+void LoadHistory::slip_to(double target_n, double most_n, double edge) {
+  double low = 0, high = 0;
+  for (const auto& knot : base_) {
+    low = std::min(low, -friction_ * edge - knot.t);
+    high = std::max(high, friction_ * edge - knot.t);
+  }
+  const auto excess = [&](double shift) {
+    limit(shift, edge, friction_, trial_);
+    return force_n(trial_) - target_n;
+  };
+  std::uintmax_t most_steps = 100;
+  const auto bracket = boost::math::tools::toms748_solve(
+      excess, low, high, -most_n - target_n, most_n - target_n,
+      [](double l, double h) { return h - l <= 2e-16 * std::max(std::fabs(l), std::fabs(h)); }, most_steps);
+  limit(0.5 * (bracket.first + bracket.second), edge, friction_, trial_);
+}
+
 // One straight piece of path with friction as it is.
 void LoadHistory::straight(double normal_n, double shear_n, int depth) {
   const double radius = pair_.contact_radius_m(normal_n);
@@ -77,18 +112,7 @@ void LoadHistory::straight(double normal_n, double shear_n, int depth) {
     return;
   }
 
-  base_ = knots_;
-  if (base_.empty()) base_.push_back({0, 0});
-  if (edge < old_edge) {  // the rim leaves the contact and what it carried is lost
-    while (base_[base_.size() - 2].w >= edge) base_.pop_back();  // the first is at 0
-    Knot& last = base_.back();
-    const Knot& before = base_[base_.size() - 2];
-    last.t = before.t + (last.t - before.t) * (edge - before.w) / (last.w - before.w);
-    last.w = edge;
-  } else if (edge > old_edge) {
-    base_.push_back({edge, 0});
-  }
-
+  carry_over(old_edge, edge);
   if (std::fabs(target) >= most_n) {
     const double sign = target < 0 ? -1 : 1;
     trial_.assign({{0, sign * friction_ * edge}, {edge, 0}});
@@ -100,20 +124,7 @@ void LoadHistory::straight(double normal_n, double shear_n, int depth) {
       if (knot.w < edge) knot.t += moved;
     }
   } else {
-    double low = 0, high = 0;
-    for (const auto& knot : base_) {
-      low = std::min(low, -friction_ * edge - knot.t);
-      high = std::max(high, friction_ * edge - knot.t);
-    }
-    const auto excess = [&](double shift) {
-      limit(shift, edge, friction_, trial_);
-      return force_n(trial_) - target;
-    };
-    std::uintmax_t most_steps = 100;
-    const auto bracket = boost::math::tools::toms748_solve(
-        excess, low, high, -most_n - target, most_n - target,
-        [](double l, double h) { return h - l <= 2e-16 * std::max(std::fabs(l), std::fabs(h)); }, most_steps);
-    limit(0.5 * (bracket.first + bracket.second), edge, friction_, trial_);
+    slip_to(target, most_n, edge);
   }
   knots_.swap(trial_);
   normal_n_ = normal_n;

@@ -60,6 +60,8 @@ class LoadHistory {
   using Curve = std::vector<Knot>;
 
   void straight(double normal_n, double shear_n, int depth);
+  void carry_over(double old_edge, double edge);
+  void slip_to(double target_n, double most_n, double edge);
   bool steeper_than_friction(double edge_w) const noexcept;
   void limit(double shift, double edge_w, double friction, Curve& out) const;
   double force_n(const Curve& curve) const;

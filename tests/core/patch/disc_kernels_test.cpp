@@ -66,85 +66,95 @@ const ContactPose kFrom{
 
 class DiscKernelsOf : public ::testing::TestWithParam<std::size_t> {};
 
+constexpr float kLeastPa = 3e4F;
+constexpr DeadTaxelTest kDeadTaxel{.below_pa = 1e4F, .within_m2 = 2e-5F};
+
+// The sums that kernels take, taxel by taxel in double.
+struct PlainSums {
+  Near noise, squares;
+  std::size_t below = 0, dead_taxels = 0;
+  float peak = 0, inner_peak = 0;
+  std::array<Near, 4> placed, weighed;
+  std::array<Near, 3> force;
+  std::array<Near, 14> moments;
+};
+
+template <std::size_t N>
+void add(std::array<Near, N>& sums, const std::array<double, N>& values) {
+  for (std::size_t k = 0; k < N; ++k) sums[k].add(values[k]);
+}
+
+template <std::size_t N>
+void expect(const std::array<Near, N>& sums, const std::array<double, N>& values, const char* what,
+            const char* kernels) {
+  for (std::size_t k = 0; k < N; ++k) sums[k].expect(values[k], what, kernels);
+}
+
+void add_frame(const TaxelView& view, PlainSums& sums) {
+  for (std::size_t i = 0; i < view.size; ++i) {
+    const double p = view.normal_pa[i], x = view.x_m[i], y = view.y_m[i];
+    if (p < 0) sums.noise.add(p * p);
+    sums.below += p < 0 ? 1 : 0;
+    sums.peak = std::max(sums.peak, view.normal_pa[i]);
+    const double counted = view.normal_pa[i] < kLeastPa ? 0 : p;
+    add(sums.placed, {counted, counted * x, counted * y, counted * (x * x + y * y)});
+  }
+}
+
+void add_taxel_of_disc(const TaxelView& view, std::size_t i, PlainSums& sums) {
+  const double p = view.normal_pa[i], sx = view.shear_x_pa[i], sy = view.shear_y_pa[i];
+  const double x = view.x_m[i] - kFrom.x_m, y = view.y_m[i] - kFrom.y_m, rr = x * x + y * y;
+  const double q = kFrom.direction_x * sx + kFrom.direction_y * sy;
+  const double a2 = static_cast<double>(kFrom.radius_m) * kFrom.radius_m, s = rr / a2;
+  sums.inner_peak = std::max(sums.inner_peak, view.normal_pa[i]);
+  add(sums.weighed, {p, p * x, p * y, p * rr});
+  add(sums.force, {p, sx, sy});
+  add(sums.moments, {p, q, p * s, q * s, q * s * s, s, s * s, s * s * s, s * s * s * s, p * s * s, p * s * x,
+                     p * s * y, p * (x * x - y * y) / a2, p * x * y / a2});
+  sums.squares.add(q * q);
+  sums.dead_taxels += view.normal_pa[i] < kDeadTaxel.below_pa && rr < kDeadTaxel.within_m2 ? 1 : 0;
+}
+
+PlainSums plain_sums(const TaxelView& view, std::span<const TaxelRun> runs) {
+  PlainSums sums;
+  add_frame(view, sums);
+  for (const auto& run : runs) {
+    for (std::size_t i = run.first; i < run.end; ++i) add_taxel_of_disc(view, i, sums);
+  }
+  return sums;
+}
+
+void expect_agreement(const DiscKernels& kernels, const TaxelView& view, std::span<const TaxelRun> runs,
+                      const PlainSums& plain) {
+  const char* const name = kernels.name;
+  const NoiseSums noise = kernels.noise(view);
+  plain.noise.expect(noise.squares, "noise", name);
+  EXPECT_EQ(noise.below, plain.below) << name;
+  EXPECT_EQ(noise.peak, plain.peak) << name;
+  const PlaceSums placed = kernels.place(view, kLeastPa);
+  expect(plain.placed, {placed.p, placed.px, placed.py, placed.prr}, "place", name);
+  const PlaceSums weighed = kernels.weigh(view, runs, kFrom.x_m, kFrom.y_m, kDeadTaxel);
+  expect(plain.weighed, {weighed.p, weighed.px, weighed.py, weighed.prr}, "weigh", name);
+  EXPECT_EQ(weighed.dead_taxels, plain.dead_taxels) << name;
+  const ForceSums force = kernels.force(view, runs);
+  expect(plain.force, {force.p, force.x, force.y}, "force", name);
+  EXPECT_EQ(force.peak, plain.inner_peak) << name;
+  plain.squares.expect(kernels.shear_squares(view, runs, kFrom), "squares of shear", name);
+  const MomentSums m = kernels.moments(view, runs, kFrom);
+  expect(plain.moments,
+         {m.p, m.q, m.ps, m.qs, m.qss, m.s, m.s2, m.s3, m.s4, m.pss, m.psx, m.psy, m.px2y2, m.pxy}, "moments",
+         name);
+}
+
 TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
   std::mt19937 random(7);
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
     const Taxels taxels(GetParam(), seed);
     const TaxelView view = taxels.view();
     const auto runs = random_runs(GetParam(), random);
+    const PlainSums plain = plain_sums(view, runs);
     for (const DiscKernels* kernels : kernels_at_hand<DiscKernels>()) {
-      Near noise;
-      std::size_t below = 0;
-      float peak = 0;
-      std::array<Near, 4> placed, weighed;
-      std::array<Near, 3> force;
-      std::array<Near, 14> moments;
-      Near squares;
-      const float least = 3e4F;
-      const DeadTaxelTest dead_taxel_test{.below_pa = 1e4F, .within_m2 = 2e-5F};
-      std::size_t dead_taxels = 0;
-      for (std::size_t i = 0; i < view.size; ++i) {
-        const double p = view.normal_pa[i], x = view.x_m[i], y = view.y_m[i];
-        if (p < 0) noise.add(p * p);
-        below += p < 0 ? 1 : 0;
-        peak = std::max(peak, view.normal_pa[i]);
-        const double counted = view.normal_pa[i] < least ? 0 : p;
-        const double values[] = {counted, counted * x, counted * y, counted * (x * x + y * y)};
-        for (std::size_t k = 0; k < 4; ++k) placed[k].add(values[k]);
-      }
-      float inner_peak = 0;
-      for (const auto& run : runs) {
-        for (std::size_t i = run.first; i < run.end; ++i) {
-          const double p = view.normal_pa[i], sx = view.shear_x_pa[i], sy = view.shear_y_pa[i];
-          const double x = view.x_m[i] - kFrom.x_m, y = view.y_m[i] - kFrom.y_m, rr = x * x + y * y;
-          const double q = kFrom.direction_x * sx + kFrom.direction_y * sy;
-          const double a2 = static_cast<double>(kFrom.radius_m) * kFrom.radius_m, s = rr / a2;
-          inner_peak = std::max(inner_peak, view.normal_pa[i]);
-          const double place[] = {p, p * x, p * y, p * rr}, forces[] = {p, sx, sy},
-                       powers[] = {p,
-                                   q,
-                                   p * s,
-                                   q * s,
-                                   q * s * s,
-                                   s,
-                                   s * s,
-                                   s * s * s,
-                                   s * s * s * s,
-                                   p * s * s,
-                                   p * s * x,
-                                   p * s * y,
-                                   p * (x * x - y * y) / a2,
-                                   p * x * y / a2};
-          for (std::size_t k = 0; k < 4; ++k) weighed[k].add(place[k]);
-          for (std::size_t k = 0; k < 3; ++k) force[k].add(forces[k]);
-          for (std::size_t k = 0; k < 14; ++k) moments[k].add(powers[k]);
-          squares.add(q * q);
-          dead_taxels +=
-              view.normal_pa[i] < dead_taxel_test.below_pa && rr < dead_taxel_test.within_m2 ? 1 : 0;
-        }
-      }
-      const char* const name = kernels->name;
-      const NoiseSums n = kernels->noise(view);
-      noise.expect(n.squares, "noise", name);
-      EXPECT_EQ(n.below, below) << name;
-      EXPECT_EQ(n.peak, peak) << name;
-      const auto four = [&](const std::array<Near, 4>& of, const PlaceSums& said, const char* what) {
-        const double values[] = {said.p, said.px, said.py, said.prr};
-        for (std::size_t k = 0; k < 4; ++k) of[k].expect(values[k], what, name);
-      };
-      four(placed, kernels->place(view, least), "place");
-      const PlaceSums w = kernels->weigh(view, runs, kFrom.x_m, kFrom.y_m, dead_taxel_test);
-      four(weighed, w, "weigh");
-      EXPECT_EQ(w.dead_taxels, dead_taxels) << name;
-      const ForceSums f = kernels->force(view, runs);
-      const double forces[] = {f.p, f.x, f.y};
-      for (std::size_t k = 0; k < 3; ++k) force[k].expect(forces[k], "force", name);
-      EXPECT_EQ(f.peak, inner_peak) << name;
-      squares.expect(kernels->shear_squares(view, runs, kFrom), "squares of shear", name);
-      const MomentSums m = kernels->moments(view, runs, kFrom);
-      const double powers[] = {m.p,  m.q,  m.ps,  m.qs,  m.qss, m.s,     m.s2,
-                               m.s3, m.s4, m.pss, m.psx, m.psy, m.px2y2, m.pxy};
-      for (std::size_t k = 0; k < 14; ++k) moments[k].expect(powers[k], "moments", name);
+      expect_agreement(*kernels, view, runs, plain);
     }
   }
 }
