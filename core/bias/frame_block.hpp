@@ -1,5 +1,5 @@
-// Some consecutive frames of one sensor as mean and variance of each channel: long enough that noise cancels,
-// short enough that a hand does not come and go unseen.
+// Some consecutive frames of one sensor as mean and variance of each channel (docs/theory.md §13): long
+// enough that noise cancels, short enough that a hand does not come and go unseen.
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ double quadrature(const Gauss<N>& rule, double radius, double u, double v, doubl
 
 }  // namespace
 
-// With w the height above (u, v):
+// docs/theory.md §5.1, with w the height above (u, v):
 //   uvw/3 + u(3x^2-u^2)/6 atan(v/w) + v(3x^2-v^2)/6 atan(u/w) - x^3/3 atan(uv/(xw)).
 // Beyond the rim w = 0 and the angles are right ones, which leaves just the caps cut off: the same expression
 // holds.

@@ -23,10 +23,10 @@ CattaneoMindlin::CattaneoMindlin(const BodyPair& pair, double normal_n, double f
   one_minus_k2_ = -std::expm1(2.0 / 3.0 * std::log1p(-load_));
 }
 
-// In the stick zone q/(mu p) = 1 - sqrt(u), u = (k^2 - s^2)/(1 - s^2). The difference is taken as (1 - u)/(1
-// + sqrt(u)) with 1 - u = (1 - k^2)/(1 - s^2); and k - s, where u is small, as (k^3 - s^3)/(k^2 + ks + s^2),
-// because k^3 = Gamma is known to all its digits and its root is not: from whichever side of 1/2 the
-// subtraction from 1 is exact.
+// docs/theory.md §3.2. In the stick zone q/(mu p) = 1 - sqrt(u), u = (k^2 - s^2)/(1 - s^2). The difference is
+// taken as (1 - u)/(1 + sqrt(u)) with 1 - u = (1 - k^2)/(1 - s^2); and k - s, where u is small, as (k^3 -
+// s^3)/(k^2 + ks + s^2), because k^3 = Gamma is known to all its digits and its root is not: from whichever
+// side of 1/2 the subtraction from 1 is exact.
 double CattaneoMindlin::mobilised_friction(double s) const noexcept {
   if (load_ == 0) return 0;
   if (s >= k_) return 1;

@@ -1,6 +1,6 @@
-// Cattaneo and Mindlin: a Hertzian contact at constant normal force whose tangential load rises from zero. A
-// rim slips, a stick zone of radius c = a cbrt(Gamma) is left. For loads that fall, reverse or come with the
-// force, see history.hpp.
+// Cattaneo and Mindlin (docs/theory.md §3): a Hertzian contact at constant normal force whose tangential load
+// rises from zero. A rim slips, a stick zone of radius c = a cbrt(Gamma) is left. For loads that fall,
+// reverse or come with the force, see history.hpp.
 #pragma once
 
 #include "core/contact/hertz.hpp"

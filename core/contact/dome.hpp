@@ -1,7 +1,7 @@
-// The dome sqrt(x^2 - r^2) averaged over many taxels at once, with its derivatives: what fitting a contact to
-// taxels evaluates thousands of times a second. The same closed form as disc_average_exact, written so that
-// the compiler turns it into vector instructions: no branch, always inlined (a call in a loop keeps it
-// scalar), and an arc tangent of its own that is good to 1e-14.
+// The dome sqrt(x^2 - r^2) averaged over many taxels at once, with its derivatives (docs/theory.md §5.1):
+// what fitting a contact to taxels evaluates thousands of times a second. The same closed form as
+// disc_average_exact, written so that the compiler turns it into vector instructions: no branch, always
+// inlined (a call in a loop keeps it scalar), and an arc tangent of its own that is good to 1e-14.
 #pragma once
 
 #include <algorithm>

@@ -34,9 +34,9 @@ struct Lists {
   for (std::size_t i = 0; i < at.count; ++i) at.value[i] = dome_average(x, at.u[i], at.v[i], side).value;
 }
 
-// f at the taxel's centre plus what its curvature adds over the square: side^2/24 times the Laplacian of
-// f = sqrt(x^2 - r^2), which is -(1/f + x^2/f^3). Derivatives likewise to first order. Meaningless at the
-// rim.
+// docs/theory.md §5.2: f at the taxel's centre plus what its curvature adds over the square: side^2/24 times
+// the Laplacian of f = sqrt(x^2 - r^2), which is -(1/f + x^2/f^3). Derivatives likewise to first order.
+// Meaningless at the rim.
 [[gnu::always_inline]] inline void smoothly(double x, double side, const Lists& at) noexcept {
   const double xx = x * x, bend = side * side / 24;
 #pragma omp simd

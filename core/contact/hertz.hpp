@@ -1,6 +1,6 @@
-// Two spheres pressed together without load along the surface (Hertz): how large the contact is, how the
-// pressure lies. Closed forms in the shape that survives floating point. Free functions of plain values,
-// callable from any thread.
+// Two spheres pressed together without load along the surface (Hertz, docs/theory.md §2): how large the
+// contact is, how the pressure lies. Closed forms in the shape that survives floating point. Free functions
+// of plain values, callable from any thread.
 #pragma once
 
 #include <stdexcept>
@@ -27,7 +27,7 @@ inline Body body_of(const Skin& skin) {
   return {skin.radius_m, skin.modulus_pa, skin.poisson};
 }
 
-// The pair of bodies, whatever the force: the paper's E* and R.
+// The pair of bodies, whatever the force: E* and R (docs/theory.md §2).
 struct BodyPair {
   double modulus_pa = 0;  // E*, from 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2
   double radius_m = 0;    // R, from 1/R = 1/R1 + 1/R2
@@ -36,7 +36,7 @@ struct BodyPair {
   double contact_radius_m(double normal_n) const noexcept;  // a = cbrt(3PR / 4E*)
   double peak_pressure_pa(double normal_n) const noexcept;  // p0 = 3P / (2 pi a^2)
 
-  // D_x, the disc term that pressure and shear are made of (physics of load history, see history.hpp):
+  // D_x, the disc term that pressure and shear are made of (docs/theory.md §2):
   // disc_scale() * sqrt(x^2 - r^2) for r < x, in Pa; its integral is disc_force_n(x).
   double disc_scale_pa_per_m() const noexcept;               // 2 E* / (pi R)
   double disc_force_n(double disc_radius_m) const noexcept;  // P(x) = 4 E* x^3 / (3 R)

@@ -71,7 +71,8 @@ void LoadHistory::carry_over(double old_edge, double edge) {
 }
 
 // Springs stick and move by one shift, as far as friction lets them; the shift is the one that carries
-// `target_n` in all. Bracketed by the shifts at which everything slips, and solved by TOMS 748.
+// `target_n` in all (docs/theory.md §4.3). Bracketed by the shifts at which everything slips, and solved by
+// TOMS 748.
 void LoadHistory::slip_to(double target_n, double most_n, double edge) {
   double low = 0, high = 0;
   for (const auto& knot : base_) {
@@ -89,7 +90,7 @@ void LoadHistory::slip_to(double target_n, double most_n, double edge) {
   limit(0.5 * (bracket.first + bracket.second), edge, friction_, trial_);
 }
 
-// One straight piece of path with friction as it is.
+// One straight piece of path with friction as it is (docs/theory.md §4.3).
 void LoadHistory::straight(double normal_n, double shear_n, int depth) {
   const double radius = pair_.contact_radius_m(normal_n);
   const double edge = radius * radius;
@@ -167,7 +168,8 @@ void LoadHistory::limit(double shift, double edge, double friction, Curve& out) 
   }
 }
 
-// (2 E*/R) times the integral of t(x^2) over x, piece by piece in a form without cancellation.
+// (2 E*/R) times the integral of t(x^2) over x, piece by piece in a form without cancellation (docs/theory.md
+// §4.2).
 double LoadHistory::force_n(const Curve& curve) const {
   double sum = 0;
   for (std::size_t i = 0; i + 1 < curve.size(); ++i) {

@@ -1,13 +1,13 @@
 // A contact under any history of normal and tangential load: what a gripper lives in. P and Q may rise, fall
 // and reverse.
 //
-// The traction of such a contact is a signed sum of disc terms D_x (Mindlin and Deresiewicz 1953; Jaeger
-// 1993; Ciavarella 1998). Sums of discs are one-dimensional at heart (Popov's dimensionality reduction):
-// write w = x^2; the normal load is the line n(w) = a^2 - w, the shear some t(w) between -mu n and +mu n, and
-// each w is a spring of its own that sticks (moves by what all stuck springs move) or slips (lies on a
-// limit). t is piecewise linear in w, so a state is a short list of knots, exact for straight load paths; a
-// knot where the slope jumps by c is a disc term of coefficient c. Passed extremes are wiped by the limits
-// themselves: no bookkeeping of turning points is needed.
+// The traction of such a contact is a signed sum of disc terms D_x (docs/theory.md §4.1). Sums of discs are
+// one-dimensional (method of dimensionality reduction, §4.2): write w = x^2; the normal load is the line n(w)
+// = a^2 - w, the shear some t(w) between -mu n and +mu n, and each w is a spring of its own that sticks
+// (moves by what all stuck springs move) or slips (lies on a limit). t is piecewise linear in w, so a state
+// is a short list of knots, exact for straight load paths; a knot where the slope jumps by c is a disc term
+// of coefficient c. Passed extremes are wiped by the limits themselves: no bookkeeping of turning points is
+// needed.
 //
 // Memory is set aside on construction; nothing allocates afterwards. Not shared between threads.
 #pragma once

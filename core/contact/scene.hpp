@@ -12,7 +12,7 @@ struct Range {
   bool operator==(const Range&) const = default;
 };
 
-// The sensor's surface: a sphere of the paper's section II.A.
+// The sensor's surface: a sphere. The defaults are those of docs/theory.md §9.1.
 struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers
   double modulus_pa = 0.5e6;  // Young's modulus E1
@@ -20,7 +20,7 @@ struct Skin {
   bool operator==(const Skin&) const = default;
 };
 
-// Objects from which contacts are drawn uniformly, as in the paper's section II.B.
+// Objects from which contacts are drawn uniformly. The defaults are the stiff ones of docs/theory.md §9.1.
 struct ObjectFamily {
   double weight = 1;  // share among the families, relative
   Range normal_n{1, 5};
@@ -36,11 +36,11 @@ struct Scene {
   Skin skin;
   std::vector<ObjectFamily> objects;
   double offset_m = 0;  // contacts lie up to this far off the middle, each axis
-  double noise = 0;     // half-width of uniform noise, a fraction of each frame's maximum (the paper's)
+  double noise = 0;     // half-width of uniform noise, a fraction of each frame's maximum
   bool operator==(const Scene&) const = default;
 };
 
-// The two halves of the paper's data set: stiff objects and soft ones.
+// The two halves of the data set of docs/theory.md §9.1: stiff objects and soft ones.
 std::vector<ObjectFamily> paper_objects();
 
 }  // namespace slipd

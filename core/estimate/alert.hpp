@@ -38,7 +38,7 @@ class AlertLogic {
   std::int64_t last_ns_ = 0;
 };
 
-// The margin's slope by least squares with exponential forgetting.
+// The margin's slope by least squares with exponential forgetting (docs/theory.md §12.1).
 class SlipForecast {
  public:
   // Seconds until gamma reaches 0 as it falls now; nullopt when it does not clearly fall. Samples in order of
@@ -55,8 +55,9 @@ struct GripAdvice {
   std::optional<double> sigma_n;     // standard deviation, of what is lacking or to spare
 };
 
-// The normal force in N that is lacking for `target_margin`: Q/(mu (1 - target)) - P, at least 0. Its sigma
-// is that of friction and of Q; a friction_sigma of nullopt counts as 0. Nothing is said without friction.
+// The normal force in N that is lacking for `target_margin` (docs/theory.md §1.2): Q/(mu (1 - target)) - P,
+// at least 0. Its sigma is that of friction and of Q; a friction_sigma of nullopt counts as 0. Nothing is
+// said without friction.
 GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, std::optional<double> friction,
                        std::optional<double> friction_sigma, double target_margin) noexcept;
 

@@ -48,7 +48,7 @@ struct Estimate {
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);
 
-// The paper's five classes (section III.B): 1 for Gamma in 0–0.2 … 5 for 0.8–1. gamma in [0, 1].
+// The five classes of docs/theory.md §1.1: 1 for Gamma in 0–0.2 … 5 for 0.8–1. gamma in [0, 1].
 constexpr int slip_class(double gamma) noexcept {
   return std::min(4, static_cast<int>(5 * gamma)) + 1;
 }

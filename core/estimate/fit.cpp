@@ -176,9 +176,9 @@ double Fit::share_left_open(const Square& hessian) noexcept {
   return share > 0 && share < 1 ? std::max(share, kLeastOpen) : 1;
 }
 
-// Where noise leaves the margin open, a parabola about the best fit is no honest picture of it. The whole
-// range is weighed instead: the likelihood of each margin, times what friction the scene expects of it. Mean
-// and deviation of that.
+// Where noise leaves the margin open, a parabola about the best fit is no honest picture of it
+// (docs/theory.md §10.4). The whole range is weighed instead: the likelihood of each margin, times what
+// friction the scene expects of it. Mean and deviation of that.
 void Fit::weigh_by_scene(const Vector& at, const Square& hessian, FrameEstimate& out) noexcept {
   const double open = share_left_open(hessian);
   std::array<double, kSteps> misfit, friction;

@@ -1,6 +1,7 @@
-// Maximum likelihood: the contact model itself, averaged over every taxel, fitted to pressure and shear
-// together. The dearest way to the margin and the one that comes near what the noise allows (the Cramer-Rao
-// limit), on any layout, with part of the contact beyond the sensor's edge, or with taxels dead.
+// Maximum likelihood (docs/theory.md §10): the contact model itself, averaged over every taxel, fitted to
+// pressure and shear together. The slowest way to the margin and the one that comes near what the noise
+// allows (the Cramér–Rao bound, §10.3), on any layout, with part of the contact beyond the sensor's edge, or
+// with taxels dead.
 //
 // Unknown are the centre, the radius a, the pressure's height B = p0/a, the load T = Q/P and Gamma:
 //   p = B A(a),   q = B T (A(a) - A(k a)) / (1 - Gamma),   k^3 = Gamma,   A(x) the average of sqrt(x^2 -

@@ -1,5 +1,5 @@
-// Several fingers hold one object: what they carry together, against what they could carry together. Estimate
-// thread; plain state, nothing allocated.
+// Several fingers hold one object: what they carry together, against what they could carry together
+// (docs/theory.md §1.3). Estimate thread; plain state, nothing allocated.
 #pragma once
 
 #include <span>

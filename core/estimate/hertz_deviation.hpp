@@ -1,6 +1,6 @@
 // How a contact's pressure lies otherwise than Hertz's: to one side, longer than wide, or farther out, as
-// under a skin that spreads stress. Read off a few sums over the disc, so that each frame can tell how far to
-// trust it.
+// under a skin that spreads stress (docs/theory.md §7.3). Read off a few sums over the disc, so that each
+// frame can tell how far to trust it.
 #pragma once
 
 #include "core/patch/patch.hpp"

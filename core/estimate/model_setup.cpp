@@ -6,8 +6,8 @@
 namespace slipd {
 namespace {
 
-// Rings narrower than taxels hold few of them or none. Measured on the paper's contacts: 16 rings are best
-// from some ten taxels along a contact's radius on, 8 from two.
+// Rings narrower than taxels hold few of them or none. Measured on the contacts of docs/theory.md §9.1: 16
+// rings are best from some ten taxels along a contact's radius on, 8 from two.
 int rings_for(const ChainSetup& chain) {
   constexpr std::size_t kDraws = 32;
   if (chain.scene.objects.empty()) return Rings::kCount;

@@ -13,7 +13,8 @@ namespace {
 // Beyond this mean square the rings belong to another history. In the family it is about 1.
 constexpr double kMostMisfit = 4;
 
-// The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k.
+// The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k
+// (docs/theory.md §7.1).
 double slope(double k) noexcept {
   const double k2 = k * k, k3 = k2 * k, rest = 1 - k3;
   if (rest < 1e-6) return 1.8;

@@ -1,5 +1,5 @@
 // The margin without any training: shear lies further out than pressure, and by how much tells how far slip
-// has come in.
+// has come in (docs/theory.md §7.1).
 //   <r^2>_q / <r^2>_p = (1 - k^5)/(1 - k^3),  Gamma = k^3: 5/3 without load, 1 at gross slip, no friction in
 //   it.
 #pragma once

@@ -35,7 +35,7 @@ WorkPrecision measure_work_precision(const ChainSetup& setup, Method method);
 
 std::string processor_name();  // of this machine, as its kernel says
 
-// The friction that a scene's objects may have; the paper's range for a scene without objects.
+// The friction that a scene's objects may have; that of docs/theory.md §9.1 for a scene without objects.
 Range expected_friction(const Scene& scene);
 
 // The least mean error among those within the budget, the fastest if none is. `rows` is not empty.

@@ -1,4 +1,4 @@
-// The angle alpha between tangential and normal traction on each taxel (the paper's section II.A): what the
+// The angle alpha between tangential and normal traction on each taxel (docs/theory.md §3.3): what the
 // model is trained on and what an estimator projects. Both go through here, so that both see the same. Any
 // thread.
 #pragma once
@@ -18,8 +18,8 @@ struct AlphaMask {
 };
 
 // alpha[i] = atan((shear_x[i] along_x + shear_y[i] along_y) / normal[i]) in (-pi/2, pi/2) where normal[i] >
-// least_pa, else 0. All spans of one size; least_pa >= 0. Error at most 1e-6 rad (polynomial 4.4.49 of
-// Abramowitz and Stegun: 2e-8, and float rounding). Vectorised for the processor it runs on.
+// least_pa, else 0. All spans of one size; least_pa >= 0. Error at most 1e-6 rad (polynomial of
+// docs/theory.md §14: 2e-8, and float rounding). Vectorised for the processor it runs on.
 void alpha_of(std::span<const float> normal_pa, std::span<const float> shear_x_pa,
               std::span<const float> shear_y_pa, const AlphaMask& mask, std::span<float> alpha) noexcept;
 

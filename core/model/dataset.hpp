@@ -1,4 +1,4 @@
-// The contacts that a scene expects, drawn as in the paper's section II.B.
+// The contacts that a scene expects, drawn as in docs/theory.md §9.1.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,7 @@ struct ContactDraw {
   double y_m = 0;
 };
 
-// How much of it: as many columns as contacts x loads. The defaults give the paper's 16000 (its II.B leaves
-// both open).
+// How much of it: as many columns as contacts x loads. The defaults give the 16000 of docs/theory.md §9.1.
 struct DataSetSize {
   std::size_t contacts = 320;
   std::size_t loads = 50;

@@ -74,7 +74,7 @@ void FrameColumns::fill(std::size_t first, std::size_t count, float* out) const 
       touched.emplace(taxels_, draw, radius_m);
       touched->averages(radius_m, whole);
     }
-    // Cattaneo and Mindlin: q = mu (D_a - D_c), c = a cbrt(Gamma).
+    // docs/theory.md §3.1: q = mu (D_a - D_c), c = a cbrt(Gamma).
     const double margin = gamma(j), scale = pair.disc_scale_pa_per_m();
     touched->averages(radius_m * std::cbrt(margin), stick);
     const std::size_t size = whole.size();

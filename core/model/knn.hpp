@@ -1,5 +1,5 @@
-// From a point's neighbours to an answer: the same in training, where its errors are measured, and in use.
-// Any thread.
+// From a point's neighbours to an answer (docs/theory.md §9.4): the same in training, where its errors are
+// measured, and in use. Any thread.
 #pragma once
 
 #include <algorithm>

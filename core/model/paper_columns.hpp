@@ -1,5 +1,5 @@
-// The paper's matrices X_p, X_q and X_alpha (section II.B): the contact model at each taxel's middle, noise
-// on the quantity itself. For reproducing the paper; what a sensor measures is frame_columns.hpp.
+// The matrices X_p, X_q and X_alpha of docs/theory.md §9.1: the contact model at each taxel's middle, noise
+// on the quantity itself. For reproducing published figures; what a sensor measures is frame_columns.hpp.
 #pragma once
 
 #include "core/model/column_source.hpp"

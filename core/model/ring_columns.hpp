@@ -1,6 +1,6 @@
-// What the registered estimator sees of a contact: it is found in the frame, brought into a standard frame by
-// its centre and radius, and summed over rings. Place, size, stiffness and force drop out; friction and
-// margin are left.
+// What the registered estimator sees of a contact: it is found in the frame, brought into a standard frame
+// (docs/theory.md §8) by its centre and radius, and summed over rings. Place, size, stiffness and force drop
+// out; friction and margin are left.
 #pragma once
 
 #include "core/frame/layout.hpp"
@@ -9,8 +9,8 @@
 
 namespace slipd {
 
-// What a ring's alpha is multiplied by, so that noise is alike on all: by the taxels that it holds, few in
-// the middle, and by the pressure on them, little at the rim. Relative.
+// What a ring's alpha is multiplied by, so that noise is alike on all (docs/theory.md §8.3): by the taxels
+// that it holds, few in the middle, and by the pressure on them, little at the rim. Relative.
 double ring_weight(std::size_t ring, std::size_t rings) noexcept;
 
 // The same contact on fewer rings, each of neighbouring ones added up. count divides Rings::kCount.

@@ -1,6 +1,6 @@
 // Random numbers by counter: each is a hash of where it is used, not of how many were drawn before, so that
 // any block of a data set can be made again, alone, on any thread and any machine. The hash is the finaliser
-// of splitmix64 (Steele, Lea, Flood 2014). The standard library's distributions differ between
+// of splitmix64 (docs/theory.md §14). The standard library's distributions differ between
 // implementations, hence none here.
 #pragma once
 

@@ -92,8 +92,8 @@ void PatchFinder::copy_channels() noexcept {
   }
 }
 
-// Pressure below zero is noise alone, and noise is as often above zero: the mean square of the negative
-// readings is the variance of all, wherever the contact may lie.
+// docs/theory.md §6.1. Pressure below zero is noise alone, and noise is as often above zero: the mean square
+// of the negative readings is the variance of all, wherever the contact may lie.
 void PatchFinder::measure_normal_noise() noexcept {
   const NoiseSums sums = kernels_.noise(patch_.taxels);
   peak_pa_ = sums.peak;
