@@ -1,6 +1,6 @@
 // daemon-bench [--brief] [PART…]: the real slipd, from its device to its clients. Prints one JSON object a
-// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, can. --brief: a moment each, to
-// see that it works.
+// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, each with its floors. --brief: a
+// moment each, to see that it works.
 #include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -14,33 +14,18 @@
 #include <set>
 #include <thread>
 
+#include "tests/bench/daemon_parts.hpp"
+#include "tests/bench/floors.hpp"
 #include "tests/bench/load.hpp"
 #include "tests/bench/running.hpp"
 #include "tests/bench/scenes.hpp"
 
 namespace slipd::bench {
-namespace {
-
-using nlohmann::json;
-using testing::Daemon;
-using testing::TempFolder;
-using namespace std::chrono_literals;
-using std::chrono::milliseconds;
 
 bool brief = false;
 
-milliseconds length(milliseconds whole) {
+std::chrono::milliseconds length(std::chrono::milliseconds whole) {
   return brief ? whole / 20 : whole;
-}
-
-// Trained ones are left out of a moment's run: training takes longer than that.
-std::vector<const char*> methods() {
-  if (brief) return {"moments", "fit"};
-  return {"moments", "registered", "svd-knn", "fit"};
-}
-
-bool left_out(const std::string& method) {
-  return brief && (method == "svd-knn" || method == "registered");
 }
 
 void say(const char* part, json values) {
@@ -50,6 +35,22 @@ void say(const char* part, json values) {
 
 json to_json(const Quantiles& of) {
   return {{"p50_us", of.p50_us}, {"p99_us", of.p99_us}, {"p999_us", of.p999_us}, {"max_us", of.max_us}};
+}
+
+namespace {
+
+using testing::Daemon;
+using testing::TempFolder;
+using namespace std::chrono_literals;
+
+// Trained ones are left out of a moment's run: training takes longer than that.
+std::vector<const char*> methods() {
+  if (brief) return {"moments", "fit"};
+  return {"moments", "registered", "svd-knn", "fit"};
+}
+
+bool left_out(const std::string& method) {
+  return brief && (method == "svd-knn" || method == "registered");
 }
 
 // The lines of a subscribed connection, and when they were in hand.
@@ -98,9 +99,16 @@ const json& sensor_of(const json& status) {
   return status["sensors"][0];
 }
 
+void say_floor(const char* name, const Quantiles& times, json more = json::object()) {
+  more.update(to_json(times));
+  more["name"] = name;
+  say("floor", more);
+}
+
 // Frame complete → in a subscribed client's hands, at 1 kHz.
 void latency() {
   for (const char* method : methods()) {
+    say_floor("frame to client", frame_to_client(length(3s)), {{"method", method}});
     const TempFolder folder;
     const Daemon daemon(config(folder, json::array({trial("left", 100, 1000)}), method),
                         testing::trial_drivers(), state());
@@ -122,6 +130,8 @@ void latency() {
 
 // Frames as fast as the estimator takes them: the device waits for it, none is skipped.
 void throughput() {
+  say_floor("futex wake", futex_wake(length(1s)));
+  say_floor("frame there and back", frame_there_and_back(length(1s)));
   for (const char* method : methods()) {
     const TempFolder folder;
     const Daemon daemon(config(folder, json::array({trial("left", 100, 1000, {{"paced", true}})}), method),
@@ -165,99 +175,9 @@ void sensors() {
   }
 }
 
-Asking gamma_query(const Daemon& daemon, int clients, int subscribers) {
-  return {.socket = daemon.socket(),
-          .request = R"({"jsonrpc":"2.0","id":1,"method":"gamma"})"
-                     "\n",
-          .newlines = 1,
-          .clients = clients,
-          .subscribers = subscribers,
-          .subscription = R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})"
-                          "\n"};
-}
-
-json to_json(const Asked& asked) {
-  json values = to_json(asked.waits);
-  values.update({{"per_s", asked.per_second}, {"bytes", asked.answer_bytes}});
-  return values;
-}
-
-// redis-server in the folder, answering on a socket without writing anything to disk; none where it is not
-// installed.
-std::unique_ptr<testing::Program> redis(const TempFolder& folder) {
-  const std::string server = "/usr/bin/redis-server";
-  if (!std::filesystem::exists(server)) return nullptr;
-  auto made = std::make_unique<testing::Program>(
-      folder, "redis",
-      std::vector<std::string>{server, "--port", "0", "--unixsocket", folder.file("r.sock").string(),
-                               "--save", "", "--appendonly", "no", "--dir", folder.path().string()});
-  for (int i = 0; i < 500 && !std::filesystem::exists(folder.file("r.sock")); ++i)
-    std::this_thread::sleep_for(10ms);
-  std::this_thread::sleep_for(50ms);
-  return made;
-}
-
-// The run with the median throughput: a machine that others use as well is slower now and then.
-const Asked& usual_of(std::vector<Asked>& asked) {
-  const auto middle = asked.begin() + static_cast<std::ptrdiff_t>(asked.size() / 2);
-  std::nth_element(asked.begin(), middle, asked.end(),
-                   [](const Asked& a, const Asked& b) { return a.per_second < b.per_second; });
-  return *middle;
-}
-
-// `gamma` against GET of a value of the answer's size, by the same clients, in turn.
-void queries() {
-  constexpr int kRounds = 5;
-  const TempFolder folder;
-  const Daemon daemon(config(folder, json::array({trial("left", 16, 1000)}), "moments"),
-                      testing::trial_drivers(), state());
-  wait_for_estimates(daemon, 100);
-  const auto whole = length(4s);
-  const std::size_t bytes = ask_for(gamma_query(daemon, 1, 0), length(200ms)).answer_bytes;
-  const auto peer = redis(folder);
-  if (peer) {
-    const std::string value(bytes, 'x');
-    const std::string set =
-        "*3\r\n$3\r\nSET\r\n$1\r\nk\r\n$" + std::to_string(bytes) + "\r\n" + value + "\r\n";
-    const int fd = connect_to(folder.file("r.sock"));
-    std::array<char, 64> ok{};
-    if (send(fd, set.data(), set.size(), 0) < 0 || recv(fd, ok.data(), ok.size(), 0) <= 0)
-      throw std::runtime_error("SET");
-    close(fd);
-  } else {
-    say("queries", {{"skipped", "redis-server is not installed"}});
-  }
-  for (const int clients : {1, 10, 100}) {
-    const Asking get{.socket = folder.file("r.sock"),
-                     .request = "*2\r\n$3\r\nGET\r\n$1\r\nk\r\n",
-                     .newlines = 2,
-                     .clients = clients};
-    std::vector<Asked> ours, theirs;
-    for (int round = 0; round < kRounds; ++round) {
-      ours.push_back(ask_for(gamma_query(daemon, clients, 0), whole / kRounds));
-      if (peer) theirs.push_back(ask_for(get, whole / kRounds));
-    }
-    for (const auto& [server, asked] : {std::pair{"slipd", &ours}, std::pair{"redis", &theirs}}) {
-      if (asked->empty()) continue;
-      json values = to_json(usual_of(*asked));
-      values.update({{"server", server}, {"clients", clients}, {"subscribers", 0}});
-      say("queries", values);
-    }
-  }
-  for (const int subscribers : {1, 10, 100}) {
-    const Asked asked = ask_for(gamma_query(daemon, 10, subscribers), whole / 2);
-    json values = to_json(asked);
-    values.update({{"server", "slipd"},
-                   {"clients", 10},
-                   {"subscribers", subscribers},
-                   {"heard_per_s", static_cast<double>(asked.heard) /
-                                       std::chrono::duration<double>(whole / 2 + 100ms).count()}});
-    say("queries", values);
-  }
-}
-
 // From the start of the program to the first estimate in a client's hands, its model already on disk.
 void startup() {
+  redis_startup();
   for (const auto& [method, side] : {std::pair{"moments", 4}, std::pair{"svd-knn", 100},
                                      std::pair{"registered", 100}, std::pair{"auto", 100}}) {
     if (left_out(method)) continue;
@@ -318,6 +238,8 @@ void memory() {
 // A sensor at 1 kHz that nothing touches: its driver, the search for a contact, and nothing else.
 void idle() {
   for (const int side : {4, 100}) {
+    say("floor",
+        {{"name", "two threads at 1 kHz"}, {"side", side}, {"cpu", two_threads_at_1_khz(length(4s))}});
     const TempFolder folder;
     const json free{{"noise", 0}, {"cycle", {{{"ms", 3600000}, {"normal_n", 0}}}}};
     json sensor = trial("left", static_cast<std::size_t>(side), 1000, free);

@@ -3,6 +3,7 @@
 // With SLIPD_BENCH_PEER=1 the frames, basis and points go to files as well, for peers to work on the same.
 #include <benchmark/benchmark.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -74,6 +75,41 @@ void chain_of_side(benchmark::State& state, MethodChoice choice) {
     const Frame& frame = grasp.next();
     const std::int64_t since = now_ns();
     benchmark::DoNotOptimize(chain.estimate(frame));
+    times.add(since);
+  }
+  times.report(state);
+}
+
+// A frame from the shared cache, read once by memcpy.
+void floor_frame(benchmark::State& state) {
+  const auto setup = setup_of(static_cast<std::size_t>(state.range(0)), MethodChoice::moments);
+  Frames frames(setup, kFrames);
+  std::vector<float> to(3 * setup.layout.size());
+  Times times;
+  for (auto _ : state) {
+    const float* from = frames.next().normal_pa.data();
+    const std::int64_t since = now_ns();
+    std::memcpy(to.data(), from, sizeof(float) * to.size());
+    benchmark::ClobberMemory();
+    times.add(since);
+  }
+  times.report(state);
+}
+
+// One least-squares step: six unknowns, two residuals of each taxel of the frame.
+void floor_step(benchmark::State& state) {
+  constexpr int kUnknowns = 6;
+  const Eigen::Index rows = 2 * state.range(0) * state.range(0);
+  const Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> slopes =
+      Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>::Random(rows, kUnknowns);
+  const Eigen::VectorXd residuals = Eigen::VectorXd::Random(rows);
+  Times times;
+  for (auto _ : state) {
+    const std::int64_t since = now_ns();
+    const Eigen::Matrix<double, kUnknowns, kUnknowns> hessian = slopes.transpose() * slopes;
+    Eigen::Matrix<double, kUnknowns, 1> step = hessian.ldlt().solve(slopes.transpose() * residuals);
+    benchmark::DoNotOptimize(step.data());
+    benchmark::ClobberMemory();
     times.add(since);
   }
   times.report(state);
@@ -190,6 +226,8 @@ void register_all() {
     add(std::string("chain/") + name, bind(chain), {4, 16, 100});
   }
   add("points/svd-knn", method_of_points, {1000, 10000, 100000, 1000000});
+  add("floor/frame", floor_frame, {100});
+  add("floor/step", floor_step, {16, 100});
   add("floor/memcpy", floor_memcpy, {});
   add("floor/gemv", floor_gemv, {});
   add("floor/search", floor_search, {});

@@ -64,27 +64,27 @@ def estimator_goals(of):
     copied, projected = of.floor_us("memcpy", "search"), of.floor_us("gemv", "search")
     for name in ("svd-knn", "registered"):
         ours, why = of.method(name, 100).get("p50_us"), WHY[name]
-        yield Goal(f"{name}, 100 x 100", ours, "us", "frame and basis copied, exact search", copied, 2, why)
-        yield Goal(f"{name}, 100 x 100", ours, "us", "frame projected, exact search", projected, 2, why)
-        yield Goal(f"{name}, 100 x 100", ours, "us", "scikit-learn one by one", alone, 0.1, why, peer=SKLEARN)
-        yield Goal(f"{name}, 100 x 100", ours, "us", "scikit-learn batched", batched, 1, why, peer=SKLEARN)
-    yield Goal("moments, 100 x 100", of.method("moments", 100).get("p50_us"), "us", "frame copied", of.floor_us("frame/100"), 4,
+        yield Goal(f"{name}, 100 x 100", ours, "µs", "frame and basis copied, exact search", copied, 2, why)
+        yield Goal(f"{name}, 100 x 100", ours, "µs", "frame projected, exact search", projected, 2, why)
+        yield Goal(f"{name}, 100 x 100", ours, "µs", "scikit-learn one by one", alone, 0.1, why, peer=SKLEARN)
+        yield Goal(f"{name}, 100 x 100", ours, "µs", "scikit-learn batched", batched, 1, why, peer=SKLEARN)
+    yield Goal("moments, 100 x 100", of.method("moments", 100).get("p50_us"), "µs", "frame copied", of.floor_us("frame/100"), 5,
                WHY["moments"])
-    for side, limit in ((100, 30), (16, 30)):
-        yield Goal(f"fit, {side} x {side}", of.method("fit", side).get("p50_us"), "us", "one least-squares step",
+    for side, limit in ((100, 3), (16, 10)):
+        yield Goal(f"fit, {side} x {side}", of.method("fit", side).get("p50_us"), "µs", "one least-squares step",
                    of.floor_us(f"step/{side}"), limit, WHY["fit"])
 
 
 def pipeline_goals(of):
     way, hand = of.one("floor", name="frame to client", method="registered"), of.one("latency", method="registered")
     for quantile, limit in (("p50_us", 1.25), ("p99_us", 2)):
-        yield Goal(f"frame complete to client at 1 kHz, registered, {quantile[:3]}", hand.get(quantile), "us",
+        yield Goal(f"frame complete to client at 1 kHz, registered, {quantile[:3]}", hand.get(quantile), "µs",
                    "the same threads without work, and the estimate", total(way.get(quantile), of.chain("registered", 100).get(quantile)),
                    limit, WHY["latency"])
     handed = of.one("floor", name="frame there and back").get("p50_us")
     for name in METHODS[:3]:
         rate = of.one("throughput", method=name).get("frames_per_s")
-        yield Goal(f"a frame of 100 x 100 through the pipeline, {name}", 1e6 / rate if rate else None, "us",
+        yield Goal(f"a frame of 100 x 100 through the pipeline, {name}", 1e6 / rate if rate else None, "µs",
                    "frame handed there and back, and the estimate", total(handed, of.chain(name, 100).get("p50_us")), 2, WHY["throughput"])
     for side in (4, 100):
         cpu, least = of.one("idle", side=side).get("cpu"), of.one("floor", name="two threads at 1 kHz", side=side).get("cpu")
@@ -93,13 +93,13 @@ def pipeline_goals(of):
 
 
 def socket_goals(of):
-    yield Goal("gamma, 1 client, p50", of.queries("slipd", 1).get("p50_us"), "us", "round trip on a Unix socket",
+    yield Goal("gamma, 1 client, p50", of.queries("slipd", 1).get("p50_us"), "µs", "round trip on a Unix socket",
                of.queries("echo", 1).get("p50_us"), 2, WHY["queries"])
     for clients in (1, 10, 100):
         ours, redis = of.queries("slipd", clients), of.queries("redis", clients)
         yield Goal(f"gamma, {clients} client{'s' * (clients > 1)}, queries", ours.get("per_s"), "a second", "Redis GET", redis.get("per_s"), 1,
                    WHY["queries"], more=True, peer=REDIS)
-        yield Goal(f"gamma, {clients} client{'s' * (clients > 1)}, p99", ours.get("p99_us"), "us", "Redis GET", redis.get("p99_us"), 1,
+        yield Goal(f"gamma, {clients} client{'s' * (clients > 1)}, p99", ours.get("p99_us"), "µs", "Redis GET", redis.get("p99_us"), 1,
                    WHY["queries"], peer=REDIS)
 
 

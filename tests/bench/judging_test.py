@@ -10,9 +10,10 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from goals import Goal, goals, judge, size  # noqa: E402
 from measured import Measured  # noqa: E402
 from peer_check import blas_refusal, missing_refusal  # noqa: E402
+from report import page  # noqa: E402
 
 OPENBLAS = {"user_api": "blas", "internal_api": "openblas", "num_threads": 4, "version": "0.3.21", "threading_layer": "pthreads"}
-AT_MOST_TWICE = Goal("estimate", 9.0, "us", "copy", 5.0, 2, "the reason")
+AT_MOST_TWICE = Goal("estimate", 9.0, "µs", "copy", 5.0, 2, "the reason")
 AS_MANY = Goal("queries", 90.0, "a second", "Redis GET", 100.0, 1, "the reason", more=True, peer="Redis")
 
 
@@ -69,7 +70,9 @@ class Peers(unittest.TestCase):
 class Page(unittest.TestCase):
     def setUp(self):
         left_out = missing_refusal("scikit-learn", "Python's sklearn", "python3-sklearn")
-        self.of = Measured({"minutes": 1, "machine": {}, "paths": {},
+        machine = {"processor": "one", "virtual": False, "cores": 2, "caches": {}, "memory_mb": 1, "vectors": [], "kernel": "6.1",
+                   "compiler": "g++", "load_before": 0.1, "date": "today", "commit": "abc"}
+        self.of = Measured({"minutes": 1, "machine": machine, "paths": {},
                             "estimators": {"ours": {"method/svd-knn/100": {"p50_us": 9.0}, "floor/memcpy": {"p50_us": 4.5},
                                                     "floor/search": {"p50_us": 0.5}}, "peer": [left_out]},
                             "training": {"ours": [], "peer": [left_out]},
@@ -86,9 +89,15 @@ class Page(unittest.TestCase):
     def test_each_peer_left_out_is_named_once(self):
         self.assertEqual(sorted(self.of.refused), ["Redis", "scikit-learn"])
 
+    def test_the_page_says_what_is_missing_and_what_to_do(self):
+        text = page(self.of, drawn=False)
+        self.assertIn("* Redis: redis-server is not installed; install redis-server (tools/setup --bench does).", text)
+        self.assertIn("| ≤ 2.00 | 1.80 | reached |", text)
+        self.assertNotIn("None", text)
+
     def test_no_time_is_judged_by_itself(self):
         for goal in self.goals:
-            if goal.unit in ("us", "ms", "s", "a second", "% of a core"):
+            if goal.unit in ("µs", "ms", "s", "a second", "% of a core"):
                 self.assertTrue(goal.against, goal.what)
 
 

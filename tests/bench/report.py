@@ -35,8 +35,9 @@ def goal_table(of):
     rows = []
     for goal in goals(of):
         tiny = 4 if goal.limit < 0.01 else None
-        wanted = f"{'≥' if goal.more else '≤'} {number(goal.limit, tiny)}{'' if goal.against else f' {goal.unit}'}"
-        rows.append([goal.what, f"{number(goal.ours, 6 if tiny else None)} {goal.unit}".strip(),
+        wanted = f"{'≥' if goal.more else '≤'} {number(goal.limit, tiny)}{'' if goal.against else f' {goal.unit}'}".strip()
+        ours = "–" if goal.ours is None else f"{number(goal.ours, 6 if tiny else None)} {goal.unit}".strip()
+        rows.append([goal.what, ours,
                      f"{goal.against}: {number(goal.base)}" if goal.against else "", wanted,
                      number(goal.ratio, 6 if tiny else None) if goal.against else "", judge(goal, of.refused)])
     return table(["", "measured", "against", "wanted", "ratio", ""], rows)
@@ -46,7 +47,7 @@ def refused_text(of):
     if not of.refused:
         return ""
     said = "\n".join(f"* {each['peer']}: {each['why']}; {each['remedy']}." for each in of.refused.values())
-    return f"**Peers that are left out**, because they are not there or not at their best:\n\n{said}\n"
+    return f"**Peers that are left out**, because they are not there or not at their best:\n\n{said}\n\n"
 
 
 GOALS = """A goal is a ratio to a floor or to a peer, both measured in the same run as slipd, so that it says the same on a fast and on a
@@ -179,7 +180,8 @@ Both sides of the mailbox in one thread take {mailbox} ns, an estimate onto the 
 def training_section(of):
     ours, theirs = of.training, of.trained_by_peer.get("training")
     rows = [[what, number(ours[part]["seconds"]), number(ours[part]["svd_s"]), number(ours[part]["highest_mb"], 0)] for part, what in
-            (("training", "slipd, data + SVD + tree"), ("folded", "slipd without noise, folded to an eighth (exact only so)"))]
+            (("training", "slipd, data + SVD + tree"), ("folded", "slipd without noise, folded to an eighth (exact only so)"))
+            if part in ours]
     if theirs:
         rows.append([f"scikit-learn, SVD + tree of data that is there ({number(theirs['data_mb'], 0)} MB of it)", number(theirs["seconds"]),
                      number(theirs["svd_s"]), number(theirs["highest_mb"], 0)])
@@ -209,10 +211,7 @@ CPU at 1 kHz without contact: {idle}; two threads that only wake and sleep: {num
 """
 
 
-def write(results, docs, folder):
-    of = Measured(results)
-    drawn = draw(of, docs, folder)
-
+def page(of, drawn):
     def picture(name, what):
         return f"![{what}](performance/{name}.svg)\n" if drawn else ""
     head = f"""# How fast slipd is
@@ -225,10 +224,14 @@ longest of all frames measured.
 ## What was wanted
 
 {goal_table(of)}
-{refused_text(of)}
-## How the goals are defined
+{refused_text(of)}## How the goals are defined
 
 {GOALS}"""
     sections = [head, estimators_section(of, picture), pipeline_section(of, picture), socket_section(of, picture), between_section(of),
                 training_section(of), program_section(of)]
-    (docs / "performance.md").write_text("\n".join(section.rstrip() + "\n" for section in sections))
+    return "\n".join(section.rstrip() + "\n" for section in sections)
+
+
+def write(results, docs, folder):
+    of = Measured(results)
+    (docs / "performance.md").write_text(page(of, draw(of, docs, folder)))

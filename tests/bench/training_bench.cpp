@@ -3,10 +3,12 @@
 // line. --write: the columns instead, one after the other as 32 bit numbers, for a peer to train on the same.
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "core/model/fold.hpp"
 #include "core/model/frame_columns.hpp"
@@ -21,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kPaperNoise = 0.04;
-constexpr unsigned kThreads = 2;
+constexpr unsigned kMostThreads = 4;  // what training may use
 
 Scene paper_scene(double noise) {
   return {.skin = {}, .objects = paper_objects(), .offset_m = 0, .noise = noise};
@@ -40,7 +42,10 @@ double seconds_since(std::int64_t begun_ns) {
 void train_on(const ColumnSource& columns, const char* name) {
   const std::int64_t begun = now_ns();
   const Svd svd =
-      randomized_svd(columns, {.rank = 8, .tolerance = 2e-5, .threads = kThreads, .coordinates = true});
+      randomized_svd(columns, {.rank = 8,
+                               .tolerance = 2e-5,
+                               .threads = std::clamp(std::thread::hardware_concurrency(), 1U, kMostThreads),
+                               .coordinates = true});
   const double svd_s = seconds_since(begun);
   const Eigen::MatrixXf& points = svd.coordinates;
   const Neighbours tree({points.data(), points.data() + points.size()},

@@ -1,0 +1,26 @@
+// What the parts of daemon-bench share: how long they measure and how they print.
+#pragma once
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "tests/bench/times.hpp"
+
+namespace slipd::bench {
+
+using nlohmann::json;
+
+extern bool brief;  // a moment each, to see that it works
+
+std::chrono::milliseconds length(std::chrono::milliseconds whole);  // a twentieth of it if brief
+void say(const char* part, json values);                            // one line of JSON
+json to_json(const Quantiles& of);
+
+// `gamma` against a server that only echoes, and against GET of a value of the answer's size, by the same
+// clients, in turn; then `gamma` beside subscribers.
+void queries();
+
+// From the start of redis-server to its first answer.
+void redis_startup();
+
+}  // namespace slipd::bench

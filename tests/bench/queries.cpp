@@ -1,0 +1,162 @@
+// The parts of daemon-bench that ask: slipd, Redis and a server that only echoes, by the same clients.
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include "tests/bench/daemon_parts.hpp"
+#include "tests/bench/floors.hpp"
+#include "tests/bench/load.hpp"
+#include "tests/bench/running.hpp"
+
+namespace slipd::bench {
+namespace {
+
+using testing::Daemon;
+using testing::TempFolder;
+using namespace std::chrono_literals;
+using std::chrono::milliseconds;
+
+constexpr int kRounds = 5;
+constexpr const char* kGet = "*2\r\n$3\r\nGET\r\n$1\r\nk\r\n";
+
+Asking gamma_query(const Daemon& daemon, int clients, int subscribers) {
+  return {.socket = daemon.socket(),
+          .request = R"({"jsonrpc":"2.0","id":1,"method":"gamma"})"
+                     "\n",
+          .newlines = 1,
+          .clients = clients,
+          .subscribers = subscribers,
+          .subscription = R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})"
+                          "\n"};
+}
+
+json to_json(const Asked& asked) {
+  json values = bench::to_json(asked.waits);
+  values.update({{"per_s", asked.per_second}, {"bytes", asked.answer_bytes}});
+  return values;
+}
+
+std::string ask_once(int fd, const std::string& request) {
+  std::array<char, 4096> answer{};
+  ssize_t got = -1;
+  if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()))
+    got = recv(fd, answer.data(), answer.size(), 0);
+  if (got <= 0) throw std::runtime_error("redis-server does not answer");
+  return {answer.data(), static_cast<std::size_t>(got)};
+}
+
+// redis-server in a folder, answering on a socket without writing anything to disk.
+class Redis {
+ public:
+  // None where it is not installed; says so. Has answered when it returns.
+  static std::unique_ptr<Redis> start() {
+    if (std::filesystem::exists(kServer)) return std::unique_ptr<Redis>(new Redis);
+    say("refused", {{"peer", "Redis"},
+                    {"why", "redis-server is not installed"},
+                    {"remedy", "install redis-server (tools/setup --bench does)"}});
+    return nullptr;
+  }
+  std::filesystem::path socket() const { return folder_.file("r.sock"); }
+  void set(const std::string& value) const {
+    const int fd = connect_to(socket());
+    ask_once(fd, "*3\r\n$3\r\nSET\r\n$1\r\nk\r\n$" + std::to_string(value.size()) + "\r\n" + value + "\r\n");
+    close(fd);
+  }
+
+ private:
+  static constexpr const char* kServer = "/usr/bin/redis-server";
+
+  Redis()
+      : program_(folder_, "redis",
+                 {kServer, "--port", "0", "--unixsocket", socket().string(), "--save", "", "--appendonly",
+                  "no", "--dir", folder_.path().string()}) {
+    for (;;) {
+      try {
+        const int fd = connect_to(socket());
+        ask_once(fd, kGet);
+        close(fd);
+        return;
+      } catch (const std::system_error&) {
+        if (program_.wait(1ms)) throw std::runtime_error("redis-server has ended: " + program_.errors());
+      }
+    }
+  }
+
+  TempFolder folder_;
+  testing::Program program_;
+};
+
+// The run with the median throughput: a machine that others use as well is slower now and then.
+const Asked& usual_of(std::vector<Asked>& asked) {
+  const auto middle = asked.begin() + static_cast<std::ptrdiff_t>(asked.size() / 2);
+  std::nth_element(asked.begin(), middle, asked.end(),
+                   [](const Asked& a, const Asked& b) { return a.per_second < b.per_second; });
+  return *middle;
+}
+
+void in_turn(const std::map<std::string, Asking>& servers, int clients, milliseconds each) {
+  std::map<std::string, std::vector<Asked>> asked;
+  for (int round = 0; round < kRounds; ++round) {
+    for (const auto& [server, asking] : servers) asked[server].push_back(ask_for(asking, each));
+  }
+  for (auto& [server, of] : asked) {
+    json values = to_json(usual_of(of));
+    values.update({{"server", server}, {"clients", clients}, {"subscribers", 0}});
+    say("queries", values);
+  }
+}
+
+}  // namespace
+
+void queries() {
+  const TempFolder folder;
+  const Daemon daemon(config(folder, json::array({trial("left", 16, 1000)}), "moments"),
+                      testing::trial_drivers(), state());
+  wait_for_estimates(daemon, 100);
+  const auto whole = length(4s);
+  const std::size_t bytes = ask_for(gamma_query(daemon, 1, 0), length(200ms)).answer_bytes;
+  const EchoServer echo(folder.file("echo.sock"), bytes);
+  const auto redis = Redis::start();
+  if (redis) redis->set(std::string(bytes, 'x'));
+  for (const int clients : {1, 10, 100}) {
+    Asking echoed = gamma_query(daemon, clients, 0);
+    echoed.socket = folder.file("echo.sock");
+    std::map<std::string, Asking> servers{{"slipd", gamma_query(daemon, clients, 0)}, {"echo", echoed}};
+    if (redis)
+      servers["redis"] = {.socket = redis->socket(), .request = kGet, .newlines = 2, .clients = clients};
+    in_turn(servers, clients, whole / kRounds);
+  }
+  for (const int subscribers : {1, 10, 100}) {
+    const Asked asked = ask_for(gamma_query(daemon, 10, subscribers), whole / 2);
+    json values = to_json(asked);
+    values.update({{"server", "slipd"},
+                   {"clients", 10},
+                   {"subscribers", subscribers},
+                   {"heard_per_s", static_cast<double>(asked.heard) /
+                                       std::chrono::duration<double>(whole / 2 + 100ms).count()}});
+    say("queries", values);
+  }
+}
+
+void redis_startup() {
+  std::vector<std::int64_t> times;
+  for (int i = 0; i < (brief ? 2 : 12); ++i) {
+    const std::int64_t begun = now_ns();
+    const auto redis = Redis::start();
+    if (!redis) return;
+    times.push_back(now_ns() - begun);
+  }
+  json values = bench::to_json(quantiles_of(times));
+  values["method"] = "redis";
+  say("startup", values);
+}
+
+}  // namespace slipd::bench
