@@ -53,8 +53,8 @@ def refused_text(of):
 GOALS = """A goal is a ratio to a floor or to a peer, both measured in the same run as slipd, so that it says the same on a fast and on a
 slow machine. Times and rates by themselves are shown and never judged. A peer that is not installed, or not at its best (numpy
 without OpenBLAS, a BLAS on fewer threads than there are cores), is left out, and its goals are not judged. Memory is a size: it is
-judged in MB. Each ratio to a floor comes from a limit in microseconds on one machine (10 for svd-knn, 6 for moments, 300 for fit, 60
-to the client), divided by that machine's floor and rounded up.
+judged in MB. The ratios to floors leave svd-knn, moments, fit and the way to the client about as much room as limits of 10, 6, 300
+and 60 µs left on a quiet machine of 2.6 GHz with AVX-512.
 
 | against | what that is |
 |---|---|
