@@ -68,7 +68,7 @@ and 60 µs left on a quiet machine of 2.6 GHz with AVX-512.
 | round trip on a Unix socket | the same client, and a server of one thread that answers each request with as many bytes as slipd |
 | Redis GET | redis-server on a Unix socket, a value of the same size, the same client |
 | Redis, start-up to first answer | from the start of redis-server until it has answered a GET |
-| scikit-learn | KNeighborsRegressor and randomized_svd on OpenBLAS with all cores, on the same frames, points and columns |
+| scikit-learn | KNeighborsRegressor and randomized_svd on OpenBLAS with all cores (estimating: or with one thread, if that is faster), on the same frames, points and columns |
 """
 
 
