@@ -11,6 +11,7 @@
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
+#include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
 
@@ -83,7 +84,22 @@ struct EstimatorChain::Impl {
         finder(s.layout),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
-        alert(s.alerts) {}
+        alert(s.alerts) {
+    const Range expected = expected_friction(s.scene);
+    usual_friction = s.friction.value_or(std::sqrt(expected.low * expected.high));
+  }
+
+  // The contact was lost.
+  void forget() noexcept {
+    tracker.forget();
+    unseen.reset();
+  }
+
+  // What the forces did since the last frame nobody has seen.
+  void own_up(const ContactPatch& patch, Estimate& out) noexcept {
+    unseen.update(patch, out.friction.value_or(usual_friction));
+    unseen.widen(out, setup.estimator.sigma_max);
+  }
 
   ChainSetup setup;
   std::shared_ptr<const Model> model;
@@ -91,6 +107,8 @@ struct EstimatorChain::Impl {
   PatchFinder finder;
   std::unique_ptr<SlipMethod> method;
   Tracker tracker;
+  UnseenMotion unseen;
+  double usual_friction = 0;  // while that of the grasp is not known
   AlertLogic alert;
   SlipForecast forecast;
 };
@@ -121,7 +139,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   out.sequence = frame.sequence;
   out.time_ns = frame.time_ns;
   if (!frame.zeroed) {
-    in.tracker.forget();
+    in.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::unzeroed;
     out.alert = in.alert.update(frame.time_ns, out);
     out.time_to_slip_s = in.forecast.update(frame.time_ns, std::nullopt, 0);
@@ -129,7 +147,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   }
   const ContactPatch& patch = in.finder.find(frame);
   if (!patch.in_contact) {
-    in.tracker.forget();
+    in.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   } else {
     out.normal_n = patch.normal_n;
@@ -146,6 +164,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
                           patch.shear_n > 3 * patch.shear_sigma_n;
       const FrameEstimate frame_estimate = shaped ? in.method->estimate(frame, patch) : FrameEstimate{};
       in.tracker.update(patch, shaped ? &frame_estimate : nullptr, method(), out);
+      if (in.setup.estimator.tracking) in.own_up(patch, out);
       if (frame_estimate.in_model) {
         out.center_x_m = frame_estimate.center_x_m;
         out.center_y_m = frame_estimate.center_y_m;

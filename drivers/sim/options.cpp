@@ -66,6 +66,7 @@ Options options_of(const SensorSetup& sensor) {
   i.drift_pa_s = 1e3 * options.at("drift_kpa_s").get<double>();
   out.zeroed = options.at("zeroed").get<bool>();
   out.grip_input = options.value("grip_input", "");
+  out.in_real_time = options.at("speed") != 0;
   return out;
 }
 
@@ -75,6 +76,9 @@ Options parse_options(const SensorSetup& sensor) {
   const std::string who = "sensor \"" + sensor.name + "\": simulated sensor: ";
   try {
     Options options = options_of(sensor);
+    if (!options.in_real_time && !options.grip_input.empty())
+      throw DriverError(who +
+                        "grip_input needs speed 1: at speed 0 no frame waits for the controller's answer");
     static_cast<void>(Script(options.sensor.cycle));
     static_cast<void>(contact::make_body_pair(options.sensor.skin, options.sensor.object));
     return options;

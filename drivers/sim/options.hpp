@@ -10,11 +10,13 @@ namespace slipd::sim {
 
 struct Options {
   SensorSettings sensor;
-  std::string grip_input;  // path; empty: none
-  bool zeroed = true;      // see SensorInfo
+  std::string grip_input;    // path; empty: none
+  bool zeroed = true;        // see SensorInfo
+  bool in_real_time = true;  // false: frames come as fast as they are taken
 };
 
-// Throws DriverError for what the schema cannot say (shear_n and load in one phase). A key that is absent has
+// Throws DriverError for what the schema cannot say (shear_n and load in one phase, grip_input without real
+// time). A key that is absent has
 // the schema's default, whoever filled it in.
 Options parse_options(const SensorSetup& sensor);
 

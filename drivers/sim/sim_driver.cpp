@@ -29,6 +29,13 @@ SimDriver::SimDriver(const std::vector<SensorSetup>& sensors) {
     channels_.push_back(
         {sensor, parse_options(sensor), std::llround(1e9 / sensor.rate_hz), std::nullopt, nullptr, 0, 0});
   }
+  in_real_time_ = channels_.front().options.in_real_time;
+  for (const auto& channel : channels_) {
+    if (channel.options.in_real_time != in_real_time_) {
+      throw DriverError("sensor \"" + channel.setup.name +
+                        "\": a simulated sensor's speed must be the same for all sensors of a device");
+    }
+  }
 }
 
 DeviceInfo SimDriver::open() {
@@ -83,8 +90,10 @@ ReadResult SimDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds
         std::min_element(channels_.begin(), channels_.end(),
                          [](const Channel& a, const Channel& b) { return a.due_ns < b.due_ns; });
     const auto index = static_cast<std::uint16_t>(first - channels_.begin());
-    if (!sleep_until(first->due_ns, give_up_ns)) return {ReadStatus::timeout, index};
-    catch_up(*first, monotonic_ns());
+    if (in_real_time_) {
+      if (!sleep_until(first->due_ns, give_up_ns)) return {ReadStatus::timeout, index};
+      catch_up(*first, monotonic_ns());
+    }
     if (first->grip) {
       if (const auto normal_n = first->grip->newest()) first->sensor->grip(normal_n);
     }

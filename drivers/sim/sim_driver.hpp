@@ -1,5 +1,6 @@
 // Simulated sensors at the pace of a real device: frames are due at absolute times, come late or not at all
-// when told to, and are left out (with a jump in the sequence) when this machine cannot keep up.
+// when told to, and are left out (with a jump in the sequence) when this machine cannot keep up. At speed 0
+// nothing is waited for or left out: a frame is due as soon as it is asked for.
 #pragma once
 
 #include <chrono>
@@ -23,6 +24,7 @@ class SimDriver final : public DeviceDriver {
   DeviceInfo open() override;
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
   void close() noexcept override;
+  bool paced_by_consumer() const noexcept override { return !in_real_time_; }
 
  private:
   struct Channel {
@@ -39,6 +41,7 @@ class SimDriver final : public DeviceDriver {
   static void catch_up(Channel& channel, std::int64_t now_ns) noexcept;
 
   std::vector<Channel> channels_;
+  bool in_real_time_ = true;  // of all channels
 };
 
 }  // namespace slipd::sim

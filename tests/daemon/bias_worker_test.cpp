@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "daemon/pipeline/bias_store.hpp"
+#include "tests/support/patience.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd {
@@ -52,7 +53,7 @@ class SensorSlot : public ::testing::Test {
   void await_settled(std::uint32_t request) {
     while (status_.zero.settled() < request) {
       pollfd news{wake_.fd(), POLLIN, 0};
-      ASSERT_GT(poll(&news, 1, 10'000), 0);
+      ASSERT_GT(poll(&news, 1, testing::kPollPatience), 0);
       wake_.clear();
     }
   }

@@ -10,6 +10,7 @@
 #include "daemon/board/record_tap.hpp"
 #include "daemon/rt/latest.hpp"
 #include "daemon/rt/wake.hpp"
+#include "tests/support/patience.hpp"
 
 namespace slipd {
 namespace {
@@ -61,7 +62,7 @@ TEST(Wake, IsHeardHoweverRingAndClearMeet) {
   int heard = 0;
   while (heard < kRings) {
     pollfd ready{wake.fd(), POLLIN, 0};
-    ASSERT_EQ(poll(&ready, 1, 10000), 1) << "news " << news.load() << " was never told";
+    ASSERT_EQ(poll(&ready, 1, testing::kPollPatience), 1) << "news " << news.load() << " was never told";
     wake.clear();
     heard = news.load();
   }

@@ -5,6 +5,8 @@
 
 #include <thread>
 
+#include "tests/support/patience.hpp"
+
 namespace slipd {
 namespace {
 
@@ -40,7 +42,8 @@ TEST(Doorbell, EveryRingIsHeardInTime) {
         ball.store(now + 1);
         theirs.ring();
       } else {
-        ASSERT_TRUE(mine.wait(seen, Clock::now() + 60s)) << "throw " << now << " was not heard";
+        ASSERT_TRUE(mine.wait(seen, Clock::now() + testing::kPatience))
+            << "throw " << now << " was not heard";
       }
     }
     theirs.ring();

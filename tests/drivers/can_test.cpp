@@ -96,7 +96,7 @@ TEST_F(CanDriverOnABus, starts_a_board_again_that_lost_its_power) {
   EXPECT_TRUE(scan().empty());
   player_->order("plug");
   std::vector<ReadStatus> seen;
-  const auto give_up = std::chrono::steady_clock::now() + 10s;
+  const auto give_up = std::chrono::steady_clock::now() + 5min;
   while (seen.empty() && std::chrono::steady_clock::now() < give_up) {
     driver_.read(std::span(&slot_.slot, 1), 20ms);
     player_->port().serve();

@@ -8,6 +8,7 @@
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/support/devices/contacts.hpp"
 #include "tests/support/heap_count.hpp"
+#include "tests/support/patience.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd::modbus {
@@ -53,7 +54,7 @@ class Host {
   }
   ReadResult read() { return driver.read(slots, 50ms); }
   bool sees(ReadStatus wanted) {
-    const auto give_up = std::chrono::steady_clock::now() + 20s;
+    const auto give_up = std::chrono::steady_clock::now() + testing::kPatience;
     while (std::chrono::steady_clock::now() < give_up) {
       if (read().status == wanted) return true;
     }
@@ -79,11 +80,11 @@ TEST(ModbusDriver, reads_both_fingers_from_one_answer) {
   while (host.slots[0].normal_pa[0] == 0) ASSERT_TRUE(host.sees(ReadStatus::frame));
   std::vector<int> seen(2, 0);
   for (int i = 0; i < 20; ++i) {
-    const ReadResult result = host.read();
-    if (result.status == ReadStatus::frame) ++seen[result.sensor];
+    ReadResult result = host.read();
+    while (result.status != ReadStatus::frame) result = host.read();
+    ++seen[result.sensor];
   }
   EXPECT_NEAR(seen[0], seen[1], 1);
-  EXPECT_GE(seen[0] + seen[1], 15);
   EXPECT_NEAR(host.slots[0].normal_pa[0] * kRg2ftArea, 0.4, 1e-6) << "1100 Pa to a tenth of a newton";
   EXPECT_NEAR(host.slots[1].normal_pa[0] * kRg2ftArea, 0.3, 1e-6);
 }
@@ -129,7 +130,7 @@ TEST(ModbusDriver, says_when_the_device_is_gone_and_opens_it_again_when_it_is_ba
   host.driver.close();
   EXPECT_THAT(test::refusal_of([&] { host.driver.open(); }), HasSubstr("is the device on"));
   device.player().order("plug");
-  const auto give_up = std::chrono::steady_clock::now() + 10s;
+  const auto give_up = std::chrono::steady_clock::now() + testing::kPatience;
   while (!test::refusal_of([&] { host.driver.open(); }).empty() && std::chrono::steady_clock::now() < give_up)
     std::this_thread::yield();
   EXPECT_TRUE(host.sees(ReadStatus::frame));

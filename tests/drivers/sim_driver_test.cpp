@@ -119,13 +119,56 @@ TEST(SimDrivers, BringLateFramesInOrder) {
 }
 
 TEST(SimDrivers, CarrySeveralSensorsEachAtItsOwnRate) {
-  SimDriver driver({small(json::object(), 1000), small({{"seed", 2}}, 250)});
+  SimDriver driver({small({{"speed", 0}}, 1000), small({{"speed", 0}, {"seed", 2}}, 250)});
   EXPECT_EQ(driver.open().sensors.size(), 2U);
   OwnedSlot a(16), b(16);
   FrameSlot slots[] = {a.slot, b.slot};
-  for (int i = 0; i < 100; ++i)
-    ASSERT_EQ(driver.read(slots, std::chrono::seconds(5)).status, ReadStatus::frame);
-  EXPECT_NEAR(static_cast<double>(slots[0].sequence), 4 * static_cast<double>(slots[1].sequence), 8);
+  std::int64_t last_ns = 0;
+  for (int i = 0; i < 100; ++i) {
+    const ReadResult result = driver.read(slots, microseconds(0));
+    ASSERT_EQ(result.status, ReadStatus::frame);
+    EXPECT_GE(slots[result.sensor].time_ns, last_ns) << "the sensors of a device share one clock";
+    last_ns = slots[result.sensor].time_ns;
+  }
+  EXPECT_EQ(slots[0].sequence + 1, 4 * (slots[1].sequence + 1));
+}
+
+TEST(SimDrivers, AtSpeedZeroArePacedByTheConsumerAndLeaveNothingOut) {
+  const json options = {{"speed", 0}, {"noise", 0.01}};
+  SimDriver driver({small(options, 10)});  // a hundred frames are ten seconds of the simulated clock
+  EXPECT_EQ(driver.open().sensors[0].rate_hz, 10);
+  EXPECT_TRUE(driver.paced_by_consumer());
+  EXPECT_FALSE(SimDriver({small(json::object())}).paced_by_consumer());
+  const auto settings = parse_options(small(options, 10)).sensor;
+  SimulatedSensor felt(TaxelLayout::grid(4, 4, 0.003), settings);
+  OwnedSlot slot(16), expected(16);
+  std::int64_t first_ns = 0;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    ASSERT_EQ(driver.read({&slot.slot, 1}, microseconds(0)).status, ReadStatus::frame);
+    if (i == 0) first_ns = slot.slot.time_ns;
+    EXPECT_EQ(slot.slot.sequence, i);
+    EXPECT_EQ(slot.slot.time_ns - first_ns, static_cast<std::int64_t>(i) * 100'000'000);
+    felt.advance(std::chrono::milliseconds(100));
+    ASSERT_TRUE(felt.sample(expected.slot));
+    EXPECT_EQ(slot.slot.device_time_ns, expected.slot.device_time_ns);
+    EXPECT_EQ(slot.memory, expected.memory);
+  }
+}
+
+TEST(SimDrivers, AtSpeedZeroFramesAreLostAndLateAsInRealTime) {
+  SimDriver driver({small({{"speed", 0}, {"drop", 0.5}, {"late_ms", 5}}, 1000)});
+  driver.open();
+  OwnedSlot slot(16);
+  std::int64_t last_ns = 0;
+  bool late = false;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(driver.read({&slot.slot, 1}, microseconds(0)).status, ReadStatus::frame);
+    EXPECT_GT(slot.slot.time_ns, last_ns);
+    late = late || (i > 0 && (slot.slot.time_ns - last_ns) % 1'000'000 != 0);
+    last_ns = slot.slot.time_ns;
+  }
+  EXPECT_TRUE(late);
+  EXPECT_NEAR(static_cast<double>(slot.slot.sequence), 2000, 200);
 }
 
 TEST(SimDrivers, RefuseWhatMakesNoSenseAndSayTheRemedy) {
@@ -138,6 +181,14 @@ TEST(SimDrivers, RefuseWhatMakesNoSenseAndSayTheRemedy) {
   const json both = {{"cycle", {{{"ms", 5}, {"load", {0, 1}}, {"shear_n", 1}}}}};
   EXPECT_THAT(refusal_of([&] { SimDriver({small(both)}); }), HasSubstr("cycle/0: give shear_n or load"));
   EXPECT_THAT(refusal_of([&] { SimDriver({small({{"seed", "x"}})}); }), HasSubstr("schema"));
+  EXPECT_THAT(refusal_of([&] {
+                SimDriver({small({{"speed", 0}, {"grip_input", "/tmp/grip"}})});
+              }),
+              HasSubstr("grip_input needs speed 1"));
+  EXPECT_THAT(refusal_of([&] {
+                SimDriver({small({{"speed", 0}}), small(json::object())});
+              }),
+              HasSubstr("speed must be the same"));
   EXPECT_THAT(refusal_of([&] { SimDriver({small(json::object(), 0)}); }), HasSubstr("rate_hz"));
 }
 

@@ -19,6 +19,31 @@ namespace {
 using nlohmann::json;
 using namespace std::chrono_literals;
 
+// Ends a wait for what will never come.
+class Patience {
+ public:
+  explicit Patience(Program& program) : program_(program) {}
+
+  // Throws when slipd has ended, or has said nothing more for kPatience.
+  void hold(const std::string& last_seen) {
+    const std::uintmax_t said = program_.errors().size();
+    const auto now = std::chrono::steady_clock::now();
+    if (said != said_) until_ = now + kPatience;
+    said_ = said;
+    const auto code = program_.wait(0ms);
+    if (code || now > until_) {
+      throw std::runtime_error((code ? "slipd has ended with " + std::to_string(*code) : "waited in vain") +
+                               "; last: " + last_seen + "; it said: " + program_.errors());
+    }
+    std::this_thread::sleep_for(5ms);
+  }
+
+ private:
+  Program& program_;
+  std::uintmax_t said_ = 0;
+  std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::now() + kPatience;
+};
+
 // What a service manager would listen on for READY=1.
 class NotifySocket {
  public:
@@ -82,14 +107,8 @@ Daemon::Daemon(const json& config, const std::filesystem::path& drivers, const P
                                 std::vector<std::string>{(program_folder() / "slipd").string(), "--config",
                                                          config_.string(), "--driver-dir", drivers.string()},
                                 environment);
-  const auto until = std::chrono::steady_clock::now() + 30s;
-  while (!notify.says_ready(50ms)) {
-    const auto code = program_->wait(0ms);
-    if (code || std::chrono::steady_clock::now() > until) {
-      throw std::runtime_error("slipd does not come up (" + (code ? std::to_string(*code) : "it runs") +
-                               "): " + program_->errors());
-    }
-  }
+  Patience patience(*program_);
+  while (!notify.says_ready(50ms)) patience.hold("it does not come up");
 }
 
 Daemon::~Daemon() {
@@ -100,30 +119,29 @@ Daemon::~Daemon() {
 
 json Daemon::wait_for(const std::string& method, const std::function<bool(const json&)>& enough) const {
   RpcClient client(socket_);
-  const auto until = std::chrono::steady_clock::now() + (sanitized() ? 100s : 30s);
+  Patience patience(*program_);
   for (;;) {
     json result = client.result(method);
     if (enough(result)) return result;
-    if (std::chrono::steady_clock::now() > until)
-      throw std::runtime_error("waited in vain; last: " + result.dump());
-    std::this_thread::sleep_for(5ms);
+    patience.hold(result.dump());
   }
+}
+
+void Daemon::wait_for_log(const std::string& text) const {
+  Patience patience(*program_);
+  while (program_->errors().find(text) == std::string::npos) patience.hold("\"" + text + "\" is not said");
 }
 
 std::size_t Daemon::descriptors_at_rest() const {
   RpcClient client(socket_);
-  const auto until = std::chrono::steady_clock::now() + 30s;
-  while (client.result("status")["clients"] != 1) {
-    if (std::chrono::steady_clock::now() > until)
-      throw std::runtime_error("clients that are gone are not let go");
-    std::this_thread::sleep_for(1ms);
-  }
+  Patience patience(*program_);
+  while (client.result("status")["clients"] != 1) patience.hold("clients that are gone are not let go");
   return open_descriptors(program_->pid());
 }
 
-std::optional<int> Daemon::stop(std::chrono::milliseconds patience) {
+std::optional<int> Daemon::stop() {
   program_->signal(SIGTERM);
-  return program_->wait(patience);
+  return program_->wait();
 }
 
 }  // namespace slipd::testing

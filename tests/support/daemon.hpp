@@ -45,15 +45,20 @@ class Daemon {
   const std::filesystem::path& config() const { return config_; }
   Program& program() const { return *program_; }
 
-  // Asks again and again until `enough` is pleased; the last `method` result. Throws if it never is.
+  // Asks again and again until `enough` is pleased; the last `method` result. Throws if it never is, or when
+  // slipd has ended. Patience begins anew with each line of the log: what makes progress (a training) may
+  // take as long as it likes.
   nlohmann::json wait_for(const std::string& method,
                           const std::function<bool(const nlohmann::json&)>& enough) const;
 
   // How many files it has open once there is no client but the one that asks.
   std::size_t descriptors_at_rest() const;
 
-  // SIGTERM, then its exit code; none if it takes more than `patience`.
-  std::optional<int> stop(std::chrono::milliseconds patience = std::chrono::seconds(10));
+  // SIGTERM, then its exit code; none if it does not end.
+  std::optional<int> stop();
+
+  // Waits until it has said this, or throws.
+  void wait_for_log(const std::string& text) const;
 
  private:
   TempFolder folder_;

@@ -38,4 +38,15 @@ std::size_t threads(pid_t process) {
   return entries(folder(process) / "task");
 }
 
+pid_t child_of(pid_t process) {
+  std::error_code ignored;
+  for (fs::directory_iterator each("/proc", ignored), end; each != end; each.increment(ignored)) {
+    std::ifstream status(each->path() / "status");
+    for (std::string line; std::getline(status, line);) {
+      if (line == "PPid:\t" + std::to_string(process)) return std::stoi(each->path().filename().string());
+    }
+  }
+  return 0;
+}
+
 }  // namespace slipd::testing

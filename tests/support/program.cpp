@@ -80,7 +80,7 @@ Ran run(std::vector<std::string> command, const Program::Environment& environmen
   const TempFolder folder;
   const std::string name = command.front();
   Program program(folder, "run", std::move(command), environment);
-  const auto code = program.wait(std::chrono::seconds(10));
+  const auto code = program.wait();
   EXPECT_TRUE(code.has_value()) << name << " does not end";
   return {code.value_or(-1), program.output(), program.errors()};
 }

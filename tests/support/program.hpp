@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/patience.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd::testing {
@@ -28,7 +29,7 @@ class Program {
   void signal(int number) const;
 
   // The exit code, 128 + n for signal n; none if it still runs after `patience`.
-  std::optional<int> wait(std::chrono::milliseconds patience);
+  std::optional<int> wait(std::chrono::milliseconds patience = kPatience);
 
   std::string output() const;
   std::string errors() const;
@@ -42,7 +43,7 @@ class Program {
 // The folder of the programs that this build has made.
 std::filesystem::path program_folder();
 
-// Runs a program to its end. Fails the test if that takes more than ten seconds.
+// Runs a program to its end. Fails the test if that does not come.
 struct Ran {
   int code = -1;
   std::string output, errors;

@@ -8,12 +8,12 @@
 #include <optional>
 #include <string>
 
+#include "tests/support/patience.hpp"
+
 namespace slipd::testing {
 
 class RpcClient {
  public:
-  static constexpr std::chrono::milliseconds kPatience{10000};
-
   explicit RpcClient(const std::filesystem::path& socket);  // throws std::runtime_error if nobody listens
   ~RpcClient();
   RpcClient(const RpcClient&) = delete;

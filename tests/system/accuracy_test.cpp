@@ -1,14 +1,21 @@
-// The whole way, from the simulated sensor to the socket, held against the truth that travels beside the
-// frames; and real frames of a real sensor, of which only trends are known.
+// Simulated sensors through their driver and the estimator, frame by frame, held against the truth that
+// travels beside the frames; that the daemon tells the same of the same frames; and real frames of a real
+// sensor, of which only trends are known. Sensors play at speed 0: nothing here depends on how fast the
+// machine is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <numeric>
-#include <set>
 
+#include "config/settings.hpp"
+#include "core/estimate/chain.hpp"
+#include "core/estimate/model_setup.hpp"
+#include "core/model/train.hpp"
+#include "daemon/pipeline/modules.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {
@@ -28,11 +35,58 @@ json rising_loads() {
 }
 
 json simulated(const json& options) {
-  json all = {{"noise", 0.01}, {"noise_kind", "relative"}};
+  json all = {{"noise", 0.01}, {"noise_kind", "relative"}, {"speed", 0}};
   all.update(options);
   return {
-      {"name", "finger"}, {"driver", "sim"}, {"rate_hz", 200}, {"stale_after_ms", 2000}, {"options", all}};
+      {"name", "finger"}, {"driver", "sim"}, {"rate_hz", 200}, {"stale_after_ms", 60'000}, {"options", all}};
 }
+
+// What the daemon does with a sensor's frames, without the daemon.
+class FrameByFrame {
+ public:
+  explicit FrameByFrame(const json& config)
+      : settings_(parse_settings(config.dump(), "test", modules_)),
+        driver_(modules_.find("sim")->create({settings_.sensors.at(0).setup})),
+        info_(driver_->open().sensors.at(0)),
+        memory_(3 * info_.layout.size()),
+        chain_(setup(), model()) {
+    const std::span all(memory_);
+    const std::size_t taxels = info_.layout.size();
+    slot_.normal_pa = all.first(taxels);
+    slot_.shear_x_pa = all.subspan(taxels, taxels);
+    slot_.shear_y_pa = all.last(taxels);
+  }
+
+  // Of the next frame, with its truth.
+  Estimate next() {
+    EXPECT_EQ(driver_->read({&slot_, 1}, std::chrono::seconds(0)).status, ReadStatus::frame);
+    slot_.zeroed = true;
+    Estimate estimate = chain_.estimate(slot_.view());
+    estimate.truth = slot_.truth;
+    return estimate;
+  }
+
+ private:
+  ChainSetup setup() const {
+    return {.layout = info_.layout,
+            .sensor_class = info_.sensor_class,
+            .scene = settings_.scene_of(settings_.sensors.at(0)),
+            .estimator = settings_.estimator,
+            .alerts = settings_.alerts,
+            .friction = settings_.sensors.at(0).friction};
+  }
+  std::shared_ptr<const Model> model() const {
+    return needs_model(setup()) ? std::make_shared<const Model>(train(model_setup_of(setup()))) : nullptr;
+  }
+
+  DriverModules modules_{real_drivers()};
+  Settings settings_;
+  std::unique_ptr<DeviceDriver> driver_;
+  SensorInfo info_;
+  std::vector<float> memory_;
+  FrameSlot slot_;
+  EstimatorChain chain_;
+};
 
 struct Account {
   std::string worst_of_all;  // the estimate that was furthest off
@@ -40,25 +94,26 @@ struct Account {
   double error = 0, worst = 0, too_safe = -1;
 };
 
-// Listens until `estimates` frames of a contact with a known truth have come.
-Account listen(const Daemon& daemon, int estimates) {
-  auto client = daemon.client();
-  client.result("subscribe", {{"events", {"estimate"}}});
+// Of so many frames of a contact.
+Account account_of(const json& config, int frames) {
+  FrameByFrame played(config);
   Account account;
-  while (account.ok + account.others < estimates) {
-    const json told = client.notification().at("params");
-    EXPECT_EQ(told["gamma"].is_number(), told["state"] == "ok") << told;
-    if (!told["truth"].is_object() || !told["truth"]["gamma"].is_number()) continue;
-    if (told["state"] != "ok") {
+  while (account.ok + account.others < frames) {
+    const Estimate estimate = played.next();
+    EXPECT_EQ(estimate.gamma.has_value(), estimate.state == State::ok);
+    if (std::isnan(estimate.truth.gamma)) continue;
+    if (!estimate.gamma) {
       ++account.others;
       continue;
     }
-    const double off = told["gamma"].get<double>() - told["truth"]["gamma"].get<double>();
+    const double off = *estimate.gamma - estimate.truth.gamma;
     ++account.ok;
     account.error += std::fabs(off);
     if (std::fabs(off) > account.worst) {
       account.worst = std::fabs(off);
-      account.worst_of_all = told.dump();
+      account.worst_of_all = "frame " + std::to_string(estimate.sequence) + ": margin " +
+                             std::to_string(*estimate.gamma) + ", true " +
+                             std::to_string(estimate.truth.gamma);
     }
     account.too_safe = std::max(account.too_safe, off);
   }
@@ -68,15 +123,13 @@ Account listen(const Daemon& daemon, int estimates) {
 
 class RisingLoads : public ::testing::TestWithParam<std::pair<const char*, double>> {};
 
-TEST_P(RisingLoads, AreReadFromTheSocketAsNearToTheTruthAsTheMethodCan) {
+TEST_P(RisingLoads, AreReadAsNearToTheTruthAsTheMethodCan) {
   const auto& [method, most_error] = GetParam();
   const TempFolder folder;
   const json estimator = {{"method", method}, {"tracking", false}, {"offset_mm", 0}, {"noise", 0.01}};
-  Daemon daemon(
+  const Account account = account_of(
       config_with(folder, json::array({simulated({{"cycle", rising_loads()}})}), {{"estimator", estimator}}),
-      real_drivers(), {{"XDG_CACHE_HOME", folder.path().string()}});
-  daemon.wait_for("gamma", [](const json& g) { return g["sensors"][0]["state"] == "ok"; });
-  const Account account = listen(daemon, 1000);
+      1000);
   EXPECT_GT(account.ok, 800);
   EXPECT_LE(account.error, most_error);
   RecordProperty("mean_error", std::to_string(account.error));
@@ -96,13 +149,52 @@ TEST(AGrippersLife, WithRegripUnloadingAndChangesOfFrictionNeverGetsAMarginThatI
     SCOPED_TRACE(method);
     const TempFolder folder;
     const json estimator = {{"method", method}, {"offset_mm", 0}, {"noise", 0.01}};
-    Daemon daemon(config_with(folder, json::array({simulated(json::object())}), {{"estimator", estimator}}),
-                  real_drivers(), {{"XDG_CACHE_HOME", folder.path().string()}});
-    daemon.wait_for("gamma", [](const json& g) { return g["sensors"][0]["state"] == "ok"; });
-    const Account account = listen(daemon, 1200);
+    const Account account = account_of(
+        config_with(folder, json::array({simulated(json::object())}), {{"estimator", estimator}}), 1200);
     EXPECT_GT(account.ok, 600);
     EXPECT_LE(account.worst, 0.25) << account.worst_of_all;
     EXPECT_LE(account.too_safe, 0.15);
+  }
+}
+
+// A client is told of some frames, as many as it can read: of each it is told what it would be offline.
+TEST(OnTheSocket, EachEstimateIsThatOfItsFrameAndNoFrameIsSkipped) {
+  for (const char* method : {"moments", "svd-knn"}) {
+    SCOPED_TRACE(method);
+    const TempFolder folder;
+    json finger = simulated(json::object());
+    finger["layout"] = {{"grid", {24, 24}}, {"pitch_mm", 0.6}};
+    const json config =
+        config_with(folder, json::array({finger}), {{"estimator", {{"method", method}, {"offset_mm", 0}}}});
+    Daemon daemon(config, real_drivers(), {{"XDG_CACHE_HOME", folder.path().string()}});
+    auto client = daemon.client();
+    client.result("subscribe", {{"events", {"estimate"}}});
+    std::map<std::uint64_t, json> told;
+    while (told.size() < 300) {
+      json estimate = client.notification().at("params");
+      EXPECT_EQ(estimate["gamma"].is_number(), estimate["state"] == "ok") << estimate;
+      if (estimate["normal_n"].is_number()) told.insert_or_assign(estimate["seq"], estimate);
+    }
+    const json sensor = client.result("status")["sensors"][0];
+    EXPECT_EQ(sensor["skipped"], 0) << sensor;
+    EXPECT_EQ(sensor["received"], sensor["estimated"]) << sensor;
+    EXPECT_EQ(daemon.stop(), 0);
+
+    FrameByFrame played(config);
+    for (std::uint64_t sequence = 0; sequence <= told.rbegin()->first; ++sequence) {
+      const Estimate estimate = played.next();
+      ASSERT_EQ(estimate.sequence, sequence);
+      const auto found = told.find(sequence);
+      if (found == told.end()) continue;
+      const json& heard = found->second;
+      ASSERT_EQ(heard["state"], to_string(estimate.state)) << heard;
+      EXPECT_EQ(heard["alert"], to_string(estimate.alert)) << heard;
+      EXPECT_EQ(heard["method"], to_string(estimate.method)) << heard;
+      if (estimate.gamma) {
+        EXPECT_NEAR(heard["gamma"].get<double>(), *estimate.gamma, 1e-6) << heard;
+        EXPECT_NEAR(heard["sigma"].get<double>(), *estimate.sigma, 1e-6) << heard;
+      }
+    }
   }
 }
 

@@ -19,20 +19,21 @@ using ::testing::StartsWith;
 
 // Its offsets are three times what it measures.
 json sensor(const json& cycle, const json& options = json::object()) {
-  json all{{"zeroed", false}, {"zero_spread_kpa", 100}, {"noise", 0.002}, {"cycle", cycle}};
+  json all{{"speed", 0}, {"zeroed", false}, {"zero_spread_kpa", 100}, {"noise", 0.002}, {"cycle", cycle}};
   all.merge_patch(options);
   return {{"name", "left"},
           {"driver", "sim"},
-          {"stale_after_ms", 500},
+          {"stale_after_ms", 60'000},
           {"friction", 0.5},
           {"layout", {{"grid", {24, 24}}, {"pitch_mm", 0.6}}},
           {"options", all}};
 }
 
-const json kFree = {{{"ms", 3600000}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}}};
+constexpr int kForEverMs = 86'400'000;
+const json kFree = {{{"ms", kForEverMs}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}}};
 const json kHeld = {{{"ms", 1}, {"normal_n", 2}, {"shear_n", 0}, {"friction", 0.5}},
                     {{"ms", 50}, {"load", {0, 0.5}}},
-                    {{"ms", 3600000}}};
+                    {{"ms", kForEverMs}}};
 
 class Zero : public ::testing::Test {
  protected:

@@ -1,5 +1,6 @@
-// As many clients as may come, and one more; most of them behave badly. Those that behave, and the frames, do
-// not notice. What they would notice is measured in one run, before and during, and printed side by side.
+// As many clients as may come, and one more; most of them behave badly. Those that behave are served, frames
+// go on, and every one of them is accounted for. What it costs them is measured in one run, before and
+// during, and printed side by side: it depends on the machine, and nothing is judged by it.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,10 +24,10 @@ using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kClients = 1000;
-constexpr std::size_t kModest = 300;   // files that the daemon finds itself allowed to open at first
-constexpr std::size_t kNeeded = 2500;  // that this test opens at most
-constexpr auto kLook = 1500ms;
-constexpr double kTolerated = 0.05;  // of the frames may be skipped more: what else runs here takes its share
+constexpr std::size_t kModest = 300;    // files that the daemon finds itself allowed to open at first
+constexpr std::size_t kNeeded = 2500;   // that this test opens at most
+constexpr int kRequests = 100;          // of one look, each answered
+constexpr std::uint64_t kFrames = 500;  // of each sensor that come meanwhile, at least
 
 json trial(const std::string& name, const json& options = json::object()) {
   return trial_sensor(name, options, {{"rate_hz", 1000}, {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}}});
@@ -57,8 +58,6 @@ TEST(Clients, ASubscriberThatLeavesIsLetGoAlsoWhereNothingIsTold) {
 struct View {
   std::vector<double> published_us, told_us, asked_us;
   std::uint64_t received = 0, skipped = 0;
-
-  double share_skipped() const { return static_cast<double>(skipped) / static_cast<double>(received); }
 };
 
 double quantile(std::vector<double>& values, double share) {
@@ -69,27 +68,35 @@ double quantile(std::vector<double>& values, double share) {
   return *at;
 }
 
-View look(RpcClient& asking, Subscriber& subscriber, std::chrono::milliseconds time) {
+// Until kRequests are answered and kFrames of each sensor have come. The books close at any moment.
+View look(RpcClient& asking, Subscriber& subscriber) {
   View view;
-  const auto count = [&](View& into) {
-    const json status = asking.result("status");
-    for (const json& sensor : status["sensors"]) {
-      into.received += sensor["received"].get<std::uint64_t>();
-      into.skipped += sensor["skipped"].get<std::uint64_t>();
+  const auto count = [&] {
+    View now;
+    std::uint64_t least = UINT64_MAX;
+    for (const json& sensor : asking.result("status")["sensors"]) {
+      const std::uint64_t received = sensor["received"], skipped = sensor["skipped"];
+      EXPECT_EQ(received, skipped + sensor["estimated"].get<std::uint64_t>()) << sensor;
+      now.received += received;
+      now.skipped += skipped;
+      least = std::min(least, received);
     }
+    return std::pair(now, least);
   };
-  View before;
-  count(before);
+  const auto [before, least_before] = count();
   subscriber.take_latencies();
-  for (const auto until = Clock::now() + time; Clock::now() < until;) {
+  const auto until = Clock::now() + kPatience;
+  for (std::uint64_t least = 0; view.asked_us.size() < kRequests || least < least_before + kFrames;) {
     const auto asked = Clock::now();
+    if (asked > until) throw std::runtime_error("the frames do not go on");
     asking.result("gamma");
     view.asked_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - asked).count());
     std::this_thread::sleep_for(5ms);
+    const auto [now, least_now] = count();
+    view.received = now.received - before.received;
+    view.skipped = now.skipped - before.skipped;
+    least = least_now;
   }
-  count(view);
-  view.received -= before.received;
-  view.skipped -= before.skipped;
   auto latencies = subscriber.take_latencies();
   view.published_us = std::move(latencies.published_us);
   view.told_us = std::move(latencies.told_us);
@@ -215,22 +222,16 @@ TEST_F(ThousandClients, OfEveryBadHabitAndTheFramesGoOn) {
     std::optional<Reading> reading(std::in_place, good);
     RpcClient asking(daemon_->socket());
     const bool real_time = !asking.result("status")["realtime"]["got"]["priority"].is_null();
-    View before = look(asking, good, kLook);
+    View before = look(asking, good);
     const Crowd crowd(*daemon_, kClients - 2);
     while (asking.result("status")["clients"] != kClients) std::this_thread::sleep_for(1ms);
     expect_no_room();
-    View during = look(asking, good, kLook);
+    View during = look(asking, good);
     reading.reset();
     std::printf("%s real time\n", real_time ? "with" : "without");
     print("before", before);
     print("during", during);
     EXPECT_EQ(good.broken_lines(), 0U);
-    EXPECT_GT(during.asked_us.size(), 10U);
-    EXPECT_GT(during.received, before.received / 2) << "the devices go on";
-    // Without real time the threads of frames have to share the processors with the crowd itself.
-    if (real_time) {
-      EXPECT_LE(during.share_skipped(), before.share_skipped() + kTolerated);
-    }
   }
   EXPECT_EQ(daemon_->descriptors_at_rest(), descriptors);
   EXPECT_EQ(daemon_->stop(), 0);

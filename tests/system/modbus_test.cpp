@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -19,6 +20,8 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+constexpr int kForEverMs = 3'600'000;
+
 // At first it is free, long enough to be seen to be. It slips once, so that friction can be learnt, and is
 // then held at a margin of 0.4, again and again.
 json slips_and_holds(int free_ms = 800, int hold_ms = 3000) {
@@ -34,14 +37,32 @@ json slips_and_holds(int free_ms = 800, int hold_ms = 3000) {
 // A device that runs on a thread of its own.
 class Running {
  public:
+  enum class Script : std::uint8_t { begun, waits };  // waits: free until pressed
+
   Running(const devices::Sheet& sheet, std::unique_ptr<devices::Port> port,
-          const json& script = slips_and_holds())
-      : player_(sheet, devices::scripted(sheet, 100, script), std::move(port)),
+          const json& script = slips_and_holds(), Script begin = Script::begun)
+      : pressed_(begin == Script::begun),
+        player_(sheet, contacts(sheet, script), std::move(port)),
         thread_([this](std::stop_token stop) { player_.run(stop, 100); }) {}
   Player& player() { return player_; }
   std::string place() { return player_.port().place(); }
+  void press() { pressed_ = true; }
 
  private:
+  std::vector<devices::Contact> contacts(const devices::Sheet& sheet, const json& script) {
+    const json free{{"noise", 0},
+                    {"cycle", {{{"ms", kForEverMs}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}}}}};
+    auto all = devices::scripted(sheet, 100, script);
+    const auto waiting = devices::scripted(sheet, 100, free);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      all[i] = [this, played = all[i], still = waiting[i]](FrameSlot& slot) {
+        (pressed_ ? played : still)(slot);
+      };
+    }
+    return all;
+  }
+
+  std::atomic<bool> pressed_;
   Player player_;
   std::jthread thread_;
 };
@@ -101,13 +122,14 @@ TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_
 // Free for once, then held for ever: no zero could be taken any more.
 TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
   const TempFolder folder;
-  constexpr int kForEverMs = 3'600'000;
   Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
-                 slips_and_holds(8000, kForEverMs));
+                 slips_and_holds(1, kForEverMs), Running::Script::waits);
   const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
   const json config = config_of(folder, json::array({sensor("left", "onrobot-rg2-ft", place)}));
   {
     Daemon daemon(config, real_drivers(), state_in(folder));
+    await(daemon, in_state("no_contact"));
+    device.press();
     await(daemon, holds);
     device.player().order("unplug");
     await(daemon, in_state("fault"));
@@ -129,9 +151,8 @@ TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
 // Held for ever after the one slip that told its friction: nobody could learn it anew.
 TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_sensor_is_configured_otherwise) {
   const TempFolder folder;
-  constexpr int kForEverMs = 3'600'000;
   Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
-                 slips_and_holds(3000, kForEverMs));
+                 slips_and_holds(1, kForEverMs), Running::Script::waits);
   json left = sensor("left", "onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}});
   left.erase("friction");
   json config = config_of(folder, json::array({left}));
@@ -146,6 +167,8 @@ TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_senso
     return estimate["state"] == "ok" && std::fabs(estimate["shear_n"].get<double>() - 3) < 0.06 &&
            std::fabs(estimate["gamma"].get<double>() - 0.4) < 0.1;
   };
+  await(daemon, in_state("no_contact"));
+  device.press();
   await(daemon, knows);
   config["log"] = {{"level", "debug"}};
   config["socket"]["max_clients"] = 5;

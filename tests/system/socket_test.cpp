@@ -17,9 +17,14 @@ namespace {
 using nlohmann::json;
 using namespace std::chrono_literals;
 
-const json kSensors = {
-    {{"name", "left"}, {"driver", "trial"}, {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}},
-    {{"name", "right"}, {"driver", "trial"}, {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}}};
+// Not stale, however long this machine does something else: each notification is of another frame.
+json trial(const char* name) {
+  return {{"name", name},
+          {"driver", "trial"},
+          {"stale_after_ms", 60'000},
+          {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}};
+}
+const json kSensors = {trial("left"), trial("right")};
 
 class Socket : public ::testing::Test {
  protected:
@@ -48,9 +53,7 @@ class Socket : public ::testing::Test {
 };
 
 TEST_F(Socket, GammaComesWithTruthAndUnitsAndTheGraspAddsUp) {
-  const json all = daemon_.wait_for("gamma", [](const json& r) {
-    return r["sensors"][0]["state"] == "ok" && r["sensors"][1]["state"] == "ok";
-  });
+  const json all = daemon_.wait_for("gamma", [](const json& r) { return r["grasps"][0]["state"] == "ok"; });
   for (const json& sensor : all["sensors"]) {
     EXPECT_NEAR(sensor["gamma"].get<double>(), sensor["truth"]["gamma"].get<double>(), 0.05);
     EXPECT_EQ(sensor["class"], 3);
@@ -304,9 +307,14 @@ TEST_F(Socket, RecordsIntoADescriptorThatIsPassedAlong) {
   const auto file = folder_.file("left.slipd");
   const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   auto client = daemon_.client();
-  const json answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.2}}, fd);
+  json answer;
+  do {  // a time in which frames come
+    ASSERT_EQ(ftruncate(fd, 0), 0);
+    ASSERT_EQ(lseek(fd, 0, SEEK_SET), 0);
+    answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.2}}, fd);
+    ASSERT_TRUE(answer.contains("result")) << answer;
+  } while (answer["result"]["frames"] == 0);
   close(fd);
-  ASSERT_TRUE(answer.contains("result")) << answer;
   RecordingReader reader(file);
   EXPECT_EQ(reader.header().sensor, "left");
   std::vector<float> memory(1200);
@@ -318,7 +326,6 @@ TEST_F(Socket, RecordsIntoADescriptorThatIsPassedAlong) {
   while (reader.next(slot) == RecordingReader::Status::frame) ++frames;
   EXPECT_EQ(reader.fault(), "");
   EXPECT_EQ(answer["result"]["frames"], frames);
-  EXPECT_GT(frames, 0U);
 }
 
 TEST_F(Socket, ARecordingEndsWithItsClient) {
@@ -331,7 +338,7 @@ TEST_F(Socket, ARecordingEndsWithItsClient) {
                 fd);
     EXPECT_EQ(client.result("version")["name"], "slipd");
   }
-  const auto until = std::chrono::steady_clock::now() + 10s;
+  const auto until = std::chrono::steady_clock::now() + kPatience;
   json answer;
   do {  // the sensor can be recorded again as soon as the first recording is over
     auto client = daemon_.client();

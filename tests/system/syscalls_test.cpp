@@ -47,7 +47,7 @@ std::set<std::string> calls_of(const std::string& thread) {
     return strace.wait(std::chrono::milliseconds(0)) || (looking && estimated(status) >= begun + 500);
   });
   strace.signal(SIGINT);
-  strace.wait(std::chrono::seconds(10));
+  strace.wait();
   std::set<std::string> calls;
   std::ifstream lines(log);
   for (std::string line; std::getline(lines, line);) {

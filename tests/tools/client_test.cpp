@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "tests/support/patience.hpp"
 #include "tests/tools/fake_daemon.hpp"
 
 namespace slipctl::testing {
@@ -17,6 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
+using slipd::testing::kPatience;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -58,7 +60,7 @@ TEST(Client, KeepsNotificationsThatComeBeforeTheAnswerInTheirOrder) {
   RpcClient client(daemon.path());
   EXPECT_EQ(client.call("subscribe")["subscription"], 1);
   for (const int sequence : {1, 2, 3}) {
-    const auto notification = client.next(5s);
+    const auto notification = client.next(kPatience);
     ASSERT_TRUE(notification);
     EXPECT_EQ(notification->method, "estimate");
     EXPECT_EQ(notification->params["seq"], sequence);
@@ -81,7 +83,7 @@ TEST(Client, PassesAFileDescriptorAlong) {
   ASSERT_EQ(::pipe(pipe.data()), 0);
   const UniqueFd reading(pipe[0]);
   const UniqueFd writing(pipe[1]);
-  RpcClient(daemon.path()).call("record", {{"sensor", "left"}}, 5s, writing.get());
+  RpcClient(daemon.path()).call("record", {{"sensor", "left"}}, kPatience, writing.get());
   std::array<char, 8> bytes{};
   ASSERT_EQ(::read(reading.get(), bytes.data(), bytes.size()), 8);
   EXPECT_EQ(std::string(bytes.data(), bytes.size()), "recorded");

@@ -28,7 +28,8 @@ class Tally {
   double right() const noexcept { return share(right_, answered_); }  // the class
   double over() const noexcept { return share(over_, answered_); }    // safer by kClaim than it is
   double under() const noexcept { return share(under_, answered_); }  // less safe by kClaim
-  double within(int sigmas) const noexcept { return share(within_[sigmas == 1 ? 0 : 1], answered_); }
+  // Within so many (1 to 3) of the deviations that they came with.
+  double within(std::size_t sigmas) const noexcept { return share(within_.at(sigmas - 1), answered_); }
   double in_state(slipd::State state) const noexcept {
     return share(states_[static_cast<std::size_t>(state)], frames_);
   }
@@ -37,7 +38,7 @@ class Tally {
   static double share(double of, double all) noexcept { return all > 0 ? of / all : slipd::kUnknown; }
 
   double frames_ = 0, answered_ = 0, error_ = 0, worst_ = 0, right_ = 0, over_ = 0, under_ = 0;
-  std::array<double, 2> within_{};
+  std::array<double, 3> within_{};
   std::array<double, kStates> states_{};
 };
 

@@ -9,6 +9,8 @@
 #include "daemon/can/scheduler.hpp"
 #include "daemon/pipeline/modules.hpp"
 #include "tests/daemon/can/fake_port.hpp"
+#include "tests/support/patience.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace slipd::can {
 namespace {
@@ -35,11 +37,11 @@ class ServiceContext {
         scheduler_(settings_, board_, port_, log_, Doorbell::Clock::now()) {
     pipeline_.start({});
   }
-  ~ServiceContext() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + 5s)); }
+  ~ServiceContext() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + testing::kPatience)); }
 
-  // Talks on, as the CAN thread does, until `enough`; false after ten seconds.
+  // Talks on, as the CAN thread does, until `enough`; false if that never comes.
   bool talk_until(const std::function<bool()>& enough) {
-    const auto patience = Doorbell::Clock::now() + 10s;
+    const auto patience = Doorbell::Clock::now() + testing::kPatience;
     while (!enough()) {
       const auto now = Doorbell::Clock::now();
       if (now > patience) return false;
@@ -92,16 +94,22 @@ TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
 }
 
 TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
-  ServiceContext context(R"({"behaviour": "nonsense", "after": 300})");
+  const testing::TempFolder folder;
+  ServiceContext context(R"({"behaviour": "nonsense", "well_until": ")" + folder.file("ill").string() +
+                         R"("})");
   ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", 0); }));
   expect_no_margin_without_ok(context.port().take(kEstimate));
+  folder.write("ill", "");
   ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kOutOfModel); }));
   expect_no_margin_without_ok(context.port().take(kEstimate));
 }
 
 TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStands) {
-  ServiceContext context(R"({"gamma": 0.05, "behaviour": "end", "after": 300})");
+  const testing::TempFolder folder;
+  ServiceContext context(R"({"gamma": 0.05, "behaviour": "end", "well_until": ")" +
+                         folder.file("over").string() + R"("})");
   ASSERT_TRUE(context.talk_until([&] { return context.said(kAlert, "Alert", kSlip); }));
+  folder.write("over", "");
   context.port().take(kEstimate);  // it was stale before the first frame, too
   ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kStale); }));
   const auto sent = context.port().take(kEstimate);

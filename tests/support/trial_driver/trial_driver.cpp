@@ -26,6 +26,7 @@ constexpr const char* kOptions = R"({"type": "object", "additionalProperties": f
   "troubles": {"type": "integer", "minimum": 0, "default": 0,
     "description": "Seed of random ones: corrupt packets, gaps, silences, long reads, unplugs. 0: none."},
   "gate": {"type": "string", "default": "", "description": "It is silent until this file is there."},
+  "well_until": {"type": "string", "default": "", "description": "Nothing goes wrong until this file is there."},
   "account": {"type": "string", "default": "",
     "description": "File to write to, when it is closed, how many frames, gaps, corrupt ones and unplugs there were."},
   "gap_every": {"type": "integer", "minimum": 0, "default": 0, "description": "Leave a sequence number out."},
@@ -78,6 +79,7 @@ class TrialDriver : public DeviceDriver {
     paced_ = options_.at("paced");
     gamma_ = options_.at("gamma");
     gate_ = options_.at("gate").get<std::string>();
+    well_until_ = options_.at("well_until").get<std::string>();
     account_ = options_.at("account").get<std::string>();
     if (const std::uint64_t seed = options_.at("troubles"); seed > 0) troubles_.emplace(seed);
     if (behaviour_ == "throw_in_create") throw DriverError("the trial device cannot be made: it was told so");
@@ -114,8 +116,8 @@ class TrialDriver : public DeviceDriver {
       std::this_thread::sleep_for(timeout);
       return {};
     }
-    if (ends_ && sent_.frames >= after_) return {ReadStatus::end, 0};
-    if (given_ >= after_) {
+    if (ends_ && sent_.frames >= after_ && !is_well()) return {ReadStatus::end, 0};
+    if (given_ >= after_ && !is_well()) {
       if (hangs_) hang();
       if (vanishes_) return {ReadStatus::disconnected, 0};
       if (lies_) return {ReadStatus::frame, static_cast<std::uint16_t>(sensors_.size())};
@@ -140,7 +142,7 @@ class TrialDriver : public DeviceDriver {
     FrameSlot& slot = slots[sensor];
     std::copy(normal_[sensor].begin(), normal_[sensor].end(), slot.normal_pa.begin());
     std::copy(shear_[sensor].begin(), shear_[sensor].end(), slot.shear_x_pa.begin());
-    if (raves_ && given_ > after_)  // far more shear than any friction holds
+    if (raves_ && given_ > after_ && !is_well())  // far more shear than any friction holds
       for (float& shear : slot.shear_x_pa) shear *= kTooMuch;
     std::fill(slot.shear_y_pa.begin(), slot.shear_y_pa.end(), 0.0F);
     if (gap_every_ > 0 && given_ % gap_every_ == 0) sequence_ += sensors_.size();
@@ -171,6 +173,12 @@ class TrialDriver : public DeviceDriver {
     if (std::filesystem::exists(gate_, ignored)) gate_.clear();
     next_ = Clock::now();
     return gate_.empty();
+  }
+
+  bool is_well() {
+    std::error_code ignored;
+    if (!well_until_.empty() && std::filesystem::exists(well_until_, ignored)) well_until_.clear();
+    return !well_until_.empty();
   }
 
   // What read says instead of a frame; `frame`: nothing went wrong, or nothing that keeps it from coming.
@@ -228,7 +236,7 @@ class TrialDriver : public DeviceDriver {
   std::vector<std::vector<float>> normal_, shear_;
   std::uint64_t turns_ = 0, given_ = 0, sequence_ = 0;
   Clock::time_point next_, silent_until_;
-  std::string gate_, account_;
+  std::string gate_, well_until_, account_;
   std::optional<Troubles> troubles_;
   bool unplugged_ = false, fresh_ = true, decided_ = false;
   struct {

@@ -42,7 +42,7 @@ class Limits : public ::testing::Test {
       return client.result("status")["sensors"][0]["estimated"].get<std::uint64_t>();
     };
     const std::uint64_t before = estimated();
-    const auto until = std::chrono::steady_clock::now() + 10s;
+    const auto until = std::chrono::steady_clock::now() + kPatience;
     while (estimated() < before + 20) ASSERT_LT(std::chrono::steady_clock::now(), until);
   }
 
@@ -67,7 +67,7 @@ TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
   while (old.result("status")["recorder"]["failed"] != 1) std::this_thread::sleep_for(1ms);
   EXPECT_THAT(daemon_.program().errors(), HasSubstr("Too many open files"));
   daemon_.program().signal(SIGHUP);
-  while (daemon_.program().errors().find("reload:") == std::string::npos) std::this_thread::sleep_for(1ms);
+  daemon_.wait_for_log("reload:");
   expect_frames_go_on(old);
   lift(RLIMIT_NOFILE);
   EXPECT_TRUE(waiting.line()) << "it is served when there is room again";
@@ -128,15 +128,21 @@ TEST_F(Limits, WithoutAnyMemoryItServesOrEnds) {
     }
   } catch (const std::runtime_error&) {  // it has ended
   }
-  const auto code = daemon_.program().wait(1s);
-  std::printf("without any memory it %s\n", code ? "ends" : "goes on");
+  auto code = daemon_.program().wait(1s);
   crowd.clear();
+  if (!code) {
+    lift(RLIMIT_AS);
+    try {
+      await_ok();
+    } catch (const std::runtime_error&) {
+      code = daemon_.program().wait();
+      ASSERT_TRUE(code) << "it neither serves nor ends";
+    }
+  }
+  std::printf("without any memory it %s\n", code ? "ends" : "goes on");
   if (code) {
     EXPECT_NE(*code, 0);
-    return;
   }
-  lift(RLIMIT_AS);
-  await_ok();
 }
 
 TEST(Disk, ThatTakesNoModelCostsTheKeepingAndNotTheSensor) {
@@ -161,7 +167,7 @@ TEST(TwoAtOnce, ManyStartOnOneSocketAndOneServes) {
                                    "--driver-dir", trial_drivers().string()}));
     }
     int serving = -1;
-    const auto until = std::chrono::steady_clock::now() + 60s;
+    const auto until = std::chrono::steady_clock::now() + kPatience;
     for (int ended = 0; ended < kMany - 1;) {
       ASSERT_LT(std::chrono::steady_clock::now(), until);
       ended = 0;
@@ -179,7 +185,7 @@ TEST(TwoAtOnce, ManyStartOnOneSocketAndOneServes) {
     RpcClient client(folder.file("s.sock"));
     EXPECT_EQ(client.result("status")["pid"], all[static_cast<std::size_t>(serving)]->pid());
     all[static_cast<std::size_t>(serving)]->signal(SIGKILL);
-    all[static_cast<std::size_t>(serving)]->wait(10s);
+    all[static_cast<std::size_t>(serving)]->wait();
   }
 }
 

@@ -44,7 +44,7 @@ doubt() {
     'tail -n +$((c + 1)) c.log | grep "^margin" || tail -n +$((python + 1)) python.log | grep "^margin"'
 }
 trust() { awaits "$1" since 'margin 0.7'; }
-patience=60 awaits "Python's listener is up" grep -q "no margin" python.log
+awaits "Python's listener is up" grep -q "no margin" python.log
 
 serve ', "behaviour": "hang_in_read"'
 trust "a margin"

@@ -8,9 +8,9 @@ fail() {
 }
 skip() { echo "skipped: $*"; exit 77; }
 
-# awaits WHAT COMMAND…: until it succeeds, at most 30 s, or patience=SECONDS. Nothing is slept for that can be awaited.
+# awaits WHAT COMMAND…: until it succeeds, at most 300 s, or patience=SECONDS: only what hangs takes so long. Nothing is slept for that can be awaited.
 awaits() {
-  local what=$1 end=$((SECONDS + ${patience:-30}))
+  local what=$1 end=$((SECONDS + ${patience:-300}))
   shift
   until "$@" >/dev/null 2>&1; do
     ((SECONDS < end)) || fail "waited in vain for: $what"

@@ -16,6 +16,7 @@ ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::
       contact::make_body_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
   TrialFrames frames(layout, sensing.kind, sensing.noise);
   ByMove tallies;
+  Estimate estimate;
   std::uint64_t sequence = 0;
   for (const Piece& piece : grasp.pieces) {
     const double normal_n = contact.normal_n(), shear_n = contact.shear_n();
@@ -24,16 +25,19 @@ ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::
       const double part = static_cast<double>(step) / steps;
       contact.move_to(normal_n + part * (piece.normal_n - normal_n),
                       shear_n + part * (piece.shear_n - shear_n), piece.friction);
-      frames.feel(contact, object.x_m, object.y_m);
       ++sequence;
       const double time_s = static_cast<double>(sequence) * sensing.frame_s;
-      const Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
-                                       static_cast<std::int64_t>(1e9 * time_s));
-      const double start_us = thread_us();
-      const Estimate estimate = chain.estimate(frame);
-      const double taken_us = thread_us() - start_us;
       const Truth truth{contact.safety_margin(), contact.friction()};
-      tallies[static_cast<std::size_t>(piece.move)].add(estimate, truth.gamma);
+      double taken_us = 0;
+      if (!sensing.comes || sensing.comes(sequence)) {
+        frames.feel(contact, object.x_m, object.y_m);
+        const Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
+                                         static_cast<std::int64_t>(1e9 * time_s));
+        const double start_us = thread_us();
+        estimate = chain.estimate(frame);
+        taken_us = thread_us() - start_us;
+        tallies[static_cast<std::size_t>(piece.move)].add(estimate, truth.gamma);
+      }
       if (watch)
         watch({time_s, piece.move, contact.normal_n(), contact.shear_n(), truth, estimate, taken_us});
     }

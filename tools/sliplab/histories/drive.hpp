@@ -15,6 +15,8 @@ struct Sensing {
   slipd::NoiseKind kind = slipd::NoiseKind::sensor;
   double noise = 0.01;  // half-width, a fraction of the frame's largest pressure
   double frame_s = 0.005;
+  // Whether the estimator gets the frame of this number, from 1; empty: it gets them all.
+  std::function<bool(std::uint64_t)> comes = {};
 };
 
 struct Moment {
@@ -22,12 +24,12 @@ struct Moment {
   Move move;
   double normal_n, shear_n;  // N, shear signed
   slipd::Truth truth;
-  slipd::Estimate estimate;
-  double taken_us;  // by the estimate, processor time
+  slipd::Estimate estimate;  // of this frame, or of the last one that came
+  double taken_us;           // by the estimate, processor time; 0 for a frame that did not come
 };
 using ByMove = std::array<Tally, kMoves>;
 
-// `chain` is new. `watch` may be empty; it sees every frame of contact.
+// `chain` is new. Only frames that come are tallied. `watch` may be empty; it sees every frame of contact.
 ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
              const Sensing& sensing, const slipd::RandomStream& noise, slipd::EstimatorChain& chain,
              const std::function<void(const Moment&)>& watch = {});

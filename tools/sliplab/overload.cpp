@@ -1,0 +1,136 @@
+// `sliplab overload`: what becomes of estimates where an estimator cannot keep up with its sensor and gets
+// one frame of k.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/estimate/model_setup.hpp"
+#include "core/model/train.hpp"
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/overload/report.hpp"
+#include "tools/sliplab/progress.hpp"
+
+namespace sliplab {
+namespace {
+
+using namespace slipd;
+
+struct Options {
+  OverloadSetup setup;
+  std::vector<std::size_t> sides{4, 16, 32};
+  std::vector<std::string> methods{"moments", "fit", "registered", "svd-knn"};
+  std::vector<unsigned> every{1, 2, 5, 10, 20, 50};
+  std::vector<unsigned> at_random{5, 20};
+  std::string noise_kind = "sensor";
+};
+
+const std::map<std::string, std::pair<MethodChoice, Method>> kMethods{
+    {"svd-knn", {MethodChoice::svd_knn, Method::svd_knn}},
+    {"registered", {MethodChoice::registered, Method::registered}},
+    {"moments", {MethodChoice::moments, Method::moments}},
+    {"fit", {MethodChoice::fit, Method::fit}}};
+
+std::vector<OverloadCase> cases(const Options& options) {
+  std::vector<OverloadCase> all;
+  for (const unsigned k : options.every) all.push_back({Skipping::regular, k});
+  for (const Skipping skipping : {Skipping::random, Skipping::bursts}) {
+    for (const unsigned k : options.at_random) all.push_back({skipping, k});
+  }
+  return all;
+}
+
+ChainSetup chain_of(std::size_t side, MethodChoice method, double noise) {
+  // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
+  const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
+  ChainSetup chain{.layout = TaxelLayout::grid(side, side, pitch_m),
+                   .scene = {},
+                   .estimator = {.method = method},
+                   .alerts = {},
+                   .friction = {}};
+  chain.scene.objects = paper_objects();
+  chain.scene.offset_m = 0.002;
+  chain.scene.noise = noise;
+  return chain;
+}
+
+// The lines of one layout and method; none where slipd takes another method for this layout.
+void measure(std::size_t side, const std::string& name, const Options& options,
+             std::vector<OverloadLine>& lines) {
+  const auto& [choice, method] = kMethods.at(name);
+  const ChainSetup chain = chain_of(side, choice, options.setup.sensing.noise);
+  ProgressBar bar(std::to_string(side) + "x" + std::to_string(side) + " " + name);
+  std::shared_ptr<const Model> model;
+  if (needs_model(chain)) {
+    bar.show(0, "training");
+    model = std::make_shared<const Model>(train(model_setup_of(chain), options.setup.threads));
+  }
+  if (EstimatorChain(chain, model).method() != method) return;
+  const auto all = cases(options);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    OverloadLine line = measure_overload(chain, model, all[i], options.setup, [&](double share) {
+      bar.show((static_cast<double>(i) + share) / static_cast<double>(all.size()), "grasps");
+    });
+    line.columns = side;
+    line.method = name;
+    lines.push_back(std::move(line));
+  }
+}
+
+void run(const Common& common, Options options) {
+  options.setup.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
+  options.setup.seed = common.seed;
+  std::vector<OverloadLine> lines;
+  for (const std::size_t side : options.sides) {
+    for (const auto& method : options.methods) measure(side, method, options, lines);
+  }
+  if (common.json) {
+    std::cout << to_json(lines, options.setup).dump(2) << '\n';
+  } else {
+    print_table(lines, options.setup);
+  }
+  if (!common.out.empty()) write_files(lines, common.out);
+}
+
+}  // namespace
+
+void add_overload(CLI::App& app, const Common& common) {
+  auto* command =
+      app.add_subcommand("overload", "random grasps of which only some frames come, against the truth");
+  auto options = std::make_shared<Options>();
+  options->setup.sensing.frame_s = 0.001;
+  command->add_option("--grasps", options->setup.grasps, "of each line")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--sides", options->sides, "taxels along each side of the pad")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 200))
+      ->capture_default_str();
+  command->add_option("--methods", options->methods, "moments, fit, registered, svd-knn")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kMethods))
+      ->capture_default_str();
+  command->add_option("--every", options->every, "of so many frames one comes, at regular intervals")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--at-random", options->at_random, "the same on average, at random and in bursts")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--noise", options->setup.sensing.noise, "half-width, a fraction")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+      ->check(CLI::IsMember({"sensor", "relative"}))
+      ->capture_default_str();
+  command->add_option("--frame-s", options->setup.sensing.frame_s, "between frames of the sensor")
+      ->check(CLI::Range(1e-4, 0.1))
+      ->capture_default_str();
+  command->add_option("--threads", options->setup.threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->callback([&common, options] { run(common, *options); });
+}
+
+}  // namespace sliplab

@@ -1,0 +1,18 @@
+// What `sliplab overload` measured, as a table, as JSON, as CSV and as a plot.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "tools/sliplab/overload/measure.hpp"
+
+namespace sliplab {
+
+void print_table(const std::vector<OverloadLine>& lines, const OverloadSetup& setup);
+nlohmann::ordered_json to_json(const std::vector<OverloadLine>& lines, const OverloadSetup& setup);
+
+// overload.csv and overload.svg. Throws std::runtime_error where it cannot.
+void write_files(const std::vector<OverloadLine>& lines, const std::filesystem::path& folder);
+
+}  // namespace sliplab
