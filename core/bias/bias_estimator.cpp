@@ -7,25 +7,6 @@
 namespace slipd {
 namespace {
 
-constexpr double kFollowSeconds = 10;  // of a drift, what is older than this is followed
-
-// Two blocks stand still if no channel's means differ by more than so many of their standard errors. White
-// noise does so once in 10^8 channels; flicker noise does not fall with the number of frames, so more than
-// kIndependent count for no more.
-constexpr float kStill = 6;
-constexpr float kIndependent = 100;
-constexpr int kTries = 8;  // blocks, before a reading counts as moving
-
-constexpr float kNear = 3;          // standard deviations of a frame, within which a free sensor is expected
-constexpr float kNearSteps = 1.5F;  // or so many of its smallest steps
-constexpr float kExact = 6;         // standard errors of two blocks, within which 0 is 0
-constexpr float kRounding = 1e-6F;
-
-// Offsets differ from taxel to taxel; a contact lifts some that lie together.
-constexpr std::size_t kFewTaxels = 8;  // with fewer no shape is seen
-constexpr double kStandsOut = 5;
-constexpr int kTogether = 3;
-
 float square(float x) noexcept {
   return x * x;
 }
@@ -42,9 +23,10 @@ std::string_view to_string(BiasResult answer) noexcept {
   return kNames[static_cast<std::size_t>(answer)];
 }
 
-BiasEstimator::BiasEstimator(const TaxelLayout& layout, Steps steps)
+BiasEstimator::BiasEstimator(const TaxelLayout& layout, Steps steps, const BiasEstimatorOptions& options)
     : taxels_(layout.size()),
       steps_(steps),
+      options_(options),
       finder_(layout),
       block_(taxels_),
       taken_bias_(3 * taxels_),
@@ -127,7 +109,7 @@ bool BiasEstimator::judge() noexcept {
 
 void BiasEstimator::answer_request(bool still) noexcept {
   if (!still) {
-    if (++tries_ >= kTries) answer(BiasResult::moving);
+    if (++tries_ >= options_.max_tries) answer(BiasResult::moving);
     return;
   }
   if (!force_ && looks_touched()) return answer(BiasResult::in_contact);
@@ -146,11 +128,12 @@ void BiasEstimator::answer(BiasResult what) noexcept {
 bool BiasEstimator::stands_still() const noexcept {
   const auto now = block_.mean_pa();
   const Kinds least = quieter_by_kind();
-  const float errors = 1 / std::min(kIndependent, static_cast<float>(block_.frames())) +
-                       1 / std::min(kIndependent, static_cast<float>(last_frames_));
+  const float errors = 1 / std::min(options_.max_independent_frames, static_cast<float>(block_.frames())) +
+                       1 / std::min(options_.max_independent_frames, static_cast<float>(last_frames_));
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    const float within = kStill * kStill * errors * variance + square(kRounding * now[i]);
+    const float within = options_.still_errors * options_.still_errors * errors * variance +
+                         square(options_.rounding * now[i]);
     if (!(square(now[i] - last_mean_[i]) <= within)) return false;  // as for what is no number
   }
   return true;
@@ -164,7 +147,7 @@ bool BiasEstimator::reads_zero() const noexcept {
   const float frames = static_cast<float>(block_.frames() + last_frames_);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float variance = std::max(quieter(i), i < taxels_ ? least.normal : least.shear);
-    const float within = std::max(kExact * std::sqrt(variance / frames), step_pa(i) / 2);
+    const float within = std::max(options_.zero_errors * std::sqrt(variance / frames), step_pa(i) / 2);
     if (!(std::abs(now[i] + last_mean_[i]) / 2 <= within)) return false;
   }
   return true;
@@ -195,8 +178,9 @@ bool BiasEstimator::near_bias() const noexcept {
   const auto now = block_.mean_pa();
   for (std::size_t i = 0; i < now.size(); ++i) {
     const float least = i < taxels_ ? report_.noise_normal_pa : report_.noise_shear_pa;
-    const float within = std::max(kNear * std::max(zero_.noise_pa[i], least), kNearSteps * step_pa(i)) +
-                         kRounding * std::abs(now[i]);
+    const float within = std::max(options_.near_sigmas * std::max(zero_.noise_pa[i], least),
+                                  options_.near_steps * step_pa(i)) +
+                         options_.rounding * std::abs(now[i]);
     if (!(std::abs(now[i] - zero_.bias_pa[i]) <= within)) return false;
   }
   return true;
@@ -205,7 +189,7 @@ bool BiasEstimator::near_bias() const noexcept {
 // Whether the block differs from the bias (from 0, while there is none) as a contact does: some taxels that
 // lie together, more than what the others differ by. What all have in common is drift.
 bool BiasEstimator::stands_out() noexcept {
-  if (taxels_ < kFewTaxels) return false;
+  if (taxels_ < options_.min_shape_taxels) return false;
   const auto now = block_.mean_pa();
   for (std::size_t i = 0; i < now.size(); ++i) apart_[i] = now[i] - zero_.bias_pa[i];
   std::copy_n(apart_.begin(), taxels_, sorted_.begin());
@@ -218,9 +202,10 @@ bool BiasEstimator::stands_out() noexcept {
                                             .shear_y_pa = all.last(taxels_)});
   if (!patch.in_contact) return false;
   int out = 0;
-  patch.for_each_inside(
-      [&](std::uint32_t taxel) { out += apart_[taxel] > kStandsOut * patch.noise_normal_pa ? 1 : 0; });
-  return out >= kTogether;
+  patch.for_each_inside([&](std::uint32_t taxel) {
+    out += apart_[taxel] > options_.stands_out_sigmas * patch.noise_normal_pa ? 1 : 0;
+  });
+  return out >= options_.min_together;
 }
 
 // What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no
@@ -251,7 +236,8 @@ void BiasEstimator::take(BiasOrigin origin) noexcept {
 void BiasEstimator::follow() noexcept {
   const auto now = block_.mean_pa();
   const double seconds = 1e-9 * static_cast<double>(block_.ended_ns() - last_ended_ns_);
-  const auto share = static_cast<float>(1 - std::exp(-std::clamp(seconds, 0.0, 1.0) / kFollowSeconds));
+  const auto share = static_cast<float>(
+      1 - std::exp(-std::clamp(seconds, 0.0, options_.max_follow_gap_s) / options_.follow_s));
   float way = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     zero_.bias_pa[i] += share * (now[i] - zero_.bias_pa[i]);

@@ -19,6 +19,47 @@
 
 namespace slipd {
 
+// A block is a run of frames as mean and variance of each channel (FrameBlock). Standard errors are of a
+// block's mean. Nothing in sliplab has a bias: checked by tests/core/bias/bias_estimator_test.cpp, on sensors
+// with white and flicker noise, drift and touches.
+struct BiasEstimatorOptions {
+  // Time in which the bias follows a drift to 1/e; s, 1 … 1000. Too small: a slow touch is followed. Too
+  // large: a warming sensor is left behind, and no longer seen to be free.
+  double follow_s = 10;
+  // The longest time between two blocks that counts for it; s, 0.1 … 10. Too large: the first block after a
+  // pause moves the bias by much.
+  double max_follow_gap_s = 1;
+  // Two blocks stand still if no channel's means differ by more than this; standard errors, 3 … 10. White
+  // noise passes 6 once in 10^8 channels. Too small: noise is movement. Too large: a slow touch is none.
+  float still_errors = 6;
+  // Frames of a block that count as independent at most; 16 … 10000. Flicker noise does not fall with their
+  // number. Too small: a slow touch is no movement. Too large: flicker is movement.
+  float max_independent_frames = 100;
+  // Blocks that move before a request is refused; 1 … 100. Too small: a hand that leaves refuses it. Too
+  // large: the answer comes late.
+  int max_tries = 8;
+  // A free sensor is within this of its bias: standard deviations of a frame, or its smallest steps; 2 … 10,
+  // 0.5 … 5. Too small: drift ends the following. Too large: a light touch is followed.
+  float near_sigmas = 3;
+  float near_steps = 1.5F;
+  // A sensor without a bias reads 0 if it is within this of 0; standard errors of two blocks, 3 … 10. Too
+  // small: sensors that have no offset wait for a command. Too large: a small offset, or a light load, passes
+  // for none.
+  float zero_errors = 6;
+  // Rounding of single precision, of a reading; 1e-7 … 1e-5. Too small: a large offset never stands still.
+  // Too large: a touch beside a large offset is none.
+  float rounding = 1e-6F;
+  // Fewer taxels show no shape of a contact; taxels, 4 … 50. Too small: offsets of a few taxels pass for a
+  // contact. Too large: a touch of a small array is taken for its bias.
+  std::size_t min_shape_taxels = 8;
+  // A taxel stands out of the others by this many standard deviations of a frame; 3 … 10. Too small: offsets
+  // are a contact. Too large: a light contact is an offset.
+  double stands_out_sigmas = 5;
+  // So many that lie together are a contact; taxels, 1 … 20. Too small: one bad taxel is a contact. Too
+  // large: a fingertip is none.
+  int min_together = 3;
+};
+
 class BiasEstimator {
  public:
   // The smallest differences that the sensor tells; 0: not known, or none.
@@ -27,7 +68,8 @@ class BiasEstimator {
   };
 
   // All memory there ever is.
-  explicit BiasEstimator(const TaxelLayout& layout, Steps steps = {0, 0});
+  explicit BiasEstimator(const TaxelLayout& layout, Steps steps = {0, 0},
+                         const BiasEstimatorOptions& options = {});
 
   // Set-up. The zero of an earlier run; of as many taxels, else std::invalid_argument.
   void restore(const Bias& zero);
@@ -82,6 +124,7 @@ class BiasEstimator {
 
   std::size_t taxels_;
   Steps steps_;
+  BiasEstimatorOptions options_;
   PatchFinder finder_;
   FrameBlock block_;
   Bias zero_;

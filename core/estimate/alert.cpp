@@ -5,13 +5,6 @@
 #include <utility>
 
 namespace slipd {
-namespace {
-
-constexpr double kForgetAfterSeconds = 0.02;
-constexpr double kSlowest = 1e-3;  // 1/s: a margin that falls slower than this does not fall
-
-}  // namespace
-
 void AlertLogic::Stopwatch::pause(std::int64_t for_ns) noexcept {
   if (since_ns_ >= 0) since_ns_ += for_ns;
 }
@@ -66,7 +59,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   }
   const double passed = static_cast<double>(time_ns - last_ns_) * 1e-9;
   last_ns_ = time_ns;
-  if (weight_ == 0 || passed <= 0 || passed > 10 * kForgetAfterSeconds) {
+  if (weight_ == 0 || passed <= 0 || passed > options_.max_gap * options_.forget_s) {
     weight_ = 1;
     t_ = tt_ = tg_ = 0;
     g_ = *gamma;
@@ -74,7 +67,7 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
     return std::nullopt;
   }
   // Sums about the present: what was at t is at t - passed now.
-  const double keep = std::exp(-passed / kForgetAfterSeconds);
+  const double keep = std::exp(-passed / options_.forget_s);
   tt_ = keep * (tt_ - 2 * passed * t_ + passed * passed * weight_);
   tg_ = keep * (tg_ - passed * g_);
   t_ = keep * (t_ - passed * weight_);
@@ -82,11 +75,12 @@ std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<d
   g_ = keep * g_ + *gamma;
   gg_ = keep * gg_ + *gamma * *gamma;
   const double spread = tt_ - t_ * t_ / weight_;
-  if (weight_ < 3 || spread <= 0) return std::nullopt;
+  if (weight_ < options_.min_weight || spread <= 0) return std::nullopt;
   const double slope = (tg_ - t_ * g_ / weight_) / spread;
   const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / weight_;
-  const double slope_sigma = std::sqrt(std::max(scatter, 0.01 * sigma * sigma) / spread);
-  if (slope > -3 * slope_sigma || slope > -kSlowest) return std::nullopt;
+  const double slope_sigma =
+      std::sqrt(std::max(scatter, options_.independent_share * sigma * sigma) / spread);
+  if (slope > -options_.clear_sigmas * slope_sigma || slope > -options_.min_rate_per_s) return std::nullopt;
   return std::max(0.0, *gamma / -slope);
 }
 

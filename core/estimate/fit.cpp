@@ -6,29 +6,34 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/estimate/moments.hpp"
+#include "core/estimate/posterior_sums.hpp"
 
 namespace slipd {
 namespace {
 
-constexpr double kLeastGamma = 1e-6, kMostGamma = 1 - 1e-4;
-constexpr double kUneven = 0.02;       // of mu p: what a real skin may deviate, ring by ring
-constexpr double kUnevenSigma = 0.03;  // of a margin read off a skin as uneven as that
-constexpr double kMostMisfit = 4;      // mean square over rings, about 1 in the family
-constexpr double kConverged = 1e-3;    // of each unknown's own standard deviation
 constexpr std::size_t kRings = 12;
-constexpr double kClearly = 4;          // deviations
-constexpr double kPressureSigma = 0.9;  // of Gamma, over what is left of the pressure
-constexpr double kOpen = 0.04;          // a sigma of Gamma beyond which the scene is asked
 constexpr std::size_t kSteps = MarginProfile::kSteps;
-constexpr double kLeastOpen = 0.1;
-constexpr double kSceneSpread = 0.15;  // how softly the scene's range of friction ends, in log mu
+
+// The middle of step j of a profile.
+double gamma_of_step(std::size_t j) noexcept {
+  return (static_cast<double>(j) + 0.5) / kSteps;
+}
+
+// Hertz: p0 = 3 P/(2 pi a^2).
+double peak_pressure(const ContactPatch& patch) noexcept {
+  return 1.5 * patch.normal_n / (std::numbers::pi * patch.radius_m * patch.radius_m);
+}
 
 }  // namespace
 
-Fit::Fit(const TaxelLayout& layout, Range friction_expected)
-    : layout_(layout), expected_(friction_expected), sheet_(layout.size(), layout.side_m()) {
+Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options)
+    : layout_(layout),
+      options_(options),
+      prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
+      sheet_(layout.size(), layout.side_m()) {
   for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(layout.size());
   for (auto* sheet : {&outer_, &inner_}) {
     for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(layout.size());
@@ -59,9 +64,9 @@ Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) cons
   Vector at;
   at[center_x] = at[center_y] = 0;
   at[radius] = a;
-  at[height] = 1.5 * patch.normal_n / (3.141592653589793 * a * a * a);
+  at[height] = 1.5 * patch.normal_n / (std::numbers::pi * a * a * a);
   at[load] = ratio.load;
-  at[margin] = std::clamp(gamma_of_moment_ratio(ratio.value), 0.05, 0.95);
+  at[margin] = std::clamp(gamma_of_moment_ratio(ratio.value), options_.min_start, options_.max_start);
   return at;
 }
 
@@ -116,7 +121,7 @@ double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexce
   return 0.5 * left.squaredNorm();
 }
 
-// What is left over, ring by ring: noise averages out in a ring, another history does not.
+// Residuals summed ring by ring: noise averages out in a ring, another history does not.
 Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   const double shape = at[height] * at[load] / (1 - at[margin]);
   struct Ring {
@@ -134,7 +139,8 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   int used = 0;
   for (const auto& ring : rings) {
     if (ring.taxels < 1) continue;
-    const double uneven = kUneven * ring.held, noise = noise_shear_ * noise_shear_ * ring.taxels;
+    const double uneven = options_.uneven_share * ring.held,
+                 noise = noise_shear_ * noise_shear_ * ring.taxels;
     sums.by_noise += ring.off * ring.off / noise;
     sums.by_skin += ring.off * ring.off / (noise + uneven * uneven);
     ++used;
@@ -142,10 +148,11 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
   return used > 0 ? RingMisfit{sums.by_noise / used, sums.by_skin / used} : sums;
 }
 
-// What no noise explains of the pressure, part by part of the disc, as a share of its peak: a contact that is
-// tilted, elliptic or felt through a skin is off to one side or another, an array with dead taxels here and
-// there. Shear is off by as much, and that is not seen in what is left of it, as the margin gives way to it.
-double Fit::pressure_left_over(const Vector& at) const noexcept {
+// Residual pressure that no noise explains, part by part of the disc, as a share of its peak: a contact that
+// is tilted, elliptic or felt through a skin is off to one side or another, an array with dead taxels here
+// and there. Shear is off by as much, and its residual does not show that, as the margin gives way to it.
+double Fit::residual_pressure(const Vector& at) const noexcept {
+  constexpr double kFitted = 4;  // unknowns of the pressure: place, radius, height
   struct Part {
     double off = 0, taxels = 0;
   };
@@ -160,137 +167,148 @@ double Fit::pressure_left_over(const Vector& at) const noexcept {
   }
   double sum = 0;
   for (const Part& part : parts) sum += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
-  const double free = parts.size() - 4.0, by_noise = noise_normal_ * noise_normal_;  // the fit took four
-  if (sum < (free + kClearly * std::sqrt(2 * free)) * by_noise) return 0;
+  const double free = static_cast<double>(parts.size()) - kFitted;
+  const double by_noise = noise_normal_ * noise_normal_;
+  if (sum < (free + options_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
   return std::sqrt((sum - free * by_noise) / static_cast<double>(count_)) / (at[height] * at[radius]);
 }
 
-// The profile below holds place, size and height of the contact as they fit best. They are not known so well:
+// The profile holds place, size and height of the contact as they fit best, and they are not known so well:
 // the margin's variance with them held, over that with them free.
-double Fit::share_left_open(const Square& hessian) noexcept {
+double Fit::profile_share(const Square& hessian) const noexcept {
   const Square covariance = hessian.inverse();
   const double free = covariance(margin, margin);
   const double held =
       1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
   const double share = held / free;
-  return share > 0 && share < 1 ? std::max(share, kLeastOpen) : 1;
+  return share > 0 && share < 1 ? std::max(share, options_.min_profile_share) : 1;
 }
 
-// Where noise leaves the margin open, a parabola about the best fit is no honest picture of it
-// (docs/theory.md §10.4). The whole range is weighed instead: the likelihood of each margin, times what
-// friction the scene expects of it. Mean and deviation of that.
-void Fit::weigh_by_scene(const Vector& at, const Square& hessian, FrameEstimate& out) noexcept {
-  const double open = share_left_open(hessian);
-  std::array<double, kSteps> misfit, friction;
+// Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is
+// weighed instead: the likelihood of each margin, times the prior of the friction that it would need.
+void Fit::weigh_by_prior(const Vector& at, const Square& hessian, FrameEstimate& out) noexcept {
+  const double share = profile_share(hessian);
+  std::array<double, kSteps> nats, friction;
   auto& profile = out.profile;
-  double least = std::numeric_limits<double>::infinity(), least_expected = least;
+  double least = std::numeric_limits<double>::infinity(), least_nats = least;
   const auto n = static_cast<Eigen::Index>(count_);
   const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
   Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
   for (std::size_t j = 0; j < kSteps; ++j) {
-    const double gamma = (static_cast<double>(j) + 0.5) / kSteps;
+    const double gamma = gamma_of_step(j);
     sheet_.evaluate(std::cbrt(gamma) * at[radius], {u_.data(), count_}, {v_.data(), count_},
                     {inner_.value.data(), count_}, {inner_.d_x.data(), count_}, {inner_.d_u.data(), count_},
                     {inner_.d_v.data(), count_});
     ring = (outer - ring) * (at[height] / (1 - gamma));
     const double square = ring.square().sum(), product = (ring * q).sum();
-    const double t = std::max(1e-6, product / square);
+    const double t = std::max(options_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
-    const double unexpected =
-        std::max({0.0, std::log(friction[j] / expected_.high), std::log(expected_.low / friction[j])});
-    profile.misfit[j] = open * 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
-    misfit[j] = profile.misfit[j] + 0.5 * unexpected * unexpected / (kSceneSpread * kSceneSpread);
+    profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
+    nats[j] = profile.misfit[j] + prior_.nats_against(friction[j]);
     least = std::min(least, profile.misfit[j]);
-    least_expected = std::min(least_expected, misfit[j]);
+    least_nats = std::min(least_nats, nats[j]);
   }
   for (double& value : profile.misfit) value -= least;
   profile.known = true;
-  double weight = 0, mean = 0, square = 0, mu = 0, mu2 = 0;
+  PosteriorSums margins, frictions;
   for (std::size_t j = 0; j < kSteps; ++j) {
-    const double w = std::exp(least_expected - misfit[j]), gamma = (static_cast<double>(j) + 0.5) / kSteps;
-    weight += w;
-    mean += w * gamma;
-    square += w * gamma * gamma;
-    mu += w * friction[j];
-    mu2 += w * friction[j] * friction[j];
+    const double w = std::exp(least_nats - nats[j]);
+    margins.add(w, gamma_of_step(j));
+    frictions.add(w, friction[j]);
   }
-  mean /= weight;
-  mu /= weight;
-  out.gamma = mean;
-  out.sigma = std::sqrt(std::max(0.0, square / weight - mean * mean) + 1.0 / (12 * kSteps * kSteps));
-  out.friction = mu;
-  const double step =
-      mu / std::max(1 - mean, 0.5 / kSteps) / kSteps;  // what one step of Gamma means for friction
-  out.friction_sigma = std::sqrt(std::max(0.0, mu2 / weight - mu * mu) + step * step / 12);
+  constexpr double kStep = 1.0 / kSteps;
+  const double mobilised = std::max(1 - margins.mean(), kStep / 2);
+  out.gamma = margins.mean();
+  out.sigma = std::sqrt(margins.variance() + variance_of_step(kStep));
+  out.friction = frictions.mean();
+  out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
+}
+
+Fit::Minimum Fit::minimise(const Vector& start) noexcept {
+  Minimum best{start, {}, false};
+  Vector gradient, trial_gradient;
+  Square trial_hessian;
+  double cost = evaluate(best.at, gradient, best.hessian), damping = options_.first_damping;
+  for (steps_ = 0; steps_ < kMostSteps && !best.converged; ++steps_) {
+    Square damped = best.hessian;
+    damped.diagonal() *= 1 + damping;
+    const Vector step = -damped.ldlt().solve(gradient);
+    Vector trial = best.at + step;
+    trial[margin] = std::clamp(trial[margin], options_.min_gamma, options_.max_gamma);
+    trial[radius] = std::clamp(trial[radius], best.at[radius] / options_.max_radius_factor,
+                               best.at[radius] * options_.max_radius_factor);
+    if (!trial.allFinite()) break;
+    const double trial_cost = evaluate(trial, trial_gradient, trial_hessian);
+    if (trial_cost <= cost) {
+      const Vector moved = trial - best.at;
+      const double moved_sigmas = (moved.array().abs() * best.hessian.diagonal().array().sqrt()).maxCoeff();
+      best.at = trial;
+      cost = trial_cost;
+      gradient = trial_gradient;
+      best.hessian = trial_hessian;
+      damping = std::max(options_.min_damping, damping / options_.damping_factor);
+      best.converged = moved_sigmas < options_.converged_sigmas;
+    } else {
+      damping *= options_.damping_factor;
+      best.converged = damping > options_.max_damping;
+    }
+  }
+  return best;
+}
+
+bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept {
+  const Vector& at = minimum.at;
+  const Square covariance = minimum.hessian.inverse();
+  const double variance = covariance(margin, margin);
+  if (!(variance > 0) || !std::isfinite(variance)) return false;
+  out.gamma = at[margin];
+  out.sigma = std::sqrt(variance);
+  const double mobilised = 1 - out.gamma;
+  out.friction = at[load] / mobilised;
+  out.friction_sigma =
+      out.sigma < options_.max_friction_share * mobilised
+          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(covariance(load, load)) / at[load])
+          : std::numeric_limits<double>::infinity();
+  out.center_x_m = patch.center_x_m + at[center_x];
+  out.center_y_m = patch.center_y_m + at[center_y];
+  out.radius_m = at[radius];
+  return true;
 }
 
 FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   FrameEstimate out;
   collect(patch);
-  const double peak = 1.5 * patch.normal_n / (3.141592653589793 * patch.radius_m * patch.radius_m);
-  noise_normal_ = std::max(patch.noise_normal_pa, 1e-4 * peak);
-  noise_shear_ = std::max(patch.noise_shear_pa, 1e-4 * peak * patch.shear_n / patch.normal_n);
-  const MomentRatio ratio = moment_ratio(patch, layout_);
+  const double floor_pa = options_.noise_floor * peak_pressure(patch);
+  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa);
+  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n);
+  const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
-  Vector at = start(patch, ratio), gradient, trial_gradient;
-  if (!(at[load] > 0) || count_ < kUnknowns) return out;
-  Square hessian, trial_hessian;
-  double cost = evaluate(at, gradient, hessian), damping = 1e-3;
-  bool converged = false;
-  for (steps_ = 0; steps_ < kMostSteps && !converged; ++steps_) {
-    Square damped = hessian;
-    damped.diagonal() *= 1 + damping;
-    const Vector step = -damped.ldlt().solve(gradient);
-    Vector trial = at + step;
-    trial[margin] = std::clamp(trial[margin], kLeastGamma, kMostGamma);
-    trial[radius] = std::clamp(trial[radius], 0.5 * at[radius], 2 * at[radius]);
-    if (!trial.allFinite()) break;
-    const double trial_cost = evaluate(trial, trial_gradient, trial_hessian);
-    if (trial_cost <= cost) {
-      const Vector moved = trial - at;
-      const double small = (moved.array().abs() * hessian.diagonal().array().sqrt()).maxCoeff();
-      at = trial;
-      cost = trial_cost;
-      gradient = trial_gradient;
-      hessian = trial_hessian;
-      damping = std::max(1e-9, damping / 10);
-      converged = small < kConverged;
-    } else {
-      damping *= 10;
-      converged = damping > 1e6;
-    }
-  }
-  if (layout_.size() <= kFewTaxels) {  // no parabola is true to so few: only the whole profile means anything
-    evaluate(at, trial_gradient, trial_hessian);
-    weigh_by_scene(at, trial_hessian, out);
-    out.in_model = converged;
+  const Vector first = start(patch, ratio);
+  if (!(first[load] > 0) || count_ < kUnknowns) return out;
+  const Minimum minimum = minimise(first);
+  const Vector& at = minimum.at;
+  if (layout_.size() <= kFewTaxels) {  // so few have no parabola: only the whole profile means anything
+    Vector gradient;
+    Square hessian;
+    evaluate(at, gradient, hessian);
+    weigh_by_prior(at, hessian, out);
+    out.in_model = minimum.converged;
     return out;
   }
-  if (!converged) return out;
-  const Square covariance = hessian.inverse();
-  const double variance = covariance(margin, margin);
-  if (!(variance > 0) || !std::isfinite(variance)) return out;
-  out.gamma = at[margin];
-  out.sigma = std::sqrt(variance);
-  const double rest = 1 - out.gamma;
-  out.friction = at[load] / rest;
-  out.friction_sigma =
-      out.sigma < 0.5 * rest
-          ? out.friction * std::hypot(out.sigma / rest, std::sqrt(covariance(load, load)) / at[load])
-          : std::numeric_limits<double>::infinity();
-  out.center_x_m = patch.center_x_m + at[center_x];
-  out.center_y_m = patch.center_y_m + at[center_y];
-  out.radius_m = at[radius];
+  if (!minimum.converged || !describe(patch, minimum, out)) return out;
+  const HertzDeviationOptions& deviation = options_.ratio.deviation;
   const RingMisfit misfit = ring_misfit(at);
-  out.in_model = ratio.deviation.hertzian() && misfit.by_skin < kMostMisfit;
-  if (out.sigma > kOpen) weigh_by_scene(at, hessian, out);
-  // Beyond noise it is accepted as an uneven skin; it may as well be a little of another history.
-  const double uneven = misfit.by_noise > kMostMisfit ? kUnevenSigma : 0;
-  const double deviation = std::max(kPressureSigma * pressure_left_over(at), ratio.deviation.sigma());
-  const double doubt = std::hypot(uneven, deviation);
-  out.sigma = std::hypot(out.sigma, doubt);
-  out.friction_sigma = std::hypot(out.friction_sigma, 2 * doubt * out.friction);
+  out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < options_.max_ring_misfit;
+  if (out.sigma > options_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
+  // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
+  const double uneven = misfit.by_noise > options_.max_ring_misfit ? options_.uneven_sigma : 0;
+  const double unlike =
+      std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
+  const double model_sigma = std::hypot(uneven, unlike);
+  out.sigma = std::hypot(out.sigma, model_sigma);
+  out.friction_sigma =
+      std::hypot(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
   return out;
 }
 

@@ -1,19 +1,23 @@
-// What friction this grasp may have, weighed over its frames. Each friction that may be lives through the
-// grasp's forces with a contact of its own (WinklerFoundations), and each frame takes weight from those whose
-// contact would look otherwise by now: after a regrip, an unloading or a reversal just as while a load only
-// rises. What no frame tells apart stays open: a contact that sticks all over looks the same for every
-// friction that holds it.
+// Friction of one grasp: a Bayes filter on a grid of log mu (docs/theory.md §11). Each
+// friction of the grid follows the grasp's forces with a Winkler foundation of its own. A frame takes weight
+// from those whose contact would look otherwise by now, after a regrip, an unloading or a reversal just as
+// after a monotonic load. What no frame tells apart stays open: a contact that sticks all over looks the same
+// for every friction that holds it.
 //
-// A change of friction is believed within a few frames that speak for it, and sooner if it fell than if it
-// rose. Estimate thread; fixed memory, nothing allocates.
+// A change of friction is learnt within a few frames, and sooner if it fell than if it rose. Estimate thread;
+// fixed memory, nothing allocates.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
-#include "core/contact/scene.hpp"
+#include "core/estimate/followed_forces.hpp"
+#include "core/estimate/friction_filter_options.hpp"
 #include "core/estimate/friction_grid.hpp"
+#include "core/estimate/friction_prior.hpp"
+#include "core/estimate/history_state.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/traction_ratio.hpp"
 #include "core/estimate/winkler_foundations.hpp"
@@ -22,70 +26,96 @@ namespace slipd {
 
 class FrictionFilter {
  public:
-  // The range expected ends softly, over about `spread` of log mu. `shapeless`: frames of this sensor tell
-  // little of their own, so that sliding is told by Q/P, which keeps while P changes.
-  FrictionFilter(Range expected, double spread, bool force_only);
+  // force_only: frames of this sensor say little of their own. Then there are no foundations, and gross slip
+  // is told by |Q|/P, which stays even while P falls.
+  FrictionFilter(const FrictionPrior& prior, bool force_only, const FrictionFilterOptions& options = {});
 
-  // A new grasp: back to what the scene expects.
+  // A new grasp: back to the prior.
   void reset() noexcept;
 
-  // One frame in contact, in order of time. `reading` is null where the frame has no shape.
+  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape.
   void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate) noexcept;
 
-  const FrictionGrid& weights() const noexcept { return weights_; }
+  // The posterior of friction.
+  const FrictionGrid& grid() const noexcept { return grid_; }
 
-  // |Q|/P now: of sensors without shape what the last few frames say of it, since nothing else tells their
-  // margin.
-  const FrictionGrid::Value& load() const noexcept { return carried_.now(); }
+  // |Q|/P now: of force-only sensors what the last few frames say of it.
+  const MeanSigma& traction_ratio() const noexcept { return traction_ratio_.now(); }
 
-  // The likeliest friction's contact is one whose load has only risen.
-  bool monotonic() const noexcept { return monotonic_; }
-  // This frame does not look as the friction believed before it would have it: that has changed, or was
-  // wrong.
-  bool surprised() const noexcept { return surprised_; }
-  // So do the frames of late, if by less: how much less friction there is they do not tell.
-  bool doubted() const noexcept { return doubted_ > 0; }
-  // The frames of late look as some friction would have them, after a history that is known.
-  bool understood() const noexcept { return known_ && misfit_ < kMostMisfit; }
+  // What is known of the load before this frame.
+  HistoryState history() const noexcept { return history_.state(); }
+
+  // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
+  bool surprised() const noexcept { return grasp_.surprised; }
+
+  // Frames of late contradict it by less: friction is less than it was, and they do not say by how much.
+  bool doubted() const noexcept { return grasp_.doubt_frames > 0; }
+
+  // The history is known, and frames of late look as some friction would make them.
+  bool understood() const noexcept {
+    return is_known(history()) && grasp_.mean_residual < options_.max_mean_residual;
+  }
 
  private:
-  // Contacts to follow are dear: as many as frames with a shape tell apart. Without a shape there are none.
-  static constexpr std::size_t kContacts = 56, kForceOnly = FrictionGrid::kMost;
-  static constexpr double kMostMisfit = 4;  // mean square, 1 where all is understood
   using PerFriction = std::array<double, FrictionGrid::kMost>;
 
-  void follow(const ContactPatch& patch) noexcept;
-  void watch_begin(const ContactPatch& patch) noexcept;
-  void start_anew() noexcept;
-  void weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
-  // How badly each friction explains the frame: squared deviations.
-  void misfit_of_margin(double load, const FrameEstimate& frame_estimate, PerFriction& misfit) const noexcept;
-  void misfit_of_shear_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
-                               PerFriction& misfit) noexcept;
-  void judge(const PerFriction& misfit, bool direct) noexcept;
-  void watch_jumps() noexcept;
-  bool looks_monotonic(double normal_n, double load) const noexcept;
-  void weaken() noexcept;
-  void weigh_sliding(double load) noexcept;
+  // Page's cumulative sum of evidence that friction has changed.
+  struct Cusum {
+    double nats = 0;
+    void add(double evidence_nats, double drift_nats) noexcept {
+      nats = std::max(0.0, nats + evidence_nats - drift_nats);
+    }
+  };
 
-  FrictionGrid weights_;
+  // Evidence of margin profiles so far, in units of what all of them have in common.
+  struct EvidenceDiscount {
+    double common = 0;
+    void add(double sigmas) noexcept { common += sigmas * sigmas; }
+    double share() const noexcept { return 1 / (1 + common); }
+  };
+
+  // Mean residuals of the likeliest friction's foundation, N.
+  struct MomentResiduals {
+    double slip_moment_n = 0;
+    double second_legendre_n = 0;
+  };
+
+  // What a new grasp forgets.
+  struct GraspState {
+    bool surprised = false;
+    int doubt_frames = 0;      // to come
+    double likeliest = 0;      // friction a frame ago; 0 before the first
+    double mean_residual = 1;  // of the best friction, squared
+    Cusum cusum;
+    EvidenceDiscount discount;
+    MomentResiduals moment_residuals;
+    std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
+  };
+
+  void fade(std::int64_t time_ns) noexcept;
+  void bound_below() noexcept;
+  void follow(const ContactPatch& patch) noexcept;
+  void lose_history(HistoryEvent why) noexcept;
+  bool looks_monotonic(double normal_n, double load) const noexcept;
+  void weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
+  // Squared residuals of each friction: of the frame's margin, of its shear moments.
+  void compare_margin(double load, const FrameEstimate& frame_estimate,
+                      PerFriction& residuals) const noexcept;
+  void compare_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
+                       PerFriction& residuals) noexcept;
+  void doubt_likeliest(const FrameEstimate& frame_estimate, double sign, double open_n) noexcept;
+  void take_evidence(const PerFriction& residuals, bool as_monotonic) noexcept;
+  void doubt_jump() noexcept;
+  void weigh_slide(double load) noexcept;
+
+  FrictionFilterOptions options_;
   bool force_only_;
-  TractionRatioFilter carried_;
-  WinklerFoundations contacts_;
-  double normal_n_ = 0, shear_n_ = 0;  // as the contacts were told, shear signed along the axis
-  double axis_x_ = 0, axis_y_ = 0;     // 0 while there was no shear
-  double aimed_n_ = 0;                 // the shear that the axis was taken from
-  bool known_ = true, monotonic_ = true, surprised_ = false;
-  double told_ = 0;      // by profiles, in frames' worth of what they all have in common
-  int doubted_ = 0;      // frames for which no margin means anything yet
-  double believed_ = 0;  // the likeliest friction a frame ago, 0 before there was one
-  double misfit_ = 1, cusum_ = 0;
-  double off_slip_moment_n_ = 0, off_second_legendre_n_ = 0;  // of the contact believed in, over some frames
-  int strange_ = 0;   // frames one after the other that no friction explains
-  int agreeing_ = 0;  // frames that a risen load explains since the past was lost
-  int frames_ = 0;    // of this grasp, as long as it begins
-  double first_normal_n_ = 0;
-  std::int64_t last_ns_ = 0;
+  FrictionGrid grid_;
+  TractionRatioFilter traction_ratio_;
+  FollowedForces forces_;
+  HistoryMonitor history_;
+  WinklerFoundations foundations_;
+  GraspState grasp_;
 };
 
 }  // namespace slipd

@@ -1,25 +1,59 @@
-// How a contact's pressure lies otherwise than Hertz's: to one side, longer than wide, or farther out, as
-// under a skin that spreads stress (docs/theory.md §7.3). Read off a few sums over the disc, so that each
-// frame can tell how far to trust it.
+// How a contact's pressure differs from Hertz's: tilted, elliptic, or with its load farther out, as under a
+// skin that spreads stress (docs/theory.md §7). It is computed from a few sums over the disc, so that
+// each frame tells how far to trust it. Estimate thread; nothing allocates.
 #pragma once
 
 #include "core/patch/patch.hpp"
 
 namespace slipd {
 
-inline constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 about its middle
+inline constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 about its middle: 7/180
+
+// All dimensionless. Values and their checks: `sliplab stability --parts adversary` on 16 x 16 to 100 x 100
+// taxels, which gives what Gamma is off by over each deviation. side: a taxel's side; a: the contact's
+// radius.
+struct HertzDeviationOptions {
+  // A deviation counts if it is above this many of its standard deviations; 1 … 6. Too small: noise widens
+  // sigma, and frames are refused. Too large: contacts that are not Hertz's pass as such.
+  double clear_sigmas = 3;
+  // What square taxels on a round rim make of each deviation, over (side/a)^3; 0 … 2. Too small: coarse
+  // arrays refuse round contacts. Too large: coarse arrays see no deviation.
+  double rim_tilt = 0.75;
+  double rim_ellipticity = 0.15;
+  double rim_kurtosis = 0.6;
+  // What a taxel that feels less than its whole square makes of the excess kurtosis, over (side/a)^2; 0 … 1.
+  // Too small and too large: as above.
+  double point_kurtosis = 0.2;
+  // Gamma's standard deviation, over tilt/(1 + tilt_saturation tilt), over ellipticity^2, over excess
+  // kurtosis; 0 … 5. Too small: sigma is less than the error on such contacts. Too large: it is more.
+  double tilt_sigma = 0.22;
+  double tilt_saturation = 2;
+  double ellipticity_sigma = 0.35;
+  double kurtosis_sigma = 2;
+  // From here on a frame gives no margin of its own; 0 … 1 and 0 … 0.5. Too small: usable contacts are
+  // refused. Too large: margins are given for contacts of another kind, and sigma does not cover their error.
+  double max_ellipticity = 0.5;
+  double max_kurtosis = 0.06;
+};
 
 // Each is 0 where noise and the taxels' size may be all of it.
 struct HertzDeviation {
-  double tilt = 0;             // t of a pressure that is Hertz's times 1 + t x/a
-  double ellipticity = 0;      // (long^2 - short^2)/(long^2 + short^2) of its axes
-  double excess_kurtosis = 0;  // of <r^4>/<r^2>^2, off what it is of a contact as long as this one
+  // t of a pressure that is Hertz's times 1 + t x/a; dimensionless, >= 0.
+  double tilt = 0;
+  // (long^2 - short^2)/(long^2 + short^2) of its axes; 0 … 1.
+  double ellipticity = 0;
+  // Magnitude of <r^4>/<r^2>^2 less that of a Hertz contact of the same ellipticity; dimensionless, >= 0.
+  double excess_kurtosis = 0;
 
-  bool hertzian() const noexcept;  // near enough for a margin to be read at all
-  double sigma() const noexcept;   // the deviation of Gamma that it costs, measured on contacts like that
+  // Near enough to Hertz's for a frame to give a margin at all.
+  bool hertzian(const HertzDeviationOptions& options = {}) const noexcept;
+
+  // The standard deviation of Gamma that it costs.
+  double sigma(const HertzDeviationOptions& options = {}) const noexcept;
 };
 
 // Of a whole contact: not cut by the sensor's edge. `sums` are of its patch.
-HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch, double side_m) noexcept;
+HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch, double side_m,
+                               const HertzDeviationOptions& options = {}) noexcept;
 
 }  // namespace slipd

@@ -10,16 +10,19 @@
 namespace slipd {
 namespace {
 
-// Beyond this mean square the rings belong to another history. In the family it is about 1.
-constexpr double kMostMisfit = 4;
-
-// The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k
-// (docs/theory.md §7.1).
+// The slope of Gamma over the ratio lies between 1 (gross slip) and 9/5 (no load): closed form by k.
 double slope(double k) noexcept {
+  constexpr double kNoLoad = 1e-6;  // of 1 - Gamma: below it the closed form is 0/0, and its limit holds
   const double k2 = k * k, k3 = k2 * k, rest = 1 - k3;
-  if (rest < 1e-6) return 1.8;
+  if (rest < kNoLoad) return 9.0 / 5;
   const double d_ratio = (-5 * k2 * rest + 3 * (1 - k2 * k3)) / (rest * rest);  // per k^2
   return 3 / d_ratio;
+}
+
+// What noise of each taxel makes of <r^2>: sqrt(sum (r^2 - mean)^2) over the sum of what it is weighted by.
+double noise_of_mean(double sigma_pa, double sum_pa, double mean, double r2, double r4, double n) noexcept {
+  const double scatter = std::max(0.0, r4 - 2 * mean * r2 + mean * mean * n);
+  return sigma_pa * std::sqrt(scatter) / sum_pa;
 }
 
 }  // namespace
@@ -28,21 +31,24 @@ double slope(double k) noexcept {
 // only positive root is in (0, 1), and from there on it is convex and rises: from k = 1 each step comes
 // nearer without passing it.
 double gamma_of_moment_ratio(double ratio) noexcept {
+  constexpr int kMaxSteps = 60;      // more than any ratio takes
+  constexpr double kNoStep = 1e-15;  // of k: rounding is as large
   if (ratio <= 1) return 0;
   if (ratio >= 5.0 / 3) return 1;
   const double rest = 1 - ratio;
   double k = 1;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const double k2 = k * k;
     const double value = rest * (1 + k + k2) + k2 * k + k2 * k2;
     const double step = value / (rest * (1 + 2 * k) + 3 * k2 + 4 * k2 * k);
-    if (!(step > 1e-15)) break;
+    if (!(step > kNoStep)) break;
     k -= step;
   }
   return k * k * k;
 }
 
-MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept {
+MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
+                         const MomentRatioOptions& options) noexcept {
   const MomentSums sums = best_kernels<DiscKernels>().moments(patch.taxels, patch.runs, patch.pose());
   const double unit = patch.radius_m * patch.radius_m, unit2 = unit * unit;
   const double p = sums.p, q = sums.q, p2 = sums.ps * unit, q2 = sums.qs * unit, q4 = sums.qss * unit2;
@@ -51,36 +57,33 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) n
   MomentRatio out;
   if (!(p > 0 && q > 0)) return out;
   out.load = q / p;
-  const double spread = layout.area_m2() / 6;  // a square's own, in each of the sums
+  const double spread = layout.area_m2() / 6;  // a square's own <r^2>, in each of the sums
   const double mean_p = p2 / p - spread, mean_q = q2 / q - spread;
   if (!(mean_p > 0)) return out;
   out.value = mean_q / mean_p;
   if (patch.cut) return out;
   const auto n = static_cast<double>(patch.count);
-  const auto noise = [&](double sigma_pa, double sum, double mean) {
-    const double scatter = std::max(0.0, r4 - 2 * mean * r2 + mean * mean * n);
-    return sigma_pa * std::sqrt(scatter) / sum;
-  };
-  const double from_q = noise(patch.noise_shear_pa, q, mean_q),
-               from_p = noise(patch.noise_normal_pa, p, mean_p);
-  out.deviation = hertz_deviation(sums, patch, layout.side_m());
+  const double from_q = noise_of_mean(patch.noise_shear_pa, q, mean_q, r2, r4, n),
+               from_p = noise_of_mean(patch.noise_normal_pa, p, mean_p, r2, r4, n);
+  out.deviation = hertz_deviation(sums, patch, layout.side_m(), options.deviation);
   const double coarse = layout.side_m() / patch.radius_m;
-  const double cut_rim = 0.3 * coarse * coarse * coarse, grid = cut_rim + 0.002;  // of squares on a round rim
-  out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, cut_rim + 0.0007);
+  const double rim = options.rim_error * coarse * coarse * coarse, grid = rim + options.moments_floor;
+  out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, rim + options.ratio_floor);
 
-  // In u = r^2/a^2, with a from the pressure.
+  // In u = r^2/a^2, with a from the pressure, <r^2>_p = 2 a^2/5: the slip moment Q (5/3 - 5/2 <u>) and the
+  // second Legendre moment Q <6 u^2 - 6 u + 1>, and what noise and a wrong radius make of both.
   const double a2 = 2.5 * mean_p, side = layout.side_m(), shear_n = patch.shear_n;
   const double u = mean_q / a2;
   const double u2 = (q4 / q - 2.0 / 3 * side * side * mean_q - kSquareFourth * std::pow(side, 4)) / (a2 * a2);
   out.moments = {shear_n * (5.0 / 3 - 2.5 * u), shear_n * (6 * u2 - 6 * u + 1)};
   const double taxel_n = patch.noise_shear_pa * layout.area_m2(), radius = from_p / mean_p;
   const double zero = 5.0 / 3 * mean_p + spread;  // a taxel there counts for nothing
-  const double slipped_weights = (r4 - 2 * zero * r2 + zero * zero * n) / (mean_p * mean_p);
-  const double hollow_weights =
+  const double slip_weights = (r4 - 2 * zero * r2 + zero * zero * n) / (mean_p * mean_p);
+  const double legendre_weights =
       36 * r8 / std::pow(a2, 4) - 72 * r6 / std::pow(a2, 3) + 48 * r4 / std::pow(a2, 2) - 12 * r2 / a2 + n;
-  out.moments_sigma = {std::hypot(taxel_n * std::sqrt(std::max(0.0, slipped_weights)),
+  out.moments_sigma = {std::hypot(taxel_n * std::sqrt(std::max(0.0, slip_weights)),
                                   shear_n * std::hypot(2.5 * u * radius, grid)),
-                       std::hypot(taxel_n * std::sqrt(std::max(0.0, hollow_weights)),
+                       std::hypot(taxel_n * std::sqrt(std::max(0.0, legendre_weights)),
                                   shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
   return out;
 }
@@ -90,25 +93,27 @@ FrameEstimate Moments::estimate(const Frame&, const ContactPatch& patch) noexcep
 }
 
 FrameEstimate Moments::estimate(const ContactPatch& patch, const Rings& rings) const noexcept {
+  constexpr double kNoShear = 1e-6;  // of 1 - Gamma: keeps friction finite without shear
   FrameEstimate out;
   out.center_x_m = patch.center_x_m;
   out.center_y_m = patch.center_y_m;
   out.radius_m = patch.radius_m;
-  const MomentRatio ratio = moment_ratio(patch, layout_);
+  const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
-  const double open = 3 * ratio.sigma + 0.03;
+  const double open = options_.range_sigmas * ratio.sigma + options_.range_slack;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = gamma_of_moment_ratio(ratio.value);
-  out.sigma = std::hypot(slope(std::cbrt(out.gamma)) * ratio.sigma, ratio.deviation.sigma());
-  const double held = std::max(1e-6, 1 - out.gamma);
-  out.friction = ratio.load / held;
-  // Near no load friction is a ratio of two small numbers.
-  out.friction_sigma = out.sigma < 0.5 * held
-                           ? out.friction * std::hypot(out.sigma / held, patch.shear_sigma_n / patch.shear_n)
-                           : std::numeric_limits<double>::infinity();
-  out.in_model = ratio.deviation.hertzian() &&
-                 monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < kMostMisfit;
+  out.sigma =
+      std::hypot(slope(std::cbrt(out.gamma)) * ratio.sigma, ratio.deviation.sigma(options_.ratio.deviation));
+  const double mobilised = std::max(kNoShear, 1 - out.gamma);
+  out.friction = ratio.load / mobilised;
+  out.friction_sigma =
+      out.sigma < options_.max_friction_share * mobilised
+          ? out.friction * std::hypot(out.sigma / mobilised, patch.shear_sigma_n / patch.shear_n)
+          : std::numeric_limits<double>::infinity();
+  out.in_model = ratio.deviation.hertzian(options_.ratio.deviation) &&
+                 monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < options_.max_ring_misfit;
   return out;
 }
 

@@ -1,5 +1,5 @@
-// The margin without any training: shear lies further out than pressure, and by how much tells how far slip
-// has come in (docs/theory.md §7.1).
+// The margin without any training: shear lies farther out than pressure, and by how much tells how far slip
+// has come in (docs/theory.md §7).
 //   <r^2>_q / <r^2>_p = (1 - k^5)/(1 - k^3),  Gamma = k^3: 5/3 without load, 1 at gross slip, no friction in
 //   it.
 #pragma once
@@ -15,29 +15,73 @@ namespace slipd {
 // Gamma for a moment ratio; below 1 it is 0, above 5/3 it is 1.
 double gamma_of_moment_ratio(double ratio) noexcept;
 
-// Of a whole contact, taken over the patch's disc; deviations as noise in this frame and the size of its
-// taxels leave them, infinite for a contact cut by the sensor's edge, or without load.
-struct MomentRatio {
-  double value = 1, sigma = std::numeric_limits<double>::infinity();
-  double load = 0;  // sum q / sum p
-  HertzDeviation deviation;
-  contact::ShearMoments moments, moments_sigma = FrameEstimate().moments_sigma;
+// All dimensionless. Checked with `sliplab tradeoff --no-models`, rows of moments: sigma is right where 68 %
+// of the answers are within it. side: a taxel's side; a: the contact's radius.
+struct MomentRatioOptions {
+  HertzDeviationOptions deviation;
+
+  // Error of the ratio by square taxels on a round rim, over (side/a)^3; 0 … 2. Too small: sigma is less than
+  // the error on coarse arrays. Too large: it is more.
+  double rim_error = 0.3;
+  // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
+  double ratio_floor = 0.0007;
+  // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one
+  // frame. Too large: it learns slowly.
+  double moments_floor = 0.002;
 };
-MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout) noexcept;
+
+// Of a whole contact, taken over the patch's disc.
+struct MomentRatio {
+  // <r^2>_q / <r^2>_p, dimensionless; 1 where there is no shear or no pressure.
+  double value = 1;
+  // Its standard deviation, by noise of this frame and the taxels' size; infinite for a contact cut by the
+  // sensor's edge, or without load.
+  double sigma = std::numeric_limits<double>::infinity();
+  // Sum q / sum p, dimensionless; 0 without load.
+  double load = 0;
+  // How the pressure differs from Hertz's; zero for a contact cut by the edge.
+  HertzDeviation deviation;
+  // Moments of the shear about the centre, N, signed along the resultant.
+  contact::ShearMoments moments;
+  // Their standard deviations, N; infinite as `sigma` is.
+  contact::ShearMoments moments_sigma = FrameEstimate().moments_sigma;
+};
+MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
+                         const MomentRatioOptions& options = {}) noexcept;
+
+// Checked with `sliplab tradeoff --no-models`, rows of moments.
+struct MomentsOptions {
+  MomentRatioOptions ratio;
+
+  // A ratio outside 1 … 5/3 is still read as a monotonic load within this many standard deviations and this
+  // much more; 1 … 5 and 0 … 0.2. Too small: noise makes frames near gross slip and near no load unanswered.
+  // Too large: other histories pass.
+  double range_sigmas = 3;
+  double range_slack = 0.03;
+  // Mean square deviation of the rings from a monotonic load, from which on the frame has another
+  // history; 1.5 … 20, about 1 after a monotonic load. Too small: skins that are no half space are refused.
+  // Too large: a regrip passes.
+  double max_ring_misfit = 4;
+  // Sigma of Gamma, of 1 - Gamma, below which friction is told; 0.1 … 1. Near no load friction is a ratio of
+  // two small numbers. Too small: friction is told late. Too large: its sigma is not meant.
+  double max_friction_share = 0.5;
+};
 
 class Moments final : public SlipMethod {
  public:
-  explicit Moments(const TaxelLayout& layout) : layout_(layout) {}
+  explicit Moments(const TaxelLayout& layout, const MomentsOptions& options = {})
+      : layout_(layout), options_(options) {}
   Method name() const noexcept override { return Method::moments; }
   MethodSettings settings() const noexcept override {
     return {.memory_bytes = sizeof(*this) + 2 * sizeof(double) * layout_.size()};
   }
   FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
-  FrameEstimate estimate(const ContactPatch& patch,
-                         const Rings& rings) const noexcept;  // its rings are known already
+  // The same where the patch's rings are known already.
+  FrameEstimate estimate(const ContactPatch& patch, const Rings& rings) const noexcept;
 
  private:
   TaxelLayout layout_;
+  MomentsOptions options_;
 };
 
 }  // namespace slipd

@@ -1,6 +1,6 @@
-// Friction over time. A frame whose load has only risen tells its margin by itself; after a regrip, an
-// unloading or a reversal it does so only together with the friction and the forces of the frames before, and
-// the margin is 1 - |Q|/(mu P).
+// Friction over time. After a monotonic load a frame tells its margin by itself; after a regrip, an unloading
+// or a reversal only together with the friction and the forces of the frames before it, and the margin is
+// 1 - |Q|/(mu P) (docs/theory.md §11).
 #pragma once
 
 #include <optional>
@@ -13,16 +13,33 @@
 
 namespace slipd {
 
+// Checked with `sliplab histories --grasps 400`.
+struct TrackerOptions {
+  FrictionPriorOptions prior;
+  FrictionFilterOptions filter;
+
+  // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
+  // comes late. Too large: it is advice from a guess.
+  double known_sigma = 0.3;
+  // Floor of a margin's sigma while friction is doubted; Gamma, 0.05 … 1; above sigma_max no margin is given
+  // at all. Too small: a margin of a friction that has fallen is given as sure. Too large: no effect beyond
+  // sigma_max.
+  double doubted_sigma = 0.2;
+  // A frame's own margin replaces the filter's if both agree within this; standard deviations of their
+  // difference, 1 … 5. Too small: good frames are wasted. Too large: a frame of another history is given.
+  double agreement_sigmas = 2.5;
+};
+
 class Tracker {
  public:
-  // friction_expected: the scene's range. friction: known beforehand. few_taxels: no single frame of this
+  // friction_expected: the scene's range. friction: known beforehand. force_only: no single frame of this
   // sensor tells its margin.
   Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
-          bool few_taxels);
+          bool force_only, const TrackerOptions& options = {});
 
   // Estimate thread. Fills in state, gamma, sigma, friction and method of `out`, whose forces and sequence
-  // are set. `reading` is null where the sensor has no method of its own (one force vector, flat skin), or
-  // the frame no shear.
+  // are set. `frame_estimate` is null where the sensor has no method of its own (one force vector, flat
+  // skin), or the frame no shear.
   void update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
               Estimate& out) noexcept;
 
@@ -30,12 +47,16 @@ class Tracker {
   void forget() noexcept { friction_filter_.reset(); }
 
  private:
-  using Margin = FrictionGrid::Value;
-  std::optional<Margin> track(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
-                              Estimate& out) noexcept;
+  // The margin by all frames up to this one; nullopt if they contradict every friction.
+  std::optional<MeanSigma> track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
+                                 Method method, Estimate& out) noexcept;
+  // The filter's margin, or the frame's own where that is the better one.
+  MeanSigma combine(MeanSigma margin, const FrameEstimate& frame_estimate, Method method,
+                    Estimate& out) const noexcept;
 
   EstimatorSettings settings_;
-  bool few_taxels_;
+  bool force_only_;
+  TrackerOptions options_;
   FrictionFilter friction_filter_;
 };
 

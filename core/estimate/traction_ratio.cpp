@@ -4,73 +4,76 @@
 #include <cmath>
 
 namespace slipd {
-namespace {
 
-// Without shape the load is followed with its slope, by a straight line through all frames since it last
-// turned, of these the last kLongest or so. It turned where frames are off to one side: the line begins anew
-// with the last few, or with one where the load jumped.
-constexpr int kLongest = 30, kAfterTurn = 6;
-constexpr double kAstray = 0.25, kTurn = 1.15;  // gain of a mean of deviations, three deviations of that
-constexpr double kJump = 4;                     // deviations
-constexpr double kMeanGain = 0.1, kMeanSigma = 0.23;  // of its mean, and that's deviation over one frame's
-constexpr double kHighest = 2;                        // deviations by which a load may miss the highest one
-constexpr double kPlateauChange = 0.06;               // of P, so much less of it makes a plateau one
-constexpr double kFallen = 4;                         // deviations of P besides
-
-}  // namespace
-
-// Gains of least squares over n frames, the newest first counted in: 2 (2n - 1)/(n (n + 1)) for the level,
-// which is also the share of one frame's variance that is left in it, and 6/(n (n + 1)) for the slope.
 void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
-  const double load = patch.shear_n / patch.normal_n, sigma = patch.shear_sigma_n / patch.normal_n;
-  const bool first = frame_sigma_ == 0;
-  const double gain = first ? 1 : kMeanGain;
-  mean_ += gain * (load - mean_);
-  normal_n_ = {normal_n_.mean + gain * (patch.normal_n - normal_n_.mean), kMeanSigma * patch.normal_sigma_n};
-  frame_sigma_ = sigma;
-  const double expected = now_.mean + change_, off = load - expected;
-  if (!force_only_ || first || !(std::fabs(off) < kJump * sigma)) {
-    now_ = {load, sigma};
-    change_ = astray_ = 0;
-    frames_ = 1;
-    return;
+  const MeanSigma frame{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
+  const bool first = state_.frame_sigma == 0;
+  const double gain = first ? 1 : options_.mean_gain;
+  state_.mean += gain * (frame.mean - state_.mean);
+  state_.normal_n = {state_.normal_n.mean + gain * (patch.normal_n - state_.normal_n.mean),
+                     options_.mean_sigma * patch.normal_sigma_n};
+  state_.frame_sigma = frame.sigma;
+  const double residual = frame.mean - (state_.now.mean + state_.line.slope);
+  if (!force_only_ || first || !(std::fabs(residual) < options_.jump_sigmas * frame.sigma)) {
+    restart_line(frame);
+  } else {
+    extend_line(residual, frame.sigma);
   }
-  if (frames_ > kAfterTurn) {
-    const double n = frames_,
-                 scatter = sigma * std::sqrt((n + 1) * (n + 2) / (n * (n - 1)));  // of a frame about the line
-    astray_ += kAstray * (off / scatter - astray_);
-    if (std::fabs(astray_) > kTurn) {
-      frames_ = kAfterTurn;
-      astray_ = 0;
+}
+
+void TractionRatioFilter::restart_line(const MeanSigma& frame) noexcept {
+  state_.now = frame;
+  state_.line = {.slope = 0, .frames = 1, .residual = 0};
+}
+
+// Least squares over n frames, the newest counted in: its gain is 2 (2n - 1)/(n (n + 1)) for the level, which
+// is also the share of one frame's variance that is left in it, and 6/(n (n + 1)) for the slope. A frame
+// scatters about the line through the n before it by sigma sqrt((n + 1)(n + 2)/(n (n - 1))).
+void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
+  Line& line = state_.line;
+  const double expected = state_.now.mean + line.slope;
+  if (line.frames > options_.frames_after_turn) {
+    const double n = line.frames, scatter = sigma * std::sqrt((n + 1) * (n + 2) / (n * (n - 1)));
+    line.residual += options_.residual_gain * (residual / scatter - line.residual);
+    if (std::fabs(line.residual) > options_.turn_sigmas) {
+      line.frames = options_.frames_after_turn;
+      line.residual = 0;
     }
   }
-  frames_ = std::min(frames_ + 1, kLongest);
-  const double n = frames_, level = 2 * (2 * n - 1) / (n * (n + 1)), slope = 6 / (n * (n + 1));
-  change_ += slope * off;
-  const double lag = std::max(0.0, std::fabs(astray_) - kTurn / 3);
-  now_ = {std::max(0.0, expected + level * off), std::hypot(std::sqrt(level), lag) * sigma};
+  line.frames = std::min(line.frames + 1, options_.max_line_frames);
+  const double n = line.frames, level_gain = 2 * (2 * n - 1) / (n * (n + 1)), slope_gain = 6 / (n * (n + 1));
+  line.slope += slope_gain * residual;
+  const double lag = std::max(0.0, std::fabs(line.residual) - options_.lag_sigmas);
+  state_.now = {std::max(0.0, expected + level_gain * residual),
+                std::hypot(std::sqrt(level_gain), lag) * sigma};
 }
 
 TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {
-  if (!force_only_) return {{now_.mean, std::max(now_.sigma, 0.01 * now_.mean)}, 1};
-  return {{mean_, std::max(kMeanSigma * frame_sigma_, 0.005 * now_.mean)}, kMeanGain};
+  const MeanSigma& now = state_.now;
+  if (!force_only_) return {{now.mean, std::max(now.sigma, options_.held_floor_frame * now.mean)}, 1};
+  const double sigma =
+      std::max(options_.mean_sigma * state_.frame_sigma, options_.held_floor_mean * now.mean);
+  return {{state_.mean, sigma}, options_.mean_gain};
 }
 
 bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
-  return load > highest_ - kHighest * sigma;
+  return load > state_.highest - options_.highest_sigmas * sigma;
 }
 
-std::optional<double> TractionRatioFilter::look_for_sliding() noexcept {
-  const auto [load, sigma] = now_;
-  highest_ = std::max(highest_, load - sigma);
-  const bool even = std::fabs(load - slide_load_) < kPlateau * slide_load_ + 2 * sigma;
-  if (!even || slide_load_ == 0 || normal_n_.mean > slide_normal_n_) {
-    slide_load_ = load;
-    slide_normal_n_ = normal_n_.mean;
+std::optional<double> TractionRatioFilter::detect_slide() noexcept {
+  const auto [load, sigma] = state_.now;
+  Plateau& plateau = state_.plateau;
+  const double normal_n = state_.normal_n.mean;
+  state_.highest = std::max(state_.highest, load - sigma);
+  const bool even =
+      std::fabs(load - plateau.load) < options_.plateau * plateau.load + options_.plateau_sigmas * sigma;
+  if (!even || plateau.load == 0 || normal_n > plateau.normal_n) {
+    plateau = {load, normal_n};
     return std::nullopt;
   }
-  const double fallen_n = slide_normal_n_ - normal_n_.mean - kFallen * normal_n_.sigma;
-  if (fallen_n < kPlateauChange * slide_normal_n_ || load < 0.9 * highest_) return std::nullopt;
+  const double fallen_n = plateau.normal_n - normal_n - options_.plateau_fall_sigmas * state_.normal_n.sigma;
+  if (fallen_n < options_.plateau_fall * plateau.normal_n) return std::nullopt;
+  if (load < options_.min_of_highest * state_.highest) return std::nullopt;
   return load;
 }
 

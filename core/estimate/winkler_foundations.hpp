@@ -1,10 +1,10 @@
-// One load's history in contacts of many frictions, in short: the same springs as in core/contact/history.hpp
-// (Popov's dimensionality reduction), but a fixed number of them and no materials, a bed of them for each
-// friction, and all beds followed side by side, since all but friction is the same for all. A spring at x
-// touches from the pressure on at which the contact's radius is x; it sticks, or slips at friction times its
-// own load. Lengths are in units of the radius that 1 N makes, so that a = cbrt(P) whatever touches what.
+// The load history of one contact, followed for many frictions side by side (docs/theory.md §4): Popov's
+// dimensionality reduction as in core/contact/history.hpp, but with a fixed number of springs, no materials,
+// and one bed of springs for each friction. A spring at x touches from the normal force on at which the
+// contact's radius is x; it sticks, or slips at friction times its own normal load. Lengths are in units of
+// the radius that 1 N makes, so that a = cbrt(P) whatever touches what.
 //
-// Within 0.005 mu P of the exact history in shape() for a load that the springs resolve (see follow).
+// Within 0.005 mu P of the exact history in shear_moments() for a load that the springs resolve (see follow).
 // Estimate thread; fixed memory, nothing allocates or throws.
 #pragma once
 
@@ -21,10 +21,10 @@ class WinklerFoundations {
  public:
   static constexpr std::size_t kMost = WinklerKernels::kBeds;
 
-  // A bed for each friction > 0, at most kMost; no contact yet.
+  // A bed for each friction > 0, at most kMost; no contact yet. The first constructor takes the kernels
+  // given, the second those that suit this processor.
   explicit WinklerFoundations(std::span<const double> frictions, const WinklerKernels& kernels) noexcept;
-  explicit WinklerFoundations(
-      std::span<const double> frictions) noexcept;  // the kernels that suit this processor
+  explicit WinklerFoundations(std::span<const double> frictions) noexcept;
 
   void clear() noexcept;  // no contact
 
@@ -47,7 +47,7 @@ class WinklerFoundations {
 
   double shear_n(std::size_t j) const noexcept { return shear_n_[j]; }
 
-  // Of bed j, 0 … frictions - 1; reckoned when first asked for after a change. (A spring at x counts with 2
+  // Of bed j, 0 … frictions - 1; computed when first asked for after a change. (A spring at x counts with 2
   // x^2 and 8/3 x^4.)
   contact::ShearMoments shear_moments(std::size_t j) const noexcept;
 
@@ -68,7 +68,7 @@ class WinklerFoundations {
   PerBed<float> mu_;  // the same
   double step_ = 0;   // between springs; spring i stands at (i + 1/2) step
   double normal_n_ = 0;
-  double told_n_ = 0;  // the shear that all were told last
+  double asked_n_ = 0;  // the shear that all were asked to carry last
   PerBed<double> shear_n_{};
   std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
 

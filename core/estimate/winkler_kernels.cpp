@@ -1,6 +1,6 @@
-// The loops of spring_kernels.hpp; this file is built once for each instruction set (slipd_instruction_sets).
-// No function of the standard library is called here: what is inline there would exist once for all files,
-// perhaps for the wrong processor.
+// The loops of winkler_kernels.hpp; this file is built once for each instruction set
+// (slipd_instruction_sets). No function of the standard library is called here: what is inline there would
+// exist once for all files, perhaps for the wrong processor.
 #include "core/estimate/winkler_kernels.hpp"
 
 #include "core/simd/lanes.ipp"
@@ -10,7 +10,12 @@ namespace {
 
 constexpr auto kSprings = WinklerKernels::kSprings, kBeds = WinklerKernels::kBeds;
 static_assert(kLanes == WinklerKernels::kLanes);
-constexpr int kMostSteps = 12;
+// Bounds the time of a shift. Too small: beds near gross slip carry less than their goal. Too large: no
+// effect seen, as steps end at the tolerance. Checked by tests/core/estimate/winkler_foundations_test.cpp.
+constexpr int kMaxSteps = 12;
+// Difference from the goal at which a shift is settled: relative, and in N; 1e-6 … 1e-3, above 0. Too small:
+// single precision never reaches it. Too large: beds drift from the load.
+constexpr float kTolerance = 1e-5F, kLeastTolerance = 1e-12F;
 
 SLIPD_INLINE Floats lesser(const Floats& a, const Floats& b) noexcept {
   return b < a ? b : a;
@@ -48,8 +53,8 @@ SLIPD_INLINE Floats shift_of(const float* loads, const float* rest, std::size_t 
     low = lesser(low, -most - now);
     high = greater(high, most - now);
   }
-  const Floats near = magnitude(goal) * 1e-5F + 1e-12F;
-  for (int n = 0; n < kMostSteps; ++n) {
+  const Floats near = magnitude(goal) * kTolerance + kLeastTolerance;
+  for (int n = 0; n < kMaxSteps; ++n) {
     Floats sum{}, sticking{};
     for (std::size_t i = 0; i < touching; ++i) {
       const Floats t = load(loads + i * kBeds) + shift, most = friction * rest[i];

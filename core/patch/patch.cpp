@@ -6,32 +6,9 @@
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
-namespace {
-
-// A taxel that stands out of the noise by this many standard deviations is touched: Gaussian noise does so
-// once in a few million taxels, uniform noise never (its bound is 1.73).
-constexpr double kStandsOut = 5;
-
-// The disc is taken this much wider than the contact, so that a radius found a little small loses nothing.
-constexpr double kReach = 1.06;
-
-// A dead taxel, and what a contact is that can be told to have one. In its inner part (of a^2) it nowhere
-// feels less than a third of the peak.
-constexpr double kInner = 0.8, kNothing = 0.1;  // of the peak
-constexpr double kMostNoise = 0.04;             // of the peak
-constexpr double kLeastMended = 1.5;            // a, in taxels' sides
-constexpr std::size_t kMostDead = 4;            // one in so many of the disc's
-constexpr int kNeighbours = 3;                  // at least, that feel something
-constexpr double kNear = 1.3;                   // of the taxels' side: neighbours of an irregular layout
-
-// Rounds of a disc after the last one, unless a round moves it by less than this, of a taxel's side.
-constexpr int kRefinements = 3;
-constexpr double kSettled = 0.01;
-
-}  // namespace
-
-PatchFinder::PatchFinder(const TaxelLayout& layout)
+PatchFinder::PatchFinder(const TaxelLayout& layout, const PatchOptions& options)
     : layout_(layout),
+      options_(options),
       kernels_(best_kernels<DiscKernels>()),
       x_m_(layout.x_m().begin(), layout.x_m().end()),
       y_m_(layout.y_m().begin(), layout.y_m().end()) {
@@ -48,7 +25,7 @@ PatchFinder::PatchFinder(const TaxelLayout& layout)
   x_m_.resize(room);
   y_m_.resize(room);
   channels_.resize(3 * room);
-  dead_.reserve(layout.size() / kMostDead + 1);
+  dead_.reserve(layout.size() / options.dead_one_in + 1);
 }
 
 const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
@@ -100,17 +77,24 @@ void PatchFinder::measure_normal_noise() noexcept {
   if (sums.below > 0) patch_.noise_normal_pa = std::sqrt(sums.squares / static_cast<double>(sums.below));
 }
 
+// Hertz: <r^2> = 2 a^2/5, and a square taxel adds its own side^2/6.
+double PatchFinder::radius_of(double second_moment_m2) const noexcept {
+  const double side = layout_.side_m();
+  return std::sqrt(2.5 *
+                   std::max(second_moment_m2 - side * side / 6, options_.min_second_moment * side * side));
+}
+
 // Centroid and radius of what stands out.
 bool PatchFinder::locate() noexcept {
-  if (!(peak_pa_ > kStandsOut * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
-  const auto least = static_cast<float>(std::max(4 * patch_.noise_normal_pa, 0.02 * peak_pa_));
+  if (!(peak_pa_ > options_.stands_out_sigmas * patch_.noise_normal_pa) || peak_pa_ <= 0) return false;
+  const auto least = static_cast<float>(
+      std::max(options_.first_guess_sigmas * patch_.noise_normal_pa, options_.first_guess_share * peak_pa_));
   const PlaceSums sums = kernels_.place(patch_.taxels, least);
   patch_.center_x_m = sums.px / sums.p;
   patch_.center_y_m = sums.py / sums.p;
   const double spread =
       sums.prr / sums.p - patch_.center_x_m * patch_.center_x_m - patch_.center_y_m * patch_.center_y_m;
-  const double side = layout_.side_m();
-  patch_.radius_m = std::sqrt(2.5 * std::max(spread - side * side / 6, 0.05 * side * side));
+  patch_.radius_m = radius_of(spread);
   return true;
 }
 
@@ -118,8 +102,8 @@ bool PatchFinder::locate() noexcept {
 std::size_t PatchFinder::refine() noexcept {
   const double side = layout_.side_m();
   std::size_t dead_taxels = 0;
-  for (int round = 0; round < kRefinements; ++round) {
-    gather(kReach * patch_.radius_m + 0.7072 * side);
+  for (int round = 0; round < options_.max_rounds; ++round) {
+    gather(options_.reach_factor * patch_.radius_m + options_.reach_sides * side);
     const PlaceSums sums = kernels_.weigh(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m),
                                           static_cast<float>(patch_.center_y_m), dead_taxel_test());
     if (!(sums.p > 0)) {
@@ -128,22 +112,21 @@ std::size_t PatchFinder::refine() noexcept {
     }
     dead_taxels = sums.dead_taxels;
     const double dx = sums.px / sums.p, dy = sums.py / sums.p;
-    const double spread = sums.prr / sums.p - dx * dx - dy * dy - side * side / 6;
-    const double radius_m = std::sqrt(2.5 * std::max(spread, 0.05 * side * side));
+    const double radius_m = radius_of(sums.prr / sums.p - dx * dx - dy * dy);
     const double moved_m = std::max(std::hypot(dx, dy), std::fabs(radius_m - patch_.radius_m));
     patch_.center_x_m += dx;
     patch_.center_y_m += dy;
     patch_.radius_m = radius_m;
     patch_.normal_n = sums.p * layout_.area_m2();
-    if (moved_m < kSettled * side) break;
+    if (moved_m < options_.settled_sides * side) break;
   }
   // One taxel may stand out by chance; a contact does so as a whole.
   const double chance = patch_.noise_normal_pa * std::sqrt(static_cast<double>(patch_.count));
-  if (patch_.normal_n < kStandsOut * chance * layout_.area_m2()) {
+  if (patch_.normal_n < options_.stands_out_sigmas * chance * layout_.area_m2()) {
     patch_.in_contact = false;
     return 0;
   }
-  const double a = patch_.radius_m - 0.25 * side;
+  const double a = patch_.radius_m - options_.cut_slack_sides * side;
   patch_.cut = patch_.center_x_m - a < left_m_ || patch_.center_x_m + a > right_m_ ||
                patch_.center_y_m - a < bottom_m_ || patch_.center_y_m + a > top_m_;
   return dead_taxels;
@@ -153,8 +136,10 @@ std::size_t PatchFinder::refine() noexcept {
 // the contact too small.
 DeadTaxelTest PatchFinder::dead_taxel_test() const noexcept {
   const double a = patch_.radius_m;
-  if (a < kLeastMended * layout_.side_m() || patch_.noise_normal_pa > kMostNoise * peak_pa_) return {};
-  return {static_cast<float>(kNothing * peak_pa_), static_cast<float>(kInner * a * a)};
+  if (a < options_.dead_min_radius_sides * layout_.side_m()) return {};
+  if (patch_.noise_normal_pa > options_.dead_max_noise_share * peak_pa_) return {};
+  return {static_cast<float>(options_.dead_below_share * peak_pa_),
+          static_cast<float>(options_.dead_within_share * a * a)};
 }
 
 bool PatchFinder::interpolate_dead_taxels() noexcept {
@@ -169,9 +154,10 @@ bool PatchFinder::interpolate_dead_taxels() noexcept {
     if (p[i] >= dead_taxel_test.below_pa || x * x + y * y >= dead_taxel_test.within_m2) return;
     ++dead_taxels;
     const DeadTaxel dead = in_place_of(i, dead_taxel_test.below_pa);
-    if (dead.neighbours >= kNeighbours && dead_.size() < dead_.capacity()) dead_.push_back(dead);
+    if (dead.neighbours >= options_.dead_min_neighbours && dead_.size() < dead_.capacity())
+      dead_.push_back(dead);
   });
-  if (dead_.empty() || kMostDead * dead_taxels > patch_.count)
+  if (dead_.empty() || options_.dead_one_in * dead_taxels > patch_.count)
     return false;  // it is the contact that is hollow
   copy_channels();
   float* const copy = channels_.data();
@@ -204,7 +190,7 @@ PatchFinder::DeadTaxel PatchFinder::in_place_of(std::uint32_t taxel, float least
     if (row > 0) add(taxel - grid->columns);
     if (row + 1 < grid->rows) add(taxel + grid->columns);
   } else {
-    const double near = kNear * layout_.side_m();
+    const double near = options_.neighbour_sides * layout_.side_m();
     for (std::size_t i = 0; i < layout_.size(); ++i) {
       const float x = x_m_[i] - x_m_[taxel], y = y_m_[i] - y_m_[taxel];
       if (x * x + y * y < near * near) add(i);
@@ -281,7 +267,7 @@ void PatchFinder::sum_forces() noexcept {
 // Off the contact there is no shear: what is read there along the resultant is noise.
 void PatchFinder::measure_shear_noise() noexcept {
   const std::size_t off = layout_.size() - patch_.count;
-  if (off < 8) {  // hardly a taxel is free: taken as noisy as the pressure
+  if (off < options_.min_free_taxels) {  // hardly a taxel is free: taken as noisy as the pressure
     patch_.noise_shear_pa = patch_.noise_normal_pa;
     return;
   }

@@ -1,6 +1,7 @@
-// Where the contact is in a frame and what it carries: the first step of every estimator (docs/theory.md §6).
-// Forces come from sums over the contact's own disc, in which noise of either sign cancels; a threshold only
-// serves to find that disc. A taxel that feels nothing amid a contact is dead: its neighbours stand for it.
+// Where the contact is in a frame and what it carries: the first step of every estimator. Forces come from
+// sums over the contact's own disc, in which noise of either sign cancels; a threshold only serves to find
+// that disc (docs/theory.md §6). A taxel that feels nothing amid a contact is dead: its
+// neighbours stand for it.
 #pragma once
 
 #include <cstdint>
@@ -54,9 +55,61 @@ struct ContactPatch {
   }
 };
 
+// side: a taxel's side; a: the contact's radius; peak: the frame's largest pressure. Dimensionless unless a
+// unit is given. Checked with `sliplab tradeoff` (places and forces of contacts on all layouts), those of
+// dead taxels with `sliplab stability --parts adversary`.
+struct PatchOptions {
+  // A taxel, and a contact as a whole, stands out of the noise from this many standard deviations on; 3 … 10.
+  // Gaussian noise passes 5 once in a few million taxels, uniform noise never (its bound is 1.73). Too small:
+  // noise is taken for a contact. Too large: light contacts are missed.
+  double stands_out_sigmas = 5;
+  // Taxels that the first guess of the disc is made from: above this many standard deviations, and above this
+  // share of the peak; 2 … stands_out_sigmas, 0 … 0.2. Too small: noise far off draws the guess. Too large:
+  // the guess is too small, and takes more rounds.
+  double first_guess_sigmas = 4;
+  double first_guess_share = 0.02;
+  // The disc that forces are summed over is wider than the contact by this factor and by this many sides
+  // (half a taxel's diagonal, rounded up); 1 … 1.3, 0.5 … 1.5. Too small: the rim's force is lost. Too large:
+  // more noise is summed.
+  double reach_factor = 1.06;
+  double reach_sides = 0.7072;
+  // Floor of the pressure's second moment, over side^2; 0.005 … 0.5. Too small: a contact on one taxel has no
+  // radius. Too large: small contacts are told as larger.
+  double min_second_moment = 0.05;
+  // The disc is found anew until a round moves it by less than this, in sides, at most so many rounds; 0.001
+  // … 0.1, 1 … 10. Too small, too many: costs time. Too large, too few: place and radius lag behind.
+  double settled_sides = 0.01;
+  int max_rounds = 3;
+  // A contact is cut when it reaches beyond the outermost taxels' edges by more than this, in sides; 0 … 1.
+  // Too small: whole contacts count as cut, and moments give no margin. Too large: a lost rim goes unnoticed.
+  double cut_slack_sides = 0.25;
+  // Fewer free taxels than this measure no shear noise: it is taken for that of pressure; taxels, 2 … 100.
+  // Too small: noise of a few taxels scatters. Too large: sensors with other noise in shear are misjudged.
+  std::size_t min_free_taxels = 8;
+
+  // A taxel that feels less than this, of the peak, within this of the contact, of a^2, is dead; 0 … 0.3, 0 …
+  // 0.9. There a Hertz contact nowhere feels less than 0.45 of its peak. Too small: dead taxels stay. Too
+  // large: hollow contacts are filled.
+  double dead_below_share = 0.1;
+  double dead_within_share = 0.8;
+  // With more noise, of the peak, or a smaller radius, in sides, no taxel is called dead; 0 … 0.1, 1 … 5. Too
+  // large, too small: noise and small contacts are taken for dead taxels. The other way: dead ones stay.
+  double dead_max_noise_share = 0.04;
+  double dead_min_radius_sides = 1.5;
+  // At most one in so many of the disc's taxels may be dead; 2 … 20. Too small: hollow contacts are filled.
+  // Too large: bad arrays are not repaired.
+  std::size_t dead_one_in = 4;
+  // Neighbours that feel something, to stand for a dead taxel; 1 … 4. Too small: rows of dead taxels are
+  // guessed. Too large: dead taxels beside others stay.
+  int dead_min_neighbours = 3;
+  // Neighbours of an irregular layout lie within this, in sides; 1 … 2. Too small: there are none. Too large:
+  // taxels two places off stand for it as well.
+  double neighbour_sides = 1.3;
+};
+
 class PatchFinder {
  public:
-  explicit PatchFinder(const TaxelLayout& layout);
+  explicit PatchFinder(const TaxelLayout& layout, const PatchOptions& options = {});
 
   // Estimate thread. Allocates nothing. `frame` has the layout's size.
   const ContactPatch& find(const Frame& frame) noexcept;
@@ -80,7 +133,11 @@ class PatchFinder {
   void sum_forces() noexcept;
   void measure_shear_noise() noexcept;
 
+  // a by the pressure's second moment about its centroid.
+  double radius_of(double second_moment_m2) const noexcept;
+
   TaxelLayout layout_;
+  PatchOptions options_;
   const DiscKernels& kernels_;
   double left_m_, right_m_, bottom_m_, top_m_;  // the outermost taxels' edges
   std::vector<float> x_m_, y_m_;                // at least TaxelView::kLanes of each

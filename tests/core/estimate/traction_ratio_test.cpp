@@ -77,7 +77,7 @@ TEST(TractionRatioFilter, NoiseInTheNormalForceIsNotTakenForSliding) {
     Readings readings;
     for (int i = 0; i < 5000; ++i) {
       carried.update(readings.of(normal_n, 0.4 * normal_n));
-      ASSERT_FALSE(carried.look_for_sliding()) << normal_n << " N, frame " << i;
+      ASSERT_FALSE(carried.detect_slide()) << normal_n << " N, frame " << i;
     }
   }
 }
@@ -89,7 +89,7 @@ TEST(TractionRatioFilter, AnEvenRatioWhileTheGripFallsIsSliding) {
   for (int i = 0; i < 200 && !slides; ++i) {
     const double normal_n = i < 50 ? 3 : 3 - 0.01 * (i - 50);
     carried.update(readings.of(normal_n, 0.4 * normal_n));
-    slides = carried.look_for_sliding();
+    slides = carried.detect_slide();
   }
   ASSERT_TRUE(slides);
   EXPECT_NEAR(*slides, 0.4, 0.03);

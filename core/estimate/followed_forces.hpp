@@ -1,0 +1,92 @@
+// The forces of a grasp as the Winkler foundations get them: shear signed along one axis, and noise taken out
+// by a dead band, since a force that only trembles would be a reversal a frame (docs/theory.md §4). Estimate
+// thread; plain state, nothing allocates.
+#pragma once
+
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+// Sigmas are standard deviations of a force's noise in the same frame. Checked with `sliplab histories
+// --grasps 400`.
+struct FollowedForcesOptions {
+  // Half-width of the dead band; sigmas, 0 … 5. Too small: noise is followed as small reversals, which wear
+  // the locked-in traction off. Too large: the foundations lag behind the load.
+  double band_sigmas = 1.5;
+  // Added to it, of the normal force, dimensionless, 0 … 0.05: the band of a sensor without noise. Too small:
+  // rounding is followed. Too large: small changes of load are missed.
+  double band_share = 0.002;
+  // The same added to the band of shear, as a share of what is added for the normal force; 0 … 1. Shear is
+  // smaller than the normal force: too large, and the band hides what slips.
+  double shear_band_share = 0.1;
+  // The least normal force that is followed, of the measured one, dimensionless, 1e-9 … 0.01: keeps the
+  // contact open while the band is wider than the force. Too small or too large: no effect seen.
+  double min_normal_share = 1e-6;
+  // Shear whose direction is sure; sigmas, 3 … 20. Too small: the axis is set by noise, and shear across it
+  // is lost. Too large: the axis follows the noise for longer.
+  double clear_sigmas = 7;
+  // The axis is taken anew from shear this much larger than the one it was taken from; ratio, 1 … 3. Too
+  // small: the axis turns with noise each frame. Too large: an early, noisy axis stays.
+  double reaim_ratio = 1.5;
+  // Shear below this never sets the axis; sigmas, 0 … clear_sigmas.
+  double min_reaim_sigmas = 3;
+  // Shear across the axis at which it has turned, of the shear, dimensionless, 0.1 … 0.9. Too small: noise of
+  // a small shear ends a history that is known. Too large: a history along the old axis is believed in vain.
+  double turned_share = 0.35;
+  // Frames over which a grasp that begins has to grow; frames, 2 … 50. Too small: noise decides. Too large: a
+  // slow grip is taken for one that was met under load.
+  int onset_frames = 5;
+  // Growth of the normal force over them; ratio, 1 … 3. Too small: a grasp met under load passes for one that
+  // begins. Too large: a slow grip does not.
+  double onset_growth = 1.2;
+};
+
+// The line that shear is signed along.
+class ShearAxis {
+ public:
+  // Takes the axis anew where this frame knows it better. True if shear has turned out of a sure axis.
+  bool aim(const ContactPatch& patch, const FollowedForcesOptions& options) noexcept;
+
+  // A frame's shear along it, N.
+  double along_n(const ContactPatch& patch) const noexcept {
+    return patch.shear_x_n * x_ + patch.shear_y_n * y_;
+  }
+  // Cosine between a frame's shear and the axis, -1 … 1: the sign of the shear, or less where noise turns it.
+  double cosine(const ContactPatch& patch) const noexcept {
+    return patch.direction_x * x_ + patch.direction_y * y_;
+  }
+
+ private:
+  double x_ = 0, y_ = 0;  // unit vector; 0 before the first shear
+  double aimed_n_ = 0;    // the shear that it was taken from
+};
+
+class FollowedForces {
+ public:
+  explicit FollowedForces(const FollowedForcesOptions& options = {}) noexcept : options_(options) {}
+
+  void reset() noexcept { *this = FollowedForces(options_); }
+
+  // First call for each frame. True if shear has turned: signed shear then begins anew along the new axis.
+  bool aim(const ContactPatch& patch) noexcept;
+
+  // Second call for each frame. True if a force has left its dead band and so has changed.
+  bool follow(const ContactPatch& patch) noexcept;
+
+  // Third call for each frame. True for the one frame, if any, at which it is clear that the grasp began
+  // before its first frame.
+  bool met_under_load(const ContactPatch& patch) noexcept;
+
+  double normal_n() const noexcept { return normal_n_; }  // P, >= 0; 0 before the first frame
+  double shear_n() const noexcept { return shear_n_; }    // Q, signed along the axis
+  const ShearAxis& axis() const noexcept { return axis_; }
+
+ private:
+  FollowedForcesOptions options_;
+  ShearAxis axis_;
+  double normal_n_ = 0, shear_n_ = 0;
+  int frames_ = 0;  // of this grasp, up to onset_frames
+  double first_normal_n_ = 0;
+};
+
+}  // namespace slipd

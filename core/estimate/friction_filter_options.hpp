@@ -1,0 +1,113 @@
+// Every threshold of FrictionFilter (docs/theory.md §11).
+#pragma once
+
+#include <cstddef>
+
+#include "core/estimate/followed_forces.hpp"
+#include "core/estimate/friction_grid.hpp"
+#include "core/estimate/history_state.hpp"
+#include "core/estimate/traction_ratio.hpp"
+
+namespace slipd {
+
+// Sigmas are standard deviations of a force's noise in the same frame. A residual is what a frame shows less
+// what a friction expects of it; squared residuals are in units of their variance, so that half of one is a
+// nat of likelihood. Shares are dimensionless. Checked with `sliplab histories --grasps 400`; fields of
+// force-only sensors with `sliplab tradeoff --layouts 4,wrench`, rows over time.
+struct FrictionFilterOptions {
+  FrictionGridOptions grid;
+  TractionRatioOptions traction_ratio;
+  FollowedForcesOptions forces;
+  HistoryOptions history;
+
+  // Points of the grid where frames have a shape, each with a Winkler foundation of its own; 16 …
+  // WinklerFoundations::kMost. Too few: the right friction lies between two. More cost time in proportion.
+  std::size_t foundations = 56;
+  // Points of the grid of a force-only sensor, which has no foundations; 16 … FrictionGrid::kMost. Too few:
+  // friction known by a slide is told in steps.
+  std::size_t force_only_points = FrictionGrid::kMost;
+
+  // Time after which evidence of a force-only sensor has faded to 1/e; s, 0.5 … 100. Too small: friction is
+  // forgotten between two slides. Too large: friction that changed unseen is told for longer.
+  double forget_s = 5;
+  // Shear from which on a frame is weighed; sigmas, 3 … 20. Too small: noise is weighed, since only the
+  // frames that it raised come through. Too large: friction is learnt late.
+  double min_shear_sigmas = 6;
+
+  // Evidence that one margin profile, or one frame of a slide, counts for; frames, 0.1 … 1. Less than 1,
+  // since neighbouring frames share the skin's unevenness. Too small: learns slowly. Too large: sigma is less
+  // than the error.
+  double frame_share = 0.5;
+  // Discount of profiles in a row: noise of the contact's place and size draws all of them the same way.
+  // After frames of sigmas s_i the next one counts for 1/(1 + sum (s_i/alike_sigma)^2); sigma of Gamma, 0.3 …
+  // 5. Too small: learns slowly. Too large: sigma is less than the error.
+  double alike_sigma = 1.2;
+  // Standard deviation of a margin that lies between two points of the grid, of its step; 0 … 1. Too small:
+  // a sharp frame refutes the points on both sides of the right friction. Too large: sharp frames are wasted.
+  double grid_share = 0.35;
+
+  // How far the slip moment of the likeliest friction's foundation may be from a monotonic load's and still
+  // count as one: a share of Q, plus a share of mu P; 0.01 … 0.1 and 0.001 … 0.01. Too small: a monotonic
+  // load counts as a general one, and frames by themselves say nothing. Too large: traction of a small
+  // unloading is overlooked.
+  double monotonic_share_of_shear = 0.03;
+  double monotonic_share_of_limit = 0.003;
+
+  // What the shear moments of a real skin deviate from the model, of the shear; 0.005 … 0.1. Too small: the
+  // model's error refutes the right friction. Too large: frictions are not told apart.
+  double uneven_share = 0.02;
+  // How well noisy forces reproduce the locked-in traction, of the larger shear moment; 0 … 0.2. Too small
+  // and too large: as above, after an unloading.
+  double locked_in_share = 0.04;
+  // Standard deviation that the model leaves beyond that, of the sum of both; 0.1 … 1. Too small: one frame
+  // decides. Too large: learns slowly.
+  double model_sigma_share = 0.5;
+
+  // Frames are clean if noise of the shear moments is below this, of what the model leaves open; 0 … 1. In
+  // clean frames a low friction can be looked for. Too small: friction that fell is learnt late. Too large:
+  // noise is taken for a fall.
+  double clean_share = 0.4;
+  // Mean residual of the likeliest friction that casts doubt on it, of what the model leaves open: in clean
+  // frames, in others; 0.5 … 3. Too small: sigma is wide without a reason. Too large: margins of a friction
+  // that has fallen are given as sure.
+  double doubt_share = 1;
+  double noisy_doubt_share = 1.6;
+  // Gain of the mean residual over noisy frames (1 in clean ones); 0.05 … 1. Too small: doubt comes late. Too
+  // large: doubt comes from noise.
+  double noisy_residual_gain = 0.2;
+  // Frames that doubt lasts, until the weights have found another friction; frames, 1 … 100. Too small: the
+  // first margins after a change are given as sure. Too large: sigma is wide for longer.
+  int doubt_frames = 10;
+  // Jump of the likeliest friction between two frames that casts doubt as well; log mu, 0.1 … 1. Too small:
+  // learning casts doubt. Too large: a jump between two peaks is given as sure.
+  double jump_log = 0.4;
+
+  // Least squared residual of all frictions above which a frame is an outlier and takes no weight; 4 … 50.
+  // Too small: frames that say something are left out. Too large: frames that contradict the model decide.
+  double outlier_residual = 9;
+  // The most that one frame adds to the mean of those; > outlier_residual. Too large: one wild frame takes
+  // the margin away for long.
+  double max_residual = 36;
+  // Memory of the mean of least squared residuals, frame by frame; 0 … 0.99. Too small: single frames take
+  // the margin away. Too large: margins of a model that no longer fits are given for longer.
+  double residual_memory = 0.9;
+  // Mean of least squared residuals from which no margin is given; 1.5 … 9, about 1 where all is understood.
+  double max_mean_residual = 4;
+  // Squared residual of the likeliest friction from which the frame contradicts it; 9 … 50. Too small: sigma
+  // is wide without a reason. Too large: friction that fell is told late.
+  double surprising_residual = 16;
+  // CUSUM (Page 1954) of half the likeliest friction's squared residuals: each frame counts less than it by
+  // the drift, the sum ends at the threshold what older frames said of friction; nats, 1 … 10 and 3 … 50. Too
+  // small: noise forgets friction. Too large: a change is learnt late.
+  double cusum_drift_nats = 4;
+  double cusum_threshold_nats = 8;
+
+  // Standard deviation of log mu in a slide of a force-only sensor, in plateaus of its traction ratio; 1
+  // … 10. Too small: the slide's noise is taken for friction. Too large: a slide says little.
+  double slide_sigma_plateaus = 3;
+  // The most that one frame of a slide counts against a friction, as a squared residual; 4 … 100. Too small:
+  // a slide does not refute what contradicts it. Too large: one false slide refutes the right friction.
+  double max_slide_residual = 25;
+};
+
+}  // namespace slipd

@@ -1,0 +1,37 @@
+// What friction is expected before any frame: a range of mu whose ends are soft (docs/theory.md §11). Shared
+// by all that weigh friction, so that one frame and many frames expect the same.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/scene.hpp"
+
+namespace slipd {
+
+// Checked with `sliplab histories --grasps 400` and `sliplab tradeoff`.
+struct FrictionPriorOptions {
+  // Beyond a scene's range the prior falls as a Gaussian of this standard deviation in log mu; dimensionless,
+  // 0.01 … 1. Too small: an object somewhat outside the range is never learnt. Too large: the range says
+  // nothing where the frames leave friction open.
+  double scene_spread = 0.15;
+  // The same of a friction that was given; dimensionless, 0.01 … 0.5. Too small: a given value that is wrong
+  // is believed against the frames. Too large: it helps no more than a range.
+  double given_spread = 0.05;
+};
+
+struct FrictionPrior {
+  // mu that is expected, low > 0; both ends equal where one value was given.
+  Range expected;
+  // Standard deviation of log mu beyond the range; dimensionless, > 0.
+  double spread = FrictionPriorOptions{}.scene_spread;
+
+  // Minus the logarithm of the prior at mu > 0, in nats, 0 within the range.
+  double nats_against(double mu) const noexcept {
+    const double beyond = std::max({0.0, std::log(mu / expected.high), std::log(expected.low / mu)});
+    const double sigmas = beyond / spread;
+    return 0.5 * sigmas * sigmas;
+  }
+};
+
+}  // namespace slipd
