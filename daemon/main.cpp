@@ -17,7 +17,9 @@ constexpr int kWrongUse = 2;
 int use(const std::string& config, slipd::DriverModules& drivers, bool only_check) {
   try {
     if (!only_check) return slipd::serve(config, drivers);
-    const std::size_t sensors = slipd::check_configuration(config, drivers).sensors.size();
+    const slipd::Settings settings = slipd::check_configuration(config, drivers);
+    for (const std::string& note : slipd::notes_on(settings)) std::cerr << "note: " << note << '\n';
+    const std::size_t sensors = settings.sensors.size();
     std::cout << config << ": fine: " << sensors << " sensor" << (sensors == 1 ? "" : "s") << '\n';
     return 0;
   } catch (const slipd::SettingsError& error) {

@@ -12,6 +12,7 @@
 #include "daemon/engine.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/notify.hpp"
+#include "daemon/pipeline/estimator_factory.hpp"
 #include "daemon/rpc/server.hpp"
 #include "daemon/rpc/socket_file.hpp"
 
@@ -268,6 +269,19 @@ int Service::end() {
 
 Settings check_configuration(const std::string& file, DriverModules& drivers) {
   return make_engine(load_settings(file, drivers), drivers, file)->settings();
+}
+
+std::vector<std::string> notes_on(const Settings& settings) {
+  std::vector<std::string> notes;
+  for (const auto& sensor : settings.sensors) {
+    const std::string why = why_method_is_replaced({.layout = sensor.setup.layout,
+                                                    .scene = settings.scene_of(sensor),
+                                                    .estimator = settings.estimator,
+                                                    .alerts = settings.alerts,
+                                                    .friction = sensor.friction});
+    if (!why.empty()) notes.push_back(sensor.setup.name + ": " + why);
+  }
+  return notes;
 }
 
 int serve(const std::string& config_file, DriverModules& drivers) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "config/settings.hpp"
 #include "daemon/pipeline/modules.hpp"
@@ -11,6 +12,9 @@ namespace slipd {
 
 // What the file says, if slipd could work with it; else throws SettingsError. Touches no device.
 Settings check_configuration(const std::string& file, DriverModules& drivers);
+
+// What the file asks for and slipd does otherwise, a line each, as far as it shows without the devices.
+std::vector<std::string> notes_on(const Settings& settings);
 
 // Serves until SIGTERM or SIGINT; the exit code. On SIGHUP it takes up what the file then says, or keeps what
 // it has if that is no good. Throws SettingsError for a bad configuration at start, and std::runtime_error

@@ -57,7 +57,7 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
-  if (setup.layout.size() <= Fit::kFewTaxels && setup.estimator.tracking) {
+  if (always_fits(setup)) {
     return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
   }
   switch (setup.estimator.method) {
@@ -113,8 +113,13 @@ struct EstimatorChain::Impl {
   SlipForecast forecast;
 };
 
-bool needs_model(const ChainSetup& setup) {
+bool always_fits(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::array3 && !only_forces(setup) &&
+         setup.layout.size() <= Fit::kFewTaxels && setup.estimator.tracking;
+}
+
+bool needs_model(const ChainSetup& setup) {
+  return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
          (setup.estimator.method == MethodChoice::svd_knn ||
           setup.estimator.method == MethodChoice::registered);
 }

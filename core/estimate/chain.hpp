@@ -27,6 +27,11 @@ struct ChainSetup {
   bool operator==(const ChainSetup&) const = default;
 };
 
+// Whether the chain uses `fit` whatever method is configured: with tracking and at most Fit::kFewTaxels
+// taxels, whose margin no single frame tells; fit reads the whole pad for what FrictionFilter weighs over
+// time.
+bool always_fits(const ChainSetup& setup);
+
 // Whether a trained model is needed, so that a scene that needs none never makes one.
 bool needs_model(const ChainSetup& setup);
 

@@ -9,7 +9,8 @@ namespace slipd {
 namespace {
 
 constexpr auto kSprings = WinklerKernels::kSprings, kBeds = WinklerKernels::kBeds;
-static_assert(kLanes == WinklerKernels::kLanes);
+constexpr auto kStep = WinklerKernels::kLanes;  // of the rows
+static_assert(kStep % kLanes == 0);
 // Bounds the time of a shift. Too small: beds near gross slip carry less than their goal. Too large: no
 // effect seen, as steps end at the tolerance. Checked by tests/core/estimate/winkler_foundations_test.cpp.
 constexpr int kMaxSteps = 12;
@@ -38,7 +39,7 @@ SLIPD_INLINE bool any(const Ints& mask) noexcept {
 void stretch(float* loads, const float* grown, const float* slope, std::size_t vectors) noexcept {
   for (std::size_t i = 0; i < kSprings; ++i) {
     float* const row = loads + i * kBeds;
-    for (std::size_t bed = 0; bed < vectors * kLanes; bed += kLanes)
+    for (std::size_t bed = 0; bed < vectors * kStep; bed += kLanes)
       store(row + bed, load(row + bed) + load(slope + bed) * grown[i]);
   }
 }
@@ -75,7 +76,7 @@ SLIPD_INLINE Floats shift_of(const float* loads, const float* rest, std::size_t 
 
 void settle(float* loads, const float* rest, std::size_t touching, const float* friction, const float* goal,
             const std::int32_t* which, std::size_t vectors) noexcept {
-  for (std::size_t bed = 0; bed < vectors * kLanes; bed += kLanes) {
+  for (std::size_t bed = 0; bed < vectors * kStep; bed += kLanes) {
     Ints chosen;
     __builtin_memcpy(&chosen, which + bed, sizeof chosen);
     if (!any(chosen)) continue;
@@ -90,7 +91,7 @@ void settle(float* loads, const float* rest, std::size_t touching, const float* 
 }
 
 void sums(const float* loads, float* q, float* q2, float* q4, std::size_t vectors) noexcept {
-  for (std::size_t bed = 0; bed < vectors * kLanes; bed += kLanes) {
+  for (std::size_t bed = 0; bed < vectors * kStep; bed += kLanes) {
     Floats by[3] = {};
     for (std::size_t i = 0; i < kSprings; ++i) {
       const float place = static_cast<float>(i) + 0.5F, square = place * place;

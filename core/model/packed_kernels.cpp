@@ -7,6 +7,9 @@
 namespace slipd {
 namespace {
 
+constexpr std::size_t kStep = PackedKernels::kStep;
+constexpr int kPerStep = kStep / kLanes;  // registers
+
 template <int N>
 SLIPD_INLINE void project_by(const PackedColumn& x, const float* q, float* z) noexcept {
   Floats even[N] = {}, odd[N] = {};  // so that one addition need not wait for the one before
@@ -44,17 +47,17 @@ SLIPD_INLINE void add_by(const PackedColumn& x, const float* z, float* y) noexce
 }
 
 void project(const PackedColumn& x, const float* q, std::size_t width, float* z) noexcept {
-  if (width == 1 * kLanes) return project_by<1>(x, q, z);
-  if (width == 2 * kLanes) return project_by<2>(x, q, z);
-  if (width == 3 * kLanes) return project_by<3>(x, q, z);
-  project_by<4>(x, q, z);
+  if (width == 1 * kStep) return project_by<1 * kPerStep>(x, q, z);
+  if (width == 2 * kStep) return project_by<2 * kPerStep>(x, q, z);
+  if (width == 3 * kStep) return project_by<3 * kPerStep>(x, q, z);
+  project_by<4 * kPerStep>(x, q, z);
 }
 
 void add_product(const PackedColumn& x, const float* z, std::size_t width, float* y) noexcept {
-  if (width == 1 * kLanes) return add_by<1>(x, z, y);
-  if (width == 2 * kLanes) return add_by<2>(x, z, y);
-  if (width == 3 * kLanes) return add_by<3>(x, z, y);
-  add_by<4>(x, z, y);
+  if (width == 1 * kStep) return add_by<1 * kPerStep>(x, z, y);
+  if (width == 2 * kStep) return add_by<2 * kPerStep>(x, z, y);
+  if (width == 3 * kStep) return add_by<3 * kPerStep>(x, z, y);
+  add_by<4 * kPerStep>(x, z, y);
 }
 
 constexpr PackedKernels kLoops{SLIPD_INSTRUCTION_SET_NAME, project, add_product};

@@ -1,5 +1,6 @@
-// Sixteen taxels at a time, as vectors of the compiler's own kind, which it cuts into the registers that
-// there are. Included by files that are built once for each instruction set. No function of the standard
+// A register of taxels at a time, as vectors of the compiler's own kind. They are as wide as a register: GCC
+// takes comparisons and masks of wider ones apart value by value, which makes these loops five to ten times
+// as long. Included by files that are built once for each instruction set. No function of the standard
 // library is called here: what is inline there would exist once for all files, perhaps for the wrong
 // processor.
 #pragma once
@@ -12,14 +13,23 @@
 namespace slipd {
 namespace {
 
-using Floats = float __attribute__((vector_size(64)));
-using Ints = std::int32_t __attribute__((vector_size(64)));
-using Half = float __attribute__((vector_size(32)));
-using Doubles = double __attribute__((vector_size(64)));
+#if defined(__AVX512F__)
+constexpr std::size_t kRegisterBytes = 64;
+#elif defined(__AVX2__)
+constexpr std::size_t kRegisterBytes = 32;
+#else
+constexpr std::size_t kRegisterBytes = 16;  // SSE2, NEON
+#endif
+
+using Floats = float __attribute__((vector_size(kRegisterBytes)));
+using Ints = std::int32_t __attribute__((vector_size(kRegisterBytes)));
+using Half = float __attribute__((vector_size(kRegisterBytes / 2)));
+using Doubles = double __attribute__((vector_size(kRegisterBytes)));
 
 #define SLIPD_INLINE [[gnu::always_inline]] inline
 
-constexpr std::size_t kLanes = TaxelView::kLanes;
+constexpr std::size_t kLanes = kRegisterBytes / sizeof(float);
+static_assert(TaxelView::kLanes % kLanes == 0);
 constexpr int kBlocks = 32;  // of single precision before they are added in double
 
 SLIPD_INLINE Floats load(const float* from) noexcept {
@@ -36,7 +46,7 @@ SLIPD_INLINE Floats where(const Ints& mask, const Floats& values) noexcept {
   return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(values));
 }
 
-// Many sums at once, each of sixteen lanes.
+// Many sums at once, each of one register.
 template <int N>
 struct Sums {
   Floats part[N] = {};
@@ -48,16 +58,16 @@ struct Sums {
   }
   SLIPD_INLINE void flush() noexcept {
     for (int i = 0; i < N; ++i) {
-      const Half low = __builtin_shufflevector(part[i], part[i], 0, 1, 2, 3, 4, 5, 6, 7);
-      const Half high = __builtin_shufflevector(part[i], part[i], 8, 9, 10, 11, 12, 13, 14, 15);
-      whole[i] += __builtin_convertvector(low, Doubles) + __builtin_convertvector(high, Doubles);
+      Half half[2];
+      __builtin_memcpy(half, &part[i], sizeof half);
+      whole[i] += __builtin_convertvector(half[0], Doubles) + __builtin_convertvector(half[1], Doubles);
       part[i] = Floats{};
     }
     blocks = 0;
   }
   SLIPD_INLINE double total(int i) const noexcept {
     double sum = 0;
-    for (int lane = 0; lane < 8; ++lane) sum += whole[i][lane];
+    for (std::size_t lane = 0; lane < kLanes / 2; ++lane) sum += whole[i][lane];
     return sum;
   }
 };
@@ -66,8 +76,9 @@ struct Sums {
 template <typename Body>
 SLIPD_INLINE void for_blocks(const TaxelRun* runs, std::size_t count, std::size_t size,
                              const Body& body) noexcept {
-  constexpr Ints kNumbers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-  const Ints all = kNumbers >= 0;
+  Ints numbers{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) numbers[lane] = static_cast<std::int32_t>(lane);
+  const Ints all = numbers >= 0;
   const std::size_t last = size > kLanes ? size - kLanes : 0;  // where the last whole block begins
   for (std::size_t r = 0; r < count; ++r) {
     std::size_t i = runs[r].first;
@@ -76,7 +87,7 @@ SLIPD_INLINE void for_blocks(const TaxelRun* runs, std::size_t count, std::size_
     if (i == end) continue;
     const std::size_t from = i < last ? i : last;
     const auto low = static_cast<std::int32_t>(i - from), high = static_cast<std::int32_t>(end - from);
-    body(from, (kNumbers >= low) & (kNumbers < high));
+    body(from, (numbers >= low) & (numbers < high));
   }
 }
 

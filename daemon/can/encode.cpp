@@ -1,6 +1,7 @@
 #include "daemon/can/encode.hpp"
 
 #include <algorithm>
+#include <boost/crc.hpp>
 #include <cmath>
 #include <optional>
 
@@ -9,24 +10,11 @@
 namespace slipd::can {
 namespace {
 
-constexpr std::array<std::uint8_t, 256> crc_table() {
-  constexpr unsigned kPolynomial = 0x1D;
-  std::array<std::uint8_t, 256> table{};
-  for (unsigned byte = 0; byte < table.size(); ++byte) {
-    unsigned rest = byte;
-    for (int bit = 0; bit < 8; ++bit) rest = (rest << 1) ^ ((rest & 0x80U) != 0 ? kPolynomial : 0);
-    table[byte] = static_cast<std::uint8_t>(rest);
-  }
-  return table;
-}
+using Crc8J1850 = boost::crc_optimal<8, 0x1D, 0xFF, 0xFF, false, false>;
 
-constexpr auto kCrcTable = crc_table();
-constexpr std::uint8_t kCrcStart = 0xFF, kCrcFinal = 0xFF;
-
-std::uint8_t crc_over(std::uint8_t crc, std::span<const std::uint8_t> data) noexcept {
-  for (const std::uint8_t byte : data) crc = kCrcTable[crc ^ byte];
-  return crc;
-}
+// Boost makes the table of a CRC when it is first used: here, while the program is loaded, and not in the CAN
+// thread.
+[[maybe_unused]] const std::uint8_t kTableMade = crc8({});
 
 // The eight bytes as one little-endian number, in which a signal is a run of bits.
 class Payload {
@@ -64,13 +52,16 @@ std::optional<double> margin(const Estimate& estimate) noexcept {
 }  // namespace
 
 std::uint8_t crc8(std::span<const std::uint8_t> data) noexcept {
-  return crc_over(kCrcStart, data) ^ kCrcFinal;
+  Crc8J1850 crc;
+  crc.process_bytes(data.data(), data.size());
+  return crc.checksum();
 }
 
 std::uint8_t crc8(std::uint32_t id, std::span<const std::uint8_t> data) noexcept {
-  const std::array id_bytes{static_cast<std::uint8_t>(id), static_cast<std::uint8_t>(id >> 8),
-                            static_cast<std::uint8_t>(id >> 16), static_cast<std::uint8_t>(id >> 24)};
-  return crc_over(crc_over(kCrcStart, id_bytes), data) ^ kCrcFinal;
+  Crc8J1850 crc;
+  for (int byte = 0; byte < 4; ++byte) crc.process_byte(static_cast<std::uint8_t>(id >> (8 * byte)));
+  crc.process_bytes(data.data(), data.size());
+  return crc.checksum();
 }
 
 Message encode_estimate(std::uint32_t id, const Estimate& estimate, bool simulated,

@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "core/estimate/fit.hpp"
 #include "core/estimate/tradeoff.hpp"
 
 namespace slipd {
@@ -13,6 +14,14 @@ namespace {
 constexpr std::size_t kStackBytes = std::size_t{1024} * 1024;
 
 }  // namespace
+
+std::string why_method_is_replaced(const ChainSetup& setup) {
+  const MethodChoice configured = setup.estimator.method;
+  if (!always_fits(setup) || configured == MethodChoice::automatic || configured == MethodChoice::fit)
+    return {};
+  return "fit is used and not the configured estimator.method: while tracking is on, a sensor of at most " +
+         std::to_string(Fit::kFewTaxels) + " taxels always uses fit, as no single frame tells its margin";
+}
 
 EstimatorFactory::EstimatorFactory(const Settings& settings,
                                    std::vector<std::unique_ptr<SensorRuntime>>& runtimes, LogRing& log,
@@ -96,6 +105,9 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
     std::shared_ptr<const Model> model;
     if (needs_model(setup)) model = models_(runtime.status.name, setup);
     chain.emplace(setup, std::move(model));
+    if (const std::string why = why_method_is_replaced(setup); !why.empty())
+      log_.write(LogLevel::warning, {runtime.status.name, Cause::configuration}, "%s: %s",
+                 runtime.status.name.c_str(), why.c_str());
   }
   instances_.push_back(std::make_unique<EstimatorInstance>(job.sensor, job.feed, setup, std::move(*chain)));
   EstimatorInstance* const instance = instances_.back().get();

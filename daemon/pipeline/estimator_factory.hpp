@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "daemon/pipeline/sensor_runtime.hpp"
@@ -20,6 +21,9 @@ namespace slipd {
 // std::exception for what cannot be had, and soon after a stop was asked for.
 using ModelSource =
     std::function<std::shared_ptr<const Model>(const std::string& sensor, const ChainSetup& setup)>;
+
+// Why the chain does not use the configured method, for people; empty where it does.
+std::string why_method_is_replaced(const ChainSetup& setup);
 
 class EstimatorFactory {
  public:

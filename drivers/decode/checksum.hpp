@@ -1,7 +1,9 @@
 // The checksums that devices' frames carry. Acquire thread.
 #pragma once
 
+#include <boost/crc.hpp>
 #include <cstdint>
+#include <numeric>
 #include <span>
 
 #include "drivers/decode/profile.hpp"
@@ -12,18 +14,15 @@ inline std::size_t bytes_of(Sum kind) noexcept {
   return kind == Sum::none ? 0 : kind == Sum::crc8 ? 1 : 2;
 }
 
-// crc8: polynomial 07, from 0, as in SMBus.
+using Crc8Smbus = boost::crc_optimal<8, 0x07, 0, 0, false, false>;
+
+// Boost makes the table of a CRC when it is first used. Framer's constructor asks once, so that the acquire
+// thread never makes it.
 inline std::uint32_t checksum_of(Sum kind, std::span<const std::uint8_t> bytes) noexcept {
-  std::uint32_t sum = 0;
-  for (const std::uint8_t byte : bytes) {
-    if (kind != Sum::crc8) {
-      sum = (sum + byte) & 0xFFFFU;
-      continue;
-    }
-    sum ^= byte;
-    for (int bit = 0; bit < 8; ++bit) sum = ((sum << 1) ^ ((sum & 0x80U) != 0 ? 0x107U : 0U)) & 0xFFU;
-  }
-  return sum;
+  if (kind != Sum::crc8) return std::accumulate(bytes.begin(), bytes.end(), 0U) & 0xFFFFU;
+  Crc8Smbus crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
 }
 
 }  // namespace slipd::decode

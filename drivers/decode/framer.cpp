@@ -25,7 +25,9 @@ Framer::Framer(const Profile& profile)
       pillars_(profile.layout.size()),
       most_(kLongestPiece),
       buffer_(most_ + stream_.longest),
-      flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar : 0) {}
+      flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar : 0) {
+  checksum_of(stream_.checksum.kind, {});  // makes its table
+}
 
 void Framer::reset() noexcept {
   used_ = filled_ = searched_ = run_ = 0;

@@ -13,6 +13,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using namespace std::chrono_literals;
 
 const std::string kSlipd = (program_folder() / "slipd").string();
@@ -131,6 +132,19 @@ TEST(Life, ChecksAConfigurationWithoutServing) {
   EXPECT_EQ(start_with(folder, well(folder).dump(), "--check-config").code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder.file("s.sock")));
   EXPECT_EQ(start_with(folder, "{", "--check-config").code, 2);
+}
+
+TEST(Life, ACheckNotesWhereAnotherMethodThanTheConfiguredOneIsUsed) {
+  const TempFolder folder;
+  json config = well(folder);
+  config["estimator"]["method"] = "moments";
+  EXPECT_THAT(start_with(folder, config.dump(), "--check-config").errors, Not(HasSubstr("note: ")));
+  config["sensors"][0]["layout"] = {{"grid", {4, 4}}, {"pitch_mm", 4.7}};
+  const Ran few = start_with(folder, config.dump(), "--check-config");
+  EXPECT_EQ(few.code, 0);
+  EXPECT_THAT(few.errors, HasSubstr("note: left: fit is used"));
+  config["estimator"]["tracking"] = false;
+  EXPECT_THAT(start_with(folder, config.dump(), "--check-config").errors, Not(HasSubstr("note: ")));
 }
 
 TEST(Life, WrongUseIsExitTwo) {

@@ -63,5 +63,21 @@ TEST_F(Models, ATrainingUnderWayDoesNotHoldUpAStop) {
   EXPECT_EQ(daemon->stop(), 0);
 }
 
+TEST_F(Models, AreNotTrainedForFewTrackedTaxelsWhichAlwaysUseFit) {
+  const json sensor{{"name", "left"}, {"driver", "trial"}, {"layout", {{"grid", {4, 4}}, {"pitch_mm", 4.7}}}};
+  Daemon daemon(config_with(folder_, json::array({sensor}), {{"estimator", {{"method", "svd-knn"}}}}),
+                trial_drivers(), Program::Environment{{"STATE_DIRECTORY", folder_.path().string()}});
+  daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
+  EXPECT_EQ(daemon.client().result("status")["sensors"][0]["method"], "fit");
+  EXPECT_EQ(daemon.client().result("sensors")["sensors"][0]["method"], "fit");
+  EXPECT_EQ(daemon.stop(), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "models"));
+  const std::string said = daemon.program().errors(), replaced = "left: fit is used and not the configured";
+  EXPECT_THAT(said, Not(HasSubstr("training")));
+  const auto first = said.find(replaced);
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find(replaced, first + 1), std::string::npos) << "once is enough: " << said;
+}
+
 }  // namespace
 }  // namespace slipd::testing

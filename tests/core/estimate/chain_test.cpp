@@ -89,5 +89,53 @@ TEST_F(Chain, TheContactsRadiusIsToldAsAShareOfTheSkinsToo) {
   EXPECT_FALSE(press(10, 2, 0.3).back().a_over_r) << "a flat skin has none";
 }
 
+constexpr MethodChoice kChoices[] = {MethodChoice::automatic, MethodChoice::svd_knn, MethodChoice::registered,
+                                     MethodChoice::moments, MethodChoice::fit};
+
+ChainSetup setup_of(MethodChoice method, std::size_t columns, std::size_t rows) {
+  ChainSetup setup = setup_16();
+  setup.layout = TaxelLayout::grid(columns, rows, 2e-3);
+  setup.estimator.method = method;
+  return setup;
+}
+
+TEST(ChainsMethod, IsFitForUpTo40TrackedTaxelsWhateverIsConfiguredAndNeedsNoModel) {
+  for (const MethodChoice method : kChoices) {
+    for (const auto& [columns, rows] : {std::pair{4, 4}, std::pair{8, 5}}) {
+      const ChainSetup setup = setup_of(method, columns, rows);
+      EXPECT_TRUE(always_fits(setup));
+      EXPECT_FALSE(needs_model(setup));
+      EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::fit);
+    }
+  }
+}
+
+TEST(ChainsMethod, IsTheConfiguredOneForMoreTaxelsAndWithoutTracking) {
+  for (const MethodChoice method : kChoices) {
+    ChainSetup setup = setup_of(method, 41, 1);
+    const bool trained = method == MethodChoice::svd_knn || method == MethodChoice::registered;
+    EXPECT_FALSE(always_fits(setup));
+    EXPECT_EQ(needs_model(setup), trained);
+    setup = setup_of(method, 4, 4);
+    setup.estimator.tracking = false;
+    EXPECT_FALSE(always_fits(setup));
+    EXPECT_EQ(needs_model(setup), trained);
+    if (trained) {
+      EXPECT_THROW(EstimatorChain(setup, nullptr), std::invalid_argument);
+    }
+  }
+}
+
+// Without shear, or with forces alone, fit has nothing to be fitted to.
+TEST(ChainsMethod, IsNotFitWhereNoShapeIsFelt) {
+  ChainSetup setup = setup_of(MethodChoice::svd_knn, 4, 4);
+  for (const SensorClass other : {SensorClass::wrench, SensorClass::normal}) {
+    setup.sensor_class = other;
+    EXPECT_FALSE(always_fits(setup));
+    EXPECT_FALSE(needs_model(setup));
+    EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::friction);
+  }
+}
+
 }  // namespace
 }  // namespace slipd

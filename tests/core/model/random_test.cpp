@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/storage/crc64.hpp"
-
 namespace slipd {
 namespace {
 
@@ -43,11 +41,6 @@ TEST(RandomStream, NoiseAddedInBulkIsTheNoiseOfEachPlace) {
       EXPECT_LE(std::abs(values[i]), 1.0F);
     }
   }
-}
-
-TEST(Crc64, IsTheStandardsCheckValue) {
-  const std::vector<std::uint8_t> digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
-  EXPECT_EQ(crc64(digits), 0x995DC9BBDF1939FAULL);
 }
 
 }  // namespace
