@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 constexpr auto kReadTimeout = 50ms;  // how long a stop may have to wait for a driver that behaves
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
-constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
+constexpr std::size_t kAcquirerStackBytes = std::size_t{512} * 1024;
 
 // One for each taxel; none where all are 1.
 std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
@@ -45,7 +45,7 @@ Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::
 void Acquirer::start(const RealtimeSettings& settings, const RealtimeGrant& grant) {
   realtime_ = settings;
   grant_ = grant;
-  thread_ = Thread("acq:" + name_, kStackBytes, [this] { run(); });
+  thread_ = Thread("acq:" + name_, kAcquirerStackBytes, [this] { run(); });
 }
 
 void Acquirer::ask_to_stop() noexcept {

@@ -8,8 +8,8 @@ namespace slipd {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-constexpr auto kLongestSleep = 1h;
+constexpr std::size_t kStoreStackBytes = std::size_t{256} * 1024;
+constexpr auto kLongestStoreSleep = 1h;
 
 double seconds_since(std::int64_t time_ns) {
   return 1e-9 * static_cast<double>(Now::read().monotonic_ns - time_ns);
@@ -44,7 +44,7 @@ std::shared_ptr<BiasWorker> BiasStore::attend(SensorStatus& status, const Sensor
   const std::lock_guard lock(mutex_);
   workers_.push_back(worker);
   if (!running_ && !stop_.load(std::memory_order_relaxed)) {
-    thread_ = Thread("zeros", kStackBytes, [this] { run(); });
+    thread_ = Thread("zeros", kStoreStackBytes, [this] { run(); });
     running_ = true;
   }
   bell_.ring();  // for requests that were the last device's
@@ -77,7 +77,7 @@ void BiasStore::run() {
       for (const auto& worker : workers()) look_at(*worker);
     } catch (const std::bad_alloc&) {  // with the next zero, then
     }
-    if (!last) bell_.wait(rung, Doorbell::Clock::now() + kLongestSleep);
+    if (!last) bell_.wait(rung, Doorbell::Clock::now() + kLongestStoreSleep);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace slipd {
 namespace {
 
-constexpr std::size_t kStackBytes = std::size_t{1024} * 1024;
+constexpr std::size_t kFactoryStackBytes = std::size_t{1024} * 1024;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ EstimatorFactory::EstimatorFactory(const Settings& settings,
 EstimatorFactory::~EstimatorFactory() = default;
 
 void EstimatorFactory::start() {
-  thread_ = Thread("set-up", kStackBytes, [this] { run(); });
+  thread_ = Thread("set-up", kFactoryStackBytes, [this] { run(); });
 }
 
 void EstimatorFactory::ask_to_stop() {

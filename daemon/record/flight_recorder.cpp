@@ -17,8 +17,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-constexpr auto kLook = 5ms;
+constexpr std::size_t kFlightStackBytes = std::size_t{256} * 1024;
+constexpr auto kFlightLook = 5ms;
 constexpr double kQueueSeconds = 0.25;  // that this thread may be late by
 constexpr double kUnknownRateHz = 1000;
 
@@ -54,7 +54,7 @@ FlightRecorder::~FlightRecorder() {
 }
 
 void FlightRecorder::start() {
-  thread_ = Thread("flight", kStackBytes, [this] { run(); });
+  thread_ = Thread("flight", kFlightStackBytes, [this] { run(); });
 }
 
 void FlightRecorder::keep(std::size_t sensor, const char* reason) noexcept {
@@ -76,7 +76,7 @@ void FlightRecorder::run() {
   for (bool last = false; !last;) {
     last = stop_.load(std::memory_order_relaxed);
     for (const auto& track : tracks_) attend(*track, last);
-    if (!last) std::this_thread::sleep_for(kLook);
+    if (!last) std::this_thread::sleep_for(kFlightLook);
   }
   for (const auto& track : tracks_) {
     if (track->queue) track->status->flight_tap.detach();

@@ -9,18 +9,16 @@
 namespace slipd {
 namespace {
 
-using nlohmann::json;
-
 constexpr const char* kKindNames[kEventKinds] = {"estimate", "alert", "state"};
 
 }  // namespace
 
-Subscription::Subscription(int id, const json& params, const Board& board) : id_(id) {
+Subscription::Subscription(int id, const nlohmann::json& params, const Board& board) : id_(id) {
   refuse_unknown(params, {"sensors", "max_rate_hz", "events"});
   if (const auto sensors = params.find("sensors"); sensors != params.end() && !sensors->is_null()) {
     if (!sensors->is_array()) throw rpc::Error(rpc::kInvalidParams, "\"sensors\" must be a list of names");
     names_.emplace();
-    for (const json& name : *sensors) names_->push_back(board.sensors[sensor_index(name, board)]->name);
+    for (const nlohmann::json& name : *sensors) names_->push_back(board.sensors[sensor_index(name, board)]->name);
   }
   follow(board);
   if (const auto rate = params.find("max_rate_hz"); rate != params.end() && !rate->is_null()) {
@@ -29,10 +27,10 @@ Subscription::Subscription(int id, const json& params, const Board& board) : id_
       throw rpc::Error(rpc::kInvalidParams, "\"max_rate_hz\" must be 0.001 to 1000000 Hz");
     interval_ns_ = static_cast<std::int64_t>(1e9 / hz);
   }
-  const json events = params.value("events", json{"estimate"});
+  const nlohmann::json events = params.value("events", nlohmann::json{"estimate"});
   if (!events.is_array())
     throw rpc::Error(rpc::kInvalidParams, "\"events\" must be a list of estimate, alert, state");
-  for (const json& event : events) {
+  for (const nlohmann::json& event : events) {
     const auto* const kind = std::find_if(std::begin(kKindNames), std::end(kKindNames),
                                           [&](const char* name) { return event == name; });
     if (kind == std::end(kKindNames)) {

@@ -1,5 +1,6 @@
 #include "tools/slipctl/figures.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -32,6 +33,11 @@ std::string with_sigma(std::optional<double> value, std::optional<double> sigma)
 
 std::string rate(std::optional<double> rate_hz) {
   return rate_hz ? fixed(rate_hz, 0, "Hz") : "– Hz";
+}
+
+std::size_t characters(const std::string& utf8) {
+  return static_cast<std::size_t>(
+      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 }  // namespace slipctl

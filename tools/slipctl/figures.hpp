@@ -11,4 +11,7 @@ std::string signed_fixed(double value, int decimals);                           
 std::string with_sigma(std::optional<double> value, std::optional<double> sigma);     // "0.62 ±0.01", "–"
 std::string rate(std::optional<double> rate_hz);                                      // "1000 Hz"
 
+// How many characters these bytes of UTF-8 are.
+std::size_t characters(const std::string& utf8);
+
 }  // namespace slipctl

@@ -20,6 +20,8 @@ inline constexpr Rgb kDim{135, 135, 135};
 inline constexpr Rgb kWhite{255, 255, 255};
 inline constexpr Rgb kBlack{0, 0, 0};
 
+inline constexpr Style kFaint{kDim, std::nullopt, false};
+
 template <std::size_t N>
 constexpr Rgb blend(const std::array<Rgb, N>& stops, double share) {
   const double place = std::clamp(share, 0.0, 1.0) * (N - 1);

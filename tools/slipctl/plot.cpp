@@ -23,7 +23,6 @@ namespace {
 using slipd::Moment;
 using slipd::Recorded;
 
-constexpr Style kFaint{kDim, std::nullopt, false};
 constexpr int kLabelColumns = 12;
 constexpr int kRows = 26;
 

@@ -10,11 +10,6 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-std::size_t width(const std::string& utf8) {
-  return static_cast<std::size_t>(
-      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
 bool numeric(const std::string& text) {
   return text == "–" || (!text.empty() && text.find_first_not_of("0123456789.+-") == std::string::npos);
 }
@@ -64,13 +59,13 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
   for (const auto& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (i == widths.size()) widths.push_back(0);
-      widths[i] = std::max(widths[i], width(row[i]));
+      widths[i] = std::max(widths[i], characters(row[i]));
     }
   std::string text;
   for (const auto& row : rows) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::string blanks(widths[i] - width(row[i]), ' ');
+      const std::string blanks(widths[i] - characters(row[i]), ' ');
       line += (i == 0 ? "" : "  ") + (numeric(row[i]) ? blanks + row[i] : row[i] + blanks);
     }
     line.erase(line.find_last_not_of(' ') + 1);
@@ -114,8 +109,8 @@ std::string tree(const json& value, int indent) {
   // Names and values: the values stay to the left, under one another.
   std::string text;
   std::size_t widest = 0;
-  for (const auto& row : plain) widest = std::max(widest, width(row[0]));
-  for (const auto& row : plain) text += row[0] + std::string(widest - width(row[0]) + 1, ' ') + row[1] + "\n";
+  for (const auto& row : plain) widest = std::max(widest, characters(row[0]));
+  for (const auto& row : plain) text += row[0] + std::string(widest - characters(row[0]) + 1, ' ') + row[1] + "\n";
   return indented(text + nested, indent);
 }
 

@@ -12,7 +12,6 @@ namespace slipctl {
 namespace {
 
 constexpr Style kPlain{};
-constexpr Style kFaint{kDim, std::nullopt, false};
 constexpr Style kStrong{std::nullopt, std::nullopt, true};
 constexpr Style kSimulated{kViolet, std::nullopt, true};
 
@@ -21,13 +20,9 @@ const EstimateView& reading_of(const SensorWatch& sensor) {
   return sensor.latest ? *sensor.latest : nothing_yet;
 }
 
-int width(const std::string& utf8) {
-  return static_cast<int>(std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
 // Ends at `end`, and gives where it begins.
 int text_up_to(Canvas& canvas, int end, int row, const std::string& text, const Style& style) {
-  const int begin = end - width(text);
+  const int begin = end - static_cast<int>(characters(text));
   canvas.text(begin, row, text, style);
   return begin;
 }

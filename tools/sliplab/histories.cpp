@@ -24,7 +24,7 @@ namespace {
 
 using namespace slipd;
 
-struct Options {
+struct HistoriesOptions {
   std::size_t grasps = 400;
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
@@ -61,7 +61,7 @@ ChainSetup setup_of(std::size_t side, const std::string& method, double noise) {
   return setup;
 }
 
-Line measure(std::size_t side, const std::string& method, const Options& options, std::uint64_t seed,
+Line measure(std::size_t side, const std::string& method, const HistoriesOptions& options, std::uint64_t seed,
              std::string& trace) {
   const ChainSetup setup = setup_of(side, method, options.sensing.noise);
   std::shared_ptr<const Model> model;
@@ -104,7 +104,7 @@ void print_row(const std::string& what, const Tally& tally) {
               tally.worst());
 }
 
-void print_table(const std::vector<Line>& lines, const Options& options) {
+void print_table(const std::vector<Line>& lines, const HistoriesOptions& options) {
   std::printf(
       "Random grasps, %zu of each kind: contacts as the paper's, up to 2 mm off the middle of a +-8 mm pad, "
       "gripped, loaded, then\neight moves drawn at random; a frame each %g ms; noise %g %% (%s). Safer, less "
@@ -138,7 +138,7 @@ nlohmann::ordered_json as_json(const Tally& tally) {
           {"states", std::move(states)}};
 }
 
-nlohmann::ordered_json as_json(const std::vector<Line>& lines, const Options& options) {
+nlohmann::ordered_json as_json(const std::vector<Line>& lines, const HistoriesOptions& options) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const auto& line : lines) {
     nlohmann::ordered_json row{{"columns", line.side}, {"method", line.method}, {"all", as_json(line.all)}};
@@ -191,7 +191,7 @@ void plot_traces(const std::filesystem::path& folder, const std::vector<Line>& l
   plot(folder, "histories", script.str());
 }
 
-void run(const Common& common, Options options) {
+void run(const Common& common, HistoriesOptions options) {
   options.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   if (!common.out.empty()) std::filesystem::create_directories(common.out);
   std::vector<Line> lines;
@@ -217,7 +217,7 @@ void run(const Common& common, Options options) {
 
 void add_histories(CLI::App& app, const Common& common) {
   auto* command = app.add_subcommand("histories", "the whole chain over random grasps, against the truth");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HistoriesOptions>();
   command->add_option("--grasps", options->grasps, "of each layout and method")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

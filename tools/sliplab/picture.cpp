@@ -20,7 +20,7 @@ namespace {
 using slipd::Moment;
 using slipd::Recorded;
 
-struct Options {
+struct PictureOptions {
   std::filesystem::path file;
   std::string format = "svg";
   std::optional<double> at_s;
@@ -70,7 +70,7 @@ double arrow_mm_per_kpa(const Recorded& recorded) {
   return greatest > 0 ? 1e3 * recorded.header.layout.side_m() / (1e-3 * greatest) : 0;
 }
 
-std::string script_of(const Recorded& recorded, const std::string& name, const Options& options) {
+std::string script_of(const Recorded& recorded, const std::string& name, const PictureOptions& options) {
   const bool map = recorded.header.layout.size() > 1;
   const Moment& shown = recorded.moments[recorded.shown];
   std::ostringstream script;
@@ -112,7 +112,7 @@ std::string script_of(const Recorded& recorded, const std::string& name, const O
   return script.str();
 }
 
-void run(const Common& common, const Options& options) {
+void run(const Common& common, const PictureOptions& options) {
   const std::filesystem::path folder = common.out.empty() ? "." : common.out;
   const Recorded recorded = slipd::read_recorded(options.file, options.at_s);
   if (!recorded.fault.empty()) std::cerr << "sliplab: " << recorded.fault << "; drawn up to there\n";
@@ -139,7 +139,7 @@ void run(const Common& common, const Options& options) {
 
 void add_picture(CLI::App& app, const Common& common) {
   auto* command = app.add_subcommand("picture", "a picture of a recording, by gnuplot, into --out or here");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PictureOptions>();
   command->add_option("file", options->file, "a recording of slipd")->required()->check(CLI::ExistingFile);
   command->add_option("--format", options->format, "svg or png")
       ->check(CLI::IsMember({"svg", "png"}))

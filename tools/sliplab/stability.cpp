@@ -17,7 +17,7 @@
 namespace sliplab {
 namespace {
 
-struct Options {
+struct StabilityOptions {
   TrialSetup setup;
   std::string noise_kind = "sensor";
   std::vector<std::string> parts{"model", "extremes", "condition", "adversary"};
@@ -35,7 +35,7 @@ std::vector<Worst> worst_everywhere(const TrialSetup& setup, const Done& done) {
   return rows;
 }
 
-void run(const Common& common, Options options) {
+void run(const Common& common, StabilityOptions options) {
   options.setup.kind =
       options.noise_kind == "relative" ? slipd::NoiseKind::relative : slipd::NoiseKind::sensor;
   options.setup.seed = common.seed;
@@ -77,7 +77,7 @@ void run(const Common& common, Options options) {
 
 void add_stability(CLI::App& app, const Common& common) {
   auto* command = app.add_subcommand("stability", "extremes, error out per error in, and an adversary");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StabilityOptions>();
   command->add_option("--parts", options->parts, "model, extremes, condition, adversary")
       ->delimiter(',')
       ->check(CLI::IsMember({"model", "extremes", "condition", "adversary"}));

@@ -16,8 +16,8 @@ namespace slipd::can {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr std::uint32_t kEstimate = 0x5A0, kAlert = 0x5C0;
-constexpr std::uint64_t kUnknownMargin = 0xFFFF, kOutOfModel = 3, kStale = 6, kFault = 7, kSlip = 2;
+constexpr std::uint32_t kEstimateId = 0x5A0, kAlertId = 0x5C0;
+constexpr std::uint64_t kNoMargin = 0xFFFF, kOutOfModel = 3, kStale = 6, kFault = 7, kSlip = 2;
 
 class ServiceContext {
  public:
@@ -71,15 +71,15 @@ class ServiceContext {
 void expect_no_margin_without_ok(const std::vector<Message>& sent) {
   for (const Message& each : sent) {
     if (raw(each, "State") == 0) continue;
-    EXPECT_EQ(raw(each, "Gamma"), kUnknownMargin);
+    EXPECT_EQ(raw(each, "Gamma"), kNoMargin);
   }
 }
 
 TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
   ServiceContext context(R"({"gamma": 0.05})");
   ASSERT_TRUE(context.talk_until(
-      [&] { return context.said(kAlert, "Alert", kSlip) && context.said(kEstimate, "State", 0); }));
-  const auto sent = context.port().take(kEstimate);
+      [&] { return context.said(kAlertId, "Alert", kSlip) && context.said(kEstimateId, "State", 0); }));
+  const auto sent = context.port().take(kEstimateId);
   const auto& last =
       *std::find_if(sent.begin(), sent.end(), [](const Message& m) { return raw(m, "State") == 0; });
   EXPECT_LE(raw(last, "Gamma"), 10000U);
@@ -89,34 +89,34 @@ TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
 
 TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
   ServiceContext context(R"({"behaviour": "throw_in_open"})");
-  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kFault); }));
-  expect_no_margin_without_ok(context.port().take(kEstimate));
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimateId, "State", kFault); }));
+  expect_no_margin_without_ok(context.port().take(kEstimateId));
 }
 
 TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
   const testing::TempFolder folder;
   ServiceContext context(R"({"behaviour": "nonsense", "well_until": ")" + folder.file("ill").string() +
                          R"("})");
-  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", 0); }));
-  expect_no_margin_without_ok(context.port().take(kEstimate));
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimateId, "State", 0); }));
+  expect_no_margin_without_ok(context.port().take(kEstimateId));
   folder.write("ill", "");
-  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kOutOfModel); }));
-  expect_no_margin_without_ok(context.port().take(kEstimate));
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimateId, "State", kOutOfModel); }));
+  expect_no_margin_without_ok(context.port().take(kEstimateId));
 }
 
 TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStands) {
   const testing::TempFolder folder;
   ServiceContext context(R"({"gamma": 0.05, "behaviour": "end", "well_until": ")" +
                          folder.file("over").string() + R"("})");
-  ASSERT_TRUE(context.talk_until([&] { return context.said(kAlert, "Alert", kSlip); }));
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kAlertId, "Alert", kSlip); }));
   folder.write("over", "");
-  context.port().take(kEstimate);  // it was stale before the first frame, too
-  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimate, "State", kStale); }));
-  const auto sent = context.port().take(kEstimate);
+  context.port().take(kEstimateId);  // it was stale before the first frame, too
+  ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimateId, "State", kStale); }));
+  const auto sent = context.port().take(kEstimateId);
   expect_no_margin_without_ok(sent);
   EXPECT_EQ(raw(sent.back(), "State"), kStale);
   EXPECT_EQ(raw(sent.back(), "Alert"), kSlip) << "that nothing comes is no sign of a safer grip";
-  EXPECT_EQ(raw(context.port().take(kAlert).back(), "Alert"), kSlip);
+  EXPECT_EQ(raw(context.port().take(kAlertId).back(), "Alert"), kSlip);
 }
 
 }  // namespace

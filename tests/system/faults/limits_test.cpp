@@ -19,7 +19,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-json trial(const std::string& name, const json& options = json::object()) {
+json fine_sensor(const std::string& name, const json& options = json::object()) {
   return trial_sensor(name, options, {{"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}});
 }
 
@@ -47,7 +47,7 @@ class Limits : public ::testing::Test {
   }
 
   TempFolder folder_;
-  Daemon daemon_{config_with(folder_, json::array({trial("left")}), {{"recorder", {{"seconds", 0.05}}}}),
+  Daemon daemon_{config_with(folder_, json::array({fine_sensor("left")}), {{"recorder", {{"seconds", 0.05}}}}),
                  trial_drivers(),
                  {{"STATE_DIRECTORY", folder_.path().string()}}};
 };
@@ -147,7 +147,7 @@ TEST_F(Limits, WithoutAnyMemoryItServesOrEnds) {
 
 TEST(Disk, ThatTakesNoModelCostsTheKeepingAndNotTheSensor) {
   const TempFolder folder;
-  Daemon daemon(config_with(folder, json::array({trial("left")}), {{"estimator", {{"method", "svd-knn"}}}}),
+  Daemon daemon(config_with(folder, json::array({fine_sensor("left")}), {{"estimator", {{"method", "svd-knn"}}}}),
                 trial_drivers(), {{"STATE_DIRECTORY", "/dev/full"}});
   daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
   EXPECT_EQ(daemon.client().result("status")["sensors"][0]["method"], "svd-knn");
@@ -156,7 +156,7 @@ TEST(Disk, ThatTakesNoModelCostsTheKeepingAndNotTheSensor) {
 
 TEST(TwoAtOnce, ManyStartOnOneSocketAndOneServes) {
   const TempFolder folder;
-  const auto config = folder.write("c.json", config_with(folder, json::array({trial("left")})).dump());
+  const auto config = folder.write("c.json", config_with(folder, json::array({fine_sensor("left")})).dump());
   constexpr int kMany = 12;
   for (int round = 0; round < 2; ++round) {  // the second time over what a crash has left
     std::vector<std::unique_ptr<Program>> all;
