@@ -39,7 +39,8 @@ TEST(DriverOptions, OfSimAreRefusedWhereTheyAreOutOfRange) {
   EXPECT_EQ(places(sim_options, {{"noise_kind", "white"}}), Places{"/noise_kind"});
   EXPECT_EQ(places(sim_options, {{"cycle", json::array()}}), Places{"/cycle"});
   EXPECT_EQ(places(sim_options, {{"cycle", {{{"ms", 10}, {"friction", 0}}}}}), Places{"/cycle/0/friction"});
-  EXPECT_EQ(places(sim_options, {{"speed", 1}}), Places{"/speed"});
+  EXPECT_EQ(places(sim_options, {{"speed", 2}}), Places{"/speed"});
+  EXPECT_EQ(places(sim_options, {{"tempo", 1}}), Places{"/tempo"});
 }
 
 TEST(DriverOptions, OfReplayNeedAFileAndTakeBiasAndScaleInEveryForm) {

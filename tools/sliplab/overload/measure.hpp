@@ -29,7 +29,7 @@ struct OverloadLine {
 };
 
 struct OverloadSetup {
-  std::size_t grasps = 100;  // of each line
+  std::size_t grasps = 50;   // of each line
   Sensing sensing;           // of the sensor, all of whose frames are on time
   std::uint64_t seed = 1;
   unsigned threads = 2;
