@@ -18,7 +18,8 @@ Subscription::Subscription(int id, const nlohmann::json& params, const Board& bo
   if (const auto sensors = params.find("sensors"); sensors != params.end() && !sensors->is_null()) {
     if (!sensors->is_array()) throw rpc::Error(rpc::kInvalidParams, "\"sensors\" must be a list of names");
     names_.emplace();
-    for (const nlohmann::json& name : *sensors) names_->push_back(board.sensors[sensor_index(name, board)]->name);
+    for (const nlohmann::json& name : *sensors)
+      names_->push_back(board.sensors[sensor_index(name, board)]->name);
   }
   follow(board);
   if (const auto rate = params.find("max_rate_hz"); rate != params.end() && !rate->is_null()) {

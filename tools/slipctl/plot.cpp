@@ -22,6 +22,7 @@ namespace {
 
 using slipd::Moment;
 using slipd::Recorded;
+using json = nlohmann::ordered_json;
 
 constexpr int kLabelColumns = 12;
 constexpr int kRows = 26;
@@ -171,7 +172,6 @@ std::string title_of(const Recorded& recorded, const std::string& file) {
 }
 
 void print_lines(const Recorded& recorded) {
-  using json = nlohmann::ordered_json;
   const auto number = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
   for (const Moment& moment : recorded.moments) {
     json line{{"seq", moment.sequence},

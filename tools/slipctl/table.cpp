@@ -110,7 +110,8 @@ std::string tree(const json& value, int indent) {
   std::string text;
   std::size_t widest = 0;
   for (const auto& row : plain) widest = std::max(widest, characters(row[0]));
-  for (const auto& row : plain) text += row[0] + std::string(widest - characters(row[0]) + 1, ' ') + row[1] + "\n";
+  for (const auto& row : plain)
+    text += row[0] + std::string(widest - characters(row[0]) + 1, ' ') + row[1] + "\n";
   return indented(text + nested, indent);
 }
 

@@ -39,14 +39,14 @@ const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automa
                                                    {"moments", MethodChoice::moments},
                                                    {"fit", MethodChoice::fit}};
 
-struct Line {
+struct MethodLine {
   std::size_t side = 0;
   std::string method;
   Tally all;
   ByMove by_move;
 };
 
-ChainSetup setup_of(std::size_t side, const std::string& method, double noise) {
+ChainSetup chain_setup(std::size_t side, const std::string& method, double noise) {
   // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
   const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
   ChainSetup setup{.layout = TaxelLayout::grid(side, side, pitch_m),
@@ -61,9 +61,9 @@ ChainSetup setup_of(std::size_t side, const std::string& method, double noise) {
   return setup;
 }
 
-Line measure(std::size_t side, const std::string& method, const HistoriesOptions& options, std::uint64_t seed,
-             std::string& trace) {
-  const ChainSetup setup = setup_of(side, method, options.sensing.noise);
+MethodLine measure(std::size_t side, const std::string& method, const HistoriesOptions& options,
+                   std::uint64_t seed, std::string& trace) {
+  const ChainSetup setup = chain_setup(side, method, options.sensing.noise);
   std::shared_ptr<const Model> model;
   if (needs_model(setup))
     model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
@@ -86,7 +86,7 @@ Line measure(std::size_t side, const std::string& method, const HistoriesOptions
                   RandomStream(seed).stream(i), chain, i == 0 ? watch : std::function<void(const Moment&)>{});
       },
       [&](double share) { bar.show(share, "grasps"); });
-  Line line{side, method, {}, {}};
+  MethodLine line{side, method, {}, {}};
   for (const auto& grasp : grasps) {
     for (std::size_t move = 0; move < kMoves; ++move) {
       line.by_move[move].add(grasp[move]);
@@ -104,7 +104,7 @@ void print_row(const std::string& what, const Tally& tally) {
               tally.worst());
 }
 
-void print_table(const std::vector<Line>& lines, const HistoriesOptions& options) {
+void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
   std::printf(
       "Random grasps, %zu of each kind: contacts as the paper's, up to 2 mm off the middle of a +-8 mm pad, "
       "gripped, loaded, then\neight moves drawn at random; a frame each %g ms; noise %g %% (%s). Safer, less "
@@ -138,7 +138,7 @@ nlohmann::ordered_json as_json(const Tally& tally) {
           {"states", std::move(states)}};
 }
 
-nlohmann::ordered_json as_json(const std::vector<Line>& lines, const HistoriesOptions& options) {
+nlohmann::ordered_json as_json(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const auto& line : lines) {
     nlohmann::ordered_json row{{"columns", line.side}, {"method", line.method}, {"all", as_json(line.all)}};
@@ -153,7 +153,7 @@ nlohmann::ordered_json as_json(const std::vector<Line>& lines, const HistoriesOp
           {"rows", std::move(rows)}};
 }
 
-void write_table(const std::vector<Line>& lines, const std::filesystem::path& folder) {
+void write_table(const std::vector<MethodLine>& lines, const std::filesystem::path& folder) {
   std::ostringstream csv;
   csv << "columns,method,during,frames,answered,mean_error,worst_error,class_right,claims_safer,"
          "claims_less_safe,within_sigma,within_two_sigma\n";
@@ -171,7 +171,7 @@ void write_table(const std::vector<Line>& lines, const std::filesystem::path& fo
 }
 
 // The first grasp of each line, one below the other.
-void plot_traces(const std::filesystem::path& folder, const std::vector<Line>& lines) {
+void plot_traces(const std::filesystem::path& folder, const std::vector<MethodLine>& lines) {
   std::ostringstream script;
   script << "set terminal svg size 900," << 60 + 220 * lines.size()
          << " font 'sans,12' background 'white'\nset output 'histories.svg'\nset datafile separator ','\n"
@@ -194,7 +194,7 @@ void plot_traces(const std::filesystem::path& folder, const std::vector<Line>& l
 void run(const Common& common, HistoriesOptions options) {
   options.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   if (!common.out.empty()) std::filesystem::create_directories(common.out);
-  std::vector<Line> lines;
+  std::vector<MethodLine> lines;
   for (const std::size_t side : options.sides) {
     for (const auto& method : options.methods) {
       std::string trace;

@@ -47,9 +47,10 @@ class Limits : public ::testing::Test {
   }
 
   TempFolder folder_;
-  Daemon daemon_{config_with(folder_, json::array({fine_sensor("left")}), {{"recorder", {{"seconds", 0.05}}}}),
-                 trial_drivers(),
-                 {{"STATE_DIRECTORY", folder_.path().string()}}};
+  Daemon daemon_{
+      config_with(folder_, json::array({fine_sensor("left")}), {{"recorder", {{"seconds", 0.05}}}}),
+      trial_drivers(),
+      {{"STATE_DIRECTORY", folder_.path().string()}}};
 };
 
 TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
@@ -147,8 +148,9 @@ TEST_F(Limits, WithoutAnyMemoryItServesOrEnds) {
 
 TEST(Disk, ThatTakesNoModelCostsTheKeepingAndNotTheSensor) {
   const TempFolder folder;
-  Daemon daemon(config_with(folder, json::array({fine_sensor("left")}), {{"estimator", {{"method", "svd-knn"}}}}),
-                trial_drivers(), {{"STATE_DIRECTORY", "/dev/full"}});
+  Daemon daemon(
+      config_with(folder, json::array({fine_sensor("left")}), {{"estimator", {{"method", "svd-knn"}}}}),
+      trial_drivers(), {{"STATE_DIRECTORY", "/dev/full"}});
   daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
   EXPECT_EQ(daemon.client().result("status")["sensors"][0]["method"], "svd-knn");
   EXPECT_THAT(daemon.program().errors(), HasSubstr("is used, but not kept"));

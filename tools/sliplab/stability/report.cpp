@@ -11,7 +11,7 @@ namespace {
 
 using slipd::State;
 
-const char* name_of(slipd::NoiseKind kind) {
+const char* noise_name(slipd::NoiseKind kind) {
   return kind == slipd::NoiseKind::relative ? "relative" : "sensor";
 }
 
@@ -164,7 +164,7 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
             "set datafile separator ','\nset logscale y\nset grid\nset key outside bottom horizontal\n"
             "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'error out per error in'\n"
             "set title '"
-         << found.setup.side << " x " << found.setup.side << ", " << name_of(found.setup.kind)
+         << found.setup.side << " x " << found.setup.side << ", " << noise_name(found.setup.kind)
          << " noise'\nplot for [c=2:" << found.methods.size() + 1
          << "] 'condition.csv' using 1:c with linespoints pt 7 ps 0.5 title columnheader(c), '' using 1:"
          << found.methods.size() + 2
@@ -208,7 +208,7 @@ void print_table(const Stability& found) {
         "\nContacts of the paper's, up to 2 mm off the middle of a +-8 mm pad, %zu x %zu taxels, "
         "noise %g %% (%s), %zu a row,\neach frame for itself. safer, less: answers off by more than "
         "%g, of those answered. outside: state out_of_model.\n",
-        found.setup.side, found.setup.side, 100 * found.setup.noise, name_of(found.setup.kind),
+        found.setup.side, found.setup.side, 100 * found.setup.noise, noise_name(found.setup.kind),
         found.setup.contacts, kClaim);
   }
   if (!found.extremes.empty()) print_ordeals("What slipd says at the extremes.", found.extremes);
@@ -238,7 +238,7 @@ nlohmann::ordered_json to_json(const Stability& found) {
     for (std::size_t m = 0; m < row.by_method.size(); ++m) line[found.methods[m]] = row.by_method[m];
     bits.push_back(std::move(line));
   }
-  return {{"columns", found.setup.side},       {"noise_kind", name_of(found.setup.kind)},
+  return {{"columns", found.setup.side},       {"noise_kind", noise_name(found.setup.kind)},
           {"noise", found.setup.noise},        {"contacts", found.setup.contacts},
           {"model", std::move(model)},         {"extremes", json_of(found.extremes)},
           {"condition", std::move(condition)}, {"bits", std::move(bits)},
