@@ -27,7 +27,7 @@ struct Options {
   std::string noise_kind = "sensor";
 };
 
-const std::map<std::string, std::pair<MethodChoice, Method>> kMethods{
+const std::map<std::string, std::pair<MethodChoice, Method>> kOverloadMethods{
     {"svd-knn", {MethodChoice::svd_knn, Method::svd_knn}},
     {"registered", {MethodChoice::registered, Method::registered}},
     {"moments", {MethodChoice::moments, Method::moments}},
@@ -59,7 +59,7 @@ ChainSetup chain_of(std::size_t side, MethodChoice method, double noise) {
 // The lines of one layout and method; none where slipd takes another method for this layout.
 void measure(std::size_t side, const std::string& name, const Options& options,
              std::vector<OverloadLine>& lines) {
-  const auto& [choice, method] = kMethods.at(name);
+  const auto& [choice, method] = kOverloadMethods.at(name);
   const ChainSetup chain = chain_of(side, choice, options.setup.sensing.noise);
   ProgressBar bar(std::to_string(side) + "x" + std::to_string(side) + " " + name);
   std::shared_ptr<const Model> model;
@@ -110,7 +110,7 @@ void add_overload(CLI::App& app, const Common& common) {
       ->capture_default_str();
   command->add_option("--methods", options->methods, "moments, fit, registered, svd-knn")
       ->delimiter(',')
-      ->check(CLI::IsMember(kMethods))
+      ->check(CLI::IsMember(kOverloadMethods))
       ->capture_default_str();
   command->add_option("--every", options->every, "of so many frames one comes, at regular intervals")
       ->delimiter(',')
