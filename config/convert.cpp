@@ -10,10 +10,10 @@ namespace {
 
 using nlohmann::json;
 
-// Messages that there are identifiers for: one a sensor, then one a grasp.
+// CAN identifiers limit the number of sensors and grasps together.
 constexpr std::size_t kMostOnCan = 31;
 
-// The conversion and the problems it adds to.
+// Converts section by section and collects problems.
 class Converter {
  public:
   Converter(const json& root, std::vector<Problem>& problems) : root_(root), problems_(problems) {}
@@ -35,7 +35,7 @@ class Converter {
   }
 
  private:
-  bool clean(const std::string& pointer) const { return !is_touched(problems_, pointer); }
+  bool clean(const std::string& pointer) const { return !has_problem_at(problems_, pointer); }
   void add(const std::string& pointer, const json& value, const std::string& what) {
     problems_.push_back(problem_of(pointer, value, what));
   }
@@ -68,7 +68,7 @@ class Converter {
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/grasps", i);
-      if (is_touched(found, at)) continue;
+      if (has_problem_at(found, at)) continue;
       s.grasps.push_back({list[i]["name"], list[i]["sensors"]});
       for (std::size_t j = 0; j < list[i]["sensors"].size(); ++j) {
         const std::string& name = s.grasps.back().sensors[j];
@@ -141,7 +141,7 @@ class Converter {
     s.mode = static_cast<unsigned>(std::stoul(in["mode"].get<std::string>(), nullptr, 8));
     s.max_clients = in["max_clients"];
     constexpr std::size_t kLongest =
-        107;  // sockaddr_un::sun_path less its end; the schema counts characters, it bytes
+        107;  // bytes of sockaddr_un::sun_path without its final 0; the schema counts characters
     if (s.path.native().size() > kLongest) {
       add("/socket/path", in["path"],
           "has " + std::to_string(s.path.native().size()) + " bytes; expected up to 107");
@@ -198,7 +198,7 @@ class Converter {
 
 }  // namespace
 
-bool is_touched(const std::vector<Problem>& problems, const std::string& pointer) {
+bool has_problem_at(const std::vector<Problem>& problems, const std::string& pointer) {
   const auto within = [](const std::string& inner, const std::string& outer) {
     return inner == outer || inner.starts_with(outer + "/");
   };

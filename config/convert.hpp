@@ -1,5 +1,5 @@
-// Checked JSON → Settings, and the checks that no schema can say: convert.cpp, and convert_sensors.cpp for
-// the sensors. Inside of settings.cpp, apart for size.
+// Converts checked JSON to Settings and makes the checks that a schema cannot express: convert.cpp, and
+// convert_sensors.cpp for the sensors. Private to settings.cpp. Called from one thread: io.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,11 +11,11 @@
 
 namespace slipd {
 
-// Whether any of `problems` lies at `pointer`, below it, or above it (what lies in a list that is too long
-// was not looked at).
-bool is_touched(const std::vector<Problem>& problems, const std::string& pointer);
+// Whether one of `problems` is at `pointer`, below it or above it (the items of a list that is too long were
+// not checked).
+bool has_problem_at(const std::vector<Problem>& problems, const std::string& pointer);
 
-// Divided, not multiplied by 0.001: so 2 mm are the double nearest to 0.002.
+// Division, not multiplication by 0.001: so 2 mm become the double nearest to 0.002.
 inline double metres_of_mm(const nlohmann::json& mm) {
   return mm.get<double>() / 1e3;
 }
@@ -23,13 +23,14 @@ inline double pascals_of_mpa(const nlohmann::json& mpa) {
   return mpa.get<double>() * 1e6;
 }
 
-// Each element of the list `at` needs a name of its own.
+// Adds a problem for each item of `list`, at the pointer `at`, whose name another item has.
 void check_names_differ(const nlohmann::json& list, const std::string& at, std::vector<Problem>& problems);
 
-// `root` is an object that check() has seen, with `problems` found; sections among which there is one are
-// left out of the result, the others are converted and checked further, so that all problems come out at
-// once.
+// Converts `root`, an object that check() has seen and in which it found `problems`. Sections with a problem
+// are skipped; the others are converted and checked further, so that all problems are reported at once.
+// Appends to `problems`.
 Settings convert(const nlohmann::json& root, std::vector<Problem>& problems);
+// The same for the list of sensors.
 std::vector<SensorSettings> convert_sensors(const nlohmann::json& list, std::vector<Problem>& problems);
 
 }  // namespace slipd

@@ -1,4 +1,4 @@
-// The sensors' part of convert().
+// Converts the list of sensors.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,7 +23,7 @@ class SensorConverter {
     check_names_differ(list, "/sensors", problems_);
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/sensors", i);
-      if (is_touched(found_, at)) continue;
+      if (has_problem_at(found_, at)) continue;
       converted.push_back(sensor(list[i], at));
       distinguishable(list, well_formed, i);
       well_formed.push_back(i);
@@ -36,7 +36,7 @@ class SensorConverter {
     problems_.push_back(problem_of(pointer, value, what));
   }
 
-  // Two sensors may share a device (a board with two pads), but then something must tell them apart.
+  // Two sensors may share a device (a board with two pads) if an option distinguishes them.
   void distinguishable(const json& list, const std::vector<std::size_t>& others, std::size_t i) {
     const json& device = list[i]["device"];
     if (device.empty()) return;
@@ -75,7 +75,7 @@ class SensorConverter {
     return s;
   }
 
-  // A profile's taxels are counted when its device is opened.
+  // With a profile the number of taxels is checked when the device is opened.
   void gain(const json& in, const std::string& at, SensorSettings& s) {
     const json& value = in["gain"];
     s.gain = value.is_array() ? value.get<std::vector<float>>() : std::vector<float>{value.get<float>()};
@@ -107,7 +107,7 @@ class SensorConverter {
 
   TaxelLayout grid(const json& in, const std::string& at, const TaxelLayout& usual) {
     const std::size_t columns = in["grid"][0], rows = in["grid"][1];
-    constexpr std::size_t kMost = 1'000'000;  // 36 MB a sensor in frames alone
+    constexpr std::size_t kMost = 1'000'000;  // a mailbox of so many taxels takes 36 MB
     if (columns * rows <= kMost) return TaxelLayout::grid(columns, rows, metres_of_mm(in["pitch_mm"]));
     add(at + "/grid", in["grid"],
         "has " + std::to_string(columns * rows) + " taxels; expected up to 1000000");
@@ -135,8 +135,8 @@ class SensorConverter {
     setup.skin_poisson = in["poisson"];
   }
 
-  // Not a schema's default, as it follows the rate: a slow sensor must not be stale between any two of its
-  // frames.
+  // The default depends on the rate and so cannot be in the schema: a slow sensor must not become stale
+  // between two frames.
   void stale_after(const json& in, const std::string& at, SensorSettings& s) {
     const double frame_ms = 1000 / s.setup.rate_hz;
     if (!in.contains("stale_after_ms")) {
@@ -145,14 +145,14 @@ class SensorConverter {
       return;
     }
     s.stale_after = std::chrono::milliseconds(in["stale_after_ms"].get<int>());
-    s.stale_after_told = true;
+    s.stale_after_configured = true;
     if (static_cast<double>(s.stale_after.count()) >= frame_ms) return;
     add(at + "/stale_after_ms", in["stale_after_ms"],
         "is shorter than one frame at rate_hz; expected at least " +
             std::to_string(std::llround(std::ceil(frame_ms))) + " ms");
   }
 
-  const std::vector<Problem> found_;  // before this began
+  const std::vector<Problem> found_;  // by the schema, before this conversion
   std::vector<Problem>& problems_;
 };
 

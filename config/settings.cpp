@@ -29,17 +29,17 @@ const std::string* string_at(const json& object, const char* key) {
   return &object[key].get_ref<const std::string&>();
 }
 
-// Each sensor's driver is looked up, and its options are checked by the driver's own schema.
+// Looks up each sensor's driver and checks the sensor's options by the driver's schema.
 void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& problems) {
   if (!root.contains("sensors") || !root["sensors"].is_array()) return;
   for (std::size_t i = 0; i < root["sensors"].size(); ++i) {
     json& sensor = root["sensors"][i];
     const std::string at = pointer_to("/sensors", i);
     const std::string* name = string_at(sensor, "driver");
-    if (name == nullptr || is_touched(problems, at + "/driver")) continue;
+    if (name == nullptr || has_problem_at(problems, at + "/driver")) continue;
     const DriverModule* module = drivers.find(*name);
     if (module == nullptr) {
-      // One that is there, but of no use, is not misspelt.
+      // A module that exists but cannot be used is not a misspelt name.
       const auto names = drivers.names();
       const bool there = std::find(names.begin(), names.end(), *name) != names.end();
       problems.push_back(problem_of(
@@ -53,7 +53,7 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
       const json schema = parse_json_text(module->options_schema);
       for (auto& problem : check(schema, sensor["options"], at + "/options"))
         problems.push_back(std::move(problem));
-    } catch (const std::runtime_error& e) {  // SchemaError, JsonTextError: the module's fault, not the user's
+    } catch (const std::runtime_error& e) {  // SchemaError, JsonTextError: the module is wrong, not the user
       problems.push_back(problem_of(at + "/driver", *name,
                                     std::string("the driver describes its options wrongly: ") + e.what()));
     }

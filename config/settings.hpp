@@ -1,4 +1,5 @@
-// A configuration, checked and in SI units. Read once at start and on reload, by the io thread.
+// The configuration, checked and in SI units. Read at start and on reload by io; constant afterwards, so that
+// any thread may read it. Ranges and defaults are in slipd.schema.json; the defaults here are the same.
 #pragma once
 
 #include <chrono>
@@ -14,99 +15,147 @@
 
 namespace slipd {
 
+// One sensor.
 struct SensorSettings {
-  SensorSetup setup;  // what its driver is told
+  // What its driver gets.
+  SensorSetup setup;
+  // The driver's name.
   std::string driver;
+  // Without a frame for this long the estimate is stale, 1 to 60000 ms.
   std::chrono::milliseconds stale_after{20};
-  bool stale_after_told = false;  // by the user; else a slower device has three of its frames
+  // Whether stale_after was in the configuration. If not, three frames of a slower device are allowed.
+  bool stale_after_configured = false;
+  // Known coefficient of friction, 0.01 to 10; none: it is estimated.
   std::optional<double> friction;
-  std::vector<float> gain;  // one for all taxels, or one for each
+  // Factors of the taxels' values: one for each taxel, or one for all.
+  std::vector<float> gain;
   bool operator==(const SensorSettings&) const = default;
 };
 
+// Sensors that hold one object.
 struct GraspSettings {
+  // Unique among the grasps.
   std::string name;
+  // Names of its sensors, at least one.
   std::vector<std::string> sensors;
 };
 
+// The socket that clients connect to.
 struct SocketSettings {
+  // Where it is; at most 107 bytes. Not used if systemd passes the socket.
   std::filesystem::path path{"/run/slipd/slipd.sock"};
+  // Permissions of the file.
   unsigned mode = 0660;
+  // Clients connected at the same time; further ones are refused.
   std::size_t max_clients = 64;
 };
 
+// The CAN output.
 struct CanSettings {
+  // Name of the network interface.
   std::string interface;
+  // Identifier of the first message; daemon/can/encode.hpp has the offsets of the others.
   std::uint32_t base_id = 0x5A0;
+  // Identifiers of 29 bits instead of 11.
   bool extended = false;
+  // CAN FD frames instead of classic ones.
   bool fd = false;
+  // Time between two estimates of a sensor, ms.
   std::chrono::milliseconds period{10};
+  // Whether estimates of simulated sensors are sent.
   bool allow_simulated = false;
 };
 
+// The flight recorder.
 struct RecorderSettings {
-  double seconds = 0;  // 0: off
+  // Seconds kept before and after an alert; 0: off.
+  double seconds = 0;
+  // Memory for the frames of all sensors, MB.
   double max_mb = 256;
+  // Recordings kept on disk; the oldest are removed.
   int keep = 20;
 };
 
-// Metrics in a file for a collector that reads files, such as node_exporter's.
+// Metrics in a file, for a collector that reads files, such as node_exporter.
 struct MetricsSettings {
-  std::filesystem::path file;  // empty: none is written
+  // Where; empty: no file is written.
+  std::filesystem::path file;
+  // Time between two writes, s.
   std::chrono::seconds period{15};
 };
 
-enum class RealtimeMode : std::uint8_t { enforce, prefer, off };
+// What to do when the system refuses real-time privileges.
+enum class RealtimeMode : std::uint8_t {
+  enforce,  // do not start
+  prefer,   // warn and run without
+  off       // do not request any
+};
 
+// Real-time scheduling.
 struct RealtimeSettings {
   RealtimeMode mode = RealtimeMode::prefer;
+  // Priority of SCHED_FIFO, 1 to 99.
   int priority = 60;
+  // CPUs that real-time threads run on; empty: all.
   std::vector<int> cpus;
+  // Whether to lock all memory.
   bool lock_memory = true;
   bool operator==(const RealtimeSettings&) const = default;
 };
 
+// The whole configuration.
 struct Settings {
   std::vector<SensorSettings> sensors;
   std::vector<GraspSettings> grasps;
+  // Objects that the scene consists of; see Scene.
   std::vector<ObjectFamily> objects;
   EstimatorSettings estimator;
-  double noise = 0.01;  // the scene's, see Scene
+  // Noise of the scene; see Scene.
+  double noise = 0.01;
+  // Offset of contacts in the scene, m; see Scene.
   double offset_m = 0.002;
   AlertSettings alerts;
   SocketSettings socket;
-  std::optional<CanSettings> can;  // absent: no CAN thread
+  // None: no CAN output.
+  std::optional<CanSettings> can;
   RecorderSettings recorder;
   MetricsSettings metrics;
   RealtimeSettings realtime;
+  // trace, debug, info, warning or error.
   std::string log_level = "info";
 
+  // The scene of one sensor: its skin and what all sensors share.
   Scene scene_of(const SensorSettings& sensor) const;
 };
 
-// One line a problem: `FILE: /json/pointer = value: what is wrong, the range and unit`.
+// A configuration that cannot be used. what() is all problems, one a line.
 class SettingsError : public std::runtime_error {
  public:
   explicit SettingsError(std::vector<std::string> problems);
+  // Each is `FILE: /json/pointer = value: what is wrong, the range and unit`.
   const std::vector<std::string>& problems() const noexcept { return problems_; }
 
  private:
   std::vector<std::string> problems_;
 };
 
-// The schema of a driver's options, by the driver's name; nullptr for a driver that is not there. Lets the
-// daemon look into its modules, and tests do without any.
+// Finds drivers by name. The daemon implements it with loadable modules, tests without. Called from one
+// thread: io.
 class DriverCatalogue {
  public:
   virtual ~DriverCatalogue() = default;
-  virtual const DriverModule* find(const std::string& name) = 0;  // null: no such driver, see why_not
-  virtual std::string why_not(const std::string& name) = 0;  // what was looked for and found, for the error
+  // The driver's module; null: there is none that can be used, see why_not.
+  virtual const DriverModule* find(const std::string& name) = 0;
+  // Why find returned null, for people.
+  virtual std::string why_not(const std::string& name) = 0;
+  // Names of all drivers, usable or not.
   virtual std::vector<std::string> names() = 0;
 };
 
-// JSON with comments → Settings. Throws SettingsError with every problem found, not only the first.
-// `name` stands before each problem (the file's name).
+// Parses JSON with comments. `name` is the file's name, for messages. Throws SettingsError with every problem
+// found, not only the first.
 Settings parse_settings(const std::string& text, const std::string& name, DriverCatalogue& drivers);
+// The same from a file of at most 16 MB. Throws SettingsError too if it cannot be read.
 Settings load_settings(const std::filesystem::path& file, DriverCatalogue& drivers);
 
 }  // namespace slipd

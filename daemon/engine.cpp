@@ -17,7 +17,7 @@ Engine::Engine(Settings settings, DriverCatalogue& drivers)
                .realtime = {},
                .ring_estimate = [this] { pipeline_.ring(); },
                .flight = nullptr,
-               .last_minute = {},
+               .latency_last_minute = {},
                .rates_hz = {},
                .can = nullptr} {
   if (settings_.recorder.seconds > 0) flight_ = std::make_unique<FlightRecorder>(settings_.recorder, board_);
@@ -34,14 +34,14 @@ void Engine::start(const RealtimeGrant& grant) {
 
 bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
   models_.stop();
-  // First the bus: it is told at once that nothing holds any more.
-  const bool told = !can_ || can_->stop(deadline);
-  return pipeline_.stop(deadline) && told;
+  // CAN first, so that receivers learn at once that no estimate holds any more.
+  const bool can_stopped = !can_ || can_->stop(deadline);
+  return pipeline_.stop(deadline) && can_stopped;
 }
 
-bool Engine::tried() const {
+bool Engine::all_devices_tried() const {
   return std::none_of(board_.sensors.begin(), board_.sensors.end(), [](const auto& status) {
-    return status->link.load(std::memory_order_relaxed) == Link::opening;
+    return status->link.load(std::memory_order_relaxed) == DeviceLink::opening;
   });
 }
 

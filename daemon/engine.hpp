@@ -1,5 +1,5 @@
-// One configuration at work: its drivers, its threads, its board. A reload makes the next one beside it, and
-// only when that is known to be good takes this one down. io thread.
+// One configuration in use: its drivers, threads and board. A reload makes a second engine and stops the
+// first when the second was made without error.
 #pragma once
 
 #include <optional>
@@ -12,25 +12,31 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class Engine {
  public:
-  // Makes the drivers, starts nothing, touches no device. Throws SettingsError for what drivers refuse, and
-  // std::runtime_error if the flight recorder is wanted but has no place to write to.
+  // Makes the drivers. Starts no thread, touches no device. `drivers` outlives it. Throws SettingsError for
+  // what drivers refuse, and std::runtime_error if the flight recorder has no folder.
   Engine(Settings settings, DriverCatalogue& drivers);
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
+  // Starts all threads. Once.
   void start(const RealtimeGrant& grant);
 
-  // Ends its threads by `deadline`. False: a driver hangs, so that nothing of this may be destroyed any more.
+  // Stops all threads by about `deadline`. False: a driver hangs, and this engine must not be destroyed.
   bool stop(std::chrono::steady_clock::time_point deadline);
 
-  // Before start: what the engine before had learnt, from its give_up after a stop that was true.
-  void inherit(std::vector<LearnedState> learned) { pipeline_.inherit(std::move(learned)); }
-  std::vector<LearnedState> give_up() { return pipeline_.give_up(); }
+  // adopt_learned_state before start, release_learned_state after stop returned true: hand what estimators
+  // have learned to the next engine.
+  void adopt_learned_state(std::vector<LearnedState> learned) {
+    pipeline_.adopt_learned_state(std::move(learned));
+  }
+  std::vector<LearnedState> release_learned_state() { return pipeline_.release_learned_state(); }
 
-  // Whether each device has been tried: opened, refused or found absent.
-  bool tried() const;
+  // Whether the first attempt to open each device has ended.
+  bool all_devices_tried() const;
+  // Increases at least four times a second while the estimate thread runs.
   std::uint64_t heartbeat() const noexcept { return pipeline_.heartbeat(); }
 
   const Settings& settings() const noexcept { return settings_; }
@@ -40,7 +46,7 @@ class Engine {
  private:
   const Settings settings_;
   Board board_;
-  std::unique_ptr<FlightRecorder> flight_;  // null: off
+  std::unique_ptr<FlightRecorder> flight_;  // null: recorder.seconds is 0
   ModelProvider models_;
   Doorbell output_bell_;
   std::optional<can::Output> can_;

@@ -27,9 +27,9 @@ namespace slipd {
 namespace {
 
 constexpr int kTrainingNice = 10;
-constexpr int kLookMs = 100;  // how soon a stop is seen
+constexpr int kLookMs = 100;  // between two looks at stop_
 
-// A file in memory that holds `text`, to be read from its beginning.
+// An anonymous file in memory that holds `text`, positioned at its start.
 UniqueFd file_of(const std::string& text) {
   UniqueFd file(memfd_create("slipd-model", MFD_CLOEXEC));
   if (!file || write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
@@ -47,8 +47,7 @@ std::vector<std::uint8_t> bytes_of(const UniqueFd& file) {
   return bytes;
 }
 
-// The program with `in` as its input, `out` for the model and `errors` for what it has to say, undisturbed by
-// our signal mask.
+// Starts the program with standard input, output and error, an empty signal mask and default signal handlers.
 pid_t start(const std::filesystem::path& program, const UniqueFd& in, const UniqueFd& out,
             const UniqueFd& errors) {
   posix_spawn_file_actions_t files;
@@ -106,18 +105,20 @@ std::shared_ptr<const Model> ModelProvider::get(const std::string& sensor, const
     try {
       return load();
     } catch (const ModelError& error) {
-      say(LogLevel::warning, {sensor, Cause::machine}, sensor + ": " + error.what() + "; it is made anew");
+      write_log(LogLevel::warning, {sensor, Cause::machine},
+                sensor + ": " + error.what() + "; it is made anew");
     }
   }
-  say(LogLevel::info, {sensor},
-      sensor + ": training a model of its scene; until it is there, the sensor is learning");
+  write_log(LogLevel::info, {sensor},
+            sensor + ": training a model of its scene; until it is there, the sensor is learning");
   const std::vector<std::uint8_t> bytes = train(sensor, to_json(wanted).dump());
   auto model = std::make_shared<const Model>(decode_model(bytes));
   known = model;
   try {
     write_whole_file(file, bytes);
   } catch (const std::exception& error) {
-    say(LogLevel::warning, {sensor, Cause::machine},
+    write_log(
+        LogLevel::warning, {sensor, Cause::machine},
         sensor + ": its model is used, but not kept, and is made anew with the next start: " + error.what());
   }
   return model;
@@ -146,7 +147,7 @@ std::vector<std::uint8_t> ModelProvider::train(const std::string& sensor, const 
     for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {
       last = text.substr(0, end);
       text.erase(0, end + 1);
-      say(LogLevel::info, {sensor}, std::string(sensor).append(": ").append(last));
+      write_log(LogLevel::info, {sensor}, std::string(sensor).append(": ").append(last));
     }
   }
   int status = 0;

@@ -1,6 +1,5 @@
-// Where a chain's trained model comes from: the cache, or `sliplab train`, started as a child so that
-// training takes neither memory nor time of the process that estimates. Called by the set-up thread; stop by
-// io.
+// Provides trained models: from the cache, or by `sliplab train` as a child process, so that training takes
+// neither memory nor CPU time of slipd's own process.
 #pragma once
 
 #include <atomic>
@@ -15,27 +14,28 @@
 
 namespace slipd {
 
+// Thread-safe between set-up and io.
 class ModelProvider {
  public:
   // `trainer`: the program sliplab.
   explicit ModelProvider(std::filesystem::path trainer) : trainer_(std::move(trainer)) {}
 
-  // The model of this scene. A cached one that is damaged or foreign is named in the log and made anew; one
-  // that the disk does not take is used nevertheless. May take minutes. Throws std::runtime_error if none can
-  // be had, or if stop came first.
+  // Called from one thread: set-up. The model of this scene. A cached one that is damaged or foreign is
+  // logged and trained anew. A failure to save a new one is logged only. May take minutes. Throws
+  // std::runtime_error if there is no model, and soon after stop.
   std::shared_ptr<const Model> get(const std::string& sensor, const ChainSetup& setup);
 
-  // Any thread: a training under way ends soon, and none begins.
+  // Called from any thread. Ends a training soon, and lets none begin.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
  private:
   std::vector<std::uint8_t> train(const std::string& sensor, const std::string& setup_json);
   std::filesystem::path trainer_;
-  std::map<std::filesystem::path, std::weak_ptr<const Model>> loaded_;  // shared by sensors of one scene
-  std::atomic<bool> stop_{false};  // relaxed: looked at again and again, nothing else is read on its word
+  std::map<std::filesystem::path, std::weak_ptr<const Model>> loaded_;  // shared by sensors of the same scene
+  std::atomic<bool> stop_{false};  // relaxed: no other memory is read because of it
 };
 
-// sliplab beside the running program, else the one that PATH finds.
+// sliplab in the running program's folder, else by PATH. Called from any thread.
 std::filesystem::path trainer_beside_program();
 
 }  // namespace slipd

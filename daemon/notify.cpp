@@ -23,11 +23,11 @@ void stopping() {
   sd_notify(0, "STOPPING=1");
 }
 
-void alive() {
+void watchdog() {
   sd_notify(0, "WATCHDOG=1");
 }
 
-std::optional<std::chrono::microseconds> watchdog_patience() {
+std::optional<std::chrono::microseconds> watchdog_timeout() {
   std::uint64_t interval_us = 0;
   if (sd_watchdog_enabled(0, &interval_us) <= 0) return std::nullopt;
   return std::chrono::microseconds(interval_us);
@@ -37,7 +37,7 @@ void status(const ServiceContext& context, std::string& last) {
   std::size_t connected = 0;
   std::string absent;
   for (const auto& status : context.board.sensors) {
-    if (status->link.load(std::memory_order_relaxed) == Link::open) {
+    if (status->link.load(std::memory_order_relaxed) == DeviceLink::open) {
       ++connected;
       continue;
     }

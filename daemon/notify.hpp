@@ -1,4 +1,5 @@
-// What slipd tells systemd of itself; without systemd all of it does nothing. io thread.
+// Messages to systemd (sd_notify) and socket activation. Without systemd all of it does nothing. Called from
+// one thread: io.
 #pragma once
 
 #include <chrono>
@@ -9,20 +10,24 @@
 
 namespace slipd::notify {
 
+// READY=1: start or reload is done.
 void ready();
-void reloading();  // ends with ready()
+// RELOADING=1; ready() must follow.
+void reloading();
+// STOPPING=1.
 void stopping();
-void alive();  // for the watchdog
+// WATCHDOG=1.
+void watchdog();
 
-// How long the watchdog waits at most; none: there is none.
-std::optional<std::chrono::microseconds> watchdog_patience();
+// The watchdog's timeout (WatchdogSec=); none: there is no watchdog.
+std::optional<std::chrono::microseconds> watchdog_timeout();
 
-// For `systemctl status`: how many sensors are connected, which are not and why, how many clients. Said anew
-// only when it has changed since `last`, which is updated.
+// STATUS=, for `systemctl status`: how many sensors are connected, which are not and why, how many clients.
+// Sent only if it differs from `last`, which is updated.
 void status(const ServiceContext& context, std::string& last);
 
-// The socket that systemd listens on for us; none: it does not. Throws std::runtime_error for something else
-// than one listening Unix stream socket.
+// The listening socket that systemd passed, not yet owned; none: it passed none. Throws std::runtime_error
+// for anything but one listening Unix stream socket.
 std::optional<int> passed_socket();
 
 }  // namespace slipd::notify

@@ -21,24 +21,24 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLogInterval = 20ms;    // how long a real-time thread's line may wait to be printed
-constexpr auto kStatusInterval = 1s;   // of what systemctl status shows
-constexpr auto kStopPatience = 1s;     // for drivers that hang, of the two seconds that a stop may take
-constexpr auto kReadyPatience = 3s;    // for devices that are slow to open, before slipd calls itself ready
-constexpr int kCannotGoOn = 1;         // exit code
-constexpr auto kReadyInterval = 10ms;  // between looks at them
+constexpr auto kLogInterval = 20ms;    // between two looks at the log rings
+constexpr auto kStatusInterval = 1s;   // between two updates of systemctl status
+constexpr auto kStopTimeout = 1s;      // for threads to end; a stop may take two seconds in all
+constexpr auto kReadyTimeout = 3s;     // for devices to open before slipd reports ready
+constexpr int kFatal = 1;              // exit code
+constexpr auto kReadyInterval = 10ms;  // between two looks at the devices
 
 RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
-  RealtimeGrant grant = ask_for_realtime(settings);
+  RealtimeGrant grant = request_realtime(settings);
   if (grant.refusal.empty()) return grant;
   if (settings.mode == RealtimeMode::enforce) {
     throw std::runtime_error("realtime.mode is \"enforce\", but the system refuses " + grant.refusal);
   }
-  say(LogLevel::warning, {{}, Cause::configuration}, "real time: not granted: " + grant.refusal);
+  write_log(LogLevel::warning, {{}, Cause::configuration}, "real time: not granted: " + grant.refusal);
   return grant;
 }
 
-// Names the file in what drivers complain of.
+// Prefixes the drivers' problems with the file's name.
 std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, const std::string& file) {
   try {
     return std::make_unique<Engine>(std::move(settings), drivers);
@@ -54,12 +54,12 @@ std::unique_ptr<SocketFile> socket_for(const SocketSettings& settings) {
   return std::make_unique<SocketFile>(settings.path, settings.mode);
 }
 
-// What was granted or made once, at start, stays as it is.
-void keep_what_needs_a_restart(Settings& next, const Settings& now) {
+// Keeps the settings that only a restart can change, and warns if they differ.
+void retain_restart_only_settings(Settings& next, const Settings& now) {
   const auto keep = [](auto& value, const auto& was, const char* name) {
     if (value != was)
-      say(LogLevel::warning, {{}, Cause::configuration},
-          std::string("reload: ") + name + " is taken up by a restart only");
+      write_log(LogLevel::warning, {{}, Cause::configuration},
+                std::string("reload: ") + name + " is taken up by a restart only");
     value = was;
   };
   keep(next.socket.path, now.socket.path, "socket.path");
@@ -82,7 +82,7 @@ class Ticker {
       if (error) return;
       try {
         body_();
-      } catch (const std::bad_alloc&) {  // the next time, then
+      } catch (const std::bad_alloc&) {  // the next tick tries again
       }
       wait();
     });
@@ -112,8 +112,8 @@ class Service {
   void on_signals();
   void reload();
   std::unique_ptr<Engine> next_engine();
-  void exchange(std::unique_ptr<Engine> next);
-  void say_ready_when_tried();
+  void switch_to(std::unique_ptr<Engine> next);
+  void report_ready_when_tried();
   void feed_watchdog();
   int end();
 
@@ -126,7 +126,7 @@ class Service {
   Clients clients_;
   Recorder recorder_;
   std::unique_ptr<Engine> engine_;
-  std::vector<std::unique_ptr<Engine>> hanging_;  // a driver of theirs does not let go: never destroyed
+  std::vector<std::unique_ptr<Engine>> abandoned_;  // one of their drivers hangs, so they are never destroyed
   std::unique_ptr<SocketFile> file_;
   std::optional<Server> server_;
   LogLimit log_limit_;
@@ -143,21 +143,21 @@ int Service::run() {
   const Ticker logs(io_, kLogInterval, [this] { drain_logs(engine_->board().logs, log_limit_); });
   const Ticker status(io_, kStatusInterval, [this] { notify::status(engine_->context(), status_); });
   std::optional<Ticker> watchdog;
-  if (const auto patience = notify::watchdog_patience())
-    watchdog.emplace(io_, *patience / 2, [this] { feed_watchdog(); });
+  if (const auto timeout = notify::watchdog_timeout())
+    watchdog.emplace(io_, *timeout / 2, [this] { feed_watchdog(); });
   const std::size_t sensors = engine_->settings().sensors.size();
-  say(LogLevel::info, {},
-      "slipd " SLIPD_VERSION " serves " + std::to_string(sensors) + (sensors == 1 ? " sensor" : " sensors") +
-          " on " + file_->name());
-  ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
-  say_ready_when_tried();
+  write_log(LogLevel::info, {},
+            "slipd " SLIPD_VERSION " serves " + std::to_string(sensors) +
+                (sensors == 1 ? " sensor" : " sensors") + " on " + file_->name());
+  ready_at_latest_ = std::chrono::steady_clock::now() + kReadyTimeout;
+  report_ready_when_tried();
   try {
     io_.run();
   } catch (const std::exception& error) {
-    // What io waited for may be lost with it: better to begin anew, which the service manager sees to.
-    say(LogLevel::error, {{}, Cause::machine}, std::string("slipd cannot go on: ") + error.what());
+    // A pending asynchronous wait may be lost with the exception. The service manager restarts slipd.
+    write_log(LogLevel::error, {{}, Cause::machine}, std::string("slipd cannot go on: ") + error.what());
     end();
-    return kCannotGoOn;
+    return kFatal;
   }
   return end();
 }
@@ -174,93 +174,94 @@ void Service::on_signals() {
       reload();
       return on_signals();
     }
-    say(LogLevel::info, {}, signal == SIGTERM ? "stopping on SIGTERM" : "stopping on SIGINT");
+    write_log(LogLevel::info, {}, signal == SIGTERM ? "stopping on SIGTERM" : "stopping on SIGINT");
     io_.stop();
   });
 }
 
-// Ready: the socket answers, and each device was tried. One that takes long to open does not hold up the
-// others.
-void Service::say_ready_when_tried() {
-  if (engine_->tried() || std::chrono::steady_clock::now() >= ready_at_latest_) {
+// slipd is ready when the socket answers and the first attempt to open each device has ended, or after
+// kReadyTimeout.
+void Service::report_ready_when_tried() {
+  if (engine_->all_devices_tried() || std::chrono::steady_clock::now() >= ready_at_latest_) {
     notify::status(engine_->context(), status_);
     return notify::ready();
   }
   ready_timer_.expires_after(kReadyInterval);
   ready_timer_.async_wait([this](const std::error_code& error) {
-    if (!error) say_ready_when_tried();
+    if (!error) report_ready_when_tried();
   });
 }
 
-// As long as the estimate thread goes round; io proves itself by being here.
+// Sent only while the estimate thread runs. That io runs is shown by this call.
 void Service::feed_watchdog() {
   const std::uint64_t now = engine_->heartbeat();
-  if (now != last_heartbeat_) notify::alive();
+  if (now != last_heartbeat_) notify::watchdog();
   last_heartbeat_ = now;
 }
 
 void Service::reload() {
   notify::reloading();
   if (auto next = next_engine()) {
-    exchange(std::move(next));
+    switch_to(std::move(next));
     change_log_level(engine_->settings().log_level);
-    say(LogLevel::info, {}, "reload: the new configuration is in force");
+    write_log(LogLevel::info, {}, "reload: the new configuration is in force");
   } else {
-    say(LogLevel::error, {{}, Cause::configuration}, "reload: the configuration in force stays");
+    write_log(LogLevel::error, {{}, Cause::configuration}, "reload: the configuration in force stays");
   }
-  ready_at_latest_ = std::chrono::steady_clock::now() + kReadyPatience;
-  say_ready_when_tried();
+  ready_at_latest_ = std::chrono::steady_clock::now() + kReadyTimeout;
+  report_ready_when_tried();
 }
 
-// What the configuration says now; null, after saying why, if it is no good.
+// An engine of the present configuration file; null if it cannot be used, which is logged.
 std::unique_ptr<Engine> Service::next_engine() {
   try {
     drivers_.forget_absent();
     Settings settings = load_settings(config_file_, drivers_);
-    keep_what_needs_a_restart(settings, engine_->settings());
+    retain_restart_only_settings(settings, engine_->settings());
     return make_engine(std::move(settings), drivers_, config_file_);
   } catch (const SettingsError& error) {
     for (const std::string& problem : error.problems())
-      say(LogLevel::error, {{}, Cause::configuration}, "reload: " + problem);
+      write_log(LogLevel::error, {{}, Cause::configuration}, "reload: " + problem);
   } catch (const std::exception& error) {
-    say(LogLevel::error, {{}, Cause::configuration}, std::string("reload: ") + error.what());
+    write_log(LogLevel::error, {{}, Cause::configuration}, std::string("reload: ") + error.what());
   }
   return nullptr;
 }
 
-// The old devices are let go before the new ones are opened: they may be the same.
-void Service::exchange(std::unique_ptr<Engine> next) {
+// Closes the old devices before the new ones are opened, because they may be the same.
+void Service::switch_to(std::unique_ptr<Engine> next) {
   next->context().realtime = engine_->context().realtime;
   next->context().started = engine_->context().started;
   recorder_.end_all();
   server_.reset();
-  const bool clean = engine_->stop(std::chrono::steady_clock::now() + kStopPatience);
+  const bool clean = engine_->stop(std::chrono::steady_clock::now() + kStopTimeout);
   drain_logs(engine_->board().logs, log_limit_);
   std::swap(engine_, next);
   log_limit_ = {};
   if (clean) {
-    engine_->inherit(next->give_up());
+    engine_->adopt_learned_state(next->release_learned_state());
   } else {
-    say(LogLevel::error, {{}, Cause::device},
+    write_log(
+        LogLevel::error, {{}, Cause::device},
         "reload: what reads or sets up a device of the old configuration does not end, and is left behind");
-    hanging_.push_back(std::move(next));
+    abandoned_.push_back(std::move(next));
   }
   begin();
 }
 
 int Service::end() {
   notify::stopping();
-  const auto deadline = std::chrono::steady_clock::now() + kStopPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kStopTimeout;
   server_.reset();
   clients_.close_all();
   recorder_.end_all();
   file_.reset();
-  const bool clean = engine_->stop(deadline) && hanging_.empty();
+  const bool clean = engine_->stop(deadline) && abandoned_.empty();
   drain_logs(engine_->board().logs, log_limit_);
   if (!clean) {
-    say(LogLevel::error, {{}, Cause::device},
-        "a driver hangs and is left behind; the process ends without it");
-    _exit(0);  // its thread may touch anything that a destructor would take away
+    write_log(LogLevel::error, {{}, Cause::device},
+              "a driver hangs and is left behind; the process ends without it");
+    _exit(0);  // its thread may use anything that a destructor would free
   }
   return 0;
 }

@@ -1,5 +1,4 @@
-// The daemon as a whole: what is started, in which order, how its configuration is exchanged, and how it
-// ends. main calls it; it becomes the io thread.
+// The service: start, event loop, reload and stop. main calls it; its thread becomes the io thread.
 #pragma once
 
 #include <string>
@@ -10,15 +9,16 @@
 
 namespace slipd {
 
-// What the file says, if slipd could work with it; else throws SettingsError. Touches no device.
+// The settings of a configuration file, after its drivers were made. Touches no device. Throws SettingsError.
 Settings check_configuration(const std::string& file, DriverModules& drivers);
 
-// What the file asks for and slipd does otherwise, a line each, as far as it shows without the devices.
+// What the file asks for and slipd does otherwise, one line each, as far as it is known without devices.
 std::vector<std::string> notes_on(const Settings& settings);
 
-// Serves until SIGTERM or SIGINT; the exit code. On SIGHUP it takes up what the file then says, or keeps what
-// it has if that is no good. Throws SettingsError for a bad configuration at start, and std::runtime_error
-// for what keeps it from starting. Does not return if a driver hangs: then it ends the process itself.
+// Runs the service until SIGTERM or SIGINT and returns the exit code. On SIGHUP it reloads the file; if that
+// cannot be used, the present configuration stays. Throws SettingsError for a configuration that cannot be
+// used at start, and std::runtime_error if it cannot start otherwise. Does not return if a driver hangs at
+// the end: it calls _exit.
 int serve(const std::string& config_file, DriverModules& drivers);
 
 }  // namespace slipd

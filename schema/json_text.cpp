@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-// Walks the text for the parser and leaves a trace of how far it has come.
+// An iterator over the text that records in `trace` how far the parser has read.
 class Cursor {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -46,8 +46,8 @@ JsonTextError error_at(std::string_view text, std::size_t consumed, const std::s
   return {line, static_cast<std::size_t>(column), what};
 }
 
-// "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …" → "syntax error …", not
-// endless.
+// "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …" → "syntax error …", at
+// most 240 bytes.
 std::string own_words(std::string text) {
   const auto cut_behind = [&](std::string_view mark) {
     if (const auto at = text.find(mark); at != std::string::npos) text.erase(0, at + mark.size());
@@ -105,7 +105,7 @@ class Builder {
     place(std::move(v));
     return true;
   }
-  // Pointers in open_ stay good: a container grows only while nothing within it is open.
+  // Pointers in open_ stay valid: a container grows only while nothing within it is open.
   bool open(json v) {
     if (open_.size() >= kJsonDepth)
       return refuse("nested deeper than " + std::to_string(kJsonDepth) + " levels");

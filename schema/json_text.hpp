@@ -1,8 +1,9 @@
-// JSON with comments → nlohmann::json, for files that people write. Set-up only, the io thread or a tool.
+// Parses JSON with comments, for files that people write. Called from any thread that may allocate: io,
+// set-up, a tool.
 //
-// nlohmann's own parser reads it, but into a builder of ours: it alone can refuse a key given twice (of which
-// one would silently win) and nesting that later recursion could not bear, and say line and column for these
-// as for any error.
+// nlohmann's SAX parser reads the text into a builder of slipd's. The builder refuses a key that is given
+// twice, of which nlohmann would keep one silently. It also limits the nesting, and gives line and column of
+// these errors as of any other.
 #pragma once
 
 #include <cstddef>
@@ -13,27 +14,30 @@
 
 namespace slipd {
 
+// The first error in a text. what() does not contain the position.
 class JsonTextError : public std::runtime_error {
  public:
   JsonTextError(std::size_t line, std::size_t column, const std::string& what)
       : std::runtime_error(what), line_(line), column_(column) {}
-  std::size_t line() const noexcept { return line_; }  // from 1
-  std::size_t column() const noexcept {
-    return column_;
-  }  // from 1, in characters; just behind what is wrong or on it
-  std::string located_in(const std::string& file) const;  // `FILE:line:column: what`
+  // Line of the error, from 1.
+  std::size_t line() const noexcept { return line_; }
+  // Column of the error in characters, from 1: at what is wrong or just behind it.
+  std::size_t column() const noexcept { return column_; }
+  // `FILE:line:column: what`, with control characters escaped.
+  std::string located_in(const std::string& file) const;
 
  private:
   std::size_t line_, column_;
 };
 
-// `text` with escapes for all that a terminal would obey instead of showing it (C0, DEL, C1).
+// `text` with escapes for all characters that control a terminal (C0, DEL, C1).
 std::string plain(std::string_view text);
 
+// Deepest nesting of arrays and objects.
 inline constexpr int kJsonDepth = 64;
 
-// Every number in the result is finite, every string UTF-8, nothing lies deeper than kJsonDepth.
-// Throws JsonTextError for the first error.
+// Parses a whole text. In the result every number is finite, every string is UTF-8, and nesting is at most
+// kJsonDepth. Throws JsonTextError for the first error.
 nlohmann::json parse_json_text(std::string_view text);
 
 }  // namespace slipd

@@ -17,8 +17,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kDeepest = 200;                         // steps of the walk, $ref and anyOf among them
-constexpr double kLargestExact = 9007199254740992.0;  // 2^53: integers beyond are not told apart by a double
+constexpr int kDeepest = 200;                         // recursion, with $ref and anyOf
+constexpr double kLargestExact = 9007199254740992.0;  // 2^53: a double cannot represent every integer beyond
 
 bool has_type(const json& value, const std::string& type) {
   if (type == "number") return value.is_number();
@@ -49,7 +49,7 @@ class Walker {
  public:
   explicit Walker(const json& root) : root_(root) {}
 
-  // Adds to `problems` what is wrong with `value`, and fills its defaults in.
+  // Appends the problems of `value` and fills in its defaults.
   void walk(const json& schema, json& value, const std::string& at, int depth,
             std::vector<Problem>& problems) const {
     if (problems.size() >= kMostProblems) return;
@@ -73,9 +73,9 @@ class Walker {
   }
 
  private:
-  // The schema that a $ref points to, with what stands beside the $ref laid over it; others as they are.
-  // `schema` must outlive the walker, which remembers it by its place: merging anew for every item of a list
-  // would take most of the time.
+  // The schema that a $ref points to, merged with the keywords beside the $ref; a schema without $ref itself.
+  // `schema` must outlive the walker: merged schemas are cached by its address, because merging for every
+  // item of a list would take most of the time.
   const json& resolved(const json& schema) const {
     if (!schema.contains("$ref")) return schema;
     if (const auto known = merged_.find(&schema); known != merged_.end()) return known->second;
@@ -95,7 +95,7 @@ class Walker {
     return merged_.emplace(&schema, std::move(merged)).first->second;
   }
 
-  // anyOf takes the first that fits; oneOf wants exactly one.
+  // anyOf accepts the first that fits; oneOf needs exactly one that fits.
   void choose(const json& schema, const std::string& keyword, json& value, const std::string& at, int depth,
               std::vector<Problem>& problems) const {
     std::vector<json> fitting;
@@ -124,7 +124,7 @@ class Walker {
       problems.push_back(problem_of(at, value, "fits more than one of these" + expected));
     } else if (of_same_type.size() != 1) {
       problems.push_back(problem_of(at, value, "is " + kind_of(value) + expected));
-    } else {  // this one was meant and knows the cause; of the value itself there was more to choose
+    } else {  // the only alternative of the value's type: its own problems are the cause
       for (auto& problem : of_same_type.front()) {
         const bool itself = problem.pointer == at;
         if (itself) problem.what = problem.what.substr(0, problem.what.find("; expected ")) + expected;
@@ -237,8 +237,7 @@ class Walker {
 }  // namespace
 
 std::vector<Problem> check(const json& schema, json& value, const std::string& at) {
-  // What a schema may say. Once the walker has checked a schema by it, it need not doubt that schema any
-  // more.
+  // The schema of schemas. A schema that passed it needs no further checks in the walker.
   static const json kMeta = json::parse(slipd_meta_schema);
   json copy = schema;
   std::vector<Problem> problems;

@@ -21,12 +21,12 @@ std::string dumped(const json& v) {
 
 std::string number_text(const json& v) {
   const auto d = v.get<double>();
-  constexpr double kExact = 1e15;  // every integer below is a double, and still readable
+  constexpr double kExact = 1e15;  // integers below are exact in a double, and readable
   return std::abs(d) < kExact && d == std::floor(d) ? std::to_string(static_cast<long long>(d)) : dumped(v);
 }
 
-// " from 1 to 5", " above 0 up to 10", " of at least 3", …; bounds by the keywords' names, either may be
-// absent.
+// " from 1 to 5", " above 0 up to 10", " of at least 3", …. `min` and `max` are keywords, either may be
+// absent from the schema.
 std::string range_text(const json& schema, const char* min, const char* max) {
   std::string text;
   const bool above = schema.contains("exclusiveMinimum"), from = schema.contains(min);
@@ -76,8 +76,8 @@ std::string joined(const std::vector<std::string>& parts, const char* between) {
   return text;
 }
 
-// Damerau and Levenshtein's distance (neighbours swapped count once), without regard to case.
-std::size_t slips_between(std::string_view a, std::string_view b) {
+// The Damerau-Levenshtein distance (a transposition counts once), ignoring case.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
   const auto same = [](char x, char y) {
     return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
   };
@@ -145,11 +145,11 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
   constexpr std::size_t kLongest = 64;
   if (word.size() > kLongest) return "";
   const std::string* best = nullptr;
-  std::size_t fewest = std::min(word.size(), 1 + std::max<std::size_t>(1, word.size() / 3));
+  std::size_t least = std::min(word.size(), 1 + std::max<std::size_t>(1, word.size() / 3));
   for (const auto& candidate : candidates) {
-    const std::size_t slips = slips_between(word, candidate);
-    if (slips >= fewest) continue;
-    fewest = slips;
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance >= least) continue;
+    least = distance;
     best = &candidate;
   }
   return best == nullptr ? "" : "; did you mean " + dumped(*best) + "?";

@@ -1,4 +1,4 @@
-// How schemas and values are put into words. Inside of schema.cpp, apart for size.
+// Describes schemas and values in words. Private to schema.cpp.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,13 +6,13 @@
 
 namespace slipd {
 
-// What a value is: "a string", "an object", "an integer", …
+// The kind of a value: "a string", "an object", "an integer", …
 std::string kind_of(const nlohmann::json& value);
 
-// What a schema wants, without $ref: "a number from 0.1 to 100000 Hz", "one of "a", "b"", …
+// What a schema without $ref accepts: "a number from 0.1 to 100000 Hz", "one of "a", "b"", …
 std::string wanted(const nlohmann::json& schema);
 
-// A value as JSON on one line, shortened.
+// The value as JSON on one line, at most 80 bytes.
 std::string shown(const nlohmann::json& value);
 
 }  // namespace slipd

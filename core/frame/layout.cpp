@@ -10,7 +10,7 @@
 namespace slipd {
 namespace {
 
-// Half a million pairs for 1000 taxels: done once per sensor, a grid of cells would only be longer.
+// Compares all pairs: half a million for 1000 taxels. It runs once a sensor.
 double median_nearest_distance(const std::vector<double>& x, const std::vector<double>& y) {
   std::vector<double> nearest(x.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < x.size(); ++i) {

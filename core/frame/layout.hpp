@@ -1,4 +1,4 @@
-// Where a sensor's taxels are. A layout is made once, while setting up, and then only read.
+// Where a sensor's taxels are. A layout is made while setting up and never changes. Any thread may read it.
 #pragma once
 
 #include <cstddef>
@@ -9,37 +9,51 @@
 
 namespace slipd {
 
-// What a sensor can carry: pressure and shear per taxel, one force vector, or pressure only.
-enum class SensorClass : std::uint8_t { array3, wrench, normal };
+// What a sensor measures.
+enum class SensorClass : std::uint8_t {
+  array3,  // pressure and shear at each taxel
+  wrench,  // one force vector for the whole pad
+  normal   // pressure at each taxel, no shear
+};
 
-// Taxels are squares of one side length, which average what they feel over their area. Positions are those of
-// their centres, in metres, in the sensor's own frame (x to the right, y up, origin in the middle of a grid).
+// Positions of taxels. A taxel is a square that averages over its area; all have the same side. Positions are
+// those of the centres, in m, in the sensor's frame: x to the right, y up, the origin in the middle of a
+// grid.
 class TaxelLayout {
  public:
+  // The parameters of a regular grid.
   struct Grid {
-    std::size_t columns = 0;
-    std::size_t rows = 0;
-    double pitch_m = 0;
+    std::size_t columns = 0;  // 1 to 4096, along x
+    std::size_t rows = 0;     // 1 to 4096, along y
+    double pitch_m = 0;       // distance of neighbouring centres, m; above 0
     bool operator==(const Grid&) const = default;
   };
 
-  // A regular grid about the origin, rows from y small to large, x fastest. Throws std::invalid_argument
-  // unless both counts are 1…4096 and the pitch is finite and positive.
+  // A regular grid about the origin. Taxels are in order of rows from small y to large, x fastest. Throws
+  // std::invalid_argument unless both counts are 1 to 4096 and the pitch is finite and positive.
   static TaxelLayout grid(std::size_t columns, std::size_t rows, double pitch_m);
 
-  // Taxels anywhere. Their side is the median distance to the nearest neighbour. Throws std::invalid_argument
-  // for no taxel, coordinates that are not finite, or two taxels in one place.
+  // Taxels at any positions. Their side is the median distance to the nearest neighbour. Throws
+  // std::invalid_argument for fewer than two taxels, for lists of different length, for coordinates that are
+  // not finite, and for two taxels at the same position.
   static TaxelLayout scattered(std::vector<double> x_m, std::vector<double> y_m);
 
-  // One force vector for the whole pad: a single taxel at the origin, of the pad's side.
+  // One taxel at the origin, for a sensor of class wrench. `side_m`: of the pad. Throws std::invalid_argument
+  // unless it is finite and positive.
   static TaxelLayout wrench(double side_m);
 
+  // Number of taxels, at least 1.
   std::size_t size() const noexcept { return x_m_.size(); }
+  // Centres along x, m; size() values.
   std::span<const double> x_m() const noexcept { return x_m_; }
+  // Centres along y, m; size() values.
   std::span<const double> y_m() const noexcept { return y_m_; }
+  // Side of one taxel, m.
   double side_m() const noexcept { return side_m_; }
-  double area_m2() const noexcept { return side_m_ * side_m_; }          // of one taxel
-  const std::optional<Grid>& regular() const noexcept { return grid_; }  // set for a grid
+  // Area of one taxel, m^2.
+  double area_m2() const noexcept { return side_m_ * side_m_; }
+  // The grid's parameters; none for a layout that is not a grid.
+  const std::optional<Grid>& regular() const noexcept { return grid_; }
   bool operator==(const TaxelLayout&) const = default;
 
  private:

@@ -11,7 +11,7 @@ FrameMailbox::FrameMailbox(std::size_t taxels) : memory_(9 * taxels, 0.0F) {
     rest = rest.subspan(taxels);
     return part;
   };
-  static_assert(sizeof(FrameMailbox) % kLine == 0, "what lies behind a mailbox shares no line with it");
+  static_assert(sizeof(FrameMailbox) % kLine == 0, "an object after a mailbox shares no cache line with it");
   for (auto& entry : entries_) {
     FrameSlot& slot = entry.slot;
     slot.normal_pa = next();

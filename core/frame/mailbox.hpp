@@ -1,11 +1,9 @@
-// Where the acquire thread leaves a sensor's newest frame for the estimate thread: three slots and one atomic
-// word.
+// Hands a sensor's newest frame from the acquire thread to the estimate thread: three slots, exchanged by
+// SlotExchange.
 //
-// The acquire thread owns one slot, the estimate thread another, the third lies in the middle. Each side
-// trades its own for the one in the middle by a single exchange, so both are wait-free, the newest frame
-// always wins however long the estimator was away, and a frame is skipped exactly when an unread one comes
-// back out of the middle. A deeper queue would hand over older frames first, cost more memory, and need a way
-// to drop from its far end.
+// Both sides are wait-free. The newest frame wins, however late the estimate thread is. A frame counts as
+// skipped exactly when publish replaces one that was not taken. A queue would hand over the oldest frame
+// first, need more memory, and drop the newest frame when full.
 #pragma once
 
 #include <array>
@@ -18,52 +16,55 @@
 
 namespace slipd {
 
-// What the acquire thread had counted when it published a frame. It travels with the frame, so that the
-// estimate thread's sums belong together: what it takes as number n after number m means that n - m - 1 were
-// skipped.
-struct Tally {
-  std::uint64_t received = 0;  // frames so far, this one included
-  std::uint64_t gaps = 0;      // jumps of the sequence number
-  std::uint64_t lost = 0;      // sequence numbers that those jumps left out
+// The acquire thread's counters at the time it published a frame. They travel with the frame. A reader that
+// takes a frame with received = n after one with received = m knows that n - m - 1 frames were skipped.
+struct ArrivalCounts {
+  std::uint64_t received = 0;  // frames up to and with this one
+  std::uint64_t gaps = 0;      // jumps of the sequence number so far
+  std::uint64_t lost = 0;      // sequence numbers missing in those jumps
 };
 
+// Thread-safe between one writer and one reader. Constructed and destroyed while neither runs.
 class FrameMailbox {
  public:
-  // All memory there ever is: three slots of 3 x taxels floats, touched here so that no page fault comes
+  // Allocates all memory: three slots of 3 x `taxels` floats. Writes to it, so that no page fault comes
   // later.
   explicit FrameMailbox(std::size_t taxels);
   FrameMailbox(const FrameMailbox&) = delete;
   FrameMailbox& operator=(const FrameMailbox&) = delete;
 
-  // Acquire thread: the slot to fill next. Valid until publish.
-  FrameSlot writable() const noexcept { return entries_[exchange_.filling()].slot; }
+  // Called from one thread: acquire. The slot to fill next; valid until publish.
+  FrameSlot writable() const noexcept { return entries_[exchange_.writer_slot()].slot; }
 
-  // Acquire thread: hands over `filled`, which writable() gave and the driver filled. True if an unread frame
-  // was replaced by it (which is then counted as skipped).
-  bool publish(const FrameSlot& filled, const Tally& tally = {}) noexcept {
-    entries_[exchange_.filling()].slot = filled;
-    entries_[exchange_.filling()].tally = tally;
-    return exchange_.hand_over();
+  // Called from one thread: acquire. Publishes `filled`, which is a copy of writable() with its values set.
+  // Returns true if it replaced a frame that was not taken. Wait-free.
+  bool publish(const FrameSlot& filled, const ArrivalCounts& arrivals = {}) noexcept {
+    entries_[exchange_.writer_slot()].slot = filled;
+    entries_[exchange_.writer_slot()].arrivals = arrivals;
+    return exchange_.publish();
   }
 
-  // Either thread: whether a published frame has not been taken yet. A hint.
-  bool unread() const noexcept { return exchange_.fresh(); }
+  // Called from both threads. Whether a published frame was not taken yet. Only a hint: the answer may be
+  // outdated when it returns.
+  bool has_unread() const noexcept { return exchange_.has_unread(); }
 
-  // Estimate thread: the newest frame not yet seen, or null. Valid until the next take.
+  // Called from one thread: estimate. The newest frame if it was not taken before, else null. Valid until the
+  // next take that returns a frame. Wait-free.
   const FrameSlot* take() noexcept {
-    return exchange_.take() ? &entries_[exchange_.reading()].slot : nullptr;
+    return exchange_.take() ? &entries_[exchange_.reader_slot()].slot : nullptr;
   }
 
-  // Estimate thread: what was published with the frame last taken.
-  const Tally& tally() const noexcept { return entries_[exchange_.reading()].tally; }
+  // Called from one thread: estimate. The counters published with the frame last taken; zeros before the
+  // first.
+  const ArrivalCounts& arrivals() const noexcept { return entries_[exchange_.reader_slot()].arrivals; }
 
  private:
-  // A cache line is never both sides' at once: what one writes for itself would slow the other one down. Each
-  // entry is one side's while it is held, so it has its lines for itself, as the exchange's words have.
+  // Each entry has cache lines of its own: at any time it belongs to one side, and a shared line would slow
+  // the other side down (false sharing).
   static constexpr std::size_t kLine = 64;
   struct alignas(kLine) Entry {
     FrameSlot slot;
-    Tally tally;
+    ArrivalCounts arrivals;
   };
   static_assert(sizeof(Entry) % kLine == 0);
   std::vector<float> memory_;

@@ -7,17 +7,14 @@
 #include <cstdint>
 #include <span>
 
-namespace slipd {
+#include "core/simd/taxel_runs.hpp"
 
-// Neighbouring taxels [first, end).
-struct TaxelRun {
-  std::uint32_t first = 0, end = 0;
-};
+namespace slipd {
 
 // One frame's channels beside the taxels' places, each with at least kLanes values (zeros where there are
 // fewer taxels).
 struct TaxelView {
-  static constexpr std::size_t kLanes = 16;
+  static constexpr std::size_t kLanes = kMaxLanes;
   const float *normal_pa = nullptr, *shear_x_pa = nullptr, *shear_y_pa = nullptr, *x_m = nullptr,
               *y_m = nullptr;
   std::size_t size = 0;

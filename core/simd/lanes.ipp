@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/patch/disc_kernels.hpp"
+#include "core/simd/taxel_runs.hpp"
 
 namespace slipd {
 namespace {
@@ -29,7 +29,7 @@ using Doubles = double __attribute__((vector_size(kRegisterBytes)));
 #define SLIPD_INLINE [[gnu::always_inline]] inline
 
 constexpr std::size_t kLanes = kRegisterBytes / sizeof(float);
-static_assert(TaxelView::kLanes % kLanes == 0);
+static_assert(kMaxLanes % kLanes == 0);
 constexpr int kBlocks = 32;  // of single precision before they are added in double
 
 SLIPD_INLINE Floats load(const float* from) noexcept {

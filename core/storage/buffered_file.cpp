@@ -13,7 +13,7 @@
 namespace slipd {
 
 BufferedFile::BufferedFile(const std::filesystem::path& path, std::size_t capacity) : memory_(capacity) {
-  // Non-blocking, so that a pipe which nobody writes to is refused below instead of waited for here.
+  // Non-blocking, so that opening a pipe without writer does not wait. It is refused below.
   fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) throw std::system_error(errno, std::generic_category(), path.string());
   struct stat status {};

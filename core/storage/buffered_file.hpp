@@ -1,7 +1,7 @@
-// A regular file read from its start through one block of memory: what the readers of recordings and of CSV
-// stand on. Memory is taken while setting up; peek and consume neither allocate nor throw, so a driver may
-// call them while reading. They do wait for the disk. (Not mapped: a file cut short under a mapping ends the
-// process with SIGBUS.)
+// Reads a regular file from its start through one buffer. Used by the readers of recordings and of CSV. The
+// buffer is allocated while setting up; peek and consume neither allocate nor throw, so that a driver's read
+// may call them. They may wait for the disk. The file is not memory-mapped, because truncating a mapped file
+// ends the process with SIGBUS.
 #pragma once
 
 #include <cstddef>
@@ -12,28 +12,37 @@
 
 namespace slipd {
 
+// Not thread-safe: one thread at a time.
 class BufferedFile {
  public:
-  // Throws std::system_error when the file cannot be opened or is no regular file.
+  // Opens `path` with a buffer of `capacity` bytes. Throws std::system_error if the file cannot be opened or
+  // is not a regular file.
   BufferedFile(const std::filesystem::path& path, std::size_t capacity);
   ~BufferedFile();
   BufferedFile(BufferedFile&& other) noexcept;
   BufferedFile& operator=(BufferedFile&&) = delete;
 
-  // The bytes at hand: at least `wanted` of them unless the file ends before or cannot be read, which error()
-  // tells. `wanted` is cut to the capacity. Valid until the next call.
+  // The buffered bytes from offset() on: at least `wanted` of them, fewer at the end of the file or after an
+  // error. `wanted` is limited to the capacity. Valid until the next call.
   std::span<const std::uint8_t> peek(std::size_t wanted) noexcept;
+  // Moves offset() forward by `bytes`, at most to the end of what peek returned.
   void consume(std::size_t bytes) noexcept;
 
-  std::uint64_t offset() const noexcept { return offset_; }  // of the first byte not consumed
-  int error() const noexcept { return error_; }              // errno of the read that failed, else 0
+  // Position in the file of the first byte that was not consumed.
+  std::uint64_t offset() const noexcept { return offset_; }
+  // errno of the read that failed; 0: none did.
+  int error() const noexcept { return error_; }
+  // Size of the buffer, bytes.
   std::size_t capacity() const noexcept { return memory_.size(); }
-  void reserve(std::size_t capacity);  // while setting up; never shrinks; what peek gave is no longer valid
+  // Enlarges the buffer; never shrinks it. Allocates, so only while setting up. Invalidates what peek
+  // returned.
+  void reserve(std::size_t capacity);
+  // Starts again at the beginning of the file and clears the error.
   void rewind() noexcept;
 
  private:
   std::vector<std::uint8_t> memory_;
-  std::size_t begin_ = 0, end_ = 0;  // the bytes at hand
+  std::size_t begin_ = 0, end_ = 0;  // the buffered bytes
   std::uint64_t offset_ = 0;
   int fd_ = -1;
   int error_ = 0;

@@ -84,7 +84,7 @@ Reader::Head Reader::any_head(const char* expected) noexcept {
     return head;
   }
   if (head.info > 27) {
-    fail(expected, false);  // reserved, or of indefinite length
+    fail(expected, false);  // a reserved value, or an item of indefinite length
     return {};
   }
   const std::size_t more = std::size_t{1} << (head.info - 24);

@@ -1,6 +1,6 @@
-// The few pieces of CBOR (RFC 8949) that a frame in a recording is made of, written and read in place: no
-// allocation, no exception, no recursion. Everything richer (the header) goes through nlohmann's, once
-// item_size has shown it sound.
+// The part of CBOR (RFC 8949) that a frame in a recording needs, written and read in place without
+// allocation, exceptions or recursion. Everything else (the header) is parsed by nlohmann::json, after
+// is_sound accepted it.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,24 @@
 
 namespace slipd::cbor {
 
-inline constexpr std::uint64_t kFloat32LittleEndian = 85;  // tag of RFC 8746, a typed array in a byte string
+// Tag of a byte string that is an array of little-endian float32 (RFC 8746).
+inline constexpr std::uint64_t kFloat32LittleEndian = 85;
 
-// Appends to memory that the caller has made large enough: a head takes at most 9 bytes, a text its length
-// more.
+// Writes items one after another, without bounds checks: the caller provides enough memory. A head takes at
+// most 9 bytes, a text its length in addition, an array 4 bytes a value in addition. Not thread-safe.
 class Writer {
  public:
   explicit Writer(std::uint8_t* at) noexcept : at_(at) {}
+  // The head of a map; 2 x `entries` items must follow.
   void map(std::uint64_t entries) noexcept { head(5, entries); }
   void text(std::string_view s) noexcept;
   void integer(std::int64_t v) noexcept;
   void unsigned_integer(std::uint64_t v) noexcept { head(0, v); }
-  void float64_or_null(double v) noexcept;  // NaN is null
+  // NaN is written as null.
+  void float64_or_null(double v) noexcept;
   void null() noexcept { *at_++ = 0xF6; }
   void float32_array(std::span<const float> values) noexcept;
+  // The first byte that was not written.
   const std::uint8_t* at() const noexcept { return at_; }
 
  private:
@@ -32,25 +36,30 @@ class Writer {
   std::uint8_t* at_;
 };
 
-// Reads items one after another. The first thing that is not as asked for sets fault() and ends the reading:
-// everything after returns zeros. starved() tells a fault of bytes that are missing from one of bytes that
-// are wrong.
+// Reads items one after another. The first item of another kind than requested sets fault(); every later call
+// returns zeros. Not thread-safe.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
+  // The number of entries of a map.
   std::uint64_t map() noexcept { return head(5, "a map"); }
+  // A text that must equal `expected`.
   void text(std::string_view expected) noexcept;
   std::uint64_t unsigned_integer() noexcept { return head(0, "a count"); }
   std::int64_t integer() noexcept;
   std::optional<std::int64_t> integer_or_null() noexcept;
-  double float64_or_null() noexcept;  // null is NaN
-  // Fills `out`; an array of another length is a fault.
+  // Null is returned as NaN.
+  double float64_or_null() noexcept;
+  // Fills `out`. An array of another length is a fault.
   void float32_array(std::span<float> out) noexcept;
 
   bool ok() const noexcept { return fault_ == nullptr; }
+  // Whether the fault is that bytes are missing, and not that they are wrong.
   bool starved() const noexcept { return starved_; }
-  const char* fault() const noexcept { return fault_; }        // what was expected; null without a fault
-  std::size_t position() const noexcept { return position_; }  // bytes read; at a fault, where it is
+  // What was expected at the fault; null without a fault.
+  const char* fault() const noexcept { return fault_; }
+  // Bytes read so far; at a fault, its position.
+  std::size_t position() const noexcept { return position_; }
 
   // Skips one item of any kind, of definite length and nested at most 16 deep.
   void skip() noexcept;
@@ -72,8 +81,8 @@ class Reader {
   bool starved_ = false;
 };
 
-// Whether these bytes are one item, all of definite length and nested at most 16 deep: to be asked before a
-// parser that recurses sees them.
+// Whether `bytes` are exactly one item, of definite length throughout and nested at most 16 deep. Call it
+// before a parser that recurses.
 bool is_sound(std::span<const std::uint8_t> bytes) noexcept;
 
 }  // namespace slipd::cbor

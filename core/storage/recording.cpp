@@ -17,16 +17,16 @@ namespace {
 
 constexpr std::size_t kGather = std::size_t{1} << 20;
 constexpr std::size_t kFirstLook = std::size_t{1} << 14;
-constexpr std::uint64_t kEntries = 8;  // of a frame; one more with an estimate
+constexpr std::uint64_t kEntries = 8;  // of a frame without estimate
 constexpr std::uint64_t kEstimateEntries = 7;
 constexpr int kPatienceMs = 1000;
 
-// All names, heads and numbers of a frame and its estimate together stay below 350 bytes.
+// Bytes of a frame at most. Everything but the taxels' values takes less than 350 bytes.
 std::size_t largest_frame(std::size_t taxels) {
   return 384 + 3 * taxels * sizeof(float);
 }
 
-// The numbers of an estimate under their names, for writing and reading alike.
+// Calls `body` with the name and the value of each number. Writing and reading use the same list.
 template <typename Estimate, typename Body>
 void for_each_number(Estimate& estimate, Body body) {
   body("gamma", estimate.gamma);
@@ -49,7 +49,7 @@ void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept 
   });
 }
 
-// False: it is a map, but not of this many entries.
+// False: the estimate's map has another number of entries.
 bool take_estimate(cbor::Reader& in, RecordedEstimate& estimate) noexcept {
   in.text("estimate");
   if (in.map() != kEstimateEntries && in.ok()) return false;

@@ -1,19 +1,30 @@
-// Recordings of one sensor's frames: a CBOR sequence (RFC 8742), so that a file cut short is whole up to the
-// cut, can be appended to without going back, and is read by any CBOR library.
+// Recordings of one sensor's frames. A recording is a CBOR sequence (RFC 8742): a file that was cut is whole
+// up to the cut, frames are appended without seeking, and any CBOR library reads it.
 //
-//   first item   map: "format" "slipd-recording", "version" 1, "sensor", "class" array3|wrench|normal,
-//   "layout"
-//                {"grid": [columns, rows], "pitch_m"} or {"x_m": […], "y_m": […]} or {"side_m"} (wrench),
-//                "rate_hz", "simulated", "start_realtime_ns", "start_monotonic_ns" (one moment on both
-//                clocks), "description", "zeroed" (without it: true)
-//   each frame   map of exactly these, in this order: "seq" uint, "time_ns" int (CLOCK_MONOTONIC),
-//   "device_time_ns" int or
-//                null, "truth_gamma" and "truth_friction" float64 or null, "normal_pa", "shear_x_pa",
-//                "shear_y_pa": arrays of float32, little-endian, as RFC 8746 has them (tag 85), one value a
-//                taxel in the layout's order. Where it is known what was estimated then (flight recorder), a
-//                ninth, "estimate": map of "state" and "alert", uint, in the order of State and Alert of
-//                core/estimate/estimate.hpp; "gamma", "sigma", "friction", "normal_n", "shear_n": float64 or
-//                null
+// The first item is a map:
+//   "format"              "slipd-recording"
+//   "version"             1
+//   "sensor"              its name
+//   "class"               "array3", "wrench" or "normal"
+//   "layout"              {"grid": [columns, rows], "pitch_m"}, {"x_m": […], "y_m": […]} or {"side_m"}
+//   "rate_hz"             0: unknown
+//   "simulated"           true or false
+//   "start_realtime_ns"   start of the recording on CLOCK_REALTIME
+//   "start_monotonic_ns"  the same moment on CLOCK_MONOTONIC
+//   "description"         of the device, for people
+//   "zeroed"              true or false; absent: true
+// Each frame is a map of exactly these entries in this order:
+//   "seq"                 uint
+//   "time_ns"             int, CLOCK_MONOTONIC
+//   "device_time_ns"      int or null
+//   "truth_gamma"         float64 or null
+//   "truth_friction"      float64 or null
+//   "normal_pa"           array of little-endian float32 (RFC 8746, tag 85), one value a taxel
+//   "shear_x_pa"          the same
+//   "shear_y_pa"          the same
+//   "estimate"            present if the frame's estimate is known (flight recorder): map of "state" and
+//                         "alert" (uint, numbered as State and Alert of core/estimate/estimate.hpp), "gamma",
+//                         "sigma", "friction", "normal_n" and "shear_n" (float64 or null)
 #pragma once
 
 #include <chrono>
@@ -32,58 +43,83 @@
 
 namespace slipd {
 
-inline constexpr std::size_t kRecordingMaxTaxels = std::size_t{1} << 20;  // of a grid; scattered: 16384
+// Most taxels of a grid; a scattered layout has at most 16384.
+inline constexpr std::size_t kRecordingMaxTaxels = std::size_t{1} << 20;
 
+// What a recording says once of all its frames.
 struct RecordingHeader {
+  // The sensor's name in the configuration; at most 4096 bytes are written.
   std::string sensor;
+  // What the sensor measures.
   SensorClass sensor_class = SensorClass::array3;
+  // Where its taxels are.
   TaxelLayout layout;
-  double rate_hz = 0;  // 0: unknown
+  // Frames a second as the device says; 0: unknown.
+  double rate_hz = 0;
+  // Whether the frames come from a simulation.
   bool simulated = false;
+  // Start of the recording, ns, CLOCK_REALTIME.
   std::int64_t start_realtime_ns = 0;
+  // The same moment, ns, CLOCK_MONOTONIC.
   std::int64_t start_monotonic_ns = 0;
-  std::string description;  // for people, of any length up to some thousand characters
-  bool zeroed = true;       // its frames read 0 without load
+  // The device, for people; at most 4096 bytes are written.
+  std::string description;
+  // Whether frames read 0 without load.
+  bool zeroed = true;
 };
 
-// What was estimated from a frame when it was recorded. NaN: not known.
+// What was estimated from a frame when it was recorded. Unknown numbers are NaN.
 struct RecordedEstimate {
-  std::uint8_t state = 0, alert = 0;  // as numbered in core/estimate/estimate.hpp, which stands above this
-  double gamma = kUnknown, sigma = kUnknown, friction = kUnknown;
-  double normal_n = kUnknown, shear_n = kUnknown;
+  // State of core/estimate/estimate.hpp, as a number: this room does not include estimate.
+  std::uint8_t state = 0;
+  // Alert of core/estimate/estimate.hpp, as a number.
+  std::uint8_t alert = 0;
+  // Safety margin, 0 to 1.
+  double gamma = kUnknown;
+  // Standard deviation of gamma.
+  double sigma = kUnknown;
+  // Friction coefficient.
+  double friction = kUnknown;
+  // Normal force, N.
+  double normal_n = kUnknown;
+  // Tangential force, N.
+  double shear_n = kUnknown;
 };
 
-// `FILE: byte N: what is wrong, what was expected`.
+// what() is `FILE: byte N: what is wrong, what was expected`.
 class RecordingError : public std::runtime_error {
  public:
   RecordingError(const std::string& what, std::uint64_t offset) : std::runtime_error(what), offset_(offset) {}
+  // Position of the fault in the file, bytes.
   std::uint64_t offset() const noexcept { return offset_; }
 
  private:
   std::uint64_t offset_;
 };
 
-// Writer thread. Frames gather in memory and go to the file when it is full or `flush_after` has passed.
+// Writes a recording. Frames are buffered and written when the buffer is full or `flush_after` has passed.
+// Not thread-safe. Called from one thread: the recording's writer.
 class RecordingWriter {
  public:
-  // `fd` stays the caller's and open as long as the writer lives. The header is written with the first
-  // frames. Throws std::invalid_argument for a layout too large to record.
+  // The caller owns `fd` and keeps it open while the writer lives. The header is written with the first
+  // frames. Throws std::invalid_argument for a layout that is too large to record.
   RecordingWriter(int fd, const RecordingHeader& header,
                   std::chrono::milliseconds flush_after = std::chrono::milliseconds(500));
-  ~RecordingWriter();  // flushes
+  // Flushes; an error is ignored.
+  ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  // Allocates nothing, may wait for the disk. The first error (disk full, pipe closed, a reader that takes
-  // nothing for a second) stays: whatever comes later is refused with it. A frame of another size is
-  // invalid_argument and leaves no mark.
-  // `estimate` may be null: nothing is known of one.
+  // Appends a frame and its estimate; null: the estimate is not known. Allocates nothing, may wait for the
+  // disk. The first error (disk full, pipe closed, a pipe whose reader takes nothing for a second) is
+  // permanent: every later call returns it. A frame of another size returns invalid_argument, which is not
+  // permanent.
   [[nodiscard]] std::error_code append(const FrameSlot& frame,
                                        const RecordedEstimate* estimate = nullptr) noexcept;
+  // Writes what is buffered. May wait for the disk.
   std::error_code flush() noexcept;
-  std::uint64_t bytes() const noexcept {
-    return written_ + size_;
-  }  // of the file, with what still lies in memory
+  // Size of the recording, bytes, with what is still buffered.
+  std::uint64_t bytes() const noexcept { return written_ + size_; }
 
  private:
   int fd_;
@@ -96,30 +132,34 @@ class RecordingWriter {
   std::error_code error_;
 };
 
-// Streams through a recording of any length in the memory of a few frames. After construction nothing
-// allocates or throws, whatever the file holds.
+// Reads a recording of any length in the memory of a few frames. After construction nothing but fault()
+// allocates, and nothing throws, whatever the file holds. Not thread-safe: one thread at a time.
 class RecordingReader {
  public:
   enum class Status : std::uint8_t {
     frame,   // `out` is filled
     end,     // the file ended after a whole frame
-    damaged  // it did not, or is no recording from here on: fault() says what and where. Everything before
-             // was whole.
+    damaged  // the file ended within a frame or is no recording from here on; see fault(). All frames before
+             // were whole.
   };
 
-  // Throws RecordingError for a header that is no recording's, std::system_error for a file that cannot be
-  // read.
+  // Reads the header. Throws RecordingError if it is not a recording's, std::system_error if the file cannot
+  // be read.
   explicit RecordingReader(const std::filesystem::path& file);
 
   const RecordingHeader& header() const noexcept { return header_; }
 
-  // `out`'s spans must have the layout's size; else damaged. end and damaged stay until rewind.
-  // `estimate`, if wanted, is what was recorded with the frame.
+  // Reads the next frame. The spans of `out` must have the layout's size, else the result is damaged. end and
+  // damaged stay until rewind. `estimate` may be null; else it gets the frame's estimate, or nothing if none
+  // was recorded.
   Status next(FrameSlot& out, std::optional<RecordedEstimate>* estimate = nullptr) noexcept;
-  void rewind() noexcept;  // to the first frame
+  // Returns to the first frame.
+  void rewind() noexcept;
 
+  // Position of the damage, bytes; 0 without damage.
   std::uint64_t fault_offset() const noexcept { return fault_offset_; }
-  std::string fault() const;  // `FILE: byte N: …`; empty without one. Allocates.
+  // `FILE: byte N: …`; empty without damage. Allocates.
+  std::string fault() const;
 
  private:
   RecordingHeader read_header();

@@ -22,7 +22,7 @@ constexpr std::array<std::pair<SensorClass, const char*>, 3> kClasses{
   throw std::invalid_argument(what);
 }
 
-// A short picture of a value for an error; never longer than a line, whatever the file held.
+// The value as JSON for an error message, cut to 40 bytes.
 std::string shown(const json& value) {
   std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
   if (text.size() > 40) text.replace(37, std::string::npos, "...");

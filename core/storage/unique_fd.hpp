@@ -1,4 +1,4 @@
-// A file descriptor that closes itself. Any thread.
+// A file descriptor that is closed by its destructor. Not thread-safe; any one thread.
 #pragma once
 
 #include <unistd.h>
@@ -9,7 +9,9 @@ namespace slipd {
 
 class UniqueFd {
  public:
+  // Owns nothing.
   UniqueFd() = default;
+  // Owns `fd`; a negative one is none.
   explicit UniqueFd(int fd) noexcept : fd_(fd) {}
   UniqueFd(UniqueFd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   UniqueFd& operator=(UniqueFd&& other) noexcept {
@@ -20,7 +22,9 @@ class UniqueFd {
     if (fd_ >= 0) close(fd_);
   }
 
+  // The descriptor, negative if none.
   int get() const noexcept { return fd_; }
+  // Gives the descriptor up to the caller.
   int release() noexcept { return std::exchange(fd_, -1); }
   explicit operator bool() const noexcept { return fd_ >= 0; }
 

@@ -16,14 +16,14 @@ namespace slipd {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kMark = ".new-";  // of what is written beside, before the writer's process
+constexpr const char* kMark = ".new-";  // of a temporary file: FILE.new-PID
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what, int error) {
-  // std::generic_category instead of strerror, whose buffer is shared by all threads.
+  // Not strerror: its buffer is shared by all threads.
   throw std::runtime_error(file.string() + what + std::generic_category().message(error));
 }
 
-// Removes what writers that were killed have left beside `file`: who still writes holds a lock.
+// Removes the temporary files of killed writers. A running writer holds a lock on its own.
 void remove_abandoned(const fs::path& file) {
   const std::string begin = file.filename().string() + kMark;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -61,10 +61,10 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes,
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   if (error) refuse(file.parent_path(), ": cannot be made: ", error.value());
-  // Two that write the same file at once write each into one of its own.
+  // The process id: two processes that write the same file at once need two temporary files.
   const fs::path beside = file.string() + kMark + std::to_string(::getpid());
   remove_abandoned(file);
-  fs::remove(beside, error);  // whatever else has this name
+  fs::remove(beside, error);  // left by an earlier process of the same id
   try {
     write_synced(beside, bytes, mode);
     fs::rename(beside, file);
@@ -75,7 +75,7 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes,
 }
 
 std::vector<std::uint8_t> read_own_file(const fs::path& file, std::size_t most) {
-  // Not to wait for the writer of a pipe that somebody may have put there.
+  // Non-blocking, so that opening a pipe without writer does not wait. It is refused below.
   const UniqueFd opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!opened) {
     if (errno == ELOOP)

@@ -1,4 +1,4 @@
-// What is asked and told of one sensor's zero across threads.
+// Requests and reports about one sensor's bias, between io, the acquire thread and the bias store.
 #pragma once
 
 #include <atomic>
@@ -9,44 +9,54 @@
 
 namespace slipd {
 
+// A request to measure the bias anew.
 struct BiasRequest {
-  std::uint32_t number = 0;  // from 1; 0: there was none
+  // Counts requests from 1; 0: there was none.
+  std::uint32_t number = 0;
+  // Measure even if the sensor seems to be in contact.
   bool force = false;
 };
 
+// Thread-safe. Each member says which thread may call it.
 class BiasChannel {
  public:
-  Latest<BiasReport> report;  // acquire thread writes
-  // Acquire thread writes, while setting up: the device does not zero itself. Relaxed: nothing else is read
-  // on its word.
+  // Written by one thread: acquire. Read from any thread.
+  Latest<BiasReport> report;
+  // Whether slipd has to subtract a bias, because the device does not. Written by one thread: acquire, while
+  // it opens the device. Read from any thread. Relaxed: no other memory is read because of this value.
   std::atomic<bool> needed{false};
 
-  // io. A new zero is wanted; the request's number.
-  std::uint32_t ask(bool force) noexcept {
-    const std::uint32_t number = newest().number + 1;
-    // Relaxed: nothing else is read on its word.
-    wanted_.store(number << 1U | (force ? 1U : 0U), std::memory_order_relaxed);
+  // Called from one thread: io. Requests a new bias and returns the request's number. The caller wakes
+  // nobody: the acquire thread looks at each frame.
+  std::uint32_t request(bool force) noexcept {
+    const std::uint32_t number = newest_request().number + 1;
+    // Relaxed: no other memory is read because of this value.
+    requested_.store(number << 1U | (force ? 1U : 0U), std::memory_order_relaxed);
     return number;
   }
 
-  // Any thread: whether its frames read 0 without load.
+  // Called from any thread. Whether frames read 0 without load: the bias is known or not needed.
   bool known() const noexcept {
     return !needed.load(std::memory_order_relaxed) || report.load().origin != BiasOrigin::none;
   }
 
-  // Any thread: the newest request.
-  BiasRequest newest() const noexcept {
-    const std::uint32_t word = wanted_.load(std::memory_order_relaxed);
+  // Called from any thread. The newest request.
+  BiasRequest newest_request() const noexcept {
+    const std::uint32_t word = requested_.load(std::memory_order_relaxed);
     return {word >> 1U, (word & 1U) != 0};
   }
 
-  // Keeper of zeros: all requests up to this one are answered, and a zero that was taken is on disk if that
-  // can be. Release: whoever reads it finds the report, and the trouble there was, as they were then.
-  void settle(std::uint32_t request) noexcept { settled_.store(request, std::memory_order_release); }
-  std::uint32_t settled() const noexcept { return settled_.load(std::memory_order_acquire); }
+  // Called from one thread: bias store. All requests up to number `request` are done, and a new bias is on
+  // disk unless writing failed. Release: pairs with completed().
+  void complete(std::uint32_t request) noexcept { completed_.store(request, std::memory_order_release); }
+
+  // Called from any thread. The number of the newest request that is done. Acquire: pairs with complete(), so
+  // that the report and DeviceFacts::zero_trouble belong to that request or a later one.
+  std::uint32_t completed() const noexcept { return completed_.load(std::memory_order_acquire); }
 
  private:
-  std::atomic<std::uint32_t> wanted_{0}, settled_{0};
+  std::atomic<std::uint32_t> requested_{0};  // number << 1 | force
+  std::atomic<std::uint32_t> completed_{0};
 };
 
 }  // namespace slipd

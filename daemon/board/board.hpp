@@ -1,5 +1,6 @@
-// What the real-time threads tell everybody else: one panel per sensor, one ring of events, log rings. Made
-// once, before any thread; its size never changes while it lives.
+// What threads share: a status for each sensor and grasp, a queue of events, log rings. The pipeline writes
+// it; io, the CAN thread and the recorders read it. It is built before any thread starts, and its lists never
+// change afterwards.
 #pragma once
 
 #include <atomic>
@@ -18,73 +19,105 @@
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
 #include "daemon/board/record_tap.hpp"
+#include "daemon/rt/io_wakeup.hpp"
 #include "daemon/rt/latest.hpp"
 #include "daemon/rt/log_ring.hpp"
-#include "daemon/rt/wake.hpp"
 
 namespace slipd {
 
-// Frames of one sensor up to and with the one last answered. received = estimated + skipped, always.
-struct Counts {
-  std::uint64_t received = 0;   // handed over by the driver
-  std::uint64_t estimated = 0;  // answered by an Estimate
-  std::uint64_t skipped = 0;    // replaced by a newer one before the estimator came to them
-  std::uint64_t gaps = 0;       // jumps in the device's sequence numbers
-  std::uint64_t lost = 0;       // frames that are missing in those gaps
+// Frames of one sensor up to and with the one last estimated. Always received = estimated + skipped.
+struct FrameCounts {
+  std::uint64_t received = 0;   // delivered by the driver
+  std::uint64_t estimated = 0;  // an estimate was published for them
+  std::uint64_t skipped = 0;    // replaced by a newer one before they were estimated
+  std::uint64_t gaps = 0;       // jumps of the device's sequence number
+  std::uint64_t lost = 0;       // sequence numbers missing in those jumps
 };
 
+// What the estimate thread publishes for a sensor.
 struct Published {
   Estimate estimate;
-  Counts counts;
+  FrameCounts counts;
 };
 
-enum class Link : std::uint8_t {
-  opening,  // first attempt under way
-  open,
-  absent,  // not there or lost; being reopened
-  ended    // a recording is over
+// State of a sensor's device.
+enum class DeviceLink : std::uint8_t {
+  opening,  // the first attempt to open it has not ended
+  open,     // frames are read
+  absent,   // it could not be opened or was lost; it is tried again
+  ended     // it was a recording, which is over
 };
 
-// Known once the device is open. Written by set-up threads, read by io; no real-time thread comes near it.
+// What is known of a device once it is open. Written by acquire and set-up threads while they set up, and by
+// the bias store; read by io and recorders. Guarded by a mutex; not used by real-time code.
 struct DeviceFacts {
-  std::string description, serial;
+  // For people; empty until the device was opened.
+  std::string description;
+  // The device's serial number; empty: it has none.
+  std::string serial;
+  // What the sensor measures.
   SensorClass sensor_class = SensorClass::array3;
+  // Where its taxels are; none until the device was opened.
   std::optional<TaxelLayout> layout;
-  double rate_hz = 0;        // 0: the device does not say
-  std::string method;        // empty until an estimator is ready
-  WorkPrecision tradeoff;    // what `auto` chose it from, or came with its model; else without rows
-  std::string trouble;       // why it is absent; empty: it is not
-  std::string zero_trouble;  // why its zero was not restored, or is not kept; empty: it is
+  // Frames a second; 0: the device does not say.
+  double rate_hz = 0;
+  // The estimator's method; empty until there is an estimator.
+  std::string method;
+  // Error against run time of the methods on this sensor's scene; without rows until it was measured.
+  WorkPrecision tradeoff;
+  // Why there is no device or no estimator, for people; empty: there is.
+  std::string trouble;
+  // Why the bias was not restored or not saved, for people; empty: it was.
+  std::string zero_trouble;
 };
 
+// Everything that threads share about one sensor. Thread-safe; each member names its writer.
 class SensorStatus {
  public:
   SensorStatus(std::string sensor_name, std::string driver_name)
       : name(std::move(sensor_name)), driver(std::move(driver_name)) {}
 
-  const std::string name, driver;
-  Latest<Published> latest;  // estimate thread writes
-  LatencyHistogram latency;  // estimate thread writes: sample → published
-  FrameCopy frame;           // io and estimate thread
-  BiasChannel zero;
-  RecordTap flight_tap;  // acquire thread and the flight recorder
-  RecordTap tap;         // acquire thread and whoever records
-  // Acquire thread writes, while setting up. Relaxed: nothing else is read on its word.
+  // As configured; unique.
+  const std::string name;
+  // The driver's name.
+  const std::string driver;
+  // Written by one thread: estimate.
+  Latest<Published> latest;
+  // From the sample to its published estimate. Written by one thread: estimate.
+  LatencyHistogram latency;
+  // Shared by io and the estimate thread.
+  FrameCopy frame_copy;
+  // Shared by io, the acquire thread and the bias store.
+  BiasChannel bias;
+  // Shared by the acquire thread and the flight recorder.
+  RecordTap flight_tap;
+  // Shared by the acquire thread and the writer of a client's recording.
+  RecordTap record_tap;
+  // Whether the device is a simulation. Written by one thread: acquire, while it opens the device. Relaxed:
+  // no other memory is read because of this value.
   std::atomic<bool> simulated{false};
-  // Estimate thread writes, once it knows the device: after so long without a frame an estimate holds no
-  // more. Relaxed: a number of its own.
+  // Without a frame for this long, ns, an estimate is stale. Written by one thread: estimate, when it learns
+  // the device's rate. Relaxed: an independent value.
   std::atomic<std::int64_t> stale_after_ns{20'000'000};
-  // Acquire thread writes, with release: whoever reads it with acquire (EstimateLoop::work, can's CanSource)
-  // finds the frames that came before. Relaxed where it is only told.
-  std::atomic<Link> link{Link::opening};
-  // Acquire thread writes. Relaxed: each is a number of its own.
-  std::atomic<std::uint64_t> corrupt{0}, timeouts{0}, reconnects{0};
-  std::atomic<std::uint64_t> events_lost{0};  // estimate thread writes: the event ring was full. Relaxed, too
+  // Written by one thread: acquire, with release. A reader with acquire (EstimateLoop::process,
+  // can::CanSource::view_at) also sees the frames delivered before. Readers that only show it use relaxed.
+  std::atomic<DeviceLink> link{DeviceLink::opening};
+  // Packets or frames that the driver dropped. Written by one thread: acquire. Relaxed: a counter.
+  std::atomic<std::uint64_t> corrupt{0};
+  // Reads that returned without a frame. Written by one thread: acquire. Relaxed: a counter.
+  std::atomic<std::uint64_t> timeouts{0};
+  // Times that the device was opened again. Written by one thread: acquire. Relaxed: a counter.
+  std::atomic<std::uint64_t> reconnects{0};
+  // Events that did not fit into Board::events. Written by one thread: estimate. Relaxed: a counter.
+  std::atomic<std::uint64_t> events_lost{0};
 
+  // A copy of what is known of the device. Called from any thread but real-time ones: it locks and allocates.
   DeviceFacts facts() const {
     const std::lock_guard lock(mutex_);
     return facts_;
   }
+
+  // Calls `change` with the facts, under the lock. Called from any thread but real-time ones.
   template <typename Change>
   void change_facts(Change change) {
     const std::lock_guard lock(mutex_);
@@ -96,30 +129,41 @@ class SensorStatus {
   DeviceFacts facts_;
 };
 
-// Sensors that hold one object.
+// What threads share about a grasp: sensors that hold one object. Thread-safe.
 class GraspStatus {
  public:
   GraspStatus(std::string grasp_name, std::vector<std::size_t> its_sensors)
       : name(std::move(grasp_name)), sensors(std::move(its_sensors)) {}
 
+  // As configured; unique.
   const std::string name;
-  const std::vector<std::size_t> sensors;  // on the board
-  Latest<Estimate> latest;                 // estimate thread writes: of all of them together
+  // Indices into Board::sensors.
+  const std::vector<std::size_t> sensors;
+  // The estimate of the grasp as a whole. Written by one thread: estimate.
+  Latest<Estimate> latest;
 };
 
+// An estimate on its way to subscribers.
 struct Event {
   Estimate estimate;
+  // Index into Board::sensors.
   std::uint32_t sensor = 0;
-  std::uint32_t lost_before =
-      0;  // events of this sensor for which the ring had no room, just before this one
+  // Events of this sensor since the one before that did not fit into the queue.
+  std::uint32_t lost_before = 0;
 };
 
+// The board. Built and destroyed while no thread runs.
 struct Board {
+  // In the order of the configuration.
   std::vector<std::unique_ptr<SensorStatus>> sensors;
+  // In the order of the configuration.
   std::vector<std::unique_ptr<GraspStatus>> grasps;
-  boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>> events;  // estimate thread → io
-  std::deque<LogRing> logs;  // one for each real-time thread
-  Wake io;
+  // Pushed by one thread: estimate. Popped by one thread: io.
+  boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>> events;
+  // One for each real-time thread, which writes it. Read by one thread: io.
+  std::deque<LogRing> logs;
+  // Notified after something was written that io waits for.
+  IoWakeup io_wakeup;
 };
 
 }  // namespace slipd

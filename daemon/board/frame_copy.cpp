@@ -5,36 +5,38 @@
 namespace slipd {
 
 void FrameCopy::request(std::size_t taxels) {
-  // Relaxed: only io leaves idle.
-  if (turn_.load(std::memory_order_relaxed) != Turn::idle) return;
+  // Relaxed: only io leaves the phase idle.
+  if (phase_.load(std::memory_order_relaxed) != Phase::idle) return;
   content_.normal_pa.resize(taxels);
   content_.shear_x_pa.resize(taxels);
   content_.shear_y_pa.resize(taxels);
-  turn_.store(Turn::asked, std::memory_order_release);  // pairs with the acquire in serve: the room is seen
+  phase_.store(Phase::requested,
+               std::memory_order_release);  // pairs with fill_if_requested: the memory is seen
 }
 
-bool FrameCopy::serve(const FrameSlot* held) noexcept {
-  if (turn_.load(std::memory_order_acquire) != Turn::asked)
+bool FrameCopy::fill_if_requested(const FrameSlot* held) noexcept {
+  if (phase_.load(std::memory_order_acquire) != Phase::requested)
     return false;  // pairs with the release in request
-  content_.any = held != nullptr && held->normal_pa.size() == content_.normal_pa.size();
-  if (content_.any) {
+  content_.has_frame = held != nullptr && held->normal_pa.size() == content_.normal_pa.size();
+  if (content_.has_frame) {
     content_.sequence = held->sequence;
     content_.time_ns = held->time_ns;
     std::copy(held->normal_pa.begin(), held->normal_pa.end(), content_.normal_pa.begin());
     std::copy(held->shear_x_pa.begin(), held->shear_x_pa.end(), content_.shear_x_pa.begin());
     std::copy(held->shear_y_pa.begin(), held->shear_y_pa.end(), content_.shear_y_pa.begin());
   }
-  turn_.store(Turn::answered, std::memory_order_release);  // pairs with the acquire in answer
+  phase_.store(Phase::filled, std::memory_order_release);  // pairs with the acquire in result
   return true;
 }
 
-const FrameCopy::Content* FrameCopy::answer() const noexcept {
-  // Pairs with the release in serve: the copy is whole.
-  return turn_.load(std::memory_order_acquire) == Turn::answered ? &content_ : nullptr;
+const FrameCopy::Content* FrameCopy::result() const noexcept {
+  // Acquire: pairs with the release in fill_if_requested, so that the copy is whole.
+  return phase_.load(std::memory_order_acquire) == Phase::filled ? &content_ : nullptr;
 }
 
 void FrameCopy::release() noexcept {
-  turn_.store(Turn::idle, std::memory_order_relaxed);  // idle is io's own: nobody else reads on its word
+  phase_.store(Phase::idle,
+               std::memory_order_relaxed);  // relaxed: only io uses the content until the next request
 }
 
 }  // namespace slipd

@@ -1,6 +1,19 @@
-// A copy of one sensor's newest frame, made only when a client asks for it: io asks, the estimate thread
-// copies the frame that it holds, io takes it. One word says whose turn it is; the memory belongs to whoever
-// that is.
+// A copy of one sensor's newest frame, made when a client asks for it, so that the estimate thread copies
+// frames only on request. One atomic variable, the phase, decides which thread owns the memory.
+//
+//   io                                 phase       estimate
+//   request(taxels)
+//     resizes the content              idle        fill_if_requested: false
+//     store(requested, release) ----> requested
+//   result: null                                   fill_if_requested:
+//                                                    load(acquire): sees the resized content
+//                                                    copies the frame
+//                                     filled <----   store(filled, release), returns true
+//   result:                                        fill_if_requested: false
+//     load(acquire): sees the frame
+//   release                           idle
+//
+// The content belongs to io in the phases idle and filled, to the estimate thread in requested.
 #pragma once
 
 #include <atomic>
@@ -12,29 +25,43 @@
 
 namespace slipd {
 
+// Thread-safe between io and the estimate thread.
 class FrameCopy {
  public:
+  // The copy.
   struct Content {
-    bool any = false;  // false: no frame has come yet
+    // False: no frame has come yet, or it has another number of taxels; nothing below is valid then.
+    bool has_frame = false;
+    // As in FrameSlot.
     std::uint64_t sequence = 0;
+    // As in FrameSlot; ns, CLOCK_MONOTONIC.
     std::int64_t time_ns = 0;
-    std::vector<float> normal_pa, shear_x_pa, shear_y_pa;
+    // Normal pressure of each taxel, Pa.
+    std::vector<float> normal_pa;
+    // Shear along x of each taxel, Pa.
+    std::vector<float> shear_x_pa;
+    // Shear along y of each taxel, Pa.
+    std::vector<float> shear_y_pa;
   };
 
-  // io. Makes room for `taxels` and asks; does nothing if it has asked before.
+  // Called from one thread: io. Allocates for `taxels` and requests a copy. Does nothing if a request is
+  // under way. The caller wakes the estimate thread.
   void request(std::size_t taxels);
 
-  // Estimate thread. Copies `held` (null: no frame yet) if asked. A frame that no longer fits the room (the
-  // device came back with another layout) counts as none. True if it answered, so that io is woken.
-  bool serve(const FrameSlot* held) noexcept;
+  // Called from one thread: estimate. Copies `held` if a copy is requested; null: there is no frame. A frame
+  // with another number of taxels than requested counts as no frame. Returns true if it did, so that the
+  // caller wakes io. Wait-free, allocates nothing.
+  bool fill_if_requested(const FrameSlot* held) noexcept;
 
-  // io. The answer, once it is there; else null. Valid until release().
-  const Content* answer() const noexcept;
+  // Called from one thread: io. The copy, or null while there is none. Valid until release().
+  const Content* result() const noexcept;
+
+  // Called from one thread: io, after it used the result. Another copy can be requested.
   void release() noexcept;
 
  private:
-  enum class Turn : std::uint8_t { idle, asked, answered };
-  std::atomic<Turn> turn_{Turn::idle};
+  enum class Phase : std::uint8_t { idle, requested, filled };
+  std::atomic<Phase> phase_{Phase::idle};
   Content content_;
 };
 

@@ -22,7 +22,7 @@ double LatencyHistogram::upper_edge_us(std::size_t bucket) noexcept {
 
 void LatencyHistogram::record(std::int64_t nanoseconds) noexcept {
   const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(0, nanoseconds));
-  // One writer: load and store need not be one step.
+  // There is one writer, so load and store need not be one atomic operation.
   auto& count = counts_[bucket_of(value)];
   count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   if (value > max_ns_.load(std::memory_order_relaxed)) max_ns_.store(value, std::memory_order_relaxed);

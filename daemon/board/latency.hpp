@@ -1,5 +1,5 @@
-// How long things took, in fixed memory: logarithmic buckets, eight to each doubling, so a quantile is right
-// within 13 %. Written by one real-time thread, read by io at any time.
+// A histogram of latencies in fixed memory. Buckets are logarithmic, eight to an octave, so that a quantile
+// is exact within 13 %.
 #pragma once
 
 #include <array>
@@ -8,24 +8,35 @@
 
 namespace slipd {
 
+// Thread-safe between one writer and any number of readers.
 class LatencyHistogram {
  public:
+  // Quantiles. All are 0 if count is 0.
   struct Summary {
+    // Values recorded.
     std::uint64_t count = 0;
-    double p50_us = 0, p99_us = 0,
-           p999_us = 0;  // upper edges of their buckets, at most max_us; 0 if count is 0
-    double max_us = 0;   // exact
+    // Median, us; upper edge of its bucket, at most max_us.
+    double p50_us = 0;
+    // 99 %, us; the same.
+    double p99_us = 0;
+    // 99.9 %, us; the same.
+    double p999_us = 0;
+    // Largest value, us; exact.
+    double max_us = 0;
   };
 
-  using Counts = std::array<std::uint64_t, std::size_t{64} << 3>;  // of each bucket
+  // Number of values in each bucket.
+  using Counts = std::array<std::uint64_t, std::size_t{64} << 3>;
 
-  // The writer's thread. Wait-free. Negative times (a recording's clock may run ahead) count as 0.
+  // Called from one thread: the writer. Wait-free. A negative time counts as 0: the clock of a recording may
+  // be ahead.
   void record(std::int64_t nanoseconds) noexcept;
 
-  // Any thread. A summary taken while the writer goes on may miss its last few values.
+  // Called from any thread. May miss the last values if the writer runs.
   Summary summary() const noexcept;
+  // Called from any thread. May miss the last values if the writer runs.
   Counts counts() const noexcept;
-  // Of counts alone: max_us is then the upper edge of the last bucket that is not empty.
+  // The summary of counts alone. max_us is then the upper edge of the last bucket that is not empty.
   static Summary summary_of(const Counts& counts) noexcept;
 
  private:
@@ -33,7 +44,7 @@ class LatencyHistogram {
   static constexpr std::size_t kBuckets = std::tuple_size_v<Counts>;
   static std::size_t bucket_of(std::uint64_t nanoseconds) noexcept;
   static double upper_edge_us(std::size_t bucket) noexcept;
-  // Relaxed everywhere: each is a number of its own, nothing else is read on its word.
+  // Relaxed everywhere: independent counters; no other memory is read because of them.
   std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
   std::atomic<std::uint64_t> max_ns_{0};
 };

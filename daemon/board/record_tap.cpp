@@ -42,7 +42,7 @@ void FrameQueue::pop() {
 
 void RecordTap::detach() noexcept {
   queue_.store(nullptr, std::memory_order_seq_cst);
-  while (inside_.load(std::memory_order_seq_cst)) std::this_thread::yield();  // one copy of a frame at most
+  while (pushing_.load(std::memory_order_seq_cst)) std::this_thread::yield();  // for one push at most
 }
 
 }  // namespace slipd

@@ -9,7 +9,7 @@
 namespace slipd::can {
 namespace {
 
-// What the file as shipped speaks of.
+// Identifiers and texts of the file as shipped.
 constexpr std::uint32_t kShippedBase = 0x5A0;
 constexpr std::string_view kShippedSubject = "sensor 0 of the configuration";
 constexpr std::uint32_t kExtendedMark = 0x80000000;
@@ -31,7 +31,7 @@ std::string replaced(std::string text, std::string_view what, const std::string&
   return text;
 }
 
-// A statement each: a message with its signals, or a line.
+// Splits into statements: a message with its signals, or one line.
 std::vector<std::string> statements(std::string_view text) {
   std::vector<std::string> all;
   std::istringstream in{std::string(text)};
@@ -53,7 +53,7 @@ class Instance {
  public:
   Instance(const CanSettings& can, std::uint32_t shipped_id) : can_(can), shipped_id_(shipped_id) {}
 
-  // The statement with its identifier moved by `index` messages, or empty if it is about another message.
+  // The statement for message `index`; empty: it is about another message.
   std::string of(const std::string& statement, std::size_t index, const std::string& source) const {
     const std::string shipped = std::to_string(shipped_id_);
     const std::size_t at = find_word(statement, shipped);
@@ -77,7 +77,7 @@ class Instance {
 
 }  // namespace
 
-std::vector<std::string> subjects_of(const Settings& settings) {
+std::vector<std::string> source_names(const Settings& settings) {
   std::vector<std::string> sources;
   for (const auto& sensor : settings.sensors) sources.push_back("sensor " + sensor.setup.name);
   for (const auto& grasp : settings.grasps) sources.push_back("grasp " + grasp.name);

@@ -1,5 +1,5 @@
-// config/slipd.dbc for one configuration: its identifiers, its period, a pair of messages for each sensor and
-// grasp. io thread.
+// The DBC file of a configuration: config/slipd.dbc with its identifiers, its period, and a pair of messages
+// for each sensor and grasp. Called from any thread; allocates.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace slipd::can {
 
-// What has messages: the sensors in their order ("sensor left"), then the grasps ("grasp gripper").
-std::vector<std::string> subjects_of(const Settings& settings);
+// What has messages, in the order of identifiers: sensors ("sensor left"), then grasps ("grasp gripper").
+std::vector<std::string> source_names(const Settings& settings);
 
-// `subjects`: at most kMostMessages.
+// The file's text. `sources`: from source_names, at most kMaxMessages.
 std::string dbc_text(const CanSettings& can, const std::vector<std::string>& sources);
 
 }  // namespace slipd::can

@@ -16,7 +16,7 @@ using Crc8J1850 = boost::crc_optimal<8, 0x1D, 0xFF, 0xFF, false, false>;
 // thread.
 [[maybe_unused]] const std::uint8_t kTableMade = crc8({});
 
-// The eight bytes as one little-endian number, in which a signal is a run of bits.
+// The eight bytes as one little-endian number. A signal is a range of its bits.
 class Payload {
  public:
   void put(const Signal& signal, std::uint64_t count) noexcept {
@@ -24,7 +24,7 @@ class Payload {
     bits_ |= (count & mask) << signal.start;
   }
 
-  // A quantity of at least 0, cut to what is not the mark of one that is not available.
+  // A value of at least 0, limited to the largest count that does not mean not available.
   void put(const Signal& signal, std::optional<double> value) noexcept {
     if (!value || std::isnan(*value)) return put(signal, kNotAvailable);
     const double counts = std::round(*value / signal.scale);

@@ -32,11 +32,11 @@ bool Output::stop(std::chrono::steady_clock::time_point deadline) {
 
 void Output::run() noexcept {
   for (;;) {
-    const std::uint32_t rung = bell_.rung();
+    const std::uint32_t rung = bell_.ring_count();
     if (stop_.load(std::memory_order_relaxed)) break;
     bell_.wait(rung, scheduler_.step(Doorbell::Clock::now()));
   }
-  scheduler_.end(Doorbell::Clock::now());
+  scheduler_.send_final(Doorbell::Clock::now());
 }
 
 }  // namespace slipd::can

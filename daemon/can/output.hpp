@@ -1,5 +1,4 @@
-// The CAN thread: a CanScheduler on a socket, woken by the clock or by a change of alert. io makes, starts
-// and stops it.
+// The CAN thread: runs a CanScheduler on a socket, woken by its deadlines and by changed alerts.
 #pragma once
 
 #include <atomic>
@@ -12,16 +11,19 @@
 
 namespace slipd::can {
 
+// Thread-safe between io and the CAN thread. Called from one thread: io, unless a function says otherwise.
 class Output {
  public:
-  // `bell` rings when an alert may have changed. `settings` has a section can; all outlive it.
+  // `bell`: rung by estimate when an alert or state may have changed. `settings.can` is set. All outlive it.
   Output(const Settings& settings, Board& board, Doorbell& bell);
 
+  // Starts the thread. Once.
   void start(const RealtimeGrant& grant);
 
-  // Ends it with its last words. False: it was not done by `deadline`.
+  // Sends the final messages and ends the thread. False: it still runs at `deadline`.
   bool stop(std::chrono::steady_clock::time_point deadline);
 
+  // The present state. Read from any thread.
   const Latest<Report>& report() const noexcept { return scheduler_.report(); }
 
  private:
@@ -31,7 +33,7 @@ class Output {
   Doorbell& bell_;
   SocketPort port_;
   CanScheduler scheduler_;
-  std::atomic<bool> stop_{false};  // relaxed: the bell orders it
+  std::atomic<bool> stop_{false};  // relaxed: bell_ orders it
   Thread thread_;
 };
 

@@ -13,17 +13,17 @@ using namespace std::chrono_literals;
 
 constexpr auto kAlertInterval = 50ms;
 constexpr auto kHeartbeatInterval = 1s;
-constexpr auto kRetryInterval = 1ms;     // of a full queue: what is sent then is as new as it can be
-constexpr auto kDownInterval = 20ms;     // of an interface that is down
-constexpr auto kReopenInterval = 200ms;  // of an interface that is gone
-constexpr auto kOpeningPatience = 3s;    // until a device that was never opened is spoken of
+constexpr auto kRetryInterval = 1ms;     // after a full queue
+constexpr auto kDownInterval = 20ms;     // after an interface was down
+constexpr auto kReopenInterval = 200ms;  // after an interface was gone
+constexpr auto kOpeningTimeout = 3s;     // how long nothing is sent of a device that was not opened yet
 
 std::int64_t nanoseconds_of(CanScheduler::Time time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }
 
-// The next multiple of the interval that is still to come: a late thread leaves turns out and keeps the beat.
-void move_on(CanScheduler::Time& next, std::chrono::nanoseconds interval, CanScheduler::Time now) noexcept {
+// Moves `next` by whole intervals beyond `now`: a late thread skips periods and keeps their phase.
+void advance(CanScheduler::Time& next, std::chrono::nanoseconds interval, CanScheduler::Time now) noexcept {
   if (next <= now) next += ((now - next) / interval + 1) * interval;
 }
 
@@ -43,47 +43,47 @@ CanScheduler::CanScheduler(const Settings& settings, const Board& board, Port& p
 }
 
 CanScheduler::Time CanScheduler::step(Time now) noexcept {
-  listen();
-  look(now);
+  poll_bus_errors();
+  update_views(now);
   mark_due(now);
-  if (be_open(now) && now >= retry_) {
+  if (ensure_open(now) && now >= retry_) {
     const bool all = send_alerts(now) && send_estimates(now) && send_heartbeat(now, false);
     if (!all) retry_ = now + (up_ ? kRetryInterval : kDownInterval);
   }
   publish();
   Time until = std::min(next_period_, next_heartbeat_ > now ? next_heartbeat_ : now + kReopenInterval);
-  for (const MessageSlot& each : slots_) {
-    if (each.view.estimate.alert != Alert::none && each.alert_again > now)
-      until = std::min(until, each.alert_again);
+  for (const MessageSlot& slot : slots_) {
+    if (slot.view.estimate.alert != Alert::none && slot.alert_due > now)
+      until = std::min(until, slot.alert_due);
   }
   return retry_ > now ? std::min(until, retry_) : until;
 }
 
-void CanScheduler::end(Time now) noexcept {
-  look(now);
-  if (!be_open(now)) return;
-  for (MessageSlot& each : slots_) {
+void CanScheduler::send_final(Time now) noexcept {
+  update_views(now);
+  if (!ensure_open(now)) return;
+  for (MessageSlot& slot : slots_) {
     Estimate stale;
-    stale.sequence = each.view.estimate.sequence;
-    stale.alert = each.view.estimate.alert;
-    each.view.estimate = stale;
-    each.due = true;
-    ++each.estimates;
-    each.alert_again = now;
+    stale.sequence = slot.view.estimate.sequence;
+    stale.alert = slot.view.estimate.alert;
+    slot.view.estimate = stale;
+    slot.due = true;
+    ++slot.estimate_counter;
+    slot.alert_due = now;
   }
   next_heartbeat_ = now;
-  // The heartbeat first: it is the shortest way of saying all of it.
+  // The heartbeat first: it alone says that no estimate holds any more.
   static_cast<void>(send_heartbeat(now, true) && send_estimates(now) && send_alerts(now));
   publish();
 }
 
-void CanScheduler::listen() noexcept {
+void CanScheduler::poll_bus_errors() noexcept {
   BusError error;
-  while (open_ && port_.next_error(error)) hear(error);
+  while (open_ && port_.next_error(error)) handle_bus_error(error);
 }
 
-void CanScheduler::hear(const BusError& error) noexcept {
-  ++now_.bus_errors;
+void CanScheduler::handle_bus_error(const BusError& error) noexcept {
+  ++report_data_.bus_errors;
   if ((error.kind & CAN_ERR_CRTL) != 0) {
     constexpr unsigned kByte = 1;
     const unsigned state = error.data[kByte];
@@ -93,76 +93,77 @@ void CanScheduler::hear(const BusError& error) noexcept {
   }
   if ((error.kind & CAN_ERR_BUSOFF) != 0) {
     controller_ = Bus::bus_off;
-    ++now_.bus_offs;
+    ++report_data_.bus_offs;
   }
   if ((error.kind & CAN_ERR_RESTARTED) != 0) controller_ = Bus::up;
 }
 
-bool CanScheduler::be_open(Time now) noexcept {
+bool CanScheduler::ensure_open(Time now) noexcept {
   if (open_) return true;
   if (now < reopen_) return false;
-  now_.error = port_.open();
-  if (now_.error != 0) {
+  report_data_.error = port_.open();
+  if (report_data_.error != 0) {
     reopen_ = now + kReopenInterval;
     return false;
   }
-  if (was_open_) ++now_.reopened;
+  if (was_open_) ++report_data_.reopened;
   open_ = up_ = was_open_ = true;
   controller_ = Bus::up;
   return true;
 }
 
-void CanScheduler::look(Time now) noexcept {
+void CanScheduler::update_views(Time now) noexcept {
   const std::int64_t now_ns = nanoseconds_of(now);
-  now_.withheld = 0;
+  report_data_.withheld = 0;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    slots_[i].view = slots_[i].source.look(now_ns);
-    if (slots_[i].view.simulated && !can_.allow_simulated) now_.withheld |= std::uint32_t{1} << i;
+    slots_[i].view = slots_[i].source.view_at(now_ns);
+    if (slots_[i].view.simulated && !can_.allow_simulated) report_data_.withheld |= std::uint32_t{1} << i;
   }
 }
 
 bool CanScheduler::withheld(std::size_t index, Time now) noexcept {
-  const bool unknown = slots_[index].view.opening && now - start_ < kOpeningPatience;
-  return unknown || (now_.withheld >> index & 1U) != 0;
+  const bool unknown = slots_[index].view.opening && now - start_ < kOpeningTimeout;
+  return unknown || (report_data_.withheld >> index & 1U) != 0;
 }
 
 void CanScheduler::mark_due(Time now) noexcept {
   if (now < next_period_) return;
-  move_on(next_period_, can_.period, now);
-  for (MessageSlot& each : slots_) {
-    each.due = true;
-    ++each.estimates;  // even if it cannot be sent: a jump tells of it
+  advance(next_period_, can_.period, now);
+  for (MessageSlot& slot : slots_) {
+    slot.due = true;
+    ++slot.estimate_counter;  // even if it cannot be sent: receivers see the jump
   }
 }
 
 bool CanScheduler::send_alerts(Time now) noexcept {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    MessageSlot& each = slots_[i];
-    const Estimate& estimate = each.view.estimate;
-    const bool changed = estimate.alert != each.said;
-    const bool repeated = estimate.alert != Alert::none && now >= each.alert_again;
+    MessageSlot& slot = slots_[i];
+    const Estimate& estimate = slot.view.estimate;
+    const bool changed = estimate.alert != slot.last_sent_alert;
+    const bool repeated = estimate.alert != Alert::none && now >= slot.alert_due;
     if ((!changed && !repeated) || withheld(i, now)) continue;
     const std::uint32_t id = can_.base_id + kAlertOffset + static_cast<std::uint32_t>(i);
-    if (send(encode_alert(id, estimate, each.view.simulated, each.alerts), now) != Outcome::sent)
+    if (send(encode_alert(id, estimate, slot.view.simulated, slot.alert_counter), now) != Outcome::sent)
       return false;
-    ++each.alerts;
-    each.said = estimate.alert;
-    each.alert_again = now + kAlertInterval;
+    ++slot.alert_counter;
+    slot.last_sent_alert = estimate.alert;
+    slot.alert_due = now + kAlertInterval;
   }
   return true;
 }
 
 bool CanScheduler::send_estimates(Time now) noexcept {
   for (std::size_t turn = 0; turn < slots_.size(); ++turn) {
-    const std::size_t i = next_;
-    MessageSlot& each = slots_[i];
-    if (each.due && !withheld(i, now)) {
+    const std::size_t i = first_slot_;
+    MessageSlot& slot = slots_[i];
+    if (slot.due && !withheld(i, now)) {
       const std::uint32_t id = can_.base_id + static_cast<std::uint32_t>(i);
-      const Message message = encode_estimate(id, each.view.estimate, each.view.simulated, each.estimates);
+      const Message message =
+          encode_estimate(id, slot.view.estimate, slot.view.simulated, slot.estimate_counter);
       if (send(message, now) != Outcome::sent) return false;
     }
-    each.due = false;
-    next_ = (next_ + 1) % slots_.size();
+    slot.due = false;
+    first_slot_ = (first_slot_ + 1) % slots_.size();
   }
   return true;
 }
@@ -174,31 +175,31 @@ bool CanScheduler::send_heartbeat(Time now, bool stopping) noexcept {
   if (send(encode_heartbeat(can_.base_id + kHeartbeatOffset, heartbeat, heartbeats_), now) != Outcome::sent)
     return false;
   ++heartbeats_;
-  move_on(next_heartbeat_, kHeartbeatInterval, now);
+  advance(next_heartbeat_, kHeartbeatInterval, now);
   return true;
 }
 
 CanScheduler::Outcome CanScheduler::send(const Message& message, Time now) noexcept {
   const int error = port_.send(message);
   if (error == 0) {
-    ++now_.sent;
-    if (!up_) controller_ = Bus::up;  // it was started anew
+    ++report_data_.sent;
+    if (!up_) controller_ = Bus::up;  // the controller was restarted
     up_ = true;
     return Outcome::sent;
   }
   if (error == ENOBUFS || error == EAGAIN || error == EWOULDBLOCK) {
-    ++now_.full;
+    ++report_data_.full;
     return Outcome::full;
   }
-  ++now_.failed;
-  lost(error, now);
+  ++report_data_.failed;
+  handle_send_error(error, now);
   return Outcome::failed;
 }
 
-void CanScheduler::lost(int error, Time now) noexcept {
+void CanScheduler::handle_send_error(int error, Time now) noexcept {
   up_ = false;
-  if (error == ENETDOWN) return;  // the socket hears when it is up again
-  now_.error = error;
+  if (error == ENETDOWN) return;  // the socket stays usable until it is up again
+  report_data_.error = error;
   port_.close();
   open_ = false;
   reopen_ = now;
@@ -210,23 +211,23 @@ Bus CanScheduler::bus() const noexcept {
 }
 
 void CanScheduler::publish() noexcept {
-  now_.bus = bus();
-  report_.store(now_);
-  if (now_.bus == told_) return;
-  told_ = now_.bus;
+  report_data_.bus = bus();
+  report_.store(report_data_);
+  if (report_data_.bus == last_logged_bus_) return;
+  last_logged_bus_ = report_data_.bus;
   const char* const interface = can_.interface.c_str();
-  switch (now_.bus) {
+  switch (report_data_.bus) {
     case Bus::absent:
-      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is not there (%s); looking for it",
-                        interface,
-                        now_.error == EMSGSIZE ? "set up without FD" : strerrordesc_np(now_.error));
+      return log_.write(
+          LogLevel::warning, {{}, Cause::bus}, "CAN: %s is not there (%s); looking for it", interface,
+          report_data_.error == EMSGSIZE ? "set up without FD" : strerrordesc_np(report_data_.error));
     case Bus::down:
       return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is down", interface);
     case Bus::up:
       return log_.write(LogLevel::info, {{}, Cause::bus}, "CAN: %s is up", interface);
     default:
       return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is in state %s", interface,
-                        to_string(now_.bus).data());
+                        to_string(report_data_.bus).data());
   }
 }
 

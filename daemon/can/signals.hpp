@@ -1,5 +1,5 @@
-// Where each signal lies in slipd's CAN messages and what a count of it means. A test holds it against
-// config/slipd.dbc, which is the definition. All are unsigned, little-endian (Intel), without offset.
+// Position and scale of each signal in slipd's CAN messages. config/slipd.dbc is the definition; a test
+// compares both. All signals are unsigned, little-endian (Intel), with offset 0.
 #pragma once
 
 #include <array>
@@ -7,17 +7,24 @@
 
 namespace slipd::can {
 
+// One signal.
 struct Signal {
+  // As in the DBC file.
   const char* name;
-  unsigned start;   // bit of the least significant one
-  unsigned length;  // bits
-  double scale;     // what one count is worth
+  // Number of its least significant bit, 0 to 63.
+  unsigned start;
+  // Number of bits.
+  unsigned length;
+  // Value of one count, in the unit of the DBC file.
+  double scale;
 };
 
-inline constexpr std::uint64_t kNotAvailable = 0xFFFF;  // of a signal of 16 bits
+// Count of a 16 bit signal that is not available.
+inline constexpr std::uint64_t kNotAvailable = 0xFFFF;
+// Version of these messages, in the heartbeat.
 inline constexpr std::uint64_t kProtocol = 1;
 
-// Ends every message.
+// The last signals of every message.
 inline constexpr Signal kCounter{"Counter", 52, 4, 1};
 inline constexpr Signal kCrc8{"Crc8", 56, 8, 1};
 

@@ -14,7 +14,7 @@
 namespace slipd::can {
 namespace {
 
-// About what the kernel charges for one queued frame, halved, for it doubles what it is asked for.
+// SO_SNDBUF for one queued frame: half of what the kernel charges, because it doubles the value.
 constexpr std::size_t kBytesAsked = 384;
 
 }  // namespace
@@ -44,7 +44,7 @@ int SocketPort::set_up() noexcept {
     if (setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0) return errno;
   }
   if (ioctl(fd_, SIOCGIFINDEX, &request) != 0) return errno;
-  // Nothing of what others say, all of what the controller says.
+  // Receives no messages of others, and all error frames of the controller.
   if (setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0) != 0) return errno;
   const can_err_mask_t errors = CAN_ERR_MASK;
   if (setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0) return errno;
@@ -63,7 +63,7 @@ int SocketPort::send(const Message& message) noexcept {
   frame.len = message.data.size();
   if (settings_.fd) frame.flags = CANFD_BRS;
   std::copy(message.data.begin(), message.data.end(), frame.data);
-  // The first bytes of an FD frame are a classic one.
+  // An FD frame begins like a classic one.
   const std::size_t size = settings_.fd ? CANFD_MTU : CAN_MTU;
   const ssize_t sent = ::send(fd_, &frame, size, MSG_DONTWAIT | MSG_NOSIGNAL);
   return sent == static_cast<ssize_t>(size) ? 0 : errno;
@@ -73,7 +73,7 @@ bool SocketPort::next_error(BusError& error) noexcept {
   can_frame frame{};
   for (;;) {
     const ssize_t got = recv(fd_, &frame, sizeof frame, MSG_DONTWAIT);
-    if (got < 0) return false;  // EAGAIN, or what the next send says, too
+    if (got < 0) return false;  // EAGAIN, or an error that the next send returns too
     if (got != sizeof frame || (frame.can_id & CAN_ERR_FLAG) == 0) continue;
     error.kind = frame.can_id & CAN_ERR_MASK;
     std::copy_n(frame.data, error.data.size(), error.data.begin());

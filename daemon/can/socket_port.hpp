@@ -1,4 +1,4 @@
-// A network interface by raw SocketCAN.
+// A network interface through a raw SocketCAN socket.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,11 @@
 
 namespace slipd::can {
 
+// Not thread-safe. Called from one thread: can; constructed and destroyed by io.
 class SocketPort : public Port {
  public:
-  // `messages`: of one period. The socket has room for little more, so that a bus that comes back after a
-  // while is not told what was true before.
+  // `messages`: in one period. The socket's buffer holds little more, so that a bus that was down for a while
+  // does not get outdated messages. `settings` outlives it.
   SocketPort(const CanSettings& settings, std::size_t messages) : settings_(settings), messages_(messages) {}
   ~SocketPort() override { SocketPort::close(); }
   SocketPort(const SocketPort&) = delete;

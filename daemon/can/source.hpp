@@ -1,5 +1,4 @@
-// What one pair of CAN messages speaks of: a sensor, or a grasp's sensors together. Looks at the board and
-// says what is true now. CAN thread; nothing allocates once it is made.
+// The source of one pair of CAN messages: a sensor, or a grasp's sensors together.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +8,27 @@
 
 namespace slipd::can {
 
+// Not thread-safe. Called from one thread: can; made by io. Nothing allocates after construction.
 class CanSource {
  public:
+  // What is true of the source at one time.
   struct View {
-    Estimate estimate;  // without margin where none holds
+    // The estimate; stale without margin if it is too old.
+    Estimate estimate;
+    // Whether one of its devices is a simulation.
     bool simulated = false;
-    bool opening = false;  // a device was not tried yet, so that nobody knows whether it is a simulated one
+    // Whether a device was not tried yet, so that `simulated` is not known.
+    bool opening = false;
   };
+  // `board` outlives it.
   static CanSource of_sensor(const Board& board, std::size_t sensor) { return {board, {sensor}, nullptr}; }
   static CanSource of_grasp(const Board& board, const GraspStatus& grasp) {
     return {board, grasp.sensors, &grasp};
   }
 
-  // Now. An estimate older than stale_after is stale even if the estimate thread does not say so: then it
-  // stands still itself. The alert stands with it.
-  View look(std::int64_t now_ns) const noexcept;
+  // The source at `now_ns`, CLOCK_MONOTONIC. An estimate older than stale_after_ns is stale even if the
+  // estimate thread did not publish that, because that thread itself may be stuck. The alert is kept.
+  View view_at(std::int64_t now_ns) const noexcept;
 
  private:
   CanSource(const Board& board, std::vector<std::size_t> sensors, const GraspStatus* grasp)
@@ -34,7 +39,7 @@ class CanSource {
   const GraspStatus* grasp_;
 };
 
-// A sensor each, then a grasp each, in the order of the configuration.
+// One for each sensor, then one for each grasp, in the order of the configuration.
 std::vector<CanSource> make_sources(const Board& board);
 
 }  // namespace slipd::can

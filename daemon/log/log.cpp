@@ -7,7 +7,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-// Our lines of code are no news to whoever reads the journal.
+// Without source file and line in the journal.
 #define SD_JOURNAL_SUPPRESS_LOCATION
 #include <systemd/sd-journal.h>
 
@@ -25,7 +25,7 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
   return kLevels[static_cast<std::size_t>(level)];
 }
 
-// Whoever starts a service with its output on the journal says in this variable which file that is.
+// systemd sets JOURNAL_STREAM to device and inode of the stream that it connected to the journal.
 bool on_journal() {
   const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): before any thread
   struct stat status {};
@@ -33,14 +33,13 @@ bool on_journal() {
   return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
 }
 
-// A field that would be empty is left out. journald drops what it has no room for, as it does with our
-// output.
-void send_to_journal(spdlog::level::level_enum level, const About& about, std::string_view text) {
+// Empty fields are left out. An error is ignored: journald drops lines when it has no room.
+void send_to_journal(spdlog::level::level_enum level, const LogContext& context, std::string_view text) {
   static constexpr std::string_view kPriorities[] = {"7", "7", "6", "4", "3", "2", "6"};
   std::array<std::string, 5> fields{
       "MESSAGE=" + std::string(text), "PRIORITY=" + std::string(kPriorities[static_cast<std::size_t>(level)]),
-      "SYSLOG_IDENTIFIER=slipd", about.sensor.empty() ? "" : "SLIPD_SENSOR=" + std::string(about.sensor),
-      about.cause == Cause::none ? "" : "SLIPD_CAUSE=" + std::string(to_string(about.cause))};
+      "SYSLOG_IDENTIFIER=slipd", context.sensor.empty() ? "" : "SLIPD_SENSOR=" + std::string(context.sensor),
+      context.cause == Cause::none ? "" : "SLIPD_CAUSE=" + std::string(to_string(context.cause))};
   std::array<iovec, 5> parts{};
   int count = 0;
   for (std::string& field : fields) {
@@ -56,7 +55,7 @@ class JournalSink : public spdlog::sinks::base_sink<std::mutex> {
   void flush_() override {}
 };
 
-bool journal = false;  // written by set_up_log only, before there are other threads
+bool journal = false;  // written by set_up_log only, before other threads start
 
 }  // namespace
 
@@ -79,10 +78,10 @@ void change_log_level(const std::string& level) {
   spdlog::default_logger_raw()->set_level(spdlog::level::from_str(level));
 }
 
-void say(LogLevel level, const About& about, std::string_view text) {
+void write_log(LogLevel level, const LogContext& context, std::string_view text) {
   const auto at = spdlog_level(level);
   if (!spdlog::default_logger_raw()->should_log(at)) return;
-  if (journal) return send_to_journal(at, about, text);
+  if (journal) return send_to_journal(at, context, text);
   spdlog::log(at, "{}", text);
 }
 
@@ -92,18 +91,18 @@ void drain_logs(std::deque<LogRing>& rings, LogLimit& limit) {
   for (LogRing& ring : rings) {
     while (ring.read(line)) {
       if (limit.admits(line, now))
-        say(line.level, {static_cast<const char*>(line.sensor), line.cause},
-            static_cast<const char*>(line.text));
+        write_log(line.level, {static_cast<const char*>(line.sensor), line.cause},
+                  static_cast<const char*>(line.text));
     }
     if (const auto lost = ring.take_lost(); lost > 0)
-      say(LogLevel::warning, {{}, Cause::slipd},
-          std::to_string(lost) + " log lines found no room and are lost");
+      write_log(LogLevel::warning, {{}, Cause::slipd},
+                std::to_string(lost) + " log lines found no room and are lost");
   }
-  for (const LogLimit::Held& held : limit.over(now)) {
-    const LogLine& last = held.last;
-    say(last.level, {static_cast<const char*>(last.sensor), last.cause},
-        std::string(static_cast<const char*>(last.text)) + " (and " + std::to_string(held.count) +
-            " times more within a minute)");
+  for (const LogLimit::Suppressed& suppressed : limit.take_expired(now)) {
+    const LogLine& last = suppressed.last;
+    write_log(last.level, {static_cast<const char*>(last.sensor), last.cause},
+              std::string(static_cast<const char*>(last.text)) + " (and " + std::to_string(suppressed.count) +
+                  " times more within a minute)");
   }
 }
 

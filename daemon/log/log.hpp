@@ -1,7 +1,7 @@
-// The log: on standard error for a person, with the time of day; under systemd to the journal, each line with
-// its priority and, as fields that journalctl can ask for, whose it is (SLIPD_SENSOR) and whose doing
-// (SLIPD_CAUSE). Set up once by main; written by normal threads. Real-time threads write to a LogRing, which
-// io prints here, no more than a few times a minute where one says the same again and again.
+// The log. Under systemd it goes to the journal, each line with its priority and the fields SLIPD_SENSOR (the
+// sensor's name) and SLIPD_CAUSE (see Cause). Otherwise it goes to standard error with the time of day.
+// Normal threads write directly. Real-time threads write into a LogRing that io prints, with repeated lines
+// limited by LogLimit.
 #pragma once
 
 #include <deque>
@@ -13,16 +13,17 @@
 
 namespace slipd {
 
-// `level`: trace, debug, info, warning, error, as in the configuration. Before there are other threads.
+// Called from one thread: main's, before there are others. `level`: trace, debug, info, warning or error.
 void set_up_log(const std::string& level);
 
-// Any thread, any time after that.
+// Called from any thread that may lock, after set_up_log.
 void change_log_level(const std::string& level);
 
-// Any normal thread.
-void say(LogLevel level, const About& about, std::string_view text);
+// Called from any thread that may lock and allocate.
+void write_log(LogLevel level, const LogContext& context, std::string_view text);
 
-// io: prints what the real-time threads have left.
+// Called from one thread: io. Prints all lines in the rings, as far as `limit` admits them, and what `limit`
+// suppressed in windows that are over.
 void drain_logs(std::deque<LogRing>& rings, LogLimit& limit);
 
 }  // namespace slipd

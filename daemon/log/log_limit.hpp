@@ -1,6 +1,5 @@
-// Holds back lines of one kind about one sensor that come again and again (a cable that flaps): a few of them
-// a minute are printed as they come, the rest are counted and told with the last one when the minute is over.
-// io thread.
+// Rate limit of log lines. Of lines with the same format and sensor, a few are printed in each window of a
+// minute. The others are counted; when the window is over, the last one is printed with their number.
 #pragma once
 
 #include <chrono>
@@ -14,32 +13,36 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class LogLimit {
  public:
   using Clock = std::chrono::steady_clock;
-  struct Held {
+  // Lines of one kind that were not printed in a window.
+  struct Suppressed {
+    // The last line that was not printed.
     LogLine last;
-    std::uint64_t count = 0;  // that were not printed, the last one among them
+    // Lines that were not printed, with the last one.
+    std::uint64_t count = 0;
   };
 
-  static constexpr int kPrinted = 5;  // in each minute
-  static constexpr auto kInterval = std::chrono::minutes(1);
+  static constexpr int kPrintedPerWindow = 5;
+  static constexpr auto kWindow = std::chrono::minutes(1);
 
-  // Whether this line is to be printed now.
+  // Whether to print this line now. If not, it is counted.
   bool admits(const LogLine& line, Clock::time_point now);
 
-  // What was held back in minutes that are over. Often; looks at the clock only.
-  std::vector<Held> over(Clock::time_point now);
+  // What was suppressed in windows that are over, once. Cheap while none is over.
+  std::vector<Suppressed> take_expired(Clock::time_point now);
 
  private:
-  struct Kind {
+  struct FormatState {
     Clock::time_point until;
     int printed = 0;
-    Held held;
+    Suppressed suppressed;
   };
-  using Key = std::pair<const char*, std::string>;  // the line's format, which is a literal, and its sensor
-  std::map<Key, Kind> kinds_;                       // as many as there are formats and sensors at most
-  Clock::time_point look_at_ = Clock::time_point::max();
+  using Key = std::pair<const char*, std::string>;  // the format, a literal, and the sensor
+  std::map<Key, FormatState> formats_;              // at most as many as formats times sensors
+  Clock::time_point next_check_ = Clock::time_point::max();
 };
 
 }  // namespace slipd

@@ -11,12 +11,12 @@ namespace {
 using Clock = Doorbell::Clock;
 using namespace std::chrono_literals;
 
-constexpr auto kReadTimeout = 50ms;  // how long a stop may have to wait for a driver that behaves
+constexpr auto kReadTimeout = 50ms;  // the longest that a stop waits for a driver that keeps its timeout
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
 constexpr std::size_t kAcquirerStackBytes = std::size_t{512} * 1024;
 
-// One for each taxel; none where all are 1.
+// One factor a taxel; empty if all are 1. Throws DriverError if their number does not fit.
 std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
   const auto& gain = sensor.gain;
   if (std::all_of(gain.begin(), gain.end(), [](float each) { return each == 1; })) return {};
@@ -30,9 +30,13 @@ std::vector<float> gain_of(const SensorSettings& sensor, std::size_t taxels) {
 }  // namespace
 
 Acquirer::Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
-                   std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& zeros, LogRing& log,
+                   std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& bias_store, LogRing& log,
                    Doorbell& estimate, FeedOpened opened)
-    : driver_(std::move(driver)), zeros_(zeros), log_(log), estimate_(estimate), opened_(std::move(opened)) {
+    : driver_(std::move(driver)),
+      bias_store_(bias_store),
+      log_(log),
+      estimate_(estimate),
+      opened_(std::move(opened)) {
   for (const std::size_t sensor : sensors) {
     SensorChannel& channel = channels_.emplace_back();
     channel.sensor = sensor;
@@ -48,57 +52,57 @@ void Acquirer::start(const RealtimeSettings& settings, const RealtimeGrant& gran
   thread_ = Thread("acq:" + name_, kAcquirerStackBytes, [this] { run(); });
 }
 
-void Acquirer::ask_to_stop() noexcept {
+void Acquirer::request_stop() noexcept {
   stop_.store(true, std::memory_order_relaxed);
   stop_bell_.ring();
 }
 
 void Acquirer::run() {
   for (;;) {
-    const std::uint32_t rung = stop_bell_.rung();  // first: a stop after the look at it ends the wait
+    const std::uint32_t rung = stop_bell_.ring_count();  // before stopping(): a later stop ends the wait
     if (stopping()) return;
     try {
-      return attend();
-    } catch (const std::bad_alloc&) {  // in what is done while setting up: once more, then
+      return open_and_read();
+    } catch (const std::bad_alloc&) {  // while setting up: try again later
       driver_->close();
-      set_link(Link::absent);
+      set_link(DeviceLink::absent);
       stop_bell_.wait(rung, Clock::now() + kLongestBackOff);
     }
   }
 }
 
-void Acquirer::attend() {
+void Acquirer::open_and_read() {
   auto back_off = Clock::duration(kFirstBackOff);
   for (;;) {
-    const std::uint32_t rung = stop_bell_.rung();
+    const std::uint32_t rung = stop_bell_.ring_count();
     if (stopping()) return;
     if (!open()) {
-      set_link(Link::absent);
+      set_link(DeviceLink::absent);
       stop_bell_.wait(rung, Clock::now() + back_off);
       back_off = std::min<Clock::duration>(2 * back_off, kLongestBackOff);
       continue;
     }
     delivered_ = false;
-    set_link(Link::open);
+    set_link(DeviceLink::open);
     enter_realtime(realtime_, grant_);
-    const Ending ending = pump();
+    const ReadEnd end = read_until_closed();
     leave_realtime(grant_);
     driver_->close();
     for (auto& channel : channels_) {
-      if (channel.zero) channel.zero->rest();
+      if (channel.bias) channel.bias->flush_to_store();
     }
-    if (ending == Ending::ended) {
+    if (end == ReadEnd::ended) {
       log_.write(LogLevel::info, {name_}, "%s: the recording has ended", name_.c_str());
-      set_link(Link::ended);
+      set_link(DeviceLink::ended);
       break;
     }
-    if (ending == Ending::disconnected) {
+    if (end == ReadEnd::disconnected) {
       log_.write(LogLevel::warning, {name_, Cause::device},
                  "%s: the device is gone; it will be reopened when it is back", name_.c_str());
       for (auto& channel : channels_)
         channel.runtime->status.change_facts([](DeviceFacts& f) { f.trouble = "the device is gone"; });
-      set_link(Link::absent);
-      // A device that opens but says nothing is no better than one that does not open.
+      set_link(DeviceLink::absent);
+      // A device that opens but delivers nothing is treated like one that does not open.
       back_off = delivered_ ? Clock::duration(kFirstBackOff)
                             : std::min<Clock::duration>(2 * back_off, kLongestBackOff);
       stop_bell_.wait(rung, Clock::now() + back_off);
@@ -111,9 +115,9 @@ bool Acquirer::open() {
   try {
     const DeviceInfo info = driver_->open();
     if (info.sensors.size() == channels_.size()) {
-      wire(info);
+      connect_sensors(info);
       log_.write(LogLevel::info, {name_}, "%s: open: %s", name_.c_str(), info.description.c_str());
-      last_trouble_.clear();
+      last_logged_trouble_.clear();
       return true;
     }
     trouble = "the driver speaks of " + std::to_string(info.sensors.size()) + " sensors where " +
@@ -124,17 +128,17 @@ bool Acquirer::open() {
     trouble = "the driver threw something that is no std::exception";
   }
   driver_->close();
-  if (trouble != last_trouble_) {
+  if (trouble != last_logged_trouble_) {
     log_.write(LogLevel::error, {name_, Cause::device}, "%s: %s (tried again until it works)", name_.c_str(),
                trouble.c_str());
-    last_trouble_ = trouble;
+    last_logged_trouble_ = trouble;
     for (auto& channel : channels_)
       channel.runtime->status.change_facts([&](DeviceFacts& f) { f.trouble = trouble; });
   }
   return false;
 }
 
-void Acquirer::wire(const DeviceInfo& info) {
+void Acquirer::connect_sensors(const DeviceInfo& info) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     SensorChannel& channel = channels_[i];
     const SensorInfo& sensor = info.sensors[i];
@@ -159,41 +163,43 @@ void Acquirer::wire(const DeviceInfo& info) {
       opened_(channel.sensor, channel.feed);
     }
     slots_[i] = channel.feed->mailbox.writable();
-    wire_zero(channel, info, sensor);
+    connect_bias(channel, info, sensor);
   }
   was_open_ = true;
 }
 
-// The same device goes on with the zero that it had; another one has its own.
-void Acquirer::wire_zero(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor) {
+// The same device continues with its bias. Another device gets its own from the store.
+void Acquirer::connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor) {
   SensorStatus& status = channel.runtime->status;
   const SensorSetup& setup = channel.runtime->settings.setup;
-  status.zero.needed.store(!sensor.zeroed, std::memory_order_relaxed);
+  status.bias.needed.store(!sensor.zeroed, std::memory_order_relaxed);
   const BiasIdentity identity{.driver = status.driver,
                               .profile = setup.profile,
                               .device = info.serial.empty() ? setup.device.dump() : "serial " + info.serial,
                               .part = sensor.part.empty() ? status.name : sensor.part,
                               .taxels = sensor.layout.size()};
-  if (!sensor.zeroed && channel.zero && channel.zero->identity() == identity) return channel.zero->reopened();
-  if (channel.zero) zeros_.leave(channel.zero);
-  channel.zero = sensor.zeroed ? nullptr : zeros_.attend(status, sensor, identity, log_);
+  if (!sensor.zeroed && channel.bias && channel.bias->identity() == identity)
+    return channel.bias->device_reopened();
+  if (channel.bias) bias_store_.unregister_sensor(channel.bias);
+  channel.bias = sensor.zeroed ? nullptr : bias_store_.register_sensor(status, sensor, identity, log_);
 }
 
-void Acquirer::set_link(Link link) noexcept {
-  // Release: whoever reads it also finds the frames that came before.
+void Acquirer::set_link(DeviceLink link) noexcept {
+  // Release: pairs with the acquire in EstimateLoop::process and can::CanSource::view_at, so that they see
+  // the frames delivered before.
   for (auto& channel : channels_) channel.runtime->status.link.store(link, std::memory_order_release);
   estimate_.ring();
 }
 
-Acquirer::Ending Acquirer::pump() noexcept {
+Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
   while (!stopping()) {
     const ReadResult result = driver_->read(slots_, kReadTimeout);
-    // A driver that names a sensor it does not have is at fault; what it read is of no use.
+    // A frame for a sensor that the device does not have counts as corrupt.
     const bool known = result.sensor < channels_.size();
     SensorStatus& status = channels_[known ? result.sensor : 0].runtime->status;
     switch (known || result.status != ReadStatus::frame ? result.status : ReadStatus::corrupt) {
       case ReadStatus::frame:
-        if (!deliver(result.sensor)) return Ending::stopped;
+        if (!deliver(result.sensor)) return ReadEnd::stopped;
         break;
       case ReadStatus::timeout:
         status.timeouts.fetch_add(1, std::memory_order_relaxed);
@@ -202,40 +208,40 @@ Acquirer::Ending Acquirer::pump() noexcept {
         status.corrupt.fetch_add(1, std::memory_order_relaxed);
         break;
       case ReadStatus::disconnected:
-        return Ending::disconnected;
+        return ReadEnd::disconnected;
       case ReadStatus::end:
-        return Ending::ended;
+        return ReadEnd::ended;
     }
   }
-  return Ending::stopped;
+  return ReadEnd::stopped;
 }
 
-// False: told to stop while waiting for the frame before to be taken.
+// False: a stop was requested while the source waited for the estimator.
 bool Acquirer::deliver(std::size_t index) noexcept {
   SensorChannel& channel = channels_[index];
   FrameSlot& slot = slots_[index];
   FrameFeed& feed = *channel.feed;
-  while (feed.paced && feed.mailbox.unread()) {
+  while (feed.paced && feed.mailbox.has_unread()) {
     if (stopping()) return false;
-    const std::uint32_t rung = feed.taken.rung();
-    if (feed.mailbox.unread()) feed.taken.wait(rung, Clock::now() + kReadTimeout);
+    const std::uint32_t rung = feed.taken.ring_count();
+    if (feed.mailbox.has_unread()) feed.taken.wait(rung, Clock::now() + kReadTimeout);
   }
-  ++channel.tally.received;
+  ++channel.arrivals.received;
   delivered_ = true;
   if (channel.last_sequence && slot.sequence > *channel.last_sequence + 1) {
-    ++channel.tally.gaps;
-    channel.tally.lost += slot.sequence - *channel.last_sequence - 1;
+    ++channel.arrivals.gaps;
+    channel.arrivals.lost += slot.sequence - *channel.last_sequence - 1;
   }
   channel.last_sequence = slot.sequence;
   slot.zeroed = true;
-  if (channel.zero) channel.zero->apply(slot);
+  if (channel.bias) channel.bias->apply(slot);
   if (!channel.gain.empty()) apply_gain(channel.gain, slot);
-  channel.runtime->status.tap.offer(slot);
+  channel.runtime->status.record_tap.offer(slot);
   channel.runtime->status.flight_tap.offer(slot);
-  feed.mailbox.publish(slot, channel.tally);
+  feed.mailbox.publish(slot, channel.arrivals);
   slot = feed.mailbox.writable();
   estimate_.ring();
-  if (channel.zero) channel.zero->afterwards();
+  if (channel.bias) channel.bias->after_publish();
   return true;
 }
 

@@ -1,5 +1,5 @@
-// One device: opened, read, and reopened with back-off for ever, in a thread of its own. A driver that hangs
-// holds up this thread and nobody else's.
+// The acquire thread of one device: opens it, reads frames, and reopens it with back-off when it is lost. A
+// driver that hangs blocks this thread only.
 #pragma once
 
 #include <atomic>
@@ -16,19 +16,24 @@
 
 namespace slipd {
 
-// Asks for an estimator for a sensor whose device has just been opened. Called by the acquire thread while
-// setting up.
+// Called with a sensor's feed after its device was opened, so that an estimator is made for it. Called from
+// acquire threads, out of real time.
 using FeedOpened = std::function<void(std::size_t sensor, std::shared_ptr<FrameFeed> feed)>;
 
+// Called from one thread: io, except for its own thread's body.
 class Acquirer {
  public:
-  // `sensors`: the indices of `seats` that this device carries, in the driver's order.
+  // `sensors`: indices into `runtimes` of this device's sensors, in the driver's order. `bias_store`,
+  // `runtimes`, `log` and `estimate` (rung for each frame) outlive it.
   Acquirer(std::unique_ptr<DeviceDriver> driver, const std::vector<std::size_t>& sensors,
-           std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& zeros, LogRing& log,
+           std::vector<std::unique_ptr<SensorRuntime>>& runtimes, BiasStore& bias_store, LogRing& log,
            Doorbell& estimate, FeedOpened opened);
 
+  // Starts the thread. Once.
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
-  void ask_to_stop() noexcept;
+  // Returns at once; the thread ends when the driver's read returns.
+  void request_stop() noexcept;
+  // Joins the thread; see Thread::join_until.
   bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
  private:
@@ -36,38 +41,38 @@ class Acquirer {
     std::size_t sensor = 0;
     SensorRuntime* runtime = nullptr;
     std::shared_ptr<FrameFeed> feed;
-    std::shared_ptr<BiasWorker> zero;  // null: its frames are zeroed
-    std::vector<float> gain;           // of each taxel; empty: 1
-    Tally tally;
-    std::optional<std::uint64_t> last_sequence;  // none: just (re)opened
+    std::shared_ptr<BiasWorker> bias;  // null: the device subtracts its bias
+    std::vector<float> gain;           // of each taxel; empty: all are 1
+    ArrivalCounts arrivals;
+    std::optional<std::uint64_t> last_sequence;  // none: no frame since it was opened
   };
-  enum class Ending : std::uint8_t { stopped, disconnected, ended };
+  enum class ReadEnd : std::uint8_t { stopped, disconnected, ended };
 
   void run();
-  void attend();
+  void open_and_read();
   bool open();
-  void wire(const DeviceInfo& info);
-  void wire_zero(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
-  Ending pump() noexcept;
+  void connect_sensors(const DeviceInfo& info);
+  void connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
+  ReadEnd read_until_closed() noexcept;
   bool deliver(std::size_t index) noexcept;
-  void set_link(Link link) noexcept;
+  void set_link(DeviceLink link) noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
   std::unique_ptr<DeviceDriver> driver_;
   std::vector<SensorChannel> channels_;
   std::vector<FrameSlot> slots_;
-  BiasStore& zeros_;
+  BiasStore& bias_store_;
   LogRing& log_;
   Doorbell& estimate_;
   FeedOpened opened_;
-  std::string name_;          // its sensors' names, for the log
-  std::string last_trouble_;  // said once, not at each attempt
+  std::string name_;                 // the sensors' names, for the log
+  std::string last_logged_trouble_;  // logged once, not at each attempt
   bool was_open_ = false;
-  bool delivered_ = false;  // a frame, since it was opened last
+  bool delivered_ = false;  // a frame, since it was last opened
   RealtimeSettings realtime_;
   RealtimeGrant grant_;
   Doorbell stop_bell_;
-  std::atomic<bool> stop_{false};  // relaxed: the bell orders it
+  std::atomic<bool> stop_{false};  // relaxed: stop_bell_ orders it
   Thread thread_;
 };
 

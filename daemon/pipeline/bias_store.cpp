@@ -18,15 +18,15 @@ double seconds_since(std::int64_t time_ns) {
 }  // namespace
 
 BiasStore::~BiasStore() {
-  ask_to_stop();
+  request_stop();
 }
 
-std::shared_ptr<BiasWorker> BiasStore::attend(SensorStatus& status, const SensorInfo& sensor,
-                                              const BiasIdentity& identity, LogRing& log) {
+std::shared_ptr<BiasWorker> BiasStore::register_sensor(SensorStatus& status, const SensorInfo& sensor,
+                                                       const BiasIdentity& identity, LogRing& log) {
   auto worker = std::make_shared<BiasWorker>(status, sensor, identity, bell_);
   std::string trouble;
   try {
-    if (const auto zero = load_zero(zero_file(identity), identity)) {
+    if (const auto zero = load_bias(bias_file_path(identity), identity)) {
       worker->restore(*zero);
       log.write(LogLevel::info, {status.name}, "%s: its zero, taken %.0f s ago, is restored",
                 status.name.c_str(), seconds_since(zero->taken_ns));
@@ -47,18 +47,18 @@ std::shared_ptr<BiasWorker> BiasStore::attend(SensorStatus& status, const Sensor
     thread_ = Thread("zeros", kStoreStackBytes, [this] { run(); });
     running_ = true;
   }
-  bell_.ring();  // for requests that were the last device's
+  bell_.ring();  // for requests that the previous device left
   return worker;
 }
 
-void BiasStore::leave(const std::shared_ptr<BiasWorker>& worker) {
+void BiasStore::unregister_sensor(const std::shared_ptr<BiasWorker>& worker) {
   const std::lock_guard lock(mutex_);
   std::erase(workers_, worker);
 }
 
-void BiasStore::ask_to_stop() {
+void BiasStore::request_stop() {
   {
-    const std::lock_guard lock(mutex_);  // after it, no thread is started any more
+    const std::lock_guard lock(mutex_);  // no thread is started afterwards
     stop_.store(true, std::memory_order_relaxed);
   }
   bell_.ring();
@@ -71,37 +71,37 @@ std::vector<std::shared_ptr<BiasWorker>> BiasStore::workers() const {
 
 void BiasStore::run() {
   for (bool last = false; !last;) {
-    const std::uint32_t rung = bell_.rung();
+    const std::uint32_t rung = bell_.ring_count();
     last = stop_.load(std::memory_order_relaxed);
     try {
-      for (const auto& worker : workers()) look_at(*worker);
-    } catch (const std::bad_alloc&) {  // with the next zero, then
+      for (const auto& worker : workers()) process(*worker);
+    } catch (const std::bad_alloc&) {  // the next round tries again
     }
     if (!last) bell_.wait(rung, Doorbell::Clock::now() + kLongestStoreSleep);
   }
 }
 
-void BiasStore::look_at(BiasWorker& worker) {
-  BiasChannel& told = worker.status().zero;
-  // First the report, then the copy: a zero that the report tells of has been put there before.
-  const BiasReport report = told.report.load();
-  if (const Bias* zero = worker.to_keep()) {
-    keep(worker, *zero);
-    worker.release();
+void BiasStore::process(BiasWorker& worker) {
+  BiasChannel& channel = worker.status().bias;
+  // The report before the copy: a bias that the report contains was handed over before.
+  const BiasReport report = channel.report.load();
+  if (const Bias* zero = worker.pending_save()) {
+    save(worker, *zero);
+    worker.save_done();
   }
-  if (report.answered == told.settled()) return;
-  // A copy that was still the last one's is filled anew with the next block.
-  if (report.answer == BiasResult::taken && worker.kept_takings() != report.taken) return;
-  told.settle(report.answered);
-  io_.ring();
+  if (report.answered == channel.completed()) return;
+  // The copy held an older bias. The worker hands the new one over with the next block of frames.
+  if (report.answer == BiasResult::taken && worker.saved_taken() != report.taken) return;
+  channel.complete(report.answered);
+  io_wakeup_.notify();
 }
 
-void BiasStore::keep(BiasWorker& worker, const Bias& zero) {
+void BiasStore::save(BiasWorker& worker, const Bias& zero) {
   const std::string& name = worker.status().name;
   std::string trouble;
   try {
-    const auto file = zero_file(worker.identity());
-    save_zero(file, worker.identity(), zero);
+    const auto file = bias_file_path(worker.identity());
+    save_bias(file, worker.identity(), zero);
     log_.write(LogLevel::info, {name}, "%s: its zero (%s) is kept in %s", name.c_str(),
                std::string(to_string(zero.origin)).c_str(), file.c_str());
   } catch (const std::exception& error) {

@@ -1,5 +1,5 @@
-// Keeps sensors' zeros on disk and answers for them, in a thread of its own that there is only once a sensor
-// needs it: the acquire thread must not wait for a disk, and io not for long.
+// Saves sensors' biases to disk and completes requests for new ones, in a thread of its own, because neither
+// acquire nor io may wait for the disk. The thread is started by the first sensor that needs it.
 #pragma once
 
 #include <atomic>
@@ -13,36 +13,41 @@
 
 namespace slipd {
 
+// Thread-safe; each function names its callers.
 class BiasStore {
  public:
-  // `log`: its own. All outlive it.
-  BiasStore(LogRing& log, Wake& io) : log_(log), io_(io) {}
+  // `log`: written by the store's thread only. `io_wakeup`: notified when requests are complete. Both outlive
+  // it.
+  BiasStore(LogRing& log, IoWakeup& io_wakeup) : log_(log), io_wakeup_(io_wakeup) {}
+  // Requests a stop and joins.
   ~BiasStore();
   BiasStore(const BiasStore&) = delete;
   BiasStore& operator=(const BiasStore&) = delete;
 
-  // Acquire thread, while setting up: a desk for a sensor whose device has been opened, with the zero that is
-  // kept for it, if there is a good one; why there is none is logged to `log` and told in the sensor's facts.
-  std::shared_ptr<BiasWorker> attend(SensorStatus& status, const SensorInfo& sensor,
-                                     const BiasIdentity& identity, LogRing& log);
+  // Called from acquire threads, out of real time. The worker of a sensor whose device was opened, with its
+  // saved bias if there is one that can be used. If not, the reason is written to `log` and to the sensor's
+  // facts. May wait for the disk.
+  std::shared_ptr<BiasWorker> register_sensor(SensorStatus& status, const SensorInfo& sensor,
+                                              const BiasIdentity& identity, LogRing& log);
 
-  // Acquire thread, while setting up: this desk is not used any more.
-  void leave(const std::shared_ptr<BiasWorker>& worker);
+  // Called from acquire threads, out of real time. `worker` is no longer used; its last bias may be unsaved.
+  void unregister_sensor(const std::shared_ptr<BiasWorker>& worker);
 
-  // io, when the acquire threads have ended: keeps what is left, and ends.
-  void ask_to_stop();
+  // Called from one thread: io, after the acquire threads ended. The thread saves what is pending and ends.
+  void request_stop();
+  // Called from one thread: io. See Thread::join_until.
   bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
  private:
   void run();
-  void look_at(BiasWorker& worker);
-  void keep(BiasWorker& worker, const Bias& zero);
+  void process(BiasWorker& worker);
+  void save(BiasWorker& worker, const Bias& zero);
   std::vector<std::shared_ptr<BiasWorker>> workers() const;
 
   LogRing& log_;
-  Wake& io_;
+  IoWakeup& io_wakeup_;
   Doorbell bell_;
-  std::atomic<bool> stop_{false};  // relaxed: the bell orders it
+  std::atomic<bool> stop_{false};  // relaxed: bell_ orders it
   mutable std::mutex mutex_;       // guards the next two
   std::vector<std::shared_ptr<BiasWorker>> workers_;
   bool running_ = false;

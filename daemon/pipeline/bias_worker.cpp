@@ -12,12 +12,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A zero that follows drift is kept anew so often: a day of it is a few hundred writes.
-constexpr std::int64_t kKeepIntervalNs = 300'000'000'000;
-// And when its device goes away, if it has followed for so long: one that comes and goes writes no more than
-// that.
-constexpr std::int64_t kKeepAtLeastNs = 10'000'000'000;
-constexpr auto kKeeperPatience = 1s;
+// A bias that follows drift is saved at this interval: a few hundred writes a day.
+constexpr std::int64_t kSaveIntervalNs = 300'000'000'000;
+// When the device is closed, a bias that was followed for this long is saved. Limits the writes of a device
+// that is lost again and again.
+constexpr std::int64_t kMinSaveIntervalNs = 10'000'000'000;
+constexpr auto kStoreTimeout = 1s;
 
 BiasEstimator::Steps steps_of(const SensorInfo& sensor) {
   return {static_cast<float>(sensor.step_normal_pa), static_cast<float>(sensor.step_shear_pa)};
@@ -31,76 +31,77 @@ BiasWorker::BiasWorker(SensorStatus& status, const SensorInfo& sensor, BiasIdent
       store_(store),
       bias_estimator_(sensor.layout, steps_of(sensor)),
       copy_(bias_estimator_.zero()) {
-  bias_estimator_.skip_requests(status_.zero.newest().number);
-  status_.zero.report.store(bias_estimator_.report());
+  bias_estimator_.skip_requests(status_.bias.newest_request().number);
+  status_.bias.report.store(bias_estimator_.report());
 }
 
 void BiasWorker::restore(const Bias& zero) {
   bias_estimator_.restore(zero);
-  offered_confirmed_ns_ = zero.confirmed_ns;
-  status_.zero.report.store(bias_estimator_.report());
+  handed_confirmed_ns_ = zero.confirmed_ns;
+  status_.bias.report.store(bias_estimator_.report());
 }
 
-void BiasWorker::reopened() {
+void BiasWorker::device_reopened() {
   bias_estimator_.reopened();
-  tell();
+  publish_report();
 }
 
 void BiasWorker::apply(FrameSlot& frame) noexcept {
-  const BiasRequest request = status_.zero.newest();
+  const BiasRequest request = status_.bias.newest_request();
   if (request.number != bias_estimator_.report().asked) bias_estimator_.ask(request.number, request.force);
   bias_estimator_.apply(frame);
 }
 
-void BiasWorker::afterwards() noexcept {
+void BiasWorker::after_publish() noexcept {
   if (!bias_estimator_.judge()) return;
-  if (worth_keeping(kKeepIntervalNs)) offer();
-  tell();
+  if (should_save(kSaveIntervalNs)) hand_to_store();
+  publish_report();
 }
 
-void BiasWorker::tell() noexcept {
+void BiasWorker::publish_report() noexcept {
   const BiasReport& report = bias_estimator_.report();
-  status_.zero.report.store(report);
-  // The copy comes before the report, so that who sees a zero taken finds it.
-  // Relaxed: only whether to ring.
-  if (report.answered != status_.zero.settled() || filled_.load(std::memory_order_relaxed)) store_.ring();
+  status_.bias.report.store(report);
+  // The copy is handed over before the report is published, so that the store finds both.
+  // Relaxed: decides only whether to ring.
+  if (report.answered != status_.bias.completed() || filled_.load(std::memory_order_relaxed)) store_.ring();
 }
 
-bool BiasWorker::worth_keeping(std::int64_t followed_ns) const noexcept {
+bool BiasWorker::should_save(std::int64_t followed_ns) const noexcept {
   const BiasReport& report = bias_estimator_.report();
-  return report.taken != offered_takings_ || report.confirmed_ns - offered_confirmed_ns_ >= followed_ns;
+  return report.taken != handed_taken_ || report.confirmed_ns - handed_confirmed_ns_ >= followed_ns;
 }
 
-void BiasWorker::offer() noexcept {
-  // Acquire: pairs with the release in release(), so that the keeper has read all of the copy.
+void BiasWorker::hand_to_store() noexcept {
+  // Acquire: pairs with the release in save_done(), so that the store has ended reading the copy.
   if (filled_.load(std::memory_order_acquire)) return;
   const Bias& zero = bias_estimator_.zero();
   std::copy(zero.bias_pa.begin(), zero.bias_pa.end(), copy_.bias_pa.begin());
   std::copy(zero.noise_pa.begin(), zero.noise_pa.end(), copy_.noise_pa.begin());
   copy_.origin = zero.origin;
   copy_.taken_ns = zero.taken_ns;
-  copy_.confirmed_ns = offered_confirmed_ns_ = zero.confirmed_ns;
-  copy_takings_ = offered_takings_ = bias_estimator_.report().taken;
-  filled_.store(true, std::memory_order_release);  // pairs with the acquire in to_keep()
+  copy_.confirmed_ns = handed_confirmed_ns_ = zero.confirmed_ns;
+  copy_taken_ = handed_taken_ = bias_estimator_.report().taken;
+  filled_.store(true, std::memory_order_release);  // pairs with the acquire in pending_save()
 }
 
-void BiasWorker::rest() {
-  if (!worth_keeping(kKeepAtLeastNs)) return;
-  const auto until = std::chrono::steady_clock::now() + kKeeperPatience;
+void BiasWorker::flush_to_store() {
+  if (!should_save(kMinSaveIntervalNs)) return;
+  const auto until = std::chrono::steady_clock::now() + kStoreTimeout;
   while (filled_.load(std::memory_order_relaxed) &&
-         std::chrono::steady_clock::now() < until)  // offer acquires
+         std::chrono::steady_clock::now() < until)  // relaxed: hand_to_store acquires
     std::this_thread::sleep_for(5ms);
-  offer();
+  hand_to_store();
   store_.ring();
 }
 
-const Bias* BiasWorker::to_keep() const noexcept {
-  return filled_.load(std::memory_order_acquire) ? &copy_ : nullptr;  // pairs with the release in offer
+const Bias* BiasWorker::pending_save() const noexcept {
+  return filled_.load(std::memory_order_acquire) ? &copy_
+                                                 : nullptr;  // pairs with the release in hand_to_store
 }
 
-void BiasWorker::release() noexcept {
-  kept_takings_ = copy_takings_;
-  filled_.store(false, std::memory_order_release);  // pairs with the acquire in offer
+void BiasWorker::save_done() noexcept {
+  saved_taken_ = copy_taken_;
+  filled_.store(false, std::memory_order_release);  // pairs with the acquire in hand_to_store
 }
 
 }  // namespace slipd

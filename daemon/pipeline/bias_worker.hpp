@@ -1,5 +1,14 @@
-// Where one sensor's zero is worked at: the acquire thread takes it off each frame, and hands what is worth
-// keeping to the keeper of zeros. One word says whose turn the copy between them is.
+// One sensor's bias in the acquire thread: subtracted from each frame, followed, and handed to the bias store
+// when it is to be saved. One copy of the bias is shared; an atomic flag decides who owns it.
+//
+//   acquire                          filled_   store
+//   hand_to_store                     false
+//     writes copy_
+//     store(true, release)  ------->  true
+//   hand_to_store: returns                     pending_save: load(acquire), reads copy_, writes the file
+//                                     false <- save_done: store(false, release)
+//   hand_to_store: load(acquire),
+//     writes copy_
 #pragma once
 
 #include <atomic>
@@ -16,46 +25,58 @@ namespace slipd {
 
 class SensorStatus;
 
+// Thread-safe between the acquire thread and the bias store.
 class BiasWorker {
  public:
-  // Set-up. `panel` and `keeper` outlive it.
+  // Called from one thread: acquire, out of real time. `status` and `store`, the store's doorbell, outlive
+  // it.
   BiasWorker(SensorStatus& status, const SensorInfo& sensor, BiasIdentity identity, Doorbell& store);
 
+  // Called from any thread.
   const BiasIdentity& identity() const noexcept { return identity_; }
   SensorStatus& status() const noexcept { return status_; }
 
-  // Acquire thread, while setting up. The zero of an earlier run; throws std::invalid_argument.
+  // Called from one thread: acquire, out of real time. Starts with a saved bias. Throws std::invalid_argument
+  // if its size does not fit.
   void restore(const Bias& zero);
-  void reopened();
+  // Called from one thread: acquire, out of real time. The same device was opened again.
+  void device_reopened();
 
-  // Acquire thread. apply: before anybody else sees the frame. afterwards: when it is on its way.
+  // Called from one thread: acquire. Subtracts the bias and takes up a new request. Before the frame is
+  // published. Wait-free, allocates nothing.
   void apply(FrameSlot& frame) noexcept;
-  void afterwards() noexcept;
+  // Called from one thread: acquire, after the frame was published. Updates the bias from whole blocks of
+  // frames, and hands it to the store when it is to be saved. Wait-free, allocates nothing.
+  void after_publish() noexcept;
 
-  // Acquire thread, out of real time: no frames come for a while; gives the keeper what it has not got yet.
-  void rest();
+  // Called from one thread: acquire, out of real time, when the device was closed. Hands an unsaved bias to
+  // the store; waits up to a second for the one before.
+  void flush_to_store();
 
-  // Keeper. The zero to be kept, or null; valid until release().
-  const Bias* to_keep() const noexcept;
-  void release() noexcept;                                               // it is kept
-  std::uint32_t kept_takings() const noexcept { return kept_takings_; }  // BiasReport::taken, of the last one
+  // Called from one thread: bias store. The bias to save, or null. Valid until save_done().
+  const Bias* pending_save() const noexcept;
+  // Called from one thread: bias store. Writing the pending bias has ended, with or without success.
+  void save_done() noexcept;
+  // Called from one thread: bias store. BiasReport::taken of the bias last saved; 0: none was.
+  std::uint32_t saved_taken() const noexcept { return saved_taken_; }
 
  private:
-  bool worth_keeping(std::int64_t followed_ns) const noexcept;  // it is new, or has followed for so long
-  void offer() noexcept;
-  void tell() noexcept;
+  // Whether the bias was measured anew since it was handed over, or was followed for this long.
+  bool should_save(std::int64_t followed_ns) const noexcept;
+  void hand_to_store() noexcept;
+  void publish_report() noexcept;
 
   SensorStatus& status_;
   const BiasIdentity identity_;
   Doorbell& store_;
   BiasEstimator bias_estimator_;
-  std::uint32_t offered_takings_ = 0;  // of the zero last offered
-  std::int64_t offered_confirmed_ns_ = 0;
-  // The copy is the keeper's: offer() releases it to to_keep(), and release() gives it back.
+  std::uint32_t handed_taken_ = 0;  // BiasReport::taken of the bias last handed over
+  std::int64_t handed_confirmed_ns_ = 0;
+  // Whether copy_ and copy_taken_ belong to the store.
   std::atomic<bool> filled_{false};
   Bias copy_;
-  std::uint32_t copy_takings_ = 0;
-  std::uint32_t kept_takings_ = 0;  // keeper's
+  std::uint32_t copy_taken_ = 0;
+  std::uint32_t saved_taken_ = 0;  // the store's
 };
 
 }  // namespace slipd

@@ -34,7 +34,7 @@ void EstimatorFactory::start() {
   thread_ = Thread("set-up", kFactoryStackBytes, [this] { run(); });
 }
 
-void EstimatorFactory::ask_to_stop() {
+void EstimatorFactory::request_stop() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -42,7 +42,7 @@ void EstimatorFactory::ask_to_stop() {
   changed_.notify_one();
 }
 
-void EstimatorFactory::want(std::size_t sensor, std::shared_ptr<FrameFeed> feed) {
+void EstimatorFactory::request(std::size_t sensor, std::shared_ptr<FrameFeed> feed) {
   {
     const std::lock_guard lock(mutex_);
     jobs_.push_back({sensor, std::move(feed)});
@@ -63,7 +63,7 @@ void EstimatorFactory::run() {
     free_retired();
     try {
       make(job);
-    } catch (const std::bad_alloc&) {  // not even to say what is wrong
+    } catch (const std::bad_alloc&) {  // no memory even for the message
       runtimes_[job.sensor]->refused.store(true, std::memory_order_relaxed);
       estimate_.ring();
     }
@@ -84,7 +84,7 @@ void EstimatorFactory::make(const Job& job) {
                runtime.status.name.c_str(), trouble.c_str());
   }
   estimate_.ring();
-  // What it is worth is good to know, but nothing waits for it.
+  // Measured after the estimator is in use, because nothing depends on it.
   if (instance == nullptr || !instance->work_precision.rows.empty()) return;
   const WorkPrecision work_precision = measure_work_precision(instance->setup, instance->method);
   runtime.status.change_facts([&](DeviceFacts& facts) { facts.tradeoff = work_precision; });
@@ -99,7 +99,7 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
                          .estimator = settings_.estimator,
                          .alerts = settings_.alerts,
                          .friction = runtime.settings.friction};
-  std::optional<EstimatorChain> chain = inherited(runtime, setup);
+  std::optional<EstimatorChain> chain = take_learned_state(runtime, setup);
   const char* const past = chain ? ", with what it had learnt before the reload" : "";
   if (!chain) {
     std::shared_ptr<const Model> model;
@@ -116,7 +116,7 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
     facts.method = method;
     facts.tradeoff = instance->work_precision;
   });
-  // One that the estimate thread never came to take is retired by nobody else.
+  // An instance that the estimate thread did not take is retired here.
   if (EstimatorInstance* untaken = runtime.incoming.exchange(instance, std::memory_order_acq_rel))
     untaken->retired = true;
   log_.write(LogLevel::info, {runtime.status.name}, "%s: estimating by %s%s", runtime.status.name.c_str(),
@@ -124,20 +124,20 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
   return *instance;
 }
 
-// By a sensor of the same name, in every way configured as it was.
-std::optional<EstimatorChain> EstimatorFactory::inherited(const SensorRuntime& runtime,
-                                                          const ChainSetup& setup) {
-  const auto found = std::find_if(inherited_.begin(), inherited_.end(), [&](const LearnedState& learned) {
+// The learned state of a sensor with the same settings and set-up; none otherwise.
+std::optional<EstimatorChain> EstimatorFactory::take_learned_state(const SensorRuntime& runtime,
+                                                                   const ChainSetup& setup) {
+  const auto found = std::find_if(learned_.begin(), learned_.end(), [&](const LearnedState& learned) {
     return learned.sensor == runtime.settings && learned.setup == setup;
   });
-  if (found == inherited_.end()) return std::nullopt;
+  if (found == learned_.end()) return std::nullopt;
   EstimatorChain chain = std::move(found->chain);
-  inherited_.erase(found);
+  learned_.erase(found);
   return chain;
 }
 
-// The last lane of each sensor is the one that was in use.
-std::vector<LearnedState> EstimatorFactory::give_up() {
+// The last instance of each sensor is the one that was in use.
+std::vector<LearnedState> EstimatorFactory::release_learned_state() {
   std::vector<LearnedState> learned;
   for (std::size_t sensor = 0; sensor < runtimes_.size(); ++sensor) {
     const auto last = std::find_if(instances_.rbegin(), instances_.rend(),
@@ -146,13 +146,13 @@ std::vector<LearnedState> EstimatorFactory::give_up() {
     learned.push_back({runtimes_[sensor]->settings, (*last)->setup, std::move((*last)->chain)});
   }
   instances_.clear();
-  // And what was kept for a device that never came.
-  std::move(inherited_.begin(), inherited_.end(), std::back_inserter(learned));
+  // Unused ones too: their devices may be opened later.
+  std::move(learned_.begin(), learned_.end(), std::back_inserter(learned));
   return learned;
 }
 
 void EstimatorFactory::free_retired() {
-  // Acquire: pairs with the estimate thread's release, so that its last use is over.
+  // Acquire: pairs with the release in EstimateLoop::adopt_instance, so that its last use has ended.
   std::erase_if(instances_,
                 [](const auto& instance) { return instance->retired.load(std::memory_order_acquire); });
 }

@@ -1,6 +1,5 @@
-// The set-up thread: makes an estimator for every sensor whose device has been opened, so that neither a
-// model being loaded nor one being trained holds up anybody. Normal scheduling; allocates, locks and waits as
-// it likes.
+// The set-up thread: makes an estimator for each sensor whose device was opened. Loading or training a model
+// takes long, so it happens here and blocks no other thread. Normal scheduling; may allocate, lock and wait.
 #pragma once
 
 #include <condition_variable>
@@ -17,32 +16,38 @@
 
 namespace slipd {
 
-// The trained model for a chain that needs one. Called by the set-up thread; may take minutes; throws
-// std::exception for what cannot be had, and soon after a stop was asked for.
+// The trained model for a chain that needs one. Called from one thread: set-up. May take minutes. Throws
+// std::exception if there is none, and soon after a stop was requested.
 using ModelSource =
     std::function<std::shared_ptr<const Model>(const std::string& sensor, const ChainSetup& setup)>;
 
 // Why the chain does not use the configured method, for people; empty where it does.
 std::string why_method_is_replaced(const ChainSetup& setup);
 
+// Thread-safe; each function names its callers.
 class EstimatorFactory {
  public:
+  // `estimate`: rung when an estimator is ready. All references outlive it.
   EstimatorFactory(const Settings& settings, std::vector<std::unique_ptr<SensorRuntime>>& runtimes,
                    LogRing& log, Doorbell& estimate, ModelSource models);
   ~EstimatorFactory();
 
+  // Called from one thread: io. Starts the thread. Once.
   void start();
-  void ask_to_stop();
+  // Called from one thread: io. The thread ends after the estimator that it is making.
+  void request_stop();
+  // Called from one thread: io. See Thread::join_until.
   bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
-  // Before start: what sensors of the configuration before had learnt. One that is still configured as it was
-  // goes on with it.
-  void inherit(std::vector<LearnedState> learned) { inherited_ = std::move(learned); }
-  // After the end of this thread and of the estimate thread.
-  std::vector<LearnedState> give_up();
+  // Called from one thread: io, before start. Learned states of the previous configuration. A sensor with the
+  // same settings and set-up continues with its own.
+  void adopt_learned_state(std::vector<LearnedState> learned) { learned_ = std::move(learned); }
+  // Called from one thread: io, after this thread and the estimate thread ended. The learned state of each
+  // sensor, with those that were adopted but not used.
+  std::vector<LearnedState> release_learned_state();
 
-  // Any thread but the real-time ones: a lane is wanted for this feed.
-  void want(std::size_t sensor, std::shared_ptr<FrameFeed> feed);
+  // Called from any thread but real-time ones. Requests an estimator for this feed.
+  void request(std::size_t sensor, std::shared_ptr<FrameFeed> feed);
 
  private:
   struct Job {
@@ -51,9 +56,9 @@ class EstimatorFactory {
   };
   void run();
   void make(const Job& job);
-  const EstimatorInstance& build(
-      const Job& job, SensorRuntime& runtime);  // throws std::exception for an estimator that cannot be had
-  std::optional<EstimatorChain> inherited(const SensorRuntime& runtime, const ChainSetup& setup);
+  // Throws std::exception if there is no estimator for this sensor.
+  const EstimatorInstance& build(const Job& job, SensorRuntime& runtime);
+  std::optional<EstimatorChain> take_learned_state(const SensorRuntime& runtime, const ChainSetup& setup);
   void free_retired();
 
   const Settings& settings_;
@@ -61,10 +66,10 @@ class EstimatorFactory {
   LogRing& log_;
   Doorbell& estimate_;
   ModelSource models_;
-  std::vector<std::unique_ptr<EstimatorInstance>>
-      instances_;  // every one made and not yet freed; set-up thread, then the destructor
-  std::vector<LearnedState> inherited_;  // set-up thread, once it runs
-  std::mutex mutex_;                     // guards the next two
+  // All that were made and not yet freed. Used by the set-up thread, later by the destructor.
+  std::vector<std::unique_ptr<EstimatorInstance>> instances_;
+  std::vector<LearnedState> learned_;  // used by the set-up thread once it runs
+  std::mutex mutex_;                   // guards the next two
   std::deque<Job> jobs_;
   bool stop_ = false;
   std::condition_variable changed_;

@@ -1,6 +1,6 @@
-// What a sensor's frames run through once its device is known: a FrameFeed, which acquire fills and estimate
-// empties, and a EstimatorInstance, the FrameFeed with an estimator made for it. Both are made by set-up
-// threads and handed over whole.
+// What a sensor's frames pass through once its device is open: a FrameFeed from acquire to estimate, and an
+// EstimatorInstance, which is the feed with its estimator. Threads that set up make both; they are complete
+// before another thread sees them.
 #pragma once
 
 #include <atomic>
@@ -15,16 +15,22 @@
 
 namespace slipd {
 
+// The frames of one sensor. Shared by acquire and estimate; const members never change.
 struct FrameFeed {
-  FrameFeed(const SensorInfo& sensor, bool wait_for_taker)
-      : info(sensor), mailbox(sensor.layout.size()), paced(wait_for_taker) {}
+  FrameFeed(const SensorInfo& sensor, bool wait_for_consumer)
+      : info(sensor), mailbox(sensor.layout.size()), paced(wait_for_consumer) {}
 
+  // The sensor, as its driver described it.
   const SensorInfo info;
+  // From acquire to estimate.
   FrameMailbox mailbox;
-  const bool paced;  // the driver waits until a frame was taken instead of replacing it
-  Doorbell taken;    // estimate rings it, if paced
+  // Whether the driver waits until a frame was taken instead of replacing it.
+  const bool paced;
+  // If paced, rung by estimate after it took a frame; acquire waits on it.
+  Doorbell taken;
 };
 
+// A sensor's estimator. Made by set-up, used by estimate until it is retired, freed by set-up.
 struct EstimatorInstance {
   EstimatorInstance(std::size_t of_sensor, std::shared_ptr<FrameFeed> from, ChainSetup made_for,
                     EstimatorChain with)
@@ -35,21 +41,31 @@ struct EstimatorInstance {
         method(chain.method()),
         work_precision(chain.tradeoff()) {}
 
-  const std::size_t sensor;  // on the board
+  // Index into Board::sensors.
+  const std::size_t sensor;
+  // Where its frames come from.
   const std::shared_ptr<FrameFeed> feed;
-  const ChainSetup setup;  // that its estimator was made for
+  // What the chain was made for.
+  const ChainSetup setup;
+  // Used by one thread: estimate. By io after that thread ended.
   EstimatorChain chain;
+  // The chain's method.
   const Method method;
-  const WorkPrecision work_precision;  // known when it was made, see EstimatorChain::tradeoff
-  // No longer in use: the estimate thread says so with release (take_instance), the maker asks with acquire
-  // before it frees it (free_retired).
+  // Error against run time, if it was known when the chain was made; else without rows.
+  const WorkPrecision work_precision;
+  // No longer used by estimate. Written with release by EstimateLoop::adopt_instance, read with acquire by
+  // EstimatorFactory::free_retired, which then frees it.
   std::atomic<bool> retired{false};
 };
 
-// What a sensor's estimator has learnt of the contact that it is in, while the configuration is exchanged.
+// A sensor's estimator with what it has learned of the present grasp, handed from one configuration to the
+// next.
 struct LearnedState {
-  SensorSettings sensor;  // as it was configured
+  // The sensor as it was configured.
+  SensorSettings sensor;
+  // What the chain was made for.
   ChainSetup setup;
+  // The estimator.
   EstimatorChain chain;
 };
 

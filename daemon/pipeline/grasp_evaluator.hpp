@@ -1,4 +1,4 @@
-// The estimate thread's part for grasps: judges again each whose sensors have something new.
+// Estimates grasps from the estimates of their sensors. Part of the estimate thread.
 #pragma once
 
 #include <vector>
@@ -8,26 +8,27 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: estimate, except for the constructor.
 class GraspEvaluator {
  public:
-  // One for each grasp that is on the board by now.
+  // For all grasps that are on the board. `board` outlives it. Allocates; nothing else does.
   GraspEvaluator(Board& board, const AlertSettings& alerts);
 
-  // A sensor's new estimate is on the board.
-  void touch(std::size_t sensor) noexcept;
+  // A new estimate of this sensor is on the board.
+  void mark_updated(std::size_t sensor) noexcept;
 
-  // After a round over all sensors, so that frames of one moment are judged together. True if a grasp's alert
-  // or state has changed.
-  bool judge() noexcept;
+  // Evaluates and publishes each grasp with a new estimate. Called after a round over all sensors, so that
+  // frames of one moment are used together. True if alert or state of a grasp changed.
+  bool evaluate() noexcept;
 
  private:
   struct GraspState {
     GraspStatus* status;
-    GraspTracker judge;
+    GraspTracker tracker;
     std::vector<Estimate> members;
-    bool touched = false;
-    State said_state = State::stale;
-    Alert said_alert = Alert::none;
+    bool updated = false;
+    State last_state = State::stale;
+    Alert last_alert = Alert::none;
   };
   const Board& board_;
   std::vector<GraspState> grasp_states_;

@@ -34,7 +34,7 @@ std::string why_untrusted_one(const fs::path& path) {
     return path.string() + " belongs to user " + std::to_string(status.st_uid) +
            ": only root or slipd's own user may own it; use chown";
   }
-  // A sticky folder such as /tmp lets nobody replace another's file.
+  // In a sticky folder such as /tmp a user can replace only their own files.
   if (S_ISDIR(status.st_mode) && (status.st_mode & S_ISVTX) != 0) return {};
   if ((status.st_mode & S_IWOTH) != 0) return path.string() + " can be written by everybody: use chmod o-w";
   if ((status.st_mode & S_IWGRP) != 0 && status.st_gid != 0 && status.st_gid != getegid()) {
@@ -44,8 +44,8 @@ std::string why_untrusted_one(const fs::path& path) {
   return {};
 }
 
-// A module that was cut short, by a full disk say, would not be refused by the loader but take the process
-// down: it maps what the file says of itself, and touches it.
+// Whether all segments are within the file. The loader does not check this: a file that was cut (by a full
+// disk, say) would crash the process.
 bool is_whole(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   ElfW(Ehdr) header{};
@@ -94,7 +94,7 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
     if (there.empty()) entry.trouble += "none";
     return entry;
   }
-  const fs::path real = fs::canonical(file, error);  // what links lead to now is judged, and then loaded
+  const fs::path real = fs::canonical(file, error);  // the target of links: it is verified and then loaded
   entry.trouble = error ? file.string() + ": " + error.message() : why_untrusted(real);
   if (!entry.trouble.empty()) return entry;
   if (!is_whole(real)) {

@@ -1,5 +1,5 @@
-// The driver modules, slipd-driver-NAME.so, found, judged and loaded on demand. Set-up thread only. A module
-// stays loaded for the life of the process: its threads and tables may be in use until the end.
+// Finds, verifies and loads driver modules, slipd-driver-NAME.so, on demand. A module is never unloaded,
+// because its threads and tables may be in use until the process ends.
 #pragma once
 
 #include <filesystem>
@@ -12,31 +12,37 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class DriverModules : public DriverCatalogue {
  public:
-  // `given`: --driver-dir. Without it the folder next to the program's own (a build tree's), else the
+  // `given`: the folder of --driver-dir; none: the build tree's folder if the program runs from one, else the
   // installed one.
   explicit DriverModules(const std::optional<std::filesystem::path>& given = std::nullopt);
 
+  // Loads the module if needed; null if it cannot be used.
   const DriverModule* find(const std::string& name) override;
+  // Why find returned null, for people.
   std::string why_not(const std::string& name) override;
-  std::vector<std::string> names() override;  // of the modules that are there, loadable or not, sorted
-  void forget_absent();                       // looks anew for those that could not be had before
+  // Names of the modules in the folder, usable or not, sorted.
+  std::vector<std::string> names() override;
+  // Forgets modules that could not be used, so that find tries them again.
+  void forget_absent();
+  // Where modules are.
   const std::filesystem::path& folder() const noexcept { return folder_; }
 
  private:
   struct Loaded {
     const DriverModule* module = nullptr;
-    std::string trouble;  // why there is none
+    std::string trouble;  // why module is null
   };
   const Loaded& load(const std::string& name);
   std::filesystem::path folder_;
   std::map<std::string, Loaded> loaded_;
 };
 
-// Why a file, of an absolute path without links, must not be loaded into the daemon: empty if root or the
-// daemon's own user owns it and every folder above it, and nobody else may write to any of them: then nobody
-// can change it between this look and its loading.
+// Why a file must not be loaded into the daemon; empty: it may be. `file` is an absolute path without
+// symbolic links. It may be loaded if root or the daemon's user owns it and every folder above it, and no
+// other user may write to any of them: then no other user can replace it between this check and its loading.
 std::string why_untrusted(const std::filesystem::path& file);
 
 }  // namespace slipd

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::size_t kEstimateStackBytes = std::size_t{512} * 1024;
 
-// Their panels are on the board then, and those of the grasps.
-std::vector<std::unique_ptr<SensorRuntime>> seats_for(const Settings& settings, Board& board) {
+// Puts all sensors and grasps on the board.
+std::vector<std::unique_ptr<SensorRuntime>> make_runtimes(const Settings& settings, Board& board) {
   std::vector<std::unique_ptr<SensorRuntime>> runtimes;
   for (const auto& sensor : settings.sensors) {
     board.sensors.push_back(std::make_unique<SensorStatus>(sensor.setup.name, sensor.driver));
@@ -28,7 +28,7 @@ std::vector<std::unique_ptr<SensorRuntime>> seats_for(const Settings& settings, 
   return runtimes;
 }
 
-// The sensors of each device, by index. A sensor that names no device has one of its own.
+// The indices of each device's sensors. A sensor that names no device has one of its own.
 std::vector<std::vector<std::size_t>> devices_of(const std::vector<SensorSettings>& sensors) {
   std::vector<std::vector<std::size_t>> devices;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -55,10 +55,10 @@ LogRing& new_log(Board& board) {
 Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models,
                    Doorbell* output)
     : settings_(settings),
-      runtimes_(seats_for(settings, board)),
-      maker_(settings, runtimes_, new_log(board), bell_, std::move(models)),
-      estimating_(board, runtimes_, settings.alerts, new_log(board), bell_, output),
-      zeros_(new_log(board), board.io) {
+      runtimes_(make_runtimes(settings, board)),
+      estimator_factory_(settings, runtimes_, new_log(board), bell_, std::move(models)),
+      estimate_loop_(board, runtimes_, settings.alerts, new_log(board), bell_, output),
+      bias_store_(new_log(board), board.io_wakeup) {
   std::vector<std::string> problems;
   for (const auto& device : devices_of(settings.sensors)) {
     const SensorSettings& first = settings.sensors[device.front()];
@@ -73,9 +73,9 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
     for (const std::size_t sensor : device) setups.push_back(settings.sensors[sensor].setup);
     try {
       auto opened = [this](std::size_t sensor, std::shared_ptr<FrameFeed> feed) {
-        maker_.want(sensor, std::move(feed));
+        estimator_factory_.request(sensor, std::move(feed));
       };
-      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, runtimes_, zeros_,
+      acquirers_.push_back(std::make_unique<Acquirer>(module->create(setups), device, runtimes_, bias_store_,
                                                       new_log(board), bell_, std::move(opened)));
     } catch (const std::exception& error) {
       problems.push_back(place + " (" + first.setup.name + ", driver " + first.driver + "): " + error.what());
@@ -85,25 +85,25 @@ Pipeline::Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& bo
 }
 
 void Pipeline::start(const RealtimeGrant& grant) {
-  maker_.start();
+  estimator_factory_.start();
   estimate_thread_ = Thread("estimate", kEstimateStackBytes, [this, grant] {
     enter_realtime(settings_.realtime, grant);
-    estimating_.run(stop_estimating_);
+    estimate_loop_.run(stop_estimate_);
   });
   for (auto& acquirer : acquirers_) acquirer->start(settings_.realtime, grant);
 }
 
 bool Pipeline::stop(std::chrono::steady_clock::time_point deadline) {
-  for (auto& acquirer : acquirers_) acquirer->ask_to_stop();
-  maker_.ask_to_stop();
+  for (auto& acquirer : acquirers_) acquirer->request_stop();
+  estimator_factory_.request_stop();
   bool all = true;
   for (auto& acquirer : acquirers_) all = acquirer->join_until(deadline) && all;
-  zeros_.ask_to_stop();
-  all = zeros_.join_until(deadline + std::chrono::milliseconds(500)) && all;
-  stop_estimating_.store(true, std::memory_order_relaxed);
+  bias_store_.request_stop();
+  all = bias_store_.join_until(deadline + std::chrono::milliseconds(500)) && all;
+  stop_estimate_.store(true, std::memory_order_relaxed);
   bell_.ring();
   all = estimate_thread_.join_until(deadline + std::chrono::milliseconds(500)) && all;
-  return maker_.join_until(deadline + std::chrono::milliseconds(500)) && all;
+  return estimator_factory_.join_until(deadline + std::chrono::milliseconds(500)) && all;
 }
 
 }  // namespace slipd

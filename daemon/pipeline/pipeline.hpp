@@ -1,4 +1,4 @@
-// All that runs between the devices and the board: drivers made, threads started and stopped. Called by io.
+// Everything between the devices and the board: makes drivers, starts and stops threads.
 #pragma once
 
 #include <atomic>
@@ -11,39 +11,45 @@
 
 namespace slipd {
 
+// Called from one thread: io, unless a function says otherwise.
 class Pipeline {
  public:
-  // Groups the sensors by device (equal driver and equal device, if that says anything) and makes their
-  // drivers. Throws SettingsError with all that the drivers refuse. `output`, if any, is rung when an alert
-  // may have changed. All outlive it.
+  // Makes a driver for each device. Sensors with the same driver and the same non-empty `device` share one.
+  // Puts the sensors and grasps on the board. Touches no device. `output`: rung when an alert or state may
+  // have changed; null: nobody waits. All references outlive it. Throws SettingsError with the problems of
+  // all drivers.
   Pipeline(const Settings& settings, DriverCatalogue& drivers, Board& board, ModelSource models,
            Doorbell* output = nullptr);
 
+  // Starts all threads. Once.
   void start(const RealtimeGrant& grant);
 
-  // Before start: see EstimatorFactory.
-  void inherit(std::vector<LearnedState> learned) { maker_.inherit(std::move(learned)); }
-  // After a stop that was true.
-  std::vector<LearnedState> give_up() { return maker_.give_up(); }
+  // Before start; see EstimatorFactory.
+  void adopt_learned_state(std::vector<LearnedState> learned) {
+    estimator_factory_.adopt_learned_state(std::move(learned));
+  }
+  // After stop returned true; see EstimatorFactory.
+  std::vector<LearnedState> release_learned_state() { return estimator_factory_.release_learned_state(); }
 
-  // Ends every thread, by `deadline`. False: a driver still hangs in its thread; nothing that it may touch
-  // must be destroyed any more, so the process can only _exit.
+  // Stops and joins all threads, by about `deadline`. False: a driver hangs in its thread. Then nothing that
+  // it may use can be destroyed, and the process can end only by _exit.
   bool stop(std::chrono::steady_clock::time_point deadline);
 
-  std::uint64_t heartbeat() const noexcept { return estimating_.heartbeat(); }
+  // Called from any thread. Increases at least four times a second while the estimate thread runs.
+  std::uint64_t heartbeat() const noexcept { return estimate_loop_.heartbeat(); }
 
-  // After a request was left on the board that concerns the estimate thread.
+  // Called from any thread, after a request for the estimate thread was written to the board. Wakes it.
   void ring() noexcept { bell_.ring(); }
 
  private:
   const Settings& settings_;
   Doorbell bell_;
   std::vector<std::unique_ptr<SensorRuntime>> runtimes_;
-  EstimatorFactory maker_;
-  EstimateLoop estimating_;
+  EstimatorFactory estimator_factory_;
+  EstimateLoop estimate_loop_;
   std::vector<std::unique_ptr<Acquirer>> acquirers_;
-  BiasStore zeros_;                           // ends before what it looks at
-  std::atomic<bool> stop_estimating_{false};  // relaxed: the bell orders it
+  BiasStore bias_store_;                    // declared last of these: destroyed before the sensors it uses
+  std::atomic<bool> stop_estimate_{false};  // relaxed: bell_ orders it
   Thread estimate_thread_;
 };
 

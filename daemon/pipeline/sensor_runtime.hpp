@@ -1,5 +1,4 @@
-// One sensor's place in the pipeline, where its threads meet. Made before any of them, lives as long as the
-// last.
+// What the pipeline's threads share about one sensor. Made before they start, destroyed after they ended.
 #pragma once
 
 #include <atomic>
@@ -10,17 +9,20 @@
 
 namespace slipd {
 
+// Thread-safe; each member names its users.
 struct SensorRuntime {
   SensorRuntime(const SensorSettings& sensor, SensorStatus& its_status)
       : settings(sensor), status(its_status) {}
 
+  // As configured. Any thread.
   const SensorSettings settings;
+  // The sensor on the board. Any thread.
   SensorStatus& status;
-  // EstimatorInstance maker → estimate: exchanged whole, release on putting and acquire on taking, so that
-  // what it points to is seen.
+  // A new estimator, from set-up to estimate; null: none is waiting. Exchanged with acquire and release, so
+  // that the pointed-to object is seen whole.
   std::atomic<EstimatorInstance*> incoming{nullptr};
-  // EstimatorInstance maker → estimate: no estimator can be had for this device as it is. Relaxed: nothing
-  // else is read on its word, and the bell is rung after it.
+  // Whether no estimator can be made for this device. Written by set-up, read by estimate. Relaxed: no other
+  // memory is read because of this value, and the doorbell is rung after it.
   std::atomic<bool> refused{false};
 };
 

@@ -18,8 +18,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kFlightStackBytes = std::size_t{256} * 1024;
-constexpr auto kFlightLook = 5ms;
-constexpr double kQueueSeconds = 0.25;  // that this thread may be late by
+constexpr auto kFlightPollInterval = 5ms;
+constexpr double kQueueSeconds = 0.25;  // of frames that the queue holds while this thread is late
 constexpr double kUnknownRateHz = 1000;
 
 std::size_t frames_in(double seconds, double rate_hz) {
@@ -57,48 +57,48 @@ void FlightRecorder::start() {
   thread_ = Thread("flight", kFlightStackBytes, [this] { run(); });
 }
 
-void FlightRecorder::keep(std::size_t sensor, const char* reason) noexcept {
-  tracks_[sensor]->asked.store(reason, std::memory_order_relaxed);
+void FlightRecorder::trigger(std::size_t sensor, const char* reason) noexcept {
+  tracks_[sensor]->trigger_reason.store(reason, std::memory_order_relaxed);
 }
 
-void FlightRecorder::note(std::size_t sensor, const Estimate& estimate) noexcept {
-  tracks_[sensor]->noted.push({.time_ns = estimate.time_ns,
-                               .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
-                                            .alert = static_cast<std::uint8_t>(estimate.alert),
-                                            .gamma = estimate.gamma.value_or(kUnknown),
-                                            .sigma = estimate.sigma.value_or(kUnknown),
-                                            .friction = estimate.friction.value_or(kUnknown),
-                                            .normal_n = estimate.normal_n.value_or(kUnknown),
-                                            .shear_n = estimate.shear_n.value_or(kUnknown)}});
+void FlightRecorder::add_estimate(std::size_t sensor, const Estimate& estimate) noexcept {
+  tracks_[sensor]->estimates_in.push({.time_ns = estimate.time_ns,
+                                      .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
+                                                   .alert = static_cast<std::uint8_t>(estimate.alert),
+                                                   .gamma = estimate.gamma.value_or(kUnknown),
+                                                   .sigma = estimate.sigma.value_or(kUnknown),
+                                                   .friction = estimate.friction.value_or(kUnknown),
+                                                   .normal_n = estimate.normal_n.value_or(kUnknown),
+                                                   .shear_n = estimate.shear_n.value_or(kUnknown)}});
 }
 
 void FlightRecorder::run() {
   for (bool last = false; !last;) {
     last = stop_.load(std::memory_order_relaxed);
-    for (const auto& track : tracks_) attend(*track, last);
-    if (!last) std::this_thread::sleep_for(kFlightLook);
+    for (const auto& track : tracks_) process(*track, last);
+    if (!last) std::this_thread::sleep_for(kFlightPollInterval);
   }
   for (const auto& track : tracks_) {
     if (track->queue) track->status->flight_tap.detach();
   }
 }
 
-// Whatever fails, fails for this sensor and now.
-void FlightRecorder::attend(Track& track, bool last) {
+// A failure concerns this sensor only, and the next round tries again.
+void FlightRecorder::process(Track& track, bool last) {
   try {
     follow_device(track);
-    work(track, Clock::now(), last);
-    track.complained = false;
+    write_if_due(track, Clock::now(), last);
+    track.failure_logged = false;
   } catch (const std::exception& error) {
-    failed_.fetch_add(1, std::memory_order_relaxed);
-    if (!track.complained)
-      say(LogLevel::error, {track.status->name, Cause::machine},
-          track.status->name + ": its last seconds are not kept: " + error.what());
-    track.complained = true;
+    failures_.fetch_add(1, std::memory_order_relaxed);
+    if (!track.failure_logged)
+      write_log(LogLevel::error, {track.status->name, Cause::machine},
+                track.status->name + ": its last seconds are not kept: " + error.what());
+    track.failure_logged = true;
   }
 }
 
-// Makes room once the device is known, and anew when it comes back with another layout.
+// Allocates when the device is known, and again when it has another layout.
 void FlightRecorder::follow_device(Track& track) {
   const DeviceFacts facts = track.status->facts();
   if (!facts.layout || (track.layout && *track.layout == *facts.layout)) return;
@@ -111,37 +111,37 @@ void FlightRecorder::follow_device(Track& track) {
   const std::size_t queue = std::min(frames_in(kQueueSeconds, rate_hz), std::max<std::size_t>(room / 4, 1));
   const std::size_t frames = std::clamp<std::size_t>(room - std::min(room, queue), 1, wanted);
   if (frames < wanted) {
-    say(LogLevel::warning, {track.status->name, Cause::configuration},
-        fmt::format("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
-                    track.status->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
+    write_log(LogLevel::warning, {track.status->name, Cause::configuration},
+              fmt::format("{}: recorder.max_mb has room for {:.1f} s around an alert, not for {:.1f} s",
+                          track.status->name, static_cast<double>(frames) / rate_hz, 2 * settings_.seconds));
   }
   auto history = std::make_unique<FrameHistory>(taxels, frames);
-  auto frames_to_come = std::make_unique<FrameQueue>(taxels, queue);
+  auto frame_queue = std::make_unique<FrameQueue>(taxels, queue);
   if (track.queue) track.status->flight_tap.detach();
   track.history = std::move(history);
-  track.queue = std::move(frames_to_come);
+  track.queue = std::move(frame_queue);
   track.layout = facts.layout;
   track.status->flight_tap.attach(*track.queue);
 }
 
-// An estimate comes after its frame: those that are there now have theirs in the queue of frames already.
-void FlightRecorder::take(Track& track) {
-  const std::size_t estimates = track.noted.read_available();
+// A frame is queued before its estimate. So all frames of the estimates counted here are in the frame queue.
+void FlightRecorder::drain_queues(Track& track) {
+  const std::size_t estimates = track.estimates_in.read_available();
   while (const FrameSlot* frame = track.queue->front()) {
     track.history->push(*frame);
     track.queue->pop();
   }
-  Noted noted;
-  for (std::size_t i = 0; i < estimates && track.noted.pop(noted); ++i)
-    track.history->note(noted.time_ns, noted.estimate);
+  TimedEstimate timed;
+  for (std::size_t i = 0; i < estimates && track.estimates_in.pop(timed); ++i)
+    track.history->attach_estimate(timed.time_ns, timed.estimate);
 }
 
-void FlightRecorder::work(Track& track, Clock::time_point now, bool last) {
+void FlightRecorder::write_if_due(Track& track, Clock::time_point now, bool last) {
   if (!track.queue) return;
-  take(track);
-  if (const char* asked = track.asked.exchange(nullptr, std::memory_order_relaxed);
-      asked != nullptr && track.reason == nullptr) {
-    track.reason = asked;
+  drain_queues(track);
+  if (const char* trigger_reason = track.trigger_reason.exchange(nullptr, std::memory_order_relaxed);
+      trigger_reason != nullptr && track.reason == nullptr) {
+    track.reason = trigger_reason;
     track.due =
         now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings_.seconds));
   }
@@ -174,16 +174,16 @@ void FlightRecorder::write(Track& track) {
     return trouble ? trouble : writer.flush();
   });
   if (error) {
-    failed_.fetch_add(1, std::memory_order_relaxed);
-    say(LogLevel::error, {track.status->name, Cause::machine},
-        track.status->name + ": " + (folder_.path() / name).string() +
-            " could not be kept: " + error.message());
+    failures_.fetch_add(1, std::memory_order_relaxed);
+    write_log(LogLevel::error, {track.status->name, Cause::machine},
+              track.status->name + ": " + (folder_.path() / name).string() +
+                  " could not be kept: " + error.message());
     return;
   }
-  kept_.fetch_add(1, std::memory_order_relaxed);
-  say(LogLevel::info, {track.status->name},
-      track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " +
-          (folder_.path() / name).string());
+  files_written_.fetch_add(1, std::memory_order_relaxed);
+  write_log(LogLevel::info, {track.status->name},
+            track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " +
+                (folder_.path() / name).string());
 }
 
 }  // namespace slipd

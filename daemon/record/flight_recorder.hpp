@@ -1,7 +1,7 @@
-// The flight recorder: holds each sensor's last seconds of frames and estimates in memory, and on an alert or
-// on request writes them, with as many seconds after it, into a recording that the driver replay plays. One
-// normal thread of its own takes the frames from queues that acquire fills and the estimates from queues that
-// io fills, so that neither ever waits for it or for the disk.
+// The flight recorder: keeps each sensor's last seconds of frames and estimates in memory. On a slip alert or
+// on request it waits as many seconds more and writes all of it as a recording, which the driver `replay`
+// plays. A thread of its own, with normal scheduling, takes frames from queues that acquire fills and
+// estimates from queues that io fills, so that neither waits for it or for the disk.
 #pragma once
 
 #include <atomic>
@@ -17,57 +17,66 @@
 
 namespace slipd {
 
+// Thread-safe; each function names its callers.
 class FlightRecorder {
  public:
-  // Throws std::runtime_error if there is no place for recordings. `board` outlives it.
+  // Called from one thread: io. `board` outlives it. Throws std::runtime_error if there is no folder for
+  // recordings; see recordings_directory.
   FlightRecorder(const RecorderSettings& settings, Board& board);
-  ~FlightRecorder();  // what is to be kept is written first, with the frames that there are
+  // Called from one thread: io. Joins; triggered recordings are written first, with the frames that there
+  // are.
+  ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
+  // Called from one thread: io. Starts the thread. Once.
   void start();
 
-  // io. Keeps what is around now; nothing new if that is about to happen anyhow. `reason`: a word for the
-  // file's name.
-  void keep(std::size_t sensor, const char* reason) noexcept;
+  // Called from one thread: io. Requests a recording around the present moment. Without effect while one of
+  // this sensor is pending. `reason`: a literal, part of the file's name.
+  void trigger(std::size_t sensor, const char* reason) noexcept;
 
-  // io. Each estimate, as it is told; one that finds no room is missing in the recording.
-  void note(std::size_t sensor, const Estimate& estimate) noexcept;
+  // Called from one thread: io. Adds an estimate to its frame. One that does not fit into the queue is
+  // missing in the recording.
+  void add_estimate(std::size_t sensor, const Estimate& estimate) noexcept;
 
+  // Where recordings are. Called from any thread.
   const std::filesystem::path& folder() const noexcept { return folder_.path(); }
-  std::uint64_t kept() const noexcept { return kept_.load(std::memory_order_relaxed); }
-  std::uint64_t failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
+  // Recordings written since the start. Called from any thread.
+  std::uint64_t files_written() const noexcept { return files_written_.load(std::memory_order_relaxed); }
+  // Recordings that could not be written, and other failures. Called from any thread.
+  std::uint64_t failures() const noexcept { return failures_.load(std::memory_order_relaxed); }
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Noted {
+  struct TimedEstimate {
     std::int64_t time_ns = 0;  // of its frame
     RecordedEstimate estimate;
   };
   struct Track {
     SensorStatus* status = nullptr;
-    std::unique_ptr<FrameQueue> queue;                                          // attached to the panel's tap
-    boost::lockfree::spsc_queue<Noted, boost::lockfree::capacity<2048>> noted;  // io → here
+    std::unique_ptr<FrameQueue> queue;  // attached to the status's flight_tap
+    boost::lockfree::spsc_queue<TimedEstimate, boost::lockfree::capacity<2048>>
+        estimates_in;  // io → this thread
     std::unique_ptr<FrameHistory> history;
     std::optional<TaxelLayout> layout;
-    std::atomic<const char*> asked{
-        nullptr};                  // io → here; relaxed: a literal, nothing else is read on its word
-    const char* reason = nullptr;  // under way: written at `due`
+    std::atomic<const char*> trigger_reason{nullptr};  // io → this thread; relaxed: points to a literal
+    const char* reason = nullptr;  // of the pending recording, written at `due`; null: none is pending
     Clock::time_point due;
-    bool complained = false;  // of what fails still
+    bool failure_logged = false;  // the present failure was logged
   };
   void run();
-  void attend(Track& track, bool last);
+  void process(Track& track, bool last);
   void follow_device(Track& track);
-  static void take(Track& track);
-  void work(Track& track, Clock::time_point now, bool last);
+  static void drain_queues(Track& track);
+  void write_if_due(Track& track, Clock::time_point now, bool last);
   void write(Track& track);
 
   const RecorderSettings settings_;
   RecordingsFolder folder_;
   std::vector<std::unique_ptr<Track>> tracks_;
-  std::atomic<bool> stop_{false};  // relaxed: a word of its own, and joining the thread orders the rest
-  std::atomic<std::uint64_t> kept_{0}, failed_{0};  // relaxed: numbers of their own
+  std::atomic<bool> stop_{false};  // relaxed: no other memory is read because of it
+  std::atomic<std::uint64_t> files_written_{0}, failures_{0};  // relaxed: counters
   Thread thread_;
 };
 

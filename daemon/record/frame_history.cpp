@@ -24,18 +24,18 @@ void FrameHistory::push(const FrameSlot& frame) noexcept {
   size_ = std::min(size_ + 1, slots_.size());
 }
 
-std::size_t FrameHistory::place(std::size_t age_rank) const noexcept {
+std::size_t FrameHistory::slot_index(std::size_t age_rank) const noexcept {
   return (next_ + slots_.size() - size_ + age_rank) % slots_.size();
 }
 
 const FrameSlot& FrameHistory::operator[](std::size_t age_rank) const noexcept {
-  return slots_[place(age_rank)];
+  return slots_[slot_index(age_rank)];
 }
 
-// From the newest back, where it nearly always is.
-void FrameHistory::note(std::int64_t time_ns, const RecordedEstimate& estimate) noexcept {
+// Searches from the newest: estimates follow their frames closely.
+void FrameHistory::attach_estimate(std::int64_t time_ns, const RecordedEstimate& estimate) noexcept {
   for (std::size_t rank = size_; rank > 0; --rank) {
-    const std::size_t at = place(rank - 1);
+    const std::size_t at = slot_index(rank - 1);
     if (slots_[at].time_ns < time_ns) return;
     if (slots_[at].time_ns > time_ns) continue;
     if (!estimates_[at]) estimates_[at] = estimate;
@@ -44,7 +44,7 @@ void FrameHistory::note(std::int64_t time_ns, const RecordedEstimate& estimate) 
 }
 
 const RecordedEstimate* FrameHistory::estimate(std::size_t age_rank) const noexcept {
-  const auto& estimate = estimates_[place(age_rank)];
+  const auto& estimate = estimates_[slot_index(age_rank)];
   return estimate ? &*estimate : nullptr;
 }
 

@@ -1,5 +1,4 @@
-// The last frames of one sensor and what was estimated from each, in memory that is taken once. One thread at
-// a time.
+// The last frames of one sensor and their estimates, a ring buffer in memory that is allocated once.
 #pragma once
 
 #include <optional>
@@ -10,22 +9,30 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: the flight recorder's.
 class FrameHistory {
  public:
-  FrameHistory(std::size_t taxels, std::size_t frames);  // at least one frame
+  // Allocates room for `frames` frames, at least one, of `taxels` taxels.
+  FrameHistory(std::size_t taxels, std::size_t frames);
 
-  void push(const FrameSlot& frame) noexcept;  // of as many taxels; the oldest goes when there is no room
+  // Appends a frame with the same number of taxels. Replaces the oldest when full.
+  void push(const FrameSlot& frame) noexcept;
+  // Number of frames.
   std::size_t size() const noexcept { return size_; }
-  const FrameSlot& operator[](std::size_t age_rank) const noexcept;  // 0: the oldest
+  // The frame at this place; 0: the oldest. `age_rank` < size().
+  const FrameSlot& operator[](std::size_t age_rank) const noexcept;
 
-  // Of the frame of that time, which was pushed before; the first one stays. Nothing if it is not there.
-  void note(std::int64_t time_ns, const RecordedEstimate& estimate) noexcept;
-  const RecordedEstimate* estimate(std::size_t age_rank) const noexcept;  // null: none is known
+  // Attaches an estimate to the frame with this time, ns, unless it has one. Without effect if there is no
+  // such frame.
+  void attach_estimate(std::int64_t time_ns, const RecordedEstimate& estimate) noexcept;
+  // The estimate of the frame at this place; null: it has none.
+  const RecordedEstimate* estimate(std::size_t age_rank) const noexcept;
 
-  static std::size_t bytes_of_frame(std::size_t taxels) noexcept;  // that one frame takes
+  // Memory that one frame takes, bytes.
+  static std::size_t bytes_of_frame(std::size_t taxels) noexcept;
 
  private:
-  std::size_t place(std::size_t age_rank) const noexcept;
+  std::size_t slot_index(std::size_t age_rank) const noexcept;
   std::vector<float> memory_;
   std::vector<FrameSlot> slots_;
   std::vector<std::optional<RecordedEstimate>> estimates_;  // of each slot

@@ -19,23 +19,22 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-constexpr std::size_t kQueueBytes =
-    std::size_t{32} * 1024 * 1024;  // of frames that the disk has not taken yet
-constexpr auto kLook = 5ms;         // how often the writer looks for frames
+constexpr std::size_t kQueueBytes = std::size_t{32} * 1024 * 1024;  // of frames that wait for the disk
+constexpr auto kPollInterval = 5ms;                                 // between two looks at the queue
 
 std::size_t queue_frames(std::size_t taxels) {
   return std::clamp<std::size_t>(kQueueBytes / (3 * sizeof(float) * taxels), 16, 4096);
 }
 
-// The recording's own thread can wait for memory; io's cannot wait for its end.
+// Posts to io, and retries while there is no memory: without the post io would never know that it ended.
 template <typename Handler>
-void post_whatever_it_takes(asio::io_context& io, Handler handler) {
+void post_retrying(asio::io_context& io, Handler handler) {
   for (;;) {
     try {
       asio::post(io, handler);
       return;
     } catch (const std::bad_alloc&) {
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kPollInterval);
     }
   }
 }
@@ -55,7 +54,7 @@ struct Recorder::Job {
   FrameQueue queue;
   RecordingWriter writer;
   double seconds;
-  std::shared_ptr<std::atomic<bool>> abandoned;
+  std::shared_ptr<std::atomic<bool>> cancelled;
   const std::atomic<bool>* stop = nullptr;
   Thread thread;
 };
@@ -73,7 +72,7 @@ void Recorder::end_all() {
 }
 
 void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
-                     std::shared_ptr<std::atomic<bool>> abandoned,
+                     std::shared_ptr<std::atomic<bool>> cancelled,
                      std::function<void(const RecordingResult&)> done) {
   const int flags = fcntl(file.get(), F_GETFL);
   if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) {
@@ -90,13 +89,13 @@ void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
                                .start_realtime_ns = now.realtime_ns,
                                .start_monotonic_ns = now.monotonic_ns,
                                .description = facts.description,
-                               .zeroed = status.zero.known()};
+                               .zeroed = status.bias.known()};
   auto job = std::make_unique<Job>(status, std::move(file), header, seconds);
-  job->abandoned = std::move(abandoned);
+  job->cancelled = std::move(cancelled);
   job->stop = &stop_;
   Job* const started = job.get();
   jobs_.push_back(std::move(job));
-  if (!status.tap.attach(started->queue)) {
+  if (!status.record_tap.attach(started->queue)) {
     jobs_.pop_back();
     throw RecordingRefused(status.name + " is being recorded already; wait for that to end");
   }
@@ -107,19 +106,19 @@ void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
     started->thread =
         Thread("rec:" + status.name, kStackBytes, [this, started, forget, done = std::move(done)] {
           const RecordingResult result = write(*started);
-          post_whatever_it_takes(io_, [forget, done, result] {
+          post_retrying(io_, [forget, done, result] {
             forget();
             done(result);
           });
         });
   } catch (...) {
-    status.tap.detach();
+    status.record_tap.detach();
     forget();
     throw;
   }
 }
 
-// The writer thread's body.
+// The body of the writer thread.
 RecordingResult Recorder::write(Job& job) {
   const auto begin = Clock::now();
   const auto end =
@@ -133,11 +132,11 @@ RecordingResult Recorder::write(Job& job) {
       if (!error) ++result.frames;
     }
   };
-  while (!error && Clock::now() < end && !*job.stop && !*job.abandoned) {
+  while (!error && Clock::now() < end && !*job.stop && !*job.cancelled) {
     take_all();
-    std::this_thread::sleep_until(std::min(end, Clock::now() + kLook));
+    std::this_thread::sleep_until(std::min(end, Clock::now() + kPollInterval));
   }
-  job.status.tap.detach();
+  job.status.record_tap.detach();
   take_all();
   if (!error) error = job.writer.flush();
   if (error) {

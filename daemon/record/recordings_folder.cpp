@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto kLongestWrite =
-    std::chrono::minutes(10);  // of a file aside; older ones nobody writes any more
+    std::chrono::minutes(10);  // of a temporary file; an older one has no writer any more
 
 std::error_code last_error() {
   return {errno, std::generic_category()};
@@ -33,11 +33,11 @@ fs::path recordings_directory() {
 std::error_code RecordingsFolder::add(const std::string& name,
                                       const std::function<std::error_code(int fd)>& write) const {
   std::error_code error;
-  // Whatever the umask: slipd's group may read what is in it.
+  // Independent of the umask: slipd's group may read it.
   if (fs::create_directories(path_, error)) chmod(path_.c_str(), 0750);
   if (error) return error;
   const fs::path aside = path_ / (name + ".part");
-  fs::remove(aside, error);  // of one that was killed; whatever it is, it is not written through
+  fs::remove(aside, error);  // left by a killed process; a link there must not be followed
   UniqueFd file(open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
   if (!file) return last_error();
   fchmod(file.get(), 0640);  // as above
@@ -51,7 +51,8 @@ std::error_code RecordingsFolder::add(const std::string& name,
   return error;
 }
 
-// By their dates the oldest are known: also where the clock was set back, the last written is the newest.
+// The oldest files are found by their time. So the last written must have the newest, even if the clock was
+// set back.
 void RecordingsFolder::date_after_the_others(int fd) const {
   struct stat mine {};
   if (fstat(fd, &mine) != 0) return;

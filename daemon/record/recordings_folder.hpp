@@ -1,6 +1,7 @@
-// Where the flight recorder keeps its files: written aside and renamed, so that a file with a recording's
-// name is a whole one; at most so many of them, the oldest go, and what a crash left half written goes, too.
-// Flight recorder's thread.
+// The folder of the flight recorder's files. A file is written under a temporary name and renamed, so that
+// every
+// *.rec is complete. The number of files is limited; the oldest are removed. Temporary files that a crash
+// left are removed too.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +11,20 @@
 
 namespace slipd {
 
-// STATE_DIRECTORY/recordings, else below XDG_STATE_HOME, else below HOME. Throws std::runtime_error if none
-// is set.
+// The folder `recordings` of the state folder. Throws as state_folder does. Called from any thread.
 std::filesystem::path recordings_directory();
 
+// Not thread-safe. Called from one thread: the flight recorder's.
 class RecordingsFolder {
  public:
+  // `keep`: files at most, at least 1. Does not create the folder.
   RecordingsFolder(std::filesystem::path path, std::size_t keep) : path_(std::move(path)), keep_(keep) {}
 
-  // Makes PATH/NAME of what `write` puts into the descriptor it gets, and removes the oldest ones that are
-  // then too many. On an error nothing of NAME is left, and what was there stays.
+  // Creates PATH/NAME with what `write` writes into the descriptor, then removes the oldest files beyond the
+  // limit. On an error PATH/NAME is as it was before.
   std::error_code add(const std::string& name, const std::function<std::error_code(int fd)>& write) const;
 
+  // The folder.
   const std::filesystem::path& path() const noexcept { return path_; }
 
  private:

@@ -5,22 +5,22 @@
 
 namespace slipd {
 
-void Backlog::answer(std::string text) {
-  answer_bytes_ += text.size();
+void Backlog::push_response(std::string text) {
+  response_bytes_ += text.size();
   items_.push_back({std::move(text), nullptr, 0});
 }
 
-void Backlog::notify(std::shared_ptr<const Notification> head, std::uint64_t lost) {
+void Backlog::push_notification(std::shared_ptr<const Notification> head, std::uint64_t lost) {
   dropped_ += lost;
   items_.push_back({{}, std::move(head), lost});
-  if (++notifications_ > most_) drop_oldest();
+  if (++notifications_ > max_notifications_) drop_oldest();
 }
 
 void Backlog::drop_oldest() {
   const auto is_notification = [](const Item& item) { return item.head != nullptr; };
   const auto oldest = std::find_if(items_.begin(), items_.end(), is_notification);
   const auto next = std::find_if(std::next(oldest), items_.end(), is_notification);
-  next->lost += oldest->lost + 1;  // there is one: most_ is at least 1, and there are more
+  next->lost += oldest->lost + 1;  // there is a next one: more than max_notifications_ >= 1 are queued
   items_.erase(oldest);
   --notifications_;
   ++dropped_;
@@ -31,10 +31,10 @@ std::optional<std::string> Backlog::next() {
   Item item = std::move(items_.front());
   items_.pop_front();
   if (item.head == nullptr) {
-    answer_bytes_ -= item.answer.size();
+    response_bytes_ -= item.response.size();
     published_ns_ = 0;
-    item.answer += '\n';
-    return std::move(item.answer);
+    item.response += '\n';
+    return std::move(item.response);
   }
   --notifications_;
   published_ns_ = item.head->published_ns;

@@ -1,5 +1,5 @@
-// What one client still has to be sent. Answers wait as long as they must; of notifications only the newest
-// are kept, and the next one that is sent says how many went missing just before it. io thread.
+// Lines that wait to be sent to one client. Responses are never dropped. Of notifications only the newest are
+// kept; each says how many were dropped just before it.
 #pragma once
 
 #include <cstdint>
@@ -10,41 +10,50 @@
 
 namespace slipd {
 
-// What subscribers are told of one estimate: a line as far as its `dropped` member, the last of its params.
+// A notification for subscribers, shared by all that get it.
 struct Notification {
+  // The line up to its member `dropped`, which is the last of its params and differs for each client.
   std::string text;
-  std::int64_t published_ns = 0;  // of the estimate, CLOCK_MONOTONIC
+  // When its estimate was published; ns, CLOCK_MONOTONIC.
+  std::int64_t published_ns = 0;
 };
 
+// Not thread-safe. Called from one thread: io.
 class Backlog {
  public:
-  explicit Backlog(std::size_t most_notifications) : most_(most_notifications) {}
+  // `max_notifications`: kept at most, at least 1.
+  explicit Backlog(std::size_t max_notifications) : max_notifications_(max_notifications) {}
 
-  void answer(std::string text);
+  // Appends a response, without its end of line.
+  void push_response(std::string text);
 
-  // `head`: shared by all clients that get it. `lost`: notifications that went missing before it, already on
-  // the way here.
-  void notify(std::shared_ptr<const Notification> head, std::uint64_t lost);
+  // Appends a notification and drops the oldest one beyond the limit. `lost`: notifications dropped before it
+  // elsewhere.
+  void push_notification(std::shared_ptr<const Notification> head, std::uint64_t lost);
 
-  // The next line, with its end; none if all is sent.
+  // Takes the next line, with its end; none: nothing waits.
   std::optional<std::string> next();
-  std::int64_t published_ns() const noexcept { return published_ns_; }  // of what next() gave; 0: an answer
+  // Notification::published_ns of the line last taken; 0: it was a response.
+  std::int64_t published_ns() const noexcept { return published_ns_; }
 
+  // Whether nothing waits.
   bool empty() const noexcept { return items_.empty(); }
-  std::size_t answer_bytes() const noexcept { return answer_bytes_; }  // of answers that wait
-  std::uint64_t dropped() const noexcept { return dropped_; }          // since the client came
+  // Size of the responses that wait, bytes.
+  std::size_t response_bytes() const noexcept { return response_bytes_; }
+  // Notifications dropped since the client connected.
+  std::uint64_t dropped() const noexcept { return dropped_; }
 
  private:
   struct Item {
-    std::string answer;
-    std::shared_ptr<const Notification> head;  // null: an answer
+    std::string response;
+    std::shared_ptr<const Notification> head;  // null: a response
     std::uint64_t lost = 0;
   };
   void drop_oldest();
-  std::size_t most_;
+  std::size_t max_notifications_;
   std::deque<Item> items_;
   std::size_t notifications_ = 0;
-  std::size_t answer_bytes_ = 0;
+  std::size_t response_bytes_ = 0;
   std::uint64_t dropped_ = 0;
   std::int64_t published_ns_ = 0;
 };

@@ -19,21 +19,21 @@ namespace {
 
 using std::chrono::seconds;
 
-constexpr std::size_t kMostNotifications = 256;                     // that wait for one client
-constexpr std::size_t kMostAnswerBytes = std::size_t{1024} * 1024;  // that wait, before no more is read
-constexpr int kMostLinesAtOnce = 4;
-constexpr int kMostAwaited = 16;  // answers under way, before no more is read
-constexpr std::size_t kMostPassedFds = 4;
-constexpr std::uint64_t kFew = 4;  // clients that have had their turn since one's last
-constexpr auto kPatience = seconds(1);
+constexpr std::size_t kMaxNotifications = 256;                       // queued for one client
+constexpr std::size_t kMaxResponseBytes = std::size_t{1024} * 1024;  // queued before reading stops
+constexpr int kMaxLinesAtOnce = 4;
+constexpr int kMaxResponsesPending = 16;  // responses expected before reading stops
+constexpr std::size_t kMaxPassedFds = 4;
+constexpr std::uint64_t kFewClients = 4;  // clients that had input since this one's last
+constexpr auto kLinger = seconds(1);
 
 }  // namespace
 
 Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
-    : socket_(io, socket.release()), patience_(io), owner_(owner), backlog_(kMostNotifications) {}
+    : socket_(io, socket.release()), linger_timer_(io), owner_(owner), backlog_(kMaxNotifications) {}
 
 void Client::read_when_ready() {
-  if (closed_ || reading_ || input_ended_ || resting_ || crowded()) return;
+  if (closed_ || reading_ || input_ended_ || yielded_ || over_limit()) return;
   reading_ = true;
   socket_.async_wait(asio::posix::stream_descriptor::wait_read,
                      [self = shared_from_this()](const std::error_code& error) {
@@ -43,12 +43,12 @@ void Client::read_when_ready() {
                      });
 }
 
-// A client that asks faster than it takes its answers has to wait.
-bool Client::crowded() const noexcept {
-  return awaited_ >= kMostAwaited || backlog_.answer_bytes() > kMostAnswerBytes;
+// A client that requests faster than it reads responses is not read from (backpressure).
+bool Client::over_limit() const noexcept {
+  return responses_pending_ >= kMaxResponsesPending || backlog_.response_bytes() > kMaxResponseBytes;
 }
 
-// Where there is no memory to serve it, the connection ends, and the client knows.
+// Closes the connection if there is no memory, so that the client knows.
 template <typename Body>
 void Client::with_memory_or_close(Body body) {
   try {
@@ -58,24 +58,25 @@ void Client::with_memory_or_close(Body body) {
   }
 }
 
-// One piece, and some lines of it, at a time, so that a client that sends without end does not keep the loop
-// from the others. Where many ask, all that has come is read before anything is answered: answers that go out
-// one after the other wake their reader once.
+// Reads one piece and handles some lines of it, so that a client that sends without end does not block the
+// others. If many clients are active, all input is read before any response is sent: responses sent in a row
+// wake their readers once.
 void Client::on_readable() {
-  ++owner_.turns;
-  const bool many_ask = owner_.turns - std::exchange(turn_, owner_.turns) > kFew;
+  ++owner_.input_rounds;
+  const bool many_active =
+      owner_.input_rounds - std::exchange(last_input_round_, owner_.input_rounds) > kFewClients;
   receive();
   take_lines();
-  if (many_ask && !closed_) rest();
-  if (resting_) return;
+  if (many_active && !closed_) yield();
+  if (yielded_) return;
   flush();
-  let_go_if_done();
+  close_if_done();
   read_when_ready();
 }
 
 void Client::receive() {
   std::array<char, std::size_t{16} * 1024> bytes;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMostPassedFds)> control;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMaxPassedFds)> control;
   iovec piece{bytes.data(), bytes.size()};
   msghdr message{};
   message.msg_iov = &piece;
@@ -94,23 +95,23 @@ void Client::receive() {
       int fd = -1;
       std::memcpy(&fd, CMSG_DATA(item) + i * sizeof(int), sizeof fd);
       passed_.push_back(out_of_the_way(UniqueFd(fd)));
-      if (passed_.size() > kMostPassedFds) passed_.pop_front();
+      if (passed_.size() > kMaxPassedFds) passed_.pop_front();
     }
   }
   if (got == 0) {
     input_ended_ = true;
-    *left_ = true;
+    *peer_closed_ = true;
   } else if (!discarding_) {
     input_.append(bytes.data(), static_cast<std::size_t>(got));
   }
 }
 
 void Client::take_lines() {
-  if (taking_ || resting_) return;
-  taking_ = true;
+  if (parsing_ || yielded_) return;
+  parsing_ = true;
   std::size_t start = 0;
   int taken = 0;
-  while (!closed_ && !discarding_ && !crowded() && start < input_.size()) {
+  while (!closed_ && !discarding_ && !over_limit() && start < input_.size()) {
     const std::size_t newline = input_.find('\n', start);
     const std::size_t end = std::min(newline, input_.size());
     if (end - start > rpc::kLongestLine) {
@@ -118,24 +119,24 @@ void Client::take_lines() {
       start = 0;
       break;
     }
-    if (newline == std::string::npos && !input_ended_) break;  // the last line may do without its end
-    if (++taken > kMostLinesAtOnce) {
-      rest();
+    if (newline == std::string::npos && !input_ended_) break;  // the last line needs no end
+    if (++taken > kMaxLinesAtOnce) {
+      yield();
       break;
     }
     const std::string_view line = std::string_view(input_).substr(start, end - start);
     start = std::min(end + 1, input_.size());
-    if (line.find_first_not_of(" \t\r") != std::string::npos) owner_.line(shared_from_this(), line);
+    if (line.find_first_not_of(" \t\r") != std::string::npos) owner_.on_line(shared_from_this(), line);
   }
   input_.erase(0, start);
-  taking_ = false;
+  parsing_ = false;
 }
 
-// Goes on when the others have had their turn.
-void Client::rest() {
-  if (std::exchange(resting_, true)) return;
+// Continues after the other clients were served.
+void Client::yield() {
+  if (std::exchange(yielded_, true)) return;
   asio::post(socket_.get_executor(), [self = shared_from_this()] {
-    self->resting_ = false;
+    self->yielded_ = false;
     if (!self->closed_) self->with_memory_or_close([&] { self->on_writable(); });
   });
 }
@@ -143,27 +144,28 @@ void Client::rest() {
 void Client::refuse_long_line() {
   input_.clear();
   discarding_ = true;
-  backlog_.answer(rpc::error_text(rpc::kNoId, rpc::kInvalidRequest,
-                                  "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long"));
+  backlog_.push_response(
+      rpc::error_text(rpc::kNoId, rpc::kInvalidRequest,
+                      "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long"));
   subscriptions.clear();
-  patience_.expires_after(kPatience);
-  patience_.async_wait([self = shared_from_this()](const std::error_code& error) {
+  linger_timer_.expires_after(kLinger);
+  linger_timer_.async_wait([self = shared_from_this()](const std::error_code& error) {
     if (!error) self->close();
   });
 }
 
-void Client::answer(std::string text) {
-  if (awaited_ > 0) --awaited_;
+void Client::respond(std::string text) {
+  if (responses_pending_ > 0) --responses_pending_;
   if (closed_) return;
   with_memory_or_close([&] {
-    if (!text.empty()) backlog_.answer(std::move(text));
-    if (!taking_) on_writable();  // else it is sent when all lines are taken
+    if (!text.empty()) backlog_.push_response(std::move(text));
+    if (!parsing_) on_writable();  // otherwise take_lines' caller sends it
   });
 }
 
 void Client::notify(std::shared_ptr<const Notification> head, std::uint64_t lost) {
   if (closed_) return;
-  backlog_.notify(std::move(head), lost);
+  backlog_.push_notification(std::move(head), lost);
   flush();
 }
 
@@ -179,7 +181,8 @@ void Client::flush() {
                            MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent >= 0) {
       sent_ += static_cast<std::size_t>(sent);
-      if (sent_ == output_.size() && backlog_.published_ns() != 0) owner_.told(backlog_.published_ns());
+      if (sent_ == output_.size() && backlog_.published_ns() != 0)
+        owner_.on_notification_sent(backlog_.published_ns());
     } else if (errno == EAGAIN) {
       writing_ = true;
       socket_.async_wait(asio::posix::stream_descriptor::wait_write,
@@ -201,42 +204,42 @@ void Client::on_writable() {
   flush();
   take_lines();
   flush();
-  let_go_if_done();
+  close_if_done();
   read_when_ready();
 }
 
-void Client::let_go_if_done() {
-  const bool all_said = backlog_.empty() && sent_ == output_.size();
-  if (!input_ended_ || resting_) return;
-  if (input_.empty() && all_said && awaited_ == 0 && subscriptions.empty()) return close();
-  notice_hang_up();
+void Client::close_if_done() {
+  const bool all_sent = backlog_.empty() && sent_ == output_.size();
+  if (!input_ended_ || yielded_) return;
+  if (input_.empty() && all_sent && responses_pending_ == 0 && subscriptions.empty()) return close();
+  watch_for_hang_up();
 }
 
-// One that sends no more may still read, but not once it is gone for good: where there is nothing to tell a
-// subscriber, no failing send would ever say so.
-void Client::notice_hang_up() {
-  if (closed_ || noticing_) return;
+// A client that sends no more may still read, but not after it hung up. Without notifications no send would
+// fail and show that.
+void Client::watch_for_hang_up() {
+  if (closed_ || watching_hang_up_) return;
   pollfd now{socket_.native_handle(), 0, 0};
   if (poll(&now, 1, 0) == 1 && (now.revents & (POLLHUP | POLLERR)) != 0) return close();
-  noticing_ = true;
+  watching_hang_up_ = true;
   socket_.async_wait(asio::posix::stream_descriptor::wait_error,
                      [self = shared_from_this()](const std::error_code& error) {
-                       self->noticing_ = false;
-                       if (!error) self->notice_hang_up();
+                       self->watching_hang_up_ = false;
+                       if (!error) self->watch_for_hang_up();
                      });
 }
 
 void Client::close() {
   if (closed_) return;
   closed_ = true;
-  *left_ = true;
-  patience_.cancel();
+  *peer_closed_ = true;
+  linger_timer_.cancel();
   std::error_code ignored;
   socket_.close(ignored);
-  // Later: the owner may just be going through its clients.
+  // Posted, because the owner may be iterating over its clients.
   try {
-    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.gone(self); });
-  } catch (const std::bad_alloc&) {  // it looks for closed ones now and then
+    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.on_closed(self); });
+  } catch (const std::bad_alloc&) {  // Server::update_statistics removes closed clients too
   }
 }
 

@@ -1,5 +1,5 @@
-// One connection: lines in, lines out, descriptors passed along. Reads and writes what the socket takes at
-// once and never waits for it. io thread.
+// One connection to the socket: lines in, lines out, passed descriptors. Reads and writes what the socket
+// takes without blocking.
 #pragma once
 
 #include <sys/socket.h>
@@ -21,35 +21,52 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class Client : public std::enable_shared_from_this<Client> {
  public:
+  // What all clients of a server share: the callbacks, and a counter.
   struct Owner {
-    std::function<void(const std::shared_ptr<Client>&, std::string_view line)>
-        line;                                                  // a whole line, without its end
-    std::function<void(const std::shared_ptr<Client>&)> gone;  // said once
-    std::function<void(std::int64_t published_ns)> told;       // a whole notification has gone to the kernel
-    std::uint64_t turns = 0;                                   // of all clients, when input was there
+    // Called with each whole line, without its end. Not null.
+    std::function<void(const std::shared_ptr<Client>&, std::string_view line)> on_line;
+    // Called once after the connection was closed. Not null.
+    std::function<void(const std::shared_ptr<Client>&)> on_closed;
+    // Called after a whole notification was handed to the kernel, with Notification::published_ns. Not null.
+    std::function<void(std::int64_t published_ns)> on_notification_sent;
+    // How often a client of this owner had input.
+    std::uint64_t input_rounds = 0;
   };
 
+  // `owner` outlives it; its callbacks may be replaced.
   Client(asio::io_context& io, UniqueFd socket, Owner& owner);
 
+  // Starts reading. Once.
   void start() { read_when_ready(); }
-  void answer(std::string text);  // one whole answer; empty: there is nothing to say
+  // Sends a response to one line; empty: there is none, because the line had only notifications.
+  void respond(std::string text);
+  // Sends a notification; `lost` as in Backlog.
   void notify(std::shared_ptr<const Notification> head, std::uint64_t lost);
+  // Closes the connection at once. Lines that wait are lost.
   void close();
+  // Whether the connection is closed.
   bool closed() const noexcept { return closed_; }
 
-  // An answer will come later: until then a client that has stopped sending is not let go.
-  void await_answer() { ++awaited_; }
+  // Announces that respond will be called later. Until then a client that closed its sending side stays
+  // connected.
+  void expect_response() { ++responses_pending_; }
 
-  ucred peer() const noexcept;  // who is at the other end: process, user, group
-  UniqueFd take_fd();           // the descriptor that was passed longest ago; empty: none
-  // True once it sends no more or is gone. For threads that work for it.
-  std::shared_ptr<std::atomic<bool>> left() const { return left_; }
+  // Process, user and group of the peer (SO_PEERCRED); user and group -1: unknown.
+  ucred peer() const noexcept;
+  // Takes the oldest descriptor that the client passed; none: there is none.
+  UniqueFd take_fd();
+  // A flag that becomes true when the client sends no more or is closed. Written by io, read from any thread.
+  std::shared_ptr<std::atomic<bool>> peer_closed() const { return peer_closed_; }
+  // Notifications dropped since the client connected.
   std::uint64_t dropped() const noexcept { return backlog_.dropped(); }
 
+  // The client's subscriptions.
   std::list<Subscription> subscriptions;
-  int subscriptions_made = 0;  // since it came; numbers them
+  // Subscriptions made since it connected; numbers them.
+  int subscriptions_made = 0;
 
  private:
   void read_when_ready();
@@ -59,32 +76,33 @@ class Client : public std::enable_shared_from_this<Client> {
   void with_memory_or_close(Body body);
   void receive();
   void take_lines();
-  void rest();
-  bool crowded() const noexcept;
+  void yield();
+  bool over_limit() const noexcept;
   void refuse_long_line();
   void flush();
-  void let_go_if_done();
-  void notice_hang_up();
+  void close_if_done();
+  void watch_for_hang_up();
 
   asio::posix::stream_descriptor socket_;
-  asio::steady_timer patience_;  // for a client that is to be closed but goes on sending
+  asio::steady_timer linger_timer_;  // closes a client that goes on sending after it was refused
   Owner& owner_;
   Backlog backlog_;
   std::string input_;
   std::string output_;    // the line that is being sent
   std::size_t sent_ = 0;  // of output_
   std::deque<UniqueFd> passed_;
-  // io sets it, the writer of a recording that this client asked for looks at it; nothing else goes with it.
-  std::shared_ptr<std::atomic<bool>> left_ = std::make_shared<std::atomic<bool>>(false);
-  int awaited_ = 0;
-  std::uint64_t turn_ = 0;  // its last one
-  bool reading_ = false;    // a wait for input is pending
-  bool writing_ = false;    // a wait for room is pending
-  bool noticing_ = false;   // a wait for the other end to hang up is pending
-  bool taking_ = false;     // lines out of input_: not to be begun again by an answer to one of them
-  bool resting_ = false;    // there are more lines, but it is the others' turn
+  // Written by io, read by the writer of a recording that this client requested. No other memory is read
+  // because of it.
+  std::shared_ptr<std::atomic<bool>> peer_closed_ = std::make_shared<std::atomic<bool>>(false);
+  int responses_pending_ = 0;
+  std::uint64_t last_input_round_ = 0;  // Owner::input_rounds when it last had input
+  bool reading_ = false;                // a wait for input is pending
+  bool writing_ = false;                // a wait for room is pending
+  bool watching_hang_up_ = false;       // a wait for the other end to hang up is pending
+  bool parsing_ = false;                // take_lines is running; a response within it must not start it again
+  bool yielded_ = false;                // it has more lines, but other clients are served first
   bool input_ended_ = false;
-  bool discarding_ = false;  // said too much in one line: read on to be polite, then close
+  bool discarding_ = false;  // its line was too long: input is discarded, then it is closed
   bool closed_ = false;
 };
 

@@ -12,8 +12,8 @@
 namespace slipd {
 namespace {
 
-constexpr rlim_t kOwn = 128;       // sockets, devices, files of slipd's own, with some to spare
-constexpr rlim_t kEachClient = 2;  // its connection, and a file that it has passed along
+constexpr rlim_t kOwn = 128;       // slipd's own sockets, devices and files, with a reserve
+constexpr rlim_t kEachClient = 2;  // its connection, and a file that it passed
 
 }  // namespace
 
@@ -27,7 +27,8 @@ void make_room_for(std::size_t clients) {
     setrlimit(RLIMIT_NOFILE, &limit);
   }
   if (limit.rlim_cur < kOwn + clients) {
-    say(LogLevel::warning, {{}, Cause::machine},
+    write_log(
+        LogLevel::warning, {{}, Cause::machine},
         "socket.max_clients is " + std::to_string(clients) + ", but slipd may open no more than " +
             std::to_string(limit.rlim_cur) +
             " files: clients beyond that wait to be let in; raise LimitNOFILE, or lower socket.max_clients");

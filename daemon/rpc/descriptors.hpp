@@ -1,5 +1,5 @@
-// Room for descriptors: as many as the clients that may come need, and those of clients where they are in
-// nobody's way. io thread.
+// File descriptors: a limit that is high enough for all clients, and high numbers for clients. Called from
+// one thread: io.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace slipd {
 
-// Raises the process's own limit as far as so many clients need it and the system lets it; says so in the log
-// where that is not enough.
+// Raises the process's limit (RLIMIT_NOFILE) for so many clients, as far as the system allows. Logs a warning
+// if that is not enough.
 void make_room_for(std::size_t clients);
 
-// The same file under a number that select() cannot take, where the limit has such numbers: libraries of
-// drivers that wait by select(), as libmodbus does, write past their memory with one of 1024 or more, and so
-// must always find lower ones free, however many clients there are.
+// Moves `file` to a number of at least FD_SETSIZE if the limit allows it; otherwise returns it unchanged.
+// Drivers' libraries that wait by select(), such as libmodbus, corrupt memory with numbers of FD_SETSIZE or
+// more, so lower ones must stay free for them.
 UniqueFd out_of_the_way(UniqueFd file) noexcept;
 
 }  // namespace slipd

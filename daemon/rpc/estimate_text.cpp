@@ -14,7 +14,7 @@ std::optional<std::int64_t> class_of(std::optional<double> gamma) {
   return slip_class(std::clamp(*gamma, 0.0, 1.0));
 }
 
-// A recording's clock may run ahead of ours: then it has no age.
+// At least 0: the clock of a recording may be ahead.
 std::int64_t passed_ns(std::int64_t since_ns, std::int64_t until_ns) {
   return std::max<std::int64_t>(0, until_ns - since_ns);
 }

@@ -1,4 +1,4 @@
-// How an estimate and a grasp look on the socket: the one place that turns them into JSON. io thread.
+// Estimates and grasps as JSON on the socket. Called from one thread: io.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@
 
 namespace slipd {
 
-// One estimate as an object, its members in the order in which a person reads them. An unknown number is
-// null, never NaN. Before the first frame there is no sample: times and age are null. `truth` is there only
-// for a simulated sensor. All but what hangs on the moment is written once: who asks more often than frames
-// come gets the same text with another age.
+// One estimate as a JSON object. An unknown number is null, never NaN. Before the first frame times and age
+// are null. `truth` is present only for a simulated sensor. The text is built once; only time and age are
+// inserted later, so that a client that polls faster than frames arrive costs little.
 class EstimateText {
  public:
-  EstimateText() = default;  // of no estimate
+  // No estimate: is_of is false, and append_to must not be called.
+  EstimateText() = default;
   EstimateText(const Estimate& estimate, const std::string& sensor, bool simulated);
 
-  // Of two estimates that one sensor has published, whether this is the text of that one.
+  // Whether this is the text of that estimate. Both are estimates of the same sensor.
   bool is_of(const Estimate& estimate, bool simulated) const noexcept;
 
+  // Appends the object, with the age at `now`.
   void append_to(std::string& out, const Now& now) const;
 
  private:
@@ -33,6 +34,7 @@ class EstimateText {
   bool simulated_ = false;
 };
 
+// Appends a grasp as an object.
 void append_grasp(std::string& out, const Estimate& together, const std::string& name,
                   const std::vector<std::string>& sensors);
 

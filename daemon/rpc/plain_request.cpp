@@ -7,7 +7,7 @@ constexpr bool is_digit(char c) noexcept {
   return c >= '0' && c <= '9';
 }
 
-// Reads on as long as all is plain; after that it is lost, and stays so.
+// Reads while the text is simple. After anything else lost() is true, and nothing more is read.
 class Reader {
  public:
   explicit Reader(std::string_view text) noexcept : rest_(text) {}
@@ -16,7 +16,7 @@ class Reader {
   void lose() noexcept { lost_ = true; }
   bool at_end() noexcept { return !lost_ && peek() == '\0' && rest_.empty(); }
 
-  // The next byte that is no blank; 0: there is none.
+  // The next byte that is not white space; 0: the end.
   char peek() noexcept {
     while (!rest_.empty() && (rest_.front() == ' ' || rest_.front() == '\t' || rest_.front() == '\r'))
       rest_.remove_prefix(1);
@@ -44,7 +44,7 @@ class Reader {
     return lost_ ? text : text.substr(1, text.size() - 2);
   }
 
-  // A whole number, as JSON prints it.
+  // An integer without sign or leading zeros.
   std::string_view count() noexcept {
     constexpr std::size_t kMostDigits = 18;
     std::size_t end = 0;
@@ -55,7 +55,7 @@ class Reader {
     return cut(end);
   }
 
-  // An object; `member` reads the value of the key that it is given.
+  // An object. `member` is called with each key and reads its value.
   template <typename Member>
   void object(Member member) {
     expect('{');

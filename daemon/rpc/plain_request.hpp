@@ -1,5 +1,4 @@
-// What a client sends again and again, read without making a tree of values first: one request whose members
-// are plain. io thread.
+// A fast parser of simple requests, which builds no tree of values. Called from one thread: io.
 #pragma once
 
 #include <optional>
@@ -9,9 +8,9 @@
 
 namespace slipd::rpc {
 
-// The same as parse() would find in it; none for all that is not as plain: then parse() has to see for
-// itself. Plain are strings of printable ASCII without escapes, an id that is one or a whole number from 0 to
-// 1e18, params whose values are all such strings, and no member twice.
+// The request, as parse() would return it; none if the line is not simple, so that parse() has to read it. In
+// a simple request strings are printable ASCII without escapes, the id is such a string or an integer from 0
+// to 1e18, all values of params are such strings, and no member is given twice.
 std::optional<Request> plain_request(std::string_view text);
 
 }  // namespace slipd::rpc

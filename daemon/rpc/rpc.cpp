@@ -9,8 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-// Brackets outside strings. The text need not be JSON: then it is at worst called too deep instead of
-// malformed.
+// Counts brackets outside strings. A text that is not JSON may be reported as nested too deep.
 bool nested_too_deep(std::string_view text) noexcept {
   int depth = 0;
   bool in_string = false;
@@ -37,7 +36,7 @@ std::string dump(const Json& value) {
 
 Request refused(const std::string& id, int code, const std::string& message) {
   Request request;
-  request.refusal = error_text(id, code, message);
+  request.error_response = error_text(id, code, message);
   return request;
 }
 
@@ -66,9 +65,9 @@ Request request_from(const json& item) {
     if (params->is_object()) {
       request.params = *params;
     } else if (!empty_list) {
-      request.refusal = request.notification
-                            ? ""
-                            : error_text(known_id, kInvalidParams, "params go by name: use an object");
+      request.error_response = request.notification
+                                   ? ""
+                                   : error_text(known_id, kInvalidParams, "params go by name: use an object");
     }
   }
   return request;
@@ -83,7 +82,7 @@ Line parse(std::string_view text) {
     return line;
   }
   if (nested_too_deep(text)) {
-    line.refusal =
+    line.error_response =
         error_text(kNoId, kParseError, "nested deeper than " + std::to_string(kDeepestNesting) + " levels");
     return line;
   }
@@ -91,16 +90,16 @@ Line parse(std::string_view text) {
   try {
     document = json::parse(text);
   } catch (const json::exception& error) {
-    line.refusal = error_text(kNoId, kParseError, std::string("not JSON: ") + error.what());
+    line.error_response = error_text(kNoId, kParseError, std::string("not JSON: ") + error.what());
     return line;
   }
   if (!document.is_array()) {
     line.requests.push_back(request_from(document));
   } else if (document.empty()) {
-    line.refusal = error_text(kNoId, kInvalidRequest, "an empty batch");
+    line.error_response = error_text(kNoId, kInvalidRequest, "an empty batch");
   } else if (document.size() > kLargestBatch) {
-    line.refusal = error_text(kNoId, kInvalidRequest,
-                              "a batch has at most " + std::to_string(kLargestBatch) + " requests");
+    line.error_response = error_text(kNoId, kInvalidRequest,
+                                     "a batch has at most " + std::to_string(kLargestBatch) + " requests");
   } else {
     line.batch = true;
     for (const json& item : document) line.requests.push_back(request_from(item));
@@ -109,7 +108,7 @@ Line parse(std::string_view text) {
 }
 
 std::string result_text(const std::string& id, std::string_view result) {
-  constexpr std::size_t kFrame = 40;  // what stands around them, and the end of the line
+  constexpr std::size_t kFrame = 40;  // the text around them, and the end of the line
   std::string text;
   text.reserve(kFrame + id.size() + result.size());
   text += R"({"jsonrpc":"2.0","id":)";
@@ -125,10 +124,10 @@ std::string error_text(const std::string& id, int code, const std::string& messa
          dump(json{{"code", code}, {"message", message}}) + "}";
 }
 
-Answers::Answers(bool batch, std::size_t expected, std::function<void(std::string)> done)
+Responses::Responses(bool batch, std::size_t expected, std::function<void(std::string)> done)
     : batch_(batch), missing_(expected), done_(std::move(done)) {}
 
-void Answers::add(std::string text) {
+void Responses::add(std::string text) {
   if (collected_.empty()) {
     collected_ = std::move(text);
   } else if (!text.empty()) {
@@ -139,7 +138,7 @@ void Answers::add(std::string text) {
   done_(std::move(collected_));
 }
 
-Reply::Reply(const Request& request, std::shared_ptr<Answers> answers)
+Reply::Reply(const Request& request, std::shared_ptr<Responses> answers)
     : id_(request.id), notification_(request.notification), answers_(std::move(answers)) {}
 
 void Reply::result(const nlohmann::ordered_json& value) const {

@@ -1,6 +1,5 @@
-// JSON-RPC 2.0, the part without a socket: a line in, requests or errors out; a result or an error in, a
-// line's text out. io thread. Whatever the bytes are, nothing here throws at its caller, and nesting is
-// limited before anything is parsed.
+// JSON-RPC 2.0 without a socket: parses lines into requests, builds responses. Called from one thread: io. No
+// input makes it throw, and nesting is limited before anything is parsed.
 #pragma once
 
 #include <functional>
@@ -14,6 +13,7 @@
 
 namespace slipd::rpc {
 
+// Error codes: those of JSON-RPC, and slipd's own from -32000 on.
 inline constexpr int kParseError = -32700;
 inline constexpr int kInvalidRequest = -32600;
 inline constexpr int kMethodNotFound = -32601;
@@ -24,50 +24,66 @@ inline constexpr int kUnknownSensor = -32001;
 inline constexpr int kNotPermitted = -32002;
 inline constexpr int kNotPossible = -32003;
 
+// Longest line, bytes.
 inline constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
+// Deepest nesting of arrays and objects.
 inline constexpr int kDeepestNesting = 32;
+// Most requests in a batch.
 inline constexpr std::size_t kLargestBatch = 64;
 
-// Thrown by methods.
+// Thrown by a method; becomes an error response. what() is its message.
 class Error : public std::runtime_error {
  public:
   Error(int code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  // One of the codes above.
   int code() const noexcept { return code_; }
 
  private:
   int code_;
 };
 
+// Id of a response to a request whose id could not be read.
 inline constexpr const char* kNoId = "null";
 
+// One request of a line.
 struct Request {
+  // The method's name.
   std::string method;
-  nlohmann::json params;      // an object; empty if there were none
-  std::string id = kNoId;     // as JSON
-  bool notification = false;  // no id: nobody waits for an answer
-  std::optional<std::string>
-      refusal;  // the answer, if it is no request: an error, or nothing for a notification
+  // An object; empty if there were none.
+  nlohmann::json params;
+  // The id as JSON.
+  std::string id = kNoId;
+  // Whether it has no id and so gets no response.
+  bool notification = false;
+  // For what is not a valid request, its response: an error, or empty for a notification. None: it is valid.
+  std::optional<std::string> error_response;
 };
 
+// A parsed line.
 struct Line {
+  // Whether it is an array of requests.
   bool batch = false;
+  // At least one, unless error_response is set.
   std::vector<Request> requests;
-  std::string refusal;  // of the line as a whole: the answer to it, complete
+  // The response to a line that cannot be parsed; empty: it could.
+  std::string error_response;
 };
 
-// `text`: one line without its end.
+// Parses one line, without its end.
 Line parse(std::string_view text);
 
-// Answers, complete but for the end of line. Bytes that are no UTF-8 are replaced.
+// Responses without the end of line. Bytes that are not UTF-8 are replaced. `result`: JSON.
 std::string result_text(const std::string& id, std::string_view result);
 std::string error_text(const std::string& id, int code, const std::string& message);
 
-// The answers to one line: collected until the last has come, then handed on as one text (one object, or an
-// array for a batch), or not at all if there is nothing to say.
-class Answers {
+// Collects the responses to one line and hands them on as one text when the last is there: an object, or an
+// array for a batch. Empty if all requests were notifications. Not thread-safe.
+class Responses {
  public:
-  Answers(bool batch, std::size_t expected, std::function<void(std::string)> done);
-  void add(std::string text);  // one answer; empty: a notification's
+  // `expected`: number of requests, at least 1. `done`: called once.
+  Responses(bool batch, std::size_t expected, std::function<void(std::string)> done);
+  // One response; empty: a notification's.
+  void add(std::string text);
 
  private:
   bool batch_;
@@ -76,18 +92,20 @@ class Answers {
   std::function<void(std::string)> done_;
 };
 
-// The right to answer one request, once, now or later.
+// Responds to one request, at once or later. Exactly one of its functions is to be called, once. Not
+// thread-safe.
 class Reply {
  public:
-  Reply(const Request& request, std::shared_ptr<Answers> answers);
+  Reply(const Request& request, std::shared_ptr<Responses> answers);
   void result(const nlohmann::ordered_json& value) const;
-  void text(std::string_view json) const;  // a result that is written already
+  // A result that is JSON text already.
+  void text(std::string_view json) const;
   void error(int code, const std::string& message) const;
 
  private:
   std::string id_;
   bool notification_;
-  std::shared_ptr<Answers> answers_;
+  std::shared_ptr<Responses> answers_;
 };
 
 }  // namespace slipd::rpc

@@ -8,9 +8,8 @@
 #include "daemon/can/dbc.hpp"
 #include "daemon/record/flight_recorder.hpp"
 #include "daemon/rpc/estimate_text.hpp"
-#include "daemon/rpc/names.hpp"
+#include "daemon/rpc/request_params.hpp"
 #include "daemon/rpc/status.hpp"
-#include "daemon/rpc/tradeoff_json.hpp"
 #include "daemon/telemetry/metrics.hpp"
 
 namespace slipd {
@@ -34,15 +33,15 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
           {"y_mm", y_mm}};
 }
 
-// For what changes something outside the client's own connection. `user`: as the kernel says, SO_PEERCRED.
+// Refuses other users than root and slipd's own. For methods that change more than the client's connection.
 void require_owner(uid_t user, const char* to_do) {
   if (user != 0 && user != geteuid())
     throw rpc::Error(rpc::kNotPermitted, std::string("only root and slipd's own user may ") + to_do);
 }
 
-// What came of a bias that was asked for.
+// The response to a complete `rebias` request.
 void answer_zero(const SensorStatus& status, const Reply& reply) {
-  switch (status.zero.report.load().answer) {
+  switch (status.bias.report.load().answer) {
     case BiasResult::moving:
       return reply.error(rpc::kNotPossible,
                          status.name + " does not stand still; let go of it and ask again");
@@ -66,9 +65,9 @@ void answer_zero(const SensorStatus& status, const Reply& reply) {
 RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
     : context_(context),
       recorder_(recorder),
-      said_(context.board.sensors.size()),
-      frames_wanted_(context.board.sensors.size()) {
-  // A method that needs neither its client nor time: parameters in, result out.
+      cached_texts_(context.board.sensors.size()),
+      pending_frames_(context.board.sensors.size()) {
+  // Registers a method that needs no client and responds at once.
   const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
     methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
                                                                           const Reply& reply) {
@@ -86,7 +85,7 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
   plain("dbc", {}, [this](const Params&) {
     if (!context_.settings.can)
       throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
-    return json(can::dbc_text(*context_.settings.can, can::subjects_of(context_.settings)));
+    return json(can::dbc_text(*context_.settings.can, can::source_names(context_.settings)));
   });
   methods_["gamma"] = [this](Client&, const Params& params, const Reply& reply) {
     refuse_unknown(params, {"sensor"});
@@ -119,14 +118,14 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
 }
 
 void RpcMethods::line(const std::shared_ptr<Client>& client, std::string_view text) {
-  client->await_answer();
+  client->expect_response();
   rpc::Line parsed = rpc::parse(text);
-  if (!parsed.refusal.empty()) return client->answer(std::move(parsed.refusal));
-  const auto answers = std::make_shared<rpc::Answers>(
-      parsed.batch, parsed.requests.size(), [client](std::string all) { client->answer(std::move(all)); });
+  if (!parsed.error_response.empty()) return client->respond(std::move(parsed.error_response));
+  const auto answers = std::make_shared<rpc::Responses>(
+      parsed.batch, parsed.requests.size(), [client](std::string all) { client->respond(std::move(all)); });
   for (const rpc::Request& request : parsed.requests) {
-    if (request.refusal) {
-      answers->add(*request.refusal);
+    if (request.error_response) {
+      answers->add(*request.error_response);
     } else {
       call(*client, request, Reply(request, answers));
     }
@@ -164,8 +163,9 @@ std::string RpcMethods::gamma(const Params& params) {
     const SensorStatus& status = *board.sensors[i];
     const Estimate estimate = status.latest.load().estimate;
     const bool simulated = status.simulated.load(std::memory_order_relaxed);
-    if (!said_[i].is_of(estimate, simulated)) said_[i] = EstimateText(estimate, status.name, simulated);
-    said_[i].append_to(text, now);
+    if (!cached_texts_[i].is_of(estimate, simulated))
+      cached_texts_[i] = EstimateText(estimate, status.name, simulated);
+    cached_texts_[i].append_to(text, now);
   }
   text += R"(],"grasps":[)";
   for (std::size_t i = 0; i < board.grasps.size(); ++i) {
@@ -207,12 +207,12 @@ void RpcMethods::frame(const Params& params, const Reply& reply) {
   SensorStatus& status = *context_.board.sensors[sensor];
   const auto layout = status.facts().layout;
   if (!layout) throw rpc::Error(rpc::kNotPossible, "no frame of this sensor has come yet");
-  frames_wanted_[sensor].push_back(reply);
-  status.frame.request(layout->size());
+  pending_frames_[sensor].push_back(reply);
+  status.frame_copy.request(layout->size());
   context_.ring_estimate();
 }
 
-// Keeps what the flight recorder holds of one sensor or of all.
+// Triggers the flight recorder for one sensor or for all.
 json RpcMethods::flight(const Params& params) {
   if (context_.flight == nullptr) {
     throw rpc::Error(rpc::kNotPossible,
@@ -224,7 +224,7 @@ json RpcMethods::flight(const Params& params) {
   json names = json::array();
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
-    context_.flight->keep(i, "request");
+    context_.flight->trigger(i, "request");
     names.push_back(board.sensors[i]->name);
   }
   return {{"sensors", std::move(names)},
@@ -256,7 +256,7 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
                   {"seconds", result.seconds}});
   };
   try {
-    recorder_.start(status, std::move(file), seconds->get<double>(), client.left(), answer);
+    recorder_.start(status, std::move(file), seconds->get<double>(), client.peer_closed(), answer);
   } catch (const UnfitFile& unfit) {
     throw rpc::Error(rpc::kInvalidParams, unfit.what());
   } catch (const RecordingRefused& refused) {
@@ -265,7 +265,7 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
 }
 
 void RpcMethods::rebias(const Client& client, const Params& params, const Reply& reply) {
-  constexpr std::chrono::seconds kPatience{30};  // eight times sixteen frames of a sensor of 5 Hz
+  constexpr std::chrono::seconds kPatience{30};  // 128 frames at 5 Hz
   refuse_unknown(params, {"sensor", "force"});
   const std::size_t sensor = required_sensor(params, context_.board);
   const auto force = params.find("force");
@@ -273,46 +273,47 @@ void RpcMethods::rebias(const Client& client, const Params& params, const Reply&
     throw rpc::Error(rpc::kInvalidParams, "\"force\" must be true or false");
   require_owner(client.peer().uid, "take a bias anew");
   SensorStatus& status = *context_.board.sensors[sensor];
-  if (status.link.load(std::memory_order_acquire) != Link::open) {
+  if (status.link.load(std::memory_order_acquire) != DeviceLink::open) {
     throw rpc::Error(rpc::kNotPossible, status.name + " sends no frames: its device is not open");
   }
-  if (!status.zero.needed.load(std::memory_order_relaxed)) {
+  if (!status.bias.needed.load(std::memory_order_relaxed)) {
     throw rpc::Error(rpc::kNotPossible,
                      status.name + " has no bias that slipd could take anew: its frames come zeroed");
   }
-  const std::uint32_t request = status.zero.ask(force != params.end() && force->get<bool>());
-  rebias_wanted_.push_back({reply, sensor, request, std::chrono::steady_clock::now() + kPatience});
+  const std::uint32_t request = status.bias.request(force != params.end() && force->get<bool>());
+  pending_rebias_.push_back({reply, sensor, request, std::chrono::steady_clock::now() + kPatience});
 }
 
-void RpcMethods::answer_rebias(bool late) {
+void RpcMethods::complete_rebias(bool late) {
   const auto now = std::chrono::steady_clock::now();
-  std::erase_if(rebias_wanted_, [&](const Rebias& wanted) {
+  std::erase_if(pending_rebias_, [&](const PendingRebias& wanted) {
     const SensorStatus& status = *context_.board.sensors[wanted.sensor];
-    if (status.zero.settled() >= wanted.request) {
+    if (status.bias.completed() >= wanted.request) {
       answer_zero(status, wanted.reply);
       return true;
     }
-    if (!late || now < wanted.given_up) return false;
+    if (!late || now < wanted.deadline) return false;
     wanted.reply.error(rpc::kNotPossible, status.name + " sends too few frames to take a bias from");
     return true;
   });
 }
 
-void RpcMethods::give_up_waiting() {
+void RpcMethods::fail_pending() {
   constexpr const char* kWhy = "slipd has stopped or taken up another configuration; ask again";
-  for (auto& waiting : frames_wanted_) {
+  for (auto& waiting : pending_frames_) {
     for (const Reply& reply : std::exchange(waiting, {})) reply.error(rpc::kNotPossible, kWhy);
   }
-  for (const Rebias& wanted : std::exchange(rebias_wanted_, {})) wanted.reply.error(rpc::kNotPossible, kWhy);
+  for (const PendingRebias& wanted : std::exchange(pending_rebias_, {}))
+    wanted.reply.error(rpc::kNotPossible, kWhy);
 }
 
-void RpcMethods::answer_frames() {
+void RpcMethods::complete_frames() {
   const Now now = Now::read();
-  for (std::size_t i = 0; i < frames_wanted_.size(); ++i) {
+  for (std::size_t i = 0; i < pending_frames_.size(); ++i) {
     SensorStatus& status = *context_.board.sensors[i];
-    const FrameCopy::Content* frame = status.frame.answer();
+    const FrameCopy::Content* frame = status.frame_copy.result();
     if (frame == nullptr) continue;
-    const auto waiting = std::exchange(frames_wanted_[i], {});
+    const auto waiting = std::exchange(pending_frames_[i], {});
     const auto layout = status.facts().layout;
     const bool usable = frame->any && layout && layout->size() == frame->normal_pa.size();
     json result;
@@ -322,7 +323,7 @@ void RpcMethods::answer_frames() {
     } catch (const std::bad_alloc&) {
       trouble = "slipd has not enough memory for this";
     }
-    status.frame.release();
+    status.frame_copy.release();
     for (const Reply& reply : waiting) {
       if (trouble == nullptr) {
         reply.result(result);

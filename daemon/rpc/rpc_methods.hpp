@@ -1,5 +1,4 @@
-// The methods on the socket, by name. A method answers at once, or keeps its Reply until what it waits for
-// has come. io thread.
+// The JSON-RPC methods. A method responds at once, or keeps its Reply until the result is there.
 #pragma once
 
 #include <chrono>
@@ -18,21 +17,24 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class RpcMethods {
  public:
+  // `context` and `recorder` outlive it.
   RpcMethods(ServiceContext& context, Recorder& recorder);
 
-  // Answers one line of a client, through Client::answer.
+  // Handles one line of a client; responses go through Client::respond.
   void line(const std::shared_ptr<Client>& client, std::string_view text);
 
-  // The estimate thread may have left frames that were asked for: answers those who wait for them.
-  void answer_frames();
+  // Responds to pending `frame` requests whose copies are there.
+  void complete_frames();
 
-  // The keeper of zeros may have settled what was asked for: answers those who wait for it, and, `late`,
-  // those who have waited too long.
-  void answer_rebias(bool late);
+  // Responds to pending `rebias` requests that are complete and, if `late`, to those whose deadline has
+  // passed.
+  void complete_rebias(bool late);
 
-  void give_up_waiting();  // nothing of it will come
+  // Responds to all pending requests with an error.
+  void fail_pending();
 
  private:
   using Params = nlohmann::json;
@@ -50,15 +52,15 @@ class RpcMethods {
   ServiceContext& context_;
   Recorder& recorder_;
   std::map<std::string, Method, std::less<>> methods_;
-  struct Rebias {
+  struct PendingRebias {
     rpc::Reply reply;
     std::size_t sensor = 0;
     std::uint32_t request = 0;
-    std::chrono::steady_clock::time_point given_up;
+    std::chrono::steady_clock::time_point deadline;
   };
-  std::vector<EstimateText> said_;                      // per sensor, by gamma
-  std::vector<std::vector<rpc::Reply>> frames_wanted_;  // per sensor
-  std::vector<Rebias> rebias_wanted_;
+  std::vector<EstimateText> cached_texts_;               // per sensor, of method gamma
+  std::vector<std::vector<rpc::Reply>> pending_frames_;  // per sensor
+  std::vector<PendingRebias> pending_rebias_;
 };
 
 }  // namespace slipd

@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using asio::posix::stream_descriptor;
 
-// False: there was no memory for `body`. What it was about is lost, the loop is not.
+// Runs `body`; false: it ran out of memory. The event loop continues.
 template <typename Body>
 bool had_memory(Body body) {
   try {
@@ -44,43 +44,44 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
       clients_(clients),
       methods_(context, recorder),
       listener_(io, listener),
-      news_(io, dup(context.board.io.fd())),
-      pause_(io),
-      rates_(io),
+      events_ready_(io, dup(context.board.io_wakeup.fd())),
+      accept_pause_(io),
+      statistics_timer_(io),
       metrics_file_(context.settings.metrics),
       last_(context.board.sensors.size()),
       grasp_alerts_(context.board.grasps.size()),
       last_estimated_(context.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
   make_room_for(context.settings.socket.max_clients);
-  clients_.owner.line = [this](const auto& client, std::string_view line) { methods_.line(client, line); };
-  clients_.owner.gone = [this](const auto& client) {
-    clients_.dropped_for_gone += client->dropped();
+  clients_.owner.on_line = [this](const auto& client, std::string_view line) { methods_.line(client, line); };
+  clients_.owner.on_closed = [this](const auto& client) {
+    clients_.dropped_by_closed += client->dropped();
     clients_.all.erase(client);
     context_.clients = clients_.all.size();
   };
-  clients_.owner.told = [this](std::int64_t published_ns) {
-    context_.told.record(Now::read().monotonic_ns - published_ns);
+  clients_.owner.on_notification_sent = [this](std::int64_t published_ns) {
+    context_.delivery_latency.record(Now::read().monotonic_ns - published_ns);
   };
   context_.clients = clients_.all.size();
   for (const auto& client : clients_.all) {
-    for (Subscription& subscription : client->subscriptions) subscription.follow(context.board);
+    for (Subscription& subscription : client->subscriptions) subscription.rebind(context.board);
   }
   context_.rates_hz.resize(context.board.sensors.size());
-  context_.last_minute.resize(context.board.sensors.size());
+  context_.latency_last_minute.resize(context.board.sensors.size());
   accept_when_ready();
-  listen_for_news();
-  measure_rates();
+  wait_for_events();
+  schedule_statistics();
 }
 
 Server::~Server() {
-  methods_.give_up_waiting();
-  clients_.owner = {
-      .line = [](const auto&, const auto&) {}, .gone = [](const auto&) {}, .told = [](std::int64_t) {}};
+  methods_.fail_pending();
+  clients_.owner = {.on_line = [](const auto&, const auto&) {},
+                    .on_closed = [](const auto&) {},
+                    .on_notification_sent = [](std::int64_t) {}};
 }
 
-// A handler that was on its way already when this server ended does nothing: cancelling would come too late
-// for it.
+// A handler that does nothing once the server is destroyed. Cancelling would be too late for one that is
+// already queued.
 template <typename Body>
 auto Server::while_alive(Body body) {
   return [alive = std::weak_ptr<const bool>(alive_), body](const std::error_code& error) {
@@ -92,19 +93,19 @@ void Server::accept_when_ready() {
   listener_.async_wait(stream_descriptor::wait_read, while_alive([this] {
                          bool room = false;
                          if (had_memory([&] { room = accept_one(); }) && room) return accept_when_ready();
-                         pause_.expires_after(100ms);
-                         pause_.async_wait(while_alive([this] { accept_when_ready(); }));
+                         accept_pause_.expires_after(100ms);
+                         accept_pause_.async_wait(while_alive([this] { accept_when_ready(); }));
                        }));
 }
 
-// False: the system has no room for one more, for now.
+// False: the system has no descriptor or memory for another client now.
 bool Server::accept_one() {
   UniqueFd socket(accept4(listener_.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket && (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)) {
     return false;
   }
   if (socket && clients_.all.size() >= context_.settings.socket.max_clients) {
-    turn_away(socket);
+    reject(socket);
   } else if (socket) {
     const auto client = std::make_shared<Client>(io_, out_of_the_way(std::move(socket)), clients_.owner);
     clients_.all.insert(client);
@@ -114,70 +115,70 @@ bool Server::accept_one() {
   return true;
 }
 
-void Server::turn_away(const UniqueFd& socket) {
+void Server::reject(const UniqueFd& socket) {
   const std::string text =
       rpc::error_text(rpc::kNoId, rpc::kTooManyClients,
                       "all " + std::to_string(context_.settings.socket.max_clients) +
                           " places are taken; close a client or raise socket.max_clients") +
       "\n";
-  // A fresh socket has room for it.
+  // A new socket's buffer is empty, so the text fits.
   [[maybe_unused]] const auto sent =
       send(socket.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-void Server::listen_for_news() {
-  news_.async_wait(stream_descriptor::wait_read, while_alive([this] {
-                     had_memory([this] { take_news(); });
-                     listen_for_news();
-                   }));
+void Server::wait_for_events() {
+  events_ready_.async_wait(stream_descriptor::wait_read, while_alive([this] {
+                             had_memory([this] { drain_events(); });
+                             wait_for_events();
+                           }));
 }
 
-void Server::take_news() {
-  context_.board.io.clear();
+void Server::drain_events() {
+  context_.board.io_wakeup.clear();
   Event event;
-  // As many as were there at first, so that a flood does not keep the loop from the clients.
+  // Only events that are queued now, so that a steady flow does not block the clients.
   for (std::size_t left = context_.board.events.read_available();
        left > 0 && context_.board.events.pop(event); --left) {
-    tell(event);
+    dispatch(event);
   }
-  if (context_.board.events.read_available() > 0) context_.board.io.ring();
-  follow_grasps();
-  methods_.answer_frames();
-  methods_.answer_rebias(false);
+  if (context_.board.events.read_available() > 0) context_.board.io_wakeup.notify();
+  trigger_on_grasp_slip();
+  methods_.complete_frames();
+  methods_.complete_rebias(false);
 }
 
-// A grasp may slip while each of its sensors alone would not say so.
-void Server::follow_grasps() {
+// Triggers the flight recorder when a grasp's alert becomes slip, even if no sensor's own alert does.
+void Server::trigger_on_grasp_slip() {
   if (context_.flight == nullptr) return;
   for (std::size_t i = 0; i < grasp_alerts_.size(); ++i) {
     const GraspStatus& grasp = *context_.board.grasps[i];
     const Alert now = grasp.latest.load().alert;
     if (now == std::exchange(grasp_alerts_[i], now) || now != Alert::slip) continue;
-    for (const std::size_t sensor : grasp.sensors) context_.flight->keep(sensor, "slip");
+    for (const std::size_t sensor : grasp.sensors) context_.flight->trigger(sensor, "slip");
   }
 }
 
-void Server::tell(const Event& event) {
-  Last& last = last_[event.sensor];
-  if (context_.flight != nullptr) context_.flight->note(event.sensor, event.estimate);
-  tell(event, EventKind::estimate);
+void Server::dispatch(const Event& event) {
+  LastNotified& last = last_[event.sensor];
+  if (context_.flight != nullptr) context_.flight->add_estimate(event.sensor, event.estimate);
+  notify_subscribers(event, EventKind::estimate);
   if (event.estimate.alert != last.alert) {
-    tell(event, EventKind::alert);
+    notify_subscribers(event, EventKind::alert);
     if (event.estimate.alert == Alert::slip && context_.flight != nullptr)
-      context_.flight->keep(event.sensor, "slip");
+      context_.flight->trigger(event.sensor, "slip");
   }
-  if (event.estimate.state != last.state) tell(event, EventKind::state);
+  if (event.estimate.state != last.state) notify_subscribers(event, EventKind::state);
   last = {event.estimate.state, event.estimate.alert};
 }
 
-void Server::tell(const Event& event, EventKind kind) {
+void Server::notify_subscribers(const Event& event, EventKind kind) {
   static constexpr const char* kMethods[kEventKinds] = {"estimate", "alert", "state"};
   constexpr std::size_t kUsualBytes = 1024;
-  std::shared_ptr<const Notification> head;  // made for the first that wants it
+  std::shared_ptr<const Notification> head;  // made for the first subscriber
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) {
       std::uint64_t lost = 0;
-      if (!subscription.wants(event, kind, lost)) continue;
+      if (!subscription.accepts(event, kind, lost)) continue;
       if (!head) {
         const SensorStatus& status = *context_.board.sensors[event.sensor];
         std::string text;
@@ -187,7 +188,7 @@ void Server::tell(const Event& event, EventKind kind) {
         text += R"(","params":)";
         EstimateText(event.estimate, status.name, status.simulated.load(std::memory_order_relaxed))
             .append_to(text, Now::read());
-        text.pop_back();  // its last brace: `dropped` comes before it
+        text.pop_back();  // the closing brace: `dropped` is inserted before it
         head =
             std::make_shared<const Notification>(Notification{std::move(text), event.estimate.published_ns});
       }
@@ -196,15 +197,15 @@ void Server::tell(const Event& event, EventKind kind) {
   }
 }
 
-void Server::measure_rates() {
-  rates_.expires_after(1s);
-  rates_.async_wait(while_alive([this] {
-    had_memory([this] { look_at_sensors(); });
-    measure_rates();
+void Server::schedule_statistics() {
+  statistics_timer_.expires_after(1s);
+  statistics_timer_.async_wait(while_alive([this] {
+    had_memory([this] { update_statistics(); });
+    schedule_statistics();
   }));
 }
 
-void Server::look_at_sensors() {
+void Server::update_statistics() {
   const auto now = std::chrono::steady_clock::now();
   const std::chrono::duration<double> passed = now - last_measured_;
   last_measured_ = now;
@@ -213,18 +214,18 @@ void Server::look_at_sensors() {
     context_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
     last_estimated_[i] = estimated;
     const SensorStatus& status = *context_.board.sensors[i];
-    context_.last_minute[i].look(status.latency, now);
+    context_.latency_last_minute[i].update(status.latency, now);
     for (const HealthNotice& notice :
-         health_monitor_.look(i, status.name, status.facts().description, health_totals_of(status), now))
-      say(LogLevel::warning, {status.name, notice.cause}, notice.text);
+         health_monitor_.check(i, status.name, status.facts().description, health_totals_of(status), now))
+      write_log(LogLevel::warning, {status.name, notice.cause}, notice.text);
   }
-  context_.told_last_minute.look(context_.told, now);
-  std::uint64_t dropped = clients_.dropped_for_gone;
+  context_.delivery_latency_last_minute.update(context_.delivery_latency, now);
+  std::uint64_t dropped = clients_.dropped_by_closed;
   for (const auto& client : clients_.all) dropped += client->dropped();
   context_.notifications_dropped = dropped;
-  metrics_file_.look(context_, now);
-  methods_.answer_rebias(true);
-  // Those whose going could not be told of for want of memory.
+  metrics_file_.write_if_due(context_, now);
+  methods_.complete_rebias(true);
+  // Closed clients whose on_closed was not called for lack of memory.
   std::erase_if(clients_.all, [](const auto& client) { return client->closed(); });
   context_.clients = clients_.all.size();
 }

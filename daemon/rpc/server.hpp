@@ -1,5 +1,5 @@
-// The socket server: takes clients in, hands their lines to the methods, tells subscribers what the pipeline
-// has found. All of it in the io thread.
+// The socket server: accepts clients, passes their lines to the methods, sends notifications, and updates the
+// statistics once a second.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -18,24 +18,31 @@
 
 namespace slipd {
 
-// Who is connected. Outlives a server, so that the next one, with another configuration, goes on with them.
+// The connected clients. They outlive a server, so that clients stay connected over a reload. Used by one
+// thread: io.
 struct Clients {
-  Client::Owner owner;  // the server's of now
+  // Callbacks of the present server.
+  Client::Owner owner;
+  // All that are connected.
   std::set<std::shared_ptr<Client>> all;
-  std::uint64_t dropped_for_gone = 0;
-  void close_all();  // what they have not read is lost
+  // Notifications dropped by clients that are closed.
+  std::uint64_t dropped_by_closed = 0;
+  // Closes all. Lines that wait are lost.
+  void close_all();
 };
 
+// Not thread-safe. Called from one thread: io.
 class Server {
  public:
-  // Serves those who are connected and those who come to `listener`, its own from now on.
+  // Serves the connected clients and accepts others on `listener`, which it owns. All references outlive it.
   Server(asio::io_context& io, ServiceContext& context, Clients& clients, Recorder& recorder, int listener);
-  ~Server();  // no more news, no new clients; who waits for a frame is told that it will not come
+  // Responds to pending requests with an error. Clients stay connected.
+  ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
  private:
-  struct Last {
+  struct LastNotified {
     State state = State::stale;
     Alert alert = Alert::none;
   };
@@ -43,27 +50,28 @@ class Server {
   auto while_alive(Body body);
   void accept_when_ready();
   bool accept_one();
-  void turn_away(const UniqueFd& socket);
-  void listen_for_news();
-  void take_news();
-  void tell(const Event& event);
-  void tell(const Event& event, EventKind kind);
-  void follow_grasps();
-  void measure_rates();
-  void look_at_sensors();
+  void reject(const UniqueFd& socket);
+  void wait_for_events();
+  void drain_events();
+  void dispatch(const Event& event);
+  void notify_subscribers(const Event& event, EventKind kind);
+  void trigger_on_grasp_slip();
+  void schedule_statistics();
+  void update_statistics();
 
   asio::io_context& io_;
   ServiceContext& context_;
   Clients& clients_;
   RpcMethods methods_;
-  asio::posix::stream_descriptor listener_, news_;
-  asio::steady_timer pause_;  // before accepting again, when there is no descriptor left
-  asio::steady_timer rates_;
+  asio::posix::stream_descriptor listener_, events_ready_;
+  asio::steady_timer accept_pause_;  // before accepting again when there was no descriptor or memory
+  asio::steady_timer statistics_timer_;
   FrameHealthMonitor health_monitor_;
   MetricsFile metrics_file_;
-  std::shared_ptr<const bool> alive_ = std::make_shared<const bool>(true);  // gone with this, for handlers
-  std::vector<Last> last_;                                                  // per sensor, as told
-  std::vector<Alert> grasp_alerts_;                                         // per grasp, as last seen
+  std::shared_ptr<const bool> alive_ =
+      std::make_shared<const bool>(true);  // expires with the server; handlers test it
+  std::vector<LastNotified> last_;         // per sensor, as last sent to subscribers
+  std::vector<Alert> grasp_alerts_;        // per grasp, as last evaluated
   std::vector<std::uint64_t> last_estimated_;
   std::chrono::steady_clock::time_point last_measured_;
 };

@@ -54,7 +54,8 @@ SocketFile::~SocketFile() {
   close(listener_);
   if (lock_fd_ < 0) return;
   unlink(path_.c_str());
-  unlink(lock_path_.c_str());  // while it is held: who opened it before finds that it is no longer the one
+  unlink(
+      lock_path_.c_str());  // while it is locked: a process that opened it before sees that it was replaced
   close(lock_fd_);
 }
 
@@ -76,7 +77,7 @@ void SocketFile::lock() {
         held.st_dev == named.st_dev) {
       break;
     }
-    close(lock_fd_);  // its last holder removed it between our open and our lock
+    close(lock_fd_);  // its last holder removed it between open and lock
   }
   const std::string pid = std::to_string(getpid()) + "\n";
   if (ftruncate(lock_fd_, 0) != 0 || pwrite(lock_fd_, pid.data(), pid.size(), 0) < 0) {
@@ -99,11 +100,11 @@ void SocketFile::bind_and_listen(unsigned mode) {
       throw std::runtime_error(path_.string() +
                                " exists and is no socket; remove it, or choose another socket.path");
     }
-    unlink(path_.c_str());  // the lock is ours, so nobody serves it
+    unlink(path_.c_str());  // this process holds the lock, so no other serves it
   }
   listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (listener_ < 0) fail("cannot make a socket", errno, "");
-  // Closed to all but us from its first moment; opened as far as asked for once it is ours.
+  // Accessible to slipd's user only at first; chmod sets the configured permissions when it listens.
   const mode_t before = umask(0177);
   const int bound = bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   const int error = errno;

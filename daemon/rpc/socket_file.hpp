@@ -1,5 +1,5 @@
-// The socket in the file system: who may serve it, and a file that a crash left behind. A lock file beside it
-// decides, so that two daemons that start at once cannot both win. io thread, at start and end.
+// The listening Unix socket and its file. A lock file beside it makes sure that one daemon at most serves it,
+// and shows whether an existing socket was left by a crash.
 #pragma once
 
 #include <filesystem>
@@ -7,25 +7,28 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class SocketFile {
  public:
-  // Takes the lock, removes a stale socket, binds and listens with the given mode. Throws std::runtime_error
-  // that says who is in the way and what to do.
+  // Takes the lock, removes a stale socket, binds and listens with permissions `mode`. Throws
+  // std::runtime_error that names who holds the lock or what else is wrong, and what to do.
   SocketFile(std::filesystem::path path, unsigned mode);
-  // Takes over a socket that somebody else made, listens on and will remove.
+  // Uses a listening socket that systemd made. Its file is not removed.
   explicit SocketFile(int listener);
   ~SocketFile();
   SocketFile(const SocketFile&) = delete;
   SocketFile& operator=(const SocketFile&) = delete;
 
+  // The path.
   std::string name() const { return path_.string(); }
-  int duplicate() const;  // of the listening descriptor, the caller's own. Throws std::system_error
+  // A duplicate of the listening descriptor, owned by the caller. Throws std::system_error.
+  int duplicate() const;
 
  private:
   void lock();
   void bind_and_listen(unsigned mode);
   std::filesystem::path path_, lock_path_;
-  int lock_fd_ = -1;  // none: the file is not ours
+  int lock_fd_ = -1;  // -1: systemd made the socket
   int listener_ = -1;
 };
 

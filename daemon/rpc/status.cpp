@@ -16,6 +16,15 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+// 0: the method has no such setting.
+json setting(int value) {
+  return value > 0 ? json(value) : json(nullptr);
+}
+
 json realtime_json(const ServiceContext& context) {
   const RealtimeSettings& asked = context.settings.realtime;
   static constexpr const char* kModes[] = {"enforce", "prefer", "off"};
@@ -25,11 +34,11 @@ json realtime_json(const ServiceContext& context) {
   result["got"] = {{"priority", context.realtime.scheduling ? json(asked.priority) : json(nullptr)},
                    {"cpus", context.realtime.cpus ? json(asked.cpus) : json::array()},
                    {"lock_memory", context.realtime.memory_locked}};
-  if (!context.realtime.refusal.empty()) result["refused"] = context.realtime.refusal;
+  if (!context.realtime.error_response.empty()) result["refused"] = context.realtime.error_response;
   return result;
 }
 
-// From the sample to its published estimate; null where there was none.
+// Quantiles in us; null if there are no values.
 json latency_json(const LatencyHistogram::Summary& latency) {
   const auto known = [&](double value) { return latency.count > 0 ? json(value) : json(nullptr); };
   return {{"p50", known(latency.p50_us)},
@@ -45,8 +54,8 @@ std::string can_trouble(int error) {
   return std::generic_category().message(error);
 }
 
-// Of the method in use, measured on unseen contacts of this sensor's scene. Null where it was not: it is
-// still being measured, or single frames of this sensor do not tell their margin.
+// The error of the method in use, measured on unseen contacts of this sensor's scene. Null if it is not
+// measured yet, or cannot be, because single frames of this sensor do not determine the margin.
 json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
   const TradeoffRow* used = nullptr;
   for (const TradeoffRow& row : facts.tradeoff.rows) {
@@ -62,45 +71,46 @@ json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
 
 json sensor_status(const ServiceContext& context, std::size_t sensor) {
   const SensorStatus& status = *context.board.sensors[sensor];
-  const Published reading = status.latest.load();
+  const Published published = status.latest.load();
   const DeviceFacts facts = status.facts();
-  const Counts& counts = reading.counts;
-  return {{"name", status.name},
-          {"state", to_string(reading.estimate.state)},
-          {"alert", to_string(reading.estimate.alert)},
-          {"driver", status.driver},
-          {"device", facts.description},
-          {"connected", status.link.load(std::memory_order_relaxed) == Link::open},
-          {"simulated", status.simulated.load(std::memory_order_relaxed)},
-          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
-          {"expected_error", expected_error(context, facts)},
-          {"zero", zero_json(status)},
-          {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
-          {"received", counts.received},
-          {"estimated", counts.estimated},
-          {"skipped", counts.skipped},
-          {"gaps", counts.gaps},
-          {"lost", counts.lost},
-          {"corrupt", status.corrupt.load(std::memory_order_relaxed)},
-          {"timeouts", status.timeouts.load(std::memory_order_relaxed)},
-          {"reconnects", status.reconnects.load(std::memory_order_relaxed)},
-          {"events_lost", status.events_lost.load(std::memory_order_relaxed)},
-          {"rate_hz", context.rates_hz[sensor]},
-          {"latency_us", latency_json(status.latency.summary())},
-          {"latency_last_minute_us", latency_json(context.last_minute[sensor].summary(status.latency))}};
+  const FrameCounts& counts = published.counts;
+  return {
+      {"name", status.name},
+      {"state", to_string(published.estimate.state)},
+      {"alert", to_string(published.estimate.alert)},
+      {"driver", status.driver},
+      {"device", facts.description},
+      {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
+      {"simulated", status.simulated.load(std::memory_order_relaxed)},
+      {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
+      {"expected_error", expected_error(context, facts)},
+      {"zero", zero_json(status)},
+      {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
+      {"received", counts.received},
+      {"estimated", counts.estimated},
+      {"skipped", counts.skipped},
+      {"gaps", counts.gaps},
+      {"lost", counts.lost},
+      {"corrupt", status.corrupt.load(std::memory_order_relaxed)},
+      {"timeouts", status.timeouts.load(std::memory_order_relaxed)},
+      {"reconnects", status.reconnects.load(std::memory_order_relaxed)},
+      {"events_lost", status.events_lost.load(std::memory_order_relaxed)},
+      {"rate_hz", context.rates_hz[sensor]},
+      {"latency_us", latency_json(status.latency.summary())},
+      {"latency_last_minute_us", latency_json(context.latency_last_minute[sensor].summary(status.latency))}};
 }
 
 json recorder_json(const ServiceContext& context) {
   if (context.flight == nullptr) return "off";
   return {{"folder", context.flight->folder().string()},
-          {"kept", context.flight->kept()},
-          {"failed", context.flight->failed()}};
+          {"kept", context.flight->files_written()},
+          {"failed", context.flight->failures()}};
 }
 
 json can_json(const ServiceContext& context) {
   const can::Report report = context.can->load();
   json withheld = json::array();
-  const std::vector<std::string> sources = can::subjects_of(context.settings);
+  const std::vector<std::string> sources = can::source_names(context.settings);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if ((report.withheld >> i & 1U) != 0) withheld.push_back(sources[i]);
   }
@@ -120,8 +130,8 @@ json can_json(const ServiceContext& context) {
 }  // namespace
 
 json zero_json(const SensorStatus& status) {
-  if (!status.zero.needed.load(std::memory_order_relaxed)) return nullptr;
-  const BiasReport zero = status.zero.report.load();
+  if (!status.bias.needed.load(std::memory_order_relaxed)) return nullptr;
+  const BiasReport zero = status.bias.report.load();
   const std::string trouble = status.facts().zero_trouble;
   const std::int64_t now_ns = Now::read().monotonic_ns;
   const auto age_s = [&](std::int64_t time_ns) { return 1e-9 * static_cast<double>(now_ns - time_ns); };
@@ -145,8 +155,9 @@ json status_json(const ServiceContext& context) {
   json outputs{{"socket",
                 {{"path", context.settings.socket.path.string()},
                  {"dropped", context.notifications_dropped},
-                 {"latency_us", latency_json(context.told.summary())},
-                 {"latency_last_minute_us", latency_json(context.told_last_minute.summary(context.told))}}}};
+                 {"latency_us", latency_json(context.delivery_latency.summary())},
+                 {"latency_last_minute_us",
+                  latency_json(context.delivery_latency_last_minute.summary(context.delivery_latency))}}}};
   if (context.can != nullptr) outputs["can"] = can_json(context);
   return {{"version", SLIPD_VERSION},
           {"uptime_s", uptime.count()},
@@ -174,11 +185,37 @@ json sensors_json(const ServiceContext& context) {
          {"rate_hz", facts.rate_hz > 0 ? facts.rate_hz : setup.rate_hz},
          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
          {"simulated", status.simulated.load(std::memory_order_relaxed)},
-         {"connected", status.link.load(std::memory_order_relaxed) == Link::open},
+         {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
          {"device", facts.description},
          {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});
   }
   return {{"sensors", std::move(sensors)}};
+}
+
+json tradeoff_json(const std::string& sensor, const std::string& chosen, double budget_us,
+                   const WorkPrecision& work_precision) {
+  json table = json::array();
+  for (const auto& row : work_precision.rows) {
+    table.push_back({{"method", row.method},
+                     {"rank", setting(row.settings.rank)},
+                     {"rings", setting(row.settings.rings)},
+                     {"neighbours", setting(row.settings.neighbours)},
+                     {"precision", to_string(row.settings.precision)},
+                     {"memory_bytes", row.settings.memory_bytes},
+                     {"mean_error", number(row.mean_error)},
+                     {"p95_error", number(row.p95_error)},
+                     {"class_right", number(row.right)},
+                     {"answered", number(row.answered)},
+                     {"within_sigma", number(row.within_sigma)},
+                     {"within_two_sigma", number(row.within_two_sigma)},
+                     {"p50_us", number(row.p50_us)},
+                     {"p99_us", number(row.p99_us)}});
+  }
+  return {{"sensor", sensor},
+          {"chosen", chosen},
+          {"budget_us", budget_us},
+          {"processor", work_precision.processor},
+          {"rows", std::move(table)}};
 }
 
 }  // namespace slipd

@@ -1,17 +1,26 @@
-// What slipd says of itself: counts, rates, latencies, what the system granted. io thread.
+// Results of the methods status, sensors, tradeoff and rebias. Called from one thread: io.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
+#include "core/model/work_precision.hpp"
 #include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {
 
+// Counters, rates, latencies, and what the system granted.
 nlohmann::ordered_json status_json(const ServiceContext& context);
 
-// What is known of a sensor's zero; null where its frames come zeroed.
+// A sensor's bias; null if its device subtracts it.
 nlohmann::ordered_json zero_json(const SensorStatus& status);
 
+// The list of sensors.
 nlohmann::ordered_json sensors_json(const ServiceContext& context);
+
+// {"sensor", "chosen", "budget_us", "processor", "rows": [{"method", "mean_error", …}]}; unknown numbers are
+// null.
+nlohmann::ordered_json tradeoff_json(const std::string& sensor, const std::string& chosen, double budget_us,
+                                     const WorkPrecision& work_precision);
 
 }  // namespace slipd

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "daemon/rpc/names.hpp"
+#include "daemon/rpc/request_params.hpp"
 #include "daemon/rpc/rpc.hpp"
 
 namespace slipd {
@@ -21,7 +21,7 @@ Subscription::Subscription(int id, const nlohmann::json& params, const Board& bo
     for (const nlohmann::json& name : *sensors)
       names_->push_back(board.sensors[sensor_index(name, board)]->name);
   }
-  follow(board);
+  rebind(board);
   if (const auto rate = params.find("max_rate_hz"); rate != params.end() && !rate->is_null()) {
     const double hz = rate->is_number() ? rate->get<double>() : 0;
     if (!(hz >= 0.001 && hz <= 1e6))
@@ -42,31 +42,33 @@ Subscription::Subscription(int id, const nlohmann::json& params, const Board& bo
   }
 }
 
-void Subscription::follow(const Board& board) {
-  sensors_.assign(board.sensors.size(), Told{});
+void Subscription::rebind(const Board& board) {
+  sensors_.assign(board.sensors.size(), Delivery{});
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     sensors_[i].wanted =
         !names_ || std::find(names_->begin(), names_->end(), board.sensors[i]->name) != names_->end();
   }
 }
 
-bool Subscription::wants(const Event& event, EventKind kind, std::uint64_t& lost) {
-  Told& told = sensors_[event.sensor];
-  if (!told.wanted || !events_[static_cast<std::size_t>(kind)]) return false;
+bool Subscription::accepts(const Event& event, EventKind kind, std::uint64_t& lost) {
+  Delivery& delivery = sensors_[event.sensor];
+  if (!delivery.wanted || !events_[static_cast<std::size_t>(kind)]) return false;
   if (kind != EventKind::estimate) {
     lost = 0;
     return true;
   }
-  told.lost += event.lost_before;
+  delivery.lost += event.lost_before;
   const std::int64_t now_ns = event.estimate.published_ns;
-  const bool changed = !told.any || told.state != event.estimate.state;
-  if (!changed && now_ns < told.due_ns) return false;
-  // The next one is due an interval after this one was, so that the mean rate is kept; but never in a burst.
-  told.due_ns = std::max(told.due_ns + interval_ns_, now_ns);
-  if (interval_ns_ > 0 && told.due_ns < now_ns + interval_ns_ / 2) told.due_ns = now_ns + interval_ns_;
-  told.any = true;
-  told.state = event.estimate.state;
-  lost = std::exchange(told.lost, 0);
+  const bool changed = !delivery.sent_any || delivery.state != event.estimate.state;
+  if (!changed && now_ns < delivery.next_due_ns) return false;
+  // The next one is due one interval after this one was due, which keeps the mean rate; at least half an
+  // interval from now, which excludes bursts.
+  delivery.next_due_ns = std::max(delivery.next_due_ns + interval_ns_, now_ns);
+  if (interval_ns_ > 0 && delivery.next_due_ns < now_ns + interval_ns_ / 2)
+    delivery.next_due_ns = now_ns + interval_ns_;
+  delivery.sent_any = true;
+  delivery.state = event.estimate.state;
+  lost = std::exchange(delivery.lost, 0);
   return true;
 }
 

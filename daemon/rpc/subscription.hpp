@@ -1,4 +1,4 @@
-// What one client wants to be told, and when it was last told. io thread.
+// A client's subscription: which events it gets, and how often.
 #pragma once
 
 #include <cstdint>
@@ -12,40 +12,45 @@
 
 namespace slipd {
 
-// What happened to a sensor, seen from the estimate before.
-enum class EventKind : std::uint8_t { estimate, alert, state };
+// Kinds of notifications.
+enum class EventKind : std::uint8_t {
+  estimate,  // any estimate
+  alert,     // its alert differs from the estimate before
+  state      // its state differs from the estimate before
+};
 inline constexpr std::size_t kEventKinds = 3;
 
+// Not thread-safe. Called from one thread: io.
 class Subscription {
  public:
-  // `params` of the method `subscribe`: sensors (all), max_rate_hz (no limit), events (estimate). Throws
-  // rpc::Error for what it does not understand.
+  // `params` of the method `subscribe`: sensors (absent: all), max_rate_hz (absent: no limit), events
+  // (absent: estimate). Throws rpc::Error.
   Subscription(int id, const nlohmann::json& params, const Board& board);
 
+  // Number within its client, from 1.
   int id() const noexcept { return id_; }
 
-  // The sensors are those of another board from now on. Those it wanted by name it gets if they are still
-  // there.
-  void follow(const Board& board);
+  // Applies the subscription to the sensors of another board. Sensors selected by name are matched by name.
+  void rebind(const Board& board);
 
-  // Whether to tell of it now. An estimate is thinned to max_rate_hz, unless its state has changed since the
-  // last one told: so the last word a client hears is never an old state. Adds up in `lost` what was lost
-  // since the last one told.
-  bool wants(const Event& event, EventKind kind, std::uint64_t& lost);
+  // Whether to send this event now. Estimates are thinned to max_rate_hz; one whose state differs from the
+  // last one sent is always sent, so that the client's last estimate never has an old state. Sets `lost` to
+  // the events lost since the last one sent.
+  bool accepts(const Event& event, EventKind kind, std::uint64_t& lost);
 
  private:
-  struct Told {
+  struct Delivery {
     bool wanted = false;
-    bool any = false;
+    bool sent_any = false;
     State state = State::stale;
-    std::int64_t due_ns = 0;
+    std::int64_t next_due_ns = 0;
     std::uint64_t lost = 0;
   };
   int id_;
   std::int64_t interval_ns_ = 0;
   bool events_[kEventKinds] = {};
   std::optional<std::vector<std::string>> names_;  // none: all sensors
-  std::vector<Told> sensors_;
+  std::vector<Delivery> sensors_;
 };
 
 }  // namespace slipd

@@ -9,7 +9,7 @@
 namespace slipd {
 namespace {
 
-// Room for any shortest double, and for any 64 bit number.
+// Longest shortest double, and longest 64 bit integer.
 constexpr std::size_t kLongest = 32;
 
 }  // namespace

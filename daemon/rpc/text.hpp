@@ -1,5 +1,5 @@
-// JSON written straight into a string, member by member: what is said a thousand times a second takes no tree
-// of values first. io thread.
+// Writes JSON into a string, member by member, without a tree of values: for texts built a thousand times a
+// second. Called from any one thread.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,22 @@
 
 namespace slipd {
 
+// Writes one object.
 class ObjectText {
  public:
-  // An object that is written at the end of `out`: opened here, to be closed once by end().
+  // Appends to `out`, which outlives it. end() must be called once.
   explicit ObjectText(std::string& out) : out_(out) { out_ += '{'; }
 
-  // Keys are literals of the program: nothing in them needs escaping. Numbers that are not finite are null;
-  // all others are the shortest text that reads back as the same double, with a point or exponent in it.
+  // Append a member. Keys are not escaped. Numbers are multiplied by `factor`; numbers that are not finite
+  // are null. Others are the shortest text that reads back as the same double, with a point or an exponent.
   ObjectText& text(std::string_view key, std::string_view value);
   ObjectText& number(std::string_view key, std::optional<double> value, double factor = 1);
   ObjectText& integer(std::string_view key, std::optional<std::int64_t> value);
   ObjectText& boolean(std::string_view key, bool value);
-  std::string& begin(std::string_view key);  // the value is to be appended to what it returns
+  // Appends a key; the caller appends its value to the string returned.
+  std::string& begin(std::string_view key);
 
+  // Closes the object.
   void end() { out_ += '}'; }
 
  private:
@@ -29,10 +32,12 @@ class ObjectText {
   bool first_ = true;
 };
 
+// Append a value as above; none: null.
 void append_number(std::string& out, std::optional<double> value);
 void append_integer(std::string& out, std::optional<std::int64_t> value);
-// Of a time >= 0 in ns, in ms to the last digit.
+// Appends `time_ns`, at least 0, in ms with all digits.
 void append_ms(std::string& out, std::int64_t time_ns);
-void append_text(std::string& out, std::string_view value);  // quoted; bytes that are no UTF-8 are replaced
+// Appends a string with quotes. Bytes that are not UTF-8 are replaced.
+void append_text(std::string& out, std::string_view value);
 
 }  // namespace slipd

@@ -17,7 +17,7 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
 
 }  // namespace
 
-void Doorbell::wake() noexcept {
+void Doorbell::wake_waiter() noexcept {
   futex(count_, FUTEX_WAKE_PRIVATE, 1, nullptr);
 }
 
@@ -25,19 +25,19 @@ bool Doorbell::wait(std::uint32_t seen, Clock::time_point until) noexcept {
   using std::chrono::duration_cast;
   using std::chrono::nanoseconds;
   using std::chrono::seconds;
-  const auto since_boot =
-      until.time_since_epoch();  // steady_clock is CLOCK_MONOTONIC, as is the bitset wait's time
+  // FUTEX_WAIT_BITSET takes CLOCK_MONOTONIC, which steady_clock is.
+  const auto since_boot = until.time_since_epoch();
   timespec deadline{};
   deadline.tv_sec = static_cast<time_t>(duration_cast<seconds>(since_boot).count());
   deadline.tv_nsec = static_cast<long>((duration_cast<nanoseconds>(since_boot) % seconds(1)).count());
-  // Either ring() sees that we sleep, or we see its count.
+  // Sequentially consistent: either ring() sees sleeping_, or this thread sees the new count.
   sleeping_.store(true, std::memory_order_seq_cst);
   bool rung = count_.load(std::memory_order_seq_cst) != seen;
   if (!rung) {
     futex(count_, FUTEX_WAIT_BITSET_PRIVATE, seen, &deadline);
     rung = count_.load(std::memory_order_acquire) != seen || Clock::now() < until;
   }
-  sleeping_.store(false, std::memory_order_relaxed);  // a late wake of nobody is harmless
+  sleeping_.store(false, std::memory_order_relaxed);  // waking nobody does no harm
   return rung;
 }
 

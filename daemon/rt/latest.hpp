@@ -1,9 +1,24 @@
-// The newest value of something, from one real-time writer to any number of readers: two seqlocks, used in
-// turn.
+// The latest value of something, from one real-time writer to any number of readers: two seqlocks, written in
+// turn. The writer never waits, and a reader never waits for a writer that was preempted.
 //
-// The writer always fills the copy that readers are not sent to, so it never waits, and a reader never waits
-// for a writer that was preempted half-way; it only looks again if a whole write ended while it copied. What
-// it took is published by then: nobody sees a value, and then the one before it.
+// The writer fills the copy that current_ does not point to, then points current_ to it. A reader copies what
+// current_ points to and verifies that no write to this copy began meanwhile. It retries only if a whole
+// store ended while it read.
+//
+// One interleaving, time running down. Copy 0 holds A at version 2, current_ = 0.
+//
+//   writer: store(B)                      reader: load()
+//   copy 1: version 3 (odd: writing)
+//                                         current_ -> 0, version -> 2
+//   copy 1: words of B                    reads words of A
+//   copy 1: version 4
+//   current_ = 1
+//                                         version of copy 0 -> 2, unchanged
+//                                         current_ -> 1, not 0: retry
+//                                         current_ -> 1, version -> 4, words of B, version -> 4
+//   (store(C) would fill copy 0)          current_ -> 1: returns B
+//
+// The second look at current_ makes the order of values monotonic: no reader sees B and later A.
 #pragma once
 
 #include <array>
@@ -14,46 +29,47 @@
 
 namespace slipd {
 
-// `Atomic`: std::atomic, but for the test that tries every order of events that the memory model allows.
+// Thread-safe between one writer and any number of readers. `Atomic` is std::atomic except in the
+// memory-model test.
 template <typename T, template <typename> class Atomic = std::atomic>
 class Latest {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
+  // Called from one thread, before any other uses it.
   explicit Latest(const T& initial = T{}) noexcept { store(initial); }
   Latest(const Latest&) = delete;
   Latest& operator=(const Latest&) = delete;
 
-  // The one writer's thread. Wait-free.
+  // Called from one thread: the writer. Wait-free.
   void store(const T& value) noexcept {
     std::array<std::uint64_t, kWords> words{};
     std::memcpy(words.data(), &value, sizeof(T));
-    // Relaxed: only this thread writes current_ and the versions.
+    // Relaxed: only the writer changes current_ and the versions.
     const std::uint32_t next = 1 - current_.load(std::memory_order_relaxed);
     Copy& copy = copies_[next];
     const std::uint64_t version = copy.version.load(std::memory_order_relaxed);
     copy.version.store(version + 1, std::memory_order_relaxed);
-    // Release, each word: whoever reads one of them also sees the odd version above, and so throws its copy
-    // away. (Relaxed words behind a fence would do too, but ThreadSanitizer knows no fences.)
+    // Release on each word: a reader that sees one of them also sees the odd version above and discards its
+    // copy. (Relaxed words after a fence would be correct too, but ThreadSanitizer does not model fences.)
     for (std::size_t i = 0; i < kWords; ++i) copy.words[i].store(words[i], std::memory_order_release);
     copy.version.store(version + 2, std::memory_order_release);  // pairs with the acquire of `before` in load
     current_.store(next, std::memory_order_release);             // pairs with the acquire of current_ in load
   }
 
-  // Any thread.
+  // Called from any thread. Lock-free: repeats only if a store ended meanwhile.
   T load() const noexcept {
     std::array<std::uint64_t, kWords> words{};
     for (;;) {
       const std::uint32_t index = current_.load(std::memory_order_acquire);
       const Copy& copy = copies_[index];
       const std::uint64_t before = copy.version.load(std::memory_order_acquire);
-      // Acquire, each word: keeps the load of `after` behind it, and pairs with the release in store.
+      // Acquire on each word: keeps the load of `after` behind it, and pairs with the release in store.
       for (std::size_t i = 0; i < kWords; ++i) words[i] = copy.words[i].load(std::memory_order_acquire);
       const std::uint64_t after = copy.version.load(std::memory_order_relaxed);
-      // A reader that was away may find a copy filled anew but not yet pointed at. Having seen its words it
-      // also sees that current_ points to the other copy: equal here means that these words are the published
-      // ones.
-      // Relaxed, as `after` is: the acquire of the words is what keeps both behind.
+      // A reader that was preempted may find this copy filled anew but not yet published. It has then seen
+      // the new words, and with them that current_ points to the other copy.
+      // Relaxed, as `after` is: the acquire of the words keeps both loads behind them.
       const bool published = current_.load(std::memory_order_relaxed) == index;
       if (before == after && (before & 1) == 0 && published) break;
     }

@@ -11,12 +11,12 @@ std::string_view to_string(Cause cause) noexcept {
   return kNames[static_cast<std::size_t>(cause)];
 }
 
-void LogRing::write(LogLevel level, const About& about, const char* format, ...) noexcept {
+void LogRing::write(LogLevel level, const LogContext& context, const char* format, ...) noexcept {
   LogLine line;
   line.level = level;
-  line.cause = about.cause;
-  line.kind = format;
-  std::copy_n(about.sensor.begin(), std::min(about.sensor.size(), sizeof line.sensor - 1), line.sensor);
+  line.cause = context.cause;
+  line.format = format;
+  std::copy_n(context.sensor.begin(), std::min(context.sensor.size(), sizeof line.sensor - 1), line.sensor);
   va_list arguments;
   va_start(arguments, format);
   std::vsnprintf(line.text, sizeof line.text, format, arguments);

@@ -1,5 +1,5 @@
-// Log lines from a thread that must not print them: each such thread has a ring of its own, io empties and
-// prints it.
+// Log lines from a real-time thread: it formats them into a ring in fixed memory, and io prints them. Each
+// such thread has a ring of its own.
 #pragma once
 
 #include <atomic>
@@ -11,37 +11,55 @@ namespace slipd {
 
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
 
-// Whose doing it is, as far as slipd can tell: where an administrator looks first.
-enum class Cause : std::uint8_t { none, configuration, device, bus, machine, slipd };
-std::string_view to_string(Cause cause) noexcept;  // "configuration", …; none: empty
+// What most likely caused an event, so that an administrator knows where to look first.
+enum class Cause : std::uint8_t {
+  none,           // no fault, or unknown
+  configuration,  // a value in the configuration
+  device,         // the sensor or its cable
+  bus,            // the bus or network between sensor or client and this machine
+  machine,        // this machine: too slow, out of memory or disk
+  slipd           // slipd itself
+};
+// The name as in the journal: "configuration", …; none: empty. Called from any thread.
+std::string_view to_string(Cause cause) noexcept;
 
-struct About {
-  std::string_view sensor;  // empty: of none
+// What a log line is about.
+struct LogContext {
+  // The sensor's name; empty: no single sensor.
+  std::string_view sensor;
+  // What most likely caused it.
   Cause cause = Cause::none;
 };
 
+// A formatted line.
 struct LogLine {
   LogLevel level = LogLevel::info;
   Cause cause = Cause::none;
-  char sensor[40] = {};  // ended by 0, cut if longer, as is the text
+  // The sensor's name, ended by 0; cut if longer; empty: no single sensor.
+  char sensor[40] = {};
+  // The text, ended by 0; cut if longer.
   char text[256] = {};
-  const char* kind = nullptr;  // its format, a literal: lines that say the same have the same
+  // The printf format, a literal. Its address identifies lines of the same kind.
+  const char* format = nullptr;
 };
 
+// Thread-safe between one writer and io.
 class LogRing {
  public:
-  // The ring's own thread. `format` is a literal. Formats as printf into fixed memory; a line for which there
-  // is no room is counted instead.
-  __attribute__((format(printf, 4, 5))) void write(LogLevel level, const About& about, const char* format,
-                                                   ...) noexcept;
+  // Called from one thread: the ring's writer. `format` is a printf format and a literal. Does not allocate.
+  // A line for which the ring has no room is counted as lost.
+  __attribute__((format(printf, 4, 5))) void write(LogLevel level, const LogContext& context,
+                                                   const char* format, ...) noexcept;
 
-  // io. False if there is none.
+  // Called from one thread: io. Takes the oldest line; false: there is none.
   bool read(LogLine& line) { return lines_.pop(line); }
+
+  // Called from one thread: io. Lines lost since the last call.
   std::uint64_t take_lost() noexcept { return lost_.exchange(0, std::memory_order_relaxed); }
 
  private:
   boost::lockfree::spsc_queue<LogLine, boost::lockfree::capacity<64>> lines_;
-  std::atomic<std::uint64_t> lost_{0};  // relaxed: a number of its own
+  std::atomic<std::uint64_t> lost_{0};  // relaxed: an independent counter
 };
 
 }  // namespace slipd

@@ -42,7 +42,7 @@ void note(std::string& all, const std::string& one) {
 
 }  // namespace
 
-RealtimeGrant ask_for_realtime(const RealtimeSettings& settings) {
+RealtimeGrant request_realtime(const RealtimeSettings& settings) {
   RealtimeGrant grant;
   if (settings.mode == RealtimeMode::off) return grant;
   if (const int error = set_fifo(settings.priority); error == 0) {
@@ -65,9 +65,9 @@ RealtimeGrant ask_for_realtime(const RealtimeSettings& settings) {
     }
   }
   if (settings.lock_memory) {
-    // What is freed stays ours, so that it need not be mapped and locked again.
+    // Freed memory is not returned to the system, so that it need not be mapped and locked again.
     mallopt(M_TRIM_THRESHOLD, -1);  // NOLINT(concurrency-mt-unsafe): before any other thread
-    // One arena: each other one counts as 64 MB of locked memory, and no real-time thread allocates.
+    // One arena: each further one would lock 64 MB, and no real-time thread allocates.
     mallopt(M_ARENA_MAX, 1);  // NOLINT(concurrency-mt-unsafe): as above
     if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
       grant.memory_locked = true;

@@ -1,4 +1,5 @@
-// What real time was asked for and what the system granted. Nothing here is called in the hot path.
+// Real-time scheduling, CPU affinity and memory locking: what the configuration requests and what the system
+// grants. Not called from a hot path.
 #pragma once
 
 #include <atomic>
@@ -8,18 +9,24 @@
 
 namespace slipd {
 
+// What the system granted.
 struct RealtimeGrant {
-  bool scheduling = false;  // SCHED_FIFO
+  // SCHED_FIFO with the requested priority.
+  bool scheduling = false;
+  // All memory, present and future, is locked.
   bool memory_locked = false;
-  bool cpus = false;    // threads kept on the CPUs asked for; false also if none were asked for
-  std::string refusal;  // what was refused, why, and the remedy; empty: nothing
+  // Threads run on the requested CPUs only; false too if none were requested.
+  bool cpus = false;
+  // What was refused, why, and the remedy, for people; empty: nothing was refused.
+  std::string refusal;
 };
 
-// Set-up thread, before the others: locks memory if asked for, and tries on itself whether FIFO scheduling
-// and the CPUs would be granted (and lets go of them again). With mode off nothing is asked.
-RealtimeGrant ask_for_realtime(const RealtimeSettings& settings);
+// Called from one thread: set-up, before it starts others. Locks memory if requested. Tries FIFO scheduling
+// and CPU affinity on the calling thread and reverts both. With mode off it requests nothing.
+RealtimeGrant request_realtime(const RealtimeSettings& settings);
 
-// The calling thread takes on (or puts off) what was granted.
+// Called from each real-time thread, about itself. enter applies what was granted, leave returns to normal
+// scheduling.
 void enter_realtime(const RealtimeSettings& settings, const RealtimeGrant& grant) noexcept;
 void leave_realtime(const RealtimeGrant& grant) noexcept;
 

@@ -30,7 +30,7 @@ Thread::Thread(const std::string& name, std::size_t stack_bytes, std::function<v
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, std::max<std::size_t>(stack_bytes, PTHREAD_STACK_MIN));
-  // Signals are io's alone; a new thread takes over its maker's mask.
+  // Only io handles signals. A new thread inherits the signal mask of its creator.
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
@@ -58,13 +58,13 @@ Thread::~Thread() {
   if (joinable_) pthread_join(id_, nullptr);
 }
 
-// By the steady clock: pthread_timedjoin_np has the other one, which somebody may set meanwhile.
+// On CLOCK_MONOTONIC. pthread_timedjoin_np uses CLOCK_REALTIME, which may be set meanwhile.
 bool Thread::join_until(std::chrono::steady_clock::time_point deadline) {
   if (!joinable_) return true;
   joinable_ = false;
-  while (ended_->rung() == 0 && ended_->wait(0, deadline)) {
+  while (ended_->ring_count() == 0 && ended_->wait(0, deadline)) {
   }
-  if (ended_->rung() == 0) {
+  if (ended_->ring_count() == 0) {
     pthread_detach(id_);
     return false;
   }

@@ -39,7 +39,7 @@ json pack(const std::vector<float>& list) {
   return json::binary(std::move(bytes));
 }
 
-// So many finite numbers.
+// Throws BiasError unless there are `expected` finite numbers.
 std::vector<float> unpack(const json& from, std::size_t expected) {
   const auto& bytes = from.get_binary();
   if (bytes.size() != expected * sizeof(float)) throw BiasError("holds another number of values than taxels");
@@ -68,7 +68,7 @@ std::string to_string(const BiasIdentity& identity) {
   return text + ", " + std::to_string(identity.taxels) + " taxels";
 }
 
-std::vector<std::uint8_t> encode_zero(const BiasIdentity& identity, const Bias& zero, const Now& now) {
+std::vector<std::uint8_t> encode_bias(const BiasIdentity& identity, const Bias& zero, const Now& now) {
   return seal(kKind, {{"sensor", to_json(identity)},
                       {"origin", to_string(zero.origin)},
                       {"taken_realtime_ns", now.realtime_of(zero.taken_ns)},
@@ -77,7 +77,7 @@ std::vector<std::uint8_t> encode_zero(const BiasIdentity& identity, const Bias& 
                       {"noise_pa", pack(zero.noise_pa)}});
 }
 
-Bias decode_zero(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now) {
+Bias decode_bias(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now) {
   try {
     const json body = unsealed(kKind, bytes);
     if (const BiasIdentity of = identity_of(body.at("sensor")); !(of == identity)) {
@@ -98,7 +98,7 @@ Bias decode_zero(std::span<const std::uint8_t> bytes, const BiasIdentity& identi
   }
 }
 
-fs::path zero_file(const BiasIdentity& identity) {
+fs::path bias_file_path(const BiasIdentity& identity) {
   const std::string text = to_json(identity).dump(-1, ' ', true, json::error_handler_t::replace);
   const auto* const bytes = reinterpret_cast<const std::uint8_t*>(text.data());
   char name[40];
@@ -107,7 +107,7 @@ fs::path zero_file(const BiasIdentity& identity) {
   return state_folder() / "zero" / name;
 }
 
-std::optional<Bias> load_zero(const fs::path& file, const BiasIdentity& identity) {
+std::optional<Bias> load_bias(const fs::path& file, const BiasIdentity& identity) {
   std::error_code error;
   if (!fs::exists(file, error) && !error) return std::nullopt;
   constexpr std::size_t kLargest = std::size_t{64} << 20U;
@@ -118,14 +118,14 @@ std::optional<Bias> load_zero(const fs::path& file, const BiasIdentity& identity
     throw BiasError(trouble.what());
   }
   try {
-    return decode_zero(bytes, identity, Now::read());
+    return decode_bias(bytes, identity, Now::read());
   } catch (const BiasError& trouble) {
     throw BiasError(file.string() + ": " + trouble.what());
   }
 }
 
-void save_zero(const fs::path& file, const BiasIdentity& identity, const Bias& zero) {
-  write_whole_file(file, encode_zero(identity, zero, Now::read()), 0640);
+void save_bias(const fs::path& file, const BiasIdentity& identity, const Bias& zero) {
+  write_whole_file(file, encode_bias(identity, zero, Now::read()), 0640);
 }
 
 }  // namespace slipd

@@ -1,5 +1,5 @@
-// A sensor's zero on disk: CBOR with a checksum, in a file of its own, written whole or not at all. Set-up
-// threads and the keeper of zeros; may wait for the disk.
+// A sensor's bias on disk: one file a sensor, CBOR with a checksum, replaced atomically. Called from acquire
+// threads while they set up and from the bias store; may wait for the disk.
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,43 @@
 
 namespace slipd {
 
-// Whose zero it is. What the device says of itself where it can, so that it is known on another port and
-// under another name.
+// Identifies a sensor independently of its configured name and of its port, if the device has a serial
+// number.
 struct BiasIdentity {
-  std::string driver, profile;
-  std::string device;  // its serial, else how the configuration finds it
-  std::string part;    // which of its sensors
+  // The driver's name.
+  std::string driver;
+  // The device profile; empty: none.
+  std::string profile;
+  // The device's serial number, else how the configuration finds it.
+  std::string device;
+  // Which of the device's sensors.
+  std::string part;
+  // Number of taxels, at least 1.
   std::size_t taxels = 0;
   bool operator==(const BiasIdentity&) const = default;
 };
 
-std::string to_string(const BiasIdentity& identity);  // for people, one line
+// For people, one line.
+std::string to_string(const BiasIdentity& identity);
 
-// `FILE: why it is not used`.
+// what() is `FILE: why it is not used`.
 class BiasError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Times are kept as CLOCK_REALTIME; `now` is one moment on both clocks. decode throws BiasError for bytes
-// that are damaged, cut, of another version, or another sensor's.
-std::vector<std::uint8_t> encode_zero(const BiasIdentity& identity, const Bias& zero, const Now& now);
-Bias decode_zero(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now);
+// The file's bytes. Times are stored as CLOCK_REALTIME and converted by `now`. decode_bias throws BiasError
+// for bytes that are damaged, cut, of another version, or of another sensor.
+std::vector<std::uint8_t> encode_bias(const BiasIdentity& identity, const Bias& zero, const Now& now);
+Bias decode_bias(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now);
 
-// Where it is kept: in the folder `zero` of the state folder. Throws as state_folder does.
-std::filesystem::path zero_file(const BiasIdentity& identity);
+// The sensor's file, in the folder `zero` of the state folder. Throws as state_folder does.
+std::filesystem::path bias_file_path(const BiasIdentity& identity);
 
-// None: there is no such file. Throws BiasError.
-std::optional<Bias> load_zero(const std::filesystem::path& file, const BiasIdentity& identity);
+// Reads the file; none: there is no file. Throws BiasError if it cannot be used.
+std::optional<Bias> load_bias(const std::filesystem::path& file, const BiasIdentity& identity);
 
-// Throws std::runtime_error.
-void save_zero(const std::filesystem::path& file, const BiasIdentity& identity, const Bias& zero);
+// Replaces the file, creates the folder. Throws std::runtime_error.
+void save_bias(const std::filesystem::path& file, const BiasIdentity& identity, const Bias& zero);
 
 }  // namespace slipd

@@ -9,7 +9,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path from_environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets any
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): no thread changes the environment
   return value != nullptr ? fs::path(value) : fs::path();
 }
 

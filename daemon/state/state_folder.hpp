@@ -1,12 +1,12 @@
-// Where slipd keeps what outlives it, but for trained models, which are only a cache.
+// The folder for what slipd keeps over restarts. Trained models are elsewhere, in a cache.
 #pragma once
 
 #include <filesystem>
 
 namespace slipd {
 
-// STATE_DIRECTORY, else slipd below XDG_STATE_HOME, else .local/state/slipd below HOME; not made yet. Throws
-// std::runtime_error if none of these is set.
+// STATE_DIRECTORY, else XDG_STATE_HOME/slipd, else HOME/.local/state/slipd. Does not create it. Throws
+// std::runtime_error if none of the variables is set. Called from any thread.
 std::filesystem::path state_folder();
 
 }  // namespace slipd

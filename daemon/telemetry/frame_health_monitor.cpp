@@ -3,8 +3,8 @@
 namespace slipd {
 namespace {
 
-// A machine that is no real-time one misses a frame now and then, and all of them while an estimator is being
-// made: that is no news. So many of them for so long is.
+// A machine without real-time kernel skips single frames, and all frames are skipped while an estimator is
+// being made. Only this share for this many seconds is a problem.
 constexpr double kSkippedShare = 0.05;
 constexpr int kSecondsBehind = 3;
 
@@ -15,7 +15,7 @@ std::string count(std::uint64_t number, const char* what) {
 }  // namespace
 
 HealthTotals health_totals_of(const SensorStatus& status) {
-  const Counts counts = status.latest.load().counts;
+  const FrameCounts counts = status.latest.load().counts;
   return {.received = counts.received,
           .corrupt = status.corrupt.load(std::memory_order_relaxed),
           .lost = counts.lost,
@@ -24,9 +24,9 @@ HealthTotals health_totals_of(const SensorStatus& status) {
           .simulated = status.simulated.load(std::memory_order_relaxed)};
 }
 
-std::vector<HealthNotice> FrameHealthMonitor::look(std::size_t sensor, const std::string& name,
-                                                   const std::string& device, const HealthTotals& totals,
-                                                   Clock::time_point now) {
+std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const std::string& name,
+                                                    const std::string& device, const HealthTotals& totals,
+                                                    Clock::time_point now) {
   if (sensors_.size() <= sensor) sensors_.resize(sensor + 1);
   auto& [kinds, last, seconds_behind] = sensors_[sensor];
   const bool behind = static_cast<double>(totals.skipped - last.skipped) >
@@ -34,29 +34,29 @@ std::vector<HealthNotice> FrameHealthMonitor::look(std::size_t sensor, const std
   seconds_behind = behind ? seconds_behind + 1 : 0;
   last = totals;
   std::vector<HealthNotice> notices;
-  auto complain = [&, &kinds_of = kinds, which = std::size_t{0}](Cause cause, std::uint64_t total,
-                                                                 const auto& line) mutable {
+  auto report = [&, &kinds_of = kinds, which = std::size_t{0}](Cause cause, std::uint64_t total,
+                                                               const auto& line) mutable {
     Kind& kind = kinds_of[which++];
-    if (total == kind.told || (kind.quiet_until && now < *kind.quiet_until)) return;
-    notices.push_back({cause, name + line(total - kind.told)});
-    kind = {.told = total, .quiet_until = now + kInterval};
+    if (total == kind.last_reported || (kind.muted_until && now < *kind.muted_until)) return;
+    notices.push_back({cause, name + line(total - kind.last_reported)});
+    kind = {.last_reported = total, .muted_until = now + kInterval};
   };
   const std::string on = device.empty() ? ": " : " (" + device + "): ";
-  complain(Cause::device, totals.corrupt, [&](std::uint64_t more) {
+  report(Cause::device, totals.corrupt, [&](std::uint64_t more) {
     return on + count(more, "damaged packet") + " thrown away: the device, its cable or the bus is at fault";
   });
-  complain(totals.simulated ? Cause::machine : Cause::bus, totals.lost, [&](std::uint64_t more) {
+  report(totals.simulated ? Cause::machine : Cause::bus, totals.lost, [&](std::uint64_t more) {
     if (totals.simulated)
       return on + count(more, "frame") +
              " were not simulated in time: this machine is too slow for this rate";
     return on + count(more, "frame") +
            " never came, by the device's own numbering: the device or the bus is too slow";
   });
-  complain(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
+  report(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
     return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";
   });
   if (seconds_behind >= kSecondsBehind) {
-    complain(Cause::machine, totals.skipped, [&](std::uint64_t more) {
+    report(Cause::machine, totals.skipped, [&](std::uint64_t more) {
       return ": " + count(more, "frame") +
              " skipped: this machine is too slow for this rate and method; choose a cheaper estimator.method "
              "or a "

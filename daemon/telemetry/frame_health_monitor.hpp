@@ -1,6 +1,5 @@
-// What goes wrong with frames, told to the log: what, how often, and whose fault it most likely is. At most
-// once a minute for each sensor and kind, with the number since the last time, so that a bad cable does not
-// fill the disk. io thread.
+// Finds problems with frames (corrupt, lost, skipped) for the log: what, how many, and the most likely cause.
+// Each kind is reported at most once a minute for a sensor, with the number since the last report.
 #pragma once
 
 #include <array>
@@ -14,38 +13,53 @@
 
 namespace slipd {
 
-// The running totals of one sensor that complaints are made of.
+// Totals of one sensor since the start.
 struct HealthTotals {
+  // Frames delivered by the driver.
   std::uint64_t received = 0;
-  std::uint64_t corrupt = 0, lost = 0, skipped = 0, events_lost = 0;
+  // Packets or frames that the driver dropped.
+  std::uint64_t corrupt = 0;
+  // Frames missing by the device's sequence numbers.
+  std::uint64_t lost = 0;
+  // Frames replaced before they were estimated.
+  std::uint64_t skipped = 0;
+  // Estimates that did not reach io.
+  std::uint64_t events_lost = 0;
+  // Whether the device is a simulation.
   bool simulated = false;
 };
+// The present totals. Called from any thread.
 HealthTotals health_totals_of(const SensorStatus& status);
 
+// A problem to be logged.
 struct HealthNotice {
+  // What most likely causes it.
   Cause cause = Cause::none;
+  // For people, with the sensor's name.
   std::string text;
 };
 
+// Not thread-safe. Called from one thread: io.
 class FrameHealthMonitor {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // About once a second for each sensor. What is to be logged, if anything.
-  std::vector<HealthNotice> look(std::size_t sensor, const std::string& name, const std::string& device,
-                                 const HealthTotals& totals, Clock::time_point now);
+  // To be called once a second for each sensor. Returns what is to be logged. `device`: its description, may
+  // be empty.
+  std::vector<HealthNotice> check(std::size_t sensor, const std::string& name, const std::string& device,
+                                  const HealthTotals& totals, Clock::time_point now);
 
  private:
   static constexpr auto kInterval = std::chrono::minutes(1);
   static constexpr std::size_t kKinds = 4;
   struct Kind {
-    std::uint64_t told = 0;  // of the total, when it was last told
-    std::optional<Clock::time_point> quiet_until;
+    std::uint64_t last_reported = 0;  // the total at the last report
+    std::optional<Clock::time_point> muted_until;
   };
   struct Sensor {
     std::array<Kind, kKinds> kinds;
     HealthTotals last;
-    int seconds_behind = 0;  // looks in a row that found many skipped frames
+    int seconds_behind = 0;  // checks in a row that found many skipped frames
   };
   std::vector<Sensor> sensors_;
 };

@@ -1,6 +1,5 @@
-// Latencies of the last minute: what a histogram has counted since it was looked at a minute ago. It is
-// looked at every five seconds, so the window is 55 to 60 s long. io thread; the histogram's writer notices
-// nothing.
+// Latencies of the last minute: the difference between a histogram's counts now and a minute ago. Counts are
+// stored every five seconds, so the window is 55 to 60 s long.
 #pragma once
 
 #include <array>
@@ -10,20 +9,22 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io. The histogram's writer may run.
 class LatencyWindow {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Often, at least once a second. Looks only when it is time.
-  void look(const LatencyHistogram& histogram, Clock::time_point now);
+  // Stores the counts if five seconds have passed. To be called at least once a second.
+  void update(const LatencyHistogram& histogram, Clock::time_point now);
 
-  // max_us is a bucket's upper edge here, exact within 13 %, and never above that of all time.
+  // Quantiles of the window. max_us is the upper edge of a bucket, exact within 13 %, and at most the
+  // histogram's own maximum.
   LatencyHistogram::Summary summary(const LatencyHistogram& histogram) const;
 
  private:
   static constexpr auto kInterval = std::chrono::seconds(5);
-  std::array<LatencyHistogram::Counts, 12> looks_{};
-  std::size_t next_ = 0;  // the oldest look, which the next one replaces
+  std::array<LatencyHistogram::Counts, 12> snapshots_{};
+  std::size_t next_ = 0;  // the oldest snapshot, which the next one replaces
   Clock::time_point due_{};
 };
 

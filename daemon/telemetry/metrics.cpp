@@ -29,7 +29,7 @@ class Families {
     out_.precision(std::numeric_limits<double>::max_digits10);
   }
 
-  // One line for each sensor whose value is known (not NaN). A counter's lines end in _total.
+  // One sample for each sensor whose value is not NaN. The name of a counter's samples ends in _total.
   void add(const std::string& name, const char* type, const char* help,
            const std::function<double(std::size_t)>& value) {
     head(name, type, help);
@@ -46,13 +46,13 @@ class Families {
     out_ << sample(name, type) << ' ' << value << '\n';
   }
 
-  // What is known without a sensor: labels and the number 1. A gauge, for not every reader knows type info.
+  // A constant 1 with the version as label. A gauge, because not every collector knows the type info.
   void build(const char* version) {
     head("slipd_build_info", "gauge", "Which slipd this is.");
     out_ << "slipd_build_info{version=\"" << version << "\"} 1\n";
   }
 
-  // `labels`: what comes before the quantile, with its comma; empty: nothing.
+  // `labels`: put before the quantile, each with a comma behind it; may be empty.
   void quantiles(const std::string& name, const std::string& labels,
                  const LatencyHistogram::Summary& latency) {
     if (latency.count == 0) return;
@@ -86,15 +86,16 @@ class Families {
     seconds("slipd_latency_last_minute_seconds", "gauge", "The same over the last minute.");
     for (std::size_t i = 0; i < context_.board.sensors.size(); ++i) {
       quantiles("slipd_latency_last_minute_seconds", sensor(i),
-                context_.last_minute[i].summary(context_.board.sensors[i]->latency));
+                context_.latency_last_minute[i].summary(context_.board.sensors[i]->latency));
     }
-    const auto told = context_.told.summary();
+    const auto delivery = context_.delivery_latency.summary();
     seconds("slipd_telling_seconds", "summary",
             "From an estimate being published to its last byte sent to a subscriber.");
-    quantiles("slipd_telling_seconds", "", told);
-    if (told.count > 0) out_ << "slipd_telling_seconds_count " << told.count << '\n';
+    quantiles("slipd_telling_seconds", "", delivery);
+    if (delivery.count > 0) out_ << "slipd_telling_seconds_count " << delivery.count << '\n';
     seconds("slipd_telling_last_minute_seconds", "gauge", "The same over the last minute.");
-    quantiles("slipd_telling_last_minute_seconds", "", context_.told_last_minute.summary(context_.told));
+    quantiles("slipd_telling_last_minute_seconds", "",
+              context_.delivery_latency_last_minute.summary(context_.delivery_latency));
   }
 
   std::string text() const { return out_.str() + (format_ == MetricsFormat::open_metrics ? "# EOF\n" : ""); }
@@ -103,7 +104,7 @@ class Families {
   static std::string sample(const std::string& name, const std::string& type) {
     return type == "counter" ? name + "_total" : name;
   }
-  // OpenMetrics calls a counter's family by its name without _total, Prometheus's own format with it.
+  // In OpenMetrics the family of a counter has no _total, in the Prometheus format it has.
   void head(const std::string& name, const char* type, const char* help) {
     const std::string family = format_ == MetricsFormat::open_metrics ? name : sample(name, type);
     out_ << "# TYPE " << family << ' ' << type << "\n# HELP " << family << ' ' << help << '\n';
@@ -114,58 +115,68 @@ class Families {
   std::ostringstream out_;
 };
 
-}  // namespace
+using PublishedBySensor = std::vector<Published>;
 
-std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
-  std::vector<Published> readings;
-  for (const auto& status : context.board.sensors) readings.push_back(status->latest.load());
+double number(std::uint64_t value) {
+  return static_cast<double>(value);
+}
+
+double loaded(const std::atomic<std::uint64_t>& counter) {
+  return number(counter.load(std::memory_order_relaxed));
+}
+
+void add_counts(Families& families, const ServiceContext& context, const PublishedBySensor& published) {
   const auto status = [&](std::size_t i) -> const SensorStatus& { return *context.board.sensors[i]; };
-  const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
-  const auto known = [](const std::optional<double>& value) { return value.value_or(kUnknown); };
-  Families families(context, format);
   families.add("slipd_frames_received", "counter", "Frames that the driver handed over.",
-               [&](std::size_t i) { return number(readings[i].counts.received); });
+               [&](std::size_t i) { return number(published[i].counts.received); });
   families.add("slipd_frames_estimated", "counter", "Frames that were answered by an estimate.",
-               [&](std::size_t i) { return number(readings[i].counts.estimated); });
+               [&](std::size_t i) { return number(published[i].counts.estimated); });
   families.add("slipd_frames_skipped", "counter",
                "Frames replaced by a newer one before the estimator came to them.",
-               [&](std::size_t i) { return number(readings[i].counts.skipped); });
+               [&](std::size_t i) { return number(published[i].counts.skipped); });
   families.add("slipd_frames_corrupt", "counter", "Packets or frames that the driver threw away.",
-               [&](std::size_t i) { return number(status(i).corrupt.load(std::memory_order_relaxed)); });
+               [&](std::size_t i) { return loaded(status(i).corrupt); });
   families.add("slipd_frames_lost", "counter",
                "Frames missing between those received, by their sequence numbers.",
-               [&](std::size_t i) { return number(readings[i].counts.lost); });
+               [&](std::size_t i) { return number(published[i].counts.lost); });
   families.add("slipd_gaps", "counter", "Jumps of the sequence number.",
-               [&](std::size_t i) { return number(readings[i].counts.gaps); });
+               [&](std::size_t i) { return number(published[i].counts.gaps); });
   families.add("slipd_reconnects", "counter", "Times that the device was opened again.",
-               [&](std::size_t i) { return number(status(i).reconnects.load(std::memory_order_relaxed)); });
+               [&](std::size_t i) { return loaded(status(i).reconnects); });
+  families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
+               [&](std::size_t i) { return loaded(status(i).timeouts); });
+  families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",
+               [&](std::size_t i) { return loaded(status(i).events_lost); });
+  families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
+               [&](std::size_t i) { return context.rates_hz[i]; });
+}
+
+void add_states(Families& families, const ServiceContext& context, const PublishedBySensor& published) {
+  const auto status = [&](std::size_t i) -> const SensorStatus& { return *context.board.sensors[i]; };
+  const auto known = [](const std::optional<double>& value) { return value.value_or(kUnknown); };
   families.add("slipd_connected", "gauge", "1 while the device is open.", [&](std::size_t i) {
-    return status(i).link.load(std::memory_order_relaxed) == Link::open ? 1.0 : 0.0;
+    return status(i).link.load(std::memory_order_relaxed) == DeviceLink::open ? 1.0 : 0.0;
   });
   families.add("slipd_state", "gauge",
                "0 ok, 1 no_contact, 2 learning, 3 out_of_model, 4 no_shear, 5 unzeroed, 6 stale, 7 fault.",
-               [&](std::size_t i) { return static_cast<double>(readings[i].estimate.state); });
+               [&](std::size_t i) { return static_cast<double>(published[i].estimate.state); });
   families.add("slipd_gamma", "gauge", "Safety margin, 1 no tangential load, 0 gross slip; only in state ok.",
                [&](std::size_t i) {
-                 const Estimate& estimate = readings[i].estimate;
+                 const Estimate& estimate = published[i].estimate;
                  return estimate.state == State::ok ? known(estimate.gamma) : kUnknown;
                });
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
-               [&](std::size_t i) { return static_cast<double>(readings[i].estimate.alert); });
+               [&](std::size_t i) { return static_cast<double>(published[i].estimate.alert); });
   families.add("slipd_simulated", "gauge", "1 for a simulated sensor.", [&](std::size_t i) {
     return status(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0;
   });
   families.add("slipd_zeroed", "gauge", "1 if it is known what the sensor reads without load.",
-               [&](std::size_t i) { return status(i).zero.known() ? 1.0 : 0.0; });
+               [&](std::size_t i) { return status(i).bias.known() ? 1.0 : 0.0; });
   families.add("slipd_zero_drift_pascals", "gauge", "How far the zero has followed drift since it was taken.",
-               [&](std::size_t i) { return static_cast<double>(status(i).zero.report.load().drift_pa); });
-  families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
-               [&](std::size_t i) { return number(status(i).timeouts.load(std::memory_order_relaxed)); });
-  families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",
-               [&](std::size_t i) { return number(status(i).events_lost.load(std::memory_order_relaxed)); });
-  families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
-               [&](std::size_t i) { return context.rates_hz[i]; });
-  families.latencies();
+               [&](std::size_t i) { return static_cast<double>(status(i).bias.report.load().drift_pa); });
+}
+
+void add_service(Families& families, const ServiceContext& context) {
   families.build(SLIPD_VERSION);
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - context.started;
   families.add_one("slipd_uptime_seconds", "gauge", "Since the start.", uptime.count());
@@ -176,21 +187,33 @@ std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
   families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(context.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
                    number(context.notifications_dropped));
-  if (context.can != nullptr) {
-    const can::Report can = context.can->load();
-    families.add_one("slipd_can_state", "gauge",
-                     "0 absent, 1 down, 2 up, 3 error_warning, 4 error_passive, 5 bus_off.",
-                     static_cast<double>(can.bus));
-    families.add_one("slipd_can_sent", "counter", "CAN messages that the kernel took.", number(can.sent));
-    families.add_one("slipd_can_queue_full", "counter", "Attempts to send for which there was no room.",
-                     number(can.full));
-    families.add_one("slipd_can_failed", "counter", "Attempts to send that were refused.",
-                     number(can.failed));
-    families.add_one("slipd_can_bus_errors", "counter", "Error frames of the CAN controller.",
-                     number(can.bus_errors));
-    families.add_one("slipd_can_bus_offs", "counter", "Times that the CAN controller went off the bus.",
-                     number(can.bus_offs));
-  }
+}
+
+void add_can(Families& families, const can::Report& can) {
+  families.add_one("slipd_can_state", "gauge",
+                   "0 absent, 1 down, 2 up, 3 error_warning, 4 error_passive, 5 bus_off.",
+                   static_cast<double>(can.bus));
+  families.add_one("slipd_can_sent", "counter", "CAN messages that the kernel took.", number(can.sent));
+  families.add_one("slipd_can_queue_full", "counter", "Attempts to send for which there was no room.",
+                   number(can.full));
+  families.add_one("slipd_can_failed", "counter", "Attempts to send that were refused.", number(can.failed));
+  families.add_one("slipd_can_bus_errors", "counter", "Error frames of the CAN controller.",
+                   number(can.bus_errors));
+  families.add_one("slipd_can_bus_offs", "counter", "Times that the CAN controller went off the bus.",
+                   number(can.bus_offs));
+}
+
+}  // namespace
+
+std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
+  PublishedBySensor published;
+  for (const auto& status : context.board.sensors) published.push_back(status->latest.load());
+  Families families(context, format);
+  add_counts(families, context, published);
+  add_states(families, context, published);
+  families.latencies();
+  add_service(families, context);
+  if (context.can != nullptr) add_can(families, context.can->load());
   return families.text();
 }
 

@@ -1,4 +1,4 @@
-// What slipd measures of itself, as text for a scraper. io thread.
+// slipd's metrics as text for a scraper.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,12 @@
 
 namespace slipd {
 
-// OpenMetrics, or the older format that node_exporter reads from files.
-enum class MetricsFormat : std::uint8_t { open_metrics, prometheus };
+enum class MetricsFormat : std::uint8_t {
+  open_metrics,  // OpenMetrics 1.0
+  prometheus     // the older text format, which node_exporter reads from files
+};
 
+// All metrics. Called from one thread: io.
 std::string metrics_text(const ServiceContext& context, MetricsFormat format);
 
 }  // namespace slipd

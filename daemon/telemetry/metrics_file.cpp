@@ -23,7 +23,7 @@ std::error_code replace(const std::filesystem::path& file, const std::string& te
   aside += ".new";
   const UniqueFd fd(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644));
   if (!fd) return last_error();
-  fchmod(fd.get(), 0644);  // whatever the umask
+  fchmod(fd.get(), 0644);  // independent of the umask
   std::error_code error;
   const auto written = write(fd.get(), text.data(), text.size());
   if (written < 0) error = last_error();
@@ -42,14 +42,14 @@ MetricsFile::~MetricsFile() {
   if (!settings_.file.empty()) std::filesystem::remove(settings_.file, ignored);
 }
 
-void MetricsFile::look(const ServiceContext& context, std::chrono::steady_clock::time_point now) {
+void MetricsFile::write_if_due(const ServiceContext& context, std::chrono::steady_clock::time_point now) {
   if (settings_.file.empty() || now < due_) return;
   due_ = now + settings_.period;
   const std::error_code error = replace(settings_.file, metrics_text(context, MetricsFormat::prometheus));
   if (error && !refused_) {
-    say(LogLevel::warning, {{}, Cause::configuration},
-        "metrics.file: " + settings_.file.string() + " cannot be written: " + error.message() +
-            "; the service may write below /run/slipd");
+    write_log(LogLevel::warning, {{}, Cause::configuration},
+              "metrics.file: " + settings_.file.string() + " cannot be written: " + error.message() +
+                  "; the service may write below /run/slipd");
   }
   refused_ = static_cast<bool>(error);
 }

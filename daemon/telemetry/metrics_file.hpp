@@ -1,5 +1,5 @@
-// The metrics in a file, for a collector that reads files: always a whole one, readable by everybody, gone
-// when slipd ends. io thread.
+// Writes the metrics into a file, for a collector that reads files. The file is replaced atomically, readable
+// by everybody, and removed when slipd ends.
 #pragma once
 
 #include <chrono>
@@ -9,15 +9,18 @@
 
 namespace slipd {
 
+// Not thread-safe. Called from one thread: io.
 class MetricsFile {
  public:
   explicit MetricsFile(const MetricsSettings& settings) : settings_(settings) {}
-  ~MetricsFile();  // removes it
+  // Removes the file.
+  ~MetricsFile();
   MetricsFile(const MetricsFile&) = delete;
   MetricsFile& operator=(const MetricsFile&) = delete;
 
-  // Often. Writes when it is time. That it cannot is logged once, and again after it could.
-  void look(const ServiceContext& context, std::chrono::steady_clock::time_point now);
+  // Writes the file if the period has passed. To be called at least once a second. A failure is logged once,
+  // until a write succeeds again.
+  void write_if_due(const ServiceContext& context, std::chrono::steady_clock::time_point now);
 
  private:
   const MetricsSettings settings_;

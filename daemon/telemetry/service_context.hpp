@@ -1,4 +1,4 @@
-// What the methods on the socket may look at. Made by the service, read by io.
+// What telemetry and RPC methods see of the running service. Made by Engine; used by io only.
 #pragma once
 
 #include <chrono>
@@ -15,20 +15,34 @@ namespace slipd {
 
 class FlightRecorder;
 
+// Not thread-safe. Used by one thread: io.
 struct ServiceContext {
+  // The configuration in use.
   const Settings& settings;
+  // The board in use.
   Board& board;
+  // What real-time privileges the system granted.
   RealtimeGrant realtime;
-  std::function<void()> ring_estimate;  // after a request for the estimate thread was left on the board
-  FlightRecorder* flight = nullptr;     // null: recorder.seconds is 0
+  // Wakes the estimate thread after a request for it was written to the board.
+  std::function<void()> ring_estimate;
+  // The flight recorder; null: off.
+  FlightRecorder* flight = nullptr;
+  // When slipd started; kept over a reload.
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  // Clients connected.
   std::size_t clients = 0;
-  std::uint64_t notifications_dropped = 0;  // for clients that were too slow, over all
-  LatencyHistogram told{};  // published → all of it given to the kernel, over all subscribers
-  LatencyWindow told_last_minute{};
-  std::vector<LatencyWindow> last_minute;    // per sensor, of its latency
-  std::vector<double> rates_hz;              // estimates a second, per sensor, over the last second or so
-  const Latest<can::Report>* can = nullptr;  // null: no CAN output
+  // Notifications dropped because a client was too slow, over all clients.
+  std::uint64_t notifications_dropped = 0;
+  // From an estimate's publication until its notification was handed to the kernel, over all subscribers.
+  LatencyHistogram delivery_latency{};
+  // The same over the last minute.
+  LatencyWindow delivery_latency_last_minute{};
+  // For each sensor, SensorStatus::latency over the last minute.
+  std::vector<LatencyWindow> latency_last_minute;
+  // For each sensor, estimates a second over the last second.
+  std::vector<double> rates_hz;
+  // State of the CAN output; null: there is none.
+  const Latest<can::Report>* can = nullptr;
 };
 
 }  // namespace slipd

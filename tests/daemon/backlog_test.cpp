@@ -20,7 +20,7 @@ nlohmann::json params(const std::optional<std::string>& line) {
 
 TEST(Backlog, LosesTheOldestNotificationsAndTheNextOneSaysHowMany) {
   Backlog backlog(3);
-  for (int i = 0; i < 10; ++i) backlog.notify(head(i), 0);
+  for (int i = 0; i < 10; ++i) backlog.push_notification(head(i), 0);
   const auto first = params(backlog.next());
   EXPECT_EQ(first["seq"], 7);
   EXPECT_EQ(first["dropped"], 7);
@@ -32,16 +32,16 @@ TEST(Backlog, LosesTheOldestNotificationsAndTheNextOneSaysHowMany) {
 
 TEST(Backlog, NeverLosesAnAnswerAndKeepsTheOrder) {
   Backlog backlog(1);
-  backlog.answer("a");
-  backlog.notify(head(1), 0);
-  backlog.answer("b");
-  backlog.notify(head(2), 0);
-  EXPECT_EQ(backlog.answer_bytes(), 2U);
+  backlog.push_response("a");
+  backlog.push_notification(head(1), 0);
+  backlog.push_response("b");
+  backlog.push_notification(head(2), 0);
+  EXPECT_EQ(backlog.response_bytes(), 2U);
   EXPECT_EQ(backlog.next(), "a\n");
   EXPECT_EQ(backlog.next(), "b\n");
   EXPECT_EQ(params(backlog.next())["seq"], 2);
   EXPECT_TRUE(backlog.empty());
-  EXPECT_EQ(backlog.answer_bytes(), 0U);
+  EXPECT_EQ(backlog.response_bytes(), 0U);
 }
 
 TEST(Backlog, WhatIsSentAndWhatIsDroppedIsAllThereWas) {
@@ -50,7 +50,7 @@ TEST(Backlog, WhatIsSentAndWhatIsDroppedIsAllThereWas) {
   std::uint64_t dropped = 0;
   constexpr int kAll = 1000;
   for (int i = 0; i < kAll; ++i) {
-    backlog.notify(head(i), i % 10 == 0 ? 2 : 0);  // some were lost on the way already
+    backlog.push_notification(head(i), i % 10 == 0 ? 2 : 0);  // some were lost on the way already
     if (i % 7 == 0) {
       dropped += params(backlog.next())["dropped"].get<std::uint64_t>();
       ++told;

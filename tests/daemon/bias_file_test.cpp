@@ -26,7 +26,7 @@ Bias some_zero() {
 
 std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentity& sensor = kBiasedSensor) {
   try {
-    static_cast<void>(decode_zero(bytes, sensor, kWritten));
+    static_cast<void>(decode_bias(bytes, sensor, kWritten));
   } catch (const BiasError& error) {
     return error.what();
   }
@@ -34,9 +34,9 @@ std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentit
 }
 
 TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
-  const auto bytes = encode_zero(kBiasedSensor, some_zero(), kWritten);
+  const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   constexpr Now kAfterReboot{.monotonic_ns = 100, .realtime_ns = kWritten.realtime_ns + 1'000'000};
-  const Bias read = decode_zero(bytes, kBiasedSensor, kAfterReboot);
+  const Bias read = decode_bias(bytes, kBiasedSensor, kAfterReboot);
   EXPECT_EQ(read.bias_pa, some_zero().bias_pa);
   EXPECT_EQ(read.noise_pa, some_zero().noise_pa);
   EXPECT_EQ(read.origin, BiasOrigin::command);
@@ -45,7 +45,7 @@ TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
 }
 
 TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
-  const auto bytes = encode_zero(kBiasedSensor, some_zero(), kWritten);
+  const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     auto changed = bytes;
     changed[i] ^= 0x10;
@@ -56,7 +56,7 @@ TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
 }
 
 TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
-  const auto bytes = encode_zero(kBiasedSensor, some_zero(), kWritten);
+  const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   BiasIdentity other = kBiasedSensor;
   other.part = "board 2";
   EXPECT_THAT(refusal_of(bytes, other),
@@ -70,21 +70,21 @@ TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
 TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
   Bias zero = some_zero();
   zero.bias_pa[3] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT(refusal_of(encode_zero(kBiasedSensor, zero, kWritten)), HasSubstr("no number"));
+  EXPECT_THAT(refusal_of(encode_bias(kBiasedSensor, zero, kWritten)), HasSubstr("no number"));
   zero = some_zero();
   zero.noise_pa.pop_back();
-  EXPECT_THAT(refusal_of(encode_zero(kBiasedSensor, zero, kWritten)), HasSubstr("number of values"));
+  EXPECT_THAT(refusal_of(encode_bias(kBiasedSensor, zero, kWritten)), HasSubstr("number of values"));
 }
 
 TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
   const testing::TempFolder folder;
   const auto file = folder.file("mine.cbor");
-  save_zero(file, kBiasedSensor, some_zero());
+  save_bias(file, kBiasedSensor, some_zero());
   std::filesystem::create_symlink(file, folder.file("link.cbor"));
-  EXPECT_THROW(static_cast<void>(load_zero(folder.file("link.cbor"), kBiasedSensor)), BiasError);
+  EXPECT_THROW(static_cast<void>(load_bias(folder.file("link.cbor"), kBiasedSensor)), BiasError);
   std::filesystem::permissions(file, std::filesystem::perms::others_write,
                                std::filesystem::perm_options::add);
-  EXPECT_THROW(static_cast<void>(load_zero(file, kBiasedSensor)), BiasError);
+  EXPECT_THROW(static_cast<void>(load_bias(file, kBiasedSensor)), BiasError);
 }
 
 TEST(ZeroFile, RefusesNestingWithoutEnd) {
@@ -94,15 +94,15 @@ TEST(ZeroFile, RefusesNestingWithoutEnd) {
 TEST(ZeroFile, IsFoundAgainUnderItsIdentityOnly) {
   const testing::TempFolder folder;
   const auto file = folder.file("zero") / "mine.cbor";
-  EXPECT_FALSE(load_zero(file, kBiasedSensor)) << "no file is no error";
-  save_zero(file, kBiasedSensor, some_zero());
-  ASSERT_TRUE(load_zero(file, kBiasedSensor));
-  EXPECT_EQ(load_zero(file, kBiasedSensor)->bias_pa, some_zero().bias_pa);
+  EXPECT_FALSE(load_bias(file, kBiasedSensor)) << "no file is no error";
+  save_bias(file, kBiasedSensor, some_zero());
+  ASSERT_TRUE(load_bias(file, kBiasedSensor));
+  EXPECT_EQ(load_bias(file, kBiasedSensor)->bias_pa, some_zero().bias_pa);
   for (const auto& left : std::filesystem::directory_iterator(file.parent_path()))
     EXPECT_EQ(left.path(), file);
   BiasIdentity other = kBiasedSensor;
   other.device = "serial 7";
-  EXPECT_THROW(static_cast<void>(load_zero(file, other)), BiasError);
+  EXPECT_THROW(static_cast<void>(load_bias(file, other)), BiasError);
 }
 
 }  // namespace

@@ -33,9 +33,9 @@ class Acquiring {
             std::fill(memory.begin(), memory.end(), offset.load());
             slot.time_ns += 10'000'000;
             worker.apply(slot);
-            worker.afterwards();
+            worker.after_publish();
           }
-          worker.rest();
+          worker.flush_to_store();
         }) {}
 
  private:
@@ -47,11 +47,11 @@ class SensorSlot : public ::testing::Test {
   SensorSlot() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
   ~SensorSlot() override {
     unsetenv("STATE_DIRECTORY");
-    store_.ask_to_stop();
+    store_.request_stop();
   }
 
-  void await_settled(std::uint32_t request) {
-    while (status_.zero.settled() < request) {
+  void await_completed(std::uint32_t request) {
+    while (status_.bias.completed() < request) {
       pollfd news{wake_.fd(), POLLIN, 0};
       ASSERT_GT(poll(&news, 1, testing::kPollPatience), 0);
       wake_.clear();
@@ -60,49 +60,49 @@ class SensorSlot : public ::testing::Test {
 
   const testing::TempFolder folder_;
   LogRing log_, keepers_log_;
-  Wake wake_;
+  IoWakeup wake_;
   SensorStatus status_{"left", "trial"};
   BiasStore store_{keepers_log_, wake_};
 };
 
 TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {
-  const auto worker = store_.attend(status_, kInfo, kSensor, log_);
+  const auto worker = store_.register_sensor(status_, kInfo, kSensor, log_);
   std::atomic<float> offset{1000};
   const Acquiring acquiring(*worker, offset);
   for (std::uint32_t i = 1; i <= 20; ++i) {
     offset = 1000.0F * static_cast<float>(i);
-    await_settled(status_.zero.ask(true));
-    EXPECT_EQ(status_.zero.report.load().answer, BiasResult::taken);
-    const auto kept = load_zero(zero_file(kSensor), kSensor);
+    await_completed(status_.bias.request(true));
+    EXPECT_EQ(status_.bias.report.load().answer, BiasResult::taken);
+    const auto kept = load_bias(bias_file_path(kSensor), kSensor);
     ASSERT_TRUE(kept);
     EXPECT_THAT(kept->bias_pa, ::testing::Each(1000.0F * static_cast<float>(i)));
   }
 }
 
 TEST_F(SensorSlot, AnswersARequestOfADeviceThatWasExchanged) {
-  const auto first = store_.attend(status_, kInfo, kSensor, log_);
-  const std::uint32_t request = status_.zero.ask(false);
-  store_.leave(first);
+  const auto first = store_.register_sensor(status_, kInfo, kSensor, log_);
+  const std::uint32_t request = status_.bias.request(false);
+  store_.unregister_sensor(first);
   BiasIdentity other = kSensor;
   other.device = "serial 8";
-  const auto second = store_.attend(status_, kInfo, other, log_);
-  await_settled(request);
-  EXPECT_EQ(status_.zero.report.load().answer, BiasResult::gone);
-  EXPECT_EQ(status_.zero.report.load().origin, BiasOrigin::none);
+  const auto second = store_.register_sensor(status_, kInfo, other, log_);
+  await_completed(request);
+  EXPECT_EQ(status_.bias.report.load().answer, BiasResult::gone);
+  EXPECT_EQ(status_.bias.report.load().origin, BiasOrigin::none);
 }
 
 TEST_F(SensorSlot, OfTheNextRunFindsTheZero) {
   std::atomic<float> offset{500};
   {
-    const auto worker = store_.attend(status_, kInfo, kSensor, log_);
+    const auto worker = store_.register_sensor(status_, kInfo, kSensor, log_);
     const Acquiring acquiring(*worker, offset);
-    await_settled(status_.zero.ask(true));
+    await_completed(status_.bias.request(true));
   }
   LogRing log;
   SensorStatus status("renamed", "trial");
   BiasStore store(log, wake_);
-  const auto worker = store.attend(status, kInfo, kSensor, log);
-  const BiasReport report = status.zero.report.load();
+  const auto worker = store.register_sensor(status, kInfo, kSensor, log);
+  const BiasReport report = status.bias.report.load();
   EXPECT_EQ(report.origin, BiasOrigin::command);
   EXPECT_TRUE(report.restored);
   EXPECT_EQ(status.facts().zero_trouble, "");

@@ -8,8 +8,8 @@
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
 #include "daemon/board/record_tap.hpp"
+#include "daemon/rt/io_wakeup.hpp"
 #include "daemon/rt/latest.hpp"
-#include "daemon/rt/wake.hpp"
 #include "tests/support/patience.hpp"
 
 namespace slipd {
@@ -49,8 +49,8 @@ TEST(Latest, IsNeverTornAndNeverGoesBack) {
   second.join();
 }
 
-TEST(Wake, IsHeardHoweverRingAndClearMeet) {
-  Wake wake;
+TEST(IoWakeup, IsHeardHoweverRingAndClearMeet) {
+  IoWakeup wake;
   std::atomic<int> news{0};
   constexpr int kRings = 20000;
   std::thread teller([&] {
@@ -108,26 +108,26 @@ struct OwnSlot {
 TEST(FrameCopy, IsMadeOnlyWhenAskedFor) {
   FrameCopy copy;
   const OwnSlot own(4);
-  EXPECT_FALSE(copy.serve(&own.slot));
-  EXPECT_EQ(copy.answer(), nullptr);
+  EXPECT_FALSE(copy.fill_if_requested(&own.slot));
+  EXPECT_EQ(copy.result(), nullptr);
   copy.request(4);
-  EXPECT_TRUE(copy.serve(&own.slot));
-  ASSERT_NE(copy.answer(), nullptr);
-  EXPECT_EQ(copy.answer()->normal_pa, std::vector<float>(4, 1.0F));
+  EXPECT_TRUE(copy.fill_if_requested(&own.slot));
+  ASSERT_NE(copy.result(), nullptr);
+  EXPECT_EQ(copy.result()->normal_pa, std::vector<float>(4, 1.0F));
   copy.release();
-  EXPECT_FALSE(copy.serve(&own.slot));
+  EXPECT_FALSE(copy.fill_if_requested(&own.slot));
 }
 
 TEST(FrameCopy, SaysWhenThereIsNoFrameOrOneThatDoesNotFit) {
   FrameCopy copy;
   copy.request(4);
-  EXPECT_TRUE(copy.serve(nullptr));
-  EXPECT_FALSE(copy.answer()->any);
+  EXPECT_TRUE(copy.fill_if_requested(nullptr));
+  EXPECT_FALSE(copy.result()->has_frame);
   copy.release();
   copy.request(4);
   const OwnSlot other(5);
-  EXPECT_TRUE(copy.serve(&other.slot));
-  EXPECT_FALSE(copy.answer()->any);
+  EXPECT_TRUE(copy.fill_if_requested(&other.slot));
+  EXPECT_FALSE(copy.result()->has_frame);
 }
 
 TEST(RecordTap, EveryFrameOfferedIsTakenOrCountedAsMissed) {

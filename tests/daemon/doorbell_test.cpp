@@ -16,14 +16,14 @@ using Clock = Doorbell::Clock;
 TEST(Doorbell, AWaitEndsAtItsTime) {
   Doorbell bell;
   const auto until = Clock::now() + 20ms;
-  while (bell.wait(bell.rung(), until)) {
+  while (bell.wait(bell.ring_count(), until)) {
   }
   EXPECT_GE(Clock::now(), until);
 }
 
 TEST(Doorbell, WhatRangBeforeTheWaitEndsItAtOnce) {
   Doorbell bell;
-  const auto seen = bell.rung();
+  const auto seen = bell.ring_count();
   bell.ring();
   EXPECT_TRUE(bell.wait(seen, Clock::now() + 1h));
 }
@@ -35,7 +35,7 @@ TEST(Doorbell, EveryRingIsHeardInTime) {
   constexpr int kThrows = 20000;
   const auto play = [&](Doorbell& mine, Doorbell& theirs, int parity) {
     for (;;) {
-      const auto seen = mine.rung();
+      const auto seen = mine.ring_count();
       const int now = ball.load();
       if (now >= kThrows) break;
       if (now % 2 == parity) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "daemon/rpc/status.hpp"
 #include "daemon/rpc/text.hpp"
-#include "daemon/rpc/tradeoff_json.hpp"
 
 namespace slipd {
 namespace {

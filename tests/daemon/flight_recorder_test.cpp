@@ -49,13 +49,14 @@ TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
     OwnedFrame frame(static_cast<std::uint64_t>(time));
     frame.slot.time_ns = 10 * time;
     history.push(frame.slot);
-    if (time % 2 == 0) history.note(10 * time, estimate_at(time));
+    if (time % 2 == 0) history.attach_estimate(10 * time, estimate_at(time));
   }
-  history.note(80, {.state = 6});    // what is said when nothing more comes: the frame has its own already
-  history.note(10, estimate_at(1));  // of a frame that is gone
-  history.note(75, estimate_at(7));  // of none
-  history.note(50, estimate_at(5));  // late
-  ASSERT_EQ(history.size(), 5U);     // frames 4 to 8
+  history.attach_estimate(
+      80, {.state = 6});  // what is said when nothing more comes: the frame has its own already
+  history.attach_estimate(10, estimate_at(1));  // of a frame that is gone
+  history.attach_estimate(75, estimate_at(7));  // of none
+  history.attach_estimate(50, estimate_at(5));  // late
+  ASSERT_EQ(history.size(), 5U);                // frames 4 to 8
   for (std::size_t i = 0; i < 5; ++i) {
     const std::int64_t time = history[i].time_ns / 10;
     if (time == 7) {

@@ -17,7 +17,7 @@ class Complaining : public ::testing::Test {
   std::vector<std::string> after(std::chrono::seconds time, const HealthTotals& totals) {
     std::vector<std::string> lines;
     for (const HealthNotice& notice :
-         health_monitor_.look(0, "left", "XELA on can0", totals, begin_ + time)) {
+         health_monitor_.check(0, "left", "XELA on can0", totals, begin_ + time)) {
       EXPECT_NE(notice.cause, Cause::none) << "nobody is named in: " << notice.text;
       lines.push_back(notice.text);
     }

@@ -20,7 +20,7 @@ class Limit : public ::testing::Test {
     ring.write(LogLevel::warning, {sensor, Cause::device}, "%s", kind);
     LogLine read;
     EXPECT_TRUE(ring.read(read));
-    read.kind = kind;
+    read.format = kind;
     return read;
   }
   int admitted(const char* kind, const char* sensor, int times, std::chrono::seconds at) {
@@ -36,23 +36,23 @@ constexpr const char* kStale = "no frame";
 constexpr const char* kGone = "the device is gone";
 
 TEST_F(Limit, AFewPassAndTheRestIsCountedUntilTheMinuteIsOver) {
-  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrinted);
-  EXPECT_THAT(limit_.over(begin_ + 59s), IsEmpty());
-  const auto held = limit_.over(begin_ + 61s);
+  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrintedPerWindow);
+  EXPECT_THAT(limit_.take_expired(begin_ + 59s), IsEmpty());
+  const auto held = limit_.take_expired(begin_ + 61s);
   ASSERT_THAT(held, SizeIs(1));
-  EXPECT_EQ(held.front().count, 100U - LogLimit::kPrinted);
+  EXPECT_EQ(held.front().count, 100U - LogLimit::kPrintedPerWindow);
   EXPECT_STREQ(held.front().last.text, kStale);
   EXPECT_STREQ(held.front().last.sensor, "left");
   EXPECT_EQ(held.front().last.cause, Cause::device);
-  EXPECT_THAT(limit_.over(begin_ + 62s), IsEmpty());
-  EXPECT_EQ(admitted(kStale, "left", 100, 62s), LogLimit::kPrinted) << "a new minute";
+  EXPECT_THAT(limit_.take_expired(begin_ + 62s), IsEmpty());
+  EXPECT_EQ(admitted(kStale, "left", 100, 62s), LogLimit::kPrintedPerWindow) << "a new minute";
 }
 
 TEST_F(Limit, OneSensorsFlapsHideNeitherAnothersNorAnotherTrouble) {
-  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrinted);
+  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrintedPerWindow);
   EXPECT_EQ(admitted(kGone, "left", 3, 1s), 3);
   EXPECT_EQ(admitted(kStale, "right", 3, 1s), 3);
-  EXPECT_THAT(limit_.over(begin_ + 2min), SizeIs(1)) << "what was not held back is not told again";
+  EXPECT_THAT(limit_.take_expired(begin_ + 2min), SizeIs(1)) << "what was not held back is not told again";
 }
 
 TEST(LogLines, ThatAreTooLongAreCut) {

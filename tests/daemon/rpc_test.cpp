@@ -28,10 +28,10 @@ TEST(Rpc, ARequestIsReadWithItsParameters) {
 
 TEST(Rpc, NestingIsAllowedUpToItsLimitAndBracketsInStringsDoNotCount) {
   const auto nested = [](int depth) { return std::string(depth, '[') + std::string(depth, ']'); };
-  EXPECT_TRUE(parse(nested(kDeepestNesting)).refusal.empty());
-  EXPECT_EQ(code_of(parse(nested(kDeepestNesting + 1)).refusal), kParseError);
+  EXPECT_TRUE(parse(nested(kDeepestNesting)).error_response.empty());
+  EXPECT_EQ(code_of(parse(nested(kDeepestNesting + 1)).error_response), kParseError);
   const std::string text = R"({"jsonrpc":"2.0","id":"\"[[","method":")" + std::string(1000, '[') + "\"}";
-  EXPECT_TRUE(parse(text).refusal.empty());
+  EXPECT_TRUE(parse(text).error_response.empty());
 }
 
 TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
@@ -44,13 +44,13 @@ TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
       text[random() % text.size()] = static_cast<char>(random());
     }
     const Line line = parse(text);
-    ASSERT_TRUE(!line.refusal.empty() || !line.requests.empty());
-    if (!line.refusal.empty()) {
-      ASSERT_TRUE(json::accept(line.refusal)) << line.refusal;
+    ASSERT_TRUE(!line.error_response.empty() || !line.requests.empty());
+    if (!line.error_response.empty()) {
+      ASSERT_TRUE(json::accept(line.error_response)) << line.error_response;
     }
     for (const Request& request : line.requests) {
-      if (request.refusal && !request.refusal->empty()) {
-        ASSERT_TRUE(json::accept(*request.refusal));
+      if (request.error_response && !request.error_response->empty()) {
+        ASSERT_TRUE(json::accept(*request.error_response));
       }
       ASSERT_TRUE(json::accept(error_text(request.id, 1, request.method)));
     }
@@ -113,9 +113,9 @@ TEST(Rpc, WhatIsPlainIsReadAsIfItWereNot) {
     if (!request) continue;
     ++plain;
     const Line line = parse("\n" + text);  // as JSON the same, and not plain
-    ASSERT_TRUE(line.refusal.empty()) << text;
+    ASSERT_TRUE(line.error_response.empty()) << text;
     ASSERT_EQ(line.requests.size(), 1U) << text;
-    ASSERT_FALSE(line.requests[0].refusal) << text;
+    ASSERT_FALSE(line.requests[0].error_response) << text;
     ASSERT_FALSE(line.requests[0].notification) << text;
     ASSERT_EQ(request->method, line.requests[0].method) << text;
     ASSERT_EQ(request->id, line.requests[0].id) << text;
@@ -126,13 +126,13 @@ TEST(Rpc, WhatIsPlainIsReadAsIfItWereNot) {
 
 TEST(Rpc, ABatchHasALimit) {
   const auto batch = [](std::size_t count) { return json(std::vector<int>(count, 1)).dump(); };
-  EXPECT_TRUE(parse(batch(kLargestBatch)).refusal.empty());
-  EXPECT_EQ(code_of(parse(batch(kLargestBatch + 1)).refusal), kInvalidRequest);
+  EXPECT_TRUE(parse(batch(kLargestBatch)).error_response.empty());
+  EXPECT_EQ(code_of(parse(batch(kLargestBatch + 1)).error_response), kInvalidRequest);
 }
 
 TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
   std::string all = "not yet";
-  const auto answers = std::make_shared<Answers>(true, 3, [&](std::string text) { all = std::move(text); });
+  const auto answers = std::make_shared<Responses>(true, 3, [&](std::string text) { all = std::move(text); });
   Request asked;
   asked.id = "1";
   Request told;
@@ -147,7 +147,7 @@ TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
 
 TEST(Rpc, ABatchOfNotificationsHasNoAnswer) {
   std::string all = "not yet";
-  Answers answers(true, 2, [&](std::string text) { all = std::move(text); });
+  Responses answers(true, 2, [&](std::string text) { all = std::move(text); });
   answers.add("");
   answers.add("");
   EXPECT_EQ(all, "");

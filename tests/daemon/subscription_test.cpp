@@ -27,7 +27,7 @@ class Subscribed : public ::testing::Test {
   int told(Subscription& subscription, double every_ms, double for_ms) {
     int count = 0;
     for (double ms = 0; ms < for_ms; ms += every_ms) {
-      count += subscription.wants(at_ms(ms), EventKind::estimate, lost_) ? 1 : 0;
+      count += subscription.accepts(at_ms(ms), EventKind::estimate, lost_) ? 1 : 0;
     }
     return count;
   }
@@ -48,30 +48,30 @@ TEST_F(Subscribed, EstimatesAreThinnedToTheRateAskedFor) {
 
 TEST_F(Subscribed, AChangeOfStateIsToldWhateverTheRate) {
   Subscription slow(1, {{"max_rate_hz", 1}}, board_);
-  EXPECT_TRUE(slow.wants(at_ms(0), EventKind::estimate, lost_));
-  EXPECT_FALSE(slow.wants(at_ms(1), EventKind::estimate, lost_));
-  EXPECT_TRUE(slow.wants(at_ms(2, State::stale), EventKind::estimate, lost_));
+  EXPECT_TRUE(slow.accepts(at_ms(0), EventKind::estimate, lost_));
+  EXPECT_FALSE(slow.accepts(at_ms(1), EventKind::estimate, lost_));
+  EXPECT_TRUE(slow.accepts(at_ms(2, State::stale), EventKind::estimate, lost_));
 }
 
 TEST_F(Subscribed, WhatWasLostOnTheWayIsAddedUpUntilTheNextIsTold) {
   Subscription slow(1, {{"max_rate_hz", 1}}, board_);
-  slow.wants(at_ms(0), EventKind::estimate, lost_);
+  slow.accepts(at_ms(0), EventKind::estimate, lost_);
   Event event = at_ms(10);
   event.lost_before = 3;
-  EXPECT_FALSE(slow.wants(event, EventKind::estimate, lost_));
+  EXPECT_FALSE(slow.accepts(event, EventKind::estimate, lost_));
   event = at_ms(2000);
   event.lost_before = 4;
-  EXPECT_TRUE(slow.wants(event, EventKind::estimate, lost_));
+  EXPECT_TRUE(slow.accepts(event, EventKind::estimate, lost_));
   EXPECT_EQ(lost_, 7U);
 }
 
 TEST_F(Subscribed, OnlyTheSensorsAndEventsAskedForAreTold) {
   Subscription subscription(1, {{"sensors", {"right"}}, {"events", {"alert"}}}, board_);
   Event event = at_ms(0);
-  EXPECT_FALSE(subscription.wants(event, EventKind::alert, lost_));
+  EXPECT_FALSE(subscription.accepts(event, EventKind::alert, lost_));
   event.sensor = 1;
-  EXPECT_TRUE(subscription.wants(event, EventKind::alert, lost_));
-  EXPECT_FALSE(subscription.wants(event, EventKind::estimate, lost_));
+  EXPECT_TRUE(subscription.accepts(event, EventKind::alert, lost_));
+  EXPECT_FALSE(subscription.accepts(event, EventKind::estimate, lost_));
   EXPECT_THROW(Subscription(2, {{"sensors", {"middle"}}}, board_), rpc::Error);
   EXPECT_THROW(Subscription(2, {{"sensors", "left"}}, board_), rpc::Error);
   EXPECT_THROW(Subscription(2, {{"events", "alert"}}, board_), rpc::Error);

@@ -37,7 +37,7 @@ class Script {
     settings.can->interface = "can7";
     for (std::size_t i = 0; i < kSensors; ++i) {
       board_.sensors.push_back(std::make_unique<SensorStatus>("s" + std::to_string(i), "none"));
-      board_.sensors.back()->link = Link::open;
+      board_.sensors.back()->link = DeviceLink::open;
     }
     scheduler_.emplace(settings_, board_, port_, log_, now_);
   }
@@ -50,7 +50,7 @@ class Script {
       for (const Message& message : port_.sent) check(message);
       port_.sent.clear();
     }
-    scheduler_->end(now_);
+    scheduler_->send_final(now_);
     for (const Message& message : port_.sent) check(message);
   }
 

@@ -116,8 +116,8 @@ class Stage {
       SensorStatus& status =
           *board_.sensors.emplace_back(std::make_unique<SensorStatus>(sensor.setup.name, sensor.driver));
       status.change_facts([&](DeviceFacts& facts) { facts.layout = sensor.setup.layout; });
-      status.zero.needed = true;
-      status.link = Link::open;
+      status.bias.needed = true;
+      status.link = DeviceLink::open;
     }
     board_.grasps.push_back(std::make_unique<GraspStatus>("gripper", std::vector<std::size_t>{0, 1}));
     const UniqueFd listener = make_listener(address_, length_);
@@ -174,15 +174,15 @@ class Stage {
         publish();
         break;
       case 5:
-        for (auto& status : board_.sensors) status->frame.serve(nullptr);
-        board_.io.ring();
+        for (auto& status : board_.sensors) status->frame_copy.fill_if_requested(nullptr);
+        board_.io_wakeup.notify();
         break;
       case 6:
         descriptor_ = true;
         break;
       case 7:
-        for (auto& status : board_.sensors) status->zero.settle(status->zero.newest().number);
-        board_.io.ring();
+        for (auto& status : board_.sensors) status->bias.complete(status->bias.newest_request().number);
+        board_.io_wakeup.notify();
         break;
       case 8:
         if (peers_.size() < kMostPeers) connect();
@@ -201,7 +201,7 @@ class Stage {
     if (said.estimate.state == State::ok) said.estimate.gamma = 0.5;
     board_.sensors[0]->latest.store(said);
     board_.events.push({said.estimate, 0, 0});
-    board_.io.ring();
+    board_.io_wakeup.notify();
   }
 
   const Settings settings_ = make_settings();
@@ -210,7 +210,7 @@ class Stage {
                           .board = board_,
                           .realtime = {},
                           .ring_estimate = [] {},
-                          .last_minute = {},
+                          .latency_last_minute = {},
                           .rates_hz = {}};
   asio::io_context io_;
   Clients clients_;

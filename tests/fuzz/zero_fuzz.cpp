@@ -19,7 +19,7 @@ void use(const Bias& zero) {
   for (const auto* list : {&zero.bias_pa, &zero.noise_pa}) {
     for (const float value : *list) demand(std::isfinite(value));
   }
-  demand(decode_zero(encode_zero(kSensor, zero, kNow), kSensor, kNow).bias_pa == zero.bias_pa);
+  demand(decode_bias(encode_bias(kSensor, zero, kNow), kSensor, kNow).bias_pa == zero.bias_pa);
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::uint8_t> bytes(data + 1, data + size);
   if ((data[0] & 1U) != 0) bytes = fuzz::sealed("slipd-zero", 1, std::move(bytes));
   try {
-    use(decode_zero(bytes, kSensor, kNow));
+    use(decode_bias(bytes, kSensor, kNow));
   } catch (const BiasError& error) {
     demand(*error.what() != '\0');
   }

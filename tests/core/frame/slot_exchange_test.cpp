@@ -54,17 +54,17 @@ void pass_frames(WeakMemory& memory) {
     filling = true;
     memory.run_as(kFiller);
     for (std::size_t more = memory.choose(static_cast<std::size_t>(kFrames - filled) + 1); more > 0; --more) {
-      memory.write_plain(place[slots.filling()]);
-      content[slots.filling()] = ++filled;
-      skipped += slots.hand_over() ? 1 : 0;
+      memory.write_plain(place[slots.writer_slot()]);
+      content[slots.writer_slot()] = ++filled;
+      skipped += slots.publish() ? 1 : 0;
     }
     memory.run_as(kReader);
     filling = false;
   };
   const auto look = [&] {
     if (!slots.take()) return false;
-    memory.read_plain(place[slots.reading()]);
-    const int frame = content[slots.reading()];
+    memory.read_plain(place[slots.reader_slot()]);
+    const int frame = content[slots.reader_slot()];
     demand(frame > last, "a frame came twice, or an older one after it");
     last = frame;
     ++taken;

@@ -77,7 +77,7 @@ TEST(CanDbc, ANameCannotBreakTheFile) {
                               .friction = {},
                               .gain = {}});
   settings.grasps.push_back({"both", {"left"}});
-  EXPECT_EQ(subjects_of(settings), (std::vector<std::string>{"sensor le'ft'", "grasp both"}));
+  EXPECT_EQ(source_names(settings), (std::vector<std::string>{"sensor le'ft'", "grasp both"}));
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ class ServiceContext {
     while (!enough()) {
       const auto now = Doorbell::Clock::now();
       if (now > patience) return false;
-      const std::uint32_t rung = bell_.rung();
+      const std::uint32_t rung = bell_.ring_count();
       bell_.wait(rung, scheduler_.step(now));
     }
     return true;

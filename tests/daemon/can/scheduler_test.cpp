@@ -38,7 +38,7 @@ class CanTalk : public ::testing::Test {
     settings_ = std::move(settings);
     for (const auto& sensor : settings_.sensors) {
       board_.sensors.push_back(std::make_unique<SensorStatus>(sensor.setup.name, sensor.driver));
-      board_.sensors.back()->link = Link::open;
+      board_.sensors.back()->link = DeviceLink::open;
     }
     for (const auto& grasp : settings_.grasps)
       board_.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::vector<std::size_t>{0, 1}));
@@ -265,7 +265,7 @@ TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
   begin(settings_for({"left", "right"}));
   pass(25ms, 0.1, Alert::slip);
   port_.sent.clear();
-  scheduler_->end(now_);
+  scheduler_->send_final(now_);
   for (std::uint32_t i = 0; i < 2; ++i) {
     const auto sent = port_.take(kEstimate + i);
     ASSERT_EQ(sent.size(), 1U);

@@ -58,7 +58,7 @@ void Cell::step() {
 SensorStatus& Cell::add_sensor() {
   SensorStatus& status = *board_.sensors.emplace_back(std::make_unique<SensorStatus>("finger", "sim"));
   status.simulated = true;
-  status.link = Link::open;
+  status.link = DeviceLink::open;
   return status;
 }
 

@@ -1,4 +1,4 @@
-// Finding what a request speaks of, and refusing what it should not. io thread. Both throw rpc::Error.
+// Checks the parameters of requests. Called from one thread: io. All functions throw rpc::Error.
 #pragma once
 
 #include <initializer_list>
@@ -10,14 +10,14 @@
 
 namespace slipd {
 
-// The sensor's index on the board. `name`: any JSON value. Unknown: -32001 with the names that there are; no
-// string: -32602.
+// The index of a sensor on the board. `name`: any JSON value. kUnknownSensor, with all names, if there is no
+// such sensor; kInvalidParams if it is not a string.
 std::size_t sensor_index(const nlohmann::json& name, const Board& board);
 
-// The sensor that `params` must name in its member "sensor"; absent: -32602.
+// The sensor named by the member "sensor" of `params`; kInvalidParams if there is no such member.
 std::size_t required_sensor(const nlohmann::json& params, const Board& board);
 
-// -32602 for a member that none of `known` is.
+// kInvalidParams if `params` has a member that is not in `known`.
 void refuse_unknown(const nlohmann::json& params, std::span<const std::string_view> known);
 inline void refuse_unknown(const nlohmann::json& params, std::initializer_list<std::string_view> known) {
   refuse_unknown(params, std::span(known.begin(), known.size()));

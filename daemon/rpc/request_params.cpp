@@ -1,4 +1,4 @@
-#include "daemon/rpc/names.hpp"
+#include "daemon/rpc/request_params.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
