@@ -16,6 +16,11 @@
 #include <system_error>
 
 namespace slipd::bench {
+
+[[noreturn]] void fail(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
 namespace {
 
 using std::chrono::milliseconds;
@@ -95,10 +100,6 @@ void at_1_khz(milliseconds long_enough, Step step) {
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr);
     step();
   }
-}
-
-[[noreturn]] void fail(const char* what) {
-  throw std::system_error(errno, std::generic_category(), what);
 }
 
 // What the third thread sends: as long as an estimate.

@@ -12,6 +12,9 @@
 
 namespace slipd::bench {
 
+// Throws std::system_error of errno; `what` names the call that failed.
+[[noreturn]] void fail(const char* what);
+
 // One thread wakes another by a futex, and is woken by it: half of such a turn.
 Quantiles futex_wake(std::chrono::milliseconds long_enough);
 

@@ -11,12 +11,10 @@
 #include <cstring>
 #include <system_error>
 
+#include "tests/bench/floors.hpp"
+
 namespace slipd::bench {
 namespace {
-
-[[noreturn]] void fail(const char* what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
 
 struct Connection {
   int fd = -1;
