@@ -1,7 +1,6 @@
-// The whole contract between slipd and a driver. A driver turns one device's bytes into frames; the device
-// may carry several sensors (two fingers, boards on one bus). It is a loadable module, slipd-driver-NAME.so,
-// that exports `extern "C" const slipd::DriverModule* slipd_driver_module()`, which SLIPD_DRIVER_MODULE
-// defines.
+// The contract between slipd and a driver. A driver turns one device's bytes into frames; the device can have
+// several sensors (two fingers, boards on one bus). A driver is a loadable module, slipd-driver-NAME.so, that
+// exports `extern "C" const slipd::DriverModule* slipd_driver_module()`, which SLIPD_DRIVER_MODULE defines.
 #pragma once
 
 #include <chrono>
@@ -19,52 +18,52 @@
 
 namespace slipd {
 
-// One sensor as the configuration names it. `layout`: from the configuration, for drivers whose device does
-// not dictate one. `options`: the driver's own, validated against its schema, with defaults filled in.
+// One sensor of the configuration.
 struct SensorSetup {
-  std::string name;
-  TaxelLayout layout;
-  double rate_hz = 1000;
-  double skin_radius_m = 0.01;  // infinity: flat
-  double skin_modulus_pa = 0.5e6;
-  double skin_poisson = 0.45;
-  std::string profile;     // empty: none
-  nlohmann::json device;   // how to find it: serial, index, port …; an object
-  nlohmann::json options;  // an object
+  std::string name;                // unique in the configuration
+  TaxelLayout layout;              // the configuration's, for drivers whose device does not determine it
+  double rate_hz = 1000;           // frames per second, > 0
+  double skin_radius_m = 0.01;     // radius of curvature, m, > 0; infinity: flat
+  double skin_modulus_pa = 0.5e6;  // Young's modulus, Pa, > 0
+  double skin_poisson = 0.45;      // Poisson's ratio, 0 … 0.5
+  std::string profile;             // name of the device's profile; empty: none
+  nlohmann::json device;           // how to find the device: serial, index, port …; an object
+  nlohmann::json options;  // the driver's own, valid by its schema, with defaults filled in; an object
   bool operator==(const SensorSetup&) const = default;
 };
 
-// The surface of a sensor whose device dictates it; see Skin of the scene.
+// The surface of a sensor whose device determines it; see Skin of the scene.
 struct SkinInfo {
-  double radius_m = 0.01;  // infinity: flat
-  double modulus_pa = 0.5e6;
-  double poisson = 0.45;
+  double radius_m = 0.01;     // radius of curvature, m, > 0; infinity: flat
+  double modulus_pa = 0.5e6;  // Young's modulus, Pa, > 0
+  double poisson = 0.45;      // Poisson's ratio, 0 … 0.5
 };
 
+// What a driver reports of one sensor of an open device.
 struct SensorInfo {
-  SensorClass sensor_class = SensorClass::array3;
-  TaxelLayout layout;
-  double rate_hz = 0;                 // 0: unknown
-  std::optional<SkinInfo> skin = {};  // none: the one of the configuration
-  // Whether frames read 0 without load: the device zeroes itself, or its values come from nowhere else.
-  // false: slipd finds out what it reads without load, keeps that on disk, and tells no margin before it
-  // knows.
+  SensorClass sensor_class = SensorClass::array3;  // the channels that it measures
+  TaxelLayout layout;                              // of its frames
+  double rate_hz = 0;                              // frames per second; 0: unknown
+  std::optional<SkinInfo> skin = {};               // absent: that of the configuration
+  // true: values are 0 without load, because the device zeroes itself or its values are computed. false:
+  // slipd estimates the values without load, stores them on disk, and reports no margin before it has them.
   bool zeroed = false;
-  // Which of the device's sensors this is, where that is the same at each start: "board 1". Under it, and
-  // DeviceInfo::serial, the zero is kept. Empty: under the name of the sensor in the configuration.
+  // Identifies the sensor in the device where that is the same at each start: "board 1". The stored bias is
+  // found by it and DeviceInfo::serial. Empty: by the sensor's name in the configuration.
   std::string part = {};
-  // The smallest differences that the device tells, which nobody can take for a load; 0: it is not known.
-  double step_normal_pa = 0, step_shear_pa = 0;
+  double step_normal_pa = 0;  // resolution of the normal pressure, Pa; 0: unknown
+  double step_shear_pa = 0;   // resolution of the shear, Pa; 0: unknown
 };
 
+// What a driver reports of an open device.
 struct DeviceInfo {
   std::string description;  // for people: "simulated 100 x 100", "XELA XR1944 on can0"
   std::string serial;       // empty: it has none
-  bool simulated = false;
-  std::vector<SensorInfo> sensors;  // as many as SensorSetups were given, in their order
+  bool simulated = false;   // frames are computed or recorded; by default no CAN output is made of them
+  std::vector<SensorInfo> sensors;  // one for each SensorSetup, in their order
 };
 
-// Says what device, what is wrong, and what to do. Thrown by create and open only.
+// Names the device, the fault and the remedy. Thrown by create and open only.
 class DriverError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -72,45 +71,45 @@ class DriverError : public std::runtime_error {
 
 enum class ReadStatus : std::uint8_t {
   frame,         // slots[sensor] holds a frame
-  timeout,       // nothing within the time given; not an error
-  corrupt,       // a packet or frame was dropped; counted, reading goes on
-  disconnected,  // the device is gone; it will be closed and reopened with back-off
-  end            // a recording is over; nothing will come again
+  timeout,       // no frame within the time-out; not an error
+  corrupt,       // a packet or frame was dropped; slipd counts it and reads on
+  disconnected,  // the device is gone; slipd closes it and reopens it with back-off
+  end            // a recording is at its end; no frame will follow
 };
 
 struct ReadResult {
   ReadStatus status = ReadStatus::timeout;
-  std::uint16_t sensor = 0;  // whose: index into slots
+  std::uint16_t sensor = 0;  // index into slots
 };
 
 class DeviceDriver {
  public:
   virtual ~DeviceDriver() = default;
 
-  // Set-up thread. May allocate and take its time (some seconds). Throws DriverError. Called again after
-  // close.
+  // Set-up thread. May allocate and take some seconds. Throws DriverError. Called again after close.
   virtual DeviceInfo open() = 0;
 
-  // Acquire thread. Fills slots[i] of the sensor i it says (spans sized by that sensor's layout) and returns
-  // within about `timeout`. Must not allocate, lock, log or throw in its own code.
+  // Acquire thread. Fills slots[i] of the sensor i that it returns (spans have the size of that sensor's
+  // layout) and returns within about `timeout`. Must not allocate, lock, log or throw in its own code.
   virtual ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept = 0;
 
   // Set-up or acquire thread. Idempotent.
   virtual void close() noexcept = 0;
 
-  // Whether frames come from a clock that can be held back (a recording played as fast as it goes): then
-  // slipd waits for the estimator instead of skipping. Constant after open.
+  // true: the source can wait for its consumer (a recording played as fast as frames are taken); then slipd
+  // skips no frame but waits for the estimator. Constant after open.
   virtual bool paced_by_consumer() const noexcept { return false; }
 };
 
-// The module's table. `options_schema` is a JSON Schema (the subset of schema/schema.hpp, with "unit"): the
-// one source for validation, defaults, `slipd --list-drivers` and the documentation.
+// The module's table.
 struct DriverModule {
-  std::uint32_t abi;           // kDriverAbi of the headers it was built with
-  const char* name;            // "sim"; the file is slipd-driver-sim.so
-  const char* summary;         // one line
-  const char* options_schema;  // JSON text, of an object
-  // Setup sensors of one device; throws DriverError for what a schema cannot say.
+  std::uint32_t abi;    // kDriverAbi of the headers with which it was built
+  const char* name;     // "sim"; the file is slipd-driver-sim.so
+  const char* summary;  // one line, for people
+  // JSON Schema text of an object (the subset of schema/schema.hpp, with "unit"): the source of validation,
+  // defaults, `slipd --list-drivers` and the documentation.
+  const char* options_schema;
+  // Creates the driver of one device with these sensors; throws DriverError for what a schema cannot express.
   std::unique_ptr<DeviceDriver> (*create)(const std::vector<SensorSetup>& sensors);
 };
 
