@@ -20,7 +20,7 @@ struct Rgb {
 };
 
 struct Style {
-  std::optional<Rgb> ink, paper;  // absent: the terminal's own
+  std::optional<Rgb> foreground, background;  // absent: the terminal's own
   bool bold = false;
   bool operator==(const Style&) const = default;
 };

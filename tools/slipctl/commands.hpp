@@ -5,7 +5,7 @@
 
 namespace slipctl {
 
-struct Common {
+struct CommonOptions {
   std::string socket;
   bool json = false;
 };
@@ -18,17 +18,17 @@ struct RecordOptions {
 };
 
 // All throw ClientError.
-void print_status(const Common& common);
-void print_sensors(const Common& common);
-void print_gamma(const Common& common, const std::string& sensor);  // empty: all
-void print_frame(const Common& common, const std::string& sensor);  // CSV, one taxel a line
-void print_metrics(const Common& common);                           // OpenMetrics text
+void print_status(const CommonOptions& common);
+void print_sensors(const CommonOptions& common);
+void print_gamma(const CommonOptions& common, const std::string& sensor);  // empty: all
+void print_frame(const CommonOptions& common, const std::string& sensor);  // CSV, one taxel a line
+void print_metrics(const CommonOptions& common);                           // OpenMetrics text
 // Has the flight recorder keep the last seconds; empty: of all sensors.
-void keep_flight(const Common& common, const std::string& sensor);
-void print_dbc(const Common& common);  // the CAN messages' definition
-void rebias(const Common& common, const std::string& sensor, bool force);
+void keep_flight(const CommonOptions& common, const std::string& sensor);
+void print_dbc(const CommonOptions& common);  // the CAN messages' definition
+void rebias(const CommonOptions& common, const std::string& sensor, bool force);
 
 // Opens the file here, with the user's own rights, and lets the daemon's writer fill it.
-void record(const Common& common, const RecordOptions& options);
+void record(const CommonOptions& common, const RecordOptions& options);
 
 }  // namespace slipctl

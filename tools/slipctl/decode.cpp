@@ -80,9 +80,10 @@ class Capture {
     for (std::size_t at = 0; at < bytes.size(); at += std::min(bytes.size() - at, framer_.room())) {
       framer_.put(std::span(bytes).subspan(at, std::min(bytes.size() - at, framer_.room())));
       decode::RawPacket packet;
-      for (auto got = framer_.next(packet); got != decode::Framer::Got::nothing; got = framer_.next(packet)) {
-        if (got == decode::Framer::Got::packet) take(packet.id, packet.bytes, 0);
-        if (got == decode::Framer::Got::wrong) ++dropped_;
+      for (auto got = framer_.next(packet); got != decode::Framer::Result::incomplete;
+           got = framer_.next(packet)) {
+        if (got == decode::Framer::Result::packet) take(packet.id, packet.bytes, 0);
+        if (got == decode::Framer::Result::invalid) ++dropped_;
       }
     }
   }

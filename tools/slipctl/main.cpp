@@ -15,7 +15,7 @@ namespace {
 using namespace slipctl;
 
 struct Choices {
-  Common common{kDefaultSocket, false};
+  CommonOptions common{kDefaultSocket, false};
   std::string sensor;
   RecordOptions record;
   WatchOptions watch;
@@ -43,7 +43,7 @@ void add_questions(CLI::App& app, Choices& choices) {
   CLI::App* flight = app.add_subcommand("flight", "keep what the flight recorder holds, as a recording");
   flight->add_option("sensor", choices.sensor, "only this one");
   flight->callback([&] { keep_flight(choices.common, choices.sensor); });
-  CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's reading as its zero");
+  CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's values as its zero");
   zero->add_option("sensor", choices.sensor)->required();
   zero->add_flag("--force", choices.force, "even if it looks touched");
   zero->callback([&] { rebias(choices.common, choices.sensor, choices.force); });

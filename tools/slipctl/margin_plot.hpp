@@ -25,9 +25,9 @@ using Columns = std::vector<std::optional<double>>;
 void draw_line(Canvas& canvas, const Box& box, const Columns& values,
                const std::function<Rgb(std::optional<double>)>& colour_of);
 
-// The course in braille dots, newest at the right, `box` being the last kCourseSeconds up to now_s. Each
+// The history in braille dots, newest at the right, `box` being the last kHistorySeconds up to now_s. Each
 // column of dots shows the lowest margin of its time, so that the shortest slip is seen; where none was known
 // there is a gap.
-void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& course, double now_s);
+void draw_history(Canvas& canvas, const Box& box, const std::deque<MarginPoint>& history, double now_s);
 
 }  // namespace slipctl

@@ -11,8 +11,8 @@
 
 #include "core/estimate/estimate.hpp"
 #include "tools/slipctl/client.hpp"
-#include "tools/slipctl/figures.hpp"
-#include "tools/slipctl/gauge.hpp"
+#include "tools/slipctl/margin_plot.hpp"
+#include "tools/slipctl/number_text.hpp"
 #include "tools/slipctl/palette.hpp"
 #include "tools/slipctl/taxel_map.hpp"
 #include "tools/slipctl/terminal.hpp"

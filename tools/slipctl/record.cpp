@@ -31,7 +31,7 @@ bool empty(const UniqueFd& file) {
 
 }  // namespace
 
-void record(const Common& common, const RecordOptions& options) {
+void record(const CommonOptions& common, const RecordOptions& options) {
   RpcClient client(common.socket);  // before the file: without a daemon none is made
   const UniqueFd file = open_new(options);
   // The answer comes when the recording is over.

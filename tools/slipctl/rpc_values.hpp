@@ -50,7 +50,7 @@ struct SensorCounts {
 };
 
 std::vector<SensorInfo> sensors_from(const nlohmann::ordered_json& result);  // of `sensors`
-EstimateView reading_from(const nlohmann::ordered_json& estimate);           // one estimate
+EstimateView estimate_from(const nlohmann::ordered_json& estimate);          // one estimate
 std::vector<EstimateView> grasps_from(
     const nlohmann::ordered_json& result);  // of `gamma`; `sensor` is the grasp's name
 TaxelFrame frame_from(

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tools/slipctl/figures.hpp"
+#include "tools/slipctl/number_text.hpp"
 
 namespace slipctl {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tools/slipctl/canvas.hpp"
-#include "tools/slipctl/gauge.hpp"
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/margin_plot.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 
 namespace slipctl {
 

@@ -10,9 +10,9 @@
 #include <iostream>
 
 #include "tools/slipctl/client.hpp"
-#include "tools/slipctl/tally.hpp"
 #include "tools/slipctl/terminal.hpp"
 #include "tools/slipctl/view.hpp"
+#include "tools/slipctl/watch_statistics.hpp"
 
 namespace slipctl {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr double kViewRateHz = 200;  // of estimates, for the view: each dot of its course sees several
+constexpr double kViewRateHz = 200;  // of estimates, for the view: each dot of its history sees several
 constexpr milliseconds kDrawEvery{100};
 constexpr milliseconds kCountEvery{1000};
 constexpr int kMostWaiting = 4096;  // notifications: more than a socket holds
@@ -132,10 +132,10 @@ class Watcher {
     if (!notification) return false;
     const bool is_estimate = notification->method == "estimate";
     if (!is_estimate && notification->method != "alert") return true;
-    const EstimateView view = reading_from(notification->params);
-    tally_.take(view, is_estimate);
+    const EstimateView view = estimate_from(notification->params);
+    statistics_.take(view, is_estimate);
     if (!is_estimate) return true;
-    take_reading(state_, view);
+    take_estimate(state_, view);
     if (options_.json) std::cout << notification->params.dump() << '\n';
     return true;
   }
@@ -193,12 +193,13 @@ class Watcher {
     if (!options_.picture.empty()) take_picture();
     terminal_.reset();
     if (options_.summary && options_.json)
-      std::cout << nlohmann::ordered_json{{"summary", tally_.json(before_, after_, state_.elapsed_s)}}.dump()
-                << '\n';
+      std::cout
+          << nlohmann::ordered_json{{"summary", statistics_.json(before_, after_, state_.elapsed_s)}}.dump()
+          << '\n';
     else if (options_.summary)
-      std::cout << tally_.text(before_, after_, state_.elapsed_s);
+      std::cout << statistics_.text(before_, after_, state_.elapsed_s);
     std::cout.flush();
-    if (options_.expect_slip && !tally_.slip_seen()) {
+    if (options_.expect_slip && !statistics_.slip_seen()) {
       std::cerr << "slipctl: no slip was seen in " << state_.elapsed_s << " s\n";
       return 1;
     }
@@ -217,7 +218,7 @@ class Watcher {
   SignalWatch signals_;
   RpcClient client_;
   WatchState state_;
-  Tally tally_;
+  WatchStatistics statistics_;
   std::vector<SensorCounts> before_, after_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point next_tick_ = start_ + kDrawEvery;

@@ -6,21 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 
 namespace slipctl {
 
-struct CoursePoint {
+struct MarginPoint {
   double time_s = 0;  // on the watch's clock
   std::optional<double> gamma;
 };
 
-inline constexpr double kCourseSeconds = 10;
+inline constexpr double kHistorySeconds = 10;
 
 struct SensorWatch {
   SensorInfo info;
   std::optional<EstimateView> latest;
-  std::deque<CoursePoint> course;  // the last kCourseSeconds, oldest first
+  std::deque<MarginPoint> history;  // the last kHistorySeconds, oldest first
   TaxelFrame frame;
   double peak_pa = 0;  // highest pressure so far: the map's scale
   std::optional<SensorCounts> counts;
@@ -33,8 +33,8 @@ struct WatchState {
   std::vector<EstimateView> grasps;  // `sensor` is the grasp's name
 };
 
-// Takes a reading in: the latest one and the course. Readings of sensors that are not watched are ignored.
-void take_reading(WatchState& state, const EstimateView& reading);
+// Takes a estimate in: the latest one and the history. Readings of sensors that are not watched are ignored.
+void take_estimate(WatchState& state, const EstimateView& estimate);
 
 void take_frame(SensorWatch& sensor, TaxelFrame frame);
 

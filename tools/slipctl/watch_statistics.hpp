@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 
 namespace slipctl {
 
@@ -18,7 +18,7 @@ struct TruthErrors {
   double sum = 0, worst = 0;  // of |gamma - truth|
 };
 
-struct SensorTally {
+struct SensorStatistics {
   std::uint64_t estimates = 0;
   std::uint64_t dropped = 0;              // notifications that this client was too slow for
   std::uint64_t warnings = 0, slips = 0;  // times that the alert rose to this level
@@ -29,9 +29,9 @@ struct SensorTally {
   std::uint64_t sequence = 0;  // of the last one
 };
 
-class Tally {
+class WatchStatistics {
  public:
-  void take(const EstimateView& reading,
+  void take(const EstimateView& estimate,
             bool is_estimate);  // estimate or event; events count for alerts only
   bool slip_seen() const;
 
@@ -42,7 +42,7 @@ class Tally {
                               double seconds) const;
 
  private:
-  std::map<std::string, SensorTally> sensors_;
+  std::map<std::string, SensorStatistics> sensors_;
 };
 
 }  // namespace slipctl
