@@ -78,7 +78,7 @@ void print_dbc(const CommonOptions& common) {
 }
 
 void rebias(const CommonOptions& common, const std::string& sensor, bool force) {
-  // Longer than the daemon waits for frames.
+  // Longer than the daemon collects frames for.
   json params{{"sensor", sensor}};
   if (force) params["force"] = true;
   const json result = RpcClient(common.socket).call("rebias", params, std::chrono::seconds(35));

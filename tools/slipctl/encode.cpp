@@ -17,7 +17,7 @@ int squared_distance(Rgb a, Rgb b) {
   return red * red + green * green + blue * blue;
 }
 
-// xterm's colours 0–15, the ones that people change least.
+// xterm's default colours 0–15.
 constexpr std::array<Rgb, 16> kBasic{{{0, 0, 0},
                                       {205, 0, 0},
                                       {0, 205, 0},
@@ -128,7 +128,7 @@ std::string rectangle(int x, int y, int width, int height, Rgb colour) {
          "\"/>\n";
 }
 
-// Blocks are drawn as rectangles, for a font's own leave seams; everything else is text.
+// Blocks are drawn as rectangles, because a font's block glyphs leave seams; all else is text.
 std::string picture_of(const Cell& cell, int column, int row) {
   const int x = column * kCellWidth;
   const int y = row * kCellHeight;

@@ -57,7 +57,7 @@ void draw_line(Canvas& canvas, const Box& box, const Columns& values,
       if (!gamma) continue;
       worst = std::min(worst.value_or(*gamma), *gamma);
       const int here = height_of(*gamma);
-      // From next to where the column before ended, so that steep courses stay a line.
+      // Begins next to the end of the column before, so that steep changes stay a line.
       const auto before = column > 0 ? values[column - 1] : std::nullopt;
       const int from = before ? height_of(*before) : here;
       const int first = std::min(here, from + 1);

@@ -19,7 +19,7 @@ bool numeric(const std::string& text) {
   return text == "–" || (!text.empty() && text.find_first_not_of("0123456789.+-") == std::string::npos);
 }
 
-// Four figures after the point at most, without trailing zeros.
+// At most four decimals, without trailing zeros.
 std::string short_number(double value) {
   std::string text = fixed(value, 4);
   text.erase(text.find_last_not_of('0') + 1);

@@ -25,7 +25,7 @@ int width(const std::string& utf8) {
   return static_cast<int>(std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-// Ends at `end`, and gives where it begins.
+// Right-aligned text that ends before column `end`; returns its first column.
 int text_up_to(Canvas& canvas, int end, int row, const std::string& text, const Style& style) {
   const int begin = end - width(text);
   canvas.text(begin, row, text, style);
@@ -56,7 +56,7 @@ void draw_margin(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
   std::string numbers = "  " + with_sigma(estimate.gamma, estimate.sigma);
   if (sensor.info.simulated) numbers += "  true " + fixed(estimate.true_gamma, 2);
   numbers += "  class " + (estimate.slip_class ? std::to_string(*estimate.slip_class) : "–");
-  // The numbers keep their place while they come and go.
+  // A fixed width, so that numbers keep their place while others appear and disappear.
   const int numbers_columns = sensor.info.simulated ? 33 : 22;
   const int bar_columns = std::max(0, box.columns - kStateColumns - numbers_columns);
   canvas.text(0, box.row, estimate.state, {estimate.state == "ok" ? kGreen : kYellow, std::nullopt, true},
@@ -94,7 +94,7 @@ std::vector<Figure> figures_of(const SensorWatch& sensor) {
   return figures;
 }
 
-// Top down, then on to a next column where there is room for one.
+// Top down, then in a next column where there is room.
 void draw_figures(Canvas& canvas, const Box& box, const std::vector<Figure>& figures) {
   constexpr int kFigureColumns = 24;
   constexpr int kLabelColumns = 10;
@@ -111,7 +111,7 @@ void draw_figures(Canvas& canvas, const Box& box, const std::vector<Figure>& fig
   }
 }
 
-// Captions in the box's first row, maps and numbers below.
+// The box's first row holds captions, the rows below maps and numbers.
 void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, ColourDepth depth) {
   constexpr int kGap = 2;
   constexpr int kFigureColumns = 25;
@@ -170,7 +170,7 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
 
   const int sensors = static_cast<int>(state.sensors.size());
   if (sensors == 0) canvas.text(1, 2, "the daemon has no sensors");
-  // A sensor needs two rows to say anything; those that find none are counted in the last row.
+  // A sensor needs two rows; the last row counts the sensors without room.
   const int grasps =
       std::min(static_cast<int>(state.grasps.size()), std::max(0, canvas.rows() - 1 - 2 * sensors));
   const int space = canvas.rows() - 1 - grasps;

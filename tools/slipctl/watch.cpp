@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr double kViewRateHz = 200;  // of estimates, for the view: each dot of its history sees several
+constexpr double kViewRateHz = 200;  // estimates per second and sensor: several for each dot of the history
 constexpr milliseconds kDrawEvery{100};
 constexpr milliseconds kCountEvery{1000};
 constexpr int kMostWaiting = 4096;  // notifications: more than a socket holds
@@ -114,19 +114,19 @@ class Watcher {
 
   void take_notifications() {
     state_.elapsed_s = elapsed_s();
-    // One tick's worth at most, so that a flood cannot keep the keys from being heard.
+    // For one tick at most, so that a flood of notifications cannot block keys.
     const auto until = std::max(Clock::now(), next_tick_) + kDrawEvery;
     while (Clock::now() < until && take_notification()) {
     }
   }
 
-  // What had come when the time was over, which a slow machine has not got round to.
+  // The notifications that arrived before the end but were not read yet.
   void take_the_rest() {
     for (int i = 0; i < kMostWaiting && take_notification(); ++i) {
     }
   }
 
-  // False: none has come.
+  // False: none has arrived.
   bool take_notification() {
     const auto notification = client_.next(milliseconds(0));
     if (!notification) return false;
@@ -172,7 +172,7 @@ class Watcher {
         if (counts.name == sensor.info.name) sensor.counts = counts;
   }
 
-  // What a sensor is may change: a device comes back, a model is ready.
+  // A sensor's properties change when a device comes back or a model is ready.
   void take_facts() {
     for (const SensorInfo& info : sensors_from(client_.call("sensors")))
       for (SensorWatch& sensor : state_.sensors)
@@ -183,7 +183,7 @@ class Watcher {
     for (SensorWatch& sensor : state_.sensors) try {
         take_frame(sensor, frame_from(client_.call("frame", {{"sensor", sensor.info.name}})));
       } catch (const RpcError&) {
-        sensor.frame = {};  // none yet, or the device is away: the state says it
+        sensor.frame = {};  // no frame yet, or the device is disconnected
       }
   }
 
@@ -225,7 +225,7 @@ class Watcher {
   Clock::time_point next_count_ = start_ + kCountEvery;
   bool over_ = false;
   bool key_pressed_ = false;
-  std::optional<Terminal> terminal_;  // last: given back before anything else goes
+  std::optional<Terminal> terminal_;  // last: restored before all else is destroyed
 };
 
 }  // namespace

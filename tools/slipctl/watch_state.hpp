@@ -1,4 +1,4 @@
-// What `slipctl watch` knows at one moment: all that its views are drawn from.
+// The state of `slipctl watch`, from which its views are drawn.
 #pragma once
 
 #include <deque>
@@ -11,29 +11,29 @@
 namespace slipctl {
 
 struct MarginPoint {
-  double time_s = 0;  // on the watch's clock
-  std::optional<double> gamma;
+  double time_s = 0;            // since the watch began
+  std::optional<double> gamma;  // margin; absent: unknown
 };
 
 inline constexpr double kHistorySeconds = 10;
 
 struct SensorWatch {
   SensorInfo info;
-  std::optional<EstimateView> latest;
-  std::deque<MarginPoint> history;  // the last kHistorySeconds, oldest first
-  TaxelFrame frame;
-  double peak_pa = 0;  // highest pressure so far: the map's scale
-  std::optional<SensorCounts> counts;
+  std::optional<EstimateView> latest;  // absent: none has arrived
+  std::deque<MarginPoint> history;     // of the last kHistorySeconds, oldest first
+  TaxelFrame frame;                    // the latest; empty: none
+  double peak_pa = 0;                  // highest pressure so far, the map's scale
+  std::optional<SensorCounts> counts;  // absent: not requested yet
 };
 
 struct WatchState {
-  std::string socket;
-  double elapsed_s = 0;
-  std::vector<SensorWatch> sensors;
+  std::string socket;                // path of the daemon's socket
+  double elapsed_s = 0;              // since the watch began
+  std::vector<SensorWatch> sensors;  // those that are watched
   std::vector<EstimateView> grasps;  // `sensor` is the grasp's name
 };
 
-// Takes a estimate in: the latest one and the history. Readings of sensors that are not watched are ignored.
+// Stores an estimate as the latest one and in the history. Ignores sensors that are not watched.
 void take_estimate(WatchState& state, const EstimateView& estimate);
 
 void take_frame(SensorWatch& sensor, TaxelFrame frame);

@@ -39,8 +39,7 @@ std::string shares(const SensorStatistics& statistics) {
 
 void WatchStatistics::take(const EstimateView& estimate, bool is_estimate) {
   SensorStatistics& sensor = sensors_[estimate.sensor];
-  // An event and the estimate that it belongs to come in either order: a rise is counted with the first of
-  // them.
+  // An alert event and its estimate arrive in either order: the first of them counts the rise.
   if (estimate.sequence >= sensor.sequence) {
     if (estimate.alert != sensor.alert) {
       if (estimate.alert == "warn" && sensor.alert == "none") ++sensor.warnings;

@@ -1,4 +1,4 @@
-// What happened while `slipctl watch` was looking: counted per sensor, told at the end.
+// Statistics of each sensor over a run of `slipctl watch`, printed at its end.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,23 @@
 
 namespace slipctl {
 
-// How far the estimates in state ok lay off the simulation's truth.
+// Errors |gamma - truth| of estimates in state ok of a simulated sensor.
 struct TruthErrors {
-  std::uint64_t count = 0;
-  double sum = 0, worst = 0;  // of |gamma - truth|
+  std::uint64_t count = 0;  // of estimates
+  double sum = 0;           // of their errors
+  double worst = 0;         // the largest error
 };
 
 struct SensorStatistics {
   std::uint64_t estimates = 0;
-  std::uint64_t dropped = 0;              // notifications that this client was too slow for
-  std::uint64_t warnings = 0, slips = 0;  // times that the alert rose to this level
-  std::map<std::string, std::uint64_t> states;
-  std::optional<double> lowest;  // margin
-  TruthErrors errors;
-  std::string alert = "none";  // the last one
-  std::uint64_t sequence = 0;  // of the last one
+  std::uint64_t dropped = 0;                    // notifications lost because this client was too slow
+  std::uint64_t warnings = 0;                   // times that the alert rose to warn
+  std::uint64_t slips = 0;                      // times that the alert rose to slip
+  std::map<std::string, std::uint64_t> states;  // estimates in each state
+  std::optional<double> lowest;                 // lowest margin; absent: none was known
+  TruthErrors errors;                           // of simulated sensors
+  std::string alert = "none";                   // of the last notification
+  std::uint64_t sequence = 0;                   // of the last notification
 };
 
 class WatchStatistics {
@@ -35,7 +37,7 @@ class WatchStatistics {
             bool is_estimate);  // estimate or event; events count for alerts only
   bool slip_seen() const;
 
-  // `before` and `after`: the daemon's own counts at both ends of `seconds`.
+  // `before` and `after`: the daemon's counts at the begin and the end of `seconds`.
   std::string text(const std::vector<SensorCounts>& before, const std::vector<SensorCounts>& after,
                    double seconds) const;
   nlohmann::ordered_json json(const std::vector<SensorCounts>& before, const std::vector<SensorCounts>& after,
