@@ -83,23 +83,23 @@ void CanDriver::restart_silent_boards(std::int64_t now_ns) noexcept {
 }
 
 ReadResult CanDriver::take(const ReceivedFrame& received, std::span<FrameSlot> slots) noexcept {
-  const canfd_frame& frame = arrival.frame;
+  const canfd_frame& frame = received.frame;
   if ((frame.can_id & CAN_ERR_FLAG) != 0) return {ReadStatus::corrupt, 0};
   const bool extended = (frame.can_id & CAN_EFF_FLAG) != 0;
   const std::uint32_t id = frame.can_id & (extended ? CAN_EFF_MASK : CAN_SFF_MASK);
   for (std::size_t i = 0; i < boards_.size(); ++i) {
     const auto sensor = static_cast<std::uint16_t>(i);
-    switch (boards_[i].decoder.take(id, std::span(frame.data, frame.len), arrival.time_ns, slots[i])) {
+    switch (boards_[i].decoder.take(id, std::span(frame.data, frame.len), received.time_ns, slots[i])) {
       case decode::Outcome::foreign:
         continue;
       case decode::Outcome::partial:
-        boards_[i].last_activity_ns = arrival.time_ns;
+        boards_[i].last_activity_ns = received.time_ns;
         return {ReadStatus::timeout, sensor};
       case decode::Outcome::frame:
-        boards_[i].last_activity_ns = arrival.time_ns;
+        boards_[i].last_activity_ns = received.time_ns;
         return {ReadStatus::frame, sensor};
       case decode::Outcome::dropped:
-        boards_[i].last_activity_ns = arrival.time_ns;
+        boards_[i].last_activity_ns = received.time_ns;
         return {ReadStatus::corrupt, sensor};
     }
   }
