@@ -1,5 +1,5 @@
-// The clock by which sources without a device of their own pace themselves: CLOCK_MONOTONIC in ns, slept on
-// by absolute time, so that lateness never adds up. Acquire thread.
+// CLOCK_MONOTONIC in ns, and sleeping on it by absolute time, so that lateness does not accumulate. For
+// drivers that pace themselves. Acquire thread.
 #pragma once
 
 #include <time.h>
@@ -15,7 +15,7 @@ inline std::int64_t monotonic_ns() noexcept {
   return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
 }
 
-// Sleeps until `due_ns` or `give_up_ns`, whichever is first. True if it is due.
+// Sleeps until `due_ns` or `give_up_ns`, whichever is first. True: `due_ns` has come.
 inline bool sleep_until(std::int64_t due_ns, std::int64_t give_up_ns) noexcept {
   const std::int64_t wake_ns = due_ns < give_up_ns ? due_ns : give_up_ns;
   const timespec wake{static_cast<time_t>(wake_ns / 1000000000), static_cast<long>(wake_ns % 1000000000)};

@@ -36,15 +36,15 @@ CanDriver::CanDriver(const std::vector<SensorSetup>& sensors, Opener opener)
                         " is another sensor's already");
     }
     numbers.push_back(board);
-    const auto addressed = [&](const std::vector<decode::Message>& messages) {
+    const auto with_board_number = [&](const std::vector<decode::Message>& messages) {
       std::vector<Message> out;
       out.reserve(messages.size());
       for (const auto& message : messages)
-        out.push_back({decode::addressed(message.id, message.board_shift, board), message.bytes});
+        out.push_back({decode::with_board_number(message.id, message.board_shift, board), message.bytes});
       return out;
     };
-    boards_.push_back(
-        {board, decode::Decoder(profile_, 0, board), addressed(profile_.start), addressed(profile_.stop)});
+    boards_.push_back({board, decode::Decoder(profile_, 0, board), with_board_number(profile_.start),
+                       with_board_number(profile_.stop)});
   }
 }
 
@@ -55,7 +55,7 @@ DeviceInfo CanDriver::open() {
   for (Board& board : boards_) {
     for (const auto& rule : board.decoder.rules()) ids.push_back(rule.id);
     board.decoder.reset();
-    board.heard_ns = monotonic_ns() - profile_.keep_alive_ns;  // started by the first read
+    board.last_activity_ns = monotonic_ns() - profile_.keep_alive_ns;  // the first read() starts it
     info.sensors.push_back(decode::info_of(profile_, "board " + std::to_string(board.number)));
   }
   std::sort(ids.begin(), ids.end());
@@ -72,33 +72,34 @@ void CanDriver::close() noexcept {
   socket_.close();
 }
 
-// A full transmit queue is no reason to wait: the next turn comes.
-void CanDriver::wake_silent_boards(std::int64_t now_ns) noexcept {
+// Never waits for room in the transmit queue: a start message that was not sent is repeated after
+// keep_alive_ms.
+void CanDriver::restart_silent_boards(std::int64_t now_ns) noexcept {
   for (Board& board : boards_) {
-    if (now_ns - board.heard_ns < profile_.keep_alive_ns) continue;
+    if (now_ns - board.last_activity_ns < profile_.keep_alive_ns) continue;
     for (const Message& message : board.start) socket_.send(message.id, message.bytes);
-    board.heard_ns = now_ns;
+    board.last_activity_ns = now_ns;
   }
 }
 
-ReadResult CanDriver::take(const Arrival& arrival, std::span<FrameSlot> slots) noexcept {
-  const canfd_frame& frame = arrival.frame;
+ReadResult CanDriver::take(const ReceivedFrame& received, std::span<FrameSlot> slots) noexcept {
+  const canfd_frame& frame = received.frame;
   if ((frame.can_id & CAN_ERR_FLAG) != 0) return {ReadStatus::corrupt, 0};
   const bool extended = (frame.can_id & CAN_EFF_FLAG) != 0;
   const std::uint32_t id = frame.can_id & (extended ? CAN_EFF_MASK : CAN_SFF_MASK);
   for (std::size_t i = 0; i < boards_.size(); ++i) {
     const auto sensor = static_cast<std::uint16_t>(i);
-    switch (boards_[i].decoder.take(id, std::span(frame.data, frame.len), arrival.time_ns, slots[i])) {
+    switch (boards_[i].decoder.take(id, std::span(frame.data, frame.len), received.time_ns, slots[i])) {
       case decode::Outcome::foreign:
         continue;
       case decode::Outcome::partial:
-        boards_[i].heard_ns = arrival.time_ns;
+        boards_[i].last_activity_ns = received.time_ns;
         return {ReadStatus::timeout, sensor};
       case decode::Outcome::frame:
-        boards_[i].heard_ns = arrival.time_ns;
+        boards_[i].last_activity_ns = received.time_ns;
         return {ReadStatus::frame, sensor};
       case decode::Outcome::dropped:
-        boards_[i].heard_ns = arrival.time_ns;
+        boards_[i].last_activity_ns = received.time_ns;
         return {ReadStatus::corrupt, sensor};
     }
   }
@@ -107,21 +108,21 @@ ReadResult CanDriver::take(const Arrival& arrival, std::span<FrameSlot> slots) n
 
 ReadResult CanDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
   const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
-  Arrival arrival;
+  ReceivedFrame received;
   for (;;) {
     const std::int64_t now_ns = monotonic_ns();
-    wake_silent_boards(now_ns);
-    switch (socket_.receive(arrival, give_up_ns)) {
-      case Got::gone:
+    restart_silent_boards(now_ns);
+    switch (socket_.receive(received, give_up_ns)) {
+      case ReceiveResult::disconnected:
         return {ReadStatus::disconnected, 0};
-      case Got::nothing:
+      case ReceiveResult::timeout:
         return {ReadStatus::timeout, 0};
-      case Got::frame:
+      case ReceiveResult::frame:
         break;
     }
-    const ReadResult result = take(arrival, slots);
+    const ReadResult result = take(received, slots);
     if (result.status != ReadStatus::timeout) return result;
-    if (now_ns >= give_up_ns) return {ReadStatus::timeout, 0};  // a bus full of what makes no frame
+    if (now_ns >= give_up_ns) return {ReadStatus::timeout, 0};  // a busy bus whose packets complete no frame
   }
 }
 

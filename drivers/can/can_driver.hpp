@@ -1,8 +1,8 @@
 // Tactile sensors on a CAN bus: boards that send their scans in several frames, told apart by a number in
 // their identifiers. One driver is one bus; each sensor is one board.
 //
-// A board that lost its power comes back silent, and nothing on the bus says so. Therefore the start messages
-// go out again whenever a board has said nothing for the profile's keep_alive_ms.
+// A board that lost its power comes back silent, and nothing on the bus reports that. Therefore the driver
+// sends the start messages again whenever a board has sent nothing for the profile's keep_alive_ms.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ class CanDriver final : public DeviceDriver {
  public:
   using Opener = std::function<Socket(const std::string& interface, const std::vector<std::uint32_t>& ids)>;
 
-  // Throws DriverError for a profile or options that cannot work. `opener`: tests have a bus of their own.
+  // Throws DriverError for a profile or options that cannot work. `opener` opens the bus; tests replace it.
   explicit CanDriver(const std::vector<SensorSetup>& sensors, Opener opener = open_interface);
 
   DeviceInfo open() override;
@@ -35,11 +35,11 @@ class CanDriver final : public DeviceDriver {
     unsigned number;
     decode::Decoder decoder;
     std::vector<Message> start, stop;
-    std::int64_t heard_ns = 0;  // or asked
+    std::int64_t last_activity_ns = 0;  // of its last packet or of the last start messages to it
   };
 
-  void wake_silent_boards(std::int64_t now_ns) noexcept;
-  ReadResult take(const Arrival& arrival, std::span<FrameSlot> slots) noexcept;
+  void restart_silent_boards(std::int64_t now_ns) noexcept;
+  ReadResult take(const ReceivedFrame& received, std::span<FrameSlot> slots) noexcept;
 
   decode::Profile profile_;
   std::string interface_;

@@ -23,7 +23,7 @@ namespace {
 
 // A scan of many boards comes in one burst; the kernel's default holds a few hundred frames only.
 constexpr int kReceiveBytes = 1 << 20;
-constexpr std::int64_t kOldestNs = 1'000'000'000;  // a stamp older than this tells of a clock that was set
+constexpr std::int64_t kOldestNs = 1'000'000'000;  // an older time stamp means that the wall clock was set
 
 [[noreturn]] void fail(const std::string& interface, const std::string& what, const std::string& remedy) {
   throw DriverError("CAN interface " + interface + ": " + what + ": " +
@@ -46,14 +46,14 @@ void filter(int fd, const std::vector<std::uint32_t>& ids, const std::string& in
     const canid_t mask = CAN_EFF_FLAG | CAN_RTR_FLAG | (id > CAN_SFF_MASK ? CAN_EFF_MASK : CAN_SFF_MASK);
     filters.push_back({wire_id(id), mask});
   }
-  if (filters.size() > CAN_RAW_FILTER_MAX) return;  // then the decoder sorts them out
+  if (filters.size() > CAN_RAW_FILTER_MAX) return;  // without filters the decoder ignores foreign ids
   if (::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
                    static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0) {
     fail(interface, "filters", "report this");
   }
 }
 
-// Kernel stamps are of the wall clock.
+// The kernel stamps with the wall clock; this converts a stamp to CLOCK_MONOTONIC.
 std::int64_t monotonic_of(const timespec& stamp) noexcept {
   timespec wall{};
   ::clock_gettime(CLOCK_REALTIME, &wall);
@@ -81,7 +81,7 @@ void Socket::close() noexcept {
   fd_ = -1;
 }
 
-Got Socket::receive(Arrival& out, std::int64_t give_up_ns) noexcept {
+ReceiveResult Socket::receive(ReceivedFrame& out, std::int64_t give_up_ns) noexcept {
   for (;;) {
     iovec data{&out.frame, sizeof out.frame};
     alignas(cmsghdr) std::array<char, 128> control{};
@@ -102,19 +102,19 @@ Got Socket::receive(Arrival& out, std::int64_t give_up_ns) noexcept {
       if (out.time_ns == 0) out.time_ns = monotonic_ns();
       const std::size_t most = size == CAN_MTU ? CAN_MAX_DLEN : CANFD_MAX_DLEN;
       out.frame.len = static_cast<std::uint8_t>(std::min<std::size_t>(out.frame.len, most));
-      return Got::frame;
+      return ReceiveResult::frame;
     }
-    if (size >= 0) return Got::gone;  // no CAN socket gives that
+    if (size >= 0) return ReceiveResult::disconnected;  // a size that no CAN socket returns
     if (errno == EINTR) continue;
-    if (errno != EAGAIN) return Got::gone;
+    if (errno != EAGAIN) return ReceiveResult::disconnected;
     const std::int64_t left_ns = give_up_ns - monotonic_ns();
-    if (left_ns <= 0) return Got::nothing;
+    if (left_ns <= 0) return ReceiveResult::timeout;
     const timespec wait{static_cast<time_t>(left_ns / 1'000'000'000),
                         static_cast<long>(left_ns % 1'000'000'000)};
     pollfd readable{fd_, POLLIN, 0};
     const int ready = ::ppoll(&readable, 1, &wait, nullptr);
-    if (ready == 0) return Got::nothing;
-    if (ready < 0 && errno != EINTR) return Got::gone;
+    if (ready == 0) return ReceiveResult::timeout;
+    if (ready < 0 && errno != EINTR) return ReceiveResult::disconnected;
   }
 }
 
@@ -146,7 +146,7 @@ Socket open_interface(const std::string& interface, const std::vector<std::uint3
   set(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, can_err_mask_t{CAN_ERR_MASK}, interface);
   set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, int{1}, interface);
   set(fd, SOL_SOCKET, SO_TIMESTAMPNS, int{1}, interface);
-  // Beyond the system's limit if we may, else up to it.
+  // With CAP_NET_ADMIN beyond the system's limit, else up to it.
   if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &kReceiveBytes, sizeof kReceiveBytes) != 0)
     set(fd, SOL_SOCKET, SO_RCVBUF, kReceiveBytes, interface);
   if (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)

@@ -1,5 +1,4 @@
-// A raw SocketCAN socket as the driver wants it. Opened by the set-up thread, read by the acquire thread,
-// which allocates nothing here.
+// A raw SocketCAN socket. The set-up thread opens it; the acquire thread reads it and allocates nothing.
 #pragma once
 
 #include <linux/can.h>
@@ -11,13 +10,13 @@
 
 namespace slipd::can {
 
-// One frame with the time at which the kernel got it from the controller.
-struct Arrival {
-  canfd_frame frame{};       // a classic one, too: len says how much of it
-  std::int64_t time_ns = 0;  // CLOCK_MONOTONIC
+// One received CAN frame.
+struct ReceivedFrame {
+  canfd_frame frame{};       // CAN FD or classic; `len` bytes of its data are valid
+  std::int64_t time_ns = 0;  // when the kernel received it from the controller, CLOCK_MONOTONIC
 };
 
-enum class Got : std::uint8_t { frame, nothing, gone };
+enum class ReceiveResult : std::uint8_t { frame, timeout, disconnected };
 
 // A file descriptor that closes itself.
 class Socket {
@@ -31,17 +30,18 @@ class Socket {
   bool is_open() const noexcept { return fd_ >= 0; }
   void close() noexcept;
 
-  // The next frame, waited for until `give_up_ns` of CLOCK_MONOTONIC. gone: the interface is down or away.
-  Got receive(Arrival& out, std::int64_t give_up_ns) noexcept;
+  // Waits for the next frame until `give_up_ns` of CLOCK_MONOTONIC. disconnected: the interface is down or
+  // was removed.
+  ReceiveResult receive(ReceivedFrame& out, std::int64_t give_up_ns) noexcept;
 
-  // False: the transmit queue is full or the interface gone. Never waits.
+  // False: the transmit queue is full or the interface was removed. Never waits.
   bool send(std::uint32_t id, std::span<const std::uint8_t> bytes) noexcept;
 
  private:
   int fd_ = -1;
 };
 
-// The socket of an interface, which receives only these ids and error frames. Throws DriverError.
+// Opens an interface. The socket receives only these ids and error frames. Throws DriverError.
 Socket open_interface(const std::string& interface, const std::vector<std::uint32_t>& ids);
 
 }  // namespace slipd::can

@@ -1,4 +1,4 @@
-// What no schema can say of a profile.
+// The checks of a profile that a JSON Schema cannot express.
 #include <nlohmann/json.hpp>
 
 #include "drivers/decode/profile_parts.hpp"
@@ -49,7 +49,7 @@ class Finder {
         "is not shorter than from scan to scan at rate_hz: halves of two scans could be taken for one");
   }
 
-  // Bytes that are not there, or belong to two values.
+  // Fields beyond the packet's end, and bytes of two fields.
   void packet(const PacketRule& rule, const std::string& at) {
     if (profile_.driver == "can" && rule.length > kCanFdBytes)
       add(at + "/length", rule.length, "is more than a CAN frame holds; expected up to 64 bytes");
@@ -70,7 +70,7 @@ class Finder {
             "is no sensor of the device; it has " + std::to_string(profile_.sensors));
         return;
       }
-      if (field.usage != 0) continue;  // the device says where
+      if (field.usage != 0) continue;  // the device's descriptor gives its place
       for (std::size_t byte = field.offset; byte < field.offset + field.type.bytes; ++byte) {
         if (byte >= rule.length) {
           add(at + "/fields", byte,
@@ -85,7 +85,7 @@ class Finder {
     }
   }
 
-  // What frames of a stream are cut into must be what the packets are.
+  // The packets that the stream produces must be those of the scan.
   void stream() {
     if (!profile_.stream) return;
     const Stream& rule = *profile_.stream;
@@ -108,7 +108,7 @@ class Finder {
 
   static constexpr std::size_t kNone = SIZE_MAX;
 
-  // Of the packet as it comes out of the stream; 0: any, kNone: there is no such packet.
+  // The size of the packet that the stream produces; 0: any, kNone: it produces no such packet.
   std::size_t cut_size(const Stream& rule, const PacketRule& packet) const {
     if (rule.pts2) return kPts2Head + profile_.sensors * profile_.layout.size() * kPts2Pillar;
     if (rule.records.empty()) return rule.length;

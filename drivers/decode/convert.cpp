@@ -44,7 +44,7 @@ NumberType type_of(const std::string& name) {  // u8, i16be …
   return type;
 }
 
-RoundNumber round_number(const json& in) {
+WrappingNumber wrapping_number(const json& in) {
   const NumberType type = type_of(in["type"]);
   return {in["offset"], type.bytes, type.big_endian, in.value("unit_us", 1.0) * 1e3};
 }
@@ -86,7 +86,7 @@ SkinInfo skin_of(const json& in) {
           in["modulus_mpa"].get<double>() * 1e6, in["poisson"].get<double>()};
 }
 
-// The device's axis → slipd's channel and sign; none: a profile's axis that slipd has no use for.
+// The channel and sign of a device's axis; nothing for an axis that the profile's `axes` does not name.
 struct Axis {
   Channel channel;
   double sign;
@@ -121,9 +121,9 @@ UsbMatch usb_of(const json& in) {
 
 Checksum checksum_of(const json& in) {
   const auto kind = in["kind"].get<std::string>();
-  return {kind == "sum16le"   ? Sum::sum16le
-          : kind == "sum16be" ? Sum::sum16be
-                              : Sum::crc8,
+  return {kind == "sum16le"   ? ChecksumKind::sum16le
+          : kind == "sum16be" ? ChecksumKind::sum16be
+                              : ChecksumKind::crc8,
           in["at"], in["from"], in["to"]};
 }
 
@@ -167,8 +167,8 @@ class ScanConverter {
           const json& match = packet["match"];
           rule.match = {match["offset"], match["mask"], match["value"]};
         }
-        if (packet.contains("clock")) rule.clock = round_number(packet["clock"]);
-        if (packet.contains("counter")) rule.counter = round_number(packet["counter"]);
+        if (packet.contains("clock")) rule.clock = wrapping_number(packet["clock"]);
+        if (packet.contains("counter")) rule.counter = wrapping_number(packet["counter"]);
         for (std::size_t j = 0; j < packet["fields"].size(); ++j) {
           fields(packet["fields"][j], turn * scan["taxels_each"].get<std::size_t>(),
                  pointer_to(pointer_to("/scan/packets", i) + "/fields", j), turn == 0, rule.fields);
@@ -217,7 +217,7 @@ class ScanConverter {
     return gain != in_.end() && taxel < gain->size() ? (*gain)[taxel].get<double>() : 1;
   }
 
-  // The device says the rest; the gain is what its own scale is to be multiplied with.
+  // The device's descriptor gives place, type and scale; the gain multiplies that scale.
   void by_usage(const json& in, std::size_t first_taxel, const std::string& at, bool tell,
                 std::vector<Field>& out) {
     const auto axis = axis_of(in_["axes"], in["axis"].get<std::string>()[0]);

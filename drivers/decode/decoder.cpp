@@ -5,8 +5,8 @@
 
 namespace slipd::decode {
 
-std::uint32_t addressed(std::uint32_t id, const std::optional<unsigned>& board_shift,
-                        unsigned board) noexcept {
+std::uint32_t with_board_number(std::uint32_t id, const std::optional<unsigned>& board_shift,
+                                unsigned board) noexcept {
   return board_shift ? id + (board << *board_shift) : id;
 }
 
@@ -16,7 +16,7 @@ Decoder::Decoder(const Profile& profile, std::size_t sensor, unsigned board)
       timeout_ns_(profile.scan_timeout_ns),
       key_offset_(profile.key_offset) {
   for (PacketRule& rule : rules_) {
-    rule.id = addressed(rule.id, rule.board_shift, board);
+    rule.id = with_board_number(rule.id, rule.board_shift, board);
     std::erase_if(rule.fields, [sensor](const Field& field) { return field.sensor != sensor; });
   }
 }
@@ -39,7 +39,7 @@ void Decoder::drop() noexcept {
   ++sequence_;
 }
 
-void Decoder::spoil() noexcept {
+void Decoder::mark_packet_lost() noexcept {
   if (next_ == 0 && rules_.size() == 1) ++sequence_;
   drop();
 }
@@ -50,14 +50,14 @@ void Decoder::reset() noexcept {
   clock_ns_ = 0;
 }
 
-void Decoder::Round::read(const std::optional<RoundNumber>& of_packet,
-                          std::span<const std::uint8_t> bytes) noexcept {
+void Decoder::WrappingCounter::read(const std::optional<WrappingNumber>& of_packet,
+                                    std::span<const std::uint8_t> bytes) noexcept {
   if (!of_packet) return;
   rule = of_packet;
   now = read_bits(bytes.data() + rule->offset, rule->bytes, rule->big_endian);
 }
 
-std::optional<std::uint64_t> Decoder::Round::step() noexcept {
+std::optional<std::uint64_t> Decoder::WrappingCounter::step() noexcept {
   const bool first = !last;
   const unsigned bits = 8U * rule->bytes;
   const std::uint64_t moved = (now - last.value_or(now)) & (~std::uint64_t{0} >> (64U - bits));
@@ -66,8 +66,9 @@ std::optional<std::uint64_t> Decoder::Round::step() noexcept {
   return moved;
 }
 
-// The sequence follows the device's count of scans. One that comes twice is dropped. So is one whose count
-// goes back: it was overtaken, or the device began anew; those after it are counted from there. False: drop.
+// The sequence follows the device's count of scans. A scan with the same count as the last is dropped. So is
+// one whose count goes back (it was overtaken, or the device restarted); later scans are counted from there.
+// False: drop the scan.
 bool Decoder::follow_counter() noexcept {
   if (!counter_.rule) return true;
   const bool first = !counter_.last;
@@ -77,7 +78,7 @@ bool Decoder::follow_counter() noexcept {
     ++counts_.repeated;
     return false;
   }
-  sequence_ = told_ + *step;
+  sequence_ = last_sequence_ + *step;
   return true;
 }
 
@@ -124,7 +125,7 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
   const PacketRule& rule = rules_[next_];
   if (bytes.size() != rule.length || !fill(rule, bytes, slot)) {
     ++counts_.malformed;
-    if (next_ == 0) ++sequence_;  // the scan that this would have begun
+    if (next_ == 0) ++sequence_;  // the packet would have begun a scan
     drop();
     return Outcome::dropped;
   }
@@ -141,8 +142,8 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
     std::fill(slot.shear_x_pa.begin(), slot.shear_x_pa.end(), 0.0F);
     std::fill(slot.shear_y_pa.begin(), slot.shear_y_pa.end(), 0.0F);
   }
-  told_ = sequence_++;
-  slot.sequence = told_;
+  last_sequence_ = sequence_++;
+  slot.sequence = last_sequence_;
   slot.time_ns = begun_ns_;
   slot.device_time_ns = device_time_ns();
   slot.truth = {};

@@ -1,10 +1,10 @@
-// Packets of one sensor → its frames, as the profile says. Pure: no clock, no device, no allocation after it
-// is made. Acquire thread.
+// Assembles the packets of one sensor into frames, as the profile describes them. Pure: no clock, no device,
+// no allocation after construction. Acquire thread.
 //
-// Most devices number neither their packets nor their scans, so only order and time tell which packets belong
-// together: a scan begins with its first packet and must go on in the profile's order within its time-out.
-// Anything else (a packet lost, twice, too early, of the wrong length) drops the whole scan, which then is
-// missing from the sequence. Where the device counts its scans, the sequence follows that count.
+// Most devices number neither their packets nor their scans. Then only order and time assign packets to
+// scans: a scan begins with its first packet and must continue in the profile's order within its time-out.
+// Anything else (a packet lost, repeated, too early, of the wrong length) drops the whole scan, and its
+// sequence number is skipped. Where the device counts its scans, the sequence follows that count.
 #pragma once
 
 #include <cstdint>
@@ -16,35 +16,37 @@
 namespace slipd::decode {
 
 enum class Outcome : std::uint8_t {
-  foreign,  // not this sensor's
-  partial,  // taken, the scan is not whole yet
+  foreign,  // the packet is of another sensor
+  partial,  // accepted; the scan is incomplete
   frame,    // the slot holds a frame
-  dropped   // the scan is lost, or the packet makes no sense
+  dropped   // the scan is lost, or the packet is malformed
 };
 
-struct Counts {
-  std::uint64_t packets = 0;     // that were this sensor's
-  std::uint64_t malformed = 0;   // packets of a wrong length or without meaning
-  std::uint64_t incomplete = 0;  // scans that were begun and dropped
+struct DecoderCounts {
+  std::uint64_t packets = 0;     // packets of this sensor
+  std::uint64_t malformed = 0;   // packets of a wrong length or with values that are not finite
+  std::uint64_t incomplete = 0;  // scans that began and were dropped
   std::uint64_t stray = 0;       // packets that continued no scan
-  std::uint64_t repeated = 0;    // scans that the device's counter says were there already, or come too late
+  std::uint64_t repeated = 0;    // scans whose device count had come before, or went back
 };
 
 class Decoder {
  public:
-  // `sensor`: which of the device's; `board`: what the ids carry where the profile says so.
+  // `sensor`: index among the device's sensors, from 0. `board`: the number that the ids contain where a rule
+  // has a board_shift.
   Decoder(const Profile& profile, std::size_t sensor, unsigned board);
 
-  // `time_ns`: arrival, of any one clock. The slot has the layout's size and stays the same until a frame is
-  // told. Its time is that of the scan's first packet.
+  // `time_ns`: time of arrival, of any one clock. `slot` has the layout's size and must be the same one until
+  // the outcome is `frame`. The frame's time is that of the scan's first packet.
   Outcome take(std::uint32_t id, std::span<const std::uint8_t> bytes, std::int64_t time_ns,
                FrameSlot& slot) noexcept;
 
-  // A packet was lost on the way, nobody knows of which scan: the one begun, or the one that it was.
-  void spoil() noexcept;
+  // A packet was lost in transmission. Drops the scan that has begun; where a scan is one packet, skips a
+  // sequence number.
+  void mark_packet_lost() noexcept;
 
-  void reset() noexcept;  // forgets a scan begun, after the device was opened anew
-  const Counts& counts() const noexcept { return counts_; }
+  void reset() noexcept;  // forgets a scan that has begun; for a device that was opened again
+  const DecoderCounts& counts() const noexcept { return counts_; }
   const std::vector<PacketRule>& rules() const noexcept { return rules_; }  // with the board in the ids
 
  private:
@@ -59,27 +61,28 @@ class Decoder {
   SensorClass sensor_class_;
   std::int64_t timeout_ns_;
   std::optional<std::size_t> key_offset_;
-  std::uint8_t key_ = 0;  // of the scan begun
-  std::size_t next_ = 0;  // rule that continues the scan; 0: none is begun
+  std::uint8_t key_ = 0;  // of the scan that has begun
+  std::size_t next_ = 0;  // index of the rule that continues the scan; 0: no scan has begun
   std::int64_t begun_ns_ = 0;
   std::uint64_t sequence_ = 0;
-  // A number of the device that goes round: of the scan begun, and of the one before that counts.
-  struct Round {
-    std::optional<RoundNumber> rule;
+  // A number of the device that wraps around: its value in the present scan and in the last complete one.
+  struct WrappingCounter {
+    std::optional<WrappingNumber> rule;
     std::uint64_t now = 0;
     std::optional<std::uint64_t> last;
-    void read(const std::optional<RoundNumber>& rule, std::span<const std::uint8_t> bytes) noexcept;
-    // From the last one to this, which becomes the last; none: there was none, or it went back.
+    void read(const std::optional<WrappingNumber>& rule, std::span<const std::uint8_t> bytes) noexcept;
+    // The increment since the last complete scan; the present value becomes the last. Nothing: this is the
+    // first, or the number went back.
     std::optional<std::uint64_t> step() noexcept;
   };
-  Round clock_, counter_;
+  WrappingCounter clock_, counter_;
   double clock_ns_ = 0;
-  std::uint64_t told_ = 0;  // the last frame's sequence
-  Counts counts_;
+  std::uint64_t last_sequence_ = 0;  // the last frame's sequence
+  DecoderCounts counts_;
 };
 
-// The id with the board's number in it.
-std::uint32_t addressed(std::uint32_t id, const std::optional<unsigned>& board_shift,
-                        unsigned board) noexcept;
+// The id of a board: the board's number shifted left is added. Without board_shift, the id itself.
+std::uint32_t with_board_number(std::uint32_t id, const std::optional<unsigned>& board_shift,
+                                unsigned board) noexcept;
 
 }  // namespace slipd::decode

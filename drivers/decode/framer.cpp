@@ -9,7 +9,7 @@
 namespace slipd::decode {
 namespace {
 
-constexpr std::size_t kLongestPiece = 65536;  // in one put, of any bus
+constexpr std::size_t kLongestPiece = 65536;  // bytes of one put(), on any bus
 constexpr std::size_t kTooLong = SIZE_MAX;
 
 std::size_t place(std::ptrdiff_t at, std::size_t size) noexcept {
@@ -23,16 +23,16 @@ Framer::Framer(const Profile& profile)
       framed_(profile.stream.has_value()),
       sensors_(profile.sensors),
       pillars_(profile.layout.size()),
-      most_(kLongestPiece),
-      buffer_(most_ + stream_.longest),
+      capacity_(kLongestPiece),
+      buffer_(capacity_ + stream_.longest),
       flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar : 0) {
-  checksum_of(stream_.checksum.kind, {});  // makes its table
+  checksum_of(stream_.checksum.kind, {});  // computes its table
 }
 
 void Framer::reset() noexcept {
-  used_ = filled_ = searched_ = run_ = 0;
+  used_ = filled_ = searched_ = unreported_garbage_ = 0;
   records_ = {};
-  lost_ = true;
+  in_garbage_ = true;
 }
 
 void Framer::put(Bytes bytes) noexcept {
@@ -45,7 +45,7 @@ void Framer::put(Bytes bytes) noexcept {
   filled_ += taken;
 }
 
-// How many of the bytes come before a begin marker, or before what may become one; `begun`: there is one.
+// The number of bytes before a begin marker (`begun` true) or before the beginning of a possible one.
 std::size_t Framer::before_begin(bool& begun) const noexcept {
   const Bytes all = held();
   const auto found = std::search(all.begin(), all.end(), stream_.begin.begin(), stream_.begin.end());
@@ -56,20 +56,21 @@ std::size_t Framer::before_begin(bool& begun) const noexcept {
   return all.size() - keep;
 }
 
-// True if that is to be told: once when it begins, and again after more bytes than a frame may have.
+// Discards bytes as garbage. True where that is to be reported: when a run of garbage begins, and again after
+// more bytes than the longest frame has.
 bool Framer::lose(std::size_t bytes) noexcept {
   counts_.garbage += bytes;
   used_ += bytes;
   searched_ = 0;
-  run_ += bytes;
-  if (lost_ && run_ <= stream_.longest) return false;
-  lost_ = true;
-  run_ = 0;
-  ++counts_.wrong;
+  unreported_garbage_ += bytes;
+  if (in_garbage_ && unreported_garbage_ <= stream_.longest) return false;
+  in_garbage_ = true;
+  unreported_garbage_ = 0;
+  ++counts_.invalid;
   return true;
 }
 
-// Of the frame at the beginning of the bytes; 0: they are too few to tell.
+// The size of the frame at the beginning of the bytes; 0: more bytes are needed.
 std::size_t Framer::size_of(Bytes bytes) const noexcept {
   if (stream_.length != 0) return stream_.length;
   if (stream_.length_byte.plus != 0) {
@@ -91,79 +92,79 @@ bool Framer::is_right(Bytes frame) const noexcept {
   if (frame.size() < stream_.begin.size() + stream_.end.size()) return false;
   if (!std::equal(stream_.end.begin(), stream_.end.end(), frame.end() - end_marker)) return false;
   const Checksum& sum = stream_.checksum;
-  if (sum.kind == Sum::none) return true;
+  if (sum.kind == ChecksumKind::none) return true;
   const std::size_t bytes = bytes_of(sum.kind);
   const std::size_t at = place(sum.at, frame.size()), from = place(sum.from, frame.size());
   const std::size_t to = sum.to == 0 ? frame.size() : place(sum.to, frame.size());
   if (at > frame.size() || bytes > frame.size() - at || from > to || to > frame.size()) return false;
-  return read_bits(frame.data() + at, bytes, sum.kind == Sum::sum16be) ==
+  return read_bits(frame.data() + at, bytes, sum.kind == ChecksumKind::sum16be) ==
          checksum_of(sum.kind, frame.subspan(from, to - from));
 }
 
-Framer::Got Framer::next_record(RawPacket& out) noexcept {
+Framer::Result Framer::next_record(RawPacket& out) noexcept {
   for (const Record& record : stream_.records) {
     if ((records_.front() & record.mask) != record.tag || records_.size() <= record.bytes) continue;
     out = {records_.front(), records_.subspan(1, record.bytes)};
     records_ = records_.subspan(1 + record.bytes);
-    return Got::packet;
+    return Result::packet;
   }
   records_ = {};
-  ++counts_.wrong;
-  return Got::wrong;
+  ++counts_.invalid;
+  return Result::invalid;
 }
 
-Framer::Got Framer::unpack(Bytes frame, RawPacket& out) noexcept {
+Framer::Result Framer::unpack(Bytes frame, RawPacket& out) noexcept {
   if (stream_.pts2) {
     const std::size_t head = stream_.begin.size();
     const std::size_t around = head + stream_.end.size() + bytes_of(stream_.checksum.kind);
     if (frame.size() < around ||
         !flatten_pts2(frame.subspan(head, frame.size() - around), sensors_, pillars_, flat_)) {
-      ++counts_.wrong;
-      return Got::wrong;
+      ++counts_.invalid;
+      return Result::invalid;
     }
     out = {0, flat_};
-    return Got::packet;
+    return Result::packet;
   }
   if (!stream_.records.empty()) {
-    if (frame.size() <= stream_.records_from) return Got::nothing;  // an answer without any
+    if (frame.size() <= stream_.records_from) return Result::incomplete;  // a frame without records
     records_ = frame.subspan(stream_.records_from);
     return next_record(out);
   }
   out = {0, frame};
-  return Got::packet;
+  return Result::packet;
 }
 
-Framer::Got Framer::next(RawPacket& out) noexcept {
+Framer::Result Framer::next(RawPacket& out) noexcept {
   if (!records_.empty()) return next_record(out);
   if (!framed_) {
-    if (used_ == filled_) return Got::nothing;
+    if (used_ == filled_) return Result::incomplete;
     out = {0, held()};
     used_ = filled_;
     ++counts_.frames;
-    return Got::packet;
+    return Result::packet;
   }
   for (;;) {
     bool begun = false;
     const std::size_t before = before_begin(begun);
-    if (before > 0 && lose(before)) return Got::wrong;
-    if (!begun) return Got::nothing;
+    if (before > 0 && lose(before)) return Result::invalid;
+    if (!begun) return Result::incomplete;
     const std::size_t size = size_of(held());
     if (size != kTooLong && (size == 0 || held().size() < size)) {
       const std::size_t overlap = stream_.end.empty() ? 0 : stream_.end.size() - 1;
       searched_ = held().size() > overlap ? held().size() - overlap : 0;
-      return Got::nothing;
+      return Result::incomplete;
     }
     if (size == kTooLong || !is_right(held().first(size))) {
-      if (lose(1)) return Got::wrong;
+      if (lose(1)) return Result::invalid;
       continue;
     }
     const Bytes frame = held().first(size);
     used_ += size;
-    searched_ = run_ = 0;
-    lost_ = false;
+    searched_ = unreported_garbage_ = 0;
+    in_garbage_ = false;
     ++counts_.frames;
-    const Got got = unpack(frame, out);
-    if (got != Got::nothing) return got;
+    const Result got = unpack(frame, out);
+    if (got != Result::incomplete) return got;
   }
 }
 

@@ -1,10 +1,10 @@
-// Bytes in the pieces in which they arrive → packets, as the profile's `stream` says: frames between markers,
-// of a length that is fixed or stated, with a checksum; within a frame one packet, tagged records, or
-// Contactile's nested offsets. Without a stream each piece is a packet. Pure; acquire thread; allocates
-// nothing after it is made.
+// Cuts a stream of bytes into packets, as the profile's `stream` describes it: frames between markers, of a
+// fixed or a stated length, with a checksum; within a frame one packet, tagged records, or Contactile's
+// nested offsets. Without a stream each chunk of bytes is a packet. Pure; acquire thread; allocates nothing
+// after construction.
 //
-// A frame that turns out wrong loses only its first byte: the next is looked for in what follows, so that
-// garbage, a byte too few or a marker within data cost the frames that they hit and no more.
+// Of an invalid frame only the first byte is discarded, and the search goes on in the bytes behind it. So
+// garbage, a missing byte or a marker within data costs only the frames in which it occurs.
 #pragma once
 
 #include <cstdint>
@@ -16,31 +16,31 @@
 namespace slipd::decode {
 
 struct RawPacket {
-  std::uint32_t id = 0;  // the tag of a record; else 0
-  std::span<const std::uint8_t> bytes;
+  std::uint32_t id = 0;                 // the tag of a record; 0 where the frame is one packet
+  std::span<const std::uint8_t> bytes;  // valid until the next put()
 };
 
 struct FramerCounts {
-  std::uint64_t frames = 0;   // whole and right
-  std::uint64_t wrong = 0;    // began like one and were not, or made no sense inside
+  std::uint64_t frames = 0;   // complete frames with the right length and checksum
+  std::uint64_t invalid = 0;  // runs of garbage and frames whose content could not be decoded
   std::uint64_t garbage = 0;  // bytes that belonged to no frame
 };
 
 class Framer {
  public:
-  enum class Got : std::uint8_t { nothing, packet, wrong };
+  enum class Result : std::uint8_t { incomplete, packet, invalid };
 
   explicit Framer(const Profile& profile);
 
-  // More bytes have come. To be called when next() has said `nothing`; then all of them fit up to room().
+  // Appends bytes that have arrived, at most room() of them. Call it only after next() returned `incomplete`.
   void put(std::span<const std::uint8_t> bytes) noexcept;
-  std::size_t room() const noexcept { return most_; }
+  std::size_t room() const noexcept { return capacity_; }
 
-  // The next packet, its bytes valid until the next call of put; or that a frame or a run of garbage was
-  // dropped; or nothing: more bytes are needed.
-  Got next(RawPacket& out) noexcept;
+  // packet: `out` holds the next one. invalid: a frame or a run of garbage was discarded. incomplete: more
+  // bytes are needed.
+  Result next(RawPacket& out) noexcept;
 
-  void reset() noexcept;  // forgets what has come
+  void reset() noexcept;  // forgets all bytes
   const FramerCounts& counts() const noexcept { return counts_; }
 
  private:
@@ -51,19 +51,19 @@ class Framer {
   bool lose(std::size_t bytes) noexcept;
   std::size_t size_of(Bytes from_begin) const noexcept;
   bool is_right(Bytes frame) const noexcept;
-  Got unpack(Bytes frame, RawPacket& out) noexcept;
-  Got next_record(RawPacket& out) noexcept;
+  Result unpack(Bytes frame, RawPacket& out) noexcept;
+  Result next_record(RawPacket& out) noexcept;
 
   Stream stream_;
   bool framed_;
   std::size_t sensors_, pillars_;
-  std::size_t most_;
+  std::size_t capacity_;
   std::vector<std::uint8_t> buffer_, flat_;
-  std::size_t used_ = 0, filled_ = 0;  // of the buffer
-  std::size_t searched_ = 0;           // of what is held: no end marker begins before
-  Bytes records_;                      // of the last frame, not told yet
-  bool lost_ = true;                   // in garbage that is told already, as before the first frame
-  std::size_t run_ = 0;                // bytes of garbage since it was told
+  std::size_t used_ = 0, filled_ = 0;   // begin and end of the held bytes in the buffer
+  std::size_t searched_ = 0;            // no end marker begins in so many of the held bytes
+  Bytes records_;                       // records of the last frame that next() has not returned yet
+  bool in_garbage_ = true;              // in a run of garbage that was reported; also before the first frame
+  std::size_t unreported_garbage_ = 0;  // bytes of garbage since the last report
   FramerCounts counts_;
 };
 

@@ -1,4 +1,4 @@
-// Numbers as devices write them. Acquire thread: no branch can fail, whatever the bytes.
+// Reads numbers out of devices' bytes. Acquire thread; any bytes are valid input.
 #pragma once
 
 #include <bit>
@@ -7,16 +7,20 @@
 
 namespace slipd::decode {
 
-enum class NumberKind : std::uint8_t { natural, whole, real };
+enum class NumberKind : std::uint8_t {
+  natural,  // unsigned integer
+  whole,    // signed integer, two's complement
+  real      // IEEE 754 single precision
+};
 
 struct NumberType {
   NumberKind kind = NumberKind::natural;
-  std::uint8_t bytes = 1;  // 1, 2 or 4; real: 4; clocks and counters: also 8
-  bool big_endian = false;
+  std::uint8_t bytes = 1;   // 1, 2 or 4; real: 4; clocks and counters: also 8
+  bool big_endian = false;  // false: least significant byte first
   bool operator==(const NumberType&) const = default;
 };
 
-// The bits of `at`, which has `bytes` bytes, at most 8.
+// The unsigned number at `at`, of `bytes` bytes, 1 to 8.
 inline std::uint64_t read_bits(const std::uint8_t* at, std::size_t bytes, bool big_endian) noexcept {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < bytes; ++i) {
@@ -26,7 +30,7 @@ inline std::uint64_t read_bits(const std::uint8_t* at, std::size_t bytes, bool b
   return bits;
 }
 
-// `at` has type.bytes bytes, at most 4. A real may be NaN or infinite.
+// The number at `at`, of type.bytes bytes, at most 4. A real can be NaN or infinite.
 inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
   const auto raw = static_cast<std::uint32_t>(read_bits(at, type.bytes, type.big_endian));
   if (type.kind == NumberKind::real) return static_cast<double>(std::bit_cast<float>(raw));

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 std::vector<fs::path> folders() {
   std::vector<fs::path> found{"/etc/slipd/profiles"};
   Dl_info here{};
-  // Of a program that was found by PATH, dladdr knows but the bare name.
+  // dladdr knows only the bare name of a program that was found by PATH.
   fs::path code;
   if (dladdr(reinterpret_cast<const void*>(&parse_profile), &here) != 0 && here.dli_fname != nullptr)
     code = here.dli_fname;

@@ -1,4 +1,4 @@
-// The two steps of parse_profile() behind the schema. Set-up thread.
+// The two steps of parse_profile() that follow the check against the schema. Set-up thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,12 +9,13 @@
 
 namespace slipd::decode {
 
-// JSON that fits the schema → Profile. What it cannot say goes to `problems`, and then the result is of no
-// use.
+// Converts JSON that fits the schema. Appends what cannot be converted to `problems`; then the result is
+// invalid.
 Profile converted(const nlohmann::json& in, std::vector<Problem>& problems);
 
-// What makes a profile unable to work though every key is in its range: bytes read twice, packets too short,
-// taxels that no field fills or two do, packets that cannot be told apart, registers that are not there.
+// Appends the contradictions of a profile whose every key is in its range: bytes that two fields read,
+// packets that are too short, taxels that no field or two fields fill, packets that cannot be distinguished,
+// registers that the device does not have.
 void find_contradictions(const nlohmann::json& in, const Profile& profile, std::vector<Problem>& problems);
 
 }  // namespace slipd::decode

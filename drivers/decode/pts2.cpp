@@ -19,7 +19,7 @@ class Reader {
   bool flatten(std::size_t sensors, std::size_t pillars, std::span<std::uint8_t> out) noexcept {
     std::ranges::fill(out, std::uint8_t{0xFF});  // as floats: NaN
     if (width_ != 1 && width_ != 2 && width_ != 4) return false;
-    std::size_t first = in_.size();  // of the blocks
+    std::size_t first = in_.size();  // offset of the first block
     std::size_t time = 0, forces = 0;
     for (std::size_t at = 1; at + kTypeBytes + width_ <= first; at += kTypeBytes + width_) {
       const std::uint64_t type = number(at, kTypeBytes);
@@ -40,7 +40,7 @@ class Reader {
   }
 
  private:
-  // 0 behind the end, and then all that is read is of no use.
+  // 0 behind the end; then the packet is invalid.
   std::uint64_t number(std::size_t at, std::size_t bytes) noexcept {
     if (at + bytes > in_.size()) {
       ok_ = false;

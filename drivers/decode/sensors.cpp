@@ -42,8 +42,8 @@ ReadResult Sensors::next_ready() noexcept {
   return {ReadStatus::timeout, 0};
 }
 
-void Sensors::spoil() noexcept {
-  for (Decoder& decoder : decoders_) decoder.spoil();
+void Sensors::mark_packet_lost() noexcept {
+  for (Decoder& decoder : decoders_) decoder.mark_packet_lost();
 }
 
 void Sensors::reset() noexcept {

@@ -1,5 +1,6 @@
-// The sensors of one device whose packets come over one line (USB, HID): a decoder for each, and frames told
-// one at a time though one packet may finish those of several. Acquire thread; made by the set-up thread.
+// The sensors of one device that share one stream of packets (USB, HID, Modbus): one decoder each. One packet
+// can complete frames of several sensors; they are returned one at a time. The set-up thread constructs it,
+// the acquire thread uses it.
 #pragma once
 
 #include <span>
@@ -11,17 +12,19 @@ namespace slipd::decode {
 
 class Sensors {
  public:
-  // By each setup's option `sensor`. Throws DriverError where two are the same or the device has fewer.
+  // Each setup's option `sensor` selects its sensor. Throws DriverError where two are the same or the device
+  // has fewer.
   Sensors(const Profile& profile, const std::vector<SensorSetup>& setups);
 
-  // `frame`, `corrupt`, or `timeout` where the packet finished nothing. slots[i] is that of setup i.
+  // `frame`, `corrupt`, or `timeout` where the packet completed no frame. slots[i] belongs to setup i.
   ReadResult take(std::uint32_t id, std::span<const std::uint8_t> bytes, std::int64_t time_ns,
                   std::span<FrameSlot> slots) noexcept;
 
-  // The next frame that take() left to be told, or `timeout`. Before any other packet is taken.
+  // The next frame that the last take() completed, or `timeout`. Call it until `timeout` before the next
+  // take().
   ReadResult next_ready() noexcept;
 
-  void spoil() noexcept;  // a packet was lost on the way
+  void mark_packet_lost() noexcept;  // of an unknown sensor: applies to all
   void reset() noexcept;
   const std::vector<SensorInfo>& info() const noexcept { return info_; }
 

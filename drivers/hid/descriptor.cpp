@@ -36,11 +36,11 @@ enum class Item : std::uint8_t {
 constexpr std::uint8_t kMainType = 0, kConstant = 1;
 constexpr std::size_t kDeepest = 16;
 constexpr std::uint32_t kMostBits = 4096 * 8;
-constexpr std::size_t kMostFields = 4096;  // of all reports: a few bytes of descriptor may claim any number
+constexpr std::size_t kMostFields = 4096;  // of all reports: a few bytes of descriptor can claim any number
 constexpr std::uint32_t kForceInDyne = 0xE111;  // SI linear: cm g s^-2
 constexpr double kNewtonPerDyne = 1e-5;
 
-// What stays in force from item to item.
+// The item state table: global items hold until they are replaced.
 struct Global {
   std::uint32_t page = 0, unit = 0, size = 0, count = 0;
   std::int32_t low = 0, high = 0, physical_low = 0, physical_high = 0;
@@ -52,7 +52,7 @@ class Parser {
  public:
   explicit Parser(Bytes in) {
     while (!in.empty()) {
-      if (static_cast<Item>(in[0]) == Item::long_item) return;  // nobody uses these
+      if (static_cast<Item>(in[0]) == Item::long_item) return;  // the standard defines none
       const std::size_t size = (in[0] & 3U) == 3U ? 4 : in[0] & 3U;
       if (in.size() <= size) return;
       if (!take(in[0], in.subspan(1, size))) return;
@@ -74,11 +74,40 @@ class Parser {
     return static_cast<std::int32_t>(natural(data) << unused) >> unused;
   }
 
+  // One item. False: parsing ends.
   bool take(std::uint8_t head, Bytes data) {
     const auto item = static_cast<Item>(head & 0xFCU);
     switch (item) {
       case Item::input:
         return input(natural(data));
+      case Item::push:
+        if (kept_.size() >= kDeepest) return false;
+        kept_.push_back(global_);
+        break;
+      case Item::pop:
+        if (kept_.empty()) return false;
+        global_ = kept_.back();
+        kept_.pop_back();
+        break;
+      case Item::usage:
+        usages_.push_back(data.size() == 4 ? natural(data) : global_.page << 16 | natural(data));
+        break;
+      case Item::usage_minimum:
+        usage_low_ = natural(data);
+        break;
+      case Item::usage_maximum:
+        for (std::uint32_t usage = usage_low_; usage <= natural(data) && usages_.size() < kMostBits; ++usage)
+          usages_.push_back(global_.page << 16 | usage);
+        break;
+      default:
+        set_global(item, data);
+    }
+    if ((head & 0x0CU) >> 2 == kMainType) usages_.clear();
+    return true;
+  }
+
+  void set_global(Item item, Bytes data) {
+    switch (item) {
       case Item::usage_page:
         global_.page = natural(data);
         break;
@@ -110,30 +139,9 @@ class Parser {
       case Item::report_count:
         global_.count = natural(data);
         break;
-      case Item::push:
-        if (kept_.size() >= kDeepest) return false;
-        kept_.push_back(global_);
-        break;
-      case Item::pop:
-        if (kept_.empty()) return false;
-        global_ = kept_.back();
-        kept_.pop_back();
-        break;
-      case Item::usage:
-        usages_.push_back(data.size() == 4 ? natural(data) : global_.page << 16 | natural(data));
-        break;
-      case Item::usage_minimum:
-        usage_low_ = natural(data);
-        break;
-      case Item::usage_maximum:
-        for (std::uint32_t usage = usage_low_; usage <= natural(data) && usages_.size() < kMostBits; ++usage)
-          usages_.push_back(global_.page << 16 | usage);
-        break;
-      default:
+      default:  // of no consequence to input fields
         break;
     }
-    if ((head & 0x0CU) >> 2 == kMainType) usages_.clear();
-    return true;
   }
 
   bool input(std::uint32_t flags) {

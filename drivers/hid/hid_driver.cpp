@@ -71,7 +71,7 @@ HidDriver::HidDriver(const std::vector<SensorSetup>& sensors)
   by_usage_ = std::ranges::any_of(profile_.scan, [](const decode::PacketRule& rule) {
     return std::ranges::any_of(rule.fields, [](const decode::Field& field) { return field.usage != 0; });
   });
-  numbered_ = has_numbers(profile_);
+  has_report_ids_ = has_numbers(profile_);
 }
 
 DeviceInfo HidDriver::open() {
@@ -96,8 +96,8 @@ DeviceInfo HidDriver::open() {
     throw DriverError(id + ": " + found.front().path + " cannot be opened: " + narrow(hid_error(nullptr)) +
                       "; may slipd read it? See 60-slipd-hid.rules");
   }
-  if (!say(profile_.start)) throw DriverError(id + ": does not take its start message");
-  find_places(found.front().path);
+  if (!send(profile_.start)) throw DriverError(id + ": does not take its start message");
+  resolve_places(found.front().path);
   sensors_.reset();
   return {.description = profile_.description + " at " + found.front().path,
           .serial = found.front().serial,
@@ -105,22 +105,22 @@ DeviceInfo HidDriver::open() {
           .sensors = sensors_.info()};
 }
 
-// Where the device itself says where its values stand. A device that comes back may say it anew.
-void HidDriver::find_places(const std::string& path) {
+// Reads places and scales from the device's descriptor, at each opening: another device can come back.
+void HidDriver::resolve_places(const std::string& path) {
   if (!by_usage_) return;
   decode::Profile resolved = profile_;
   resolve_usages(resolved, descriptor_of(path));
-  numbered_ = has_numbers(resolved);
+  has_report_ids_ = has_numbers(resolved);
   sensors_ = decode::Sensors(resolved, setups_);
 }
 
 void HidDriver::close() noexcept {
-  if (device_) say(profile_.stop);
+  if (device_) send(profile_.stop);
   device_.reset();
 }
 
-// hidapi wants the report id first, 0 where there are none.
-bool HidDriver::say(const std::vector<decode::Message>& messages) noexcept {
+// hidapi expects the report id in the first byte, 0 where the device has none.
+bool HidDriver::send(const std::vector<decode::Message>& messages) noexcept {
   for (const decode::Message& message : messages) {
     std::array<std::uint8_t, kLongestReport> report{};
     const std::size_t size = std::min(message.bytes.size(), report.size() - 1);
@@ -136,7 +136,7 @@ bool HidDriver::say(const std::vector<decode::Message>& messages) noexcept {
 ReadResult HidDriver::take(std::span<const std::uint8_t> report, std::int64_t time_ns,
                            std::span<FrameSlot> slots) noexcept {
   std::uint32_t id = 0;
-  if (numbered_) {
+  if (has_report_ids_) {
     id = report.front();
     report = report.subspan(1);
   }

@@ -1,6 +1,6 @@
-// Tactile sensors that are HID devices, by hidapi's hidraw backend: reports by themselves, one scan in one or
-// several of them. The kernel keeps 64 reports for a reader that is late; more are lost, and the decoder
-// drops the scan that they belong to. hidapi gives no time of arrival: it is taken when a report is read.
+// Tactile sensors that are HID devices, read with hidapi's hidraw backend. The device sends input reports
+// unasked; one scan is one report or several. The kernel buffers 64 reports; when more wait, reports are lost
+// and the decoder drops their scans. hidapi gives no time of arrival: a report's time is that of its reading.
 #pragma once
 
 #include <memory>
@@ -28,17 +28,17 @@ class HidDriver final : public DeviceDriver {
     void operator()(hid_device_* device) const noexcept;
   };
 
-  void find_places(const std::string& path);
-  bool say(const std::vector<decode::Message>& messages) noexcept;
+  void resolve_places(const std::string& path);
+  bool send(const std::vector<decode::Message>& messages) noexcept;
   ReadResult take(std::span<const std::uint8_t> report, std::int64_t time_ns,
                   std::span<FrameSlot> slots) noexcept;
 
   decode::Profile profile_;
-  std::string serial_, path_;  // which device; empty: the only one there is
+  std::string serial_, path_;  // select the device; empty: the only one present
   std::vector<SensorSetup> setups_;
   decode::Sensors sensors_;
-  bool by_usage_ = false;  // the device says where its values stand
-  bool numbered_ = false;  // reports begin with their id
+  bool by_usage_ = false;        // the device's descriptor gives the places of its values
+  bool has_report_ids_ = false;  // reports begin with their id
   std::unique_ptr<hid_device_, Closes> device_;
 };
 

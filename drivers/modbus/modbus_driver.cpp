@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kConnectPatience = std::chrono::seconds(1);
 constexpr auto kAnswerPatience = std::chrono::milliseconds(50);
-constexpr int kGoneAfter = 10;  // requests without an answer: then the connection is made anew
+constexpr int kGoneAfter = 10;  // consecutive requests without an answer, after which slipd reconnects
 constexpr std::int64_t kLongestLagNs = 100'000'000;
 
 template <class Set>
@@ -37,8 +37,8 @@ void ModbusDriver::Closes::operator()(_modbus* context) const noexcept {
   modbus_free(context);
 }
 
-ModbusDriver::Place ModbusDriver::place_of(const SensorSetup& sensor, const decode::ModbusMap& map) {
-  Place place;
+ModbusDriver::Endpoint ModbusDriver::endpoint_of(const SensorSetup& sensor, const decode::ModbusMap& map) {
+  Endpoint endpoint;
   try {
     place.host = sensor.device.value("host", "");
     place.serial_line = sensor.device.value("serial_line", "");
@@ -59,22 +59,22 @@ ModbusDriver::Place ModbusDriver::place_of(const SensorSetup& sensor, const deco
 
 ModbusDriver::ModbusDriver(const std::vector<SensorSetup>& sensors)
     : profile_(decode::profile_of(sensors, "modbus")),
-      place_(place_of(sensors.front(), *profile_.modbus)),
+      endpoint_(endpoint_of(sensors.front(), *profile_.modbus)),
       sensors_(profile_, sensors),
       period_ns_(std::llround(1e9 / profile_.rate_hz)) {}
 
 DeviceInfo ModbusDriver::open() {
   close();
-  const bool tcp = !place_.host.empty();
+  const bool tcp = !endpoint_.host.empty();
   context_.reset(
-      tcp ? modbus_new_tcp_pi(place_.host.c_str(), std::to_string(place_.port).c_str())
-          : modbus_new_rtu(place_.serial_line.c_str(), place_.baud, profile_.modbus->parity, 8, 1));
+      tcp ? modbus_new_tcp_pi(endpoint_.host.c_str(), std::to_string(endpoint_.port).c_str())
+          : modbus_new_rtu(endpoint_.serial_line.c_str(), endpoint_.baud, profile_.modbus->parity, 8, 1));
   if (!context_)
-    throw DriverError(place_.text + ": " + modbus_strerror(errno) + ": correct the sensor's device");
-  modbus_set_slave(context_.get(), place_.unit);
+    throw DriverError(endpoint_.text + ": " + modbus_strerror(errno) + ": correct the sensor's device");
+  modbus_set_slave(context_.get(), endpoint_.unit);
   set_time(modbus_set_response_timeout, context_.get(), kConnectPatience);
   if (modbus_connect(context_.get()) != 0) {
-    throw DriverError(place_.text + ": " + modbus_strerror(errno) +
+    throw DriverError(endpoint_.text + ": " + modbus_strerror(errno) +
                       (tcp ? ": is the device on and its network reachable?"
                            : ": is the adapter plugged in, and may slipd open it?"));
   }
@@ -86,7 +86,7 @@ DeviceInfo ModbusDriver::open() {
   due_ns_ = monotonic_ns();
   next_ = 0;
   unanswered_ = 0;
-  return {.description = profile_.description + " at " + place_.text,
+  return {.description = profile_.description + " at " + endpoint_.text,
           .serial = "",
           .simulated = false,
           .sensors = sensors_.info()};
@@ -96,8 +96,9 @@ void ModbusDriver::close() noexcept {
   context_.reset();
 }
 
-// One request and its answer, as bytes as they were on the wire.
-ModbusDriver::Asked ModbusDriver::ask(std::size_t rule, std::chrono::microseconds patience) noexcept {
+// One request. The answer's registers become bytes in the order of transmission.
+ModbusDriver::RequestResult ModbusDriver::request(std::size_t rule,
+                                                  std::chrono::microseconds patience) noexcept {
   const decode::PacketRule& wanted = profile_.scan[rule];
   const auto count = static_cast<int>(wanted.length / 2);
   std::array<std::uint16_t, MODBUS_MAX_READ_REGISTERS> registers;
@@ -111,14 +112,14 @@ ModbusDriver::Asked ModbusDriver::ask(std::size_t rule, std::chrono::microsecond
       answer_[2 * i] = static_cast<std::uint8_t>(registers[i] >> 8);
       answer_[2 * i + 1] = static_cast<std::uint8_t>(registers[i] & 0xFF);
     }
-    return Asked::answered;
+    return RequestResult::answered;
   }
   const int error = errno;
-  modbus_flush(context_.get());  // or what comes late would answer the next request
-  if (error == ETIMEDOUT) return Asked::late;
-  // libmodbus' own numbers: the device said no, or what came makes no sense.
-  if (error >= MODBUS_ENOBASE) return Asked::refused;
-  return Asked::gone;
+  modbus_flush(context_.get());  // a late answer must not answer the next request
+  if (error == ETIMEDOUT) return RequestResult::late;
+  // libmodbus' own error numbers: an exception response or a malformed answer.
+  if (error >= MODBUS_ENOBASE) return RequestResult::refused;
+  return RequestResult::gone;
 }
 
 ReadResult ModbusDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
@@ -128,16 +129,17 @@ ReadResult ModbusDriver::read(std::span<FrameSlot> slots, std::chrono::microseco
   if (begun_ns - due_ns_ > kLongestLagNs) due_ns_ = begun_ns;
   for (;;) {
     if (next_ == 0 && !sleep_until(due_ns_, give_up_ns)) return {ReadStatus::timeout, 0};
-    // A request that has begun is waited for, or its answer would come in the way of the next.
+    // Waits for the answer even beyond the time-out, or it would arrive as the answer to the next request.
     const auto patience = std::max<std::chrono::nanoseconds>(
         kAnswerPatience, std::chrono::nanoseconds(give_up_ns - monotonic_ns()));
     if (next_ == 0) due_ns_ += period_ns_;
     const std::size_t rule = next_;
-    const Asked asked = ask(rule, std::chrono::duration_cast<std::chrono::microseconds>(patience));
-    if (asked != Asked::answered) {
+    const RequestResult reply =
+        request(rule, std::chrono::duration_cast<std::chrono::microseconds>(patience));
+    if (reply != RequestResult::answered) {
       next_ = 0;
-      if (asked == Asked::gone || ++unanswered_ >= kGoneAfter) return {ReadStatus::disconnected, 0};
-      return {asked == Asked::late ? ReadStatus::timeout : ReadStatus::corrupt, 0};
+      if (reply == RequestResult::gone || ++unanswered_ >= kGoneAfter) return {ReadStatus::disconnected, 0};
+      return {reply == RequestResult::late ? ReadStatus::timeout : ReadStatus::corrupt, 0};
     }
     unanswered_ = 0;
     next_ = (rule + 1) % profile_.scan.size();

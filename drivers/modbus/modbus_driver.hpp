@@ -1,8 +1,8 @@
-// Force sensors that are asked over Modbus, TCP or RTU: each scan is one read or more of registers, at the
-// profile's rate by absolute time. libmodbus does the talking; it allocates nothing once connected.
+// Force sensors that are polled over Modbus, TCP or RTU: each scan is one or more reads of registers, at the
+// profile's rate by absolute time. libmodbus implements the protocol; it allocates nothing once connected.
 //
-// Several reads make one scan only if they were answered within its time-out; a device that numbers its scans
-// could be checked better, but none of ours does.
+// Several reads make one scan only if all were answered within its time-out. No supported device numbers its
+// scans, so reads of two scans cannot be told apart in another way.
 #pragma once
 
 #include <memory>
@@ -30,30 +30,30 @@ class ModbusDriver final : public DeviceDriver {
     void operator()(_modbus* context) const noexcept;
   };
   using Context = std::unique_ptr<_modbus, Closes>;
-  enum class Asked : std::uint8_t { answered, late, refused, gone };
+  enum class RequestResult : std::uint8_t { answered, late, refused, gone };
 
   // Where the device is: a host, or a serial line.
-  struct Place {
-    std::string host;  // of TCP; empty: RTU
-    int port = 0;
-    std::string serial_line;
-    int baud = 0;
-    int unit = 0;
-    std::string text;  // for people
+  struct Endpoint {
+    std::string host;         // of TCP; empty: RTU
+    int port = 0;             // of TCP
+    std::string serial_line;  // of RTU, a device file; empty: TCP
+    int baud = 0;             // of RTU, bit/s
+    int unit = 0;             // the slave's address
+    std::string text;         // for people
   };
 
-  static Place place_of(const SensorSetup& sensor, const decode::ModbusMap& map);
-  Asked ask(std::size_t rule, std::chrono::microseconds patience) noexcept;
+  static Endpoint endpoint_of(const SensorSetup& sensor, const decode::ModbusMap& map);
+  RequestResult request(std::size_t rule, std::chrono::microseconds patience) noexcept;
 
   decode::Profile profile_;
-  Place place_;
+  Endpoint endpoint_;
   decode::Sensors sensors_;
   std::vector<std::uint8_t> answer_;
   Context context_;
   std::int64_t period_ns_;
   std::int64_t due_ns_ = 0;  // of the next scan
-  std::size_t next_ = 0;     // read that continues the scan
-  int unanswered_ = 0;       // in a row
+  std::size_t next_ = 0;     // index of the read that continues the scan
+  int unanswered_ = 0;       // consecutive requests without an answer
 };
 
 }  // namespace slipd::modbus

@@ -8,9 +8,9 @@ std::unique_ptr<slipd::DeviceDriver> create(const std::vector<slipd::SensorSetup
   return std::make_unique<slipd::modbus::ModbusDriver>(sensors);
 }
 
-const slipd::DriverModule kModule{slipd::kDriverAbi, "modbus",
-                                  "force sensors asked over Modbus (TCP or RTU), each described by a profile",
-                                  slipd::modbus_options.data(), create};
+const slipd::DriverModule kModule{
+    slipd::kDriverAbi, "modbus", "force sensors polled over Modbus (TCP or RTU), each described by a profile",
+    slipd::modbus_options.data(), create};
 
 }  // namespace
 

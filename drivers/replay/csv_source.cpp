@@ -10,8 +10,8 @@ namespace slipd::replay {
 namespace {
 
 constexpr std::size_t kBytesPerNumber = 32;
-constexpr std::size_t kLongestLine = std::size_t{1} << 16;  // of a few taxels and what stands beside them
-constexpr double kLatestSeconds = 9e9;                      // what nanoseconds in 64 bits hold
+constexpr std::size_t kLongestLine = std::size_t{1} << 16;  // bytes
+constexpr double kLatestSeconds = 9e9;                      // 64 bits hold so many seconds in nanoseconds
 
 std::string_view trimmed(std::string_view s) noexcept {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -20,8 +20,7 @@ std::string_view trimmed(std::string_view s) noexcept {
   return s;
 }
 
-// Cuts the first field off `rest`; false when none is left. `rest` of a whole line starts with its data()
-// set.
+// Cuts the first field off `rest`; false when none is left, which is when rest.data() is null.
 bool next_field(std::string_view& rest, std::string_view& field) noexcept {
   if (rest.data() == nullptr) return false;
   const auto comma = rest.find(',');
@@ -70,7 +69,7 @@ CsvSource::Line CsvSource::next_line(std::string_view& line) noexcept {
   const auto length =
       newline == nullptr ? bytes.size() : static_cast<std::size_t>(static_cast<const char*>(newline) - text);
   line = {text, length};
-  file_.consume(length + 1);  // the bytes stay where they are until the next peek
+  file_.consume(length + 1);  // the bytes remain valid until the next peek
   return Line::whole;
 }
 
@@ -160,15 +159,15 @@ bool CsvSource::store(const Column& column, std::string_view field, FrameSlot& o
   return true;
 }
 
-Next CsvSource::next(FrameSlot& out) noexcept {
-  if (fault_ != nullptr) return Next::damaged;
+ReadOutcome CsvSource::next(FrameSlot& out) noexcept {
+  if (fault_ != nullptr) return ReadOutcome::damaged;
   std::string_view line;
   do {
     switch (next_line(line)) {
       case Line::whole:
         break;
       case Line::end:
-        return Next::end;
+        return ReadOutcome::end;
       case Line::failed:
         return fail(0, file_.error() != 0 ? "cannot be read" : "is longer than any frame's", {});
     }
@@ -186,10 +185,10 @@ Next CsvSource::next(FrameSlot& out) noexcept {
   out.sequence = row_++;
   out.device_time_ns = -1;
   out.truth = {};
-  return Next::frame;
+  return ReadOutcome::frame;
 }
 
-Next CsvSource::fail(std::size_t column, const char* what, std::string_view field) noexcept {
+ReadOutcome CsvSource::fail(std::size_t column, const char* what, std::string_view field) noexcept {
   fault_ = what;
   fault_column_ = column;
   field_.fill('\0');
@@ -197,7 +196,7 @@ Next CsvSource::fail(std::size_t column, const char* what, std::string_view fiel
   for (char& c : field_) {
     if (c != '\0' && (c < ' ' || c > '~')) c = '?';
   }
-  return Next::damaged;
+  return ReadOutcome::damaged;
 }
 
 std::string CsvSource::fault() const {

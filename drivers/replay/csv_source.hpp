@@ -1,7 +1,7 @@
 // CSV as a source of frames: one line of column names, then a line per frame with txl1_x, txl1_y, txl1_z …
-// txlN_z in any order, N the layout's size, optionally `time` in s; other columns are passed over. Without
-// `time`, the sensor's rate_hz says when the rows were. Lines are read and numbers parsed in place: no
-// allocation after construction.
+// txlN_z in any order, N the layout's size, optionally `time` in s; other columns are ignored. Without
+// `time`, rows are spaced by the sensor's rate_hz. Lines are read and numbers parsed in place: no allocation
+// after construction.
 #pragma once
 
 #include <array>
@@ -20,12 +20,12 @@ class CsvSource final : public FrameSource {
   // Throws DriverError as open_source says.
   CsvSource(const std::filesystem::path& file, const SensorSetup& sensor);
 
-  Next next(FrameSlot& out) noexcept override;
+  ReadOutcome next(FrameSlot& out) noexcept override;
   void rewind() noexcept override;
   std::string fault() const override;  // `FILE: line L, column C (name): …`
   double rate_hz() const noexcept override { return rate_hz_; }
   SensorClass sensor_class() const noexcept override { return class_; }
-  bool zeroed() const noexcept override { return true; }  // by the option `bias`
+  bool zeroed() const noexcept override { return true; }  // the option `bias` zeroes it
 
  private:
   enum class Channel : std::uint8_t { ignored, time, x, y, z };
@@ -40,7 +40,7 @@ class CsvSource final : public FrameSource {
   void read_header(const SensorSetup& sensor);
   Column column_of(std::string_view name, const SensorSetup& sensor) const;
   bool store(const Column& column, std::string_view field, FrameSlot& out) const noexcept;
-  Next fail(std::size_t column, const char* what, std::string_view field) noexcept;
+  ReadOutcome fail(std::size_t column, const char* what, std::string_view field) noexcept;
 
   std::filesystem::path path_;
   BufferedFile file_;
@@ -49,11 +49,11 @@ class CsvSource final : public FrameSource {
   SensorClass class_;
   std::vector<Column> columns_;
   bool has_time_ = false;
-  std::uint64_t line_ = 0;        // of the file, from 1, that was read last
-  std::uint64_t row_ = 0;         // frames given
-  std::size_t fault_column_ = 0;  // from 1; 0: the line as a whole
-  const char* fault_ = nullptr;
-  std::array<char, 24> field_{};  // the beginning of what stands at the fault
+  std::uint64_t line_ = 0;        // number of the line that was read last, from 1
+  std::uint64_t row_ = 0;         // frames returned
+  std::size_t fault_column_ = 0;  // column of the fault, from 1; 0: the whole line
+  const char* fault_ = nullptr;   // null: none so far
+  std::array<char, 24> field_{};  // the beginning of the faulty field
 };
 
 }  // namespace slipd::replay

@@ -1,5 +1,4 @@
-// The options of `replay`, out of the JSON that options.json has checked, and what they do to a frame's
-// values.
+// The options of driver `replay`, parsed from JSON that fits options.json, and the calibration of values.
 #pragma once
 
 #include <array>
@@ -14,18 +13,18 @@ namespace slipd::replay {
 
 // value = (raw - bias) * scale, in Pa.
 struct Calibration {
-  std::array<float, 3> scale{1, 1, 1};  // x, y, z
-  std::vector<float> bias;              // x, y, z of each taxel in turn
+  std::array<float, 3> scale{1, 1, 1};  // of x, y, z; Pa per unit of the file
+  std::vector<float> bias;              // x, y, z of each taxel in turn, units of the file
 
-  // Acquire thread. False if a value is not finite afterwards: the frame is then not to be used.
+  // Acquire thread. False: a value is not finite, and the frame must not be used.
   bool apply(FrameSlot& frame) const noexcept;
 };
 
 struct Options {
-  std::filesystem::path file;
-  double speed = 1;  // 0: as fast as it goes
-  bool loop = false;
-  Calibration calibration;
+  std::filesystem::path file;  // a recording, a CSV, or a folder of them
+  double speed = 1;            // multiple of the recorded speed; 0: as fast as the estimator takes frames
+  bool loop = false;           // play again from the first file at the end
+  Calibration calibration;     // of the file's values
 };
 
 // Throws DriverError for a `scale` or `bias` whose length is neither 1, 3 nor (bias) three a taxel.

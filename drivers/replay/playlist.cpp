@@ -43,7 +43,7 @@ bool Playlist::zeroed() const noexcept {
   return std::all_of(sources_.begin(), sources_.end(), [](const auto& source) { return source->zeroed(); });
 }
 
-bool Playlist::turn_over() noexcept {
+bool Playlist::next_file() noexcept {
   if (current_ + 1 == sources_.size()) {
     if (!options_.loop || !frames_in_round_) return false;
     frames_in_round_ = false;
@@ -56,11 +56,11 @@ bool Playlist::turn_over() noexcept {
   return true;
 }
 
-Next Playlist::next(FrameSlot& out) noexcept {
-  Next status = sources_[current_]->next(out);
-  while (status == Next::end && turn_over()) status = sources_[current_]->next(out);
-  if (status != Next::frame) return status;
-  // Unsigned, for a damaged file may hold any number; the casts wrap back to what was meant.
+ReadOutcome Playlist::next(FrameSlot& out) noexcept {
+  ReadOutcome status = sources_[current_]->next(out);
+  while (status == ReadOutcome::end && next_file()) status = sources_[current_]->next(out);
+  if (status != ReadOutcome::frame) return status;
+  // Unsigned differences cannot overflow, whatever a damaged file holds; the casts restore the sign.
   const auto step_ns = first_of_file_ ? period_ns_
                                       : static_cast<std::int64_t>(static_cast<std::uint64_t>(out.time_ns) -
                                                                   static_cast<std::uint64_t>(file_time_ns_));
@@ -72,7 +72,7 @@ Next Playlist::next(FrameSlot& out) noexcept {
   out.time_ns = time_ns_ += std::clamp<std::int64_t>(step_ns, 1, kLongestPauseNs);
   out.sequence = sequence_ += static_cast<std::uint64_t>(std::clamp<std::int64_t>(frames, 1, kWidestGap));
   if (out.device_time_ns < 0) out.device_time_ns = out.time_ns;
-  return options_.calibration.apply(out) ? Next::frame : Next::corrupt;
+  return options_.calibration.apply(out) ? ReadOutcome::frame : ReadOutcome::corrupt;
 }
 
 }  // namespace slipd::replay

@@ -17,11 +17,11 @@ std::string described(const TaxelLayout& layout) {
   return text;
 }
 
-// The same taxels in the same places, to a thousandth of their size: the configuration speaks in mm, a
+// Whether taxels have the same positions to a thousandth of their side: the configuration is in mm, a
 // recording in m.
 bool same_places(const TaxelLayout& a, const TaxelLayout& b) {
   if (a.size() != b.size()) return false;
-  if (a.size() == 1) return true;  // one force vector: its pad's side is the configuration's business
+  if (a.size() == 1) return true;  // one force vector: the configuration gives the pad's side
   const double near = 1e-3 * a.side_m();
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (std::hypot(a.x_m()[i] - b.x_m()[i], a.y_m()[i] - b.y_m()[i]) > near) return false;
@@ -51,16 +51,16 @@ RecordingReader open_reader(const std::filesystem::path& file, const SensorSetup
 RecordingSource::RecordingSource(const std::filesystem::path& file, const SensorSetup& sensor)
     : reader_(open_reader(file, sensor)) {}
 
-Next RecordingSource::next(FrameSlot& out) noexcept {
+ReadOutcome RecordingSource::next(FrameSlot& out) noexcept {
   switch (reader_.next(out)) {
     case RecordingReader::Status::frame:
-      return Next::frame;
+      return ReadOutcome::frame;
     case RecordingReader::Status::end:
-      return Next::end;
+      return ReadOutcome::end;
     case RecordingReader::Status::damaged:
       break;
   }
-  return Next::damaged;
+  return ReadOutcome::damaged;
 }
 
 }  // namespace slipd::replay

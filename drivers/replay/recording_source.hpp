@@ -11,7 +11,7 @@ class RecordingSource final : public FrameSource {
   // Throws DriverError as open_source says.
   RecordingSource(const std::filesystem::path& file, const SensorSetup& sensor);
 
-  Next next(FrameSlot& out) noexcept override;
+  ReadOutcome next(FrameSlot& out) noexcept override;
   void rewind() noexcept override { reader_.rewind(); }
   std::string fault() const override { return reader_.fault(); }
   double rate_hz() const noexcept override { return reader_.header().rate_hz; }

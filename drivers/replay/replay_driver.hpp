@@ -1,5 +1,5 @@
-// Recorded frames as a device. A file that turns out damaged is played up to the damage; then the device is
-// reported as disconnected, and opening it again says what is wrong and where, until the file has changed.
+// Plays recorded frames as a device. A damaged file is played up to the damage. Then read() returns
+// `disconnected`, and open() throws the fault and its place until the file has changed.
 #pragma once
 
 #include <chrono>
@@ -20,30 +20,30 @@ class ReplayDriver final : public DeviceDriver {
 
   DeviceInfo open() override;
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
-  void close() noexcept override {}  // the files stay open: they are the memory of what was wrong with them
+  void close() noexcept override {}  // the files stay open, because open() reports their faults
   bool paced_by_consumer() const noexcept override { return speed_ == 0; }
 
  private:
-  struct Player {
-    explicit Player(const SensorSetup& sensor);
+  struct Playback {
+    explicit Playback(const SensorSetup& sensor);
 
     SensorSetup setup;
     Options options;
     std::optional<Playlist> list;
     std::filesystem::file_time_type changed;  // the file's time when it was opened
     std::vector<float> memory;
-    FrameSlot staged;         // the next frame, read ahead because only it knows when it is due
+    FrameSlot staged;         // the next frame, read ahead because it holds its own due time
     std::int64_t due_ns = 0;  // when the staged frame is due
     bool is_staged = false;
     bool over = false;
     bool damaged = false;
   };
 
-  void open_player(Player& player);
+  void open_playback(Playback& playback);
   std::optional<ReadResult> stage(std::uint16_t sensor) noexcept;
   std::int64_t due_ns(std::int64_t recorded_ns) const noexcept;
 
-  std::vector<Player> players_;
+  std::vector<Playback> playbacks_;
   double speed_;
   std::int64_t start_ns_ = 0;
 };

@@ -1,4 +1,4 @@
-// A file of one sensor's frames, played from its start: what a recording and a CSV have in common.
+// A file of one sensor's frames, read from its start: the interface of recordings and CSV files.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,31 @@
 
 namespace slipd::replay {
 
-enum class Next : std::uint8_t { frame, corrupt, end, damaged };
+enum class ReadOutcome : std::uint8_t {
+  frame,    // a frame was read
+  corrupt,  // a frame was skipped
+  end,      // the file is at its end
+  damaged   // the file is damaged, see fault()
+};
 
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  // Acquire thread. Fills all of `out` as the file has it: time_ns from an origin of the file's own, values
-  // raw. Allocates and throws nothing, may wait for the disk. damaged: fault() says what and where.
-  virtual Next next(FrameSlot& out) noexcept = 0;
+  // Acquire thread. Fills `out` with the file's values: time_ns from the file's own origin, taxels raw.
+  // Allocates nothing, does not throw, can wait for the disk.
+  virtual ReadOutcome next(FrameSlot& out) noexcept = 0;
   virtual void rewind() noexcept = 0;
-  virtual std::string fault() const = 0;
+  virtual std::string fault() const = 0;  // what is damaged and where
 
-  // Set-up. 0: the file does not say.
-  virtual double rate_hz() const noexcept = 0;
+  // Set-up thread.
+  virtual double rate_hz() const noexcept = 0;  // 0: unknown
   virtual SensorClass sensor_class() const noexcept = 0;
   virtual bool zeroed() const noexcept = 0;  // see SensorInfo
 };
 
-// Looks into the file for what it is and opens it for this sensor. Throws DriverError naming file and place
-// for a file that cannot be read, is neither recording nor CSV, or does not fit the sensor's layout.
+// Detects the file's format from its first bytes and opens it for this sensor. Throws DriverError, which
+// names file and place, for a file that cannot be read, is neither recording nor CSV, or has another layout.
 std::unique_ptr<FrameSource> open_source(const std::filesystem::path& file, const SensorSetup& sensor);
 
 }  // namespace slipd::replay

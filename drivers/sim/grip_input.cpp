@@ -17,7 +17,7 @@
 namespace slipd::sim {
 namespace {
 
-constexpr int kMostAtOnce = 64;  // so that a flood of datagrams cannot hold up frames
+constexpr int kMostAtOnce = 64;  // datagrams per call, so that a flood of them cannot delay frames
 
 void skip_blanks(std::string_view& s) noexcept {
   while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == '\n' || s.front() == '\r')) {
@@ -41,7 +41,7 @@ sockaddr_un address_of(const std::string& path) {
   return address;
 }
 
-// A socket file whose owner is gone refuses to be connected to. Anything else is left alone.
+// Removes a socket file that refuses connections because its owner has ended. Leaves any other file.
 void remove_stale(const std::string& path, const sockaddr_un& address) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return;

@@ -1,5 +1,5 @@
-// The controller's hand on a simulated gripper: a Unix datagram socket, each datagram a normal force in N, so
-// that a loop may be closed from any language without the daemon taking part.
+// The input by which a controller sets the normal force of a simulated gripper: a Unix datagram socket, each
+// datagram a normal force in N. A control loop can so be closed from any language, without the daemon.
 #pragma once
 
 #include <optional>
@@ -8,20 +8,20 @@
 
 namespace slipd::sim {
 
-// `2.5` or `{"normal_n": 2.5}`, blanks where JSON allows them. Nothing for anything else and for numbers that
-// are no force (negative, not finite).
+// Parses `2.5` or `{"normal_n": 2.5}`, N, with white space where JSON allows it. Nothing for any other text
+// and for numbers that are negative or not finite.
 std::optional<double> parse_grip(std::string_view datagram) noexcept;
 
 class GripInput {
  public:
-  // Makes the socket, in place of one that nobody listens on any more. Throws DriverError naming the path.
+  // Creates the socket, and replaces one without a listener. Throws DriverError, which names the path.
   explicit GripInput(std::string path);
-  ~GripInput();  // and removes it
+  ~GripInput();  // removes the socket
   GripInput(const GripInput&) = delete;
   GripInput& operator=(const GripInput&) = delete;
 
-  // Acquire thread, never waits or allocates. The newest force that has come since the last call. Datagrams
-  // that make no sense are passed over.
+  // Acquire thread; neither waits nor allocates. The newest force since the last call. Malformed datagrams
+  // are ignored.
   std::optional<double> newest() noexcept;
 
  private:

@@ -23,7 +23,7 @@ float largest(std::span<const float> values) noexcept {
   return most;
 }
 
-// Exactly the share asked for, so that a sensor of few taxels has as many dead ones as it says.
+// Draws exactly the given share of the taxels, so that sensors with few taxels have it, too.
 std::vector<std::uint32_t> drawn(const RandomStream& draws, std::size_t taxels, double share) {
   std::vector<std::uint32_t> all(taxels);
   std::iota(all.begin(), all.end(), 0U);

@@ -25,8 +25,8 @@ void check(const Phase& phase, std::size_t number) {
     refuse("friction must be positive");
 }
 
-// What a phase that says nothing of shear goes on with: the force that friction could hold.
-Demand held(const Demand& last) noexcept {
+// The tangential force with which a phase without shear continues: the one that friction could hold.
+LoadTarget held(const LoadTarget& last) noexcept {
   const double most = last.friction * last.normal_n;
   return {last.normal_n, std::clamp(last.shear_n(last.normal_n), -most, most), false, last.friction};
 }
@@ -35,18 +35,18 @@ Demand held(const Demand& last) noexcept {
 
 Script::Script(const std::vector<Phase>& cycle) {
   if (cycle.empty()) throw std::invalid_argument("cycle: needs at least one phase");
-  Demand last;
-  // Twice: what the last phase leaves is what the first begins with.
+  LoadTarget last;
+  // Twice, because the first phase begins with the load that the last one left.
   for (int round = 0; round < 2; ++round) {
     phases_.clear();
     end_ns_.clear();
     for (std::size_t i = 0; i < cycle.size(); ++i) {
       const Phase& phase = cycle[i];
       check(phase, i);
-      Demand begin = held(last);
+      LoadTarget begin = held(last);
       begin.friction = phase.friction.value_or(last.friction);
       begin.by_load = phase.load.has_value();
-      Demand end = begin;
+      LoadTarget end = begin;
       if (phase.normal_n) {
         begin.normal_n = phase.normal_n->from;
         end.normal_n = phase.normal_n->to;
@@ -72,12 +72,12 @@ double Script::share(std::size_t phase, std::int64_t in_cycle_ns) const noexcept
   return static_cast<double>(in_cycle_ns - begin_ns) / static_cast<double>(end_ns_[phase] - begin_ns);
 }
 
-Demand Script::at(std::size_t phase, double share) const noexcept {
+LoadTarget Script::at(std::size_t phase, double share) const noexcept {
   const auto& [begin, end] = phases_[phase];
-  Demand demand = begin;
-  demand.normal_n += share * (end.normal_n - begin.normal_n);
-  demand.shear += share * (end.shear - begin.shear);
-  return demand;
+  LoadTarget target = begin;
+  target.normal_n += share * (end.normal_n - begin.normal_n);
+  target.shear += share * (end.shear - begin.shear);
+  return target;
 }
 
 }  // namespace slipd::sim

@@ -1,4 +1,5 @@
-// What the simulated gripper does: a cycle of phases, repeated for ever, as a pure function of time.
+// The load that the simulated gripper applies: a cycle of phases, repeated without end, as a pure function of
+// time.
 #pragma once
 
 #include <cstdint>
@@ -7,30 +8,29 @@
 
 namespace slipd::sim {
 
-// From the phase's begin to its end in a straight line. N, or for a load a fraction of mu P.
+// A value that changes linearly from the phase's begin to its end. N, or for a load a fraction of mu P.
 struct Ramp {
-  double from = 0;
-  double to = 0;
+  double from = 0;  // at the phase's begin
+  double to = 0;    // at the phase's end
 };
 
-// What is absent stays as the phase before left it. Of shear_n and load at most one is there.
+// An absent value stays as the phase before left it. At most one of shear_n and load is present.
 struct Phase {
-  std::int64_t duration_ns = 0;
-  std::optional<Ramp> normal_n;    // >= 0
-  std::optional<Ramp> shear_n;     // signed, along x; beyond mu P the contact slides
-  std::optional<Ramp> load;        // the same as a fraction of mu P, 1 and more: gross slip
-  std::optional<double> friction;  // from the phase's begin on, > 0
+  std::int64_t duration_ns = 0;    // > 0
+  std::optional<Ramp> normal_n;    // normal force, N, >= 0
+  std::optional<Ramp> shear_n;     // tangential force along x, N, signed; beyond mu P the contact slides
+  std::optional<Ramp> load;        // the same as a fraction of mu P, signed; beyond 1 the contact slides
+  std::optional<double> friction;  // coefficient of friction from the phase's begin on, > 0
 };
 
-// What is asked of the contact at one moment.
-struct Demand {
-  double normal_n = 0;
-  double shear = 0;  // N, or the fraction if by_load
-  bool by_load = false;
-  double friction = 0.5;
+// The load that the script prescribes at one moment.
+struct LoadTarget {
+  double normal_n = 0;    // normal force, N
+  double shear = 0;       // tangential force, N; with by_load a fraction of mu P
+  bool by_load = false;   // the unit of `shear`
+  double friction = 0.5;  // coefficient of friction
 
-  // The tangential force asked for when the normal force is `actual_normal_n` (a controller may grip as it
-  // likes).
+  // The tangential force in N at the normal force `actual_normal_n`, which a controller can set.
   double shear_n(double actual_normal_n) const noexcept {
     return by_load ? shear * friction * actual_normal_n : shear;
   }
@@ -38,14 +38,15 @@ struct Demand {
 
 class Script {
  public:
-  // Throws std::invalid_argument, naming the phase from 0, for no phases, a duration that is not positive,
-  // forces or friction without meaning, or shear_n and load together.
+  // Throws std::invalid_argument, which names the phase from 0, for no phases, a duration that is not
+  // positive, forces that are not finite or negative normal forces, friction that is not positive, or shear_n
+  // and load together.
   explicit Script(const std::vector<Phase>& cycle);
 
   std::int64_t cycle_ns() const noexcept { return end_ns_.back(); }
 
-  // Calls visit(Demand) for each corner after from_ns up to to_ns, both sides of it where something jumps,
-  // and for to_ns itself: the straight pieces of what happens in between. from_ns <= to_ns, counted from the
+  // Calls visit(LoadTarget) for each corner after from_ns up to to_ns, with both its left and its right
+  // limit, and for to_ns itself; between the calls the load is linear. from_ns <= to_ns, counted from the
   // start. Of more than one whole cycle only the last is visited.
   template <class Visit>
   void walk(std::int64_t from_ns, std::int64_t to_ns, Visit visit) const {
@@ -65,11 +66,11 @@ class Script {
 
  private:
   struct Piece {
-    Demand begin, end;  // alike in by_load and friction
+    LoadTarget begin, end;  // equal in by_load and friction
   };
   std::size_t phase_at(std::int64_t in_cycle_ns) const noexcept;
   double share(std::size_t phase, std::int64_t in_cycle_ns) const noexcept;
-  Demand at(std::size_t phase, double share) const noexcept;
+  LoadTarget at(std::size_t phase, double share) const noexcept;
 
   std::vector<Piece> phases_;
   std::vector<std::int64_t> end_ns_;  // of each phase, in the cycle

@@ -21,13 +21,13 @@ SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& setti
       imperfections_(settings.imperfections, layout_.size()),
       normal_pa_(layout_.size()),
       shear_pa_(layout_.size()) {
-  script_.walk(0, 0, [this](const Demand& demand) { meet(demand); });
+  script_.walk(0, 0, [this](const LoadTarget& target) { apply_target(target); });
 }
 
 void SimulatedSensor::advance(std::chrono::nanoseconds by) noexcept {
   const std::int64_t from_ns =
       std::exchange(elapsed_ns_, elapsed_ns_ + std::max<std::int64_t>(0, by.count()));
-  script_.walk(from_ns, elapsed_ns_, [this](const Demand& demand) { meet(demand); });
+  script_.walk(from_ns, elapsed_ns_, [this](const LoadTarget& target) { apply_target(target); });
 }
 
 void SimulatedSensor::grip(std::optional<double> normal_n) noexcept {
@@ -35,17 +35,17 @@ void SimulatedSensor::grip(std::optional<double> normal_n) noexcept {
   grip_n_ = normal_n;
 }
 
-void SimulatedSensor::meet(const Demand& demand) noexcept {
-  const double normal_n = grip_n_.value_or(demand.normal_n);
+void SimulatedSensor::apply_target(const LoadTarget& target) noexcept {
+  const double normal_n = grip_n_.value_or(target.normal_n);
   const double was_normal_n = load_.normal_n(), was_shear_n = load_.shear_n(),
                was_friction = load_.friction();
-  // Throws for numbers without meaning only, which neither the checked script nor grip() lets through.
-  load_.move_to(normal_n, demand.shear_n(normal_n), demand.friction);
+  // Throws only for invalid forces or friction, which neither the checked script nor grip() lets through.
+  load_.move_to(normal_n, target.shear_n(normal_n), target.friction);
   moved_ = moved_ || load_.normal_n() != was_normal_n || load_.shear_n() != was_shear_n ||
            load_.friction() != was_friction;
 }
 
-void SimulatedSensor::feel() noexcept {
+void SimulatedSensor::compute_taxels() noexcept {
   if (!std::exchange(moved_, false)) return;
   if (one_vector_) {
     normal_pa_[0] = static_cast<float>(load_.normal_n() / layout_.area_m2());
@@ -58,7 +58,7 @@ void SimulatedSensor::feel() noexcept {
 bool SimulatedSensor::sample(FrameSlot& out) noexcept {
   const std::uint64_t number = number_++;
   if (imperfections_.lost(number)) return false;
-  feel();
+  compute_taxels();
   out.sequence = number;
   out.time_ns = elapsed_ns_;
   out.device_time_ns = elapsed_ns_;

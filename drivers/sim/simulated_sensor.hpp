@@ -1,6 +1,6 @@
-// A tactile sensor that is computed: script → contact with its load history → what taxels feel → what a real
-// sensor would say of it, and the truth beside it. No clock, no thread, no socket: the driver, device
-// simulators and tests each move its time on as they need.
+// A simulated tactile sensor: script → contact with its load history → tractions on the taxels →
+// imperfections of a real sensor; the contact's truth is given beside each frame. It has no clock, thread or
+// socket: the driver, device simulators and tests advance its time.
 #pragma once
 
 #include <chrono>
@@ -18,37 +18,37 @@
 namespace slipd::sim {
 
 struct SensorSettings {
-  contact::Body skin{0.01, 0.5e6, 0.45};
-  contact::Body object{std::numeric_limits<double>::infinity(), 2e11, 0.25};  // flat and stiff
-  double offset_x_m = 0, offset_y_m = 0;                                      // where the contact's centre is
-  std::vector<Phase> cycle;
-  ImperfectionSettings imperfections;
+  contact::Body skin{0.01, 0.5e6, 0.45};                                      // the sensor's surface
+  contact::Body object{std::numeric_limits<double>::infinity(), 2e11, 0.25};  // default: flat and stiff
+  double offset_x_m = 0;                                                      // of the contact's centre, m
+  double offset_y_m = 0;                                                      // of the contact's centre, m
+  std::vector<Phase> cycle;                                                   // the load, at least one phase
+  ImperfectionSettings imperfections;                                         // default: none
 };
 
 class SimulatedSensor {
  public:
-  // Throws contact::ContactError for bodies that have no Hertzian contact (both flat), std::invalid_argument
-  // for a cycle without meaning. A layout of one taxel is one force vector for the
-  // whole pad, wherever the contact lies.
+  // Throws contact::ContactError for bodies without a Hertzian contact (both flat), std::invalid_argument as
+  // Script does. A layout of one taxel is one force vector for the whole pad, wherever the contact is.
   SimulatedSensor(TaxelLayout layout, const SensorSettings& settings);
 
-  // What follows is for one thread, allocates nothing and does not throw.
+  // All functions below are called from one thread, allocate nothing and do not throw.
 
-  // Time goes on; the contact goes through every corner of the script on the way.
+  // Advances time; the contact passes every corner of the script.
   void advance(std::chrono::nanoseconds by) noexcept;
 
-  // A controller grips with this normal force (N, cut to 0 … 1000) instead of the script's; nothing: the
-  // script again.
+  // Replaces the script's normal force by a controller's (N, clamped to 0 … 1000); nothing: the script's
+  // again.
   void grip(std::optional<double> normal_n) noexcept;
 
-  // The frame of this moment, the next in sequence. False: it was lost on the way and `out` is as it was.
-  // `out`: spans of the layout's size; time_ns and device_time_ns count from the start.
+  // The frame of this moment, the next in sequence. False: it is lost and `out` is unchanged. `out`: spans of
+  // the layout's size; time_ns and device_time_ns count from the start.
   bool sample(FrameSlot& out) noexcept;
 
-  // As if so many frames had been sampled, which nobody could take.
+  // Counts so many frames as sampled and lost.
   void skip(std::uint64_t frames) noexcept { number_ += frames; }
 
-  // How late the next frame will come.
+  // The delay of the next frame, ns.
   std::int64_t late_ns() const noexcept { return imperfections_.late_ns(number_); }
 
   std::chrono::nanoseconds elapsed() const noexcept { return std::chrono::nanoseconds(elapsed_ns_); }
@@ -58,8 +58,8 @@ class SimulatedSensor {
   const TaxelLayout& layout() const noexcept { return layout_; }
 
  private:
-  void meet(const Demand& demand) noexcept;
-  void feel() noexcept;
+  void apply_target(const LoadTarget& target) noexcept;
+  void compute_taxels() noexcept;
 
   TaxelLayout layout_;
   bool one_vector_;
@@ -70,8 +70,8 @@ class SimulatedSensor {
   std::optional<double> grip_n_;
   std::int64_t elapsed_ns_ = 0;
   std::uint64_t number_ = 0;
-  std::vector<float> normal_pa_, shear_pa_;  // what the taxels feel, kept while nothing moves
-  bool moved_ = true;
+  std::vector<float> normal_pa_, shear_pa_;  // true values of the taxels, kept while the load is constant
+  bool moved_ = true;                        // the load changed after they were computed
 };
 
 }  // namespace slipd::sim

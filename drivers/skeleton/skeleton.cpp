@@ -1,6 +1,6 @@
-// slipd-driver-skeleton.so: a whole driver to start one's own from. Its device is a Unix datagram socket:
-// each datagram is one frame, per taxel three floats (normal pressure, shear x, shear y; Pa) in the machine's
-// byte order, behind a u32 that counts the frames. Whatever program can send that is a sensor.
+// slipd-driver-skeleton.so: a complete driver from which to start a new one. Its device is a Unix datagram
+// socket. Each datagram is one frame: a u32 that counts the frames, then per taxel three floats (normal
+// pressure, shear x, shear y; Pa), in the machine's byte order. Any program that sends these is a sensor.
 //   { "name": "mine", "driver": "skeleton", "layout": { "grid": [4, 4], "pitch_mm": 4 },
 //     "options": { "path": "/run/slipd/mine" } }
 #include <poll.h>
@@ -21,7 +21,7 @@ namespace {
 
 using namespace slipd;
 
-// What a user may set under `options`: checked, with defaults filled in, before the driver is made.
+// The keys under `options`. slipd checks them and fills in defaults before it creates the driver.
 constexpr const char* kOptions = R"({
   "type": "object", "additionalProperties": false, "required": ["path"],
   "properties": {
@@ -37,8 +37,8 @@ std::int64_t now_ns() {
 
 class SkeletonDriver final : public DeviceDriver {
  public:
-  // One device has one sensor here. What cannot work and the schema cannot say is refused now, so that
-  // `slipd --check-config` tells of it.
+  // One device has one sensor here. The constructor refuses what the schema cannot express, so that
+  // `slipd --check-config` reports it.
   explicit SkeletonDriver(const std::vector<SensorSetup>& sensors)
       : setup_(sensors.front()), path_(setup_.options.at("path").get<std::string>()) {
     if (sensors.size() != 1)
@@ -48,8 +48,8 @@ class SkeletonDriver final : public DeviceDriver {
   }
   ~SkeletonDriver() override { close(); }
 
-  // Everything that takes time, allocates or may fail. Called again, with back-off, after read() has said
-  // `disconnected`. The text of an error is all that a user gets: what, why, and what to do.
+  // Everything that takes time, allocates or can fail. Called again, with back-off, after read() has returned
+  // `disconnected`. An error's text states what failed, why, and what to do.
   DeviceInfo open() override {
     close();
     sockaddr_un address{};
@@ -75,7 +75,7 @@ class SkeletonDriver final : public DeviceDriver {
     pollfd wait{socket_, POLLIN, 0};
     if (::poll(&wait, 1, static_cast<int>(whole_ms.count())) <= 0) return {ReadStatus::timeout, 0};
     const ssize_t size = ::recv(socket_, datagram_.data(), datagram_.size(), MSG_TRUNC | MSG_DONTWAIT);
-    const std::int64_t arrived_ns = now_ns();  // at once: it is the sample's time
+    const std::int64_t arrived_ns = now_ns();  // first of all: this is the frame's time
     if (size < 0) return {ReadStatus::disconnected, 0};
     if (size != static_cast<ssize_t>(datagram_.size())) return {ReadStatus::corrupt, 0};
     return take(slots[0], arrived_ns);
@@ -92,8 +92,8 @@ class SkeletonDriver final : public DeviceDriver {
   ReadResult take(FrameSlot& slot, std::int64_t arrived_ns) noexcept {
     std::uint32_t count = 0;
     std::memcpy(&count, datagram_.data(), sizeof count);
-    // The sequence rises by what the device counted, so that lost frames are known; a frame that comes twice
-    // or late is not given on.
+    // The sequence rises with the device's count, so that lost frames are known; a frame that comes twice or
+    // late is dropped.
     const std::uint32_t step = counted_ ? count - last_count_ : 1;
     if (step == 0 || step > UINT32_MAX / 2) return {ReadStatus::corrupt, 0};
     const char* at = datagram_.data() + sizeof count;
@@ -101,7 +101,7 @@ class SkeletonDriver final : public DeviceDriver {
       for (float* const value : {&slot.normal_pa[i], &slot.shear_x_pa[i], &slot.shear_y_pa[i]}) {
         std::memcpy(value, at, sizeof *value);
         at += sizeof *value;
-        if (!std::isfinite(*value)) return {ReadStatus::corrupt, 0};  // the slot is filled anew next time
+        if (!std::isfinite(*value)) return {ReadStatus::corrupt, 0};  // the next frame overwrites the slot
       }
     }
     counted_ = true;

@@ -10,7 +10,7 @@
 namespace slipd::usb {
 namespace {
 
-constexpr int kDeepest = 7;  // hubs, as the standard allows
+constexpr int kDeepest = 7;  // tiers of hubs that the standard allows
 
 std::string id_text(std::uint16_t vendor, std::uint16_t product) {
   std::array<char, 16> text{};
@@ -18,7 +18,7 @@ std::string id_text(std::uint16_t vendor, std::uint16_t product) {
   return text.data();
 }
 
-// As the kernel names it in /sys/bus/usb/devices.
+// The kernel's name of the port in /sys/bus/usb/devices.
 std::string port_text(libusb_device* device) {
   std::array<std::uint8_t, kDeepest> ports{};
   const int depth = libusb_get_port_numbers(device, ports.data(), kDeepest);
@@ -74,12 +74,12 @@ std::vector<Candidate> candidates_of(libusb_device** list, ssize_t count, const 
   return out;
 }
 
-std::string wanted_text(const decode::UsbMatch& match, const Which& which) {
+std::string wanted_text(const decode::UsbMatch& match, const DeviceSelector& selector) {
   std::string ids;
   for (const auto& device : match.devices)
     ids += (ids.empty() ? "" : " or ") + id_text(device.vendor, device.product);
-  return "USB device " + ids + (which.serial.empty() ? "" : " of serial " + which.serial) +
-         (which.port.empty() ? "" : " at port " + which.port);
+  return "USB device " + ids + (selector.serial.empty() ? "" : " of serial " + selector.serial) +
+         (selector.port.empty() ? "" : " at port " + selector.port);
 }
 
 }  // namespace
@@ -92,13 +92,13 @@ void ClosesDevice::operator()(libusb_device_handle* handle) const noexcept {
   libusb_close(handle);
 }
 
-Found find_device(const decode::UsbMatch& match, const Which& which) {
-  const std::string wanted = wanted_text(match, which);
+FoundDevice find_device(const decode::UsbMatch& match, const DeviceSelector& selector) {
+  const std::string wanted = wanted_text(match, selector);
   libusb_context* raw = nullptr;
   if (const int code = libusb_init(&raw); code != 0)
     throw DriverError(wanted + ": libusb does not start: " + libusb_strerror(code) +
                       "; a service needs AF_NETLINK for it, see 50-usb.conf");
-  Found found;
+  FoundDevice found;
   found.context.reset(raw);
 
   libusb_device** list = nullptr;
@@ -108,8 +108,8 @@ Found find_device(const decode::UsbMatch& match, const Which& which) {
   const std::string there = joined(all);
 
   std::erase_if(all, [&](const Candidate& one) {
-    const bool other_serial = !which.serial.empty() && one.refusal == 0 && one.serial != which.serial;
-    return other_serial || (!which.port.empty() && one.port != which.port);
+    const bool other_serial = !selector.serial.empty() && one.refusal == 0 && one.serial != selector.serial;
+    return other_serial || (!selector.port.empty() && one.port != selector.port);
   });
   if (all.empty()) {
     throw DriverError(wanted + " is not there; there are: " + there +

@@ -1,12 +1,12 @@
-// Finding the one USB device that is meant. Set-up thread. Each search begins with a context of its own, so
-// that what has come or gone is known whether or not the machine tells of it (udev may not run in a
+// Finds the one USB device that a profile and a configuration describe. Set-up thread. Each search creates
+// its own libusb context, so that it sees devices that were plugged in or out even without udev (in a
 // container).
 #pragma once
 
 #include <memory>
 #include <string>
 
-#include "drivers/usb/wire.hpp"
+#include "drivers/usb/transport.hpp"
 
 struct libusb_context;
 struct libusb_device_handle;
@@ -20,15 +20,17 @@ struct ClosesDevice {
   void operator()(libusb_device_handle* handle) const noexcept;
 };
 
-struct Found {
+struct FoundDevice {
   std::unique_ptr<libusb_context, ExitsContext> context;  // outlives the handle
   std::unique_ptr<libusb_device_handle, ClosesDevice> handle;
-  std::string id, port, serial;  // "16c0:0483", "1-2.3"
+  std::string id;      // vendor and product: "16c0:0483"
+  std::string port;    // as in /sys/bus/usb/devices: "1-2.3"
+  std::string serial;  // empty: it has none
 
   std::string name() const { return "USB device " + id + " at " + port; }
 };
 
-// Throws DriverError, which says what there is.
-Found find_device(const decode::UsbMatch& match, const Which& which);
+// Throws DriverError, which lists the devices found.
+FoundDevice find_device(const decode::UsbMatch& match, const DeviceSelector& selector);
 
 }  // namespace slipd::usb

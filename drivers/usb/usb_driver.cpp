@@ -9,7 +9,7 @@
 namespace slipd::usb {
 namespace {
 
-Which which_of(const SensorSetup& sensor) {
+DeviceSelector selector_of(const SensorSetup& sensor) {
   try {
     return {sensor.device.value("serial", ""), sensor.device.value("port", "")};
   } catch (const nlohmann::json::exception&) {
@@ -22,7 +22,7 @@ Which which_of(const SensorSetup& sensor) {
 
 UsbDriver::UsbDriver(const std::vector<SensorSetup>& sensors, Opener opener)
     : profile_(decode::profile_of(sensors, "usb")),
-      which_(which_of(sensors.front())),
+      selector_(selector_of(sensors.front())),
       opener_(std::move(opener)),
       sensors_(profile_, sensors),
       framer_(profile_) {}
@@ -31,33 +31,33 @@ DeviceInfo UsbDriver::open() {
   close();
   sensors_.reset();
   framer_.reset();
-  Opened opened = opener_(profile_, which_);
-  wire_ = std::move(opened.wire);
-  heard_ns_ = monotonic_ns();
+  OpenedDevice opened = opener_(profile_, selector_);
+  transport_ = std::move(opened.transport);
+  last_activity_ns_ = monotonic_ns();
   return {.description = profile_.description + " at " + opened.place,
           .serial = opened.serial,
           .simulated = false,
           .sensors = sensors_.info()};
 }
 
-// A device that was reset behind our back has forgotten its start.
-void UsbDriver::wake_if_silent(std::int64_t now_ns) noexcept {
-  if (now_ns - heard_ns_ < profile_.keep_alive_ns) return;
-  wire_->start_again();
-  heard_ns_ = now_ns;
+// A device that was reset in the meantime needs its start messages again.
+void UsbDriver::restart_if_silent(std::int64_t now_ns) noexcept {
+  if (now_ns - last_activity_ns_ < profile_.keep_alive_ns) return;
+  transport_->restart();
+  last_activity_ns_ = now_ns;
 }
 
-// Of the bytes that are here already.
+// Decodes the bytes that the framer holds.
 ReadResult UsbDriver::decode_held(std::span<FrameSlot> slots) noexcept {
   decode::RawPacket packet;
   for (;;) {
     switch (framer_.next(packet)) {
-      case decode::Framer::Got::nothing:
+      case decode::Framer::Result::incomplete:
         return {ReadStatus::timeout, 0};
-      case decode::Framer::Got::wrong:
-        sensors_.spoil();
+      case decode::Framer::Result::invalid:
+        sensors_.mark_packet_lost();
         return {ReadStatus::corrupt, 0};
-      case decode::Framer::Got::packet:
+      case decode::Framer::Result::packet:
         break;
     }
     const ReadResult result = sensors_.take(packet.id, packet.bytes, arrived_ns_, slots);
@@ -72,21 +72,22 @@ ReadResult UsbDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds
     const ReadResult result = decode_held(slots);
     if (result.status != ReadStatus::timeout) return result;
     const std::int64_t now_ns = monotonic_ns();
-    wake_if_silent(now_ns);
-    Arrival arrival;
-    switch (wire_->receive(arrival, give_up_ns)) {
-      case Got::gone:
+    restart_if_silent(now_ns);
+    ReceivedBytes received;
+    switch (transport_->receive(arrival, give_up_ns)) {
+      case ReceiveResult::disconnected:
         return {ReadStatus::disconnected, 0};
-      case Got::nothing:
+      case ReceiveResult::timeout:
         return {ReadStatus::timeout, 0};
-      case Got::spoilt:
+      case ReceiveResult::transfer_error:
         return {ReadStatus::corrupt, 0};
-      case Got::bytes:
+      case ReceiveResult::bytes:
         break;
     }
-    arrived_ns_ = heard_ns_ = arrival.time_ns;
+    arrived_ns_ = last_activity_ns_ = arrival.time_ns;
     framer_.put(arrival.bytes);
-    if (now_ns >= give_up_ns) return {ReadStatus::timeout, 0};  // much is said that makes no frame
+    if (now_ns >= give_up_ns)
+      return {ReadStatus::timeout, 0};  // a busy device whose packets complete no frame
   }
 }
 

@@ -12,7 +12,7 @@ namespace slipd::can {
 namespace {
 
 using namespace std::chrono_literals;
-using devices::Player;
+using devices::DeviceSimulator;
 using testing::HasSubstr;
 
 SensorSetup board(int number, const std::string& profile = "xela-xr1944") {
@@ -31,10 +31,10 @@ class CanDriverOnABus : public testing::Test {
                   int pair[2];
                   devices::checked(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair),
                                    "socketpair");
-                  const auto& sheet = devices::xela_xr1944();
-                  player_.reset();
-                  player_ = std::make_unique<Player>(sheet, devices::pattern(sheet),
-                                                     devices::make_can_port(sheet, pair[1]));
+                  const auto& model = devices::xela_xr1944();
+                  simulator_.reset();
+                  simulator_ = std::make_unique<DeviceSimulator>(model, devices::pattern(model),
+                                                                 devices::make_can_port(model, pair[1]));
                   return Socket(pair[0]);
                 }),
         slot_(16) {}
@@ -45,11 +45,11 @@ class CanDriverOnABus : public testing::Test {
   void start() {
     driver_.open();
     EXPECT_EQ(read().status, ReadStatus::timeout);
-    player_->port().serve();
+    simulator_->port().serve();
   }
 
   std::vector<ReadStatus> scan() {
-    player_->step();
+    simulator_->step();
     std::vector<ReadStatus> seen;
     while (seen.empty() || seen.back() != ReadStatus::timeout) seen.push_back(read().status);
     seen.pop_back();
@@ -57,7 +57,7 @@ class CanDriverOnABus : public testing::Test {
   }
 
   std::vector<std::uint32_t> ids_;
-  std::unique_ptr<Player> player_;
+  std::unique_ptr<DeviceSimulator> simulator_;
   CanDriver driver_;
   test::OwnedSlot slot_;
 };
@@ -79,7 +79,7 @@ TEST_F(CanDriverOnABus, drops_scans_that_are_not_whole_and_goes_on) {
   start();
   for (const char* order : {"lose", "reorder", "repeat", "shorten", "lengthen", "garbage"}) {
     scan();
-    player_->order(order);
+    simulator_->order(order);
     EXPECT_THAT(scan(), testing::Each(testing::AnyOf(ReadStatus::corrupt, ReadStatus::frame))) << order;
     scan();
     const std::uint64_t sequence = slot_.slot.sequence;
@@ -92,14 +92,14 @@ TEST_F(CanDriverOnABus, drops_scans_that_are_not_whole_and_goes_on) {
 TEST_F(CanDriverOnABus, starts_a_board_again_that_lost_its_power) {
   start();
   scan();
-  player_->order("unplug");
+  simulator_->order("unplug");
   EXPECT_TRUE(scan().empty());
-  player_->order("plug");
+  simulator_->order("plug");
   std::vector<ReadStatus> seen;
   const auto give_up = std::chrono::steady_clock::now() + 5min;
   while (seen.empty() && std::chrono::steady_clock::now() < give_up) {
     driver_.read(std::span(&slot_.slot, 1), 20ms);
-    player_->port().serve();
+    simulator_->port().serve();
     seen = scan();
   }
   EXPECT_THAT(seen, testing::Contains(ReadStatus::frame));
@@ -107,7 +107,7 @@ TEST_F(CanDriverOnABus, starts_a_board_again_that_lost_its_power) {
 
 TEST_F(CanDriverOnABus, says_so_when_the_bus_is_gone) {
   start();
-  player_.reset();
+  simulator_.reset();
   EXPECT_EQ(read().status, ReadStatus::disconnected);
   driver_.close();
   driver_.close();
@@ -118,7 +118,7 @@ TEST_F(CanDriverOnABus, takes_nothing_from_the_heap_while_reading) {
   scan();
   std::uint64_t allocated = 0;
   for (int i = 0; i < 50; ++i) {
-    player_->step();
+    simulator_->step();
     const std::uint64_t before = test::allocations();
     EXPECT_EQ(read().status, ReadStatus::frame);
     allocated += test::allocations() - before;

@@ -6,7 +6,7 @@
 
 #include "drivers/hid/descriptor.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::hid {
 namespace {

@@ -15,7 +15,7 @@ namespace slipd::modbus {
 namespace {
 
 using namespace std::chrono_literals;
-using devices::Player;
+using devices::DeviceSimulator;
 using ::testing::HasSubstr;
 
 constexpr double kRg2ftArea = 0.018 * 0.018, kFt300Area = 0.02 * 0.02;
@@ -23,14 +23,14 @@ constexpr double kRg2ftArea = 0.018 * 0.018, kFt300Area = 0.02 * 0.02;
 // A device that runs on a thread of its own.
 class Running {
  public:
-  Running(const devices::Sheet& sheet, std::unique_ptr<devices::Port> port)
-      : player_(sheet, devices::pattern(sheet), std::move(port)),
-        thread_([this](std::stop_token stop) { player_.run(stop, 500); }) {}
-  Player& player() { return player_; }
-  int port() { return std::stoi(player_.port().place()); }
+  Running(const devices::DeviceModel& model, std::unique_ptr<devices::Port> port)
+      : simulator_(model, devices::pattern(model), std::move(port)),
+        thread_([this](std::stop_token stop) { simulator_.run(stop, 500); }) {}
+  DeviceSimulator& simulator() { return simulator_; }
+  int port() { return std::stoi(simulator_.port().place()); }
 
  private:
-  Player player_;
+  DeviceSimulator simulator_;
   std::jthread thread_;
 };
 
@@ -105,7 +105,7 @@ TEST(ModbusDriver, drops_answers_that_are_no_scan_and_goes_on) {
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
   ASSERT_TRUE(host.sees(ReadStatus::frame));
-  device.player().order("shorten 20");
+  device.simulator().order("shorten 20");
   EXPECT_TRUE(host.sees(ReadStatus::corrupt));
   EXPECT_TRUE(host.sees(ReadStatus::frame));
 }
@@ -115,7 +115,7 @@ TEST(ModbusDriver, reports_time_outs_while_the_device_is_silent_and_reads_on_aft
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
   ASSERT_TRUE(host.sees(ReadStatus::frame));
-  device.player().order("stall 100");  // 200 ms
+  device.simulator().order("stall 100");  // 200 ms
   for (int i = 0; i < 40; ++i) EXPECT_NE(host.read().status, ReadStatus::disconnected);
   EXPECT_TRUE(host.sees(ReadStatus::frame));
 }
@@ -125,11 +125,11 @@ TEST(ModbusDriver, says_when_the_device_is_gone_and_opens_it_again_when_it_is_ba
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
   ASSERT_TRUE(host.sees(ReadStatus::frame));
-  device.player().order("unplug");
+  device.simulator().order("unplug");
   ASSERT_TRUE(host.sees(ReadStatus::disconnected));
   host.driver.close();
   EXPECT_THAT(test::refusal_of([&] { host.driver.open(); }), HasSubstr("is the device on"));
-  device.player().order("plug");
+  device.simulator().order("plug");
   const auto give_up = std::chrono::steady_clock::now() + testing::kPatience;
   while (!test::refusal_of([&] { host.driver.open(); }).empty() && std::chrono::steady_clock::now() < give_up)
     std::this_thread::yield();

@@ -233,8 +233,8 @@ TEST(SimulatedSensors, LetAControllerGripInsteadOfTheScript) {
 TEST(Scripts, HoldWhatAPhaseDoesNotSayAndGoRoundForEver) {
   const Script script({{10, Ramp{0, 4}, {}, {}, 0.5}, {10, {}, {}, Ramp{0, 2}, {}}, {10, {}, {}, {}, {}}});
   const auto at = [&](std::int64_t t) {
-    Demand last;
-    script.walk(t, t, [&](const Demand& d) { last = d; });
+    LoadTarget last;
+    script.walk(t, t, [&](const LoadTarget& d) { last = d; });
     return last;
   };
   EXPECT_EQ(at(5).normal_n, 2);
@@ -248,10 +248,10 @@ TEST(Scripts, HoldWhatAPhaseDoesNotSayAndGoRoundForEver) {
 TEST(Scripts, VisitEveryCornerBetweenTwoMoments) {
   const Script script({{10, Ramp{0, 4}, {}, {}, {}}, {10, Ramp{1, 3}, {}, {}, {}}});
   std::vector<double> normals;
-  script.walk(5, 25, [&](const Demand& d) { normals.push_back(d.normal_n); });
+  script.walk(5, 25, [&](const LoadTarget& d) { normals.push_back(d.normal_n); });
   EXPECT_EQ(normals, (std::vector<double>{4, 1, 3, 0, 2}));
   int visits = 0;
-  script.walk(0, 1000000000, [&](const Demand&) { ++visits; });
+  script.walk(0, 1000000000, [&](const LoadTarget&) { ++visits; });
   EXPECT_LE(visits, 7);  // a long sleep costs one round, not all of them
 }
 

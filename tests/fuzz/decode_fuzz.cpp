@@ -40,9 +40,9 @@ class Device {
     const std::size_t size = std::min<std::size_t>(in[0], in.size() - 1);
     framer_.put(in.subspan(1, size));
     decode::RawPacket raw;
-    for (auto got = framer_.next(raw); got != decode::Framer::Got::nothing; got = framer_.next(raw)) {
-      if (got == decode::Framer::Got::wrong) decoder_.spoil();
-      if (got == decode::Framer::Got::packet) take(raw.id, raw.bytes);
+    for (auto got = framer_.next(raw); got != decode::Framer::Result::incomplete; got = framer_.next(raw)) {
+      if (got == decode::Framer::Result::invalid) decoder_.mark_packet_lost();
+      if (got == decode::Framer::Result::packet) take(raw.id, raw.bytes);
     }
     return in.subspan(1 + size);
   }

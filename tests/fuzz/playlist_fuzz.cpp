@@ -18,10 +18,10 @@ void play(replay::Playlist& playlist, FrameSlot& slot) {
   std::uint64_t last_sequence = 0;
   std::int64_t last_ns = 0;
   for (int i = 0; i < kFrames; ++i) {
-    const replay::Next next = playlist.next(slot);
-    if (next == replay::Next::damaged) return demand(!playlist.fault().empty());
-    if (next == replay::Next::end) return;
-    if (next == replay::Next::corrupt) continue;
+    const replay::ReadOutcome next = playlist.next(slot);
+    if (next == replay::ReadOutcome::damaged) return demand(!playlist.fault().empty());
+    if (next == replay::ReadOutcome::end) return;
+    if (next == replay::ReadOutcome::corrupt) continue;
     for (const auto& axis : {slot.normal_pa, slot.shear_x_pa, slot.shear_y_pa}) {
       for (const float value : axis) demand(std::isfinite(value));
     }

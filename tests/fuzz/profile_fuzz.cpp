@@ -27,7 +27,8 @@ void try_out(const decode::Profile& profile) {
     decoder.take(rule.id, std::span(bytes).first(std::min(rule.length, bytes.size())), 0, slot);
   framer.put(bytes);
   decode::RawPacket packet;
-  while (framer.next(packet) != decode::Framer::Got::nothing) decoder.take(packet.id, packet.bytes, 0, slot);
+  while (framer.next(packet) != decode::Framer::Result::incomplete)
+    decoder.take(packet.id, packet.bytes, 0, slot);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace slipd::testing {
 namespace {
 
-using devices::Player;
+using devices::DeviceSimulator;
 using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -39,21 +39,21 @@ class Running {
  public:
   enum class Script : std::uint8_t { begun, waits };  // waits: free until pressed
 
-  Running(const devices::Sheet& sheet, std::unique_ptr<devices::Port> port,
+  Running(const devices::DeviceModel& model, std::unique_ptr<devices::Port> port,
           const json& script = slips_and_holds(), Script begin = Script::begun)
       : pressed_(begin == Script::begun),
-        player_(sheet, contacts(sheet, script), std::move(port)),
-        thread_([this](std::stop_token stop) { player_.run(stop, 100); }) {}
-  Player& player() { return player_; }
-  std::string place() { return player_.port().place(); }
+        simulator_(model, contacts(model, script), std::move(port)),
+        thread_([this](std::stop_token stop) { simulator_.run(stop, 100); }) {}
+  DeviceSimulator& simulator() { return simulator_; }
+  std::string place() { return simulator_.port().place(); }
   void press() { pressed_ = true; }
 
  private:
-  std::vector<devices::Contact> contacts(const devices::Sheet& sheet, const json& script) {
+  std::vector<devices::Contact> contacts(const devices::DeviceModel& model, const json& script) {
     const json free{{"noise", 0},
                     {"cycle", {{{"ms", kForEverMs}, {"normal_n", 0}, {"shear_n", 0}, {"friction", 0.5}}}}};
-    auto all = devices::scripted(sheet, 100, script);
-    const auto waiting = devices::scripted(sheet, 100, free);
+    auto all = devices::scripted(model, 100, script);
+    const auto waiting = devices::scripted(model, 100, free);
     for (std::size_t i = 0; i < all.size(); ++i) {
       all[i] = [this, played = all[i], still = waiting[i]](FrameSlot& slot) {
         (pressed_ ? played : still)(slot);
@@ -63,7 +63,7 @@ class Running {
   }
 
   std::atomic<bool> pressed_;
-  Player player_;
+  DeviceSimulator simulator_;
   std::jthread thread_;
 };
 
@@ -110,12 +110,12 @@ TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_
                                                      sensor("right", "onrobot-rg2-ft", place, 1)})),
                       real_drivers(), state_in(folder));
   await(daemon, holds);
-  device.player().order("stall 60");
+  device.simulator().order("stall 60");
   await(daemon, in_state("stale"));
   await(daemon, holds);
-  device.player().order("unplug");
+  device.simulator().order("unplug");
   await(daemon, in_state("fault"));
-  device.player().order("plug");
+  device.simulator().order("plug");
   await(daemon, holds);
 }
 
@@ -131,9 +131,9 @@ TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
     await(daemon, in_state("no_contact"));
     device.press();
     await(daemon, holds);
-    device.player().order("unplug");
+    device.simulator().order("unplug");
     await(daemon, in_state("fault"));
-    device.player().order("plug");
+    device.simulator().order("plug");
     await(daemon, holds);
     EXPECT_EQ(daemon.stop(), 0);
   }

@@ -81,11 +81,11 @@ TEST(Client, PassesAFileDescriptorAlong) {
   });
   std::array<int, 2> pipe{};
   ASSERT_EQ(::pipe(pipe.data()), 0);
-  const UniqueFd reading(pipe[0]);
+  const UniqueFd read_end(pipe[0]);
   const UniqueFd writing(pipe[1]);
   RpcClient(daemon.path()).call("record", {{"sensor", "left"}}, kPatience, writing.get());
   std::array<char, 8> bytes{};
-  ASSERT_EQ(::read(reading.get(), bytes.data(), bytes.size()), 8);
+  ASSERT_EQ(::read(read_end.get(), bytes.data(), bytes.size()), 8);
   EXPECT_EQ(std::string(bytes.data(), bytes.size()), "recorded");
 }
 

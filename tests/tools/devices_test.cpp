@@ -17,8 +17,8 @@ namespace slipctl {
 namespace {
 
 using nlohmann::json;
+using slipd::devices::DeviceModel;
 using slipd::devices::Packet;
-using slipd::devices::Sheet;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -80,12 +80,12 @@ TEST(Probe, finds_hid_devices_can_interfaces_and_serial_lines) {
   EXPECT_THAT(found[3]["profiles"], IsEmpty());
 }
 
-// What a device sends in `scans` scans of the pattern that the sheets' tests know.
-std::vector<Packet> packets_of(const Sheet& sheet, int scans) {
-  const std::size_t taxels = sheet.layout.size();
+// What a device sends in `scans` scans of the pattern that the models' tests know.
+std::vector<Packet> packets_of(const DeviceModel& model, int scans) {
+  const std::size_t taxels = model.layout.size();
   std::vector<std::vector<float>> memory;
   std::vector<slipd::Frame> frames;
-  for (const auto& contact : pattern(sheet)) {
+  for (const auto& contact : pattern(model)) {
     auto& values = memory.emplace_back(3 * taxels);
     slipd::FrameSlot slot;
     slot.normal_pa = std::span(values).first(taxels);
@@ -96,7 +96,7 @@ std::vector<Packet> packets_of(const Sheet& sheet, int scans) {
   }
   std::vector<Packet> out;
   for (int scan = 0; scan < scans; ++scan) {
-    for (Packet& packet : sheet.scan({frames, static_cast<std::uint64_t>(scan), 10000U * scan}))
+    for (Packet& packet : model.scan({frames, static_cast<std::uint64_t>(scan), 10000U * scan}))
       out.push_back(std::move(packet));
   }
   return out;

@@ -31,10 +31,10 @@ class Plot : public ::testing::Test {
 
 TEST_F(Plot, ShowsMarginAlertsForcesAndTheTaxelsOfTheLeastMargin) {
   const auto recorded = read_recorded(sample(true), std::nullopt);
-  EXPECT_EQ(recorded.moments.size(), kSampleFrames);
+  EXPECT_EQ(recorded.frames.size(), kSampleFrames);
   EXPECT_EQ(recorded.shown, kSampleFrames - 1);
-  EXPECT_NEAR(recorded.moments.back().normal_n, 1.6, 1e-5);
-  EXPECT_NEAR(recorded.moments.back().shear_n, 0.8, 1e-5);
+  EXPECT_NEAR(recorded.frames.back().normal_n, 1.6, 1e-5);
+  EXPECT_NEAR(recorded.frames.back().shear_n, 0.8, 1e-5);
   EXPECT_THAT(
       drawn(recorded),
       AllOf(HasSubstr("margin"), HasSubstr("wwww"), HasSubstr("SSSS"), HasSubstr("≤ 1.60 N"),
@@ -63,7 +63,7 @@ TEST_F(Plot, OfACutFileShowsWhatThereIs) {
   const auto file = sample(true);
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   const auto recorded = read_recorded(file, std::nullopt);
-  EXPECT_NEAR(static_cast<double>(recorded.moments.size()), kSampleFrames / 2.0, 2);
+  EXPECT_NEAR(static_cast<double>(recorded.frames.size()), kSampleFrames / 2.0, 2);
   EXPECT_THAT(recorded.fault, HasSubstr("ends within the frame"));
 }
 

@@ -101,7 +101,7 @@ WatchState watch_sample(int sensors, const std::string& state) {
       estimate["state"] = state;
       if (state != "ok")
         for (const char* key : {"gamma", "sigma", "class"}) estimate[key] = nullptr;
-      take_reading(watch, reading_from(estimate));
+      take_estimate(watch, estimate_from(estimate));
     }
   }
   return watch;

@@ -107,13 +107,13 @@ TEST(View, ShowsAnAlertInItsColour) {
   state.sensors[0].latest->alert = "slip";
   const Canvas canvas = draw_watch(state, 80, 24, ColourDepth::rgb);
   EXPECT_THAT(canvas.row_text(1), HasSubstr(" slip"));
-  EXPECT_TRUE(canvas.at(77, 1).style.paper);
+  EXPECT_TRUE(canvas.at(77, 1).style.background);
 }
 
 TEST(View, DrawsTheCourseHighForASafeGripAndLowForASlip) {
   for (const auto& [gamma, row] : {std::pair{1.0, 3}, std::pair{0.0, 6}}) {
     WatchState state = watch_sample(1);
-    for (CoursePoint& point : state.sensors[0].course) point.gamma = gamma;
+    for (MarginPoint& point : state.sensors[0].history) point.gamma = gamma;
     const Canvas canvas = draw_watch(state, 80, 24, ColourDepth::rgb);
     EXPECT_GE(canvas.at(40, row).glyph, U'⠁');
     EXPECT_LE(canvas.at(40, row).glyph, U'⣿');
@@ -122,7 +122,7 @@ TEST(View, DrawsTheCourseHighForASafeGripAndLowForASlip) {
 
 TEST(View, DrawsASteepCourseAsALineWithoutHoles) {
   WatchState state = watch_sample(1);
-  for (CoursePoint& point : state.sensors[0].course) point.gamma = point.time_s < 5 ? 1.0 : 0.0;
+  for (MarginPoint& point : state.sensors[0].history) point.gamma = point.time_s < 5 ? 1.0 : 0.0;
   const Canvas canvas = draw_watch(state, 80, 24, ColourDepth::rgb);
   const auto drawn = [&](int row) {
     for (int column = 2; column < 80; ++column)

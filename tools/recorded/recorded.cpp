@@ -6,8 +6,8 @@
 namespace slipd {
 namespace {
 
-Moment moment_of(const FrameSlot& slot, const std::optional<RecordedEstimate>& estimate,
-                 std::int64_t first_ns, double area_m2) {
+FrameSummary summary_of(const FrameSlot& slot, const std::optional<RecordedEstimate>& estimate,
+                        std::int64_t first_ns, double area_m2) {
   double normal = 0;
   double x = 0;
   double y = 0;
@@ -24,23 +24,24 @@ Moment moment_of(const FrameSlot& slot, const std::optional<RecordedEstimate>& e
           .estimate = estimate};
 }
 
-// The less, the more it is worth to be looked at: any margin before none.
-double rank_of(const Moment& moment, std::optional<double> at_s) {
-  if (at_s) return std::fabs(moment.time_s - *at_s);
-  if (moment.estimate && std::isfinite(moment.estimate->gamma)) return moment.estimate->gamma;
-  return 2 + 1 / (1 + std::max(0.0, moment.normal_n));
+// The frame of the lowest rank is shown: any margin ranks before none.
+double rank_of(const FrameSummary& frame, std::optional<double> at_s) {
+  if (at_s) return std::fabs(frame.time_s - *at_s);
+  if (frame.estimate && std::isfinite(frame.estimate->gamma)) return frame.estimate->gamma;
+  return 2 + 1 / (1 + std::max(0.0, frame.normal_n));
 }
 
 }  // namespace
 
 bool Recorded::has_estimates() const noexcept {
-  return std::any_of(moments.begin(), moments.end(), [](const Moment& m) { return m.estimate.has_value(); });
+  return std::any_of(frames.begin(), frames.end(),
+                     [](const FrameSummary& m) { return m.estimate.has_value(); });
 }
 
 Recorded read_recorded(const std::filesystem::path& file, std::optional<double> at_s) {
   RecordingReader reader(file);
   Recorded recorded{.header = reader.header(),
-                    .moments = {},
+                    .frames = {},
                     .normal_pa = {},
                     .shear_x_pa = {},
                     .shear_y_pa = {},
@@ -58,17 +59,17 @@ Recorded read_recorded(const std::filesystem::path& file, std::optional<double> 
   double best = 0;
   while (reader.next(slot, &estimate) == RecordingReader::Status::frame) {
     if (!first_ns) first_ns = slot.time_ns;
-    recorded.moments.push_back(moment_of(slot, estimate, *first_ns, recorded.header.layout.area_m2()));
-    const double rank = rank_of(recorded.moments.back(), at_s);
-    if (recorded.moments.size() > 1 && !(rank < best)) continue;
+    recorded.frames.push_back(summary_of(slot, estimate, *first_ns, recorded.header.layout.area_m2()));
+    const double rank = rank_of(recorded.frames.back(), at_s);
+    if (recorded.frames.size() > 1 && !(rank < best)) continue;
     best = rank;
-    recorded.shown = recorded.moments.size() - 1;
+    recorded.shown = recorded.frames.size() - 1;
     recorded.normal_pa = normal;
     recorded.shear_x_pa = x;
     recorded.shear_y_pa = y;
   }
   recorded.fault = reader.fault();
-  if (recorded.moments.empty()) {
+  if (recorded.frames.empty()) {
     throw RecordingError(file.string() + ": a recording without a frame" +
                              (recorded.fault.empty() ? "" : "; " + recorded.fault),
                          0);

@@ -1,5 +1,4 @@
-// A recording as a course in time: what was felt and estimated at each frame, and one whole frame. Any
-// thread.
+// A recording as a time series: forces and estimate of each frame, and one whole frame. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -11,29 +10,32 @@
 
 namespace slipd {
 
-// One frame without its taxels. NaN: not known.
-struct Moment {
-  std::uint64_t sequence = 0;
-  double time_s = 0;                 // since the first frame
-  double normal_n = 0, shear_n = 0;  // sums over all taxels, the shear's of its resultant
-  double truth_gamma = kUnknown;     // of a simulated sensor
-  std::optional<RecordedEstimate> estimate;
+// One frame without its taxels. NaN: unknown.
+struct FrameSummary {
+  std::uint64_t sequence = 0;                // of the frame
+  double time_s = 0;                         // since the first frame
+  double normal_n = 0;                       // normal force, N
+  double shear_n = 0;                        // magnitude of the tangential force, N
+  double truth_gamma = kUnknown;             // true margin of a simulated sensor
+  std::optional<RecordedEstimate> estimate;  // absent: the recording has none for this frame
 };
 
 struct Recorded {
   RecordingHeader header;
-  std::vector<Moment> moments;
-  std::size_t shown = 0;  // the moment whose frame is here
-  std::vector<float> normal_pa, shear_x_pa, shear_y_pa;
-  std::string fault;  // why it ends early; empty: it does not
+  std::vector<FrameSummary> frames;  // all of them, in order
+  std::size_t shown = 0;             // index of the frame whose taxels are below
+  std::vector<float> normal_pa;      // pressure, Pa, one element per taxel
+  std::vector<float> shear_x_pa;     // traction along x, Pa
+  std::vector<float> shear_y_pa;     // traction along y, Pa
+  std::string fault;                 // why the recording ends early; empty: it is complete
 
   bool has_estimates() const noexcept;
-  double seconds() const noexcept { return moments.empty() ? 0 : moments.back().time_s; }
+  double seconds() const noexcept { return frames.empty() ? 0 : frames.back().time_s; }
 };
 
-// Reads all of it. The frame shown is the one nearest to `at_s`; without that the one of least margin, else
-// of greatest normal force. Throws as RecordingReader does, and RecordingError for a recording without a
-// frame.
+// Reads the whole file. The frame shown is the one nearest to `at_s`; without `at_s` that of least margin, or
+// of greatest normal force where no margin is known. Throws as RecordingReader does, and RecordingError for a
+// recording without a frame.
 Recorded read_recorded(const std::filesystem::path& file, std::optional<double> at_s);
 
 }  // namespace slipd

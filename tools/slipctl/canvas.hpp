@@ -1,9 +1,8 @@
-// A grid of coloured characters: what a screen shows, as a value. Drawing knows no terminal, so that every
-// view is tested as text; encoding turns a canvas into a terminal's bytes or a picture.
+// A grid of coloured characters: the content of a screen as a value. Drawing uses no terminal, so that tests
+// check every view as text; encoding turns a canvas into a terminal's bytes or a picture.
 //
-// Our own and not ncurses: ncursesw draws through a global screen that exists only with a terminal behind it,
-// and its colour pairs stop at 256 colours unless terminfo has a direct-colour entry, which most machines'
-// has not. What is left once the drawing is a pure function is a hundred lines.
+// Not ncurses: ncursesw draws through a global screen that needs a terminal, and its colour pairs stop at 256
+// colours unless terminfo has a direct-colour entry, which most machines lack.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +14,21 @@
 namespace slipctl {
 
 struct Rgb {
-  std::uint8_t red = 0, green = 0, blue = 0;
+  std::uint8_t red = 0;    // sRGB, 0 … 255
+  std::uint8_t green = 0;  // sRGB, 0 … 255
+  std::uint8_t blue = 0;   // sRGB, 0 … 255
   bool operator==(const Rgb&) const = default;
 };
 
 struct Style {
-  std::optional<Rgb> ink, paper;  // absent: the terminal's own
+  std::optional<Rgb> foreground;  // absent: the terminal's own
+  std::optional<Rgb> background;  // absent: the terminal's own
   bool bold = false;
   bool operator==(const Style&) const = default;
 };
 
 struct Cell {
-  char32_t glyph = U' ';
+  char32_t glyph = U' ';  // one column wide
   Style style;
   bool operator==(const Cell&) const = default;
 };
@@ -41,8 +43,8 @@ class Canvas {
   // One glyph, one column wide. Outside the canvas: nothing.
   void put(int column, int row, char32_t glyph, const Style& style = {});
 
-  // UTF-8, cut at `limit` columns (-1: the canvas's edge). What is no glyph of one column's width becomes
-  // '?', so that no name can break the grid. Returns the column after the last one written.
+  // UTF-8, cut at `limit` columns (-1: the canvas's edge). Glyphs that are not one column wide become '?', so
+  // that no name breaks the grid. Returns the column after the last one written.
   int text(int column, int row, std::string_view utf8, const Style& style = {}, int limit = -1);
 
   std::string row_text(int row) const;  // without colour, trailing blanks cut
@@ -62,14 +64,14 @@ enum class ColourDepth : std::uint8_t { none, basic16, indexed256, rgb };
 
 std::string to_utf8(char32_t glyph);
 
-// One row as a terminal takes it: colours and glyphs, ended by a reset; no newline.
+// The bytes of one row for a terminal: colours and glyphs, ended by a reset; no newline.
 std::string encode_row(const Canvas& canvas, int row, ColourDepth depth);
 
-// What has to be written so that a terminal that shows `before` shows `now`. Null or another size:
-// everything.
+// The bytes that change a terminal's content from `before` to `now`. `before` null or of another size: all of
+// `now`.
 std::string encode_change(const Canvas* before, const Canvas& now, ColourDepth depth);
 
-// The screen as a picture, for documents.
+// The canvas as SVG, for documents.
 std::string to_svg(const Canvas& canvas, std::string_view title);
 
 }  // namespace slipctl

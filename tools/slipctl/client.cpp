@@ -72,7 +72,7 @@ json RpcClient::call(const std::string& method, json params, std::chrono::millis
       keep_notification(*message);
       continue;
     }
-    // An answer without an id tells of a request that could not be read, and we have only this one under way.
+    // An answer without an id belongs to a request that could not be parsed; only this one is pending.
     const auto answered = message->find("id");
     if (answered != message->end() && !answered->is_null() && *answered != id) continue;
     if (const auto error = message->find("error"); error != message->end() && error->is_object())

@@ -1,7 +1,7 @@
-// The client's end of slipd's socket: JSON-RPC 2.0, one object a line, over a Unix stream socket.
+// The client of slipd's socket: JSON-RPC 2.0, one object a line, over a Unix stream socket.
 //
-// Synchronous, one thread. A request waits for its own answer; notifications that arrive meanwhile are kept
-// in order for next(). Anything wrong is an exception whose text a user can act on.
+// Synchronous; called from one thread. A request waits for its answer; notifications that arrive meanwhile
+// are kept in order for next(). Every error is an exception whose text states the remedy.
 #pragma once
 
 #include <chrono>
@@ -20,13 +20,13 @@ using slipd::UniqueFd;
 
 inline constexpr const char* kDefaultSocket = "/run/slipd/slipd.sock";
 
-// No daemon, no permission, a broken connection, an answer that is none.
+// No daemon, no permission, a broken connection, a malformed answer.
 class ClientError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The daemon understood and refused.
+// The daemon answered with an error.
 class RpcError : public ClientError {
  public:
   RpcError(int code, const std::string& message) : ClientError(message), code_(code) {}
@@ -37,27 +37,27 @@ class RpcError : public ClientError {
 };
 
 struct Notification {
-  std::string method;
-  nlohmann::ordered_json params;
+  std::string method;             // "estimate", "alert" …
+  nlohmann::ordered_json params;  // as on the socket
 };
 
 class RpcClient {
  public:
-  // Connects at once. Throws ClientError naming the socket and what to do.
+  // Connects at once. Throws ClientError, which names the socket and the remedy.
   explicit RpcClient(const std::string& socket_path);
 
-  // Sends a request and waits for its result. `passed_fd`, if not -1, travels along (SCM_RIGHTS); it stays
-  // the caller's. Throws RpcError for an error answer, ClientError for none within `timeout`.
+  // Sends a request and waits for its result. `passed_fd`, if not -1, is sent along (SCM_RIGHTS); the caller
+  // keeps its own. Throws RpcError for an error answer, ClientError for no answer within `timeout`.
   nlohmann::ordered_json call(const std::string& method,
                               nlohmann::ordered_json params = nlohmann::ordered_json::object(),
                               std::chrono::milliseconds timeout = std::chrono::seconds(5),
                               int passed_fd = -1);
 
-  // The next notification, or nothing within `timeout` (0: only what is there). Throws ClientError when the
-  // daemon has gone.
+  // The next notification, or nothing within `timeout` (0: only if one has arrived). Throws ClientError when
+  // the daemon has closed the connection.
   std::optional<Notification> next(std::chrono::milliseconds timeout);
 
-  // For poll(): readable when next() may have something that it had not before.
+  // For poll(): readable when next() can return another notification.
   int fd() const noexcept { return socket_.get(); }
 
  private:
@@ -72,7 +72,7 @@ class RpcClient {
   std::string path_;
   UniqueFd socket_;
   std::string received_;
-  std::size_t searched_ = 0;  // how much of received_ is known to hold no end of line
+  std::size_t searched_ = 0;  // the first bytes of received_, which contain no end of line
   std::deque<Notification> waiting_;
   std::int64_t last_id_ = 0;
 };

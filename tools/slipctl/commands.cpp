@@ -3,8 +3,8 @@
 #include <iostream>
 
 #include "tools/slipctl/client.hpp"
-#include "tools/slipctl/figures.hpp"
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/number_text.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 #include "tools/slipctl/table.hpp"
 
 namespace slipctl {
@@ -12,18 +12,18 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-json ask(const Common& common, const char* method, json params = json::object()) {
+json ask(const CommonOptions& common, const char* method, json params = json::object()) {
   return RpcClient(common.socket).call(method, std::move(params));
 }
 
 }  // namespace
 
-void print_status(const Common& common) {
+void print_status(const CommonOptions& common) {
   const json status = ask(common, "status");
   std::cout << (common.json ? status.dump() + "\n" : tree(status));
 }
 
-void print_sensors(const Common& common) {
+void print_sensors(const CommonOptions& common) {
   const json result = ask(common, "sensors");
   if (common.json)
     std::cout << result.dump() << '\n';
@@ -33,7 +33,7 @@ void print_sensors(const Common& common) {
         {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
 }
 
-void print_gamma(const Common& common, const std::string& sensor) {
+void print_gamma(const CommonOptions& common, const std::string& sensor) {
   const json result = ask(common, "gamma", sensor.empty() ? json::object() : json{{"sensor", sensor}});
   if (common.json) {
     std::cout << result.dump() << '\n';
@@ -46,7 +46,7 @@ void print_gamma(const Common& common, const std::string& sensor) {
     std::cout << '\n' << tree({{"grasps", grasps}});
 }
 
-void print_frame(const Common& common, const std::string& sensor) {
+void print_frame(const CommonOptions& common, const std::string& sensor) {
   const json result = ask(common, "frame", {{"sensor", sensor}});
   if (common.json) {
     std::cout << result.dump() << '\n';
@@ -59,12 +59,12 @@ void print_frame(const Common& common, const std::string& sensor) {
               << frame.shear_x_pa[i] << ',' << frame.shear_y_pa[i] << '\n';
 }
 
-void print_metrics(const Common& common) {
+void print_metrics(const CommonOptions& common) {
   const json metrics = ask(common, "metrics");
   std::cout << (common.json ? metrics.dump() + "\n" : metrics.get<std::string>());
 }
 
-void keep_flight(const Common& common, const std::string& sensor) {
+void keep_flight(const CommonOptions& common, const std::string& sensor) {
   const json result = ask(common, "flight", sensor.empty() ? json::object() : json{{"sensor", sensor}});
   if (common.json)
     std::cout << result.dump() << '\n';
@@ -72,13 +72,13 @@ void keep_flight(const Common& common, const std::string& sensor) {
     std::cout << "in " << result.value("written_in_s", 0.0) << " s in " << result.value("folder", "") << '\n';
 }
 
-void print_dbc(const Common& common) {
+void print_dbc(const CommonOptions& common) {
   const json dbc = ask(common, "dbc");
   std::cout << (common.json ? dbc.dump() + "\n" : dbc.get<std::string>());
 }
 
-void rebias(const Common& common, const std::string& sensor, bool force) {
-  // Longer than the daemon waits for frames.
+void rebias(const CommonOptions& common, const std::string& sensor, bool force) {
+  // Longer than the daemon collects frames for.
   json params{{"sensor", sensor}};
   if (force) params["force"] = true;
   const json result = RpcClient(common.socket).call("rebias", params, std::chrono::seconds(35));

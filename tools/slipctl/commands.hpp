@@ -1,34 +1,34 @@
-// The commands that ask once and print: results on stdout, as tables for people or as the daemon's own JSON.
+// The commands that send one request and print the result on stdout, as a table or as the daemon's JSON.
 #pragma once
 
 #include <string>
 
 namespace slipctl {
 
-struct Common {
-  std::string socket;
-  bool json = false;
+struct CommonOptions {
+  std::string socket;  // path of the daemon's socket
+  bool json = false;   // print the daemon's JSON
 };
 
 struct RecordOptions {
-  std::string sensor;
-  double seconds = 10;
-  std::string out;
-  bool force = false;  // overwrite
+  std::string sensor;   // its name
+  double seconds = 10;  // length of the recording, s, > 0
+  std::string out;      // the file
+  bool force = false;   // overwrite an existing file
 };
 
 // All throw ClientError.
-void print_status(const Common& common);
-void print_sensors(const Common& common);
-void print_gamma(const Common& common, const std::string& sensor);  // empty: all
-void print_frame(const Common& common, const std::string& sensor);  // CSV, one taxel a line
-void print_metrics(const Common& common);                           // OpenMetrics text
-// Has the flight recorder keep the last seconds; empty: of all sensors.
-void keep_flight(const Common& common, const std::string& sensor);
-void print_dbc(const Common& common);  // the CAN messages' definition
-void rebias(const Common& common, const std::string& sensor, bool force);
+void print_status(const CommonOptions& common);
+void print_sensors(const CommonOptions& common);
+void print_gamma(const CommonOptions& common, const std::string& sensor);  // empty: all
+void print_frame(const CommonOptions& common, const std::string& sensor);  // CSV, one taxel a line
+void print_metrics(const CommonOptions& common);                           // OpenMetrics text
+// Makes the flight recorder write the last seconds to a file; empty: of all sensors.
+void keep_flight(const CommonOptions& common, const std::string& sensor);
+void print_dbc(const CommonOptions& common);  // the CAN messages as a DBC file
+void rebias(const CommonOptions& common, const std::string& sensor, bool force);
 
-// Opens the file here, with the user's own rights, and lets the daemon's writer fill it.
-void record(const Common& common, const RecordOptions& options);
+// Opens the file with the user's own permissions and passes its descriptor to the daemon, which writes it.
+void record(const CommonOptions& common, const RecordOptions& options);
 
 }  // namespace slipctl

@@ -16,7 +16,7 @@ namespace {
 using namespace slipd;
 using Bytes = std::vector<std::uint8_t>;
 
-// One of the device's sensors, with a slot of its own.
+// One of the device's sensors, with its slot.
 struct Sensor {
   Sensor(const decode::Profile& profile, std::size_t number, unsigned board)
       : decoder(profile, number, board), memory(3 * profile.layout.size()) {
@@ -71,7 +71,7 @@ class Capture {
         const double seconds = line.starts_with('(') ? std::stod(line.substr(1)) : 0;
         take(id, bytes, static_cast<std::int64_t>(seconds * 1e9));
       } catch (const std::logic_error&) {
-        ++dropped_;  // no number where one should be
+        ++dropped_;  // a malformed number
       }
     }
   }
@@ -80,14 +80,15 @@ class Capture {
     for (std::size_t at = 0; at < bytes.size(); at += std::min(bytes.size() - at, framer_.room())) {
       framer_.put(std::span(bytes).subspan(at, std::min(bytes.size() - at, framer_.room())));
       decode::RawPacket packet;
-      for (auto got = framer_.next(packet); got != decode::Framer::Got::nothing; got = framer_.next(packet)) {
-        if (got == decode::Framer::Got::packet) take(packet.id, packet.bytes, 0);
-        if (got == decode::Framer::Got::wrong) ++dropped_;
+      for (auto got = framer_.next(packet); got != decode::Framer::Result::incomplete;
+           got = framer_.next(packet)) {
+        if (got == decode::Framer::Result::packet) take(packet.id, packet.bytes, 0);
+        if (got == decode::Framer::Result::invalid) ++dropped_;
       }
     }
   }
 
-  // Packets in a row: reports that begin with their number where there are any, else of the scan's lengths.
+  // Consecutive packets: reports that begin with their id where they have one, else of the scan's lengths.
   void read_packets(const Bytes& bytes) {
     const auto& rules = profile_.scan;
     const bool numbered = profile_.driver == "hid" && rules.front().id != 0;
@@ -96,7 +97,7 @@ class Capture {
       const decode::PacketRule* rule = &rules[turn++ % rules.size()];
       if (numbered) {
         const auto found = std::ranges::find(rules, bytes[at], &decode::PacketRule::id);
-        if (found == rules.end()) {  // of unknown length, so the shortest guess
+        if (found == rules.end()) {  // of unknown length: skips the shortest
           ++foreign_;
           at += 1 + rules.front().length;
           continue;

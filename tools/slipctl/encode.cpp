@@ -17,7 +17,7 @@ int squared_distance(Rgb a, Rgb b) {
   return red * red + green * green + blue * blue;
 }
 
-// xterm's colours 0–15, the ones that people change least.
+// xterm's default colours 0–15.
 constexpr std::array<Rgb, 16> kBasic{{{0, 0, 0},
                                       {205, 0, 0},
                                       {0, 205, 0},
@@ -61,19 +61,19 @@ int nearest_indexed(Rgb colour) {
   return 16 + 36 * red + 6 * green + blue;
 }
 
-std::string colour_code(Rgb colour, bool paper, ColourDepth depth) {
+std::string colour_code(Rgb colour, bool background, ColourDepth depth) {
   switch (depth) {
     case ColourDepth::none:
       return "";
     case ColourDepth::basic16: {
       const int basic = nearest_basic(colour);
-      return ";" + std::to_string((basic < 8 ? 30 : 82) + basic + (paper ? 10 : 0));
+      return ";" + std::to_string((basic < 8 ? 30 : 82) + basic + (background ? 10 : 0));
     }
     case ColourDepth::indexed256:
-      return (paper ? ";48;5;" : ";38;5;") + std::to_string(nearest_indexed(colour));
+      return (background ? ";48;5;" : ";38;5;") + std::to_string(nearest_indexed(colour));
     case ColourDepth::rgb:
-      return (paper ? ";48;2;" : ";38;2;") + std::to_string(colour.red) + ";" + std::to_string(colour.green) +
-             ";" + std::to_string(colour.blue);
+      return (background ? ";48;2;" : ";38;2;") + std::to_string(colour.red) + ";" +
+             std::to_string(colour.green) + ";" + std::to_string(colour.blue);
   }
   return "";
 }
@@ -81,8 +81,8 @@ std::string colour_code(Rgb colour, bool paper, ColourDepth depth) {
 std::string style_code(const Style& style, ColourDepth depth) {
   std::string code = "\x1b[0";
   if (style.bold) code += ";1";
-  if (style.ink) code += colour_code(*style.ink, false, depth);
-  if (style.paper) code += colour_code(*style.paper, true, depth);
+  if (style.foreground) code += colour_code(*style.foreground, false, depth);
+  if (style.background) code += colour_code(*style.background, true, depth);
   return code + "m";
 }
 
@@ -119,8 +119,8 @@ std::string escaped(std::string_view text) {
 
 constexpr int kCellWidth = 8;
 constexpr int kCellHeight = 16;
-constexpr Rgb kInk{220, 220, 220};
-constexpr Rgb kPaper{16, 18, 24};
+constexpr Rgb kForeground{220, 220, 220};
+constexpr Rgb kBackground{16, 18, 24};
 
 std::string rectangle(int x, int y, int width, int height, Rgb colour) {
   return "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" width=\"" +
@@ -128,20 +128,20 @@ std::string rectangle(int x, int y, int width, int height, Rgb colour) {
          "\"/>\n";
 }
 
-// Blocks are drawn as rectangles, for a font's own leave seams; everything else is text.
+// Blocks are drawn as rectangles, because a font's block glyphs leave seams; all else is text.
 std::string picture_of(const Cell& cell, int column, int row) {
   const int x = column * kCellWidth;
   const int y = row * kCellHeight;
-  const Rgb ink = cell.style.ink.value_or(kInk);
+  const Rgb foreground = cell.style.foreground.value_or(kForeground);
   std::string svg;
-  if (cell.style.paper) svg += rectangle(x, y, kCellWidth, kCellHeight, *cell.style.paper);
+  if (cell.style.background) svg += rectangle(x, y, kCellWidth, kCellHeight, *cell.style.background);
   if (cell.glyph == U' ') return svg;
-  if (cell.glyph == U'▀') return svg + rectangle(x, y, kCellWidth, kCellHeight / 2, ink);
+  if (cell.glyph == U'▀') return svg + rectangle(x, y, kCellWidth, kCellHeight / 2, foreground);
   if (cell.glyph >= U'█' && cell.glyph <= U'▏')
-    return svg +
-           rectangle(x, y + 3, kCellWidth * static_cast<int>(U'▐' - cell.glyph) / 8, kCellHeight - 6, ink);
+    return svg + rectangle(x, y + 3, kCellWidth * static_cast<int>(U'▐' - cell.glyph) / 8, kCellHeight - 6,
+                           foreground);
   return svg + "<text x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y + 12) + "\" fill=\"" +
-         hex(ink) + "\"" + (cell.style.bold ? " font-weight=\"bold\"" : "") + ">" +
+         hex(foreground) + "\"" + (cell.style.bold ? " font-weight=\"bold\"" : "") + ">" +
          escaped(to_utf8(cell.glyph)) + "</text>\n";
 }
 
@@ -177,7 +177,7 @@ std::string to_svg(const Canvas& canvas, std::string_view title) {
   const int height = canvas.rows() * kCellHeight;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + std::to_string(width) + " " +
                     std::to_string(height) + "\" font-family=\"monospace\" font-size=\"13\">\n<title>" +
-                    escaped(title) + "</title>\n" + rectangle(0, 0, width, height, kPaper);
+                    escaped(title) + "</title>\n" + rectangle(0, 0, width, height, kBackground);
   for (int row = 0; row < canvas.rows(); ++row)
     for (int column = 0; column < canvas.columns(); ++column)
       svg += picture_of(canvas.at(column, row), column, row);

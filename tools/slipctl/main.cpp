@@ -1,4 +1,5 @@
-// slipctl: asks a running slipd, and looks at devices without one. Exit 0 fine, 1 it failed, 2 wrong use.
+// slipctl: queries a running slipd, and inspects devices without one. Exit 0 success, 1 failure, 2 wrong
+// usage.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -15,7 +16,7 @@ namespace {
 using namespace slipctl;
 
 struct Choices {
-  Common common{kDefaultSocket, false};
+  CommonOptions common{kDefaultSocket, false};
   std::string sensor;
   RecordOptions record;
   WatchOptions watch;
@@ -26,37 +27,40 @@ struct Choices {
 };
 
 void add_questions(CLI::App& app, Choices& choices) {
-  app.add_subcommand("status", "what the daemon does: counts, rates, latency, real time, clients")
+  app.add_subcommand("status", "the daemon's state: counts, rates, latency, real time, clients")
       ->callback([&] { print_status(choices.common); });
   app.add_subcommand("metrics", "counters, rates and latencies as OpenMetrics text")->callback([&] {
     print_metrics(choices.common);
   });
-  app.add_subcommand("dbc", "what slipd says on CAN, as a DBC file for the running configuration")
-      ->callback([&] { print_dbc(choices.common); });
-  app.add_subcommand("sensors", "which sensors there are")->callback([&] { print_sensors(choices.common); });
+  app.add_subcommand("dbc", "the CAN messages of the running configuration as a DBC file")->callback([&] {
+    print_dbc(choices.common);
+  });
+  app.add_subcommand("sensors", "the sensors and what each is")->callback([&] {
+    print_sensors(choices.common);
+  });
   CLI::App* gamma = app.add_subcommand("gamma", "the latest safety margin of each sensor");
-  gamma->add_option("sensor", choices.sensor, "only this one");
+  gamma->add_option("sensor", choices.sensor, "only this sensor");
   gamma->callback([&] { print_gamma(choices.common, choices.sensor); });
   CLI::App* frame = app.add_subcommand("frame", "the latest frame, one taxel a line (CSV)");
   frame->add_option("sensor", choices.sensor)->required();
   frame->callback([&] { print_frame(choices.common, choices.sensor); });
-  CLI::App* flight = app.add_subcommand("flight", "keep what the flight recorder holds, as a recording");
-  flight->add_option("sensor", choices.sensor, "only this one");
+  CLI::App* flight = app.add_subcommand("flight", "write the flight recorder's last seconds to a recording");
+  flight->add_option("sensor", choices.sensor, "only this sensor");
   flight->callback([&] { keep_flight(choices.common, choices.sensor); });
-  CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's reading as its zero");
+  CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's values as its zero");
   zero->add_option("sensor", choices.sensor)->required();
-  zero->add_flag("--force", choices.force, "even if it looks touched");
+  zero->add_flag("--force", choices.force, "even if it seems to be in contact");
   zero->callback([&] { rebias(choices.common, choices.sensor, choices.force); });
 }
 
 void add_record(CLI::App& app, Choices& choices) {
   CLI::App* command = app.add_subcommand("record", "record a sensor's frames into a file");
   command->add_option("--sensor", choices.record.sensor)->required();
-  command->add_option("--seconds", choices.record.seconds, "how long")
+  command->add_option("--seconds", choices.record.seconds, "length of the recording, s")
       ->check(CLI::Range(0.001, 86400.0))
       ->required();
-  command->add_option("--out", choices.record.out, "the file, which must not be there")->required();
-  command->add_flag("--force", choices.record.force, "write over it if it is");
+  command->add_option("--out", choices.record.out, "the file, which must not exist yet")->required();
+  command->add_flag("--force", choices.record.force, "overwrite an existing file");
   command->callback([&] { record(choices.common, choices.record); });
 }
 
@@ -64,10 +68,10 @@ void add_plot(CLI::App& app, Choices& choices) {
   CLI::App* command = app.add_subcommand("plot", "draw a recording: margin, alerts, forces and taxels");
   command->add_option("file", choices.plot.file)->required();
   command->add_option("--at", choices.plot.at_s,
-                      "whose taxels: so many seconds from its beginning; else those of least margin");
-  command->add_option("--columns", choices.plot.columns, "width; the terminal's")
+                      "show the frame so many seconds after the begin; default: the frame of least margin");
+  command->add_option("--columns", choices.plot.columns, "width in characters; default: the terminal's")
       ->check(CLI::Range(40, 1000));
-  command->add_option("--picture", choices.plot.picture, "write the screen into this file, too, as SVG");
+  command->add_option("--picture", choices.plot.picture, "write the screen to this file as SVG, too");
   command->callback([&] {
     choices.plot.json = choices.common.json;
     plot(choices.plot);
@@ -78,14 +82,16 @@ void add_watch(CLI::App& app, Choices& choices) {
   WatchOptions& watching = choices.watch;
   CLI::App* command =
       app.add_subcommand("watch", "follow the margins: a live view on a terminal, lines elsewhere");
-  command->add_option("sensors", watching.sensors, "only these");
-  command->add_option("--seconds", watching.seconds, "end after so long")->check(CLI::PositiveNumber);
-  command->add_option("--rate", watching.lines_per_s, "lines a second and sensor, where they are lines; 5")
+  command->add_option("sensors", watching.sensors, "only these sensors");
+  command->add_option("--seconds", watching.seconds, "end after so many seconds")->check(CLI::PositiveNumber);
+  command
+      ->add_option("--rate", watching.lines_per_s,
+                   "lines per second and sensor, where stdout is not a terminal; default: 5")
       ->check(CLI::Range(0.1, 100000.0));
-  command->add_flag("--plain", watching.plain, "lines on a terminal, too");
-  command->add_flag("--summary", watching.summary, "tell at the end what happened; looks at every estimate");
-  command->add_flag("--expect-slip", watching.expect_slip, "fail when no slip was seen");
-  command->add_option("--picture", watching.picture, "at the end, write the screen into this file, as SVG");
+  command->add_flag("--plain", watching.plain, "lines even on a terminal");
+  command->add_flag("--summary", watching.summary, "print statistics of every estimate at the end");
+  command->add_flag("--expect-slip", watching.expect_slip, "exit with 1 if no slip was seen");
+  command->add_option("--picture", watching.picture, "write the last screen to this file as SVG");
   command->callback([&] {
     watching.socket = choices.common.socket;
     watching.json = choices.common.json;
@@ -94,13 +100,14 @@ void add_watch(CLI::App& app, Choices& choices) {
 }
 
 void add_devices(CLI::App& app, Choices& choices) {
-  app.add_subcommand("probe", "what is plugged in, and which profile would match")->callback([&] {
+  app.add_subcommand("probe", "the devices present, and the profiles that match them")->callback([&] {
     print_probe(choices.common.json, std::cout);
   });
   CLI::App* command = app.add_subcommand(
-      "decode", "what a capture on the standard input means: `candump -L` of CAN, else the device's bytes");
+      "decode", "decode a capture on standard input: `candump -L` of CAN, else the device's bytes");
   command->add_option("profile", choices.decode.profile)->required();
-  command->add_option("--board", choices.decode.board, "which one on a CAN bus")->capture_default_str();
+  command->add_option("--board", choices.decode.board, "the board's number on a CAN bus")
+      ->capture_default_str();
   command->callback([&] {
     choices.decode.json = choices.common.json;
     choices.exit_code = decode(choices.decode, std::cin, std::cout, std::cerr) ? 0 : 1;
@@ -111,7 +118,8 @@ void add_devices(CLI::App& app, Choices& choices) {
 
 int main(int argc, char** argv) try {
   Choices choices;
-  CLI::App app{"Asks a running slipd how far each grasp is from slipping, and looks at devices.", "slipctl"};
+  CLI::App app{"Shows how far each grasp is from slipping, by a running slipd, and inspects devices.",
+               "slipctl"};
   app.set_version_flag("--version", "slipctl " SLIPD_VERSION);
   app.add_option("--socket", choices.common.socket, "the daemon's socket")->capture_default_str();
   app.add_flag("--json", choices.common.json, "the daemon's own answers, one JSON object a line");

@@ -43,12 +43,12 @@ constexpr Rgb pressure_colour(double share) {
       share);
 }
 
-// Traction as a share of what friction carries: blue sticks, orange is about to slip.
+// Traction ratio q / (mu p): blue sticks, orange slips.
 constexpr Rgb traction_colour(double share) {
   return blend(std::array<Rgb, 3>{{{30, 60, 140}, {90, 130, 150}, {230, 120, 30}}}, share);
 }
 
-// Absent: nothing is known, and nothing is coloured as if it were.
+// Absent: an unknown margin is grey.
 constexpr Rgb margin_colour(std::optional<double> gamma) {
   if (!gamma) return kDim;
   return *gamma < 0.2 ? kRed : *gamma < 0.4 ? kYellow : kGreen;

@@ -11,8 +11,8 @@
 
 #include "core/estimate/estimate.hpp"
 #include "tools/slipctl/client.hpp"
-#include "tools/slipctl/figures.hpp"
-#include "tools/slipctl/gauge.hpp"
+#include "tools/slipctl/margin_plot.hpp"
+#include "tools/slipctl/number_text.hpp"
 #include "tools/slipctl/palette.hpp"
 #include "tools/slipctl/taxel_map.hpp"
 #include "tools/slipctl/terminal.hpp"
@@ -20,7 +20,7 @@
 namespace slipctl {
 namespace {
 
-using slipd::Moment;
+using slipd::FrameSummary;
 using slipd::Recorded;
 using json = nlohmann::ordered_json;
 
@@ -31,18 +31,18 @@ std::optional<double> known(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-std::optional<double> gamma_of(const Moment& moment) {
-  return moment.estimate ? known(moment.estimate->gamma) : std::nullopt;
+std::optional<double> gamma_of(const FrameSummary& frame) {
+  return frame.estimate ? known(frame.estimate->gamma) : std::nullopt;
 }
 
-slipd::State state_of(const Moment& moment) {
+slipd::State state_of(const FrameSummary& frame) {
   constexpr auto kLast = slipd::State::fault;
-  const std::uint8_t number = moment.estimate->state;
+  const std::uint8_t number = frame.estimate->state;
   return number <= static_cast<std::uint8_t>(kLast) ? static_cast<slipd::State>(number) : kLast;
 }
 
-slipd::Alert alert_of(const Moment& moment) {
-  return static_cast<slipd::Alert>(std::min<std::uint8_t>(moment.estimate ? moment.estimate->alert : 0, 2));
+slipd::Alert alert_of(const FrameSummary& frame) {
+  return static_cast<slipd::Alert>(std::min<std::uint8_t>(frame.estimate ? frame.estimate->alert : 0, 2));
 }
 
 // The extreme of `value` (lowest, or with `highest` the highest) in each of `columns` equal parts of the
@@ -51,11 +51,11 @@ template <typename Value>
 Columns in_columns(const Recorded& recorded, int columns, bool highest, Value value) {
   Columns result(static_cast<std::size_t>(columns));
   const double span = std::max(recorded.seconds(), 1e-9);
-  for (const Moment& moment : recorded.moments) {
-    const std::optional<double> here = value(moment);
+  for (const FrameSummary& frame : recorded.frames) {
+    const std::optional<double> here = value(frame);
     if (!here) continue;
     const auto at =
-        std::min(static_cast<std::size_t>(std::max(0.0, moment.time_s / span) * columns), result.size() - 1);
+        std::min(static_cast<std::size_t>(std::max(0.0, frame.time_s / span) * columns), result.size() - 1);
     auto& column = result[at];
     column = !column ? *here : highest ? std::max(*column, *here) : std::min(*column, *here);
   }
@@ -67,8 +67,8 @@ void draw_margin(Canvas& canvas, const Box& box, const Recorded& recorded) {
   canvas.text(0, box.row, told ? "margin" : "truth", kFaint, kLabelColumns - 2);
   canvas.text(kLabelColumns - 2, box.row, "1", kFaint);
   canvas.text(kLabelColumns - 2, box.row + box.rows - 1, "0", kFaint);
-  const Columns lowest = in_columns(recorded, 2 * box.columns, false, [&](const Moment& moment) {
-    return told ? gamma_of(moment) : known(moment.truth_gamma);
+  const Columns lowest = in_columns(recorded, 2 * box.columns, false, [&](const FrameSummary& frame) {
+    return told ? gamma_of(frame) : known(frame.truth_gamma);
   });
   if (std::none_of(lowest.begin(), lowest.end(), [](const auto& column) { return column.has_value(); })) {
     canvas.text(box.column, box.row + box.rows / 2,
@@ -80,11 +80,11 @@ void draw_margin(Canvas& canvas, const Box& box, const Recorded& recorded) {
 // One character a column: the highest alert, else whether there was a margin.
 void draw_states(Canvas& canvas, const Box& box, const Recorded& recorded) {
   canvas.text(0, box.row, "alert", kFaint);
-  const Columns alerts = in_columns(recorded, box.columns, true, [](const Moment& moment) {
-    return moment.estimate ? std::optional(static_cast<double>(moment.estimate->alert)) : std::nullopt;
+  const Columns alerts = in_columns(recorded, box.columns, true, [](const FrameSummary& frame) {
+    return frame.estimate ? std::optional(static_cast<double>(frame.estimate->alert)) : std::nullopt;
   });
-  const Columns ok = in_columns(recorded, box.columns, true, [](const Moment& moment) {
-    return moment.estimate ? std::optional(state_of(moment) == slipd::State::ok ? 1.0 : 0.0) : std::nullopt;
+  const Columns ok = in_columns(recorded, box.columns, true, [](const FrameSummary& frame) {
+    return frame.estimate ? std::optional(state_of(frame) == slipd::State::ok ? 1.0 : 0.0) : std::nullopt;
   });
   for (int i = 0; i < box.columns; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -103,7 +103,7 @@ template <typename Value>
 void draw_force(Canvas& canvas, const Box& box, const Recorded& recorded, const char* name, Rgb colour,
                 Value value) {
   Columns highest = in_columns(recorded, 2 * box.columns, true,
-                               [&](const Moment& moment) { return std::optional(value(moment)); });
+                               [&](const FrameSummary& frame) { return std::optional(value(frame)); });
   double peak = 0;
   for (const auto& column : highest) peak = std::max(peak, column.value_or(0));
   for (auto& column : highest) {
@@ -125,23 +125,23 @@ TaxelFrame frame_of(const Recorded& recorded) {
   return frame;
 }
 
-std::vector<std::string> words_of(const Moment& moment) {
-  std::vector<std::string> words{"at " + fixed(moment.time_s, 3, "s")};
-  if (moment.estimate) {
-    const auto& estimate = *moment.estimate;
-    words.push_back(std::string(to_string(state_of(moment))) + ", alert " +
-                    std::string(to_string(alert_of(moment))));
+std::vector<std::string> words_of(const FrameSummary& frame) {
+  std::vector<std::string> words{"at " + fixed(frame.time_s, 3, "s")};
+  if (frame.estimate) {
+    const auto& estimate = *frame.estimate;
+    words.push_back(std::string(to_string(state_of(frame))) + ", alert " +
+                    std::string(to_string(alert_of(frame))));
     words.push_back("margin   " + with_sigma(known(estimate.gamma), known(estimate.sigma)));
     words.push_back("friction " + fixed(known(estimate.friction), 2));
   }
-  if (std::isfinite(moment.truth_gamma)) words.push_back("true     " + fixed(moment.truth_gamma, 2));
-  words.push_back("normal   " + fixed(moment.normal_n, 2, "N"));
-  words.push_back("shear    " + fixed(moment.shear_n, 2, "N"));
+  if (std::isfinite(frame.truth_gamma)) words.push_back("true     " + fixed(frame.truth_gamma, 2));
+  words.push_back("normal   " + fixed(frame.normal_n, 2, "N"));
+  words.push_back("shear    " + fixed(frame.shear_n, 2, "N"));
   return words;
 }
 
 void draw_moment(Canvas& canvas, const Box& box, const Recorded& recorded, ColourDepth depth) {
-  const Moment& moment = recorded.moments[recorded.shown];
+  const FrameSummary& frame = recorded.frames[recorded.shown];
   const TaxelFrame frame = frame_of(recorded);
   constexpr int kWordColumns = 26;
   const int limit = (box.columns - kWordColumns - 4) / 2;
@@ -153,12 +153,12 @@ void draw_moment(Canvas& canvas, const Box& box, const Recorded& recorded, Colou
     draw_pressure(canvas, {0, box.row + 1, columns, box.rows - 1}, frame, peak, depth);
     at = columns + 2;
     canvas.text(at, box.row, "shear", kFaint, columns + 1);
-    const auto friction = moment.estimate ? known(moment.estimate->friction) : std::nullopt;
+    const auto friction = frame.estimate ? known(frame.estimate->friction) : std::nullopt;
     draw_shear(canvas, {at, box.row + 1, columns, box.rows - 1}, frame, peak, friction, depth);
     at += columns + 2;
   }
   int row = box.row;
-  for (const std::string& text : words_of(moment)) {
+  for (const std::string& text : words_of(frame)) {
     if (row < box.row + box.rows) canvas.text(at, row++, text);
   }
 }
@@ -167,22 +167,22 @@ std::string title_of(const Recorded& recorded, const std::string& file) {
   const auto& header = recorded.header;
   return std::filesystem::path(file).filename().string() + "  " + header.sensor + " · " +
          std::to_string(header.layout.size()) + (header.layout.size() == 1 ? " taxel · " : " taxels · ") +
-         std::to_string(recorded.moments.size()) + " frames" + (header.simulated ? " · simulated" : "") +
+         std::to_string(recorded.frames.size()) + " frames" + (header.simulated ? " · simulated" : "") +
          (header.zeroed ? "" : " · not zeroed");
 }
 
 void print_lines(const Recorded& recorded) {
   const auto number = [](double value) { return std::isfinite(value) ? json(value) : json(nullptr); };
-  for (const Moment& moment : recorded.moments) {
-    json line{{"seq", moment.sequence},
-              {"time_s", moment.time_s},
-              {"normal_n", number(moment.normal_n)},
-              {"shear_n", number(moment.shear_n)},
-              {"truth_gamma", number(moment.truth_gamma)},
+  for (const FrameSummary& frame : recorded.frames) {
+    json line{{"seq", frame.sequence},
+              {"time_s", frame.time_s},
+              {"normal_n", number(frame.normal_n)},
+              {"shear_n", number(frame.shear_n)},
+              {"truth_gamma", number(frame.truth_gamma)},
               {"estimate", nullptr}};
-    if (moment.estimate) {
-      const auto& estimate = *moment.estimate;
-      line["estimate"] = {{"state", to_string(state_of(moment))},  {"alert", to_string(alert_of(moment))},
+    if (frame.estimate) {
+      const auto& estimate = *frame.estimate;
+      line["estimate"] = {{"state", to_string(state_of(frame))},   {"alert", to_string(alert_of(frame))},
                           {"gamma", number(estimate.gamma)},       {"sigma", number(estimate.sigma)},
                           {"friction", number(estimate.friction)}, {"normal_n", number(estimate.normal_n)},
                           {"shear_n", number(estimate.shear_n)}};
@@ -211,14 +211,14 @@ Canvas draw_recorded(const Recorded& recorded, const std::string& title, int col
   draw_margin(canvas, {kLabelColumns, 1, width, 5}, recorded);
   draw_states(canvas, {kLabelColumns, 6, width, 1}, recorded);
   draw_force(canvas, {kLabelColumns, 7, width, 3}, recorded, "normal", kCyan,
-             [](const Moment& moment) { return moment.normal_n; });
+             [](const FrameSummary& frame) { return frame.normal_n; });
   draw_force(canvas, {kLabelColumns, 10, width, 3}, recorded, "shear", kViolet,
-             [](const Moment& moment) { return moment.shear_n; });
+             [](const FrameSummary& frame) { return frame.shear_n; });
   const std::string end = fixed(recorded.seconds(), 2, "s");
   canvas.text(kLabelColumns, 13, "0", kFaint);
   canvas.text(std::max(kLabelColumns, columns - static_cast<int>(end.size())), 13, end, kFaint);
   const double span = std::max(recorded.seconds(), 1e-9);
-  const int mark = static_cast<int>(recorded.moments[recorded.shown].time_s / span * (width - 1));
+  const int mark = static_cast<int>(recorded.frames[recorded.shown].time_s / span * (width - 1));
   canvas.put(kLabelColumns + std::clamp(mark, 0, width - 1), 14, U'▲', kFaint);
   draw_moment(canvas, {0, 15, columns, rows - 15}, recorded, depth);
   return canvas;

@@ -61,7 +61,7 @@ class Prober {
       try {
         profiles_.emplace(name, slipd::decode::find_profile(name));
       } catch (const slipd::DriverError&) {
-        // slipd --check-config says what is wrong with it, when somebody uses it
+        // slipd --check-config reports the fault once a configuration names this profile
       }
     }
   }

@@ -1,5 +1,5 @@
-// slipctl probe: what is plugged in, and which profile would match. Asks the kernel (sysfs), no daemon and no
-// device, so that it needs no rights and disturbs nobody.
+// slipctl probe: lists the devices present and the profiles that match them. Reads sysfs only, neither the
+// daemon nor a device, so that it needs no permissions and disturbs no device.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace slipctl {
 
-// An array of {"driver", "id", "name", "serial", "place", "profiles", "device"}: what may carry a sensor,
-// those with a profile first. `device` is what to write into the configuration. On CAN and on serial lines
-// nothing says what is there: every profile of that bus is named.
+// An array of {"driver", "id", "name", "serial", "place", "profiles", "device"}: the devices that can be
+// sensors, those with a profile first. `device` is the value for the configuration. CAN and serial lines do
+// not identify their devices: they list every profile of that bus.
 nlohmann::ordered_json probe(const std::filesystem::path& sys = "/sys");
 
 void print_probe(bool as_json, std::ostream& out);

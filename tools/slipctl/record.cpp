@@ -1,5 +1,5 @@
-// `slipctl record`: the file is opened here, with the user's own rights, and its descriptor travels to the
-// daemon, which may write where it could never open.
+// `slipctl record`: opens the file with the user's own permissions and passes its descriptor to the daemon,
+// which writes the file without permission to open it.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -31,10 +31,10 @@ bool empty(const UniqueFd& file) {
 
 }  // namespace
 
-void record(const Common& common, const RecordOptions& options) {
-  RpcClient client(common.socket);  // before the file: without a daemon none is made
+void record(const CommonOptions& common, const RecordOptions& options) {
+  RpcClient client(common.socket);  // before the file: without a daemon none is created
   const UniqueFd file = open_new(options);
-  // The answer comes when the recording is over.
+  // The daemon answers when the recording is complete.
   const auto patience =
       std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(options.seconds + 10));
   try {

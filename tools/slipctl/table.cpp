@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tools/slipctl/figures.hpp"
+#include "tools/slipctl/number_text.hpp"
 
 namespace slipctl {
 namespace {
@@ -14,7 +14,7 @@ bool numeric(const std::string& text) {
   return text == "–" || (!text.empty() && text.find_first_not_of("0123456789.+-") == std::string::npos);
 }
 
-// Four figures after the point at most, without trailing zeros.
+// At most four decimals, without trailing zeros.
 std::string short_number(double value) {
   std::string text = fixed(value, 4);
   text.erase(text.find_last_not_of('0') + 1);

@@ -9,13 +9,13 @@
 namespace slipctl {
 namespace {
 
-// The rectangle that the taxels fill, their own size included, in millimetres.
+// The bounding rectangle of the taxels, mm.
 struct Area {
   double left = 0, bottom = 0, width = 1, height = 1, side = 1;
 };
 
-// The side is the distance from the first taxel to its nearest neighbour: right for a grid, near enough for
-// others.
+// A taxel's side is the distance from the first taxel to its nearest neighbour: exact for a grid, approximate
+// for other layouts.
 Area area_of(const TaxelFrame& frame) {
   const auto& x = frame.x_mm;
   const auto& y = frame.y_mm;
@@ -35,7 +35,7 @@ struct PixelRange {
   int first, last;
 };
 
-// The pixels whose centres a taxel at `place` covers, else the one that holds its own centre. Lengths in
+// The pixels whose centres a taxel at `place` covers, else the one with the taxel's centre. Lengths in
 // pixels.
 PixelRange covered(double place, double half_side, int pixels) {
   constexpr double kRounding = 1e-9;
@@ -124,7 +124,7 @@ void draw_pressure(Canvas& canvas, const Box& box, const TaxelFrame& frame, doub
 
 void draw_shear(Canvas& canvas, const Box& box, const TaxelFrame& frame, double peak_pa,
                 std::optional<double> friction, ColourDepth depth) {
-  // An arrow stands for a square: two columns by one row.
+  // One arrow per square: two columns by one row.
   const int columns = box.columns / 2;
   if (columns < 1 || box.rows < 1) return;
   const Raster pressure = rasterise(frame, frame.normal_pa, columns, box.rows);

@@ -1,4 +1,4 @@
-// The taxels drawn as maps, whatever their layout: pressure as colour, shear as arrows.
+// Draws taxels of any layout as maps: pressure as colour, shear as arrows.
 #pragma once
 
 #include <optional>
@@ -6,16 +6,17 @@
 #include <vector>
 
 #include "tools/slipctl/canvas.hpp"
-#include "tools/slipctl/gauge.hpp"
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/margin_plot.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 
 namespace slipctl {
 
-// Taxels seen through a raster: row by row from the top (y large) down, absent where no taxel lies. A pixel
-// that covers several taxels shows their mean, a taxel that covers several pixels fills them.
+// Values of taxels on a grid of pixels. A pixel that covers several taxels has their mean; a taxel that
+// covers several pixels fills them.
 struct Raster {
-  int columns = 0, rows = 0;
-  std::vector<std::optional<double>> values;
+  int columns = 0;                            // pixels in a row
+  int rows = 0;                               // rows of pixels
+  std::vector<std::optional<double>> values;  // row by row from the top (largest y); absent: no taxel
   std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
            static_cast<std::size_t>(column);
@@ -25,17 +26,17 @@ struct Raster {
 
 Raster rasterise(const TaxelFrame& frame, std::span<const double> values, int columns, int rows);
 
-// How many columns a map of `rows` rows takes to show the layout undistorted (a character is twice as high as
-// wide), at most `limit`.
+// The width, at most `limit` columns, with which a map of `rows` rows shows the layout undistorted (a
+// character is twice as high as wide).
 int map_columns(const TaxelFrame& frame, int rows, int limit);
 
-// Pressure on a scale of 0…peak_pa. Two pixels a character (half blocks) where there are colours enough for
-// it, shades where not.
+// Pressure on a scale of 0…peak_pa. Two pixels per character (half blocks) with 256 or more colours, else
+// shades.
 void draw_pressure(Canvas& canvas, const Box& box, const TaxelFrame& frame, double peak_pa,
                    ColourDepth depth);
 
-// Where the shear points, coloured by what share of friction it takes: |q| / (mu p). Taxels pressed with less
-// than a twentieth of peak_pa show none. friction absent: 1 is taken.
+// The direction of shear, coloured by the traction ratio |q| / (mu p). Taxels with less than a twentieth of
+// peak_pa show none. friction absent: mu = 1.
 void draw_shear(Canvas& canvas, const Box& box, const TaxelFrame& frame, double peak_pa,
                 std::optional<double> friction, ColourDepth depth);
 

@@ -19,7 +19,7 @@ constexpr std::string_view kLeave = "\x1b[0m\x1b[?7h\x1b[?25h\x1b[?1049l";
 void write_all(std::string_view bytes) noexcept {
   while (!bytes.empty()) {
     const ssize_t count = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
-    if (count < 0 && errno != EINTR) return;  // a terminal that is gone has nothing to be restored
+    if (count < 0 && errno != EINTR) return;  // the terminal is gone: nothing to restore
     if (count > 0) bytes.remove_prefix(static_cast<std::size_t>(count));
   }
 }
@@ -61,8 +61,7 @@ Terminal::~Terminal() {
 void Terminal::enter() {
   if (keys_) {
     termios raw = before_;
-    raw.c_lflag &=
-        ~static_cast<tcflag_t>(ICANON | ECHO);  // ISIG stays: Ctrl-C and Ctrl-Z mean what they always do
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);  // ISIG stays: Ctrl-C and Ctrl-Z send their signals
     raw.c_cc[VMIN] = 0;
     raw.c_cc[VTIME] = 0;
     ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);

@@ -1,7 +1,7 @@
-// The thin part of `slipctl watch` that touches the terminal and the process's signals. One thread.
+// The part of `slipctl watch` that uses the terminal and the process's signals. Called from one thread.
 //
-// Signals are taken from a descriptor in the watch's own loop, so that whatever ends it unwinds through the
-// destructor that gives the terminal back; nothing happens in a signal handler.
+// The watch's loop reads signals from a descriptor, so that every way out runs the destructor that restores
+// the terminal. There is no signal handler.
 #pragma once
 
 #include <termios.h>
@@ -16,8 +16,7 @@ namespace slipctl {
 
 using slipd::UniqueFd;
 
-// Blocks SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGWINCH and SIGTSTP for as long as it lives; they are read from
-// fd().
+// Blocks SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGWINCH and SIGTSTP during its lifetime; fd() delivers them.
 class SignalWatch {
  public:
   SignalWatch();
@@ -25,15 +24,14 @@ class SignalWatch {
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;
   int fd() const noexcept { return fd_.get(); }
-  std::optional<int> take() const;  // the next signal that came, if any
+  std::optional<int> take() const;  // the next pending signal, if any
 
  private:
   sigset_t before_;
   UniqueFd fd_;
 };
 
-// A terminal on stdout, in its alternate screen, with keys coming at once and unseen. Restored by the
-// destructor.
+// A terminal on stdout: alternate screen, keys without line buffering and echo. The destructor restores it.
 class Terminal {
  public:
   Terminal();
@@ -42,18 +40,19 @@ class Terminal {
   Terminal& operator=(const Terminal&) = delete;
 
   struct Size {
-    int columns, rows;
+    int columns;  // characters
+    int rows;     // characters
   };
-  Size size() const;  // 80 x 24 where the terminal does not say
+  Size size() const;  // 80 x 24 where the terminal reports none
 
-  void show(const Canvas& canvas);   // writes what changed since the last one
-  void redraw() { shown_.reset(); }  // the next show writes all
+  void show(const Canvas& canvas);   // writes the changes since the last show()
+  void redraw() { shown_.reset(); }  // the next show() writes everything
 
-  bool has_keys() const noexcept { return keys_; }  // false: stdin is no terminal, or was closed
+  bool has_keys() const noexcept { return keys_; }  // false: stdin is not a terminal, or was closed
   std::string read_keys();
 
-  void
-  suspend();  // gives the terminal back, stops the process, and takes the terminal again once it is continued
+  // Restores the terminal, stops the process, and takes the terminal again when the process is continued.
+  void suspend();
 
   ColourDepth depth() const noexcept { return depth_; }
 
@@ -66,9 +65,9 @@ class Terminal {
   std::optional<Canvas> shown_;
 };
 
-int terminal_columns();  // of standard output; 80 where it does not say
+int terminal_columns();  // of standard output; 80 where it reports none
 
-// What the environment (NO_COLOR, COLORTERM, TERM) says of colours.
+// The colours that the environment (NO_COLOR, COLORTERM, TERM) allows.
 ColourDepth colour_depth();
 
 }  // namespace slipctl

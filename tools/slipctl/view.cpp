@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "tools/slipctl/figures.hpp"
-#include "tools/slipctl/gauge.hpp"
+#include "tools/slipctl/margin_plot.hpp"
+#include "tools/slipctl/number_text.hpp"
 #include "tools/slipctl/palette.hpp"
 #include "tools/slipctl/taxel_map.hpp"
 
@@ -15,12 +15,12 @@ constexpr Style kPlain{};
 constexpr Style kStrong{std::nullopt, std::nullopt, true};
 constexpr Style kSimulated{kViolet, std::nullopt, true};
 
-const EstimateView& reading_of(const SensorWatch& sensor) {
+const EstimateView& estimate_of(const SensorWatch& sensor) {
   static const EstimateView nothing_yet;
   return sensor.latest ? *sensor.latest : nothing_yet;
 }
 
-// Ends at `end`, and gives where it begins.
+// Right-aligned text that ends before column `end`; returns its first column.
 int text_up_to(Canvas& canvas, int end, int row, const std::string& text, const Style& style) {
   const int begin = end - static_cast<int>(characters(text));
   canvas.text(begin, row, text, style);
@@ -29,47 +29,47 @@ int text_up_to(Canvas& canvas, int end, int row, const std::string& text, const 
 
 std::string pace(const SensorWatch& sensor) {
   return rate(sensor.counts ? sensor.counts->rate_hz : std::nullopt) + "  " +
-         fixed(reading_of(sensor).latency_us, 1, "µs");
+         fixed(estimate_of(sensor).latency_us, 1, "µs");
 }
 
 void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
-  const EstimateView& reading = reading_of(sensor);
+  const EstimateView& estimate = estimate_of(sensor);
   int right =
-      text_up_to(canvas, box.columns, box.row, " " + reading.alert + " ", alert_style(reading.alert)) - 1;
+      text_up_to(canvas, box.columns, box.row, " " + estimate.alert + " ", alert_style(estimate.alert)) - 1;
   right = text_up_to(canvas, right, box.row, pace(sensor), kPlain) - 1;
   int at = canvas.text(0, box.row, sensor.info.name, kStrong, right) + 2;
   if (sensor.info.simulated)
     at = canvas.text(at, box.row, "simulated", kSimulated, std::max(0, right - at)) + 2;
   const std::string what = sensor.info.driver + " · " + std::to_string(sensor.info.taxels) + " taxels · " +
-                           (reading.method.empty() ? sensor.info.method : reading.method);
+                           (estimate.method.empty() ? sensor.info.method : estimate.method);
   canvas.text(at, box.row, what, kFaint, std::max(0, right - at));
 }
 
 void draw_margin(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
-  const EstimateView& reading = reading_of(sensor);
+  const EstimateView& estimate = estimate_of(sensor);
   constexpr int kStateColumns = 14;
-  std::string numbers = "  " + with_sigma(reading.gamma, reading.sigma);
-  if (sensor.info.simulated) numbers += "  true " + fixed(reading.true_gamma, 2);
-  numbers += "  class " + (reading.slip_class ? std::to_string(*reading.slip_class) : "–");
-  // The numbers keep their place while they come and go.
+  std::string numbers = "  " + with_sigma(estimate.gamma, estimate.sigma);
+  if (sensor.info.simulated) numbers += "  true " + fixed(estimate.true_gamma, 2);
+  numbers += "  class " + (estimate.slip_class ? std::to_string(*estimate.slip_class) : "–");
+  // A fixed width, so that numbers keep their place while others appear and disappear.
   const int numbers_columns = sensor.info.simulated ? 33 : 22;
   const int bar_columns = std::max(0, box.columns - kStateColumns - numbers_columns);
-  canvas.text(0, box.row, reading.state, {reading.state == "ok" ? kGreen : kYellow, std::nullopt, true},
+  canvas.text(0, box.row, estimate.state, {estimate.state == "ok" ? kGreen : kYellow, std::nullopt, true},
               kStateColumns);
-  draw_bar(canvas, {kStateColumns, box.row, bar_columns, 1}, reading.gamma, reading.true_gamma);
+  draw_bar(canvas, {kStateColumns, box.row, bar_columns, 1}, estimate.gamma, estimate.true_gamma);
   canvas.text(kStateColumns + bar_columns, box.row, numbers, kPlain);
 }
 
 void draw_last_seconds(Canvas& canvas, const Box& box, const SensorWatch& sensor, double now_s) {
   canvas.text(0, box.row, "1", kFaint);
   if (box.rows > 1) canvas.text(0, box.row + box.rows - 1, "0", kFaint);
-  draw_course(canvas, {2, box.row, box.columns - 2, box.rows}, sensor.course, now_s);
+  draw_history(canvas, {2, box.row, box.columns - 2, box.rows}, sensor.history, now_s);
 }
 
 using Figure = std::pair<const char*, std::string>;
 
 std::vector<Figure> figures_of(const SensorWatch& sensor) {
-  const EstimateView& r = reading_of(sensor);
+  const EstimateView& r = estimate_of(sensor);
   std::vector<Figure> figures{
       {"normal", fixed(r.normal_n, 2, "N")},
       {"shear", fixed(r.shear_n, 2, "N")},
@@ -89,7 +89,7 @@ std::vector<Figure> figures_of(const SensorWatch& sensor) {
   return figures;
 }
 
-// Top down, then on to a next column where there is room for one.
+// Top down, then in a next column where there is room.
 void draw_figures(Canvas& canvas, const Box& box, const std::vector<Figure>& figures) {
   constexpr int kFigureColumns = 24;
   constexpr int kLabelColumns = 10;
@@ -106,7 +106,7 @@ void draw_figures(Canvas& canvas, const Box& box, const std::vector<Figure>& fig
   }
 }
 
-// Captions in the box's first row, maps and numbers below.
+// The box's first row holds captions, the rows below maps and numbers.
 void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, ColourDepth depth) {
   constexpr int kGap = 2;
   constexpr int kFigureColumns = 25;
@@ -115,8 +115,8 @@ void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, Colour
   int at = 0;
   if (!sensor.frame.normal_pa.empty() && limit >= 6) {
     const int columns = map_columns(sensor.frame, inner.rows, limit);
-    const EstimateView& reading = reading_of(sensor);
-    const auto friction = reading.friction ? reading.friction : reading.true_friction;
+    const EstimateView& estimate = estimate_of(sensor);
+    const auto friction = estimate.friction ? estimate.friction : estimate.true_friction;
     canvas.text(0, box.row, "pressure ≤ " + fixed(sensor.peak_pa / 1000, 1, "kPa"), kFaint,
                 columns + kGap - 1);
     draw_pressure(canvas, {0, inner.row, columns, inner.rows}, sensor.frame, sensor.peak_pa, depth);
@@ -165,7 +165,7 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
 
   const int sensors = static_cast<int>(state.sensors.size());
   if (sensors == 0) canvas.text(1, 2, "the daemon has no sensors");
-  // A sensor needs two rows to say anything; those that find none are counted in the last row.
+  // A sensor needs two rows; the last row counts the sensors without room.
   const int grasps =
       std::min(static_cast<int>(state.grasps.size()), std::max(0, canvas.rows() - 1 - 2 * sensors));
   const int space = canvas.rows() - 1 - grasps;
@@ -185,15 +185,15 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
 }
 
 std::string plain_line(const SensorWatch& sensor, double elapsed_s) {
-  const EstimateView& reading = reading_of(sensor);
-  std::string line = fixed(elapsed_s, 2, "s") + "  " + sensor.info.name + "  " + reading.state + "  margin " +
-                     with_sigma(reading.gamma, reading.sigma);
-  if (reading.true_gamma) line += "  true " + fixed(reading.true_gamma, 2);
-  if (reading.slip_class) line += "  class " + std::to_string(*reading.slip_class);
-  line += "  normal " + fixed(reading.normal_n, 2, "N") + "  shear " + fixed(reading.shear_n, 2, "N") +
-          "  friction " + with_sigma(reading.friction, reading.friction_sigma) + "  alert " + reading.alert +
-          "  " + pace(sensor);
-  return line + (reading.simulated || sensor.info.simulated ? "  simulated" : "");
+  const EstimateView& estimate = estimate_of(sensor);
+  std::string line = fixed(elapsed_s, 2, "s") + "  " + sensor.info.name + "  " + estimate.state +
+                     "  margin " + with_sigma(estimate.gamma, estimate.sigma);
+  if (estimate.true_gamma) line += "  true " + fixed(estimate.true_gamma, 2);
+  if (estimate.slip_class) line += "  class " + std::to_string(*estimate.slip_class);
+  line += "  normal " + fixed(estimate.normal_n, 2, "N") + "  shear " + fixed(estimate.shear_n, 2, "N") +
+          "  friction " + with_sigma(estimate.friction, estimate.friction_sigma) + "  alert " +
+          estimate.alert + "  " + pace(sensor);
+  return line + (estimate.simulated || sensor.info.simulated ? "  simulated" : "");
 }
 
 }  // namespace slipctl

@@ -1,7 +1,7 @@
-// The screen of `slipctl watch`: a pure function from what is known to a grid of characters.
+// The screen of `slipctl watch`: a pure function from the watch's state to a grid of characters.
 //
-// Readable at 80 x 24; every sensor gets an equal share of the rows, and what a share has room for is decided
-// from its size alone: name and margin first, then the course, then maps and numbers.
+// Readable at 80 x 24. Every sensor gets an equal share of the rows. The size of a share alone determines its
+// content: name and margin first, then the history, then maps and numbers.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace slipctl {
 
 Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth depth);
 
-// One reading as a line for logs and pipes.
+// One estimate as a line for logs and pipes.
 std::string plain_line(const SensorWatch& sensor, double elapsed_s);
 
 }  // namespace slipctl

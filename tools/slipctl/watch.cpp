@@ -10,9 +10,9 @@
 #include <iostream>
 
 #include "tools/slipctl/client.hpp"
-#include "tools/slipctl/tally.hpp"
 #include "tools/slipctl/terminal.hpp"
 #include "tools/slipctl/view.hpp"
+#include "tools/slipctl/watch_statistics.hpp"
 
 namespace slipctl {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr double kViewRateHz = 200;  // of estimates, for the view: each dot of its course sees several
+constexpr double kViewRateHz = 200;  // estimates per second and sensor: several for each dot of the history
 constexpr milliseconds kDrawEvery{100};
 constexpr milliseconds kCountEvery{1000};
 constexpr int kMostWaiting = 4096;  // notifications: more than a socket holds
@@ -114,28 +114,28 @@ class Watcher {
 
   void take_notifications() {
     state_.elapsed_s = elapsed_s();
-    // One tick's worth at most, so that a flood cannot keep the keys from being heard.
+    // For one tick at most, so that a flood of notifications cannot block keys.
     const auto until = std::max(Clock::now(), next_tick_) + kDrawEvery;
     while (Clock::now() < until && take_notification()) {
     }
   }
 
-  // What had come when the time was over, which a slow machine has not got round to.
+  // The notifications that arrived before the end but were not read yet.
   void take_the_rest() {
     for (int i = 0; i < kMostWaiting && take_notification(); ++i) {
     }
   }
 
-  // False: none has come.
+  // False: none has arrived.
   bool take_notification() {
     const auto notification = client_.next(milliseconds(0));
     if (!notification) return false;
     const bool is_estimate = notification->method == "estimate";
     if (!is_estimate && notification->method != "alert") return true;
-    const EstimateView view = reading_from(notification->params);
-    tally_.take(view, is_estimate);
+    const EstimateView view = estimate_from(notification->params);
+    statistics_.take(view, is_estimate);
     if (!is_estimate) return true;
-    take_reading(state_, view);
+    take_estimate(state_, view);
     if (options_.json) std::cout << notification->params.dump() << '\n';
     return true;
   }
@@ -172,7 +172,7 @@ class Watcher {
         if (counts.name == sensor.info.name) sensor.counts = counts;
   }
 
-  // What a sensor is may change: a device comes back, a model is ready.
+  // A sensor's properties change when a device comes back or a model is ready.
   void take_facts() {
     for (const SensorInfo& info : sensors_from(client_.call("sensors")))
       for (SensorWatch& sensor : state_.sensors)
@@ -183,7 +183,7 @@ class Watcher {
     for (SensorWatch& sensor : state_.sensors) try {
         take_frame(sensor, frame_from(client_.call("frame", {{"sensor", sensor.info.name}})));
       } catch (const RpcError&) {
-        sensor.frame = {};  // none yet, or the device is away: the state says it
+        sensor.frame = {};  // no frame yet, or the device is disconnected
       }
   }
 
@@ -193,12 +193,13 @@ class Watcher {
     if (!options_.picture.empty()) take_picture();
     terminal_.reset();
     if (options_.summary && options_.json)
-      std::cout << nlohmann::ordered_json{{"summary", tally_.json(before_, after_, state_.elapsed_s)}}.dump()
-                << '\n';
+      std::cout
+          << nlohmann::ordered_json{{"summary", statistics_.json(before_, after_, state_.elapsed_s)}}.dump()
+          << '\n';
     else if (options_.summary)
-      std::cout << tally_.text(before_, after_, state_.elapsed_s);
+      std::cout << statistics_.text(before_, after_, state_.elapsed_s);
     std::cout.flush();
-    if (options_.expect_slip && !tally_.slip_seen()) {
+    if (options_.expect_slip && !statistics_.slip_seen()) {
       std::cerr << "slipctl: no slip was seen in " << state_.elapsed_s << " s\n";
       return 1;
     }
@@ -217,14 +218,14 @@ class Watcher {
   SignalWatch signals_;
   RpcClient client_;
   WatchState state_;
-  Tally tally_;
+  WatchStatistics statistics_;
   std::vector<SensorCounts> before_, after_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point next_tick_ = start_ + kDrawEvery;
   Clock::time_point next_count_ = start_ + kCountEvery;
   bool over_ = false;
   bool key_pressed_ = false;
-  std::optional<Terminal> terminal_;  // last: given back before anything else goes
+  std::optional<Terminal> terminal_;  // last: restored before all else is destroyed
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
-// `slipctl watch`: follows the daemon until told to stop; a live view on a terminal, lines elsewhere.
+// `slipctl watch`: follows the daemon's estimates until it is stopped; a live view on a terminal, lines
+// elsewhere.
 #pragma once
 
 #include <optional>
@@ -8,15 +9,15 @@
 namespace slipctl {
 
 struct WatchOptions {
-  std::string socket;
-  std::vector<std::string> sensors;  // empty: all
-  std::optional<double> seconds;     // absent: until q or a signal
-  double lines_per_s = 5;            // where stdout is no terminal
-  bool json = false;                 // estimates as they come, one object a line
-  bool plain = false;                // lines even on a terminal
-  bool summary = false;              // at the end: what happened
-  bool expect_slip = false;          // fail when no slip was seen
-  std::string picture;               // file that gets the last screen as SVG; empty: none
+  std::string socket;                // path of the daemon's socket
+  std::vector<std::string> sensors;  // names; empty: all
+  std::optional<double> seconds;     // end after this, s; absent: at q or a signal
+  double lines_per_s = 5;            // per sensor, where stdout is not a terminal
+  bool json = false;                 // print each estimate, one object a line
+  bool plain = false;                // print lines even on a terminal
+  bool summary = false;              // print statistics at the end
+  bool expect_slip = false;          // exit with 1 if no slip was seen
+  std::string picture;               // file for the last screen as SVG; empty: none
 };
 
 // The exit code. Throws ClientError.

@@ -4,13 +4,14 @@
 
 namespace slipctl {
 
-void take_reading(WatchState& state, const EstimateView& reading) {
-  const auto sensor = std::find_if(state.sensors.begin(), state.sensors.end(),
-                                   [&](const SensorWatch& each) { return each.info.name == reading.sensor; });
+void take_estimate(WatchState& state, const EstimateView& estimate) {
+  const auto sensor = std::find_if(state.sensors.begin(), state.sensors.end(), [&](const SensorWatch& each) {
+    return each.info.name == estimate.sensor;
+  });
   if (sensor == state.sensors.end()) return;
-  sensor->latest = reading;
-  sensor->course.push_back({state.elapsed_s, reading.gamma});
-  while (sensor->course.front().time_s < state.elapsed_s - kCourseSeconds) sensor->course.pop_front();
+  sensor->latest = estimate;
+  sensor->history.push_back({state.elapsed_s, estimate.gamma});
+  while (sensor->history.front().time_s < state.elapsed_s - kHistorySeconds) sensor->history.pop_front();
 }
 
 void take_frame(SensorWatch& sensor, TaxelFrame frame) {

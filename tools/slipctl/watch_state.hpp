@@ -1,4 +1,4 @@
-// What `slipctl watch` knows at one moment: all that its views are drawn from.
+// The state of `slipctl watch`, from which its views are drawn.
 #pragma once
 
 #include <deque>
@@ -6,35 +6,35 @@
 #include <string>
 #include <vector>
 
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 
 namespace slipctl {
 
-struct CoursePoint {
-  double time_s = 0;  // on the watch's clock
-  std::optional<double> gamma;
+struct MarginPoint {
+  double time_s = 0;            // since the watch began
+  std::optional<double> gamma;  // margin; absent: unknown
 };
 
-inline constexpr double kCourseSeconds = 10;
+inline constexpr double kHistorySeconds = 10;
 
 struct SensorWatch {
   SensorInfo info;
-  std::optional<EstimateView> latest;
-  std::deque<CoursePoint> course;  // the last kCourseSeconds, oldest first
-  TaxelFrame frame;
-  double peak_pa = 0;  // highest pressure so far: the map's scale
-  std::optional<SensorCounts> counts;
+  std::optional<EstimateView> latest;  // absent: none has arrived
+  std::deque<MarginPoint> history;     // of the last kHistorySeconds, oldest first
+  TaxelFrame frame;                    // the latest; empty: none
+  double peak_pa = 0;                  // highest pressure so far, the map's scale
+  std::optional<SensorCounts> counts;  // absent: not requested yet
 };
 
 struct WatchState {
-  std::string socket;
-  double elapsed_s = 0;
-  std::vector<SensorWatch> sensors;
+  std::string socket;                // path of the daemon's socket
+  double elapsed_s = 0;              // since the watch began
+  std::vector<SensorWatch> sensors;  // those that are watched
   std::vector<EstimateView> grasps;  // `sensor` is the grasp's name
 };
 
-// Takes a reading in: the latest one and the course. Readings of sensors that are not watched are ignored.
-void take_reading(WatchState& state, const EstimateView& reading);
+// Stores an estimate as the latest one and in the history. Ignores sensors that are not watched.
+void take_estimate(WatchState& state, const EstimateView& estimate);
 
 void take_frame(SensorWatch& sensor, TaxelFrame frame);
 

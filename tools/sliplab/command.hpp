@@ -1,4 +1,5 @@
-// What sliplab's commands share. One file a command, which adds itself to the command line.
+// The options that all commands of sliplab share. Each command has its own file and adds itself to the
+// command line.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,12 @@ class App;
 namespace sliplab {
 
 struct Common {
-  std::filesystem::path out;  // --out: where files go; empty: none are written
+  std::filesystem::path out;  // --out: folder for files; empty: none are written
   bool json = false;          // --json: results as one JSON object
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;     // --seed: of all random numbers
 };
 
-// Input that makes no sense: ends the program with 2, as a wrong option does.
+// Invalid input: ends the program with 2, as an invalid option does.
 class WrongUse : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

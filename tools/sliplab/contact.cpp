@@ -1,5 +1,5 @@
-// `sliplab contact FILE.csv`: the contact model on a table of cases, for users and for checking against other
-// tools.
+// `sliplab contact FILE.csv`: evaluates the contact model for a table of cases, for users and for comparison
+// with other tools.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>

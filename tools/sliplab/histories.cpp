@@ -1,6 +1,6 @@
-// `sliplab histories`: the whole chain over random grasps (regrip, unloading, reversal, slip, friction that
-// changes), frame by frame against the truth. What no single frame shows: whether what is remembered is
-// right.
+// `sliplab histories`: the whole estimator chain over random grasps (regrip, unloading, reversal, slip,
+// changes of friction), frame by frame against the truth. It measures what the estimator remembers from frame
+// to frame.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -29,7 +29,7 @@ struct HistoriesOptions {
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
   std::string noise_kind = "sensor";
-  Sensing sensing;
+  Sampling sensing;
   unsigned threads = 2;
 };
 
@@ -42,48 +42,33 @@ const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automa
 struct MethodLine {
   std::size_t side = 0;
   std::string method;
-  Tally all;
-  ByMove by_move;
+  ErrorStatistics all;
+  StatisticsByMove by_move;
 };
-
-ChainSetup chain_setup(std::size_t side, const std::string& method, double noise) {
-  // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
-  const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
-  ChainSetup setup{.layout = TaxelLayout::grid(side, side, pitch_m),
-                   .scene = {},
-                   .estimator = {},
-                   .alerts = {},
-                   .friction = {}};
-  setup.scene.objects = paper_objects();
-  setup.scene.offset_m = 0.002;
-  setup.scene.noise = noise;
-  setup.estimator.method = kMethods.at(method);
-  return setup;
-}
 
 MethodLine measure(std::size_t side, const std::string& method, const HistoriesOptions& options,
                    std::uint64_t seed, std::string& trace) {
-  const ChainSetup setup = chain_setup(side, method, options.sensing.noise);
+  const ChainSetup setup = paper_chain(side, kMethods.at(method), options.sensing.noise);
   std::shared_ptr<const Model> model;
   if (needs_model(setup))
     model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
   const std::string title = std::to_string(side) + "x" + std::to_string(side) + " " + method;
   ProgressBar bar(title);
-  std::vector<ByMove> grasps(options.grasps);
+  std::vector<StatisticsByMove> grasps(options.grasps);
   std::ostringstream traced;
   traced << "time_s,move,normal_n,shear_n,truth,gamma,sigma,state\n";
   for_each_index(
       options.grasps, options.threads,
       [&](std::size_t i) {
         EstimatorChain chain(setup, model);
-        const auto watch = [&](const Moment& at) {
+        const auto watch = [&](const GraspSample& at) {
           traced << at.time_s << ',' << name_of(at.move) << ',' << at.normal_n << ',' << at.shear_n << ','
                  << at.truth.gamma << ',' << at.estimate.gamma.value_or(kUnknown) << ','
                  << at.estimate.sigma.value_or(kUnknown) << ',' << to_string(at.estimate.state) << '\n';
         };
-        grasps[i] =
-            drive(draw_grasp(setup.scene, seed, i), setup.layout, setup.scene.skin, options.sensing,
-                  RandomStream(seed).stream(i), chain, i == 0 ? watch : std::function<void(const Moment&)>{});
+        grasps[i] = drive(draw_grasp(setup.scene, seed, i), setup.layout, setup.scene.skin, options.sensing,
+                          RandomStream(seed).stream(i), chain,
+                          i == 0 ? watch : std::function<void(const GraspSample&)>{});
       },
       [&](double share) { bar.show(share, "grasps"); });
   MethodLine line{side, method, {}, {}};
@@ -97,11 +82,12 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
   return line;
 }
 
-void print_row(const std::string& what, const Tally& tally) {
+void print_row(const std::string& what, const ErrorStatistics& statistics) {
   std::printf("  %-12s %8.0f   %5.1f %%   %.4f   %5.1f %%  %6.2f %%  %6.2f %%  %5.1f %%  %5.1f %%  %.2f\n",
-              what.c_str(), tally.frames(), 100 * tally.answered(), tally.mean_error(), 100 * tally.right(),
-              100 * tally.over(), 100 * tally.under(), 100 * tally.within(1), 100 * tally.within(2),
-              tally.worst());
+              what.c_str(), statistics.frames(), 100 * statistics.answered(), statistics.mean_error(),
+              100 * statistics.class_correct(), 100 * statistics.overestimated(),
+              100 * statistics.underestimated(), 100 * statistics.within(1), 100 * statistics.within(2),
+              statistics.worst());
 }
 
 void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
@@ -111,7 +97,7 @@ void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& o
       "safe: answers off by more than %g.\n\n"
       "  during         frames  answered  mean err   right    safer   less safe  1 sigma  2 sigma  worst\n",
       options.grasps, 1e3 * options.sensing.frame_s, 100 * options.sensing.noise, options.noise_kind.c_str(),
-      kClaim);
+      kGrossError);
   for (const auto& line : lines) {
     std::printf("%zu x %zu, %s\n", line.side, line.side, line.method.c_str());
     print_row("everything", line.all);
@@ -120,21 +106,21 @@ void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& o
   }
 }
 
-nlohmann::ordered_json as_json(const Tally& tally) {
+nlohmann::ordered_json as_json(const ErrorStatistics& statistics) {
   nlohmann::ordered_json states = nlohmann::ordered_json::object();
-  for (std::size_t i = 0; i < Tally::kStates; ++i) {
+  for (std::size_t i = 0; i < ErrorStatistics::kStates; ++i) {
     const auto state = static_cast<State>(i);
-    if (tally.in_state(state) > 0) states[std::string(to_string(state))] = tally.in_state(state);
+    if (statistics.in_state(state) > 0) states[std::string(to_string(state))] = statistics.in_state(state);
   }
-  return {{"frames", tally.frames()},
-          {"answered", tally.answered()},
-          {"mean_error", tally.mean_error()},
-          {"worst_error", tally.worst()},
-          {"class_right", tally.right()},
-          {"claims_safer", tally.over()},
-          {"claims_less_safe", tally.under()},
-          {"within_sigma", tally.within(1)},
-          {"within_two_sigma", tally.within(2)},
+  return {{"frames", statistics.frames()},
+          {"answered", statistics.answered()},
+          {"mean_error", statistics.mean_error()},
+          {"worst_error", statistics.worst()},
+          {"class_right", statistics.class_correct()},
+          {"claims_safer", statistics.overestimated()},
+          {"claims_less_safe", statistics.underestimated()},
+          {"within_sigma", statistics.within(1)},
+          {"within_two_sigma", statistics.within(2)},
           {"states", std::move(states)}};
 }
 
@@ -158,10 +144,10 @@ void write_table(const std::vector<MethodLine>& lines, const std::filesystem::pa
   csv << "columns,method,during,frames,answered,mean_error,worst_error,class_right,claims_safer,"
          "claims_less_safe,within_sigma,within_two_sigma\n";
   for (const auto& line : lines) {
-    const auto row = [&](std::string_view during, const Tally& t) {
+    const auto row = [&](std::string_view during, const ErrorStatistics& t) {
       csv << line.side << ',' << line.method << ',' << during << ',' << t.frames() << ',' << t.answered()
-          << ',' << t.mean_error() << ',' << t.worst() << ',' << t.right() << ',' << t.over() << ','
-          << t.under() << ',' << t.within(1) << ',' << t.within(2) << '\n';
+          << ',' << t.mean_error() << ',' << t.worst() << ',' << t.class_correct() << ',' << t.overestimated()
+          << ',' << t.underestimated() << ',' << t.within(1) << ',' << t.within(2) << '\n';
     };
     row("everything", line.all);
     for (std::size_t move = 0; move < kMoves; ++move)
@@ -170,7 +156,7 @@ void write_table(const std::vector<MethodLine>& lines, const std::filesystem::pa
   write_file(folder / "histories.csv", csv.str());
 }
 
-// The first grasp of each line, one below the other.
+// Plots the first grasp of each line.
 void plot_traces(const std::filesystem::path& folder, const std::vector<MethodLine>& lines) {
   std::ostringstream script;
   script << "set terminal svg size 900," << 60 + 220 * lines.size()

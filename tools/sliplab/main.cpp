@@ -1,4 +1,4 @@
-// sliplab: what is computed without a sensor and without the daemon. Exit 0 fine, 1 it failed, 2 wrong use.
+// sliplab: computations without a sensor and without the daemon. Exit 0 success, 1 failure, 2 wrong usage.
 #include <CLI/CLI.hpp>
 #include <iostream>
 

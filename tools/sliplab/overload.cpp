@@ -42,25 +42,11 @@ std::vector<OverloadCase> cases(const Options& options) {
   return all;
 }
 
-ChainSetup chain_of(std::size_t side, MethodChoice method, double noise) {
-  // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
-  const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
-  ChainSetup chain{.layout = TaxelLayout::grid(side, side, pitch_m),
-                   .scene = {},
-                   .estimator = {.method = method},
-                   .alerts = {},
-                   .friction = {}};
-  chain.scene.objects = paper_objects();
-  chain.scene.offset_m = 0.002;
-  chain.scene.noise = noise;
-  return chain;
-}
-
 // The lines of one layout and method; none where slipd takes another method for this layout.
 void measure(std::size_t side, const std::string& name, const Options& options,
              std::vector<OverloadLine>& lines) {
   const auto& [choice, method] = kOverloadMethods.at(name);
-  const ChainSetup chain = chain_of(side, choice, options.setup.sensing.noise);
+  const ChainSetup chain = paper_chain(side, choice, options.setup.sensing.noise);
   ProgressBar bar(std::to_string(side) + "x" + std::to_string(side) + " " + name);
   std::shared_ptr<const Model> model;
   if (needs_model(chain)) {

@@ -1,5 +1,5 @@
-// sliplab paper: the paper's experiment (its sections II.B to III.B) again, its figures beside ours, and what
-// they look like when no contact is on both sides of the split, or the contact is not in the middle.
+// sliplab paper: repeats the paper's experiment (its sections II.B to III.B), prints its figures next to
+// slipd's, and varies it: a split by contact, contacts off the middle.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -15,7 +15,7 @@
 namespace sliplab {
 namespace {
 
-// The row that the figures show: the paper's own case, noise 4 %.
+// The row of the figures: the paper's case, noise 4 %.
 const Row& shown_in_figures(const std::vector<Row>& rows) {
   return *std::find_if(rows.begin(), rows.end(), [](const Row& row) {
     return row.experiment.quantity == slipd::Quantity::alpha && row.experiment.noise == 0.04;

@@ -1,4 +1,4 @@
-// The same work for each of many numbers, on a few threads that live no longer than the call.
+// Runs the same function for many indices on a few threads that end with the call.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 
 namespace sliplab {
 
-// work(i) for each i below `count`, each once, in no order; done(share) after each, on the calling thread.
-// The first exception is thrown here after all have stopped. Results are to be kept by i, so that they do
-// not depend on the threads.
+// Calls work(i) once for each i below `count`, in no particular order, and done(share) on the calling thread.
+// Rethrows an exception of work after all threads have stopped. Store results by i, so that they do not
+// depend on the threads.
 template <class Work, class Done>
 void for_each_index(std::size_t count, unsigned threads, Work work, Done done) {
-  // Each a number of its own; what was worked out is handed over by join.
+  // Each thread takes its own indices; join() publishes the results.
   std::atomic<std::size_t> next = 0, finished = 0;
   std::vector<std::exception_ptr> failures(std::max(threads, 1U));
   const auto lane = [&](unsigned me) {

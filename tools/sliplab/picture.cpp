@@ -1,5 +1,5 @@
-// `sliplab picture`: a recording as a picture for documents and reports: its margin with what was uncertain
-// of it, its alerts, its forces, and the taxels at one moment. The numbers are written beside it as CSV.
+// `sliplab picture`: plots a recording for documents: its margin with 2 sigma, its alerts, its forces, and
+// the taxels of one frame. Writes the numbers as CSV files, too.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace sliplab {
 namespace {
 
-using slipd::Moment;
+using slipd::FrameSummary;
 using slipd::Recorded;
 
 struct PictureOptions {
@@ -29,12 +29,12 @@ struct PictureOptions {
 std::string course_csv(const Recorded& recorded) {
   std::ostringstream csv;
   csv << "time_s,normal_n,shear_n,true_gamma,gamma,sigma,friction,state,alert\n";
-  for (const Moment& moment : recorded.moments) {
-    const slipd::RecordedEstimate estimate = moment.estimate.value_or(slipd::RecordedEstimate{});
-    csv << moment.time_s << ',' << moment.normal_n << ',' << moment.shear_n << ',' << moment.truth_gamma
-        << ',' << estimate.gamma << ',' << estimate.sigma << ',' << estimate.friction << ',';
-    if (moment.estimate) csv << int{estimate.state} << ',' << int{estimate.alert};
-    if (!moment.estimate) csv << "nan,nan";
+  for (const FrameSummary& frame : recorded.frames) {
+    const slipd::RecordedEstimate estimate = frame.estimate.value_or(slipd::RecordedEstimate{});
+    csv << frame.time_s << ',' << frame.normal_n << ',' << frame.shear_n << ',' << frame.truth_gamma << ','
+        << estimate.gamma << ',' << estimate.sigma << ',' << estimate.friction << ',';
+    if (frame.estimate) csv << int{estimate.state} << ',' << int{estimate.alert};
+    if (!frame.estimate) csv << "nan,nan";
     csv << '\n';
   }
   return csv.str();
@@ -51,7 +51,7 @@ std::string taxels_csv(const Recorded& recorded) {
   return csv.str();
 }
 
-// A name within gnuplot's single quotes, and without its marks for sub- and superscripts.
+// Quotes a name for gnuplot, without its marks for sub- and superscripts.
 std::string quoted(const std::string& text) {
   std::string safe;
   for (const char c : text) {
@@ -61,7 +61,7 @@ std::string quoted(const std::string& text) {
   return "'" + safe + "'";
 }
 
-// Arrows as long as the taxels are apart where shear is greatest.
+// Arrows of one pitch where shear is greatest.
 double arrow_mm_per_kpa(const Recorded& recorded) {
   double greatest = 0;
   for (std::size_t i = 0; i < recorded.shear_x_pa.size(); ++i)
@@ -72,7 +72,7 @@ double arrow_mm_per_kpa(const Recorded& recorded) {
 
 std::string script_of(const Recorded& recorded, const std::string& name, const PictureOptions& options) {
   const bool map = recorded.header.layout.size() > 1;
-  const Moment& shown = recorded.moments[recorded.shown];
+  const FrameSummary& shown = recorded.frames[recorded.shown];
   std::ostringstream script;
   script << (options.format == "png" ? "set terminal pngcairo size 900," : "set terminal svg size 900,")
          << (map ? 900 : 560) << " noenhanced font 'sans,12' background 'white'\n"
@@ -124,13 +124,13 @@ void run(const Common& common, const PictureOptions& options) {
   const auto picture = folder / (name + "." + options.format);
   if (common.json) {
     std::cout << nlohmann::ordered_json{{"picture", picture.string()},
-                                        {"frames", recorded.moments.size()},
+                                        {"frames", recorded.frames.size()},
                                         {"seconds", recorded.seconds()},
                                         {"estimates", recorded.has_estimates()}}
                      .dump()
               << '\n';
   } else {
-    std::cout << recorded.moments.size() << " frames of " << recorded.header.sensor << " are drawn in "
+    std::cout << recorded.frames.size() << " frames of " << recorded.header.sensor << " are drawn in "
               << picture.string() << '\n';
   }
 }

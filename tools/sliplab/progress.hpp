@@ -1,4 +1,4 @@
-// Long work on stderr: a bar on a terminal, elsewhere a line for each tenth.
+// Shows the progress of long work on stderr: a bar on a terminal, elsewhere a line for each tenth.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace sliplab {
 class ProgressBar {
  public:
   explicit ProgressBar(std::string title);
-  ~ProgressBar();  // leaves the terminal's line empty
+  ~ProgressBar();  // clears the terminal's line
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 

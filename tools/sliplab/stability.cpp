@@ -1,6 +1,5 @@
-// `sliplab stability`: where the arithmetic and the estimators hold, and where they say that they do not. The
-// contact model at its extremes against many digits, error out per error in, and an adversary who does not
-// keep to the model.
+// `sliplab stability`: the limits of the arithmetic and of the estimators. The contact model at extreme
+// parameters against many digits, the condition of the methods, and contacts that deviate from the model.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -23,14 +22,16 @@ struct StabilityOptions {
   std::vector<std::string> parts{"model", "extremes", "condition", "adversary"};
 };
 
-std::vector<Worst> worst_everywhere(const TrialSetup& setup, const Done& done) {
-  std::vector<Worst> rows;
+std::vector<ModelError> worst_everywhere(const TrialSetup& setup, const Done& done) {
+  std::vector<ModelError> rows;
   for (const Axis axis : kAxes) {
     for (const double place : places_on(axis)) rows.push_back({axis, place, 0, 0, 0, 0, 0});
   }
   for_each_index(
       rows.size(), setup.threads,
-      [&](std::size_t i) { rows[i] = worst_at(rows[i].axis, rows[i].place, setup.contacts, setup.seed); },
+      [&](std::size_t i) {
+        rows[i] = model_error_at(rows[i].axis, rows[i].place, setup.contacts, setup.seed);
+      },
       done);
   return rows;
 }
@@ -53,7 +54,7 @@ void run(const Common& common, StabilityOptions options) {
     };
     if (wanted("model")) found.model = worst_everywhere(found.setup, part("model"));
     from = 0.25;
-    if (wanted("extremes")) found.extremes = tell_extremes(found.setup, part("extremes"));
+    if (wanted("extremes")) found.extremes = measure_extremes(found.setup, part("extremes"));
     from = 0.5;
     if (wanted("condition")) {
       bar.show(from, "training");
@@ -63,7 +64,7 @@ void run(const Common& common, StabilityOptions options) {
       found.bits = bits_needed(found.setup, methods, part("bits"));
     }
     from = 0.75;
-    if (wanted("adversary")) found.flaws = tell_flaws(found.setup, part("adversary"));
+    if (wanted("adversary")) found.perturbations = measure_perturbations(found.setup, part("adversary"));
   }
   if (common.json) {
     std::cout << to_json(found).dump(2) << '\n';

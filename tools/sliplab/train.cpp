@@ -1,5 +1,6 @@
-// sliplab train: makes the model of a scene and puts it where slipd looks for it. slipd starts it as a child
-// when there is none yet, so that training takes neither time nor memory of the process that estimates.
+// sliplab train: trains the model of a scene and stores it where slipd looks for it. slipd starts it as a
+// child process when no model exists, so that training takes neither time nor memory of the process that
+// estimates.
 #include "core/model/train.hpp"
 
 #include <CLI/CLI.hpp>
@@ -27,12 +28,12 @@ using namespace slipd;
 
 struct Choices {
   std::string config, sensor, setup;
-  std::string model;  // where it goes
+  std::string model;  // the file for the model
   unsigned threads = 2;
   bool anew = false;
 };
 
-// Training asks nothing of drivers: any name and any options will do.
+// Training uses no driver: any name and any options are valid.
 class AnyDriver final : public DriverCatalogue {
  public:
   const DriverModule* find(const std::string&) override { return &any_; }
@@ -105,7 +106,7 @@ void print(const json& result) {
             << std::round(1000 * result["explained"].back().get<double>()) / 10 << " % of the variance\n";
 }
 
-// Ring counts that a model on rings is compared with.
+// The ring counts with which a model on rings is compared.
 std::vector<int> other_rings(const ModelSetup& setup) {
   std::vector<int> others;
   for (const int rings : {4, 8, 16}) {
@@ -114,7 +115,7 @@ std::vector<int> other_rings(const ModelSetup& setup) {
   return others;
 }
 
-// The model, with what each method is worth on its scene, at what it could be set to.
+// The model with the work-precision of each method and setting on its scene.
 ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& progress) {
   constexpr std::size_t kContacts = 300;
   std::vector<int> ranks{setup.rank};
@@ -139,7 +140,7 @@ ModelData trained(const ModelSetup& setup, unsigned threads, const Progress& pro
   return std::move(at_ranks.front());
 }
 
-// For slipd, which keeps it where it can.
+// Writes the model to a descriptor for slipd, which stores it.
 void write_to_output(const ModelData& data) {
   const std::vector<std::uint8_t> bytes = encode_model(data);
   std::cout.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -10,7 +10,7 @@
 #include <map>
 #include <optional>
 
-#include "tests/drivers/contract/bench.hpp"
+#include "tests/drivers/contract/test_rig.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/support/heap_count.hpp"
 
@@ -23,10 +23,10 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kTimeout = 20ms;
 constexpr auto kPatience = 5min;  // for what must come; only what hangs takes that long
 
-class DriverContract : public testing::TestWithParam<Kind> {
+class DriverContract : public testing::TestWithParam<DriverCase> {
  protected:
   void open() {
-    const DeviceInfo info = bench_->driver().open();
+    const DeviceInfo info = rig_->driver().open();
     if (owned_.empty()) {
       for (const SensorInfo& sensor : info.sensors) owned_.emplace_back(sensor.layout.size());
       for (OwnedSlot& owned : owned_) slots_.push_back(owned.slot);
@@ -39,7 +39,7 @@ class DriverContract : public testing::TestWithParam<Kind> {
   // One read, held to what holds for every read.
   ReadResult read() {
     const auto begun = Clock::now();
-    const ReadResult result = bench_->driver().read(slots_, kTimeout);
+    const ReadResult result = rig_->driver().read(slots_, kTimeout);
     EXPECT_LT(result.sensor, slots_.size());
     if (result.status == ReadStatus::timeout) {
       EXPECT_GE(Clock::now() - begun, kTimeout) << "a time-out before the time is out";
@@ -93,7 +93,7 @@ class DriverContract : public testing::TestWithParam<Kind> {
     garbled_ = false;
   }
 
-  std::unique_ptr<Bench> bench_ = GetParam().make();
+  std::unique_ptr<TestRig> rig_ = GetParam().make();
   std::vector<OwnedSlot> owned_;
   std::vector<FrameSlot> slots_;
   std::map<std::uint16_t, std::uint64_t> last_;  // sequence of each sensor's last frame
@@ -103,16 +103,16 @@ class DriverContract : public testing::TestWithParam<Kind> {
 };
 
 TEST_P(DriverContract, opens_and_closes_as_often_as_it_is_told) {
-  bench_->driver().close();
+  rig_->driver().close();
   open();
   EXPECT_TRUE(frames(3));
-  bench_->driver().close();
-  bench_->driver().close();
+  rig_->driver().close();
+  rig_->driver().close();
   open();
   EXPECT_TRUE(frames(3));
   open();
   EXPECT_TRUE(frames(3));
-  bench_->driver().close();
+  rig_->driver().close();
 }
 
 TEST_P(DriverContract, tells_of_all_sensors_of_the_device) {
@@ -127,11 +127,11 @@ TEST_P(DriverContract, survives_whatever_the_device_says_and_drops_scans_whole) 
   open();
   ASSERT_TRUE(frames(5));
   for (const char* order : {"lose", "reorder", "repeat", "shorten", "lengthen"}) {
-    bench_->order(std::string(order) + " 5");
+    rig_->order(std::string(order) + " 5");
     EXPECT_TRUE(frames(20)) << order;
   }
   garbled_ = true;  // what has the right length and no checksum is a frame
-  bench_->order("garbage 5");
+  rig_->order("garbage 5");
   EXPECT_TRUE(frames(20)) << "garbage";
   garbled_ = false;
   EXPECT_TRUE(frames(10)) << "after garbage";
@@ -142,7 +142,7 @@ TEST_P(DriverContract, counts_what_is_lost) {
   open();
   ASSERT_TRUE(frames(5));
   lost_ = 0;
-  bench_->order("lose 5");
+  rig_->order("lose 5");
   const auto give_up = Clock::now() + kPatience;
   while (lost_ < 5 && Clock::now() < give_up) read();
   EXPECT_GE(lost_, 5);
@@ -151,7 +151,7 @@ TEST_P(DriverContract, counts_what_is_lost) {
 TEST_P(DriverContract, waits_for_a_device_that_stalls) {
   if (!GetParam().misbehaves) GTEST_SKIP() << "there is no device";
   open();
-  bench_->order("stall 100");
+  rig_->order("stall 100");
   ASSERT_TRUE(sees(ReadStatus::timeout));
   EXPECT_TRUE(frames(5));
 }
@@ -159,19 +159,19 @@ TEST_P(DriverContract, waits_for_a_device_that_stalls) {
 TEST_P(DriverContract, says_when_the_device_is_gone_and_opens_it_again_when_it_is_back) {
   if (!GetParam().misbehaves) GTEST_SKIP() << "there is no device";
   open();
-  bench_->order("unplug");
+  rig_->order("unplug");
   if (!GetParam().sees_unplugging) {
     ASSERT_TRUE(sees(ReadStatus::timeout));
-    bench_->order("plug");
+    rig_->order("plug");
     EXPECT_TRUE(frames(5)) << "without being opened again";
     return;
   }
   ASSERT_TRUE(sees(ReadStatus::disconnected));
-  bench_->driver().close();
-  EXPECT_NE(refusal_of([&] { bench_->driver().open(); }), "");
-  bench_->order("plug");
+  rig_->driver().close();
+  EXPECT_NE(refusal_of([&] { rig_->driver().open(); }), "");
+  rig_->order("plug");
   const auto give_up = Clock::now() + kPatience;
-  while (!refusal_of([&] { bench_->driver().open(); }).empty() && Clock::now() < give_up) {
+  while (!refusal_of([&] { rig_->driver().open(); }).empty() && Clock::now() < give_up) {
   }
   last_.clear();
   EXPECT_TRUE(frames(5));
@@ -180,11 +180,11 @@ TEST_P(DriverContract, says_when_the_device_is_gone_and_opens_it_again_when_it_i
 TEST_P(DriverContract, takes_nothing_from_the_heap_while_reading) {
   open();
   ASSERT_TRUE(frames(5));
-  bench_->order("lose 2");
+  rig_->order("lose 2");
   std::uint64_t allocated = 0;
   for (int i = 0; i < 50; ++i) {
     const std::uint64_t before = allocations();
-    bench_->driver().read(slots_, kTimeout);
+    rig_->driver().read(slots_, kTimeout);
     allocated += allocations() - before;
   }
   EXPECT_EQ(allocated, 0);
@@ -198,13 +198,13 @@ std::ptrdiff_t descriptors() {
 TEST_P(DriverContract, leaks_neither_descriptors_nor_memory_over_a_thousand_openings) {
   const auto reopen = [&](int times) {
     for (int i = 0; i < times; ++i) {
-      bench_->driver().open();
-      bench_->driver().read(slots_, 0us);
-      bench_->driver().close();
+      rig_->driver().open();
+      rig_->driver().read(slots_, 0us);
+      rig_->driver().close();
     }
     open();
     EXPECT_TRUE(frames(5)) << "and by then the device has heard all";
-    bench_->driver().close();
+    rig_->driver().close();
   };
   open();
   reopen(20);
@@ -213,12 +213,12 @@ TEST_P(DriverContract, leaks_neither_descriptors_nor_memory_over_a_thousand_open
   reopen(1000);
   EXPECT_LE(descriptors(), before + 2)
       << "the device's end of the last line may be open yet, or closed by then";
-  // A thousand leaks of the smallest kind are 32 kB; what libraries and the device's thread hold goes up and
-  // down.
+  // A thousand leaks of the smallest driver_case are 32 kB; what libraries and the device's thread hold goes
+  // up and down.
   EXPECT_LT(::mallinfo2().uordblks, bytes_before + 24'000);
 }
 
-INSTANTIATE_TEST_SUITE_P(Drivers, DriverContract, testing::ValuesIn(all_kinds()),
+INSTANTIATE_TEST_SUITE_P(Drivers, DriverContract, testing::ValuesIn(all_driver_cases()),
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace

@@ -8,7 +8,7 @@ using slipd::devices::Packet;
 namespace {
 
 std::shared_ptr<MemoryBus> bus;
-const slipd::devices::Sheet* sheet = nullptr;
+const slipd::devices::DeviceModel* model = nullptr;
 char path[] = "/dev/fake";
 wchar_t serial[] = L"SIM0001", trouble[] = L"nothing is plugged in";
 
@@ -20,8 +20,8 @@ struct hid_device_ {
 
 namespace slipd::test {
 
-void plug_into_fake_hidapi(const devices::Sheet& which, std::shared_ptr<MemoryBus> onto) {
-  sheet = &which;
+void plug_into_fake_hidapi(const devices::DeviceModel& which, std::shared_ptr<MemoryBus> onto) {
+  model = &which;
   bus = std::move(onto);
 }
 
@@ -33,8 +33,8 @@ hid_device_info* hid_enumerate(unsigned short, unsigned short) {
   if (!bus || !bus->plugged()) return nullptr;
   auto* info = new hid_device_info{};
   info->path = path;
-  info->vendor_id = sheet->hid->vendor;
-  info->product_id = sheet->hid->product;
+  info->vendor_id = model->hid->vendor;
+  info->product_id = model->hid->product;
   info->serial_number = serial;
   return info;
 }

@@ -8,6 +8,6 @@
 
 namespace slipd::test {
 
-void plug_into_fake_hidapi(const devices::Sheet& sheet, std::shared_ptr<devices::MemoryBus> bus);
+void plug_into_fake_hidapi(const devices::DeviceModel& model, std::shared_ptr<devices::MemoryBus> bus);
 
 }  // namespace slipd::test

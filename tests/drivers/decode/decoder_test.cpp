@@ -8,7 +8,7 @@
 
 #include "drivers/decode/framer.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 #include "tests/support/heap_count.hpp"
 
 namespace slipd::decode {
@@ -22,9 +22,9 @@ using testing::FloatNear;
 constexpr std::int64_t kMs = 1'000'000;
 
 // A decoder with its slot, fed by the clock that the test says.
-class Bench {
+class DecoderRig {
  public:
-  explicit Bench(const std::string& profile, std::size_t sensor = 0, unsigned board = 1)
+  explicit DecoderRig(const std::string& profile, std::size_t sensor = 0, unsigned board = 1)
       : profile_(find_profile(profile)),
         framer_(profile_),
         decoder(profile_, sensor, board),
@@ -46,7 +46,7 @@ class Bench {
       }
       framer_.put(packet.bytes);
       RawPacket raw;
-      while (framer_.next(raw) == Framer::Got::packet)
+      while (framer_.next(raw) == Framer::Result::packet)
         count += decoder.take(raw.id, raw.bytes, now_ns_, out.slot) == Outcome::frame ? 1 : 0;
     }
     now_ns_ += 5 * kMs;
@@ -63,52 +63,52 @@ class Bench {
   test::OwnedSlot out;
 };
 
-// What the sheet's device sends when each taxel feels 1000 Pa times its number from 1, half in x, a quarter
+// What the model's device sends when each taxel feels 1000 Pa times its number from 1, half in x, a quarter
 // in -y.
-std::vector<Packet> scan_of(const devices::Sheet& sheet) {
+std::vector<Packet> scan_of(const devices::DeviceModel& model) {
   std::vector<test::OwnedSlot> slots;
   std::vector<Frame> frames;
-  for (std::size_t sensor = 0; sensor < sheet.sensors; ++sensor) {
-    auto& slot = slots.emplace_back(sheet.layout.size()).slot;
-    for (std::size_t i = 0; i < sheet.layout.size(); ++i) {
+  for (std::size_t sensor = 0; sensor < model.sensors; ++sensor) {
+    auto& slot = slots.emplace_back(model.layout.size()).slot;
+    for (std::size_t i = 0; i < model.layout.size(); ++i) {
       slot.normal_pa[i] = 1000 * static_cast<float>(i + 1 + sensor);
       slot.shear_x_pa[i] = slot.normal_pa[i] / 2;
       slot.shear_y_pa[i] = -slot.normal_pa[i] / 4;
     }
   }
   for (auto& slot : slots) frames.push_back(slot.slot.view());
-  return sheet.scan({frames, 0, 0});
+  return model.scan({frames, 0, 0});
 }
 
 TEST(Decoder, reads_the_xelas_big_endian_axes) {
-  Bench bench("xela-xr1944");
+  DecoderRig rig("xela-xr1944");
   for (std::uint32_t taxel = 0; taxel < 15; ++taxel)
-    EXPECT_EQ(bench.take({0x710 + taxel, {0, 0x75, 0x30, 0x75, 0x30, 0x75, 0x30}}, taxel), Outcome::partial);
-  EXPECT_EQ(bench.take({0x71F, {0xFF, 0x75, 0x31, 0x75, 0x2E, 0x76, 0x30}}, 20), Outcome::frame);
-  EXPECT_FLOAT_EQ(bench.out.slot.shear_x_pa[15], 20);
-  EXPECT_FLOAT_EQ(bench.out.slot.shear_y_pa[15], -40);
-  EXPECT_FLOAT_EQ(bench.out.slot.normal_pa[15], 256 * 40);
-  EXPECT_THAT(std::vector(bench.out.slot.normal_pa.begin(), bench.out.slot.normal_pa.end() - 1), Each(0));
-  EXPECT_EQ(bench.out.slot.time_ns, 0) << "the scan's first packet is nearest to the sample";
+    EXPECT_EQ(rig.take({0x710 + taxel, {0, 0x75, 0x30, 0x75, 0x30, 0x75, 0x30}}, taxel), Outcome::partial);
+  EXPECT_EQ(rig.take({0x71F, {0xFF, 0x75, 0x31, 0x75, 0x2E, 0x76, 0x30}}, 20), Outcome::frame);
+  EXPECT_FLOAT_EQ(rig.out.slot.shear_x_pa[15], 20);
+  EXPECT_FLOAT_EQ(rig.out.slot.shear_y_pa[15], -40);
+  EXPECT_FLOAT_EQ(rig.out.slot.normal_pa[15], 256 * 40);
+  EXPECT_THAT(std::vector(rig.out.slot.normal_pa.begin(), rig.out.slot.normal_pa.end() - 1), Each(0));
+  EXPECT_EQ(rig.out.slot.time_ns, 0) << "the scan's first packet is nearest to the sample";
 }
 
 TEST(Decoder, reads_the_two_halves_of_the_icubs_triangles_and_gives_no_shear) {
-  Bench bench("icub-mtb");
+  DecoderRig rig("icub-mtb");
   for (std::uint32_t triangle = 0; triangle < 4; ++triangle) {
-    EXPECT_EQ(bench.take({0x410 + triangle, {0x00, 245, 244, 245, 245, 245, 245, 245}}), Outcome::partial);
-    bench.take({0x410 + triangle, {0x80, 245, 245, 245, 245, 0, 0, 0}});
+    EXPECT_EQ(rig.take({0x410 + triangle, {0x00, 245, 244, 245, 245, 245, 245, 245}}), Outcome::partial);
+    rig.take({0x410 + triangle, {0x80, 245, 245, 245, 245, 0, 0, 0}});
   }
-  EXPECT_EQ(bench.decoder.counts().malformed, 0);
-  EXPECT_FLOAT_EQ(bench.out.slot.normal_pa[1], 500);
-  EXPECT_FLOAT_EQ(bench.out.slot.normal_pa[11], 245 * 500);
-  EXPECT_THAT(bench.out.slot.shear_x_pa, Each(0));
+  EXPECT_EQ(rig.decoder.counts().malformed, 0);
+  EXPECT_FLOAT_EQ(rig.out.slot.normal_pa[1], 500);
+  EXPECT_FLOAT_EQ(rig.out.slot.normal_pa[11], 245 * 500);
+  EXPECT_THAT(rig.out.slot.shear_x_pa, Each(0));
 }
 
 TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
   Bytes registers(52, 0);
   registers[8] = 0x00, registers[9] = 0x32;    // left z: 50 = 5.0 N
   registers[22] = 0xFF, registers[23] = 0xF6;  // right x: -10 = -1.0 N
-  Bench left("onrobot-rg2-ft", 0), right("onrobot-rg2-ft", 1);
+  DecoderRig left("onrobot-rg2-ft", 0), right("onrobot-rg2-ft", 1);
   EXPECT_EQ(left.take({257, registers}), Outcome::frame);
   EXPECT_EQ(right.take({257, registers}), Outcome::frame);
   const double area_m2 = 0.018 * 0.018;
@@ -119,23 +119,23 @@ TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
 
 // Simulated devices know nothing of profiles. The tolerance is half a count.
 struct Pair {
-  const devices::Sheet& (*sheet)();
+  const devices::DeviceModel& (*model)();
   const char* profile;
   float half_count_pa;
 };
 class AgreesWithTheDevice : public testing::TestWithParam<Pair> {};
 
 TEST_P(AgreesWithTheDevice, taxel_by_taxel) {
-  const auto& [sheet, name, half_count_pa] = GetParam();
-  for (std::size_t sensor = 0; sensor < sheet().sensors; ++sensor) {
-    Bench bench(name, sensor);
-    ASSERT_EQ(bench.frames(scan_of(sheet())), 1);
-    const bool shear = sheet().sensor_class != SensorClass::normal;
-    for (std::size_t i = 0; i < sheet().layout.size(); ++i) {
+  const auto& [model, name, half_count_pa] = GetParam();
+  for (std::size_t sensor = 0; sensor < model().sensors; ++sensor) {
+    DecoderRig rig(name, sensor);
+    ASSERT_EQ(rig.frames(scan_of(model())), 1);
+    const bool shear = model().sensor_class != SensorClass::normal;
+    for (std::size_t i = 0; i < model().layout.size(); ++i) {
       const float normal_pa = 1000 * static_cast<float>(i + 1 + sensor);
-      EXPECT_NEAR(bench.out.slot.normal_pa[i], normal_pa, half_count_pa) << i;
-      EXPECT_NEAR(bench.out.slot.shear_x_pa[i], shear ? normal_pa / 2 : 0, half_count_pa) << i;
-      EXPECT_NEAR(bench.out.slot.shear_y_pa[i], shear ? -normal_pa / 4 : 0, half_count_pa) << i;
+      EXPECT_NEAR(rig.out.slot.normal_pa[i], normal_pa, half_count_pa) << i;
+      EXPECT_NEAR(rig.out.slot.shear_x_pa[i], shear ? normal_pa / 2 : 0, half_count_pa) << i;
+      EXPECT_NEAR(rig.out.slot.shear_y_pa[i], shear ? -normal_pa / 4 : 0, half_count_pa) << i;
     }
   }
 }
@@ -160,19 +160,19 @@ INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
 
 TEST(Decoder, drops_the_scan_whole_if_a_packet_is_lost_and_says_so_in_the_sequence) {
   for (const std::size_t lost : {0U, 7U, 15U}) {
-    Bench bench("xela-xr1944");
+    DecoderRig rig("xela-xr1944");
     const auto whole = scan_of(devices::xela_xr1944());
     auto broken = whole;
     broken.erase(broken.begin() + static_cast<std::ptrdiff_t>(lost));
-    EXPECT_EQ(bench.frames(whole), 1);
-    EXPECT_EQ(bench.out.slot.sequence, 0);
-    EXPECT_EQ(bench.frames(broken), 0);
-    EXPECT_EQ(bench.frames(whole), 1);
+    EXPECT_EQ(rig.frames(whole), 1);
+    EXPECT_EQ(rig.out.slot.sequence, 0);
+    EXPECT_EQ(rig.frames(broken), 0);
+    EXPECT_EQ(rig.frames(whole), 1);
     if (lost == 0) {
-      EXPECT_EQ(bench.decoder.counts().stray, 15) << "nothing tells how many scans began in what was lost";
+      EXPECT_EQ(rig.decoder.counts().stray, 15) << "nothing tells how many scans began in what was lost";
     } else {
-      EXPECT_EQ(bench.out.slot.sequence, 2);
-      EXPECT_EQ(bench.decoder.counts().incomplete, 1);
+      EXPECT_EQ(rig.out.slot.sequence, 2);
+      EXPECT_EQ(rig.decoder.counts().incomplete, 1);
     }
   }
 }
@@ -184,10 +184,10 @@ TEST(Decoder, drops_the_scan_whole_if_packets_come_twice_or_in_another_order) {
   auto swapped = whole;
   std::swap(swapped[3], swapped[9]);
   for (const auto& bad : {twice, swapped}) {
-    Bench bench("xela-xr1944");
-    EXPECT_EQ(bench.frames(bad), 0);
-    EXPECT_GE(bench.decoder.counts().incomplete, 1);
-    EXPECT_EQ(bench.frames(whole), 1);
+    DecoderRig rig("xela-xr1944");
+    EXPECT_EQ(rig.frames(bad), 0);
+    EXPECT_GE(rig.decoder.counts().incomplete, 1);
+    EXPECT_EQ(rig.frames(whole), 1);
   }
 }
 
@@ -195,53 +195,53 @@ TEST(Decoder, drops_the_scan_whole_if_a_packet_is_too_short_or_too_long) {
   const auto whole = scan_of(devices::xela_xr1944());
   for (const std::size_t length : {0U, 6U, 8U}) {
     for (const std::size_t at : {0U, 5U}) {
-      Bench bench("xela-xr1944");
+      DecoderRig rig("xela-xr1944");
       auto bad = whole;
       bad[at].bytes.resize(length);
-      EXPECT_EQ(bench.frames(bad), 0);
-      EXPECT_EQ(bench.decoder.counts().malformed, 1);
-      EXPECT_EQ(bench.frames(whole), 1);
-      EXPECT_EQ(bench.out.slot.sequence, 1);
+      EXPECT_EQ(rig.frames(bad), 0);
+      EXPECT_EQ(rig.decoder.counts().malformed, 1);
+      EXPECT_EQ(rig.frames(whole), 1);
+      EXPECT_EQ(rig.out.slot.sequence, 1);
     }
   }
 }
 
 TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
-  Bench bench("xela-xr1944");
+  DecoderRig rig("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
-  for (std::size_t i = 0; i < 8; ++i) bench.take(whole[i], 0);
+  for (std::size_t i = 0; i < 8; ++i) rig.take(whole[i], 0);
   Outcome last = Outcome::partial;
-  for (std::size_t i = 8; i < 16; ++i) last = bench.take(whole[i], 10 * kMs);
+  for (std::size_t i = 8; i < 16; ++i) last = rig.take(whole[i], 10 * kMs);
   EXPECT_NE(last, Outcome::frame);
-  EXPECT_EQ(bench.decoder.counts().incomplete, 1);
+  EXPECT_EQ(rig.decoder.counts().incomplete, 1);
 }
 
 TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
-  Bench bench("vendor-hid-8x8");
+  DecoderRig rig("vendor-hid-8x8");
   auto packets = scan_of(devices::vendor_hid());
   for (std::size_t i = 4; i < packets.size(); ++i) ++packets[i].bytes[0];
-  EXPECT_EQ(bench.frames(packets), 0);
-  EXPECT_EQ(bench.decoder.counts().incomplete, 1);
-  EXPECT_EQ(bench.frames(scan_of(devices::vendor_hid())), 1);
-  EXPECT_EQ(bench.out.slot.sequence, 1);
+  EXPECT_EQ(rig.frames(packets), 0);
+  EXPECT_EQ(rig.decoder.counts().incomplete, 1);
+  EXPECT_EQ(rig.frames(scan_of(devices::vendor_hid())), 1);
+  EXPECT_EQ(rig.out.slot.sequence, 1);
 }
 
 TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or_had_begun_one) {
-  Bench single("robotiq-ft300");
+  DecoderRig single("robotiq-ft300");
   const auto packet = scan_of(devices::robotiq_ft300());
   EXPECT_EQ(single.frames(packet), 1);
-  single.decoder.spoil();
+  single.decoder.mark_packet_lost();
   EXPECT_EQ(single.frames(packet), 1);
   EXPECT_EQ(single.out.slot.sequence, 2);
 
-  Bench many("xela-xr1944");
+  DecoderRig many("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
   EXPECT_EQ(many.frames(whole), 1);
-  many.decoder.spoil();  // nobody knows whether all of a scan went with it
+  many.decoder.mark_packet_lost();  // nobody knows whether all of a scan went with it
   EXPECT_EQ(many.frames(whole), 1);
   EXPECT_EQ(many.out.slot.sequence, 1);
   many.take(whole[0], 0);
-  many.decoder.spoil();
+  many.decoder.mark_packet_lost();
   EXPECT_EQ(many.decoder.counts().incomplete, 1);
   EXPECT_EQ(many.frames(whole), 1);
   EXPECT_EQ(many.out.slot.sequence, 3);
@@ -250,8 +250,8 @@ TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or
 // One packet of one scan, with a count that goes round after 256 and a clock in units of 10 us.
 Profile counting() {
   Profile profile = find_profile("robotiq-ft300");
-  profile.scan[0].counter = RoundNumber{6, 1, false, 1};
-  profile.scan[0].clock = RoundNumber{8, 2, true, 10'000};
+  profile.scan[0].counter = WrappingNumber{6, 1, false, 1};
+  profile.scan[0].clock = WrappingNumber{8, 2, true, 10'000};
   return profile;
 }
 
@@ -289,7 +289,7 @@ TEST(Decoder, unrolls_the_devices_clock) {
 }
 
 TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
-  Bench first("xela-xr1944", 0, 1), second("xela-xr1944", 0, 2);
+  DecoderRig first("xela-xr1944", 0, 1), second("xela-xr1944", 0, 2);
   auto of_second = scan_of(devices::xela_xr1944());
   for (Packet& packet : of_second) packet.address += 0x10;
   auto mixed = scan_of(devices::xela_xr1944());
@@ -303,8 +303,8 @@ TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
 TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
   std::mt19937 random(7);
   for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300", "vendor-hid-8x8"}) {
-    Bench bench(name);
-    const auto& rules = bench.decoder.rules();
+    DecoderRig rig(name);
+    const auto& rules = rig.decoder.rules();
     const std::uint64_t before = test::allocations();
     std::array<std::uint8_t, 80> bytes{};
     std::uint64_t last = 0;
@@ -313,13 +313,13 @@ TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
       const PacketRule& rule =
           rules[random() % 4 == 0 ? random() % rules.size() : static_cast<std::size_t>(i) % rules.size()];
       const std::size_t length = random() % 8 == 0 ? random() % bytes.size() : rule.length;
-      if (bench.decoder.take(rule.id, std::span(bytes).first(length), i * kMs / 10, bench.out.slot) !=
+      if (rig.decoder.take(rule.id, std::span(bytes).first(length), i * kMs / 10, rig.out.slot) !=
           Outcome::frame) {
         continue;
       }
-      EXPECT_GE(bench.out.slot.sequence, last);
-      last = bench.out.slot.sequence + 1;
-      for (const float value : bench.out.slot.normal_pa) ASSERT_TRUE(std::isfinite(value));
+      EXPECT_GE(rig.out.slot.sequence, last);
+      last = rig.out.slot.sequence + 1;
+      for (const float value : rig.out.slot.normal_pa) ASSERT_TRUE(std::isfinite(value));
     }
     EXPECT_EQ(test::allocations(), before) << "the hot path allocates";
   }

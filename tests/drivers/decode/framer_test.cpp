@@ -12,7 +12,7 @@
 #include "drivers/decode/checksum.hpp"
 #include "drivers/decode/pts2.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 #include "tests/support/heap_count.hpp"
 
 namespace slipd::decode {
@@ -34,14 +34,15 @@ Stream by_length() {
   stream.begin = {0xAB};
   stream.length_byte = {1, 4};
   stream.longest = 64;
-  stream.checksum = {Sum::sum16le, -2, 1, -2};
+  stream.checksum = {ChecksumKind::sum16le, -2, 1, -2};
   return stream;
 }
 
 Bytes frame_of(const Bytes& data) {
   Bytes out{0xAB, static_cast<std::uint8_t>(data.size())};
   devices::append(out, data);
-  devices::put_le(out, static_cast<std::uint16_t>(checksum_of(Sum::sum16le, std::span(out).subspan(1))));
+  devices::put_le(out,
+                  static_cast<std::uint16_t>(checksum_of(ChecksumKind::sum16le, std::span(out).subspan(1))));
   return out;
 }
 
@@ -58,9 +59,9 @@ Heard hear(Framer& framer, const Bytes& bytes, std::size_t pieces = SIZE_MAX) {
     RawPacket packet;
     for (;;) {
       const auto got = framer.next(packet);
-      if (got == Framer::Got::nothing) break;
-      if (got == Framer::Got::packet) heard.packets.emplace_back(packet.bytes.begin(), packet.bytes.end());
-      heard.wrong += got == Framer::Got::wrong ? 1 : 0;
+      if (got == Framer::Result::incomplete) break;
+      if (got == Framer::Result::packet) heard.packets.emplace_back(packet.bytes.begin(), packet.bytes.end());
+      heard.wrong += got == Framer::Result::invalid ? 1 : 0;
     }
   }
   return heard;
@@ -182,13 +183,13 @@ TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {
   Framer framer(profile_with(stream));
   framer.put(Bytes{0xAB, 8, 0x14, 1, 2, 0x70, 3, 0x55, 0x10, 0});
   RawPacket packet;
-  ASSERT_EQ(framer.next(packet), Framer::Got::packet);
+  ASSERT_EQ(framer.next(packet), Framer::Result::packet);
   EXPECT_EQ(packet.id, 0x14);
   EXPECT_THAT(packet.bytes, ElementsAre(1, 2));
-  ASSERT_EQ(framer.next(packet), Framer::Got::packet);
+  ASSERT_EQ(framer.next(packet), Framer::Result::packet);
   EXPECT_EQ(packet.id, 0x70);
-  EXPECT_EQ(framer.next(packet), Framer::Got::wrong);
-  EXPECT_EQ(framer.next(packet), Framer::Got::nothing);
+  EXPECT_EQ(framer.next(packet), Framer::Result::invalid);
+  EXPECT_EQ(framer.next(packet), Framer::Result::incomplete);
 }
 
 TEST(Framer, passes_pieces_on_as_packets_where_there_is_no_stream) {
@@ -210,17 +211,17 @@ TEST(Framer, survives_any_bytes_without_the_heap) {
       std::ranges::copy(end, piece.begin() + static_cast<std::ptrdiff_t>(random() % 150));
       framer.put(std::span(piece).first(random() % piece.size()));
       RawPacket packet;
-      while (framer.next(packet) != Framer::Got::nothing) ASSERT_LE(packet.bytes.size(), 4096);
+      while (framer.next(packet) != Framer::Result::incomplete) ASSERT_LE(packet.bytes.size(), 4096);
     }
     EXPECT_EQ(test::allocations(), before);
-    EXPECT_GT(framer.counts().wrong, 500);
+    EXPECT_GT(framer.counts().invalid, 500);
   }
 }
 
 TEST(Checksum, of_known_bytes_is_the_known_one) {
   const Bytes digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
-  EXPECT_EQ(checksum_of(Sum::crc8, digits), 0xF4) << "the check value of CRC-8/SMBUS";
-  EXPECT_EQ(checksum_of(Sum::sum16le, digits), 477);
+  EXPECT_EQ(checksum_of(ChecksumKind::crc8, digits), 0xF4) << "the check value of CRC-8/SMBUS";
+  EXPECT_EQ(checksum_of(ChecksumKind::sum16le, digits), 477);
 }
 
 // Two sensors of which the second has no block: W = 1, table, blocks.

@@ -24,8 +24,8 @@ Fd open_interface(const std::string& name) {
 
 class CanPort final : public Port {
  public:
-  CanPort(const Sheet& sheet, Fd socket, std::string place)
-      : Port(sheet), socket_(std::move(socket)), place_(std::move(place)) {}
+  CanPort(const DeviceModel& model, Fd socket, std::string place)
+      : Port(model), socket_(std::move(socket)), place_(std::move(place)) {}
 
   void watch(std::vector<pollfd>& waits) const override { waits.push_back({socket_.get(), POLLIN, 0}); }
 
@@ -34,7 +34,7 @@ class CanPort final : public Port {
     while (::recv(socket_.get(), &frame, sizeof frame, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof frame)) {
       const Packet said{frame.can_id & CAN_EFF_MASK,
                         Bytes(frame.data, frame.data + std::min<int>(frame.len, CAN_MAX_DLEN))};
-      if (plugged_ && sheet_.hear) sheet_.hear(said, talk_);
+      if (plugged_ && model_.receive) model_.receive(said, host_state_);
     }
   }
 
@@ -60,12 +60,12 @@ class CanPort final : public Port {
 
 }  // namespace
 
-std::unique_ptr<Port> make_can_port(const Sheet& sheet, const std::string& interface) {
-  return std::make_unique<CanPort>(sheet, open_interface(interface), interface);
+std::unique_ptr<Port> make_can_port(const DeviceModel& model, const std::string& interface) {
+  return std::make_unique<CanPort>(model, open_interface(interface), interface);
 }
 
-std::unique_ptr<Port> make_can_port(const Sheet& sheet, int socket) {
-  return std::make_unique<CanPort>(sheet, Fd(socket), "descriptor " + std::to_string(socket));
+std::unique_ptr<Port> make_can_port(const DeviceModel& model, int socket) {
+  return std::make_unique<CanPort>(model, Fd(socket), "descriptor " + std::to_string(socket));
 }
 
 }  // namespace slipd::devices

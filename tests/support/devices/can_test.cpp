@@ -19,8 +19,8 @@ class CanDevice : public testing::Test {
     int pair[2];
     checked(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), "socketpair");
     host_ = Fd(pair[0]);
-    player_ = std::make_unique<Player>(xela_xr1944(), pattern(xela_xr1944()),
-                                       make_can_port(xela_xr1944(), pair[1]), &truth_);
+    simulator_ = std::make_unique<DeviceSimulator>(xela_xr1944(), pattern(xela_xr1944()),
+                                                   make_can_port(xela_xr1944(), pair[1]), &truth_);
   }
 
   void start() {
@@ -29,7 +29,7 @@ class CanDevice : public testing::Test {
     command.len = 2;
     command.data[0] = 0x07;
     ASSERT_EQ(::send(host_.get(), &command, sizeof command, 0), static_cast<ssize_t>(sizeof command));
-    player_->port().serve();
+    simulator_->port().serve();
   }
 
   std::vector<can_frame> received() {
@@ -41,14 +41,14 @@ class CanDevice : public testing::Test {
 
   std::ostringstream truth_;
   Fd host_;
-  std::unique_ptr<Player> player_;
+  std::unique_ptr<DeviceSimulator> simulator_;
 };
 
 TEST_F(CanDevice, IsSilentUntilItIsStarted) {
-  player_->step();
+  simulator_->step();
   EXPECT_TRUE(received().empty());
   start();
-  player_->step();
+  simulator_->step();
   const auto frames = received();
   ASSERT_EQ(frames.size(), 16);
   EXPECT_EQ(frames[0].can_id, 0x710);
@@ -58,40 +58,40 @@ TEST_F(CanDevice, IsSilentUntilItIsStarted) {
 
 TEST_F(CanDevice, MisbehavesForAsManyScansAsItWasToldTo) {
   start();
-  player_->order("lose 2");
+  simulator_->order("lose 2");
   for (const std::size_t expected : {15U, 15U, 16U}) {
-    player_->step();
+    simulator_->step();
     EXPECT_EQ(received().size(), expected);
   }
 }
 
 TEST_F(CanDevice, StallsAndComesBack) {
   start();
-  player_->order_at(1, "stall 2");
+  simulator_->order_at(1, "stall 2");
   for (const std::size_t expected : {16U, 0U, 0U, 16U}) {
-    player_->step();
+    simulator_->step();
     EXPECT_EQ(received().size(), expected);
   }
 }
 
 TEST_F(CanDevice, MustBeStartedAgainAfterItWasUnplugged) {
   start();
-  player_->order("unplug");
-  player_->step();
+  simulator_->order("unplug");
+  simulator_->step();
   EXPECT_TRUE(received().empty());
-  player_->order("plug");
-  player_->step();
+  simulator_->order("plug");
+  simulator_->step();
   EXPECT_TRUE(received().empty()) << "it has forgotten that it was started";
   start();
-  player_->step();
+  simulator_->step();
   EXPECT_EQ(received().size(), 16);
 }
 
 TEST_F(CanDevice, WritesDownWhatItSentAndWhatItWasTold) {
   start();
-  player_->step();
-  player_->order("garbage\n");
-  player_->step();
+  simulator_->step();
+  simulator_->order("garbage\n");
+  simulator_->step();
   // 16 taxels of 4.7 mm: 1000 Pa x (1 + … + 16) x 22.09 mm² = 3.00424 N.
   EXPECT_THAT(truth_.str(),
               HasSubstr(R"("gamma":null,"friction":null,"normal_n":3.00424,"shear_n":1.67942)"));
@@ -99,9 +99,9 @@ TEST_F(CanDevice, WritesDownWhatItSentAndWhatItWasTold) {
 }
 
 TEST_F(CanDevice, EndsWhenToldTo) {
-  EXPECT_TRUE(player_->step());
-  player_->order("quit");
-  EXPECT_FALSE(player_->step());
+  EXPECT_TRUE(simulator_->step());
+  simulator_->order("quit");
+  EXPECT_FALSE(simulator_->step());
 }
 
 }  // namespace

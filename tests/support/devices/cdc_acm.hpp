@@ -2,11 +2,11 @@
 // endpoint, data interface 1 with bulk IN 0x81 and OUT 0x01.
 #pragma once
 
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 
-inline UsbSheet cdc_acm(std::uint16_t vendor, std::uint16_t product) {
+inline UsbModel cdc_acm(std::uint16_t vendor, std::uint16_t product) {
   return {
       .vendor = vendor,
       .product = product,
@@ -22,7 +22,7 @@ inline UsbSheet cdc_acm(std::uint16_t vendor, std::uint16_t product) {
                         9, 4,    1,    0,    2,  10, 0,   0,    0,    // data
                         7, 5,    0x81, 2,    64, 0,  0,               // bulk IN
                         7, 5,    0x01, 2,    64, 0,  0},              // bulk OUT
-      .request = [](const UsbRequest& asked, Talk&) -> std::optional<Bytes> {
+      .request = [](const UsbRequest& asked, HostState&) -> std::optional<Bytes> {
         constexpr std::uint8_t kSetLineCoding = 0x20, kGetLineCoding = 0x21, kSetLineState = 0x22;
         if (asked.request == kGetLineCoding) return Bytes{0x00, 0xC2, 0x01, 0x00, 0, 0, 8};  // 115200 8N1
         if (asked.request == kSetLineCoding || asked.request == kSetLineState) return Bytes{};

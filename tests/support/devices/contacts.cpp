@@ -7,14 +7,14 @@
 
 namespace slipd::devices {
 
-std::vector<Contact> scripted(const Sheet& sheet, double rate_hz, const nlohmann::json& options) {
+std::vector<Contact> scripted(const DeviceModel& model, double rate_hz, const nlohmann::json& options) {
   const std::chrono::nanoseconds period(std::llround(1e9 / rate_hz));
   std::vector<Contact> contacts;
-  for (std::size_t sensor = 0; sensor < sheet.sensors; ++sensor) {
-    SensorSetup setup{std::string(sheet.name), sheet.layout, rate_hz, 0.01, 0.5e6, 0.45, "", {}, options};
+  for (std::size_t sensor = 0; sensor < model.sensors; ++sensor) {
+    SensorSetup setup{std::string(model.name), model.layout, rate_hz, 0.01, 0.5e6, 0.45, "", {}, options};
     sim::SensorSettings settings = sim::parse_options(setup).sensor;
     settings.imperfections.seed += sensor;
-    const auto felt = std::make_shared<sim::SimulatedSensor>(sheet.layout, settings);
+    const auto felt = std::make_shared<sim::SimulatedSensor>(model.layout, settings);
     contacts.push_back([felt, period](FrameSlot& slot) {
       felt->advance(period);
       felt->sample(slot);
@@ -23,9 +23,9 @@ std::vector<Contact> scripted(const Sheet& sheet, double rate_hz, const nlohmann
   return contacts;
 }
 
-std::vector<Contact> pattern(const Sheet& sheet) {
+std::vector<Contact> pattern(const DeviceModel& model) {
   std::vector<Contact> contacts;
-  for (std::size_t sensor = 0; sensor < sheet.sensors; ++sensor) {
+  for (std::size_t sensor = 0; sensor < model.sensors; ++sensor) {
     contacts.push_back([sensor](FrameSlot& slot) {
       for (std::size_t i = 0; i < slot.normal_pa.size(); ++i) {
         slot.normal_pa[i] = 1000 * static_cast<float>(i + 1) + 100 * static_cast<float>(sensor);

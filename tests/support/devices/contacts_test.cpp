@@ -27,18 +27,18 @@ TEST(Truth, FallsFromOneToZeroWhileTheContactIsSheared) {
   checked(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), "socketpair");
   const Fd host(pair[0]);
   std::ostringstream truth;
-  Player player(xela_xr1944(), scripted(xela_xr1944(), 100, kSlip), make_can_port(xela_xr1944(), pair[1]),
-                &truth);
+  DeviceSimulator simulator(xela_xr1944(), scripted(xela_xr1944(), 100, kSlip),
+                            make_can_port(xela_xr1944(), pair[1]), &truth);
   can_frame start{};
   start.can_id = 0x201;
   start.len = 2;
   start.data[0] = 7;
   ASSERT_GT(::send(host.get(), &start, sizeof start, 0), 0);
-  player.port().serve();
+  simulator.port().serve();
 
   double last = 1;
   for (int scan = 0; scan < 99; ++scan) {
-    player.step();
+    simulator.step();
     // The counts say what the truth says: shear and normal force, to the sensor's resolution.
     double x_n = 0, z_n = 0;
     for (can_frame frame{}; ::recv(host.get(), &frame, sizeof frame, MSG_DONTWAIT) > 0;) {
@@ -60,9 +60,9 @@ TEST(Truth, FallsFromOneToZeroWhileTheContactIsSheared) {
 
 TEST(Truth, IsTheSameForEverySensorOfADevice) {
   std::ostringstream truth;
-  Player player(onrobot_rg2ft(), scripted(onrobot_rg2ft(), 100, kSlip),
-                make_modbus_tcp_port(onrobot_rg2ft(), 0), &truth);
-  for (int scan = 0; scan < 50; ++scan) player.step();
+  DeviceSimulator simulator(onrobot_rg2ft(), scripted(onrobot_rg2ft(), 100, kSlip),
+                            make_modbus_tcp_port(onrobot_rg2ft(), 0), &truth);
+  for (int scan = 0; scan < 50; ++scan) simulator.step();
   const auto said = lines(truth.str());
   ASSERT_EQ(said.size(), 100);
   EXPECT_EQ(said[98]["sensor"], 0);

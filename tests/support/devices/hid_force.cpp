@@ -1,7 +1,7 @@
 // A force sensor of HID's Sensors page: one collection of type Force, in it, behind a byte for the sensor's
 // state, the data field Force in millinewtons, i32 little-endian, report 1.
 // Source: HID Usage Tables 1.12.
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -11,23 +11,23 @@ const TaxelLayout& layout() {
   return it;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
+std::vector<Packet> scan(const ScanInput& input) {
   Packet packet{1, {3}};
-  put_le(packet.bytes, saturated<std::int32_t>(force_of(reading.sensors[0], layout()).z_n * 1000));
+  put_le(packet.bytes, saturated<std::int32_t>(force_of(input.sensors[0], layout()).z_n * 1000));
   return {packet};
 }
 
 }  // namespace
 
-const Sheet& hid_force() {
-  static const Sheet sheet{
+const DeviceModel& hid_force() {
+  static const DeviceModel model{
       .name = "hid-force",
       .summary = "HID force sensor of the Sensors page",
       .sensor_class = SensorClass::normal,
       .layout = layout(),
       .rate_hz = 100,
       .scan = scan,
-      .hid = HidSheet{
+      .hid = HidModel{
           .vendor = 0x1209,  // pid.codes' page for tests
           .product = 0x0002,
           .report_descriptor = {0x05, 0x20, 0x09, 0x64, 0xA1, 0x00, 0x85, 0x01,  // force sensor, report 1
@@ -36,7 +36,7 @@ const Sheet& hid_force() {
                                 0x0A, 0x94, 0x04, 0x17, 0x00, 0x00, 0x00, 0x80,  // force: all of i32
                                 0x27, 0xFF, 0xFF, 0xFF, 0x7F, 0x55, 0x0D,        // thousandths
                                 0x75, 0x20, 0x95, 0x01, 0x81, 0x02, 0xC0}}};
-  return sheet;
+  return model;
 }
 
 }  // namespace slipd::devices

@@ -5,16 +5,16 @@ namespace {
 
 class MemoryPort final : public Port {
  public:
-  MemoryPort(const Sheet& sheet, std::shared_ptr<MemoryBus> bus) : Port(sheet), bus_(std::move(bus)) {}
+  MemoryPort(const DeviceModel& model, std::shared_ptr<MemoryBus> bus) : Port(model), bus_(std::move(bus)) {}
 
   void watch(std::vector<pollfd>&) const override {}
 
   void serve() override {
     for (const Packet& packet : bus_->said()) {
-      if (plugged_ && sheet_.hear) sheet_.hear(packet, talk_);
+      if (plugged_ && model_.receive) model_.receive(packet, host_state_);
     }
     for (const UsbRequest& request : bus_->requested()) {
-      if (plugged_ && sheet_.usb && sheet_.usb->request) sheet_.usb->request(request, talk_);
+      if (plugged_ && model_.usb && model_.usb->request) model_.usb->request(request, host_state_);
     }
   }
 
@@ -90,8 +90,8 @@ std::vector<UsbRequest> MemoryBus::requested() {
   return std::exchange(requests_, {});
 }
 
-std::unique_ptr<Port> make_memory_port(const Sheet& sheet, std::shared_ptr<MemoryBus> bus) {
-  return std::make_unique<MemoryPort>(sheet, std::move(bus));
+std::unique_ptr<Port> make_memory_port(const DeviceModel& model, std::shared_ptr<MemoryBus> bus) {
+  return std::make_unique<MemoryPort>(model, std::move(bus));
 }
 
 }  // namespace slipd::devices

@@ -1,6 +1,6 @@
 // A bus that is nothing but memory of this process: what a simulated device sends waits here for a driver
-// that reads through a stand-in for its bus's library. The device's side is the thread that runs the Player,
-// the host's is any.
+// that reads through a stand-in for its bus's library. The device's side is the thread that runs the
+// DeviceSimulator, the host's is any.
 #pragma once
 
 #include <chrono>
@@ -39,6 +39,6 @@ class MemoryBus {
   std::vector<UsbRequest> requests_;
 };
 
-std::unique_ptr<Port> make_memory_port(const Sheet& sheet, std::shared_ptr<MemoryBus> bus);
+std::unique_ptr<Port> make_memory_port(const DeviceModel& model, std::shared_ptr<MemoryBus> bus);
 
 }  // namespace slipd::devices

@@ -14,7 +14,7 @@
 #include <random>
 #include <string>
 
-#include "tests/support/devices/wire.hpp"
+#include "tests/support/devices/bytes.hpp"
 
 namespace slipd::devices {
 

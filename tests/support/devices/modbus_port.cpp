@@ -20,10 +20,10 @@ struct Closes {
 
 class ModbusPort : public Port {
  public:
-  ModbusPort(const Sheet& sheet, modbus_t* context) : Port(sheet), context_(context) {
+  ModbusPort(const DeviceModel& model, modbus_t* context) : Port(model), context_(context) {
     if (!context_) throw std::system_error(errno, std::generic_category(), "libmodbus");
-    modbus_set_slave(context_.get(), sheet.modbus->unit);
-    set_registers(sheet.modbus->registers);
+    modbus_set_slave(context_.get(), model.modbus->unit);
+    set_registers(model.modbus->registers);
   }
 
   // A scan of another length leaves a map of that length: a request for more is answered by an exception.
@@ -52,7 +52,7 @@ class ModbusPort : public Port {
 
  private:
   void set_registers(int count) {
-    const auto first = static_cast<unsigned>(sheet_.modbus->first_register),
+    const auto first = static_cast<unsigned>(model_.modbus->first_register),
                size = static_cast<unsigned>(count);
     map_.reset(modbus_mapping_new_start_address(0, 0, 0, 0, first, size, first, size));
   }
@@ -64,7 +64,8 @@ class ModbusPort : public Port {
 
 class TcpPort final : public ModbusPort {
  public:
-  TcpPort(const Sheet& sheet, int port) : ModbusPort(sheet, modbus_new_tcp("127.0.0.1", port)), port_(port) {}
+  TcpPort(const DeviceModel& model, int port)
+      : ModbusPort(model, modbus_new_tcp("127.0.0.1", port)), port_(port) {}
 
   void watch(std::vector<pollfd>& waits) const override {
     if (listener_) waits.push_back({listener_.get(), POLLIN, 0});
@@ -102,8 +103,8 @@ class TcpPort final : public ModbusPort {
 
 class PtyPort final : public ModbusPort {
  public:
-  PtyPort(const Sheet& sheet, std::string link)
-      : ModbusPort(sheet, modbus_new_rtu("pty", sheet.modbus->baud ? sheet.modbus->baud : 19200, 'N', 8, 1)),
+  PtyPort(const DeviceModel& model, std::string link)
+      : ModbusPort(model, modbus_new_rtu("pty", model.modbus->baud ? model.modbus->baud : 19200, 'N', 8, 1)),
         link_(std::move(link)) {}
   ~PtyPort() override { ::unlink(link_.c_str()); }
 
@@ -147,12 +148,12 @@ class PtyPort final : public ModbusPort {
 
 }  // namespace
 
-std::unique_ptr<Port> make_modbus_tcp_port(const Sheet& sheet, int tcp_port) {
-  return std::make_unique<TcpPort>(sheet, tcp_port);
+std::unique_ptr<Port> make_modbus_tcp_port(const DeviceModel& model, int tcp_port) {
+  return std::make_unique<TcpPort>(model, tcp_port);
 }
 
-std::unique_ptr<Port> make_modbus_pty_port(const Sheet& sheet, const std::string& link) {
-  return std::make_unique<PtyPort>(sheet, link);
+std::unique_ptr<Port> make_modbus_pty_port(const DeviceModel& model, const std::string& link) {
+  return std::make_unique<PtyPort>(model, link);
 }
 
 }  // namespace slipd::devices

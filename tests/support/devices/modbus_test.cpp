@@ -25,14 +25,14 @@ using Client = std::unique_ptr<modbus_t, Closes>;
 // A device that runs on a thread of its own, 500 scans a second.
 class Running {
  public:
-  Running(const Sheet& sheet, std::unique_ptr<Port> port)
-      : player_(sheet, pattern(sheet), std::move(port)),
-        thread_([this](std::stop_token stop) { player_.run(stop, 500); }) {}
-  Player& player() { return player_; }
-  std::string place() { return player_.port().place(); }
+  Running(const DeviceModel& model, std::unique_ptr<Port> port)
+      : simulator_(model, pattern(model), std::move(port)),
+        thread_([this](std::stop_token stop) { simulator_.run(stop, 500); }) {}
+  DeviceSimulator& simulator() { return simulator_; }
+  std::string place() { return simulator_.port().place(); }
 
  private:
-  Player player_;
+  DeviceSimulator simulator_;
   std::jthread thread_;
 };
 
@@ -88,10 +88,10 @@ TEST(ModbusTcp, HangsUpWhenUnpluggedAndIsThereAgain) {
   Client client = rg2ft_client(device);
   ASSERT_TRUE(client);
   std::vector<std::uint16_t> got;
-  device.player().order("unplug");
+  device.simulator().order("unplug");
   read_until(client.get(), 257, 26, got, [](int n) { return n < 0; });
   EXPECT_FALSE(rg2ft_client(device)) << "nobody listens";
-  device.player().order("plug");
+  device.simulator().order("plug");
   while (!(client = rg2ft_client(device))) std::this_thread::yield();
   read_until(client.get(), 257, 26, got, [](int n) { return n == 26; });
 }
@@ -102,7 +102,7 @@ TEST(ModbusTcp, LeavesARequestUnansweredWhileItStalls) {
   ASSERT_TRUE(client);
   std::vector<std::uint16_t> got;
   modbus_set_response_timeout(client.get(), 0, 100'000);
-  device.player().order("stall 1000000");
+  device.simulator().order("stall 1000000");
   read_until(client.get(), 257, 26, got, [](int n) { return n < 0 && errno == ETIMEDOUT; });
 }
 
@@ -111,7 +111,7 @@ TEST(ModbusTcp, OfTheWrongLengthIsAnException) {
   const Client client = rg2ft_client(device);
   ASSERT_TRUE(client);
   std::vector<std::uint16_t> got;
-  device.player().order("shorten 100");
+  device.simulator().order("shorten 100");
   read_until(client.get(), 257, 26, got, [](int n) { return n < 0 && errno == EMBXILADD; });
 }
 
@@ -131,10 +131,10 @@ TEST(ModbusRtu, GoesAwayWhenUnpluggedAndIsThereAgain) {
   Client client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 9);
   ASSERT_TRUE(client);
   std::vector<std::uint16_t> got;
-  device.player().order("unplug");
+  device.simulator().order("unplug");
   read_until(client.get(), 180, 6, got, [](int n) { return n < 0; });
   EXPECT_NE(::access(link.c_str(), F_OK), 0) << "the link is gone with it";
-  device.player().order("plug");
+  device.simulator().order("plug");
   while (!(client = connected(modbus_new_rtu(link.c_str(), 19200, 'N', 8, 1), 9))) std::this_thread::yield();
   read_until(client.get(), 180, 6, got, [](int n) { return n == 6; });
 }

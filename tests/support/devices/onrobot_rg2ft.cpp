@@ -1,7 +1,7 @@
 // OnRobot RG2-FT: a gripper with a force sensor in each finger. Modbus TCP, unit 65, 26 registers from 257:
 // left force at 2–4 (i16, 0.1 N), left torque at 5–7 (0.01 Nm), right at 11–13 and 14–16; width 23 (0.1 mm),
 // busy 24, grip 25.
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -15,11 +15,11 @@ const TaxelLayout& layout() {
   return it;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
+std::vector<Packet> scan(const ScanInput& input) {
   std::vector<std::int16_t> registers(kRegisters, 0);
   bool gripping = false;
   for (const std::size_t finger : {0U, 1U}) {
-    const Force force = force_of(reading.sensors[finger], layout());
+    const Force force = force_of(input.sensors[finger], layout());
     const std::size_t at = finger == 0 ? 2 : 11;
     registers[at] = saturated<std::int16_t>(force.x_n * 10);
     registers[at + 1] = saturated<std::int16_t>(force.y_n * 10);
@@ -35,8 +35,8 @@ std::vector<Packet> scan(const Reading& reading) {
 
 }  // namespace
 
-const Sheet& onrobot_rg2ft() {
-  static const Sheet sheet{
+const DeviceModel& onrobot_rg2ft() {
+  static const DeviceModel model{
       .name = "onrobot-rg2-ft",
       .summary = "OnRobot RG2-FT, a force sensor in each finger, Modbus TCP",
       .sensor_class = SensorClass::wrench,
@@ -44,8 +44,8 @@ const Sheet& onrobot_rg2ft() {
       .sensors = 2,
       .rate_hz = 100,
       .scan = scan,
-      .modbus = ModbusSheet{.unit = 65, .first_register = kFirst, .registers = kRegisters}};
-  return sheet;
+      .modbus = ModbusModel{.unit = 65, .first_register = kFirst, .registers = kRegisters}};
+  return model;
 }
 
 }  // namespace slipd::devices

@@ -13,10 +13,10 @@ const TaxelLayout& layout() {
   return it;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
-  const Force force = force_of(reading.sensors[0], layout());
+std::vector<Packet> scan(const ScanInput& input) {
+  const Force force = force_of(input.sensors[0], layout());
   Packet packet{0x81, {0xAA, 0x07, 0x08, 0x0A}};
-  put_be(packet.bytes, static_cast<std::uint16_t>(reading.scan));
+  put_be(packet.bytes, static_cast<std::uint16_t>(input.scan));
   put_be(packet.bytes, std::uint16_t{0});
   for (const double newton : {force.x_n, force.y_n, force.z_n})
     put_be(packet.bytes, saturated<std::int16_t>(newton * kCountsPerNewton));
@@ -28,15 +28,15 @@ std::vector<Packet> scan(const Reading& reading) {
 
 }  // namespace
 
-const Sheet& optoforce() {
-  static const Sheet sheet{.name = "optoforce",
-                           .summary = "OptoForce DAQ with one three-axis sensor on USB",
-                           .sensor_class = SensorClass::wrench,
-                           .layout = layout(),
-                           .rate_hz = 100,
-                           .scan = scan,
-                           .usb = cdc_acm(0x04d8, 0x000a)};
-  return sheet;
+const DeviceModel& optoforce() {
+  static const DeviceModel model{.name = "optoforce",
+                                 .summary = "OptoForce DAQ with one three-axis sensor on USB",
+                                 .sensor_class = SensorClass::wrench,
+                                 .layout = layout(),
+                                 .rate_hz = 100,
+                                 .scan = scan,
+                                 .usb = cdc_acm(0x04d8, 0x000a)};
+  return model;
 }
 
 }  // namespace slipd::devices

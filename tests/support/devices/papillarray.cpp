@@ -68,10 +68,10 @@ Bytes no_slip(std::initializer_list<float> values) {
   return out;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
+std::vector<Packet> scan(const ScanInput& input) {
   constexpr std::array<std::uint16_t, 6> types{1, 3, 4, 5, 6, 7};
   constexpr std::size_t padding = 2, first = 1 + types.size() * 4 + padding;
-  const std::size_t sensors = reading.sensors.size();
+  const std::size_t sensors = input.sensors.size();
 
   Bytes table, blocks;
   for (const std::uint16_t type : types) {
@@ -81,19 +81,19 @@ std::vector<Packet> scan(const Reading& reading) {
     const auto per_pillar = [&](auto&& item) {
       return list(at, sensors, [&](std::size_t sensor, std::size_t here) {
         return list(here, kPillars,
-                    [&](std::size_t i, std::size_t) { return item(reading.sensors[sensor], i); });
+                    [&](std::size_t i, std::size_t) { return item(input.sensors[sensor], i); });
       });
     };
     switch (type) {
       case 1:
-        put_le(blocks, static_cast<std::uint32_t>(reading.scan));
-        put_le(blocks, reading.time_us);
+        put_le(blocks, static_cast<std::uint32_t>(input.scan));
+        put_le(blocks, input.time_us);
         break;
       case 3:
         append(blocks, per_pillar(pillar));
         break;
       case 4:
-        append(blocks, list(at, sensors, [&](auto i, auto) { return whole(reading.sensors[i]); }));
+        append(blocks, list(at, sensors, [&](auto i, auto) { return whole(input.sensors[i]); }));
         break;
       case 5:
         append(blocks, per_pillar([](auto&, auto) { return no_slip({kUnknownFriction}); }));
@@ -122,16 +122,16 @@ std::vector<Packet> scan(const Reading& reading) {
 
 }  // namespace
 
-const Sheet& papillarray() {
-  static const Sheet sheet{.name = "papillarray",
-                           .summary = "Contactile PapillArray hub, two sensors of 3 x 3 pillars on USB",
-                           .sensor_class = SensorClass::array3,
-                           .layout = layout(),
-                           .sensors = 2,
-                           .rate_hz = 100,
-                           .scan = scan,
-                           .usb = cdc_acm(0x16c0, 0x0483)};
-  return sheet;
+const DeviceModel& papillarray() {
+  static const DeviceModel model{.name = "papillarray",
+                                 .summary = "Contactile PapillArray hub, two sensors of 3 x 3 pillars on USB",
+                                 .sensor_class = SensorClass::array3,
+                                 .layout = layout(),
+                                 .sensors = 2,
+                                 .rate_hz = 100,
+                                 .scan = scan,
+                                 .usb = cdc_acm(0x16c0, 0x0483)};
+  return model;
 }
 
 }  // namespace slipd::devices

@@ -29,24 +29,25 @@ Fd listen_on_loopback(int& port) {
   return listener;
 }
 
-std::unique_ptr<Port> make_port(const Sheet& sheet, const std::string& place, const std::string& serial) {
+std::unique_ptr<Port> make_port(const DeviceModel& model, const std::string& place,
+                                const std::string& serial) {
   const std::size_t colon = place.find(':');
   const std::string kind = place.substr(0, colon);
   const std::string where = colon == std::string::npos ? "" : place.substr(colon + 1);
   if (kind == "can" || kind == "fd") {
-    if (!sheet.usb && !sheet.hid && !sheet.modbus) {
-      return kind == "can" ? make_can_port(sheet, where) : make_can_port(sheet, std::stoi(where));
+    if (!model.usb && !model.hid && !model.modbus) {
+      return kind == "can" ? make_can_port(model, where) : make_can_port(model, std::stoi(where));
     }
-  } else if (kind == "usbip" && sheet.usb) {
-    return make_usbip_port(sheet, std::stoi(where), serial);
-  } else if (kind == "uhid" && sheet.hid) {
-    return make_uhid_port(sheet, serial);
-  } else if (kind == "tcp" && sheet.modbus) {
-    return make_modbus_tcp_port(sheet, std::stoi(where));
-  } else if (kind == "pty" && sheet.modbus) {
-    return make_modbus_pty_port(sheet, where);
+  } else if (kind == "usbip" && model.usb) {
+    return make_usbip_port(model, std::stoi(where), serial);
+  } else if (kind == "uhid" && model.hid) {
+    return make_uhid_port(model, serial);
+  } else if (kind == "tcp" && model.modbus) {
+    return make_modbus_tcp_port(model, std::stoi(where));
+  } else if (kind == "pty" && model.modbus) {
+    return make_modbus_pty_port(model, where);
   }
-  throw std::invalid_argument(std::string(sheet.name) + " cannot be plugged into '" + place +
+  throw std::invalid_argument(std::string(model.name) + " cannot be plugged into '" + place +
                               "': say can:, fd:, usbip:, uhid, tcp: or pty:, as the device needs");
 }
 

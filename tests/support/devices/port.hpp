@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "core/storage/unique_fd.hpp"
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 
 class Port {
  public:
-  explicit Port(const Sheet& sheet) : sheet_(sheet) {}
+  explicit Port(const DeviceModel& model) : model_(model) {}
   Port(const Port&) = delete;
   Port& operator=(const Port&) = delete;
   virtual ~Port() = default;
@@ -36,16 +36,16 @@ class Port {
   virtual std::string place() const = 0;
 
   // What the host has told the device since it was plugged in.
-  bool streaming() const { return plugged_ && talk_.streaming; }
+  bool streaming() const { return plugged_ && host_state_.streaming; }
 
  protected:
-  const Sheet& sheet_;
-  Talk talk_;
+  const DeviceModel& model_;
+  HostState host_state_;
   bool plugged_ = false;
 
   void start() {
     plugged_ = true;
-    talk_ = {.streaming = sheet_.starts_by_itself};
+    host_state_ = {.streaming = model_.starts_by_itself};
   }
 };
 
@@ -64,13 +64,14 @@ Fd listen_on_loopback(int& port);
 //   tcp:PORT       a Modbus TCP slave         pty:PATH   a Modbus RTU slave at a symbolic link
 // Port 0 means any that is free. Throws std::invalid_argument where the device does not fit,
 // std::system_error otherwise.
-std::unique_ptr<Port> make_port(const Sheet& sheet, const std::string& place, const std::string& serial);
+std::unique_ptr<Port> make_port(const DeviceModel& model, const std::string& place,
+                                const std::string& serial);
 
-std::unique_ptr<Port> make_can_port(const Sheet& sheet, const std::string& interface);
-std::unique_ptr<Port> make_can_port(const Sheet& sheet, int socket);  // which it then owns
-std::unique_ptr<Port> make_usbip_port(const Sheet& sheet, int tcp_port, const std::string& serial);
-std::unique_ptr<Port> make_uhid_port(const Sheet& sheet, const std::string& serial);
-std::unique_ptr<Port> make_modbus_tcp_port(const Sheet& sheet, int tcp_port);
-std::unique_ptr<Port> make_modbus_pty_port(const Sheet& sheet, const std::string& link);
+std::unique_ptr<Port> make_can_port(const DeviceModel& model, const std::string& interface);
+std::unique_ptr<Port> make_can_port(const DeviceModel& model, int socket);  // which it then owns
+std::unique_ptr<Port> make_usbip_port(const DeviceModel& model, int tcp_port, const std::string& serial);
+std::unique_ptr<Port> make_uhid_port(const DeviceModel& model, const std::string& serial);
+std::unique_ptr<Port> make_modbus_tcp_port(const DeviceModel& model, int tcp_port);
+std::unique_ptr<Port> make_modbus_pty_port(const DeviceModel& model, const std::string& link);
 
 }  // namespace slipd::devices

@@ -19,19 +19,19 @@ namespace {
 using namespace slipd::devices;
 
 // Datagrams, each an order. Its own thread, which ends with the program.
-void listen_for_orders(const std::string& path, Player& player) {
+void listen_for_orders(const std::string& path, DeviceSimulator& simulator) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path.copy(address.sun_path, sizeof address.sun_path - 1);
   ::unlink(path.c_str());
   const int fd = checked(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0), "control socket");
   checked(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), "control socket " + path);
-  std::thread([fd, &player] {
+  std::thread([fd, &simulator] {
     char text[256];
     for (;;) {
       const ssize_t length = ::recv(fd, text, sizeof text, 0);
       try {
-        if (length > 0) player.order(std::string(text, static_cast<std::size_t>(length)));
+        if (length > 0) simulator.order(std::string(text, static_cast<std::size_t>(length)));
       } catch (const std::exception& error) {
         std::cerr << "simulated-device: " << error.what() << std::endl;
       }
@@ -59,35 +59,35 @@ int main(int argc, char** argv) {
   app.add_option("--control", control, "take orders as datagrams on this Unix socket");
   app.add_option("--serial", serial, "serial number on USB and HID");
   std::string models;
-  for (const Sheet* sheet : all_sheets())
-    models += "\n  " + std::string(sheet->name) + "  " + std::string(sheet->summary);
+  for (const DeviceModel* model : all_models())
+    models += "\n  " + std::string(model->name) + "  " + std::string(model->summary);
   app.footer("Models:" + models +
              "\nOrders: lose, reorder, repeat, garbage, shorten, lengthen, stall, unplug, plug, quit");
   CLI11_PARSE(app, argc, argv);
 
   try {
-    const Sheet* sheet = find_sheet(name);
-    if (sheet == nullptr)
+    const DeviceModel* model = find_model(name);
+    if (model == nullptr)
       throw std::invalid_argument("no device is called '" + name + "'; there are:" + models);
     std::ofstream truth;
     if (!truth_file.empty()) truth.open(truth_file);
     if (!truth_file.empty() && !truth) throw std::invalid_argument("cannot write " + truth_file);
 
-    if (rate_hz <= 0) rate_hz = sheet->rate_hz;
+    if (rate_hz <= 0) rate_hz = model->rate_hz;
     const auto options =
         script.empty() ? nlohmann::json::object() : nlohmann::json::parse(std::ifstream(script));
-    std::vector<Contact> contacts = with_pattern ? pattern(*sheet) : scripted(*sheet, rate_hz, options);
-    Player player(*sheet, std::move(contacts), make_port(*sheet, place, serial),
-                  truth_file.empty() ? nullptr : &truth);
+    std::vector<Contact> contacts = with_pattern ? pattern(*model) : scripted(*model, rate_hz, options);
+    DeviceSimulator simulator(*model, std::move(contacts), make_port(*model, place, serial),
+                              truth_file.empty() ? nullptr : &truth);
     for (const std::string& order : orders) {
       std::size_t length = 0;
       const auto scan = std::stoull(order, &length);
-      player.order_at(scan, order.substr(length));
+      simulator.order_at(scan, order.substr(length));
     }
-    if (!control.empty()) listen_for_orders(control, player);
+    if (!control.empty()) listen_for_orders(control, simulator);
 
-    std::cout << "ready: " << sheet->summary << " at " << player.port().place() << std::endl;
-    player.run({}, rate_hz, scans);
+    std::cout << "ready: " << model->summary << " at " << simulator.port().place() << std::endl;
+    simulator.run({}, rate_hz, scans);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "simulated-device: " << error.what() << "\n";

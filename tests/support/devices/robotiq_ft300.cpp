@@ -1,6 +1,6 @@
 // Robotiq FT 300: a wrist force sensor. Modbus RTU, unit 9, 19200 8N1: force in registers 180–182 (i16, N x
 // 100), torque in 183–185 (Nm x 1000).
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -12,8 +12,8 @@ const TaxelLayout& layout() {
   return it;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
-  const Force force = force_of(reading.sensors[0], layout());
+std::vector<Packet> scan(const ScanInput& input) {
+  const Force force = force_of(input.sensors[0], layout());
   Packet packet{kFirst, {}};
   for (const double newton : {force.x_n, force.y_n, force.z_n}) {
     put_be(packet.bytes, saturated<std::int16_t>(newton * 100));
@@ -24,16 +24,16 @@ std::vector<Packet> scan(const Reading& reading) {
 
 }  // namespace
 
-const Sheet& robotiq_ft300() {
-  static const Sheet sheet{
+const DeviceModel& robotiq_ft300() {
+  static const DeviceModel model{
       .name = "robotiq-ft300",
       .summary = "Robotiq FT 300, one force sensor, Modbus RTU",
       .sensor_class = SensorClass::wrench,
       .layout = layout(),
       .rate_hz = 100,
       .scan = scan,
-      .modbus = ModbusSheet{.unit = 9, .baud = 19200, .first_register = kFirst, .registers = kRegisters}};
-  return sheet;
+      .modbus = ModbusModel{.unit = 9, .baud = 19200, .first_register = kFirst, .registers = kRegisters}};
+  return model;
 }
 
 }  // namespace slipd::devices

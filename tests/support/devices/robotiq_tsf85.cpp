@@ -29,43 +29,43 @@ Packet packet_of(const Bytes& data) {
   return packet;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
+std::vector<Packet> scan(const ScanInput& input) {
   std::vector<Packet> packets;
   Bytes rest;
-  for (std::size_t finger = 0; finger < reading.sensors.size(); ++finger) {
+  for (std::size_t finger = 0; finger < input.sensors.size(); ++finger) {
     const auto tag = static_cast<std::uint8_t>(finger << 2);
     Bytes data{static_cast<std::uint8_t>(kPressures | tag)};
-    for (const float pressure : reading.sensors[finger].normal_pa)
+    for (const float pressure : input.sensors[finger].normal_pa)
       put_be(data, saturated<std::uint16_t>(pressure / kPa));
     packets.push_back(packet_of(data));
     rest.push_back(static_cast<std::uint8_t>(kDynamic | tag));
     put_be(rest, std::int16_t{0});
   }
   rest.push_back(kTime);
-  put_be(rest, reading.time_us);
+  put_be(rest, input.time_us);
   packets.push_back(packet_of(rest));
   return packets;
 }
 
-void hear(const Packet& said, Talk& talk) {  // 9A crc 58 01 period
+void receive(const Packet& said, HostState& host) {  // 9A crc 58 01 period
   if (said.bytes.size() == 5 && said.bytes[0] == kStart && said.bytes[2] == kAutosend)
-    talk.streaming = said.bytes[4] != 0;
+    host.streaming = said.bytes[4] != 0;
 }
 
 }  // namespace
 
-const Sheet& robotiq_tsf85() {
-  static const Sheet sheet{.name = "robotiq-tsf85",
-                           .summary = "Robotiq TSF-85, two fingers of 4 x 7 cells on USB",
-                           .sensor_class = SensorClass::normal,
-                           .layout = TaxelLayout::grid(4, 7, 0.0055),
-                           .sensors = 2,
-                           .rate_hz = 60,
-                           .starts_by_itself = false,
-                           .scan = scan,
-                           .hear = hear,
-                           .usb = cdc_acm(0x16d0, 0x14cc)};
-  return sheet;
+const DeviceModel& robotiq_tsf85() {
+  static const DeviceModel model{.name = "robotiq-tsf85",
+                                 .summary = "Robotiq TSF-85, two fingers of 4 x 7 cells on USB",
+                                 .sensor_class = SensorClass::normal,
+                                 .layout = TaxelLayout::grid(4, 7, 0.0055),
+                                 .sensors = 2,
+                                 .rate_hz = 60,
+                                 .starts_by_itself = false,
+                                 .scan = scan,
+                                 .receive = receive,
+                                 .usb = cdc_acm(0x16d0, 0x14cc)};
+  return model;
 }
 
 }  // namespace slipd::devices

@@ -1,6 +1,6 @@
 // OYMotion ROHand: a hand that feels how hard each of its five fingers presses. Modbus RTU, 115200 8N1, unit
 // 2: registers 1120–1124, u16, mN. Source: the maker's register map.
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -13,17 +13,17 @@ const TaxelLayout& layout() {
   return it;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
+std::vector<Packet> scan(const ScanInput& input) {
   Packet packet{kFirst, {}};
-  for (const Frame& finger : reading.sensors)
+  for (const Frame& finger : input.sensors)
     put_be(packet.bytes, saturated<std::uint16_t>(force_of(finger, layout()).z_n * 1000));
   return {packet};
 }
 
 }  // namespace
 
-const Sheet& rohand() {
-  static const Sheet sheet{
+const DeviceModel& rohand() {
+  static const DeviceModel model{
       .name = "rohand",
       .summary = "OYMotion ROHand, five fingers, Modbus RTU",
       .sensor_class = SensorClass::normal,
@@ -31,8 +31,8 @@ const Sheet& rohand() {
       .sensors = kFingers,
       .rate_hz = 50,
       .scan = scan,
-      .modbus = ModbusSheet{.unit = 2, .baud = 115200, .first_register = kFirst, .registers = kFingers}};
-  return sheet;
+      .modbus = ModbusModel{.unit = 2, .baud = 115200, .first_register = kFirst, .registers = kFingers}};
+  return model;
 }
 
 }  // namespace slipd::devices

@@ -1,7 +1,7 @@
 // A 3Dconnexion six-axis device, as a source of forces on the bench: HID, report 1 is the translation, report
 // 2 the rotation, each 3 x i16 little-endian within ±350. Source: public drivers. A count is 0.01 N here. The
 // real one is silent at rest; this one is not.
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -13,8 +13,8 @@ const TaxelLayout& layout() {
   return it;
 }
 
-std::vector<Packet> scan(const Reading& reading) {
-  const Force force = force_of(reading.sensors[0], layout());
+std::vector<Packet> scan(const ScanInput& input) {
+  const Force force = force_of(input.sensors[0], layout());
   Packet pushed{1, {}};
   for (const double newton : {force.x_n, force.y_n, force.z_n})
     put_le(pushed.bytes, saturated<std::int16_t>(std::clamp(newton * kCountsPerNewton, -kMost, kMost)));
@@ -23,15 +23,15 @@ std::vector<Packet> scan(const Reading& reading) {
 
 }  // namespace
 
-const Sheet& space_mouse() {
-  static const Sheet sheet{
+const DeviceModel& space_mouse() {
+  static const DeviceModel model{
       .name = "space-mouse",
       .summary = "3Dconnexion six-axis device on HID",
       .sensor_class = SensorClass::wrench,
       .layout = layout(),
       .rate_hz = 60,
       .scan = scan,
-      .hid = HidSheet{
+      .hid = HidModel{
           .vendor = 0x256f,
           .product = 0xc635,
           .report_descriptor = {0x05, 0x01, 0x09, 0x08, 0xA1, 0x01,              // multi-axis controller
@@ -40,7 +40,7 @@ const Sheet& space_mouse() {
                                 0x95, 0x03, 0x81, 0x06,                          //
                                 0x85, 0x02, 0x09, 0x33, 0x09, 0x34, 0x09, 0x35,  // report 2: rotations
                                 0x95, 0x03, 0x81, 0x06, 0xC0}}};
-  return sheet;
+  return model;
 }
 
 }  // namespace slipd::devices

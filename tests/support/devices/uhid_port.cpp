@@ -19,8 +19,8 @@ void set_text(std::uint8_t (&field)[N], std::string_view text) {
 
 class UhidPort final : public Port {
  public:
-  UhidPort(const Sheet& sheet, std::string serial)
-      : Port(sheet),
+  UhidPort(const DeviceModel& model, std::string serial)
+      : Port(model),
         serial_(std::move(serial)),
         fd_(checked(::open("/dev/uhid", O_RDWR | O_NONBLOCK | O_CLOEXEC), "/dev/uhid")) {}
 
@@ -29,9 +29,10 @@ class UhidPort final : public Port {
   void serve() override {
     uhid_event event{};
     if (::read(fd_.get(), &event, sizeof event) < 0) return;
-    if (event.type == UHID_OUTPUT && sheet_.hear) {
+    if (event.type == UHID_OUTPUT && model_.receive) {
       const std::uint8_t* data = event.u.output.data;
-      sheet_.hear({0, Bytes(data, data + std::min<std::size_t>(event.u.output.size, UHID_DATA_MAX))}, talk_);
+      model_.receive({0, Bytes(data, data + std::min<std::size_t>(event.u.output.size, UHID_DATA_MAX))},
+                     host_state_);
     } else if (event.type == UHID_GET_REPORT) {
       uhid_event answer{};
       answer.type = UHID_GET_REPORT_REPLY;
@@ -40,12 +41,12 @@ class UhidPort final : public Port {
       write(answer);
     } else if (event.type == UHID_SET_REPORT) {  // a feature report: its id, then its data
       const uhid_set_report_req& asked = event.u.set_report;
-      if (sheet_.hear && asked.size > 0)
-        sheet_.hear({asked.rnum, Bytes(asked.data + 1, asked.data + asked.size)}, talk_);
+      if (model_.receive && asked.size > 0)
+        model_.receive({asked.rnum, Bytes(asked.data + 1, asked.data + asked.size)}, host_state_);
       uhid_event answer{};
       answer.type = UHID_SET_REPORT_REPLY;
       answer.u.set_report_reply.id = asked.id;
-      answer.u.set_report_reply.err = sheet_.hear ? 0 : EIO;
+      answer.u.set_report_reply.err = model_.receive ? 0 : EIO;
       write(answer);
     }
   }
@@ -68,13 +69,13 @@ class UhidPort final : public Port {
     uhid_event event{};
     event.type = UHID_CREATE2;
     uhid_create2_req& made = event.u.create2;
-    set_text(made.name, sheet_.summary);
+    set_text(made.name, model_.summary);
     set_text(made.uniq, serial_);
     made.bus = BUS_USB;
-    made.vendor = sheet_.hid->vendor;
-    made.product = sheet_.hid->product;
-    made.rd_size = static_cast<std::uint16_t>(sheet_.hid->report_descriptor.size());
-    std::ranges::copy(sheet_.hid->report_descriptor, made.rd_data);
+    made.vendor = model_.hid->vendor;
+    made.product = model_.hid->product;
+    made.rd_size = static_cast<std::uint16_t>(model_.hid->report_descriptor.size());
+    std::ranges::copy(model_.hid->report_descriptor, made.rd_data);
     write(event);
     start();
   }
@@ -100,8 +101,8 @@ class UhidPort final : public Port {
 
 }  // namespace
 
-std::unique_ptr<Port> make_uhid_port(const Sheet& sheet, const std::string& serial) {
-  return std::make_unique<UhidPort>(sheet, serial);
+std::unique_ptr<Port> make_uhid_port(const DeviceModel& model, const std::string& serial) {
+  return std::make_unique<UhidPort>(model, serial);
 }
 
 }  // namespace slipd::devices

@@ -14,16 +14,16 @@ Bytes text(std::string_view ascii) {
 
 }  // namespace
 
-UsbRequests::UsbRequests(const Sheet& sheet, Talk& talk, std::string serial)
-    : sheet_(sheet), talk_(talk), serial_(std::move(serial)), configuration_(sheet.usb->configuration) {
+UsbRequests::UsbRequests(const DeviceModel& model, HostState& host, std::string serial)
+    : model_(model), host_state_(host), serial_(std::move(serial)), configuration_(model.usb->configuration) {
   configuration_[2] = static_cast<std::uint8_t>(configuration_.size());
   configuration_[3] = static_cast<std::uint8_t>(configuration_.size() >> 8);
 }
 
 Bytes UsbRequests::device_descriptor() const {
-  Bytes out{18, 1, 0x00, 0x02, sheet_.usb->device_class, 0, 0, 64};
-  put_le(out, sheet_.usb->vendor);
-  put_le(out, sheet_.usb->product);
+  Bytes out{18, 1, 0x00, 0x02, model_.usb->device_class, 0, 0, 64};
+  put_le(out, model_.usb->vendor);
+  put_le(out, model_.usb->product);
   append(out, {0x00, 0x01, 1, 2, 3, 1});  // release 1.00, strings, one configuration
   return out;
 }
@@ -41,7 +41,7 @@ std::optional<Bytes> UsbRequests::descriptor(std::uint16_t which) const {
         case 1:
           return text("simulated");
         case 2:
-          return text(sheet_.summary);
+          return text(model_.summary);
         case 3:
           return text(serial_);
         default:
@@ -58,7 +58,7 @@ std::optional<Bytes> UsbRequests::control(std::span<const std::uint8_t> setup) {
   };
   const UsbRequest asked{setup[0], setup[1], word(2), word(4), word(6)};
   if ((asked.type & kTypeMask) != kStandard) {
-    return sheet_.usb->request ? sheet_.usb->request(asked, talk_) : std::nullopt;
+    return model_.usb->request ? model_.usb->request(asked, host_state_) : std::nullopt;
   }
   switch (asked.request) {
     case 0:
@@ -91,10 +91,10 @@ Bytes UsbRequests::usbip_record(bool with_interfaces) const {
   put_be(out, bus);
   put_be(out, device);
   put_be(out, full_speed);
-  put_be(out, sheet_.usb->vendor);
-  put_be(out, sheet_.usb->product);
+  put_be(out, model_.usb->vendor);
+  put_be(out, model_.usb->product);
   put_be(out, std::uint16_t{0x0100});
-  append(out, {sheet_.usb->device_class, 0, 0, 1, 1, configuration_[4]});
+  append(out, {model_.usb->device_class, 0, 0, 1, 1, configuration_[4]});
   if (!with_interfaces) return out;
   for (std::size_t at = 0; at < configuration_.size(); at += configuration_[at]) {
     if (configuration_[at + 1] != 4) continue;

@@ -1,15 +1,15 @@
-// What a USB device answers on endpoint 0: descriptors from its sheet, the standard requests, its own.
+// What a USB device answers on endpoint 0: descriptors from its model, the standard requests, its own.
 #pragma once
 
 #include <string>
 
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 
 class UsbRequests {
  public:
-  UsbRequests(const Sheet& sheet, Talk& talk, std::string serial);
+  UsbRequests(const DeviceModel& model, HostState& talk, std::string serial);
 
   // `setup`: the eight bytes of a request. Data to the host (empty for requests without), or nothing for a
   // stall.
@@ -22,8 +22,8 @@ class UsbRequests {
   std::optional<Bytes> descriptor(std::uint16_t which) const;
   Bytes device_descriptor() const;
 
-  const Sheet& sheet_;
-  Talk& talk_;
+  const DeviceModel& model_;
+  HostState& host_state_;
   std::string serial_;
   Bytes configuration_;
 };

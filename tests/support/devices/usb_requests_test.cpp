@@ -10,15 +10,15 @@ namespace {
 using testing::ElementsAre;
 using testing::SizeIs;
 
-class Requests : public testing::TestWithParam<const Sheet*> {
+class Requests : public testing::TestWithParam<const DeviceModel*> {
  protected:
   std::optional<Bytes> descriptor(std::uint8_t type, std::uint8_t index) {
     return control({0x80, 6, index, type, 0, 0, 255, 0});
   }
   std::optional<Bytes> control(const Bytes& setup) { return requests_.control(setup); }
 
-  Talk talk_;
-  UsbRequests requests_{*GetParam(), talk_, "S1"};
+  HostState host_state_;
+  UsbRequests requests_{*GetParam(), host_state_, "S1"};
 };
 INSTANTIATE_TEST_SUITE_P(Devices, Requests, testing::Values(&takktile(), &papillarray(), &robotiq_tsf85()),
                          [](const auto& tested) {

@@ -22,8 +22,8 @@ constexpr std::size_t kBacklog =
 
 class UsbipPort final : public Port {
  public:
-  UsbipPort(const Sheet& sheet, int port, std::string serial)
-      : Port(sheet), port_(port), requests_(sheet, talk_, std::move(serial)) {}
+  UsbipPort(const DeviceModel& model, int port, std::string serial)
+      : Port(model), port_(port), requests_(model, host_state_, std::move(serial)) {}
 
   void watch(std::vector<pollfd>& waits) const override {
     if (listener_) waits.push_back({listener_.get(), POLLIN, 0});
@@ -135,9 +135,9 @@ class UsbipPort final : public Port {
                     : Bytes{};
       answer(kSubmitted, sequence, got ? 0 : -EPIPE, shown, in ? shown.size() : length);
     } else if (!in) {
-      if (sheet_.hear) sheet_.hear({endpoint, data}, talk_);
+      if (model_.receive) model_.receive({endpoint, data}, host_state_);
       answer(kSubmitted, sequence, 0, {}, length);
-    } else if ((endpoint | 0x80U) == sheet_.usb->in_endpoint) {
+    } else if ((endpoint | 0x80U) == model_.usb->in_endpoint) {
       waiting_.push_back({sequence, length});
       deliver();
     }  // an interrupt endpoint stays silent
@@ -179,8 +179,8 @@ class UsbipPort final : public Port {
 
 }  // namespace
 
-std::unique_ptr<Port> make_usbip_port(const Sheet& sheet, int tcp_port, const std::string& serial) {
-  return std::make_unique<UsbipPort>(sheet, tcp_port, serial);
+std::unique_ptr<Port> make_usbip_port(const DeviceModel& model, int tcp_port, const std::string& serial) {
+  return std::make_unique<UsbipPort>(model, tcp_port, serial);
 }
 
 }  // namespace slipd::devices

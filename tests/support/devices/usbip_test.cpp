@@ -27,7 +27,7 @@ class UsbipDevice : public testing::Test {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(player_.port().place())));
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(simulator_.port().place())));
     checked(::connect(host_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), "connect");
     Bytes import{0x01, 0x11, 0x80, 0x03, 0, 0, 0, 0, '1', '-', '1'};
     import.resize(40, 0);
@@ -38,11 +38,11 @@ class UsbipDevice : public testing::Test {
 
   void say(const Bytes& bytes) {
     checked(static_cast<int>(::send(host_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL)), "send");
-    player_.port().serve();  // takes the connection
-    player_.port().serve();  // reads from it
+    simulator_.port().serve();  // takes the connection
+    simulator_.port().serve();  // reads from it
   }
 
-  Bytes hear(std::size_t size) {
+  Bytes receive(std::size_t size) {
     Bytes got(size);
     const ssize_t length = ::recv(host_.get(), got.data(), size, MSG_DONTWAIT);
     got.resize(static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
@@ -51,7 +51,7 @@ class UsbipDevice : public testing::Test {
 
   Bytes exchange(const Bytes& bytes, std::size_t size) {
     say(bytes);
-    return hear(size);
+    return receive(size);
   }
 
   static Bytes submit(std::uint32_t sequence, std::uint32_t direction, std::uint32_t endpoint,
@@ -71,7 +71,7 @@ class UsbipDevice : public testing::Test {
 
   void start() { exchange(submit(1, kIn, 0, 1, {0xC0, 0xC7, 100, 0, 0xFF, 0, 1, 0}), 49); }
 
-  Player player_{takktile(), pattern(takktile()), make_usbip_port(takktile(), 0, "S1")};
+  DeviceSimulator simulator_{takktile(), pattern(takktile()), make_usbip_port(takktile(), 0, "S1")};
   Fd host_;
 };
 
@@ -94,8 +94,8 @@ TEST_F(UsbipDevice, StallsOnAnUnknownRequest) {
 TEST_F(UsbipDevice, AnswersABulkTransferWhenThereIsAScan) {
   start();
   EXPECT_THAT(exchange(submit(2, kIn, 1, 512), 48 + 512), SizeIs(0)) << "nothing yet";
-  player_.step();
-  const Bytes answer = hear(48 + 512);
+  simulator_.step();
+  const Bytes answer = receive(48 + 512);
   ASSERT_THAT(answer, SizeIs(48 + 160));
   EXPECT_EQ(word(answer, 1), 2);
   EXPECT_EQ(word(answer, 6), 160);
@@ -103,7 +103,7 @@ TEST_F(UsbipDevice, AnswersABulkTransferWhenThereIsAScan) {
 
 TEST_F(UsbipDevice, FillsSmallTransfersOneAfterTheOther) {
   start();
-  player_.step();
+  simulator_.step();
   Bytes all;
   for (std::uint32_t sequence = 2; sequence < 5; ++sequence) {
     const Bytes answer = exchange(submit(sequence, kIn, 1, 64), 48 + 64);
@@ -122,24 +122,24 @@ TEST_F(UsbipDevice, GivesBackATransferThatTheHostTakesBack) {
   EXPECT_EQ(word(answer, 0), 4);
   EXPECT_EQ(word(answer, 1), 3);
   EXPECT_EQ(word(answer, 5), -ECONNRESET);
-  player_.step();
-  EXPECT_THAT(hear(48 + 512), SizeIs(0)) << "nobody waits for it any more";
+  simulator_.step();
+  EXPECT_THAT(receive(48 + 512), SizeIs(0)) << "nobody waits for it any more";
 }
 
 TEST_F(UsbipDevice, TakesARequestThatComesInPieces) {
   const Bytes whole = submit(7, kIn, 0, 18, {0x80, 6, 0, 1, 0, 0, 18, 0});
   say(Bytes(whole.begin(), whole.begin() + 20));
-  EXPECT_THAT(hear(100), SizeIs(0));
+  EXPECT_THAT(receive(100), SizeIs(0));
   EXPECT_THAT(exchange(Bytes(whole.begin() + 20, whole.end()), 100), SizeIs(48 + 18));
 }
 
 TEST_F(UsbipDevice, HangsUpWhenUnpluggedAndCanBeAttachedAgain) {
-  player_.order("unplug");
-  player_.step();
+  simulator_.order("unplug");
+  simulator_.step();
   char byte = 0;
   EXPECT_EQ(::recv(host_.get(), &byte, 1, 0), 0) << "the connection is closed";
-  player_.order("plug");
-  player_.step();
+  simulator_.order("plug");
+  simulator_.step();
   attach();
 }
 

@@ -2,7 +2,7 @@
 // unused, then X, Y, Z as big-endian u16. Board 1. `07 00` to 0x200 | board starts it. Source: the public
 // ur-o2as driver. The counts are uncalibrated on the real thing; here 40 Pa each for pressure, 20 for shear,
 // about a zero of 30000.
-#include "tests/support/devices/sheet.hpp"
+#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -10,8 +10,8 @@ namespace {
 constexpr std::uint32_t kFirstTaxel = 0x710, kCommand = 0x201;
 constexpr double kZero = 30000, kNormalPa = 40, kShearPa = 20;
 
-std::vector<Packet> scan(const Reading& reading) {
-  const Frame& frame = reading.sensors[0];
+std::vector<Packet> scan(const ScanInput& input) {
+  const Frame& frame = input.sensors[0];
   std::vector<Packet> packets;
   for (std::uint32_t taxel = 0; taxel < frame.normal_pa.size(); ++taxel) {
     Packet& packet = packets.emplace_back(Packet{kFirstTaxel + taxel, {0}});
@@ -22,22 +22,22 @@ std::vector<Packet> scan(const Reading& reading) {
   return packets;
 }
 
-void hear(const Packet& said, Talk& talk) {
-  if (said.address == kCommand && said.bytes == Bytes{0x07, 0x00}) talk.streaming = true;
+void receive(const Packet& said, HostState& host) {
+  if (said.address == kCommand && said.bytes == Bytes{0x07, 0x00}) host.streaming = true;
 }
 
 }  // namespace
 
-const Sheet& xela_xr1944() {
-  static const Sheet sheet{.name = "xela-xr1944",
-                           .summary = "XELA uSkin XR1944, 4 x 4 taxels of three axes on CAN",
-                           .sensor_class = SensorClass::array3,
-                           .layout = TaxelLayout::grid(4, 4, 0.0047),
-                           .rate_hz = 100,
-                           .starts_by_itself = false,
-                           .scan = scan,
-                           .hear = hear};
-  return sheet;
+const DeviceModel& xela_xr1944() {
+  static const DeviceModel model{.name = "xela-xr1944",
+                                 .summary = "XELA uSkin XR1944, 4 x 4 taxels of three axes on CAN",
+                                 .sensor_class = SensorClass::array3,
+                                 .layout = TaxelLayout::grid(4, 4, 0.0047),
+                                 .rate_hz = 100,
+                                 .starts_by_itself = false,
+                                 .scan = scan,
+                                 .receive = receive};
+  return model;
 }
 
 }  // namespace slipd::devices

@@ -77,7 +77,7 @@ Carried carry(const Errand& errand, const ChainSetup& setup, bool listening) {
     moment.heard = cell.heard();
     const std::int64_t now_ns = i * std::chrono::nanoseconds(Cell::kFrame).count();
     script.walk(now_ns, now_ns,
-                [&](const sim::Demand& demand) { moment.least_n = demand.shear / demand.friction; });
+                [&](const sim::LoadTarget& target) { moment.least_n = target.shear / target.friction; });
     if (moment.time_s < errand.lifted_s) continue;
     force_n += moment.force_n;
     least_n += moment.least_n;

@@ -14,7 +14,7 @@ namespace slipd::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using devices::Player;
+using devices::DeviceSimulator;
 using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
@@ -72,7 +72,7 @@ class Modbus : public ::testing::Test {
     return config_with(folder_, json::array({gripper}));
   }
   Program::Environment environment() const { return {{"STATE_DIRECTORY", folder_.path().string()}}; }
-  std::uint16_t device_port() { return static_cast<std::uint16_t>(std::stoi(player_.port().place())); }
+  std::uint16_t device_port() { return static_cast<std::uint16_t>(std::stoi(simulator_.port().place())); }
   static json await(const Daemon& daemon, const std::function<bool(const json&)>& enough) {
     return daemon.wait_for("status", [&](const json& s) { return enough(s["sensors"][0]); })["sensors"][0];
   }
@@ -82,9 +82,10 @@ class Modbus : public ::testing::Test {
   }
 
   TempFolder folder_;
-  Player player_{devices::onrobot_rg2ft(), devices::scripted(devices::onrobot_rg2ft(), 100, {{"noise", 0}}),
-                 devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0)};
-  std::jthread running_{[this](const std::stop_token& stop) { player_.run(stop, 100); }};
+  DeviceSimulator simulator_{devices::onrobot_rg2ft(),
+                             devices::scripted(devices::onrobot_rg2ft(), 100, {{"noise", 0}}),
+                             devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0)};
+  std::jthread running_{[this](const std::stop_token& stop) { simulator_.run(stop, 100); }};
 };
 
 TEST_F(Modbus, UnpluggedAgainAndAgain) {
@@ -92,9 +93,9 @@ TEST_F(Modbus, UnpluggedAgainAndAgain) {
   await(daemon, lives);
   const std::size_t descriptors = daemon.descriptors_at_rest();
   for (int i = 1; i <= wanted_replugs(); ++i) {
-    player_.order("unplug");
+    simulator_.order("unplug");
     await(daemon, [](const json& s) { return s["connected"] == false && s["state"] == "fault"; });
-    player_.order("plug");
+    simulator_.order("plug");
     await(daemon, [&](const json& s) { return s["reconnects"] == i && lives(s); });
   }
   EXPECT_EQ(daemon.descriptors_at_rest(), descriptors);

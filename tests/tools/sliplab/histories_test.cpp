@@ -33,18 +33,18 @@ TEST(Grasp, StaysWithinWhatIsExpectedAndDoesEverythingSomeday) {
   std::set<Move> seen;
   for (std::size_t i = 0; i < 200; ++i) {
     const Grasp grasp = draw_grasp(scene(), 1, i);
-    ASSERT_EQ(grasp.pieces.size(), 11U);
-    EXPECT_EQ(grasp.pieces[0].move, Move::grip);
-    EXPECT_EQ(grasp.pieces[1].move, Move::load);
-    EXPECT_EQ(grasp.pieces.back().move, Move::unseen);
-    for (const auto& piece : grasp.pieces) {
-      seen.insert(piece.move);
-      EXPECT_GE(piece.normal_n, 1);
-      EXPECT_LE(piece.normal_n, 5);
-      EXPECT_GE(piece.friction, 0.1);
-      EXPECT_LE(piece.friction, 0.9);
-      EXPECT_GE(piece.seconds, 0.04);
-      EXPECT_LE(piece.seconds, 0.4);
+    ASSERT_EQ(grasp.segments.size(), 11U);
+    EXPECT_EQ(grasp.segments[0].move, Move::grip);
+    EXPECT_EQ(grasp.segments[1].move, Move::load);
+    EXPECT_EQ(grasp.segments.back().move, Move::unseen);
+    for (const auto& segment : grasp.segments) {
+      seen.insert(segment.move);
+      EXPECT_GE(segment.normal_n, 1);
+      EXPECT_LE(segment.normal_n, 5);
+      EXPECT_GE(segment.friction, 0.1);
+      EXPECT_LE(segment.friction, 0.9);
+      EXPECT_GE(segment.seconds, 0.04);
+      EXPECT_LE(segment.seconds, 0.4);
     }
   }
   EXPECT_EQ(seen.size(), kMoves);
@@ -61,31 +61,31 @@ TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
   const Grasp once = draw_grasp(scene(), 3, 7), again = draw_grasp(scene(), 3, 7),
               other = draw_grasp(scene(), 3, 8);
   EXPECT_EQ(once.direction_rad, again.direction_rad);
-  EXPECT_EQ(once.pieces.back().shear_n, again.pieces.back().shear_n);
+  EXPECT_EQ(once.segments.back().shear_n, again.segments.back().shear_n);
   EXPECT_NE(once.direction_rad, other.direction_rad);
 }
 
-TEST(Tally, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
-  Tally tally;
-  tally.add(told(0.5, 0.1), 0.5);
-  tally.add(told(0.75, 0.1), 0.5);
-  tally.add(told(0.1, 0.3), 0.5);
-  tally.add(Estimate{}, 0.5);
-  EXPECT_EQ(tally.frames(), 4);
-  EXPECT_DOUBLE_EQ(tally.answered(), 0.75);
-  EXPECT_DOUBLE_EQ(tally.over(), 1.0 / 3);
-  EXPECT_DOUBLE_EQ(tally.under(), 1.0 / 3);
-  EXPECT_NEAR(tally.mean_error(), (0.25 + 0.4) / 3, 1e-12);
-  EXPECT_DOUBLE_EQ(tally.within(1), 1.0 / 3);
-  EXPECT_DOUBLE_EQ(tally.within(2), 2.0 / 3);
-  EXPECT_DOUBLE_EQ(tally.in_state(State::stale), 0.25);
+TEST(ErrorStatistics, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
+  ErrorStatistics statistics;
+  statistics.add(told(0.5, 0.1), 0.5);
+  statistics.add(told(0.75, 0.1), 0.5);
+  statistics.add(told(0.1, 0.3), 0.5);
+  statistics.add(Estimate{}, 0.5);
+  EXPECT_EQ(statistics.frames(), 4);
+  EXPECT_DOUBLE_EQ(statistics.answered(), 0.75);
+  EXPECT_DOUBLE_EQ(statistics.overestimated(), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(statistics.underestimated(), 1.0 / 3);
+  EXPECT_NEAR(statistics.mean_error(), (0.25 + 0.4) / 3, 1e-12);
+  EXPECT_DOUBLE_EQ(statistics.within(1), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(statistics.within(2), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(statistics.in_state(State::stale), 0.25);
 }
 
-TEST(Tally, NothingAnsweredIsNoErrorAtAll) {
-  Tally tally;
-  tally.add(Estimate{}, 0.5);
-  EXPECT_TRUE(std::isnan(tally.mean_error()));
-  EXPECT_EQ(tally.answered(), 0);
+TEST(ErrorStatistics, NothingAnsweredIsNoErrorAtAll) {
+  ErrorStatistics statistics;
+  statistics.add(Estimate{}, 0.5);
+  EXPECT_TRUE(std::isnan(statistics.mean_error()));
+  EXPECT_EQ(statistics.answered(), 0);
 }
 
 TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
@@ -98,14 +98,14 @@ TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
   slipd::EstimatorChain chain(setup, nullptr);
   const Grasp grasp = draw_grasp(setup.scene, 5, 0);
   double frames = 0;
-  const auto tallies =
-      drive(grasp, setup.layout, setup.scene.skin, {}, slipd::RandomStream(1), chain, [&](const Moment& at) {
+  const auto tallies = drive(
+      grasp, setup.layout, setup.scene.skin, {}, slipd::RandomStream(1), chain, [&](const GraspSample& at) {
         ++frames;
         EXPECT_LE(std::fabs(at.shear_n), at.truth.friction * at.normal_n * (1 + 1e-9));
         EXPECT_NEAR(at.truth.gamma, 1 - std::fabs(at.shear_n) / (at.truth.friction * at.normal_n), 1e-9);
       });
   double tallied = 0;
-  for (const auto& tally : tallies) tallied += tally.frames();
+  for (const auto& statistics : tallies) tallied += statistics.frames();
   EXPECT_EQ(frames, tallied);
   const auto& load = tallies[static_cast<std::size_t>(Move::load)];
   EXPECT_GT(load.answered(), 0.5);

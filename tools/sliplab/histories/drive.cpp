@@ -7,24 +7,37 @@
 
 namespace sliplab {
 
-ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
-             const Sensing& sensing, const slipd::RandomStream& noise, slipd::EstimatorChain& chain,
-             const std::function<void(const Moment&)>& watch) {
+slipd::ChainSetup paper_chain(std::size_t side, slipd::MethodChoice method, double noise) {
+  const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
+  slipd::ChainSetup chain{.layout = slipd::TaxelLayout::grid(side, side, pitch_m),
+                          .scene = {},
+                          .estimator = {.method = method},
+                          .alerts = {},
+                          .friction = {}};
+  chain.scene.objects = slipd::paper_objects();
+  chain.scene.offset_m = 0.002;
+  chain.scene.noise = noise;
+  return chain;
+}
+
+StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
+                       const Sampling& sensing, const slipd::RandomStream& noise,
+                       slipd::EstimatorChain& chain, const std::function<void(const GraspSample&)>& watch) {
   using namespace slipd;
   const auto& object = grasp.contact;
   contact::LoadHistory contact(
       contact::make_body_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
   TrialFrames frames(layout, sensing.kind, sensing.noise);
-  ByMove tallies;
+  StatisticsByMove tallies;
   Estimate estimate;
   std::uint64_t sequence = 0;
-  for (const Piece& piece : grasp.pieces) {
+  for (const LoadSegment& segment : grasp.segments) {
     const double normal_n = contact.normal_n(), shear_n = contact.shear_n();
-    const auto steps = static_cast<int>(std::ceil(piece.seconds / sensing.frame_s));
+    const auto steps = static_cast<int>(std::ceil(segment.seconds / sensing.frame_s));
     for (int step = 1; step <= steps; ++step) {
       const double part = static_cast<double>(step) / steps;
-      contact.move_to(normal_n + part * (piece.normal_n - normal_n),
-                      shear_n + part * (piece.shear_n - shear_n), piece.friction);
+      contact.move_to(normal_n + part * (segment.normal_n - normal_n),
+                      shear_n + part * (segment.shear_n - shear_n), segment.friction);
       ++sequence;
       const double time_s = static_cast<double>(sequence) * sensing.frame_s;
       const Truth truth{contact.safety_margin(), contact.friction()};
@@ -36,10 +49,10 @@ ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::
         const double start_us = thread_us();
         estimate = chain.estimate(frame);
         taken_us = thread_us() - start_us;
-        tallies[static_cast<std::size_t>(piece.move)].add(estimate, truth.gamma);
+        tallies[static_cast<std::size_t>(segment.move)].add(estimate, truth.gamma);
       }
       if (watch)
-        watch({time_s, piece.move, contact.normal_n(), contact.shear_n(), truth, estimate, taken_us});
+        watch({time_s, segment.move, contact.normal_n(), contact.shear_n(), truth, estimate, taken_us});
     }
   }
   return tallies;

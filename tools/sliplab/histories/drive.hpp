@@ -1,4 +1,5 @@
-// A grasp in frame time: contact with its memory → taxels → noise → the whole estimator chain → tallies.
+// Simulates one grasp in frame time: contact with its load history → taxels → noise → the whole estimator
+// chain → error statistics.
 #pragma once
 
 #include <array>
@@ -6,32 +7,39 @@
 
 #include "core/estimate/chain.hpp"
 #include "core/estimate/trial_frames.hpp"
+#include "tools/sliplab/error_statistics.hpp"
 #include "tools/sliplab/histories/grasp.hpp"
-#include "tools/sliplab/tally.hpp"
 
 namespace sliplab {
 
-struct Sensing {
-  slipd::NoiseKind kind = slipd::NoiseKind::sensor;
-  double noise = 0.01;  // half-width, a fraction of the frame's largest pressure
-  double frame_s = 0.005;
-  // Whether the estimator gets the frame of this number, from 1; empty: it gets them all.
+struct Sampling {
+  slipd::NoiseKind kind = slipd::NoiseKind::sensor;  // what the noise is a fraction of
+  double noise = 0.01;                               // half-width, a fraction of the frame's largest pressure
+  double frame_s = 0.005;                            // time from frame to frame, s
+  // Whether the estimator receives the frame of this number, from 1; empty: it receives all.
   std::function<bool(std::uint64_t)> comes = {};
 };
 
-struct Moment {
-  double time_s;
-  Move move;
-  double normal_n, shear_n;  // N, shear signed
-  slipd::Truth truth;
-  slipd::Estimate estimate;  // of this frame, or of the last one that came
-  double taken_us;           // by the estimate, processor time; 0 for a frame that did not come
+struct GraspSample {
+  double time_s;             // since the grasp began
+  Move move;                 // what the gripper does
+  double normal_n;           // normal force, N
+  double shear_n;            // tangential force, N, signed
+  slipd::Truth truth;        // of the contact
+  slipd::Estimate estimate;  // of this frame, or of the last one that the estimator received
+  double taken_us;           // processor time of the estimate, us; 0: the estimator did not receive the frame
 };
-using ByMove = std::array<Tally, kMoves>;
+using StatisticsByMove = std::array<ErrorStatistics, kMoves>;
 
-// `chain` is new. Only frames that come are tallied. `watch` may be empty; it sees every frame of contact.
-ByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
-             const Sensing& sensing, const slipd::RandomStream& noise, slipd::EstimatorChain& chain,
-             const std::function<void(const Moment&)>& watch = {});
+// A chain for the paper's contacts on a square grid of `side` by `side` taxels, up to 2 mm off its middle;
+// the pad is 16 mm wide, that of 4 x 4 has the pitch of commercial fingertips. `noise`: as in Sampling.
+slipd::ChainSetup paper_chain(std::size_t side, slipd::MethodChoice method, double noise);
+
+// `chain` must be new. Statistics count only frames that the estimator received. `watch` can be empty; it is
+// called for every frame of contact.
+StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
+                       const Sampling& sensing, const slipd::RandomStream& noise,
+                       slipd::EstimatorChain& chain,
+                       const std::function<void(const GraspSample&)>& watch = {});
 
 }  // namespace sliplab

@@ -22,9 +22,10 @@ Range reach(Range all, Range more) {
   return {std::min(all.low, more.low), std::max(all.high, more.high)};
 }
 
-// One move from where the piece before left the contact. `u` gives numbers in [0, 1) by their place.
-Piece next(Move move, const Piece& from, const RandomStream& u, Range normal_n, Range friction) {
-  Piece to = from;
+// One move, from the load at the end of the segment before. `u` gives random numbers in [0, 1) by their
+// index.
+LoadSegment next(Move move, const LoadSegment& from, const RandomStream& u, Range normal_n, Range friction) {
+  LoadSegment to = from;
   to.move = move;
   to.seconds = kShortestSeconds * std::pow(kLongestSeconds / kShortestSeconds, u.uniform(0));
   const double sign = from.shear_n < 0 ? -1 : 1, part = u.uniform(1);
@@ -86,17 +87,17 @@ Grasp draw_grasp(const slipd::Scene& scene, std::uint64_t seed, std::size_t inde
   }
   const RandomStream random = RandomStream(seed ^ 0x6772617370ULL).stream(index);
   Grasp grasp{slipd::draw_contact(scene, seed, index), 2 * std::numbers::pi * random.uniform(0), {}};
-  Piece last{Move::grip, grasp.contact.normal_n, 0, grasp.contact.friction, 0};
-  const std::size_t pieces = moves + 3;
-  for (std::size_t i = 0; i < pieces; ++i) {
+  LoadSegment last{Move::grip, grasp.contact.normal_n, 0, grasp.contact.friction, 0};
+  const std::size_t segments = moves + 3;
+  for (std::size_t i = 0; i < segments; ++i) {
     const RandomStream u = random.stream(i);
     Move move = kDrawn[static_cast<std::size_t>(u.uniform(3) * kDrawn.size())];
     if (i == 0) move = Move::grip;
     if (i == 1) move = Move::load;
-    if (i + 1 == pieces) move = Move::unseen;
+    if (i + 1 == segments) move = Move::unseen;
     last = next(move, last, u, normal_n, friction);
-    grasp.pieces.push_back(last);
-    // What friction did not hold slid away.
+    grasp.segments.push_back(last);
+    // The tangential force that friction cannot hold is lost to sliding.
     const double most = last.friction * last.normal_n;
     last.shear_n = std::clamp(last.shear_n, -most, most);
   }

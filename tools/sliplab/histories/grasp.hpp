@@ -1,5 +1,5 @@
-// Random grasps: what a gripper does to an object between closing and letting go, as straight pieces in force
-// and friction. A grasp is a pure function of its seed and number.
+// Random grasps: the loads on an object from grip to release, piecewise linear in force, piecewise constant
+// in friction. A grasp is a pure function of its seed and number.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,39 @@
 namespace sliplab {
 
 enum class Move : std::uint8_t {
-  grip,      // P from nothing, no shear
-  load,      // Q rises in the direction it has
+  grip,      // P rises from 0, no shear
+  load,      // Q rises in its present direction
   slide,     // Q beyond mu P: gross slip
-  unload,    // Q falls, not to nothing
-  reverse,   // Q to the other sign
-  tighten,   // P up at constant Q: a regrip
-  loosen,    // P down at constant Q
-  together,  // P and Q up, the increment stuck
-  falls,     // friction falls at once, then held
-  rises,     // friction rises at once, then loaded on
-  hold,      // nothing moves
-  unseen     // friction rises under a held object, which no sensor feels; the last, counted apart
+  unload,    // Q falls, but not to 0
+  reverse,   // Q changes its sign
+  tighten,   // P rises at constant Q: a regrip
+  loosen,    // P falls at constant Q
+  together,  // P and Q rise; the increment causes no slip
+  falls,     // friction falls in a step; then the load is constant
+  rises,     // friction rises in a step; then Q rises
+  hold,      // the load is constant
+  unseen     // friction rises at constant load, which no sensor can observe; the last move, counted apart
 };
 inline constexpr std::size_t kMoves = 12;
 std::string_view name_of(Move move) noexcept;
 
-struct Piece {
+struct LoadSegment {
   Move move;
-  double normal_n, shear_n;  // at its end; shear signed
-  double friction;           // from its begin on
-  double seconds;
+  double normal_n;  // normal force at the end, N
+  double shear_n;   // tangential force at the end, N, signed
+  double friction;  // coefficient of friction, from the begin on
+  double seconds;   // duration
 };
 
 struct Grasp {
-  slipd::ContactDraw contact;  // friction and normal force of the begin
-  double direction_rad = 0;    // the direction of the shear
-  std::vector<Piece> pieces;
+  slipd::ContactDraw contact;  // the contact with its initial friction and normal force
+  double direction_rad = 0;    // direction of the shear in the sensor's plane
+  std::vector<LoadSegment> segments;
 };
 
-// Grip, load, and `moves` more that are drawn: load 3, tighten and unload 2, all others 1 in 14, each lasting
-// 40 to 400 ms; at last `unseen`. Normal force and friction stay within what the contact's family expects.
+// Grip, load, then `moves` random moves, each of 40 to 400 ms, then `unseen`. Of 14 moves 3 are load, 2
+// tighten, 2 unload, and 1 each of the others. Normal force and friction stay within the ranges of the
+// contact's family.
 Grasp draw_grasp(const slipd::Scene& scene, std::uint64_t seed, std::size_t index, std::size_t moves = 8);
 
 }  // namespace sliplab

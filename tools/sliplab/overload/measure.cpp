@@ -13,8 +13,8 @@ OverloadLine measure_overload(const slipd::ChainSetup& chain,
                               const std::shared_ptr<const slipd::Model>& model, const OverloadCase& skipped,
                               const OverloadSetup& setup, const std::function<void(double)>& done) {
   struct Found {
-    ByMove estimates;
-    Tally board;
+    StatisticsByMove estimates;
+    ErrorStatistics board;
   };
   std::vector<Found> found(setup.grasps);
   for_each_index(
@@ -22,11 +22,11 @@ OverloadLine measure_overload(const slipd::ChainSetup& chain,
       [&](std::size_t i) {
         slipd::EstimatorChain estimator(chain, model);
         const slipd::RandomStream draws = slipd::RandomStream(setup.seed).stream(i);
-        Sensing sensing = setup.sensing;
+        Sampling sensing = setup.sensing;
         sensing.comes = comes(skipped.skipping, skipped.k, draws.stream(kSkippingStream));
-        Tally& board = found[i].board;
+        ErrorStatistics& board = found[i].board;
         found[i].estimates = drive(draw_grasp(chain.scene, setup.seed, i), chain.layout, chain.scene.skin,
-                                   sensing, draws, estimator, [&board](const Moment& at) {
+                                   sensing, draws, estimator, [&board](const GraspSample& at) {
                                      if (at.move != Move::unseen) board.add(at.estimate, at.truth.gamma);
                                    });
       },

@@ -24,13 +24,13 @@ struct OverloadLine {
   std::size_t columns = 0;  // taxels along each side of the pad
   std::string method;
   OverloadCase skipped;
-  Tally estimates;  // of the frames that came
-  Tally board;      // at every frame of the sensor: what the last estimate says of the margin now
+  ErrorStatistics estimates;  // of the frames that came
+  ErrorStatistics board;      // at every frame of the sensor: what the last estimate says of the margin now
 };
 
 struct OverloadSetup {
-  std::size_t grasps = 50;   // of each line
-  Sensing sensing;           // of the sensor, all of whose frames are on time
+  std::size_t grasps = 50;  // of each line
+  Sampling sensing;         // of the sensor, all of whose frames are on time
   std::uint64_t seed = 1;
   unsigned threads = 2;
 };

@@ -14,21 +14,21 @@ bool same_estimator(const OverloadLine& a, const OverloadLine& b) {
   return a.columns == b.columns && a.method == b.method;
 }
 
-ordered_json as_json(const Tally& tally) {
+ordered_json as_json(const ErrorStatistics& statistics) {
   ordered_json states = ordered_json::object();
-  for (std::size_t i = 0; i < Tally::kStates; ++i) {
+  for (std::size_t i = 0; i < ErrorStatistics::kStates; ++i) {
     const auto state = static_cast<slipd::State>(i);
-    if (tally.in_state(state) > 0) states[std::string(to_string(state))] = tally.in_state(state);
+    if (statistics.in_state(state) > 0) states[std::string(to_string(state))] = statistics.in_state(state);
   }
-  return {{"frames", tally.frames()},
-          {"answered", tally.answered()},
-          {"mean_error", tally.mean_error()},
-          {"worst_error", tally.worst()},
-          {"claims_safer", tally.over()},
-          {"claims_less_safe", tally.under()},
-          {"within_sigma", tally.within(1)},
-          {"within_two_sigma", tally.within(2)},
-          {"within_three_sigma", tally.within(3)},
+  return {{"frames", statistics.frames()},
+          {"answered", statistics.answered()},
+          {"mean_error", statistics.mean_error()},
+          {"worst_error", statistics.worst()},
+          {"claims_safer", statistics.overestimated()},
+          {"claims_less_safe", statistics.underestimated()},
+          {"within_sigma", statistics.within(1)},
+          {"within_two_sigma", statistics.within(2)},
+          {"within_three_sigma", statistics.within(3)},
           {"states", std::move(states)}};
 }
 
@@ -45,9 +45,9 @@ void plot_curves(const std::vector<OverloadLine>& lines, const std::filesystem::
                        line.method);
     }
     last = &line;
-    const Tally& t = line.estimates;
+    const ErrorStatistics& t = line.estimates;
     data << line.skipped.k << ' ' << t.mean_error() << ' ' << 100 * t.answered() << ' ' << 100 * t.within(2)
-         << ' ' << 100 * t.over() << '\n';
+         << ' ' << 100 * t.overestimated() << '\n';
   }
   write_file(folder / "overload.dat", data.str());
   std::ostringstream script;
@@ -80,20 +80,21 @@ void print_table(const std::vector<OverloadLine>& lines, const OverloadSetup& se
       "  k   frames come    answered  mean err   safer  less safe  1 sigma  2 sigma  3 sigma  learning  out "
       "of "
       "model   mean err   safer\n",
-      setup.grasps, 1e3 * setup.sensing.frame_s, kClaim);
+      setup.grasps, 1e3 * setup.sensing.frame_s, kGrossError);
   const OverloadLine* last = nullptr;
   for (const auto& line : lines) {
     if (last == nullptr || !same_estimator(*last, line))
       std::printf("%zu x %zu, %s\n", line.columns, line.columns, line.method.c_str());
     last = &line;
-    const Tally& t = line.estimates;
+    const ErrorStatistics& t = line.estimates;
     std::printf(
         "%3u   %-12s  %6.1f %%   %.4f  %6.2f %%   %5.2f %%  %5.1f %%  %5.1f %%  %5.1f %%   %5.1f %%  "
         "     %5.1f %%     %.4f  %6.2f %%\n",
         line.skipped.k, std::string(name_of(line.skipped.skipping)).c_str(), 100 * t.answered(),
-        t.mean_error(), 100 * t.over(), 100 * t.under(), 100 * t.within(1), 100 * t.within(2),
-        100 * t.within(3), 100 * t.in_state(slipd::State::learning),
-        100 * t.in_state(slipd::State::out_of_model), line.board.mean_error(), 100 * line.board.over());
+        t.mean_error(), 100 * t.overestimated(), 100 * t.underestimated(), 100 * t.within(1),
+        100 * t.within(2), 100 * t.within(3), 100 * t.in_state(slipd::State::learning),
+        100 * t.in_state(slipd::State::out_of_model), line.board.mean_error(),
+        100 * line.board.overestimated());
   }
 }
 
@@ -120,11 +121,11 @@ void write_files(const std::vector<OverloadLine>& lines, const std::filesystem::
   csv << "columns,method,frames_come,k,answered,mean_error,claims_safer,claims_less_safe,within_sigma,"
          "within_two_sigma,within_three_sigma,board_mean_error,board_claims_safer\n";
   for (const auto& line : lines) {
-    const Tally &t = line.estimates, &board = line.board;
+    const ErrorStatistics &t = line.estimates, &board = line.board;
     csv << line.columns << ',' << line.method << ',' << name_of(line.skipped.skipping) << ','
-        << line.skipped.k << ',' << t.answered() << ',' << t.mean_error() << ',' << t.over() << ','
-        << t.under() << ',' << t.within(1) << ',' << t.within(2) << ',' << t.within(3) << ','
-        << board.mean_error() << ',' << board.over() << '\n';
+        << line.skipped.k << ',' << t.answered() << ',' << t.mean_error() << ',' << t.overestimated() << ','
+        << t.underestimated() << ',' << t.within(1) << ',' << t.within(2) << ',' << t.within(3) << ','
+        << board.mean_error() << ',' << board.overestimated() << '\n';
   }
   write_file(folder / "overload.csv", csv.str());
   plot_curves(lines, folder);

@@ -23,7 +23,7 @@ Scene scene_of(const Experiment& experiment) {
   return scene;
 }
 
-// Folded where that changes nothing: distances between columns and singular values stay what they were.
+// Folded where distances between columns and singular values do not change by it.
 PaperColumns columns_of(const Experiment& experiment) {
   const auto layout =
       TaxelLayout::grid(experiment.side, experiment.side, kWidthM / static_cast<double>(experiment.side));
@@ -32,14 +32,14 @@ PaperColumns columns_of(const Experiment& experiment) {
           experiment.size, experiment.seed, experiment.quantity};
 }
 
-// Some columns of another source.
+// A subset of another source's columns.
 class Selected final : public ColumnSource {
  public:
   Selected(const ColumnSource& of, const std::vector<std::size_t>& which) : of_(of), which_(which) {}
   std::size_t rows() const noexcept override { return of_.rows(); }
   std::size_t columns() const noexcept override { return which_.size(); }
   void fill(std::size_t first, std::size_t count, float* out) const override {
-    // Neighbours in one call: a contact is then laid on the taxels once.
+    // Adjacent columns in one call, so that each contact is averaged over the taxels once.
     for (std::size_t i = 0; i < count;) {
       std::size_t run = 1;
       while (i + run < count && which_[first + i + run] == which_[first + i] + run) ++run;
@@ -53,7 +53,8 @@ class Selected final : public ColumnSource {
   const std::vector<std::size_t>& which_;
 };
 
-// The leading values settle within few passes; those below, which noise alone makes, need not.
+// The leading singular values converge in few passes; the smaller ones consist of noise and need not
+// converge.
 Svd leading(const ColumnSource& columns, int rank, const Experiment& experiment,
             const Progress& progress = {}) {
   return randomized_svd(columns,
@@ -111,7 +112,7 @@ Eigen::MatrixXf projections(const Experiment& experiment) {
   const Eigen::MatrixXf on_bases = project(columns, svd.basis, experiment.threads);
   Eigen::MatrixXf result(4, on_bases.cols());
   for (Eigen::Index k = 0; k < 3; ++k) {
-    // A singular vector's sign is free: the larger projections are shown as positive.
+    // A singular vector's sign is arbitrary: the larger projections become positive.
     const float sign = on_bases.row(k).cwiseAbs().maxCoeff() == on_bases.row(k).maxCoeff() ? 1.0F : -1.0F;
     result.row(k) = sign * on_bases.row(k);
   }

@@ -1,5 +1,5 @@
-// One cell of the paper's experiment: a data set, its singular vectors, and how many of the test columns'
-// classes are found from them.
+// One cell of the paper's experiment: a data set, its singular vectors, and the accuracy of classifying test
+// columns by them.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,26 +11,28 @@
 
 namespace sliplab {
 
-// What is varied. The rest is the paper's: its skin and objects, a square grid of 14.4 mm (the largest
-// contact just fits).
+// The parameters that vary. All others are the paper's: its skin and objects, a square grid of 14.4 mm (which
+// the largest contact fills).
 struct Experiment {
-  slipd::Quantity quantity = slipd::Quantity::alpha;
-  double noise = 0.04;  // of each column's maximum, on the quantity itself
-  double offset_m = 0;
+  slipd::Quantity quantity = slipd::Quantity::alpha;  // what a column consists of
+  double noise = 0.04;  // half-width on the quantity itself, a fraction of each column's maximum
+  double offset_m = 0;  // contacts lie up to this far off the middle, in x and in y
   slipd::DataSetSize size;
-  std::size_t side = 100;        // taxels
+  std::size_t side = 100;        // taxels along each side
   std::vector<int> bases;        // numbers of bases for the random split, rising
-  std::size_t column_tests = 0;  // test columns compared as a whole; 0: none
-  std::uint64_t seed = 1;
+  std::size_t column_tests = 0;  // test columns that are compared as a whole; 0: none
+  std::uint64_t seed = 1;        // of contacts, noise and split
   unsigned threads = 2;
 };
 
+// Shares, 0 … 1.
 struct Outcome {
-  std::vector<double> variance;  // share that each base explains
-  std::vector<double> random;    // accuracy for each of `bases`, split at random, basis of all columns
-  std::vector<double>
-      by_contact;  // for those of `bases` up to kStrictBases; basis of the training contacts alone
-  double random_columns = 0, by_contact_columns = 0;  // from whole columns
+  std::vector<double> variance;    // of the variance, explained by each base
+  std::vector<double> random;      // accuracy for each of `bases`: random split, basis of all columns
+  std::vector<double> by_contact;  // accuracy for each of `bases` up to kStrictBases: split by contact, basis
+                                   // of the training contacts alone
+  double random_columns = 0;       // accuracy by whole columns, random split
+  double by_contact_columns = 0;   // accuracy by whole columns, split by contact
 };
 
 inline constexpr int kStrictBases = 20;

@@ -7,8 +7,8 @@
 
 namespace sliplab {
 
-// Writes figure3.csv, figure3.svg, figure4.csv and figure4.svg into the folder, which is made. `row`: what is
-// shown.
+// Writes figure3.csv, figure3.svg, figure4.csv and figure4.svg into the folder, which it creates. `row`: the
+// results shown.
 void write_figures(const std::filesystem::path& folder, const Row& row);
 
 }  // namespace sliplab

@@ -1,4 +1,4 @@
-// The rows of the paper's table: which experiments, how often, and their results over the seeds.
+// The rows of the paper's table: the experiments, and their results over the seeds.
 #pragma once
 
 #include <functional>
@@ -11,32 +11,34 @@
 namespace sliplab {
 
 struct ProtocolOptions {
-  bool fast = false;  // a small grid and few contacts: shows that it works, says nothing about the paper
-  int seeds = 5;
-  std::uint64_t first_seed = 1;
+  bool fast = false;  // a small grid and few contacts: a functional test without meaningful figures
+  int seeds = 5;      // repetitions, each with its own seed
+  std::uint64_t first_seed = 1;  // the others follow it
   unsigned threads = 2;
 };
 
 // One experiment, repeated with the contacts, the noise and the split of each seed.
 struct Row {
-  std::string title;
+  std::string title;              // for people
   Experiment experiment;          // of the first seed
-  std::vector<Outcome> outcomes;  // one a seed
+  std::vector<Outcome> outcomes;  // one per seed
 };
 
-// Mean, least and greatest of one figure over the seeds. Shares, 0 … 1.
+// One figure over the seeds, a share of 0 … 1.
 struct Spread {
-  double mean = 0, low = 0, high = 0;
+  double mean = 0;
+  double low = 0;   // smallest
+  double high = 0;  // largest
 };
 Spread spread_of(const Row& row, const std::function<double(const Outcome&)>& figure);
 
-// The share that the first `bases` explain together.
+// The share of variance that the first `bases` explain together.
 double explained(const Outcome& outcome, std::size_t bases);
 
 std::vector<Experiment> protocol(const ProtocolOptions& options);
 std::string title_of(const Experiment& experiment);
 
-// Runs all of it. `progress`: 0 … 1 of the whole, and the row's title.
+// Runs all experiments. `progress` receives the share done, 0 … 1, and the row's title.
 std::vector<Row> run_protocol(const ProtocolOptions& options,
                               const std::function<void(double, const char*)>& progress);
 

@@ -1,4 +1,4 @@
-// Which columns train and which test (the paper's section III.B: 70 % and 30 %).
+// Splits columns into training and test sets (the paper's section III.B: 70 % and 30 %).
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,13 @@
 namespace sliplab {
 
 enum class SplitKind : std::uint8_t {
-  random,     // the paper's: loads of one contact end up on both sides
-  by_contact  // no contact is on both sides
+  random,     // the paper's: columns of one contact are in both sets
+  by_contact  // all columns of one contact are in one set
 };
 
 struct Split {
-  std::vector<std::size_t> train, test;  // columns, rising
+  std::vector<std::size_t> train;  // indices of columns, rising
+  std::vector<std::size_t> test;   // indices of columns, rising
 };
 
 Split split_of(SplitKind kind, const slipd::DataSetSize& size, std::uint64_t seed);

@@ -24,7 +24,7 @@ void line(std::ostream& out, const char* what, const char* paper, const std::str
   out << text.data();
 }
 
-// What the paper says of X_alpha, in per cent (its sections III.A and III.B).
+// The paper's figures for X_alpha, per cent (its sections III.A and III.B).
 const char* paper_accuracy(int bases) {
   switch (bases) {
     case 3:
@@ -84,7 +84,7 @@ void print_table(std::ostream& out, const std::vector<Row>& rows) {
          "columns: "
       << first.column_tests << " test columns a seed.\n";
   for (const Row& row : rows) {
-    // Which noise the paper had is not known; 4 to 10 % fit its figures.
+    // The paper does not state its noise; 4 to 10 % agree with its figures.
     const bool is_papers = row.experiment.quantity == slipd::Quantity::alpha && row.experiment.offset_m == 0;
     out << '\n';
     line(out, row.title.c_str(), "paper", "split at random", "split by contact");

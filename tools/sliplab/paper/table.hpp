@@ -1,4 +1,4 @@
-// The results beside the paper's own figures, for people.
+// Prints the results next to the paper's figures.
 #pragma once
 
 #include <iosfwd>

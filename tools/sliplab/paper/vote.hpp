@@ -1,5 +1,5 @@
-// The paper's classifier (section III.B): the vote of the 5 nearest training columns on the class of Gamma.
-// Exact search.
+// The paper's classifier (section III.B): the majority vote of the 5 nearest training columns on the class of
+// Gamma. Exact search.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ class Nearest {
   static constexpr std::size_t kCount = 5;
   void add(float distance, int slip_class) noexcept;
   void merge(const Nearest& other) noexcept;
-  // The class that most of them have; of equally many the lowest, nearest to slip.
+  // The most frequent class; of equally frequent ones the lowest, which is nearest to slip.
   int vote() const noexcept;
 
  private:
@@ -24,12 +24,12 @@ class Nearest {
   int class_[kCount] = {};
 };
 
-// Share of the test columns that are classified rightly from their first `bases[i]` coordinates, for each i.
+// The share of test columns that are classified correctly by their first `bases[i]` coordinates, for each i.
 // `bases` rises. coordinates: rank x columns. classes: 1 … 5 of each column.
 std::vector<double> accuracy_by_bases(const Eigen::MatrixXf& coordinates, const std::vector<int>& classes,
                                       const Split& split, const std::vector<int>& bases, unsigned threads);
 
-// The same from whole columns, for `tests` of the test columns at even distances.
+// The same by whole columns, for `tests` evenly spaced test columns.
 double accuracy_of_columns(const slipd::ColumnSource& columns, const std::vector<int>& classes,
                            const Split& split, std::size_t tests, unsigned threads);
 

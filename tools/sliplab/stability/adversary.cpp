@@ -12,7 +12,7 @@ namespace {
 
 using namespace slipd;
 
-constexpr std::size_t kFine = 5;  // points along a taxel's side
+constexpr std::size_t kFine = 5;  // points along each side of a taxel
 
 TaxelLayout finer(const TaxelLayout& layout) {
   const auto& grid = layout.regular().value();
@@ -21,42 +21,42 @@ TaxelLayout finer(const TaxelLayout& layout) {
 
 }  // namespace
 
-std::string_view name_of(Flaw flaw) noexcept {
-  static constexpr std::array<std::string_view, kFlaws> kNames{
+std::string_view name_of(Perturbation perturbation) noexcept {
+  static constexpr std::array<std::string_view, kPerturbations> kNames{
       "blurred", "elliptic", "tilted", "gains", "dead", "biased", "cut", "regripped", "unloaded", "grown"};
-  return kNames[static_cast<std::size_t>(flaw)];
+  return kNames[static_cast<std::size_t>(perturbation)];
 }
 
-std::string_view strength_of(Flaw flaw) noexcept {
-  static constexpr std::array<std::string_view, kFlaws> kStrengths{
+std::string_view strength_of(Perturbation perturbation) noexcept {
+  static constexpr std::array<std::string_view, kPerturbations> kStrengths{
       "depth of the skin layer, mm", "long over short axis",    "skew of the pressure",
       "spread of the gains",         "share of taxels dead",    "zero of shear, of the largest p",
       "off the middle, mm",          "P raised by, at equal Q", "Q fallen by",
       "share that came together"};
-  return kStrengths[static_cast<std::size_t>(flaw)];
+  return kStrengths[static_cast<std::size_t>(perturbation)];
 }
 
-std::vector<double> strengths(Flaw flaw) {
-  switch (flaw) {
-    case Flaw::blurred:
+std::vector<double> strengths(Perturbation perturbation) {
+  switch (perturbation) {
+    case Perturbation::blurred:
       return {0, 0.25, 0.5, 1, 1.5, 2};
-    case Flaw::elliptic:
+    case Perturbation::elliptic:
       return {1, 1.05, 1.1, 1.25, 1.5, 2};
-    case Flaw::tilted:
+    case Perturbation::tilted:
       return {0, 0.05, 0.1, 0.2, 0.3, 0.5};
-    case Flaw::gains:
+    case Perturbation::gains:
       return {0, 0.02, 0.05, 0.1, 0.2, 0.3};
-    case Flaw::dead:
+    case Perturbation::dead:
       return {0, 0.01, 0.02, 0.05, 0.1, 0.2};
-    case Flaw::biased:
+    case Perturbation::biased:
       return {0, 0.002, 0.005, 0.01, 0.02, 0.05};
-    case Flaw::cut:
+    case Perturbation::cut:
       return {0, 2, 4, 6, 8, 9};
-    case Flaw::regripped:
+    case Perturbation::regripped:
       return {0, 0.05, 0.1, 0.25, 0.5, 1};
-    case Flaw::unloaded:
+    case Perturbation::unloaded:
       return {0, 0.05, 0.1, 0.25, 0.5, 1.5};
-    case Flaw::grown:
+    case Perturbation::grown:
       return {0, 0.1, 0.25, 0.5, 0.75, 0.95};
   }
   return {};
@@ -72,7 +72,7 @@ Adversary::Adversary(const TaxelLayout& layout, NoiseKind kind, double noise)
       sum_(fine_.size()),
       part_(fine_.size()) {}
 
-// A Gaussian along the rows, then along the columns; what would come from beyond the pad is nothing.
+// A Gaussian filter along the rows, then along the columns; the stress beyond the pad counts as 0.
 void Adversary::blur(std::vector<float>& field, double sigma_m) {
   const auto& grid = fine_.regular().value();
   const double sigma = sigma_m / grid.pitch_m;
@@ -122,18 +122,18 @@ void Adversary::blur_by_layer(std::vector<float>& field, double depth_m) {
   field = sum_;
 }
 
-// Point by point, then averaged over the taxels. Returns the share of Q that is left of the contact's.
-double Adversary::feel(Flaw flaw, double strength, const contact::LoadHistory& contact, const ContactDraw& at,
-                       double turn_rad) {
+// Computes tractions point by point and averages them over the taxels. Returns the remaining share of Q.
+double Adversary::feel(Perturbation perturbation, double strength, const contact::LoadHistory& contact,
+                       const ContactDraw& at, double turn_rad) {
   const double c = std::cos(turn_rad), s = std::sin(turn_rad), a = contact.contact_radius_m();
-  const double stretch = flaw == Flaw::elliptic ? std::sqrt(strength) : 1;
+  const double stretch = perturbation == Perturbation::elliptic ? std::sqrt(strength) : 1;
   double whole = 0, left = 0;
   for (std::size_t i = 0; i < fine_.size(); ++i) {
     const double x = fine_.x_m()[i] - at.x_m, y = fine_.y_m()[i] - at.y_m;
     const double u = (c * x + s * y) / stretch, v = (c * y - s * x) * stretch, r = std::hypot(u, v);
     double p = contact.pressure_pa(r), q = contact.shear_pa(r);
     whole += q;
-    if (flaw == Flaw::tilted) {
+    if (perturbation == Perturbation::tilted) {
       p *= 1 + strength * u / a;
       q = std::min(q, contact.friction() * p);
     }
@@ -141,7 +141,7 @@ double Adversary::feel(Flaw flaw, double strength, const contact::LoadHistory& c
     p_[i] = static_cast<float>(p);
     q_[i] = static_cast<float>(q);
   }
-  if (flaw == Flaw::blurred) {
+  if (perturbation == Perturbation::blurred) {
     blur_by_layer(p_, 1e-3 * strength);
     blur_by_layer(q_, 1e-3 * strength);
   }
@@ -161,7 +161,8 @@ double Adversary::feel(Flaw flaw, double strength, const contact::LoadHistory& c
   return whole > 0 ? left / whole : 1;
 }
 
-Trial Adversary::make(Flaw flaw, double strength, const Scene& scene, std::uint64_t seed, std::size_t index) {
+Trial Adversary::make(Perturbation perturbation, double strength, const Scene& scene, std::uint64_t seed,
+                      std::size_t index) {
   ContactDraw draw = draw_contact(scene, seed, index);
   const RandomStream random = RandomStream(seed ^ 0x666c6177ULL).stream(index);
   const double load = 1 - random.uniform(0), direction_rad = 2 * std::numbers::pi * random.uniform(1),
@@ -169,25 +170,27 @@ Trial Adversary::make(Flaw flaw, double strength, const Scene& scene, std::uint6
   const double normal_n = draw.normal_n, mu = draw.friction, shear_n = load * mu * normal_n;
   contact::LoadHistory contact(
       contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson}));
-  const double alone = flaw == Flaw::grown ? 1 - strength : 1;  // of the load, what rose by itself
+  const double alone =
+      perturbation == Perturbation::grown ? 1 - strength : 1;  // of the load, what rose by itself
   contact.move_to(alone * normal_n, 0, mu);
   contact.move_to(alone * normal_n, alone * shear_n, mu);
-  if (flaw == Flaw::grown && strength > 0) contact.move_to(normal_n, shear_n, mu);
-  if (flaw == Flaw::regripped) contact.move_to((1 + strength) * normal_n, shear_n, mu);
-  if (flaw == Flaw::unloaded) contact.move_to(normal_n, (1 - strength) * shear_n, mu);
-  if (flaw == Flaw::cut) {
+  if (perturbation == Perturbation::grown && strength > 0) contact.move_to(normal_n, shear_n, mu);
+  if (perturbation == Perturbation::regripped) contact.move_to((1 + strength) * normal_n, shear_n, mu);
+  if (perturbation == Perturbation::unloaded) contact.move_to(normal_n, (1 - strength) * shear_n, mu);
+  if (perturbation == Perturbation::cut) {
     draw.x_m = 1e-3 * strength * std::cos(turn_rad);
     draw.y_m = 1e-3 * strength * std::sin(turn_rad);
   }
   double kept = 1;
-  const bool shaped = flaw == Flaw::elliptic ? strength != 1 : strength != 0;
-  if (shaped && (flaw == Flaw::blurred || flaw == Flaw::elliptic || flaw == Flaw::tilted)) {
-    kept = feel(flaw, strength, contact, draw, turn_rad);
+  const bool shaped = perturbation == Perturbation::elliptic ? strength != 1 : strength != 0;
+  if (shaped && (perturbation == Perturbation::blurred || perturbation == Perturbation::elliptic ||
+                 perturbation == Perturbation::tilted)) {
+    kept = feel(perturbation, strength, contact, draw, turn_rad);
   } else {
     frames_.feel(contact, draw.x_m, draw.y_m);
   }
   const RandomStream taxels = random.stream(3);
-  if (flaw == Flaw::gains) {
+  if (perturbation == Perturbation::gains) {
     for (std::size_t i = 0; i < layout_.size(); ++i) {
       const auto gain = static_cast<float>(1 + strength * static_cast<double>(taxels.noise(i)));
       frames_.normal_pa()[i] *= gain;
@@ -199,11 +202,11 @@ Trial Adversary::make(Flaw flaw, double strength, const Scene& scene, std::uint6
   const Frame frame = frames_.sense(direction_rad, random.stream(4));
   const auto p = frames_.sensed_normal_pa(), x = frames_.sensed_shear_x_pa(), y = frames_.sensed_shear_y_pa();
   for (std::size_t i = 0; i < layout_.size(); ++i) {
-    if (flaw == Flaw::biased) {
+    if (perturbation == Perturbation::biased) {
       x[i] += static_cast<float>(strength * std::cos(turn_rad)) * peak_pa;
       y[i] += static_cast<float>(strength * std::sin(turn_rad)) * peak_pa;
     }
-    if (flaw == Flaw::dead && taxels.uniform(i) < strength) p[i] = x[i] = y[i] = 0;
+    if (perturbation == Perturbation::dead && taxels.uniform(i) < strength) p[i] = x[i] = y[i] = 0;
   }
   return {frame, 1 - kept * (1 - contact.safety_margin())};
 }

@@ -9,7 +9,7 @@
 #include "core/estimate/svd_knn.hpp"
 #include "core/model/train.hpp"
 #include "core/patch/patch.hpp"
-#include "tools/sliplab/limit.hpp"
+#include "tools/sliplab/cramer_rao_bound.hpp"
 
 namespace sliplab {
 namespace {
@@ -83,7 +83,7 @@ std::vector<Condition> condition_of(const TrialSetup& setup, std::vector<NamedMe
       const ContactDraw draw = draw_contact(scene, setup.seed, i);
       const RandomStream random = RandomStream(setup.seed).stream(i);
       const auto contact = loaded(scene, draw, gamma);
-      limit += std::pow(limit_sigma(layout, contact.pair(), draw, gamma, setup.kind, kSmall), 2);
+      limit += std::pow(cramer_rao_sigma(layout, contact.pair(), draw, gamma, setup.kind, kSmall), 2);
       const double direction_rad = 2 * std::numbers::pi * random.uniform(0);
       clean.feel(contact, draw.x_m, draw.y_m);
       noisy.feel(contact, draw.x_m, draw.y_m);

@@ -1,4 +1,5 @@
-// Error out per error in: how much noise each method makes of noise, and how many bits of a reading it needs.
+// The condition of each method: the error of the margin over the error of the taxels, and the significant
+// bits that it needs.
 #pragma once
 
 #include <memory>
@@ -11,28 +12,28 @@
 namespace sliplab {
 
 struct NamedMethod {
-  std::string name;
+  std::string name;  // for people
   std::unique_ptr<slipd::SlipMethod> method;
 };
 std::vector<NamedMethod> untrained_methods(const TrialSetup& setup);  // moments, fit
 
-// moments, fit, registered (rank 3), svd-knn (rank 8); the last two trained here.
+// moments, fit, registered (rank 3), svd-knn (rank 8). Trains the last two.
 std::vector<NamedMethod> all_methods(const TrialSetup& setup);
 
-// Deviation of the margin over the deviation of a taxel's reading (of the largest p), contacts as in
-// scene_of, at noise small enough to be linear. NaN where the method does not answer.
+// Standard deviation of the margin over that of a taxel (of the largest p), for contacts of scene_of, at
+// noise small enough to be linear.
 struct Condition {
-  double gamma;
-  std::vector<double> by_method;
-  double limit;  // the Cramér–Rao guide's
+  double gamma;                   // the true margin
+  std::vector<double> by_method;  // NaN: the method gives no margin
+  double limit;                   // the Cramér–Rao bound
 };
 std::vector<Condition> condition_of(const TrialSetup& setup, std::vector<NamedMethod>& methods,
                                     const Done& done);
 
-// Mean change of the margin when readings keep so many significant bits instead of a float's 24.
+// Mean change of the margin when taxels have fewer significant bits than a float's 24.
 struct Bits {
-  int bits;
-  std::vector<double> by_method;
+  int bits;                       // significant bits
+  std::vector<double> by_method;  // mean |change|; NaN: the method gives no margin
 };
 std::vector<Bits> bits_needed(const TrialSetup& setup, std::vector<NamedMethod>& methods, const Done& done);
 

@@ -1,5 +1,5 @@
-// The contact model at the ends of the world: against 60 digits, along one quantity at a time, the others
-// drawn.
+// The accuracy of the contact model at extreme parameters, against arithmetic of 60 digits: along one
+// quantity at a time, the others drawn at random.
 #pragma once
 
 #include <cstddef>
@@ -18,24 +18,24 @@ inline constexpr Axis kAxes[] = {Axis::stiffness, Axis::load,      Axis::margin,
 
 std::string_view name_of(Axis axis) noexcept;  // as in tables: "E2/E1", …
 
-// Places along it: E2/E1 1e-3 … 1e8; 1 - Gamma and Gamma 1e-12 … 0.5; P 1e-9 … 1e3 N; mu 1e-6 … 5; R1/R2 from
-// nearly -1 (concave, as tight as the skin) over 0 (flat) to 1000; a/R 1e-6 … 1.
+// Values along an axis: E2/E1 1e-3 … 1e8; 1 - Gamma and Gamma 1e-12 … 0.5; P 1e-9 … 1e3 N; mu 1e-6 … 5; R1/R2
+// from nearly -1 (concave, conforming to the skin) over 0 (flat) to 1000; a/R 1e-6 … 1.
 std::vector<double> places_on(Axis axis);
 
-// A contact of the paper's at this place of the axis, its other quantities drawn; s anywhere, often near the
-// rim or the stick zone's edge.
+// A contact of the paper's family with this value on the axis, its other quantities drawn; s is drawn, often
+// near the rim or the edge of the stick zone.
 Case draw_case(Axis axis, double place, const slipd::RandomStream& random);
 
-// Largest relative errors over a's, p0's, c's, Q's, p's, q's and alpha's.
-struct Worst {
+// Largest relative error of a, p0, c, Q, p, q and alpha.
+struct ModelError {
   Axis axis;
   double place;
-  double closed_form;   // slipd's forms
-  double history;       // q as a sum of disc terms, of the contact's largest q: what simulated sensors feel
-  double single_angle;  // alpha in single precision, as the estimators take it from p and q
-  double textbook_double;  // the textbook's forms
-  double textbook_single;
+  double closed_form;   // slipd's closed forms
+  double history;       // q as the sum of disc terms that simulated sensors use, of the contact's largest q
+  double single_angle;  // alpha in single precision from p and q, as the estimators compute it
+  double textbook_double;  // the textbook's formulas in double precision
+  double textbook_single;  // the textbook's formulas in single precision
 };
-Worst worst_at(Axis axis, double place, std::size_t cases, std::uint64_t seed);
+ModelError model_error_at(Axis axis, double place, std::size_t cases, std::uint64_t seed);
 
 }  // namespace sliplab

@@ -15,7 +15,7 @@ const char* noise_name(slipd::NoiseKind kind) {
   return kind == slipd::NoiseKind::relative ? "relative" : "sensor";
 }
 
-void print_model(const std::vector<Worst>& rows) {
+void print_model(const std::vector<ModelError>& rows) {
   std::puts(
       "The contact model against 60 digits: largest relative error of a, p0, c, Q, p, q, alpha over drawn "
       "contacts.\nhistory: q as a sum of disc terms, of the contact's largest q. alpha: in single precision, "
@@ -36,7 +36,7 @@ std::string number(double value, const char* form) {
   return text.data();
 }
 
-void print_ordeals(const char* title, const std::vector<Ordeal>& rows) {
+void print_robustness(const char* title, const std::vector<RobustnessRow>& rows) {
   std::printf("\n%s\n\n  %-24s", title, "");
   for (const auto& method : kUntrained) std::printf("  %-52s", method.name);
   std::printf("\n  %-10s %13s", "along", "at");
@@ -47,9 +47,9 @@ void print_ordeals(const char* title, const std::vector<Ordeal>& rows) {
     std::printf("  %-10s %13.6g", row.what.c_str(), row.strength);
     for (const auto& t : row.by_method) {
       std::printf("  %7.1f%% %8s %8s %8s %8s %6.1f%%", 100 * t.answered(),
-                  number(t.mean_error(), "%.4f").c_str(), number(100 * t.over(), "%.1f%%").c_str(),
-                  number(100 * t.under(), "%.1f%%").c_str(), number(100 * t.within(2), "%.1f%%").c_str(),
-                  100 * t.in_state(State::out_of_model));
+                  number(t.mean_error(), "%.4f").c_str(), number(100 * t.overestimated(), "%.1f%%").c_str(),
+                  number(100 * t.underestimated(), "%.1f%%").c_str(),
+                  number(100 * t.within(2), "%.1f%%").c_str(), 100 * t.in_state(State::out_of_model));
     }
     std::puts("");
   }
@@ -78,18 +78,18 @@ void print_condition(const Stability& found) {
   }
 }
 
-nlohmann::ordered_json json_of(const std::vector<Ordeal>& rows) {
+nlohmann::ordered_json json_of(const std::vector<RobustnessRow>& rows) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const auto& row : rows) {
     for (std::size_t m = 0; m < row.by_method.size(); ++m) {
-      const Tally& t = row.by_method[m];
+      const ErrorStatistics& t = row.by_method[m];
       out.push_back({{"along", row.what},
                      {"at", row.strength},
                      {"method", kUntrained[m].name},
                      {"answered", t.answered()},
                      {"mean_error", t.mean_error()},
-                     {"claims_safer", t.over()},
-                     {"claims_less_safe", t.under()},
+                     {"claims_safer", t.overestimated()},
+                     {"claims_less_safe", t.underestimated()},
                      {"within_two_sigma", t.within(2)},
                      {"out_of_model", t.in_state(State::out_of_model)}});
     }
@@ -97,18 +97,19 @@ nlohmann::ordered_json json_of(const std::vector<Ordeal>& rows) {
   return out;
 }
 
-void write_ordeals(const std::vector<Ordeal>& rows, const std::filesystem::path& file) {
+void write_robustness(const std::vector<RobustnessRow>& rows, const std::filesystem::path& file) {
   std::ostringstream csv;
   csv << "along,at,method,frames,answered,mean_error,worst_error,claims_safer,claims_less_safe,within_sigma,"
          "within_two_sigma,no_contact,learning,out_of_model\n";
   for (std::size_t m = 0; m < std::size(kUntrained);
        ++m) {  // of one method in a row, as a plot's lines want it
     for (const auto& row : rows) {
-      const Tally& t = row.by_method[m];
+      const ErrorStatistics& t = row.by_method[m];
       csv << row.what << ',' << row.strength << ',' << kUntrained[m].name << ',' << t.frames() << ','
-          << t.answered() << ',' << t.mean_error() << ',' << t.worst() << ',' << t.over() << ',' << t.under()
-          << ',' << t.within(1) << ',' << t.within(2) << ',' << t.in_state(State::no_contact) << ','
-          << t.in_state(State::learning) << ',' << t.in_state(State::out_of_model) << '\n';
+          << t.answered() << ',' << t.mean_error() << ',' << t.worst() << ',' << t.overestimated() << ','
+          << t.underestimated() << ',' << t.within(1) << ',' << t.within(2) << ','
+          << t.in_state(State::no_contact) << ',' << t.in_state(State::learning) << ','
+          << t.in_state(State::out_of_model) << '\n';
     }
   }
   write_file(file, csv.str());
@@ -181,11 +182,13 @@ void plot_flaws(const std::filesystem::path& folder) {
   script << "set terminal svg size 900,1250 font 'sans,11' background 'white'\nset output 'adversary.svg'\n"
             "set datafile separator ','\nset grid\nset multiplot layout 5,2\nset yrange [0:0.4]\n"
             "set ylabel 'error, shares'\nset key left top\n";
-  for (std::size_t f = 0; f < kFlaws; ++f) {
-    const auto flaw = static_cast<Flaw>(f);
-    const std::string pick = "(strcol(1) eq '" + std::string(name_of(flaw)) + "' && strcol(3) eq 'fit'";
-    const std::string cheap = "(strcol(1) eq '" + std::string(name_of(flaw)) + "' && strcol(3) eq 'moments'";
-    script << "set title '" << name_of(flaw) << "'\nset xlabel '" << strength_of(flaw)
+  for (std::size_t f = 0; f < kPerturbations; ++f) {
+    const auto perturbation = static_cast<Perturbation>(f);
+    const std::string pick =
+        "(strcol(1) eq '" + std::string(name_of(perturbation)) + "' && strcol(3) eq 'fit'";
+    const std::string cheap =
+        "(strcol(1) eq '" + std::string(name_of(perturbation)) + "' && strcol(3) eq 'moments'";
+    script << "set title '" << name_of(perturbation) << "'\nset xlabel '" << strength_of(perturbation)
            << "'\nplot 'adversary.csv' using " << pick
            << " ? $2 : NaN):6 with linespoints pt 7 ps 0.5 lc rgb '#1f4e8c' title 'fit, error', '' using "
            << pick
@@ -203,17 +206,18 @@ void plot_flaws(const std::filesystem::path& folder) {
 
 void print_table(const Stability& found) {
   if (!found.model.empty()) print_model(found.model);
-  if (!found.extremes.empty() || !found.flaws.empty() || !found.condition.empty()) {
+  if (!found.extremes.empty() || !found.perturbations.empty() || !found.condition.empty()) {
     std::printf(
         "\nContacts of the paper's, up to 2 mm off the middle of a +-8 mm pad, %zu x %zu taxels, "
         "noise %g %% (%s), %zu a row,\neach frame for itself. safer, less: answers off by more than "
         "%g, of those answered. outside: state out_of_model.\n",
         found.setup.side, found.setup.side, 100 * found.setup.noise, noise_name(found.setup.kind),
-        found.setup.contacts, kClaim);
+        found.setup.contacts, kGrossError);
   }
-  if (!found.extremes.empty()) print_ordeals("What slipd says at the extremes.", found.extremes);
+  if (!found.extremes.empty()) print_robustness("What slipd says at the extremes.", found.extremes);
   if (!found.condition.empty()) print_condition(found);
-  if (!found.flaws.empty()) print_ordeals("What slipd says of contacts that are not its model.", found.flaws);
+  if (!found.perturbations.empty())
+    print_robustness("What slipd says of contacts that are not its model.", found.perturbations);
 }
 
 nlohmann::ordered_json to_json(const Stability& found) {
@@ -238,20 +242,24 @@ nlohmann::ordered_json to_json(const Stability& found) {
     for (std::size_t m = 0; m < row.by_method.size(); ++m) line[found.methods[m]] = row.by_method[m];
     bits.push_back(std::move(line));
   }
-  return {{"columns", found.setup.side},       {"noise_kind", noise_name(found.setup.kind)},
-          {"noise", found.setup.noise},        {"contacts", found.setup.contacts},
-          {"model", std::move(model)},         {"extremes", json_of(found.extremes)},
-          {"condition", std::move(condition)}, {"bits", std::move(bits)},
-          {"adversary", json_of(found.flaws)}};
+  return {{"columns", found.setup.side},
+          {"noise_kind", noise_name(found.setup.kind)},
+          {"noise", found.setup.noise},
+          {"contacts", found.setup.contacts},
+          {"model", std::move(model)},
+          {"extremes", json_of(found.extremes)},
+          {"condition", std::move(condition)},
+          {"bits", std::move(bits)},
+          {"adversary", json_of(found.perturbations)}};
 }
 
 void write_files(const Stability& found, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   if (!found.model.empty()) plot_model(found, folder);
-  if (!found.extremes.empty()) write_ordeals(found.extremes, folder / "extremes.csv");
+  if (!found.extremes.empty()) write_robustness(found.extremes, folder / "extremes.csv");
   if (!found.condition.empty()) plot_condition(found, folder);
-  if (!found.flaws.empty()) {
-    write_ordeals(found.flaws, folder / "adversary.csv");
+  if (!found.perturbations.empty()) {
+    write_robustness(found.perturbations, folder / "adversary.csv");
     plot_flaws(folder);
   }
 }

@@ -1,4 +1,4 @@
-// What `sliplab stability` found, for people, for programs and as plots.
+// The results of `sliplab stability` as tables, JSON and plots.
 #pragma once
 
 #include <filesystem>
@@ -12,21 +12,21 @@
 
 namespace sliplab {
 
-// A part that was not asked for is empty.
+// A part that was not requested is empty.
 struct Stability {
   TrialSetup setup;
-  std::vector<Worst> model;
-  std::vector<Ordeal> extremes;
-  std::vector<std::string> methods;  // of the two below
-  std::vector<Condition> condition;
-  std::vector<Bits> bits;
-  std::vector<Ordeal> flaws;
+  std::vector<ModelError> model;             // of the contact model
+  std::vector<RobustnessRow> extremes;       // of the estimators at extreme parameters
+  std::vector<std::string> methods;          // of `condition` and `bits`
+  std::vector<Condition> condition;          // for each margin
+  std::vector<Bits> bits;                    // for each number of significant bits
+  std::vector<RobustnessRow> perturbations;  // of the contact model
 };
 
 void print_table(const Stability& found);
 nlohmann::ordered_json to_json(const Stability& found);
 
-// CSV files and, where there are enough rows to see anything, plots.
+// Writes CSV files and, with enough rows, plots.
 void write_files(const Stability& found, const std::filesystem::path& folder);
 
 }  // namespace sliplab

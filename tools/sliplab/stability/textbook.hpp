@@ -1,16 +1,23 @@
-// Hertz and Cattaneo–Mindlin as a textbook writes them, for any kind of number: the truth in many digits, and
-// in few a picture of what the forms that slipd uses are for.
+// The textbook formulas of Hertz and Cattaneo–Mindlin for any number type: the reference in many digits, and
+// in few digits the rounding errors that slipd's forms avoid.
 #pragma once
 
 #include <cmath>
 
 namespace sliplab {
 
-// Plain values: E in Pa, R in m (infinity: flat, negative: concave), P in N, load = 1 - Gamma, s = r/a <= 1.
+// The parameters of one contact and one point of it.
 struct Case {
-  double modulus_1, poisson_1, radius_1;
-  double modulus_2, poisson_2, radius_2;
-  double normal_n, friction, load, s;
+  double modulus_1;  // Young's modulus of the skin, Pa
+  double poisson_1;  // Poisson's ratio of the skin
+  double radius_1;   // radius of the skin, m; infinity: flat, negative: concave
+  double modulus_2;  // of the object, Pa
+  double poisson_2;  // of the object
+  double radius_2;   // of the object, m; infinity: flat, negative: concave
+  double normal_n;   // normal force P, N
+  double friction;   // mu
+  double load;       // 1 - Gamma = Q / (mu P)
+  double s;          // r / a, 0 … 1
 };
 
 template <class Real>

@@ -23,14 +23,14 @@ std::vector<EstimatorChain> chains_of(const TrialSetup& setup) {
   return chains;
 }
 
-// One sensor and its chains. A contact is gripped without shear and then seen once; the next one is another.
-class Bench {
+// One sensor and its estimator chains. Each contact is gripped without shear and then estimated once.
+class ChainTrials {
  public:
-  explicit Bench(const TrialSetup& setup)
-      : chains_(chains_of(setup)), tallies_(chains_.size()), nothing_(layout_of(setup).size(), 0.0F) {}
+  explicit ChainTrials(const TrialSetup& setup)
+      : chains_(chains_of(setup)), statistics_(chains_.size()), nothing_(layout_of(setup).size(), 0.0F) {}
 
-  // grown: the share of the load that came together with the force, and not after it.
-  void tell(const Frame& frame, double truth, double grown = 0) {
+  // grown: the share of the tangential force that rose together with the normal force, and not after it.
+  void run(const Frame& frame, double truth, double grown = 0) {
     const auto share = static_cast<float>(1 - grown);
     const auto part = [share](std::span<const float> all, std::vector<float>& out) {
       out.assign(all.begin(), all.end());
@@ -43,16 +43,16 @@ class Bench {
     const Frame before{1, 1, normal_, alone ? nothing_ : x_, alone ? nothing_ : y_};
     for (std::size_t m = 0; m < chains_.size(); ++m) {
       chains_[m].estimate(before);
-      tallies_[m].add(chains_[m].estimate(frame), truth);
+      statistics_[m].add(chains_[m].estimate(frame), truth);
       chains_[m].estimate({1, 1, nothing_, nothing_, nothing_});
     }
   }
 
-  std::vector<Tally> taken() { return std::move(tallies_); }
+  std::vector<ErrorStatistics> statistics() { return std::move(statistics_); }
 
  private:
   std::vector<EstimatorChain> chains_;
-  std::vector<Tally> tallies_;
+  std::vector<ErrorStatistics> statistics_;
   std::vector<float> nothing_, normal_, x_, y_;
 };
 
@@ -70,8 +70,8 @@ Scene scene_of(const TrialSetup& setup) {
   return scene;
 }
 
-std::vector<Ordeal> tell_extremes(const TrialSetup& setup, const Done& done) {
-  std::vector<Ordeal> rows;
+std::vector<RobustnessRow> measure_extremes(const TrialSetup& setup, const Done& done) {
+  std::vector<RobustnessRow> rows;
   std::vector<Axis> axes;
   for (const Axis axis : kAxes) {
     for (const double place : places_on(axis)) {
@@ -81,7 +81,7 @@ std::vector<Ordeal> tell_extremes(const TrialSetup& setup, const Done& done) {
   }
   const TaxelLayout layout = layout_of(setup);
   const auto work = [&](std::size_t i) {
-    Bench bench(setup);
+    ChainTrials trials(setup);
     TrialFrames frames(layout, setup.kind, setup.noise);
     const RandomStream random = RandomStream(setup.seed).stream(static_cast<std::uint64_t>(axes[i]));
     for (std::size_t j = 0; j < setup.contacts; ++j) {
@@ -93,32 +93,32 @@ std::vector<Ordeal> tell_extremes(const TrialSetup& setup, const Done& done) {
       contact.move_to(in.normal_n, in.load * in.friction * in.normal_n, in.friction);
       const RandomStream place = u.stream(1);
       frames.feel(contact, place.uniform(0, -0.002, 0.002), place.uniform(1, -0.002, 0.002));
-      bench.tell(frames.sense(2 * std::numbers::pi * place.uniform(2), u.stream(2)), 1 - in.load);
+      trials.run(frames.sense(2 * std::numbers::pi * place.uniform(2), u.stream(2)), 1 - in.load);
     }
-    rows[i].by_method = bench.taken();
+    rows[i].by_method = trials.statistics();
   };
   for_each_index(rows.size(), setup.threads, work, done);
   return rows;
 }
 
-std::vector<Ordeal> tell_flaws(const TrialSetup& setup, const Done& done) {
-  std::vector<Ordeal> rows;
-  std::vector<Flaw> flaws;
-  for (std::size_t f = 0; f < kFlaws; ++f) {
-    for (const double strength : strengths(static_cast<Flaw>(f))) {
-      flaws.push_back(static_cast<Flaw>(f));
-      rows.push_back({std::string(name_of(flaws.back())), strength, {}});
+std::vector<RobustnessRow> measure_perturbations(const TrialSetup& setup, const Done& done) {
+  std::vector<RobustnessRow> rows;
+  std::vector<Perturbation> perturbations;
+  for (std::size_t f = 0; f < kPerturbations; ++f) {
+    for (const double strength : strengths(static_cast<Perturbation>(f))) {
+      perturbations.push_back(static_cast<Perturbation>(f));
+      rows.push_back({std::string(name_of(perturbations.back())), strength, {}});
     }
   }
   const Scene scene = scene_of(setup);
   const auto work = [&](std::size_t i) {
-    Bench bench(setup);
+    ChainTrials trials(setup);
     Adversary adversary(layout_of(setup), setup.kind, setup.noise);
     for (std::size_t j = 0; j < setup.contacts; ++j) {
-      const Trial trial = adversary.make(flaws[i], rows[i].strength, scene, setup.seed, j);
-      bench.tell(trial.frame, trial.truth, flaws[i] == Flaw::grown ? rows[i].strength : 0);
+      const Trial trial = adversary.make(perturbations[i], rows[i].strength, scene, setup.seed, j);
+      trials.run(trial.frame, trial.truth, perturbations[i] == Perturbation::grown ? rows[i].strength : 0);
     }
-    rows[i].by_method = bench.taken();
+    rows[i].by_method = trials.statistics();
   };
   for_each_index(rows.size(), setup.threads, work, done);
   return rows;

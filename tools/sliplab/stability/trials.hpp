@@ -1,5 +1,5 @@
-// Frames told to the chain, each for itself after a grip without shear: what it says of contacts at the ends
-// of the world, and of those that are not its model.
+// Trials of the estimator chain with single contacts, each after a grip without shear: at extreme parameters,
+// and with perturbations of the contact model.
 #pragma once
 
 #include <functional>
@@ -8,41 +8,42 @@
 
 #include "core/estimate/chain.hpp"
 #include "core/estimate/trial_frames.hpp"
+#include "tools/sliplab/error_statistics.hpp"
 #include "tools/sliplab/stability/adversary.hpp"
 #include "tools/sliplab/stability/extremes.hpp"
-#include "tools/sliplab/tally.hpp"
 
 namespace sliplab {
 
 struct TrialSetup {
-  std::size_t side = 32;  // taxels along each side of a pad of +-8 mm
-  slipd::NoiseKind kind = slipd::NoiseKind::sensor;
-  double noise = 0.01;
-  std::size_t contacts = 200;  // of each row
-  std::uint64_t seed = 1;
+  std::size_t side = 32;                             // taxels along each side of a pad of +-8 mm
+  slipd::NoiseKind kind = slipd::NoiseKind::sensor;  // what the noise is a fraction of
+  double noise = 0.01;                               // half-width, a fraction
+  std::size_t contacts = 200;                        // per row
+  std::uint64_t seed = 1;                            // of contacts and noise
   unsigned threads = 2;
 };
 
-// The paper's contacts on that pad, up to 2 mm off the middle.
+// The paper's contacts on that pad, up to 2 mm off its middle.
 slipd::TaxelLayout layout_of(const TrialSetup& setup);
 slipd::Scene scene_of(const TrialSetup& setup);
 
 // Methods that need no training.
 struct Untrained {
   slipd::MethodChoice choice;
-  const char* name;
+  const char* name;  // in tables
 };
 inline constexpr Untrained kUntrained[] = {{slipd::MethodChoice::moments, "moments"},
                                            {slipd::MethodChoice::fit, "fit"}};
 
-struct Ordeal {
-  std::string what;  // the axis or the flaw
-  double strength;
-  std::vector<Tally> by_method;  // as kUntrained
+// The errors at one value of an axis or one strength of a perturbation.
+struct RobustnessRow {
+  std::string what;                        // name of the axis or the perturbation
+  double strength;                         // value on the axis or strength of the perturbation
+  std::vector<ErrorStatistics> by_method;  // in the order of kUntrained
 };
 
 using Done = std::function<void(double share)>;
-std::vector<Ordeal> tell_extremes(const TrialSetup& setup, const Done& done);
-std::vector<Ordeal> tell_flaws(const TrialSetup& setup, const Done& done);
+std::vector<RobustnessRow> measure_extremes(const TrialSetup& setup, const Done& done);
+std::vector<RobustnessRow> measure_perturbations(const TrialSetup& setup, const Done& done);
 
 }  // namespace sliplab

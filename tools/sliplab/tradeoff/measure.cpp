@@ -17,13 +17,13 @@ using namespace slipd;
 
 constexpr double kPadMetres = 0.016;
 constexpr double kTrainedNoise = 0.01;  // relative
-constexpr double kMostAnswered = 0.8;   // a method that is silent on more is on no front
+constexpr double kMostAnswered = 0.8;   // a method that gives fewer margins is not on the front
 constexpr std::size_t kGraspsPerContact = 5;
 
 TaxelLayout layout_of(const std::string& name) {
   if (name == "wrench") return TaxelLayout::wrench(kPadMetres);
   const std::size_t side = std::stoul(name);
-  // The 4 x 4 fingertips that are sold have 4.7 mm of pitch.
+  // Commercial fingertips of 4 x 4 taxels have a pitch of 4.7 mm.
   return TaxelLayout::grid(side, side, side == 4 ? 0.0047 : kPadMetres / static_cast<double>(side));
 }
 
@@ -35,12 +35,12 @@ Scene scene_of(double noise) {
   return scene;
 }
 
-// Each is trained once per layout, at kTrainedNoise, and met by every noise.
+// Each is trained once per layout, at kTrainedNoise, and tested with every noise.
 std::vector<std::unique_ptr<SlipMethod>> trained_methods(const TaxelLayout& layout,
                                                          const TradeoffOptions& options) {
   ModelSetup setup{.layout = layout, .scene = scene_of(kTrainedNoise), .size = {}, .seed = options.seed};
   std::vector<std::unique_ptr<SlipMethod>> methods;
-  // A rank that so few taxels do not have is left out.
+  // Omits ranks above the number of taxels.
   const auto add = [&](const std::vector<int>& ranks, bool twice) {
     std::vector<ModelData> models;
     try {
@@ -110,8 +110,8 @@ std::vector<Line> measure_tradeoffs(const TradeoffOptions& options, const Tell& 
       const Scene scene = scene_of(noise.half_width);
       std::vector<Line> lines;
       if (!methods.empty()) {
-        const Limit limit =
-            limit_of(layout, scene, noise.kind, noise.half_width, options.contacts, options.seed + 1);
+        const CramerRaoBound limit = mean_cramer_rao_bound(layout, scene, noise.kind, noise.half_width,
+                                                           options.contacts, options.seed + 1);
         for (const auto& method : methods) {
           lines.push_back({name, noise, "",
                            measure_tradeoff(layout, scene, *method, noise.kind, noise.half_width,

@@ -1,4 +1,4 @@
-// Every method in every setting on every layout and noise, on contacts that nothing was trained on.
+// Measures every method with every setting on every layout and noise, on contacts outside the training data.
 #pragma once
 
 #include <functional>
@@ -6,43 +6,45 @@
 #include <vector>
 
 #include "core/estimate/tradeoff.hpp"
-#include "tools/sliplab/limit.hpp"
+#include "tools/sliplab/cramer_rao_bound.hpp"
 
 namespace sliplab {
 
 struct Noise {
-  slipd::NoiseKind kind;
-  double half_width;  // a fraction, see NoiseKind
+  slipd::NoiseKind kind;  // what the half-width is a fraction of
+  double half_width;      // of uniform noise, a fraction
 };
 const char* name_of(slipd::NoiseKind kind) noexcept;
 
 struct TradeoffOptions {
+  // Taxels along each side of the pad, or "wrench".
   std::vector<std::string> layouts{"100", "32", "16", "8", "4", "wrench"};
   std::vector<Noise> noises{{slipd::NoiseKind::relative, 0.01},
                             {slipd::NoiseKind::relative, 0.05},
                             {slipd::NoiseKind::relative, 0.10},
                             {slipd::NoiseKind::sensor, 0.01},
                             {slipd::NoiseKind::sensor, 0.05}};
-  std::size_t contacts = 500;
-  bool models = true;  // what has to be trained, too
-  std::uint64_t seed = 1;
-  unsigned threads = 2;  // for training only
+  std::size_t contacts = 500;  // per line
+  bool models = true;          // false: only methods without a trained model
+  std::uint64_t seed = 1;      // of contacts and noise
+  unsigned threads = 2;        // for training only
 };
 
 struct Line {
-  std::string layout;
+  std::string layout;  // as in TradeoffOptions
   Noise noise;
-  std::string when;  // empty: each frame for itself; else the part of a grasp
+  std::string when;  // part of a grasp; empty: single frames without history
   slipd::TradeoffRow row;
-  Limit limit;         // NaN where a single frame has none
-  bool front = false;  // nothing measured beside it is both faster and nearer to the truth
+  CramerRaoBound limit;  // NaN where a single frame has none
+  bool front =
+      false;  // on the Pareto front: no other line of its layout and noise is faster and more accurate
 };
 
-// Told before each line is measured.
+// Called before each line is measured.
 using Tell = std::function<void(double share, const char* layout)>;
 std::vector<Line> measure_tradeoffs(const TradeoffOptions& options, const Tell& tell);
 
-// Marks the front among the lines of one layout and noise, which answer most of their contacts.
+// Marks the Pareto front among the lines of one layout and noise that give a margin for most contacts.
 void mark_front(std::vector<Line>& lines);
 
 }  // namespace sliplab

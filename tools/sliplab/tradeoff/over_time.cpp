@@ -11,16 +11,16 @@ namespace {
 
 using namespace slipd;
 
-// As draw_grasp, with the first slip as second piece, and no change of friction afterwards.
+// As draw_grasp, with the first slip as second segment, and no change of friction afterwards.
 Grasp slipping_grasp(const Scene& scene, std::uint64_t seed, std::size_t index) {
   Grasp grasp = draw_grasp(scene, seed, index, 0);
-  grasp.pieces.resize(1);
+  grasp.segments.resize(1);
   const RandomStream random = RandomStream(seed ^ 0x736c6970ULL).stream(index);
-  Piece last = grasp.pieces.front();
+  LoadSegment last = grasp.segments.front();
   const auto add = [&](Move move, double normal_n, double share, double seconds) {
     const double most = last.friction * normal_n;
     last = {move, normal_n, share * most, last.friction, seconds};
-    grasp.pieces.push_back(last);
+    grasp.segments.push_back(last);
     last.shear_n = std::min(last.shear_n, most);
   };
   add(Move::slide, last.normal_n, 1.1, random.uniform(0, 0.1, 1.0));
@@ -41,19 +41,19 @@ double quantile(std::vector<double>& values, double share) {
 
 struct Part {
   const char* name;
-  Tally tally;
+  ErrorStatistics statistics;
   std::vector<double> errors, times;
 };
 
 Line line_of(const std::string& layout, const Noise& noise, Method method, Part& part) {
   Line line{layout, noise, part.name, {}, {kUnknown, kUnknown}, false};
   line.row.method = to_string(method);
-  line.row.mean_error = part.tally.mean_error();
+  line.row.mean_error = part.statistics.mean_error();
   line.row.p95_error = quantile(part.errors, 0.95);
-  line.row.right = part.tally.right();
-  line.row.answered = part.tally.answered();
-  line.row.within_sigma = part.tally.within(1);
-  line.row.within_two_sigma = part.tally.within(2);
+  line.row.right = part.statistics.class_correct();
+  line.row.answered = part.statistics.answered();
+  line.row.within_sigma = part.statistics.within(1);
+  line.row.within_two_sigma = part.statistics.within(2);
   line.row.p50_us = quantile(part.times, 0.5);
   line.row.p99_us = quantile(part.times, 0.99);
   return line;
@@ -70,16 +70,16 @@ std::vector<Line> measure_over_time(const std::string& layout, const TaxelLayout
                          .alerts = {},
                          .friction = {}};
   std::array<Part, 2> parts{Part{"before the first slip", {}, {}, {}}, Part{"after it", {}, {}, {}}};
-  const Sensing sensing{.kind = noise.kind, .noise = noise.half_width};
+  const Sampling sensing{.kind = noise.kind, .noise = noise.half_width};
   Method method = Method::none;
   for (std::size_t i = 0; i < grasps; ++i) {
     EstimatorChain chain(setup, nullptr);
     method = chain.method();
     bool slipped = false;
     drive(slipping_grasp(scene, seed, i), taxels, scene.skin, sensing, RandomStream(seed).stream(i), chain,
-          [&](const Moment& at) {
+          [&](const GraspSample& at) {
             Part& part = parts[slipped ? 1 : 0];
-            part.tally.add(at.estimate, at.truth.gamma);
+            part.statistics.add(at.estimate, at.truth.gamma);
             if (at.estimate.gamma) part.errors.push_back(std::fabs(*at.estimate.gamma - at.truth.gamma));
             part.times.push_back(at.taken_us);
             slipped = slipped || at.truth.gamma < 1e-9;

@@ -1,4 +1,4 @@
-// Sensors of which no single frame tells the margin, over a grasp: before and after its first slip.
+// Sensors whose single frames do not determine the margin, over a grasp: before and after its first slip.
 #pragma once
 
 #include <vector>

@@ -17,7 +17,7 @@ std::string title_of(const std::string& layout) {
   return layout == "wrench" ? "wrench" : layout + "x" + layout;
 }
 
-// What a method has no setting of, or did not answer, is "-".
+// "-" for a setting that the method does not have, and for an absent result.
 std::string cell(double value, const char* form) {
   if (!std::isfinite(value)) return "-";
   std::array<char, 32> text{};
@@ -32,7 +32,8 @@ void print_head(const Line& line) {
   std::printf("\n%s, %s noise of %g %%.", title_of(line.layout).c_str(), name_of(line.noise.kind),
               100 * line.noise.half_width);
   if (std::isfinite(line.limit.mean_error))
-    std::printf(" Cramer-Rao guide: %.4f, %.1f %% right.", line.limit.mean_error, 100 * line.limit.right);
+    std::printf(" Cramer-Rao guide: %.4f, %.1f %% right.", line.limit.mean_error,
+                100 * line.limit.class_correct);
   std::puts(
       "\n    method     rank rings   k  precision  memory kB  mean err   95 %      right  answered  1 sigma  "
       "2 sigma   p50 us   p99 us");
@@ -64,7 +65,7 @@ constexpr std::array<Panel, 6> kPanels{{{"100", slipd::NoiseKind::relative, 0.05
                                         {"16", slipd::NoiseKind::sensor, 0.01},
                                         {"8", slipd::NoiseKind::relative, 0.01}}};
 
-// What of a panel was measured, from the fastest to the nearest.
+// The measured lines of a panel, from the fastest to the most accurate.
 std::vector<const Line*> front_of(const std::vector<Line>& lines, const Panel& panel) {
   std::vector<const Line*> front;
   for (const auto& line : lines) {
@@ -158,7 +159,7 @@ nlohmann::ordered_json to_json(const std::vector<Line>& lines, std::size_t conta
                     {"p50_us", row.p50_us},
                     {"p99_us", row.p99_us},
                     {"limit_error", line.limit.mean_error},
-                    {"limit_right", line.limit.right},
+                    {"limit_right", line.limit.class_correct},
                     {"front", line.front}});
   }
   return {{"contacts", contacts}, {"processor", slipd::processor_name()}, {"rows", std::move(rows)}};

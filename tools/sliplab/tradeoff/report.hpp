@@ -1,4 +1,4 @@
-// The work-precision table for people, for programs and as a plot.
+// The work-precision results as a table, JSON and a plot.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "tools/slipctl/figures.hpp"
+#include "tools/slipctl/number_text.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // The devices speak their formats byte for byte. Expected bytes were worked out by hand from the layouts in
-// the sheets.
+// the models.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@ using testing::ElementsAre;
 using testing::SizeIs;
 
 // One scan of what `pattern` feels, at scan 0x12 and 0x3456 µs.
-std::vector<Packet> scan_of(const Sheet& sheet) {
+std::vector<Packet> scan_of(const DeviceModel& model) {
   std::vector<std::vector<float>> memory;
   std::vector<Frame> frames;
-  for (const Contact& contact : pattern(sheet)) {
-    const std::size_t taxels = sheet.layout.size();
+  for (const Contact& contact : pattern(model)) {
+    const std::size_t taxels = model.layout.size();
     std::vector<float>& values = memory.emplace_back(3 * taxels);
     FrameSlot slot;
     slot.normal_pa = std::span(values).subspan(0, taxels);
@@ -28,7 +28,7 @@ std::vector<Packet> scan_of(const Sheet& sheet) {
     contact(slot);
     frames.push_back(slot.view());
   }
-  return sheet.scan({frames, 0x12, 0x3456});
+  return model.scan({frames, 0x12, 0x3456});
 }
 
 Bytes part(const Bytes& bytes, std::size_t at, std::size_t size) {
@@ -37,20 +37,20 @@ Bytes part(const Bytes& bytes, std::size_t at, std::size_t size) {
 }
 
 // Whatever the device, a scan of a sensor at rest and one beyond every limit are as long as any other.
-class EveryDevice : public testing::TestWithParam<const Sheet*> {};
-INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(all_sheets()), [](const auto& tested) {
+class EveryDevice : public testing::TestWithParam<const DeviceModel*> {};
+INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(all_models()), [](const auto& tested) {
   std::string name(tested.param->name);
   std::ranges::replace(name, '-', '_');
   return name;
 });
 
 TEST_P(EveryDevice, KeepsTheLengthOfAScanWhateverItFeels) {
-  const Sheet& sheet = *GetParam();
-  const std::vector<Packet> usual = scan_of(sheet);
+  const DeviceModel& model = *GetParam();
+  const std::vector<Packet> usual = scan_of(model);
   for (const float pressure : {0.0F, 1e9F, -1e9F}) {
-    const std::vector<float> values(sheet.layout.size(), pressure);
-    const std::vector<Frame> frames(sheet.sensors, Frame{0, 0, values, values, values});
-    const std::vector<Packet> scan = sheet.scan({frames, 1, 2});
+    const std::vector<float> values(model.layout.size(), pressure);
+    const std::vector<Frame> frames(model.sensors, Frame{0, 0, values, values, values});
+    const std::vector<Packet> scan = model.scan({frames, 1, 2});
     ASSERT_EQ(scan.size(), usual.size());
     for (std::size_t i = 0; i < scan.size(); ++i) {
       EXPECT_EQ(scan[i].address, usual[i].address);
@@ -60,7 +60,7 @@ TEST_P(EveryDevice, KeepsTheLengthOfAScanWhateverItFeels) {
 }
 
 TEST_P(EveryDevice, IsFoundByItsName) {
-  EXPECT_EQ(find_sheet(GetParam()->name), GetParam());
+  EXPECT_EQ(find_model(GetParam()->name), GetParam());
 }
 
 TEST(Xela, SendsAFrameATaxelWithBigEndianAxesFromByteOne) {
@@ -73,12 +73,12 @@ TEST(Xela, SendsAFrameATaxelWithBigEndianAxesFromByteOne) {
 }
 
 TEST(Xela, SpeaksOnlyAfterItsStartCommand) {
-  Talk talk{.streaming = xela_xr1944().starts_by_itself};
-  EXPECT_FALSE(talk.streaming);
-  xela_xr1944().hear({0x202, {0x07, 0x00}}, talk);
-  EXPECT_FALSE(talk.streaming) << "that was for another board";
-  xela_xr1944().hear({0x201, {0x07, 0x00}}, talk);
-  EXPECT_TRUE(talk.streaming);
+  HostState host{.streaming = xela_xr1944().starts_by_itself};
+  EXPECT_FALSE(host.streaming);
+  xela_xr1944().receive({0x202, {0x07, 0x00}}, host);
+  EXPECT_FALSE(host.streaming) << "that was for another board";
+  xela_xr1944().receive({0x201, {0x07, 0x00}}, host);
+  EXPECT_TRUE(host.streaming);
 }
 
 TEST(ICubSkin, SendsSevenTaxelsThenFiveOfEachTriangle) {
@@ -92,11 +92,11 @@ TEST(ICubSkin, SendsSevenTaxelsThenFiveOfEachTriangle) {
 }
 
 TEST(ICubSkin, StartsAndStopsByItsTransmissionMode) {
-  Talk talk;
-  icub_skin().hear({0x201, {0x07, 0x00}}, talk);
-  EXPECT_TRUE(talk.streaming);
-  icub_skin().hear({0x201, {0x07, 0x01}}, talk);
-  EXPECT_FALSE(talk.streaming);
+  HostState host;
+  icub_skin().receive({0x201, {0x07, 0x00}}, host);
+  EXPECT_TRUE(host.streaming);
+  icub_skin().receive({0x201, {0x07, 0x01}}, host);
+  EXPECT_FALSE(host.streaming);
 }
 
 TEST(TakkTile, SendsTenBitsLeftAlignedForPressureAndTemperature) {
@@ -111,16 +111,16 @@ TEST(TakkTile, SendsTenBitsLeftAlignedForPressureAndTemperature) {
 }
 
 TEST(TakkTile, AnswersForItsCellsAndStartsByRequest) {
-  Talk talk;
+  HostState host;
   const auto ask = [&](std::uint8_t request, std::uint16_t value) {
-    return takktile().usb->request({0xC0, request, value, 0, 64}, talk);
+    return takktile().usb->request({0xC0, request, value, 0, 64}, host);
   };
   EXPECT_EQ(ask(0x5C, 0), Bytes(40, 255));
   EXPECT_THAT(*ask(0x6C, 0), SizeIs(8));
   EXPECT_TRUE(ask(0xC7, 100));
-  EXPECT_TRUE(talk.streaming);
+  EXPECT_TRUE(host.streaming);
   EXPECT_TRUE(ask(0xC7, 0));
-  EXPECT_FALSE(talk.streaming);
+  EXPECT_FALSE(host.streaming);
   EXPECT_FALSE(ask(0x11, 0)) << "an unknown request stalls";
 }
 
@@ -176,11 +176,11 @@ TEST(Tsf85, SendsAPacketAFingerAndOneForTheRest) {
 }
 
 TEST(Tsf85, StartsAndStopsByItsPeriod) {
-  Talk talk;
-  robotiq_tsf85().hear({1, {0x9A, 0, 0x58, 1, 1}}, talk);
-  EXPECT_TRUE(talk.streaming);
-  robotiq_tsf85().hear({1, {0x9A, 0, 0x58, 1, 0}}, talk);
-  EXPECT_FALSE(talk.streaming);
+  HostState host;
+  robotiq_tsf85().receive({1, {0x9A, 0, 0x58, 1, 1}}, host);
+  EXPECT_TRUE(host.streaming);
+  robotiq_tsf85().receive({1, {0x9A, 0, 0x58, 1, 0}}, host);
+  EXPECT_FALSE(host.streaming);
 }
 
 TEST(VendorHid, SplitsAScanOverReportsOf64Bytes) {

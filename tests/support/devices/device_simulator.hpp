@@ -17,13 +17,13 @@ namespace slipd::devices {
 // Fills the next frame of one sensor, with its truth. The slot's spans have the layout's size.
 using Contact = std::function<void(FrameSlot&)>;
 
-class Player {
+class DeviceSimulator {
  public:
-  // `contacts`: one a sensor of the sheet. `truth` may be null; it gets a line of JSON for each frame sent
+  // `contacts`: one a sensor of the model. `truth` may be null; it gets a line of JSON for each frame sent
   // and each order carried out. The port is plugged in here. Throws as Port::plug does.
-  Player(const Sheet& sheet, std::vector<Contact> contacts, std::unique_ptr<Port> port,
-         std::ostream* truth = nullptr);
-  ~Player();
+  DeviceSimulator(const DeviceModel& model, std::vector<Contact> contacts, std::unique_ptr<Port> port,
+                  std::ostream* truth = nullptr);
+  ~DeviceSimulator();
 
   // Any thread: carried out before the next scan, or before that number. Throws std::invalid_argument.
   void order(const std::string& text);
@@ -49,7 +49,7 @@ class Player {
   std::vector<Packet> next_scan();
   void write_truth();
 
-  const Sheet& sheet_;
+  const DeviceModel& model_;
   std::vector<Sensor> sensors_;
   std::unique_ptr<Port> port_;
   std::ostream* truth_;

@@ -1,4 +1,4 @@
-#include "tools/slipctl/readings.hpp"
+#include "tools/slipctl/rpc_values.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -59,43 +59,43 @@ std::vector<SensorInfo> sensors_from(const json& result) {
   return sensors;
 }
 
-EstimateView reading_from(const json& estimate) {
-  EstimateView reading;
-  reading.sensor = text(estimate, "sensor");
-  reading.state = text(estimate, "state", "stale");
-  reading.alert = text(estimate, "alert", "none");
-  reading.method = text(estimate, "method");
-  reading.sequence = count(estimate, "seq");
-  reading.time_ns = integer(estimate, "time_ns");
-  reading.gamma = number(estimate, "gamma");
-  reading.sigma = number(estimate, "sigma");
-  reading.friction = number(estimate, "friction");
-  reading.friction_sigma = number(estimate, "friction_sigma");
-  if (const auto value = number(estimate, "class")) reading.slip_class = static_cast<int>(*value);
-  reading.normal_n = number(estimate, "normal_n");
-  reading.shear_n = number(estimate, "shear_n");
-  if (const json& center = member(estimate, "center_mm");
+EstimateView estimate_from(const json& in) {
+  EstimateView out;
+  out.sensor = text(in, "sensor");
+  out.state = text(in, "state", "stale");
+  out.alert = text(in, "alert", "none");
+  out.method = text(in, "method");
+  out.sequence = count(in, "seq");
+  out.time_ns = integer(in, "time_ns");
+  out.gamma = number(in, "gamma");
+  out.sigma = number(in, "sigma");
+  out.friction = number(in, "friction");
+  out.friction_sigma = number(in, "friction_sigma");
+  if (const auto value = number(in, "class")) out.slip_class = static_cast<int>(*value);
+  out.normal_n = number(in, "normal_n");
+  out.shear_n = number(in, "shear_n");
+  if (const json& center = member(in, "center_mm");
       center.is_array() && center.size() == 2 && center[0].is_number() && center[1].is_number()) {
-    reading.center_x_mm = center[0].get<double>();
-    reading.center_y_mm = center[1].get<double>();
+    out.center_x_mm = center[0].get<double>();
+    out.center_y_mm = center[1].get<double>();
   }
-  reading.radius_mm = number(estimate, "radius_mm");
-  reading.a_over_r = number(estimate, "a_over_r");
-  reading.time_to_slip_ms = number(estimate, "time_to_slip_ms");
-  reading.grip_increase_n = number(estimate, "grip_increase_n");
-  reading.latency_us = number(estimate, "latency_us");
-  reading.age_ms = number(estimate, "age_ms");
-  reading.true_gamma = number(member(estimate, "truth"), "gamma");
-  reading.true_friction = number(member(estimate, "truth"), "friction");
-  reading.dropped = count(estimate, "dropped");
-  reading.simulated = flag(estimate, "simulated");
-  return reading;
+  out.radius_mm = number(in, "radius_mm");
+  out.a_over_r = number(in, "a_over_r");
+  out.time_to_slip_ms = number(in, "time_to_slip_ms");
+  out.grip_increase_n = number(in, "grip_increase_n");
+  out.latency_us = number(in, "latency_us");
+  out.age_ms = number(in, "age_ms");
+  out.true_gamma = number(member(in, "truth"), "gamma");
+  out.true_friction = number(member(in, "truth"), "friction");
+  out.dropped = count(in, "dropped");
+  out.simulated = flag(in, "simulated");
+  return out;
 }
 
 std::vector<EstimateView> grasps_from(const json& result) {
   std::vector<EstimateView> grasps;
   for (const json& each : member(result, "grasps")) {
-    grasps.push_back(reading_from(each));
+    grasps.push_back(estimate_from(each));
     grasps.back().sensor = text(each, "grasp");
   }
   return grasps;

@@ -11,9 +11,9 @@
 
 namespace slipd::test {
 
-class Bench {
+class TestRig {
  public:
-  virtual ~Bench() = default;
+  virtual ~TestRig() = default;
   virtual DeviceDriver& driver() = 0;
   virtual void order(const std::string& /*misbehaviour*/) {}  // of the device, see misbehaviour.hpp
 };
@@ -21,16 +21,16 @@ class Bench {
 // Scans a second that simulated devices are to make, of benches made from then on.
 inline double device_rate_hz = 500;
 
-struct Kind {
+struct DriverCase {
   std::string name;
-  std::function<std::unique_ptr<Bench>()> make;
+  std::function<std::unique_ptr<TestRig>()> make;
   bool misbehaves = true;       // there is a device that can be told to
   bool sees_unplugging = true;  // and whose bus says when it is gone
   bool knows_losses = true;     // a lost part of a scan shows in the sequence
 };
 
-void PrintTo(const Kind& kind, std::ostream* out);
+void PrintTo(const DriverCase& driver_case, std::ostream* out);
 
-std::vector<Kind> all_kinds();
+std::vector<DriverCase> all_driver_cases();
 
 }  // namespace slipd::test

@@ -7,27 +7,27 @@
 
 namespace slipd::test {
 
-class MemoryWire final : public usb::Wire {
+class MemoryTransport final : public usb::Transport {
  public:
-  MemoryWire(std::shared_ptr<devices::MemoryBus> bus, const decode::Profile& profile)
+  MemoryTransport(std::shared_ptr<devices::MemoryBus> bus, const decode::Profile& profile)
       : bus_(std::move(bus)), start_(profile.start), out_(profile.usb->out) {
-    start_again();
+    restart();
   }
 
-  usb::Got receive(usb::Arrival& out, std::int64_t give_up_ns) noexcept override {
+  usb::ReceiveResult receive(usb::ReceivedBytes& out, std::int64_t give_up_ns) noexcept override {
     try {
       auto packet =
           bus_->receive(std::chrono::nanoseconds(std::max<std::int64_t>(0, give_up_ns - monotonic_ns())));
-      if (!packet) return usb::Got::nothing;
+      if (!packet) return usb::ReceiveResult::timeout;
       held_ = std::move(*packet);
       out = {held_.bytes, monotonic_ns()};
-      return usb::Got::bytes;
+      return usb::ReceiveResult::bytes;
     } catch (const devices::MemoryBus::Gone&) {
-      return usb::Got::gone;
+      return usb::ReceiveResult::disconnected;
     }
   }
 
-  void start_again() noexcept override {
+  void restart() noexcept override {
     for (const decode::Message& message : start_) {
       if (message.control) {
         const auto& c = *message.control;
@@ -46,9 +46,9 @@ class MemoryWire final : public usb::Wire {
 };
 
 inline usb::Opener memory_opener(std::shared_ptr<devices::MemoryBus> bus) {
-  return [bus](const decode::Profile& profile, const usb::Which&) -> usb::Opened {
+  return [bus](const decode::Profile& profile, const usb::DeviceSelector&) -> usb::OpenedDevice {
     if (!bus->plugged()) throw DriverError("nothing is plugged in");
-    return {std::make_unique<MemoryWire>(bus, profile), "memory", "SIM0001"};
+    return {std::make_unique<MemoryTransport>(bus, profile), "memory", "SIM0001"};
   };
 }
 

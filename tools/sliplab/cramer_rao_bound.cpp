@@ -1,4 +1,4 @@
-#include "tools/sliplab/limit.hpp"
+#include "tools/sliplab/cramer_rao_bound.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ using namespace slipd;
 
 namespace {
 
-constexpr double kPriorPrecision = 12;  // of a number uniform in 0 … 1
+constexpr double kPriorPrecision = 12;  // 1 / variance of the uniform distribution on 0 … 1
 enum Unknown { center_x, center_y, radius, height, load, margin };
 constexpr int kUnknowns = margin + 1;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
@@ -29,8 +29,8 @@ double normal_below(double x) {
 }  // namespace
 
 // In units of a and p0: p = A(1), q = mu (A(1) - A(k)); A the average of sqrt(x^2 - r^2) over a taxel, exact.
-double limit_sigma(const TaxelLayout& layout, const contact::BodyPair& pair, const ContactDraw& draw,
-                   double gamma, NoiseKind kind, double noise) {
+double cramer_rao_sigma(const TaxelLayout& layout, const contact::BodyPair& pair, const ContactDraw& draw,
+                        double gamma, NoiseKind kind, double noise) {
   const double a = pair.contact_radius_m(draw.normal_n), side = layout.side_m() / a;
   const double k = std::cbrt(gamma), mu = draw.friction;
   Square pressure = Square::Zero(), shear = Square::Zero();
@@ -56,7 +56,7 @@ double limit_sigma(const TaxelLayout& layout, const contact::BodyPair& pair, con
   const double sigma_p = of_uniform * most_p,
                sigma_q = kind == NoiseKind::sensor ? sigma_p : of_uniform * most_q;
   const Square information = pressure / (sigma_p * sigma_p) + shear / (sigma_q * sigma_q);
-  // The unknowns differ by many decades; scaled to a unit diagonal they do not.
+  // The unknowns differ by many decades: scaling to a unit diagonal improves the condition number.
   const Vector scale = information.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return std::numeric_limits<double>::infinity();
   const Square even = scale.asDiagonal() * information * scale.asDiagonal();
@@ -67,24 +67,24 @@ double limit_sigma(const TaxelLayout& layout, const contact::BodyPair& pair, con
              : std::numeric_limits<double>::infinity();
 }
 
-Limit limit_of(const TaxelLayout& layout, const Scene& scene, NoiseKind kind, double noise,
-               std::size_t contacts, std::uint64_t seed) {
-  Limit sum{0, 0};
+CramerRaoBound mean_cramer_rao_bound(const TaxelLayout& layout, const Scene& scene, NoiseKind kind,
+                                     double noise, std::size_t contacts, std::uint64_t seed) {
+  CramerRaoBound sum{0, 0};
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
     const double gamma = RandomStream(seed ^ 0x6c696d6974ULL).uniform(i, 0.001, 0.999);
     const auto pair =
         contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
-    const double alone = limit_sigma(layout, pair, draw, gamma, kind, noise);
+    const double alone = cramer_rao_sigma(layout, pair, draw, gamma, kind, noise);
     const double sigma = 1 / std::sqrt(1 / (alone * alone) + kPriorPrecision);
     sum.mean_error += std::sqrt(2 / std::numbers::pi) * sigma;
     const int own = slip_class(gamma);
     const double low = own == 1 ? -std::numeric_limits<double>::infinity() : 0.2 * (own - 1);
     const double high = own == 5 ? std::numeric_limits<double>::infinity() : 0.2 * own;
-    sum.right += normal_below((high - gamma) / sigma) - normal_below((low - gamma) / sigma);
+    sum.class_correct += normal_below((high - gamma) / sigma) - normal_below((low - gamma) / sigma);
   }
   const auto n = static_cast<double>(contacts);
-  return {sum.mean_error / n, sum.right / n};
+  return {sum.mean_error / n, sum.class_correct / n};
 }
 
 }  // namespace sliplab

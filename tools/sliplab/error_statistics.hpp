@@ -1,4 +1,4 @@
-// What estimates were worth against the truth: counted, added up, and turned into shares.
+// Statistics of estimates against the truth.
 #pragma once
 
 #include <array>
@@ -8,27 +8,28 @@
 
 namespace sliplab {
 
-// How far off an answer is a claim: a margin told that much above the truth drops objects, below it squeezes
+// The error of the margin that counts as gross: an overestimate lets objects slip, an underestimate crushes
 // them.
-inline constexpr double kClaim = 0.2;
+inline constexpr double kGrossError = 0.2;
 
-class Tally {
+class ErrorStatistics {
  public:
   static constexpr std::size_t kStates = 8;  // of slipd::State
 
-  // truth: the margin; a frame of a contact.
+  // The estimate of a frame of a contact with the true margin `truth`.
   void add(const slipd::Estimate& estimate, double truth);
-  void add(const Tally& other);
+  void add(const ErrorStatistics& other);
 
   double frames() const noexcept { return frames_; }
   double answered() const noexcept { return share(answered_, frames_); }  // in state ok, of all frames
-  // Of the frames answered; NaN where none was.
+  // The following count frames in state ok only; NaN where there is none.
   double mean_error() const noexcept { return share(error_, answered_); }
   double worst() const noexcept { return worst_; }
-  double right() const noexcept { return share(right_, answered_); }  // the class
-  double over() const noexcept { return share(over_, answered_); }    // safer by kClaim than it is
-  double under() const noexcept { return share(under_, answered_); }  // less safe by kClaim
-  // Within so many (1 to 3) of the deviations that they came with.
+  double class_correct() const noexcept { return share(class_correct_, answered_); }
+  // The share whose margin is more than kGrossError above, or below, the truth.
+  double overestimated() const noexcept { return share(overestimated_, answered_); }
+  double underestimated() const noexcept { return share(underestimated_, answered_); }
+  // The share whose error is within so many (1 to 3) of the estimate's sigma.
   double within(std::size_t sigmas) const noexcept { return share(within_.at(sigmas - 1), answered_); }
   double in_state(slipd::State state) const noexcept {
     return share(states_[static_cast<std::size_t>(state)], frames_);
@@ -37,7 +38,8 @@ class Tally {
  private:
   static double share(double of, double all) noexcept { return all > 0 ? of / all : slipd::kUnknown; }
 
-  double frames_ = 0, answered_ = 0, error_ = 0, worst_ = 0, right_ = 0, over_ = 0, under_ = 0;
+  double frames_ = 0, answered_ = 0, error_ = 0, worst_ = 0, class_correct_ = 0, overestimated_ = 0,
+         underestimated_ = 0;
   std::array<double, 3> within_{};
   std::array<double, kStates> states_{};
 };

@@ -1,10 +1,10 @@
-// The wire on libusb-1.0: as many transfers under way as the device could fill while the acquire thread is
-// kept away, each handed out in the order in which it was filled and submitted again. All events are handled
-// in receive(), so that nothing but libusb's own thread (which hears of devices that come) runs besides.
+// The transport on libusb-1.0. It keeps as many transfers in flight as the device can fill while the acquire
+// thread is preempted. receive() returns them in the order of completion, submits each again after use, and
+// handles all events, so that no thread runs except libusb's own for hotplug events.
 //
-// libusb itself allocates a request on each submission, and takes its own locks. slipd's code here does not.
-// A transfer of a stream has the size of one packet on the bus: a longer one would wait for bytes that come
-// only with the next frame whenever a frame ends at a packet's end.
+// libusb allocates a request on each submission and takes its own locks; slipd's code here does neither. A
+// transfer of a stream has the size of one packet on the bus: a longer transfer would wait for bytes of the
+// next frame whenever a frame ends at a packet's end.
 #include <libusb-1.0/libusb.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kInFlightBytes = 16384, kMostTransfers = 32, kFewestTransfers = 8;
 constexpr unsigned kMessageTimeoutMs = 1000;
-constexpr int kMostErrors = 16;  // in a row: then the device is gone, whatever the kernel says
+constexpr int kMostErrors = 16;  // consecutive errors, after which the device counts as disconnected
 constexpr std::int64_t kCloseNs = 2'000'000'000;
 constexpr std::uint8_t kClassRequest = 0x21, kSetLineCoding = 0x20, kSetLineState = 0x22;
 constexpr std::uint16_t kReady = 3;  // data terminal ready, request to send
@@ -29,9 +29,9 @@ struct FreesTransfer {
 };
 using Transfer = std::unique_ptr<libusb_transfer, FreesTransfer>;
 
-class LibusbWire final : public Wire {
+class LibusbTransport final : public Transport {
  public:
-  LibusbWire(Found found, const decode::Profile& profile)
+  LibusbTransport(FoundDevice found, const decode::Profile& profile)
       : found_(std::move(found)), profile_(profile), usb_(*profile.usb) {
     claim();
     try {
@@ -44,37 +44,37 @@ class LibusbWire final : public Wire {
       throw;
     }
   }
-  LibusbWire(const LibusbWire&) = delete;
-  LibusbWire& operator=(const LibusbWire&) = delete;
-  ~LibusbWire() override { close(); }
+  LibusbTransport(const LibusbTransport&) = delete;
+  LibusbTransport& operator=(const LibusbTransport&) = delete;
+  ~LibusbTransport() override { close(); }
 
-  Got receive(Arrival& out, std::int64_t give_up_ns) noexcept override {
+  ReceiveResult receive(ReceivedBytes& out, std::int64_t give_up_ns) noexcept override {
     if (handed_ != nullptr) submit(*std::exchange(handed_, nullptr));
     for (;;) {
       while (done_count_ > 0) {
-        const Got got = take(*pop(), out);
-        if (got != Got::nothing) return got;
+        const ReceiveResult got = take(*pop(), out);
+        if (got != ReceiveResult::timeout) return got;
       }
-      if (gone_) return Got::gone;
+      if (gone_) return ReceiveResult::disconnected;
       if (halted_ && under_way_ == 0) recover();
       const std::int64_t left_ns = give_up_ns - monotonic_ns();
       handle_events(std::max<std::int64_t>(0, left_ns));
-      if (left_ns <= 0 && done_count_ == 0 && !gone_) return Got::nothing;
+      if (left_ns <= 0 && done_count_ == 0 && !gone_) return ReceiveResult::timeout;
     }
   }
 
-  void start_again() noexcept override {
+  void restart() noexcept override {
     for (Slot& slot : starts_) {
       if (!slot.under_way) submit(slot);
     }
   }
 
  private:
-  // A transfer; those that bring data live in slots_, the start messages in starts_.
+  // A transfer: of data in slots_, of a start message in starts_.
   struct Slot {
     Transfer transfer;
     std::vector<std::uint8_t> buffer;
-    LibusbWire* wire = nullptr;
+    LibusbTransport* owner = nullptr;
     std::int64_t time_ns = 0;
     bool under_way = false, brings = false;
   };
@@ -108,7 +108,7 @@ class LibusbWire final : public Wire {
       libusb_release_interface(found_.handle.get(), claimed_.back());
   }
 
-  // As a terminal program would. Some devices have no line to be set and say so; they talk nevertheless.
+  // As a terminal program does. Some devices refuse the requests and send data nevertheless.
   void set_line() {
     if (!usb_.cdc_interface) return;
     const auto interface = static_cast<std::uint16_t>(*usb_.cdc_interface);
@@ -145,7 +145,7 @@ class LibusbWire final : public Wire {
   }
 
   void make(Slot& slot) {
-    slot.wire = this;
+    slot.owner = this;
     slot.transfer.reset(libusb_alloc_transfer(0));
     if (!slot.transfer) throw DriverError(found_.name() + ": no memory for transfers");
   }
@@ -171,7 +171,7 @@ class LibusbWire final : public Wire {
     return std::max<std::size_t>(message.control->length, message.bytes.size());
   }
 
-  // Set-up thread: waits until the device has taken it.
+  // Set-up thread: waits until the device has accepted the message.
   void tell(const decode::Message& message) {
     std::vector<std::uint8_t> bytes = message.bytes;
     int code = 0;
@@ -197,14 +197,14 @@ class LibusbWire final : public Wire {
     gone_ = gone_ || code == LIBUSB_ERROR_NO_DEVICE;
   }
 
-  // In handle_events(), so in whatever thread calls that. libusb calls it from C: it cannot throw.
+  // Called in handle_events(), by its thread. libusb calls it from C: it must not throw.
   static void LIBUSB_CALL on_complete(libusb_transfer* transfer) {
     Slot& slot = *static_cast<Slot*>(transfer->user_data);
-    LibusbWire& wire = *slot.wire;
+    LibusbTransport& self = *slot.owner;
     slot.time_ns = monotonic_ns();
     slot.under_way = false;
-    --wire.under_way_;
-    if (slot.brings) wire.done_[(wire.done_first_ + wire.done_count_++) % wire.done_.size()] = &slot;
+    --self.under_way_;
+    if (slot.brings) self.done_[(self.done_first_ + self.done_count_++) % self.done_.size()] = &slot;
   }
 
   Slot* pop() noexcept {
@@ -214,23 +214,23 @@ class LibusbWire final : public Wire {
     return slot;
   }
 
-  Got take(Slot& slot, Arrival& out) noexcept {
+  ReceiveResult take(Slot& slot, ReceivedBytes& out) noexcept {
     const auto size = static_cast<std::size_t>(slot.transfer->actual_length);
     switch (slot.transfer->status) {
       case LIBUSB_TRANSFER_COMPLETED:
         errors_ = 0;
         if (size == 0) {
           submit(slot);
-          return Got::nothing;
+          return ReceiveResult::timeout;
         }
         out = {std::span(slot.buffer).first(size), slot.time_ns};
         handed_ = &slot;
-        return Got::bytes;
+        return ReceiveResult::bytes;
       case LIBUSB_TRANSFER_NO_DEVICE:
         gone_ = true;
-        return Got::gone;
+        return ReceiveResult::disconnected;
       case LIBUSB_TRANSFER_CANCELLED:
-        return Got::nothing;  // one of those that wait for a halt to be cleared
+        return ReceiveResult::timeout;  // cancelled until the halt is cleared
       case LIBUSB_TRANSFER_STALL:
         halted_ = true;
         for (Slot& other : slots_) {
@@ -241,10 +241,10 @@ class LibusbWire final : public Wire {
         submit(slot);
     }
     gone_ = gone_ || ++errors_ >= kMostErrors;
-    return gone_ ? Got::gone : Got::spoilt;
+    return gone_ ? ReceiveResult::disconnected : ReceiveResult::transfer_error;
   }
 
-  // The endpoint said that it is halted, and no transfer is under way any more.
+  // Clears a halt of the endpoint, once no transfer is in flight.
   void recover() noexcept {
     halted_ = false;
     gone_ = gone_ || libusb_clear_halt(found_.handle.get(), usb_.in) != 0;
@@ -263,7 +263,7 @@ class LibusbWire final : public Wire {
         try {
           tell(message);
         } catch (const DriverError&) {
-          break;  // it will have to do without
+          break;  // the device stays started
         }
       }
     }
@@ -276,31 +276,31 @@ class LibusbWire final : public Wire {
     while (under_way_ > 0 && monotonic_ns() < give_up_ns) handle_events(kCloseNs / 20);
     for (auto* list : {&slots_, &starts_}) {
       for (Slot& slot : *list) {
-        // The kernel never gave it back, and libusb has it in its lists: it is not to be freed, ever.
+        // The kernel did not return the transfer and libusb still lists it: it must never be freed.
         if (slot.under_way) static_cast<void>(slot.transfer.release());
       }
     }
     release();
   }
 
-  Found found_;
+  FoundDevice found_;
   decode::Profile profile_;
   decode::UsbMatch usb_;
   std::vector<int> claimed_;
   std::vector<Slot> slots_, starts_;
   std::vector<Slot*> done_;  // a ring, in the order in which they were filled
   std::size_t done_first_ = 0, done_count_ = 0;
-  Slot* handed_ = nullptr;  // the caller reads its bytes
+  Slot* handed_ = nullptr;  // the caller of receive() reads its bytes
   int under_way_ = 0, errors_ = 0;
   bool halted_ = false, gone_ = false;
 };
 
 }  // namespace
 
-Opened open_device(const decode::Profile& profile, const Which& which) {
-  Found found = find_device(*profile.usb, which);
-  Opened out{nullptr, found.port, found.serial};
-  out.wire = std::make_unique<LibusbWire>(std::move(found), profile);
+OpenedDevice open_device(const decode::Profile& profile, const DeviceSelector& selector) {
+  FoundDevice found = find_device(*profile.usb, selector);
+  OpenedDevice out{nullptr, found.port, found.serial};
+  out.transport = std::make_unique<LibusbTransport>(std::move(found), profile);
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Numbers as people read them. An unknown one is a dash, never a zero.
+// Formats numbers for people. An unknown number is a dash, never a zero.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-#include "tools/slipctl/gauge.hpp"
+#include "tools/slipctl/margin_plot.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@ namespace {
 constexpr char32_t kDots[2][4] = {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}};
 constexpr char32_t kBraille = 0x2800;
 
-Columns lowest_by_column(const std::deque<CoursePoint>& course, double now_s, int columns) {
+Columns lowest_by_column(const std::deque<MarginPoint>& history, double now_s, int columns) {
   Columns lowest(static_cast<std::size_t>(columns));
-  for (const CoursePoint& point : course) {
-    const double place = (point.time_s - (now_s - kCourseSeconds)) / kCourseSeconds * columns;
+  for (const MarginPoint& point : history) {
+    const double place = (point.time_s - (now_s - kHistorySeconds)) / kHistorySeconds * columns;
     if (!point.gamma || place < 0) continue;
     auto& column = lowest[std::min(static_cast<std::size_t>(place), lowest.size() - 1)];
     column = std::min(column.value_or(*point.gamma), *point.gamma);
@@ -57,7 +57,7 @@ void draw_line(Canvas& canvas, const Box& box, const Columns& values,
       if (!gamma) continue;
       worst = std::min(worst.value_or(*gamma), *gamma);
       const int here = height_of(*gamma);
-      // From next to where the column before ended, so that steep courses stay a line.
+      // Begins next to the end of the column before, so that steep changes stay a line.
       const auto before = column > 0 ? values[column - 1] : std::nullopt;
       const int from = before ? height_of(*before) : here;
       const int first = std::min(here, from + 1);
@@ -71,9 +71,9 @@ void draw_line(Canvas& canvas, const Box& box, const Columns& values,
   }
 }
 
-void draw_course(Canvas& canvas, const Box& box, const std::deque<CoursePoint>& course, double now_s) {
+void draw_history(Canvas& canvas, const Box& box, const std::deque<MarginPoint>& history, double now_s) {
   if (box.columns < 1) return;
-  draw_line(canvas, box, lowest_by_column(course, now_s, 2 * box.columns),
+  draw_line(canvas, box, lowest_by_column(history, now_s, 2 * box.columns),
             [](std::optional<double> worst) { return margin_colour(worst); });
 }
 

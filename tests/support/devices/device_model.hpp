@@ -1,7 +1,7 @@
 // What a simulated device is: data, and how it puts one scan into bytes. One file a device, xela_xr1944.cpp
-// and so on; the layouts of the bytes are those of public drivers and data sheets, the scales are ours where
+// and so on; the layouts of the bytes are those of public drivers and data models, the scales are ours where
 // no source gives one. Transport, pacing and misbehaviour are the same for all and live in port.hpp and
-// player.hpp.
+// simulator.hpp.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@
 
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
-#include "tests/support/devices/wire.hpp"
+#include "tests/support/devices/bytes.hpp"
 
 namespace slipd::devices {
 
 // What the device feels at one instant.
-struct Reading {
+struct ScanInput {
   std::span<const Frame> sensors;
   std::uint64_t scan = 0;     // scans since it was plugged in
   std::uint64_t time_us = 0;  // the device's clock
 };
 
 // What the host has told the device.
-struct Talk {
+struct HostState {
   bool streaming = false;
 };
 
@@ -33,28 +33,28 @@ struct UsbRequest {
   std::uint16_t value = 0, index = 0, length = 0;
 };
 
-struct UsbSheet {
+struct UsbModel {
   std::uint16_t vendor = 0, product = 0;
   std::uint8_t device_class = 0;
   std::uint8_t in_endpoint = 0x81;
   Bytes configuration;  // configuration, interface and endpoint descriptors; the total length is filled in
   // Class and vendor requests with data to the host: the data, or nothing for a stall.
-  std::optional<Bytes> (*request)(const UsbRequest&, Talk&) = nullptr;
+  std::optional<Bytes> (*request)(const UsbRequest&, HostState&) = nullptr;
 };
 
-struct HidSheet {
+struct HidModel {
   std::uint16_t vendor = 0, product = 0;
   Bytes report_descriptor;
 };
 
-struct ModbusSheet {
+struct ModbusModel {
   int unit = 1;
   int baud = 0;  // of RTU
   int first_register = 0;
   int registers = 0;
 };
 
-struct Sheet {
+struct DeviceModel {
   std::string_view name;     // "xela-xr1944"
   std::string_view summary;  // for people, and the product's name on USB and HID
   SensorClass sensor_class = SensorClass::array3;
@@ -63,30 +63,30 @@ struct Sheet {
   double rate_hz = 100;
   bool starts_by_itself = true;
   // One scan in the device's bytes, in the order in which they leave. reading.sensors has `sensors` frames.
-  std::vector<Packet> (*scan)(const Reading&) = nullptr;
+  std::vector<Packet> (*scan)(const ScanInput&) = nullptr;
   // A packet from the host; null: the device does not listen.
-  void (*hear)(const Packet&, Talk&) = nullptr;
-  std::optional<UsbSheet> usb = {};
-  std::optional<HidSheet> hid = {};
-  std::optional<ModbusSheet> modbus = {};
+  void (*receive)(const Packet&, HostState&) = nullptr;
+  std::optional<UsbModel> usb = {};
+  std::optional<HidModel> hid = {};
+  std::optional<ModbusModel> modbus = {};
 };
 
-const Sheet& xela_xr1944();
-const Sheet& icub_skin();
-const Sheet& takktile();
-const Sheet& papillarray();
-const Sheet& robotiq_tsf85();
-const Sheet& vendor_hid();
-const Sheet& onrobot_rg2ft();
-const Sheet& robotiq_ft300();
-const Sheet& optoforce();
-const Sheet& space_mouse();
-const Sheet& rohand();
-const Sheet& hid_force();
+const DeviceModel& xela_xr1944();
+const DeviceModel& icub_skin();
+const DeviceModel& takktile();
+const DeviceModel& papillarray();
+const DeviceModel& robotiq_tsf85();
+const DeviceModel& vendor_hid();
+const DeviceModel& onrobot_rg2ft();
+const DeviceModel& robotiq_ft300();
+const DeviceModel& optoforce();
+const DeviceModel& space_mouse();
+const DeviceModel& rohand();
+const DeviceModel& hid_force();
 
 // All of them, and one by its name (null: unknown).
-std::vector<const Sheet*> all_sheets();
-const Sheet* find_sheet(std::string_view name);
+std::vector<const DeviceModel*> all_models();
+const DeviceModel* find_model(std::string_view name);
 
 // A force sensor's share of a frame: newtons on a layout of one taxel.
 struct Force {

@@ -1,4 +1,4 @@
-#include "tests/support/devices/player.hpp"
+#include "tests/support/devices/device_simulator.hpp"
 
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -25,11 +25,11 @@ void put_number(std::ostream& out, const char* key, double value) {
 
 }  // namespace
 
-Player::Player(const Sheet& sheet, std::vector<Contact> contacts, std::unique_ptr<Port> port,
-               std::ostream* truth)
-    : sheet_(sheet), port_(std::move(port)), truth_(truth) {
-  if (contacts.size() != sheet.sensors) throw std::invalid_argument("one contact for each sensor, please");
-  const std::size_t taxels = sheet.layout.size();
+DeviceSimulator::DeviceSimulator(const DeviceModel& model, std::vector<Contact> contacts,
+                                 std::unique_ptr<Port> port, std::ostream* truth)
+    : model_(model), port_(std::move(port)), truth_(truth) {
+  if (contacts.size() != model.sensors) throw std::invalid_argument("one contact for each sensor, please");
+  const std::size_t taxels = model.layout.size();
   for (Contact& contact : contacts) {
     Sensor& sensor = sensors_.emplace_back(Sensor{std::move(contact), std::vector<float>(3 * taxels), {}});
     const std::span memory(sensor.memory);
@@ -40,21 +40,21 @@ Player::Player(const Sheet& sheet, std::vector<Contact> contacts, std::unique_pt
   port_->plug();
 }
 
-Player::~Player() {
+DeviceSimulator::~DeviceSimulator() {
   port_->unplug();
 }
 
-void Player::order(const std::string& text) {
+void DeviceSimulator::order(const std::string& text) {
   order_at(0, text);
 }
 
-void Player::order_at(std::uint64_t scan, const std::string& text) {
+void DeviceSimulator::order_at(std::uint64_t scan, const std::string& text) {
   const Misbehaviour::Order order = Misbehaviour::parse(text);
   const std::lock_guard lock(mutex_);
   orders_.emplace(scan, order);
 }
 
-bool Player::carry_out_orders() {
+bool DeviceSimulator::carry_out_orders() {
   const std::lock_guard lock(mutex_);
   while (!orders_.empty() && orders_.begin()->first <= scan_) {
     const Misbehaviour::Order order = orders_.begin()->second;
@@ -79,7 +79,7 @@ bool Player::carry_out_orders() {
   return true;
 }
 
-std::vector<Packet> Player::next_scan() {
+std::vector<Packet> DeviceSimulator::next_scan() {
   std::vector<Frame> frames;
   for (Sensor& sensor : sensors_) {
     sensor.slot.sequence = scan_;
@@ -87,18 +87,18 @@ std::vector<Packet> Player::next_scan() {
     sensor.contact(sensor.slot);
     frames.push_back(sensor.slot.view());
   }
-  return sheet_.scan(
-      {frames, scan_, static_cast<std::uint64_t>(static_cast<double>(scan_) * 1e6 / sheet_.rate_hz)});
+  return model_.scan(
+      {frames, scan_, static_cast<std::uint64_t>(static_cast<double>(scan_) * 1e6 / model_.rate_hz)});
 }
 
-void Player::write_truth() {
+void DeviceSimulator::write_truth() {
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     double normal = 0, x = 0, y = 0;
     const FrameSlot& slot = sensors_[i].slot;
-    for (std::size_t taxel = 0; taxel < sheet_.layout.size(); ++taxel) {
-      normal += slot.normal_pa[taxel] * sheet_.layout.area_m2();
-      x += slot.shear_x_pa[taxel] * sheet_.layout.area_m2();
-      y += slot.shear_y_pa[taxel] * sheet_.layout.area_m2();
+    for (std::size_t taxel = 0; taxel < model_.layout.size(); ++taxel) {
+      normal += slot.normal_pa[taxel] * model_.layout.area_m2();
+      x += slot.shear_x_pa[taxel] * model_.layout.area_m2();
+      y += slot.shear_y_pa[taxel] * model_.layout.area_m2();
     }
     *truth_ << "{\"scan\":" << scan_ << ",\"sensor\":" << i << ",\"time_ns\":" << now_ns();
     put_number(*truth_, "gamma", slot.truth.gamma);
@@ -109,7 +109,7 @@ void Player::write_truth() {
   }
 }
 
-bool Player::step() {
+bool DeviceSimulator::step() {
   if (!carry_out_orders()) return false;
   std::vector<Packet> scan = next_scan();  // the contact goes on, whatever the device does
   port_->silence(stalled_ > 0);
@@ -127,7 +127,7 @@ bool Player::step() {
   return true;
 }
 
-void Player::run(std::stop_token stop, double rate_hz, std::uint64_t scans) {
+void DeviceSimulator::run(std::stop_token stop, double rate_hz, std::uint64_t scans) {
   const Fd timer(checked(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK), "timer"));
   const auto period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
   const timespec period{period_ns / 1'000'000'000, period_ns % 1'000'000'000};

@@ -13,9 +13,9 @@
 #include "drivers/modbus/modbus_driver.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "drivers/sim/sim_driver.hpp"
-#include "tests/drivers/contract/bench.hpp"
 #include "tests/drivers/contract/fake_hidapi.hpp"
-#include "tests/drivers/contract/memory_wire.hpp"
+#include "tests/drivers/contract/memory_transport.hpp"
+#include "tests/drivers/contract/test_rig.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/support/devices/contacts.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -23,27 +23,27 @@
 namespace slipd::test {
 namespace {
 
+using devices::DeviceModel;
+using devices::DeviceSimulator;
 using devices::MemoryBus;
-using devices::Player;
-using devices::Sheet;
 using nlohmann::json;
 
 // A device that runs on a thread of its own.
 class Running {
  public:
-  Running(const Sheet& sheet, std::unique_ptr<devices::Port> port)
-      : player_(sheet, devices::pattern(sheet), std::move(port)),
-        thread_([this](std::stop_token stop) { player_.run(stop, device_rate_hz); }) {}
-  Player& player() { return player_; }
+  Running(const DeviceModel& model, std::unique_ptr<devices::Port> port)
+      : simulator_(model, devices::pattern(model), std::move(port)),
+        thread_([this](std::stop_token stop) { simulator_.run(stop, device_rate_hz); }) {}
+  DeviceSimulator& simulator() { return simulator_; }
 
  private:
-  Player player_;
+  DeviceSimulator simulator_;
   std::jthread thread_;
 };
 
-std::vector<SensorSetup> setups(const Sheet& sheet, const std::string& profile, const json& device) {
+std::vector<SensorSetup> setups(const DeviceModel& model, const std::string& profile, const json& device) {
   std::vector<SensorSetup> out;
-  for (std::size_t i = 0; i < sheet.sensors; ++i) {
+  for (std::size_t i = 0; i < model.sensors; ++i) {
     SensorSetup& setup = out.emplace_back(setup_of(TaxelLayout::grid(1, 1, 0.001), {{"sensor", i}}));
     setup.profile = profile;
     setup.device = device;
@@ -52,13 +52,13 @@ std::vector<SensorSetup> setups(const Sheet& sheet, const std::string& profile, 
 }
 
 // A device that is there before the driver is opened, and stays.
-class DeviceBench final : public Bench {
+class DeviceTestRig final : public TestRig {
  public:
   using Make = std::function<std::unique_ptr<DeviceDriver>(const std::string& place)>;
-  DeviceBench(const Sheet& sheet, std::unique_ptr<devices::Port> port, const Make& make)
-      : device_(sheet, std::move(port)), driver_(make(device_.player().port().place())) {}
+  DeviceTestRig(const DeviceModel& model, std::unique_ptr<devices::Port> port, const Make& make)
+      : device_(model, std::move(port)), driver_(make(device_.simulator().port().place())) {}
   DeviceDriver& driver() override { return *driver_; }
-  void order(const std::string& misbehaviour) override { device_.player().order(misbehaviour); }
+  void order(const std::string& misbehaviour) override { device_.simulator().order(misbehaviour); }
 
  private:
   Running device_;
@@ -66,10 +66,10 @@ class DeviceBench final : public Bench {
 };
 
 // A bus that is a pair of sockets; the device sits at the other end of each new pair.
-class CanBench final : public Bench {
+class CanTestRig final : public TestRig {
  public:
   DeviceDriver& driver() override { return driver_; }
-  void order(const std::string& misbehaviour) override { device_->player().order(misbehaviour); }
+  void order(const std::string& misbehaviour) override { device_->simulator().order(misbehaviour); }
 
  private:
   can::Socket connect() {
@@ -87,7 +87,7 @@ class CanBench final : public Bench {
 };
 
 // A driver that needs no device.
-class SoftBench final : public Bench {
+class SoftBench final : public TestRig {
  public:
   explicit SoftBench(std::unique_ptr<DeviceDriver> driver,
                      std::unique_ptr<testing::TempFolder> folder = nullptr)
@@ -99,45 +99,47 @@ class SoftBench final : public Bench {
   std::unique_ptr<DeviceDriver> driver_;
 };
 
-std::unique_ptr<Bench> modbus_tcp(const Sheet& sheet, const std::string& profile) {
-  return std::make_unique<DeviceBench>(
-      sheet, devices::make_modbus_tcp_port(sheet, 0), [&](const std::string& place) {
+std::unique_ptr<TestRig> modbus_tcp(const DeviceModel& model, const std::string& profile) {
+  return std::make_unique<DeviceTestRig>(
+      model, devices::make_modbus_tcp_port(model, 0), [&](const std::string& place) {
         return std::make_unique<modbus::ModbusDriver>(
-            setups(sheet, profile, {{"host", "127.0.0.1"}, {"port", std::stoi(place)}}));
+            setups(model, profile, {{"host", "127.0.0.1"}, {"port", std::stoi(place)}}));
       });
 }
 
-std::unique_ptr<Bench> modbus_rtu(const Sheet& sheet, const std::string& profile) {
+std::unique_ptr<TestRig> modbus_rtu(const DeviceModel& model, const std::string& profile) {
   const std::string line =
       (std::filesystem::temp_directory_path() / ("slipd-line-" + std::to_string(::getpid()))).string();
-  return std::make_unique<DeviceBench>(
-      sheet, devices::make_modbus_pty_port(sheet, line), [&](const std::string&) {
-        return std::make_unique<modbus::ModbusDriver>(setups(sheet, profile, {{"serial_line", line}}));
+  return std::make_unique<DeviceTestRig>(
+      model, devices::make_modbus_pty_port(model, line), [&](const std::string&) {
+        return std::make_unique<modbus::ModbusDriver>(setups(model, profile, {{"serial_line", line}}));
       });
 }
 
-std::unique_ptr<Bench> usb_device(const Sheet& sheet, const std::string& profile) {
+std::unique_ptr<TestRig> usb_device(const DeviceModel& model, const std::string& profile) {
   auto bus = std::make_shared<MemoryBus>();
-  return std::make_unique<DeviceBench>(sheet, devices::make_memory_port(sheet, bus), [&](const std::string&) {
-    return std::make_unique<usb::UsbDriver>(setups(sheet, profile, json::object()), memory_opener(bus));
-  });
+  return std::make_unique<DeviceTestRig>(
+      model, devices::make_memory_port(model, bus), [&](const std::string&) {
+        return std::make_unique<usb::UsbDriver>(setups(model, profile, json::object()), memory_opener(bus));
+      });
 }
 
-std::unique_ptr<Bench> hid_device(const Sheet& sheet, const std::string& profile) {
+std::unique_ptr<TestRig> hid_device(const DeviceModel& model, const std::string& profile) {
   auto bus = std::make_shared<MemoryBus>();
-  plug_into_fake_hidapi(sheet, bus);
-  return std::make_unique<DeviceBench>(sheet, devices::make_memory_port(sheet, bus), [&](const std::string&) {
-    return std::make_unique<hid::HidDriver>(setups(sheet, profile, json::object()));
-  });
+  plug_into_fake_hidapi(model, bus);
+  return std::make_unique<DeviceTestRig>(
+      model, devices::make_memory_port(model, bus), [&](const std::string&) {
+        return std::make_unique<hid::HidDriver>(setups(model, profile, json::object()));
+      });
 }
 
-std::unique_ptr<Bench> simulation() {
+std::unique_ptr<TestRig> simulation() {
   const json options{{"noise", 0}, {"cycle", {{{"ms", 1000}, {"normal_n", 2}, {"shear_n", 0.5}}}}};
   return std::make_unique<SoftBench>(
       std::make_unique<sim::SimDriver>(std::vector{setup_of(TaxelLayout::grid(8, 8, 0.001), options, 500)}));
 }
 
-std::unique_ptr<Bench> recording() {
+std::unique_ptr<TestRig> recording() {
   auto folder = std::make_unique<testing::TempFolder>();
   const auto file = folder->path() / "a.csv";
   std::ofstream(file) << "txl1_x,txl1_y,txl1_z\n1,2,3\n1,2,3\n1,2,3\n";
@@ -148,7 +150,7 @@ std::unique_ptr<Bench> recording() {
 }
 
 // The skeleton's module, and a program that sends it frames.
-class SkeletonBench final : public Bench {
+class SkeletonBench final : public TestRig {
  public:
   SkeletonBench() {
     using Table = const DriverModule* (*)();
@@ -190,16 +192,16 @@ class SkeletonBench final : public Bench {
 
 }  // namespace
 
-void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << kind.name;
+void PrintTo(const DriverCase& driver_case, std::ostream* out) {
+  *out << driver_case.name;
 }
 
-std::vector<Kind> all_kinds() {
+std::vector<DriverCase> all_driver_cases() {
   return {
       {.name = "sim", .make = simulation, .misbehaves = false},
       {.name = "replay", .make = recording, .misbehaves = false},
       {.name = "skeleton", .make = [] { return std::make_unique<SkeletonBench>(); }, .misbehaves = false},
-      {.name = "can", .make = [] { return std::make_unique<CanBench>(); }, .sees_unplugging = false},
+      {.name = "can", .make = [] { return std::make_unique<CanTestRig>(); }, .sees_unplugging = false},
       {.name = "modbus_tcp",
        .make = [] { return modbus_tcp(devices::onrobot_rg2ft(), "onrobot-rg2-ft"); },
        .knows_losses = false},
