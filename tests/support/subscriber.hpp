@@ -1,5 +1,5 @@
-// A client that hears every estimate and keeps the books: what it was told of each sensor, what it was told
-// that it has missed, and whether every line was whole. Light enough for thousands of lines a second.
+// A client that subscribes to every estimate and counts: notifications of each sensor, those that slipd
+// reported as dropped, and incomplete lines. Fast enough for thousands of lines a second.
 #pragma once
 
 #include <chrono>
@@ -17,9 +17,9 @@ namespace slipd::testing {
 class Subscriber {
  public:
   struct Told {
-    std::uint64_t events = 0;   // notifications that came
+    std::uint64_t events = 0;   // notifications received
     std::uint64_t frames = 0;   // those among them that tell of another frame than the one before
-    std::uint64_t dropped = 0;  // that it was told to have missed
+    std::uint64_t dropped = 0;  // notifications that slipd reported as dropped
     std::uint64_t last_sequence = 0;
     std::string last_state;
 

@@ -14,40 +14,40 @@ namespace slipd::gripper {
 
 using Time = std::chrono::steady_clock::time_point;
 
-class Hearing {
+class MarginReceiver {
  public:
   // `message`: which of them, counted from base_id; `period`: of SLIP_ESTIMATE. A gripper that is simulated
   // itself believes simulated sensors.
-  Hearing(std::uint32_t base_id, std::uint32_t message, std::chrono::nanoseconds period)
+  MarginReceiver(std::uint32_t base_id, std::uint32_t message, std::chrono::nanoseconds period)
       : estimate_{base_id + message},
         alert_{base_id + 0x20 + message},
         heartbeat_{base_id + 0x3F},
         period_(period) {}
 
-  void hear(const can_frame& frame, Time now) noexcept;
+  void receive(const can_frame& frame, Time now) noexcept;
 
-  // The margin that holds now; nothing: nobody knows how well the object is held.
+  // The valid margin; nothing: it is unknown.
   std::optional<double> margin(Time now) const noexcept;
 
   // What an alert asks for, once each time that it is told. Without number: an alert, but slipd does not know
   // friction.
-  struct Call {
+  struct GripRequest {
     std::optional<double> grip_increase_n;
   };
-  std::optional<Call> take_call() noexcept;
+  std::optional<GripRequest> take_request() noexcept;
 
  private:
   struct Line {
     std::uint32_t id = 0;
     std::optional<unsigned> counter = {};
-    bool good(const can_frame& frame) noexcept;  // sound, and not a repetition
+    bool good(const can_frame& frame) noexcept;  // valid, and not a repetition
   };
   Line estimate_, alert_, heartbeat_;
   std::chrono::nanoseconds period_;
-  std::optional<Time> heard_;
+  std::optional<Time> received_;
   int to_ignore_ = 0;
   std::optional<double> margin_;
-  std::optional<Call> call_;
+  std::optional<GripRequest> request_;
 };
 
 }  // namespace slipd::gripper
