@@ -41,8 +41,8 @@ class Subscriber {
   bool read(std::chrono::milliseconds patience, std::size_t most_bytes = 65536);
 
   const std::map<std::string, Told>& told() const { return told_; }
-  Told total() const;  // of all sensors: what went missing is told with whichever comes next
-  std::uint64_t broken_lines() const { return broken_; }  // that were no JSON object of their own
+  Told total() const;  // of all sensors: losses are reported with the next notification of any sensor
+  std::uint64_t broken_lines() const { return broken_; }  // lines that were not one JSON object
   Latencies take_latencies();  // any thread: of each frame since they were last taken
   void keep_latencies() { keep_latencies_ = true; }
 
@@ -58,7 +58,7 @@ class Subscriber {
   Latencies latencies_;
 };
 
-// Reads in a thread of its own as long as it lives; meanwhile others may take latencies and nothing else.
+// Reads in its own thread during its lifetime; meanwhile other threads may only take latencies.
 // `pause`: before each read, for a client that is slow.
 class Reading {
  public:

@@ -1,7 +1,7 @@
-// Everything between a contact and the hand on it, in frame time and as fast as it can be computed: simulated
+// The closed loop of a grasp, in frame time and as fast as it can be computed: simulated
 // sensor → estimator → CAN messages over a socket pair → controller → grip_input → simulated sensor. Every
-// byte goes the way that it goes in a loop; only the clock is not waited for, so that the same seed gives the
-// same on any machine.
+// byte takes its real path; only time is simulated, so that the same seed gives the same result on any
+// machine.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// What a gripper's controller may believe of what slipd says on CAN: the rules of docs/can.md, for the
-// messages of one sensor or grasp. One thread; knows the bus and nothing else of slipd.
+// A gripper controller's receiver of slipd's CAN messages, by the rules of docs/can.md, for one sensor or
+// grasp. Called from one thread; it uses the bus only.
 #pragma once
 
 #include <linux/can.h>
@@ -16,8 +16,8 @@ using Time = std::chrono::steady_clock::time_point;
 
 class MarginReceiver {
  public:
-  // `message`: which of them, counted from base_id; `period`: of SLIP_ESTIMATE. A gripper that is simulated
-  // itself believes simulated sensors.
+  // `message`: index of the sensor or grasp; `period`: of SLIP_ESTIMATE. It accepts simulated sensors,
+  // because the gripper is simulated, too.
   MarginReceiver(std::uint32_t base_id, std::uint32_t message, std::chrono::nanoseconds period)
       : estimate_{base_id + message},
         alert_{base_id + 0x20 + message},
@@ -29,8 +29,7 @@ class MarginReceiver {
   // The valid margin; nothing: it is unknown.
   std::optional<double> margin(Time now) const noexcept;
 
-  // What an alert asks for, once each time that it is told. Without number: an alert, but slipd does not know
-  // friction.
+  // The request of an alert, once per message. Without a number friction is unknown.
   struct GripRequest {
     std::optional<double> grip_increase_n;
   };
