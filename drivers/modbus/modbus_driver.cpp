@@ -40,21 +40,22 @@ void ModbusDriver::Closes::operator()(_modbus* context) const noexcept {
 ModbusDriver::Endpoint ModbusDriver::endpoint_of(const SensorSetup& sensor, const decode::ModbusMap& map) {
   Endpoint endpoint;
   try {
-    place.host = sensor.device.value("host", "");
-    place.serial_line = sensor.device.value("serial_line", "");
-    place.port = sensor.device.value("port", map.tcp_port);
-    place.baud = sensor.device.value("baud", map.baud);
-    place.unit = sensor.device.value("unit", map.unit);
+    endpoint.host = sensor.device.value("host", "");
+    endpoint.serial_line = sensor.device.value("serial_line", "");
+    endpoint.port = sensor.device.value("port", map.tcp_port);
+    endpoint.baud = sensor.device.value("baud", map.baud);
+    endpoint.unit = sensor.device.value("unit", map.unit);
   } catch (const nlohmann::json::exception&) {
     wrong_device(sensor);
   }
-  if (place.host.empty() == place.serial_line.empty() || place.port < 1 || place.port > 65535 ||
-      place.unit < 0 || place.unit > 255 || place.baud <= 0) {
+  if (endpoint.host.empty() == endpoint.serial_line.empty() || endpoint.port < 1 || endpoint.port > 65535 ||
+      endpoint.unit < 0 || endpoint.unit > 255 || endpoint.baud <= 0) {
     wrong_device(sensor);
   }
-  place.text = place.host.empty() ? place.serial_line : place.host + ":" + std::to_string(place.port);
-  place.text += ", unit " + std::to_string(place.unit);
-  return place;
+  endpoint.text =
+      endpoint.host.empty() ? endpoint.serial_line : endpoint.host + ":" + std::to_string(endpoint.port);
+  endpoint.text += ", unit " + std::to_string(endpoint.unit);
+  return endpoint;
 }
 
 ModbusDriver::ModbusDriver(const std::vector<SensorSetup>& sensors)

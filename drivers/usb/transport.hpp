@@ -19,10 +19,10 @@ struct ReceivedBytes {
 };
 
 enum class ReceiveResult : std::uint8_t {
-  bytes,
-  nothing,  // until give_up_ns
-  spoilt,   // a transfer failed and what it had is lost; the next ones go on
-  gone      // the device is; only closing is left
+  bytes,           // a transfer has arrived
+  timeout,         // none until give_up_ns
+  transfer_error,  // a transfer failed and its bytes are lost; later ones can arrive
+  disconnected     // the device is gone; only closing remains
 };
 
 class Transport {

@@ -74,7 +74,7 @@ ReadResult UsbDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds
     const std::int64_t now_ns = monotonic_ns();
     restart_if_silent(now_ns);
     ReceivedBytes received;
-    switch (transport_->receive(arrival, give_up_ns)) {
+    switch (transport_->receive(received, give_up_ns)) {
       case ReceiveResult::disconnected:
         return {ReadStatus::disconnected, 0};
       case ReceiveResult::timeout:
@@ -84,8 +84,8 @@ ReadResult UsbDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds
       case ReceiveResult::bytes:
         break;
     }
-    arrived_ns_ = last_activity_ns_ = arrival.time_ns;
-    framer_.put(arrival.bytes);
+    arrived_ns_ = last_activity_ns_ = received.time_ns;
+    framer_.put(received.bytes);
     if (now_ns >= give_up_ns)
       return {ReadStatus::timeout, 0};  // a busy device whose packets complete no frame
   }

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/drivers/contract/bench.hpp"
+#include "tests/drivers/contract/test_rig.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 
 namespace {
@@ -35,9 +35,9 @@ std::string machine() {
   return name + ", " + system.sysname + " " + system.release;
 }
 
-void measure(const test::Kind& kind, double seconds) {
-  const auto bench = kind.make();
-  DeviceDriver& driver = bench->driver();
+void measure(const test::DriverCase& driver_case, double seconds) {
+  const auto rig = driver_case.make();
+  DeviceDriver& driver = rig->driver();
   const DeviceInfo info = driver.open();
   std::vector<test::OwnedSlot> owned;
   std::vector<FrameSlot> slots;
@@ -53,7 +53,7 @@ void measure(const test::Kind& kind, double seconds) {
   }
   const double wall_s = seconds_of(CLOCK_MONOTONIC) - begun_s;
   const double used_s = seconds_of(CLOCK_THREAD_CPUTIME_ID) - cpu_s;
-  std::printf("| %-13s | %6zu | %8.0f | %8.1f | %7d |\n", kind.name.c_str(), info.sensors[0].layout.size(),
+  std::printf("| %-13s | %6zu | %8.0f | %8.1f | %7d |\n", driver_case.name.c_str(), info.sensors[0].layout.size(),
               frames / wall_s, 1e6 * used_s / std::max(frames, 1), corrupt);
 }
 
@@ -64,6 +64,6 @@ int main(int argc, char** argv) {
   std::printf("%s\n\n", machine().c_str());
   std::printf("| driver        | taxels | frames/s | us/frame | corrupt |\n|---|---|---|---|---|\n");
   slipd::test::device_rate_hz = 20000;
-  for (const test::Kind& kind : test::all_kinds()) measure(kind, seconds);
+  for (const test::DriverCase& driver_case : test::all_driver_cases()) measure(driver_case, seconds);
   return 0;
 }

@@ -1,6 +1,6 @@
 // closed-loop [ERRANDS [SEED [TRACE.csv]]]: does a gripper that listens to slipd on CAN hold what a deaf one
-// drops, and at what force? Each errand is carried twice from the same seed, in frame time. Prints a table;
-// writes the course of the first errand as a table of comma-separated values.
+// drops, and at what force? Each task is carried twice from the same seed, in frame time. Prints a table;
+// writes the course of the first task as a table of comma-separated values.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -35,15 +35,15 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-void tell(const char* name, MethodChoice method, std::size_t errands, std::uint64_t seed) {
+void tell(const char* name, MethodChoice method, std::size_t tasks, std::uint64_t seed) {
   const ChainSetup setup = setup_for(method);
   std::size_t deaf_slips = 0, slips = 0;
   double deaf_s = 0, slid_s = 0;
   std::vector<double> forces, constant_forces;
-  for (std::size_t i = 0; i < errands; ++i) {
-    const gripper::Errand errand = gripper::draw_errand(seed + i);
-    const gripper::Carried deaf = gripper::carry(errand, setup, false),
-                           held = gripper::carry(errand, setup, true);
+  for (std::size_t i = 0; i < tasks; ++i) {
+    const gripper::CarryTask task = gripper::draw_carry_task(seed + i);
+    const gripper::CarryResult deaf = gripper::carry(task, setup, false),
+                               held = gripper::carry(task, setup, true);
     if (deaf.sliding_s > 0) ++deaf_slips;
     if (held.sliding_s > 0) ++slips;
     deaf_s += deaf.sliding_s;
@@ -51,21 +51,22 @@ void tell(const char* name, MethodChoice method, std::size_t errands, std::uint6
     forces.push_back(held.force_share);
     constant_forces.push_back(held.constant_share);
   }
-  std::printf("%-8s  %7zu   %4zu, %6.2f s   %4zu, %6.2f s   %10.2f   %10.2f\n", name, errands, deaf_slips,
+  std::printf("%-8s  %7zu   %4zu, %6.2f s   %4zu, %6.2f s   %10.2f   %10.2f\n", name, tasks, deaf_slips,
               deaf_s, slips, slid_s, median(forces), median(constant_forces));
   std::fflush(stdout);
 }
 
 void trace(const char* file, std::uint64_t seed) {
-  const gripper::Errand errand = gripper::draw_errand(seed);
+  const gripper::CarryTask task = gripper::draw_carry_task(seed);
   const ChainSetup setup = setup_for(MethodChoice::moments);
-  const auto deaf = gripper::carry(errand, setup, false), held = gripper::carry(errand, setup, true);
+  const auto deaf = gripper::carry(task, setup, false), held = gripper::carry(task, setup, true);
   std::ofstream out(file);
   out << "time_s,force_n,deaf_force_n,least_n,gamma,deaf_gamma,heard\n";
-  for (std::size_t i = 0; i < held.moments.size(); ++i) {
-    const auto &moment = held.moments[i], &without = deaf.moments[i];
-    out << moment.time_s << ',' << moment.force_n << ',' << without.force_n << ',' << moment.least_n << ','
-        << moment.truth.gamma << ',' << without.truth.gamma << ',' << moment.heard.value_or(kUnknown) << '\n';
+  for (std::size_t i = 0; i < held.samples.size(); ++i) {
+    const auto &sample = held.samples[i], &without = deaf.samples[i];
+    out << sample.time_s << ',' << sample.force_n << ',' << without.force_n << ',' << sample.least_n << ','
+        << sample.truth.gamma << ',' << without.truth.gamma << ',' << sample.received.value_or(kUnknown)
+        << '\n';
   }
   if (!out.flush()) throw std::runtime_error(std::string("cannot write ") + file);
 }
@@ -76,14 +77,14 @@ int main(int argc, char** argv) try {
   const auto number = [&](int i, unsigned long otherwise) {
     return argc > i ? std::strtoul(argv[i], nullptr, 10) : otherwise;
   };
-  const std::size_t errands = std::max(1UL, number(1, 100));
+  const std::size_t tasks = std::max(1UL, number(1, 100));
   const std::uint64_t seed = number(2, 1);
   if (argc > 3) trace(argv[3], seed);
   std::printf(
       "                      deaf: slips,     listening: slips,   median force over the least possible:\n"
       "method    errands     time sliding     time sliding        listening    constant\n");
-  tell("moments", MethodChoice::moments, errands, seed);
-  tell("fit", MethodChoice::fit, errands, seed);
+  tell("moments", MethodChoice::moments, tasks, seed);
+  tell("fit", MethodChoice::fit, tasks, seed);
 } catch (const std::exception& error) {
   std::cerr << "closed-loop: " << error.what() << '\n';
   return 1;

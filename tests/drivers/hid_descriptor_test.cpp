@@ -1,4 +1,4 @@
-// What devices say of their own reports, and what they may not say.
+// HID report descriptors: valid ones are parsed, invalid ones are refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

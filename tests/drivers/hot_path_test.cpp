@@ -1,4 +1,4 @@
-// Reading frames takes nothing from the heap, from the first frame on, whatever the frames go through.
+// Reading frames allocates nothing, from the first frame on, with every option.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

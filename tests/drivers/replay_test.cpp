@@ -1,4 +1,4 @@
-// A replay gives what the file holds, at the pace asked for, up to the fault; and says where the fault is.
+// A replay returns the file's frames at the configured speed up to a fault, and reports the fault's place.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

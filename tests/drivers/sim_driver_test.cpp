@@ -1,4 +1,4 @@
-// The simulated sensor as a device: its options, its pace, and the controller's hand on it.
+// The simulated sensor as a device: its options, its pacing, and the control of its normal force.
 #include "drivers/sim/sim_driver.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
-// The simulated sensor obeys the physics it stands for, repeats itself bit for bit, and fails as it was told
-// to.
+// The simulated sensor follows its contact model, repeats bit for bit, and has the configured imperfections.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

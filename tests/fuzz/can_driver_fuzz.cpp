@@ -37,7 +37,7 @@ class Bus {
         }) {}
 
   void hear(Bytes in) {
-    driver_.open();  // forgets all it had heard
+    driver_.open();  // forgets all earlier packets
     while (in.size() > 4) {
       canfd_frame frame{};
       const bool fd = (in[2] & 8U) != 0;

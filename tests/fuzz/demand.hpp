@@ -1,4 +1,4 @@
-// What a fuzz target holds its subject to, in every kind of build.
+// The assertion of fuzz targets, active in every kind of build.
 #pragma once
 
 #include <cstdlib>

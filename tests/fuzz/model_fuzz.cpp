@@ -1,5 +1,5 @@
-// Any bytes as a trained model: refused with words, or one that gives finite margins. The first byte says
-// whether the rest is the whole file or the body of one whose checksum fits.
+// Any bytes as a trained model: it is refused with a message, or gives finite margins. The first byte selects
+// whether the rest is the whole file or the body of one with a matching checksum.
 #include <cmath>
 
 #include "core/model/knn.hpp"

@@ -1,5 +1,5 @@
-// Any bytes as a file that the driver replay is to play, a recording or a CSV: refused with words, or frames
-// of finite numbers at rising times.
+// Any bytes as a file for the driver replay, a recording or a CSV: it is refused with a message, or gives
+// frames of finite numbers at rising times.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-// Any text as a profile: refused with words, or taken, and then a decoder made of it survives a few bytes.
+// Any text as a profile: it is refused with a message, or accepted; then its decoder survives a few bytes.
 #include <array>
 #include <cstdint>
 #include <string>

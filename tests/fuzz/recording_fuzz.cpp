@@ -1,5 +1,5 @@
-// Any bytes as a recording: refused with words, or a header and frames, the same again after a rewind, up to
-// an end or to a place where it says what is wrong.
+// Any bytes as a recording: it is refused with a message, or gives a header and frames, the same after a
+// rewind, up to the end or to a reported fault.
 #include <optional>
 
 #include "core/storage/recording.hpp"

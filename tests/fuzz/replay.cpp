@@ -1,5 +1,4 @@
-// Gives a fuzz target every file of the folders named: what the fuzzer has found stays found, with any
-// compiler.
+// Runs a fuzz target on every file of the given folders, with any compiler, so that past findings stay fixed.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>

@@ -21,7 +21,7 @@ using fuzz::demand;
 
 constexpr std::size_t kSensors = 2, kMostPeers = 3;
 
-// Bound by the kernel to a name of its own, as nobody else needs to find it.
+// The kernel chooses its name.
 UniqueFd make_listener(sockaddr_un& address, socklen_t& length) {
   UniqueFd fd(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   address.sun_family = AF_UNIX;

@@ -1,4 +1,4 @@
-// slipd itself, the real program, on a socket of its own: up when the constructor returns.
+// The real slipd on a private socket: ready when the constructor returns.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
-// Counts what a thread takes from the heap, so that a test can show that a path takes nothing. A test that
-// wants it lists heap_count.cpp among its sources, which replaces operator new for that one program.
+// Counts a thread's heap allocations, so that a test can check that a path allocates nothing. A test that
+// uses it lists heap_count.cpp among its sources, which replaces operator new in that program.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What the kernel says of a running process: memory, descriptors, threads.
+// The kernel's figures of a running process: memory, descriptors, threads.
 #pragma once
 
 #include <sys/types.h>

@@ -1,4 +1,4 @@
-// A program under test: started, told to stop, waited for, its output kept.
+// A program under test: starts it, stops it, waits for it, keeps its output.
 #pragma once
 
 #include <sys/types.h>

@@ -1,4 +1,4 @@
-// What a recording on disk holds.
+// The content of a recording on disk.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A client that hears every estimate and keeps the books: what it was told of each sensor, what it was told
-// that it has missed, and whether every line was whole. Light enough for thousands of lines a second.
+// A client that subscribes to every estimate and counts: notifications of each sensor, those that slipd
+// reported as dropped, and incomplete lines. Fast enough for thousands of lines a second.
 #pragma once
 
 #include <chrono>
@@ -17,9 +17,9 @@ namespace slipd::testing {
 class Subscriber {
  public:
   struct Told {
-    std::uint64_t events = 0;   // notifications that came
+    std::uint64_t events = 0;   // notifications received
     std::uint64_t frames = 0;   // those among them that tell of another frame than the one before
-    std::uint64_t dropped = 0;  // that it was told to have missed
+    std::uint64_t dropped = 0;  // notifications that slipd reported as dropped
     std::uint64_t last_sequence = 0;
     std::string last_state;
 
@@ -41,8 +41,8 @@ class Subscriber {
   bool read(std::chrono::milliseconds patience, std::size_t most_bytes = 65536);
 
   const std::map<std::string, Told>& told() const { return told_; }
-  Told total() const;  // of all sensors: what went missing is told with whichever comes next
-  std::uint64_t broken_lines() const { return broken_; }  // that were no JSON object of their own
+  Told total() const;  // of all sensors: losses are reported with the next notification of any sensor
+  std::uint64_t broken_lines() const { return broken_; }  // lines that were not one JSON object
   Latencies take_latencies();  // any thread: of each frame since they were last taken
   void keep_latencies() { keep_latencies_ = true; }
 
@@ -58,7 +58,7 @@ class Subscriber {
   Latencies latencies_;
 };
 
-// Reads in a thread of its own as long as it lives; meanwhile others may take latencies and nothing else.
+// Reads in its own thread during its lifetime; meanwhile other threads may only take latencies.
 // `pause`: before each read, for a client that is slow.
 class Reading {
  public:

@@ -1,5 +1,5 @@
-// Frames of a known contact, for tests: a load history averaged over taxels, turned into a direction, with
-// noise.
+// Frames of a known contact, for tests: the tractions of a load history averaged over taxels, rotated to a
+// direction, with noise.
 #pragma once
 
 #include <cmath>

@@ -130,11 +130,11 @@ TEST_F(Gripping, RecordsIntoANewFileOnly) {
   const std::vector<std::string> arguments{"record", "--sensor", "left", "--seconds", "0.1", "--out", file};
   EXPECT_EQ(ask(arguments).exit_code, 0);
   EXPECT_EQ(contents(file), "frames");
-  std::ofstream(file) << "something dear";
+  std::ofstream(file) << "something valuable";
   const Ran again = ask(arguments);
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_THAT(again.err, HasSubstr("--force"));
-  EXPECT_EQ(contents(file), "something dear");
+  EXPECT_EQ(contents(file), "something valuable");
   std::vector<std::string> forced = arguments;
   forced.push_back("--force");
   EXPECT_EQ(ask(forced).exit_code, 0);

@@ -141,7 +141,7 @@ std::vector<std::string> words_of(const FrameSummary& frame) {
 }
 
 void draw_moment(Canvas& canvas, const Box& box, const Recorded& recorded, ColourDepth depth) {
-  const FrameSummary& frame = recorded.frames[recorded.shown];
+  const FrameSummary& summary = recorded.frames[recorded.shown];
   const TaxelFrame frame = frame_of(recorded);
   constexpr int kWordColumns = 26;
   const int limit = (box.columns - kWordColumns - 4) / 2;
@@ -153,12 +153,12 @@ void draw_moment(Canvas& canvas, const Box& box, const Recorded& recorded, Colou
     draw_pressure(canvas, {0, box.row + 1, columns, box.rows - 1}, frame, peak, depth);
     at = columns + 2;
     canvas.text(at, box.row, "shear", kFaint, columns + 1);
-    const auto friction = frame.estimate ? known(frame.estimate->friction) : std::nullopt;
+    const auto friction = summary.estimate ? known(summary.estimate->friction) : std::nullopt;
     draw_shear(canvas, {at, box.row + 1, columns, box.rows - 1}, frame, peak, friction, depth);
     at += columns + 2;
   }
   int row = box.row;
-  for (const std::string& text : words_of(frame)) {
+  for (const std::string& text : words_of(summary)) {
     if (row < box.row + box.rows) canvas.text(at, row++, text);
   }
 }

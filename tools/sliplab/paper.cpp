@@ -44,7 +44,9 @@ void run_command(const ProtocolOptions& options, const Common& common) {
 void add_paper(CLI::App& app, const Common& common) {
   auto options = std::make_shared<ProtocolOptions>();
   CLI::App* command = app.add_subcommand("paper", "the paper's experiment, and what its figures hide");
-  command->add_option("--seeds", options->seeds, "how often, each with contacts, noise and split of its own")
+  command
+      ->add_option("--seeds", options->seeds,
+                   "number of repetitions, each with its own contacts, noise and split")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();

@@ -1,5 +1,5 @@
-// What every driver owes the daemon, whatever its bus. The device feels something constant, so that a frame
-// which is not like the others was put together from what does not belong together.
+// The driver contract, checked for every driver. The device's values are constant, so that a frame which
+// differs from the others was assembled from parts of different scans.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <malloc.h>

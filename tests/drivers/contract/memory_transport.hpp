@@ -1,4 +1,4 @@
-// The USB driver's wire on a MemoryBus: transfers are what the simulated device sends at once.
+// The USB driver's transport on a MemoryBus: each packet of the simulated device is one transfer.
 #pragma once
 
 #include "drivers/pacing.hpp"

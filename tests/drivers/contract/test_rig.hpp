@@ -1,5 +1,5 @@
-// A driver on a bench: in the same process as the device that it reads, whose every taxel feels something
-// constant. One factory a driver; the suite in contract_test.cpp is the same for all.
+// A driver in the same process as the simulated device that it reads, with constant values on every taxel.
+// One factory per driver; the suite in contract_test.cpp is the same for all.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,18 @@ class TestRig {
  public:
   virtual ~TestRig() = default;
   virtual DeviceDriver& driver() = 0;
-  virtual void order(const std::string& /*misbehaviour*/) {}  // of the device, see misbehaviour.hpp
+  virtual void order(const std::string& /*misbehaviour*/) {}  // to the device, see misbehaviour.hpp
 };
 
-// Scans a second that simulated devices are to make, of benches made from then on.
+// Scans per second of the simulated devices of rigs that are created afterwards.
 inline double device_rate_hz = 500;
 
 struct DriverCase {
   std::string name;
   std::function<std::unique_ptr<TestRig>()> make;
-  bool misbehaves = true;       // there is a device that can be told to
-  bool sees_unplugging = true;  // and whose bus says when it is gone
-  bool knows_losses = true;     // a lost part of a scan shows in the sequence
+  bool misbehaves = true;       // the rig has a device that takes orders
+  bool sees_unplugging = true;  // the bus reports when the device is unplugged
+  bool knows_losses = true;     // the sequence shows a lost part of a scan
 };
 
 void PrintTo(const DriverCase& driver_case, std::ostream* out);

@@ -28,7 +28,7 @@ using devices::DeviceSimulator;
 using devices::MemoryBus;
 using nlohmann::json;
 
-// A device that runs on a thread of its own.
+// A device that runs on its own thread.
 class Running {
  public:
   Running(const DeviceModel& model, std::unique_ptr<devices::Port> port)
@@ -51,7 +51,7 @@ std::vector<SensorSetup> setups(const DeviceModel& model, const std::string& pro
   return out;
 }
 
-// A device that is there before the driver is opened, and stays.
+// A device that exists before the driver is opened, and stays.
 class DeviceTestRig final : public TestRig {
  public:
   using Make = std::function<std::unique_ptr<DeviceDriver>(const std::string& place)>;
@@ -176,7 +176,7 @@ class SkeletonBench final : public TestRig {
     std::vector<char> frame(4 + 3 * 4 * 4, 1);
     for (std::uint32_t count = 0; !stop.stop_requested(); ++count) {
       std::memcpy(frame.data(), &count, sizeof count);
-      const std::size_t size = count % 7 == 0 ? 5 : frame.size();  // some are of no use
+      const std::size_t size = count % 7 == 0 ? 5 : frame.size();  // some are too short
       (void)::sendto(fd.get(), frame.data(), size, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&address),
                      sizeof address);
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

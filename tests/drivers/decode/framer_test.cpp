@@ -1,5 +1,5 @@
-// Streams of bytes → packets: every frame that is whole and right comes out once, whatever is around it and
-// in whatever pieces it arrives, and nothing else does.
+// Streams of bytes → packets: every complete and valid frame gives its packet once, with any bytes around it
+// and in chunks of any size, and nothing else gives a packet.
 #include "drivers/decode/framer.hpp"
 
 #include <gmock/gmock.h>
@@ -46,25 +46,25 @@ Bytes frame_of(const Bytes& data) {
   return out;
 }
 
-struct Heard {
+struct CutPackets {
   std::vector<Bytes> packets;
-  int wrong = 0;
+  int invalid = 0;
 };
 
 // `pieces`: how many bytes at a time.
-Heard hear(Framer& framer, const Bytes& bytes, std::size_t pieces = SIZE_MAX) {
-  Heard heard;
+CutPackets cut_into_packets(Framer& framer, const Bytes& bytes, std::size_t pieces = SIZE_MAX) {
+  CutPackets cut;
   for (std::size_t at = 0; at < bytes.size(); at += std::min(pieces, bytes.size() - at)) {
     framer.put(std::span(bytes).subspan(at, std::min(pieces, bytes.size() - at)));
     RawPacket packet;
     for (;;) {
       const auto got = framer.next(packet);
       if (got == Framer::Result::incomplete) break;
-      if (got == Framer::Result::packet) heard.packets.emplace_back(packet.bytes.begin(), packet.bytes.end());
-      heard.wrong += got == Framer::Result::invalid ? 1 : 0;
+      if (got == Framer::Result::packet) cut.packets.emplace_back(packet.bytes.begin(), packet.bytes.end());
+      cut.invalid += got == Framer::Result::invalid ? 1 : 0;
     }
   }
-  return heard;
+  return cut;
 }
 
 TEST(Framer, cuts_the_same_packets_out_of_pieces_of_any_size) {
@@ -74,9 +74,9 @@ TEST(Framer, cuts_the_same_packets_out_of_pieces_of_any_size) {
   devices::append(all, third);
   for (std::size_t pieces = 1; pieces <= all.size(); ++pieces) {
     Framer framer(profile_with(by_length()));
-    const Heard heard = hear(framer, all, pieces);
-    EXPECT_THAT(heard.packets, ElementsAre(first, second, third)) << pieces;
-    EXPECT_EQ(heard.wrong, 0);
+    const CutPackets cut = cut_into_packets(framer, all, pieces);
+    EXPECT_THAT(cut.packets, ElementsAre(first, second, third)) << pieces;
+    EXPECT_EQ(cut.invalid, 0);
     EXPECT_EQ(framer.counts().garbage, 0);
   }
 }
@@ -97,7 +97,7 @@ TEST(Framer, finds_every_whole_frame_again_behind_any_garbage) {
       sent.push_back(frame_of(Bytes(random() % 40, static_cast<std::uint8_t>(random() % 0xAB))));
       devices::append(all, sent.back());
     }
-    EXPECT_EQ(hear(framer, all, 1 + random() % 30).packets, sent);
+    EXPECT_EQ(cut_into_packets(framer, all, 1 + random() % 30).packets, sent);
     EXPECT_EQ(framer.counts().frames, sent.size());
     EXPECT_EQ(framer.counts().garbage, between);
   }
@@ -117,20 +117,20 @@ TEST(Framer, loses_the_frame_that_is_damaged_and_no_other) {
       for (int i = 0; i < 20; ++i)
         devices::append(all, good);  // a length that grew swallows some bytes of these
       Framer framer(profile_with(by_length()));
-      const Heard heard = hear(framer, all);
+      const CutPackets cut = cut_into_packets(framer, all);
       const bool harmless = kind == 2 && at == 0;  // what stands between two frames hurts neither
-      EXPECT_THAT(heard.packets, SizeIs(harmless ? 22 : 21)) << at << " " << kind;
-      EXPECT_EQ(heard.wrong, 1) << at << " " << kind;
+      EXPECT_THAT(cut.packets, SizeIs(harmless ? 22 : 21)) << at << " " << kind;
+      EXPECT_EQ(cut.invalid, 1) << at << " " << kind;
     }
   }
 }
 
 TEST(Framer, tells_of_endless_garbage_now_and_then) {
   Framer framer(profile_with(by_length()));
-  EXPECT_EQ(hear(framer, Bytes(10, 0x11)).wrong, 0) << "one may come in the middle of a frame";
-  EXPECT_GE(hear(framer, Bytes(640, 0x11), 30).wrong, 5);
-  EXPECT_EQ(hear(framer, frame_of({1})).packets.size(), 1);
-  EXPECT_EQ(hear(framer, Bytes(10, 0x11)).wrong, 1);
+  EXPECT_EQ(cut_into_packets(framer, Bytes(10, 0x11)).invalid, 0) << "one may come in the middle of a frame";
+  EXPECT_GE(cut_into_packets(framer, Bytes(640, 0x11), 30).invalid, 5);
+  EXPECT_EQ(cut_into_packets(framer, frame_of({1})).packets.size(), 1);
+  EXPECT_EQ(cut_into_packets(framer, Bytes(10, 0x11)).invalid, 1);
 }
 
 TEST(Framer, looks_for_an_end_marker_no_further_than_the_longest_frame) {
@@ -140,10 +140,10 @@ TEST(Framer, looks_for_an_end_marker_no_further_than_the_longest_frame) {
   stream.longest = 11;
   for (const std::size_t pieces : {std::size_t{1}, std::size_t{3}, std::size_t{100}}) {
     Framer framer(profile_with(stream));
-    const Heard heard = hear(
+    const CutPackets cut = cut_into_packets(
         framer, {1, 2, 9, 3, 4, 7, 1, 2, 3, 3, 4, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 3, 4, 1, 2, 3, 4}, pieces);
-    EXPECT_THAT(heard.packets, ElementsAre(Bytes{1, 2, 9, 3, 4}, Bytes{1, 2, 3, 3, 4}, Bytes{1, 2, 3, 4}));
-    EXPECT_EQ(heard.wrong, 2);
+    EXPECT_THAT(cut.packets, ElementsAre(Bytes{1, 2, 9, 3, 4}, Bytes{1, 2, 3, 3, 4}, Bytes{1, 2, 3, 4}));
+    EXPECT_EQ(cut.invalid, 2);
   }
 }
 
@@ -159,8 +159,8 @@ TEST(Framer, takes_a_frame_of_the_longest_length_and_none_longer) {
     frame.resize(4 + more, 7);
     frame.push_back(2);
     Framer by_marker(profile_with(marked)), by_count(profile_with(counted));
-    EXPECT_THAT(hear(by_marker, frame).packets, SizeIs(1 - more));
-    EXPECT_THAT(hear(by_count, frame_of(Bytes(5 + more, 7))).packets, SizeIs(1 - more));
+    EXPECT_THAT(cut_into_packets(by_marker, frame).packets, SizeIs(1 - more));
+    EXPECT_THAT(cut_into_packets(by_count, frame_of(Bytes(5 + more, 7))).packets, SizeIs(1 - more));
   }
 }
 
@@ -170,7 +170,7 @@ TEST(Framer, takes_no_frame_that_its_markers_do_not_fit_into) {
   stream.length_byte = {1, 1};
   stream.longest = 9;
   Framer framer(profile_with(stream));
-  EXPECT_THAT(hear(framer, {0xAB, 0, 0x11, 0x11, 0xAB, 1, 0xAB, 2, 0xAB}).packets,
+  EXPECT_THAT(cut_into_packets(framer, {0xAB, 0, 0x11, 0x11, 0xAB, 1, 0xAB, 2, 0xAB}).packets,
               ElementsAre(Bytes{0xAB, 2, 0xAB}));
 }
 
@@ -194,7 +194,7 @@ TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {
 
 TEST(Framer, passes_pieces_on_as_packets_where_there_is_no_stream) {
   Framer framer{Profile{}};
-  EXPECT_THAT(hear(framer, {1, 2, 3}, 2).packets, ElementsAre(Bytes{1, 2}, Bytes{3}));
+  EXPECT_THAT(cut_into_packets(framer, {1, 2, 3}, 2).packets, ElementsAre(Bytes{1, 2}, Bytes{3}));
 }
 
 TEST(Framer, survives_any_bytes_without_the_heap) {
@@ -261,7 +261,7 @@ TEST(Pts2, comes_out_of_a_stream_without_a_checksum) {
   Bytes frame = stream.begin;
   devices::append(frame, pts2(1));
   Framer framer(profile);
-  EXPECT_THAT(hear(framer, frame).packets, ElementsAre(SizeIs(kPts2Head + kPts2Pillar)));
+  EXPECT_THAT(cut_into_packets(framer, frame).packets, ElementsAre(SizeIs(kPts2Head + kPts2Pillar)));
 }
 
 TEST(Pts2, refuses_a_sensor_of_more_pillars_than_asked_for) {

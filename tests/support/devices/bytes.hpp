@@ -1,4 +1,4 @@
-// Bytes on their way from a simulated device, and how numbers are put into them.
+// Packets of simulated devices, and the encoding of numbers in them.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace slipd::devices {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// What travels as one piece: a CAN frame, a bulk transfer, a HID report, a run of registers (two bytes each,
+// A unit of transmission: a CAN frame, a bulk transfer, a HID report, a run of registers (two bytes each,
 // big-endian).
 struct Packet {
   std::uint32_t address = 0;  // CAN id, endpoint, report id or first register
@@ -43,7 +43,7 @@ inline void append(Bytes& out, const Bytes& more) {
   out.insert(out.end(), more.begin(), more.end());
 }
 
-// The nearest number that T holds: a converter at its limit stays there.
+// The nearest value of T; values beyond its range saturate, as an AD converter does.
 template <std::integral T>
 T saturated(double value) {
   constexpr double low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();

@@ -1,4 +1,4 @@
-// What simulated devices feel.
+// The contacts of simulated devices.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

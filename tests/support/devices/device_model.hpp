@@ -16,14 +16,14 @@
 
 namespace slipd::devices {
 
-// What the device feels at one instant.
+// The input of one scan.
 struct ScanInput {
-  std::span<const Frame> sensors;
-  std::uint64_t scan = 0;     // scans since it was plugged in
-  std::uint64_t time_us = 0;  // the device's clock
+  std::span<const Frame> sensors;  // one frame for each of the device's sensors
+  std::uint64_t scan = 0;          // scans since it was plugged in
+  std::uint64_t time_us = 0;       // the device's clock
 };
 
-// What the host has told the device.
+// The device's state as the host has set it.
 struct HostState {
   bool streaming = false;
 };
@@ -55,16 +55,16 @@ struct ModbusModel {
 };
 
 struct DeviceModel {
-  std::string_view name;     // "xela-xr1944"
-  std::string_view summary;  // for people, and the product's name on USB and HID
-  SensorClass sensor_class = SensorClass::array3;
-  TaxelLayout layout;  // of each sensor
-  std::size_t sensors = 1;
-  double rate_hz = 100;
-  bool starts_by_itself = true;
+  std::string_view name;                           // "xela-xr1944"
+  std::string_view summary;                        // for people, and the product's name on USB and HID
+  SensorClass sensor_class = SensorClass::array3;  // what the sensors measure
+  TaxelLayout layout;                              // of each sensor
+  std::size_t sensors = 1;                         // in the device
+  double rate_hz = 100;                            // scans per second
+  bool starts_by_itself = true;                    // false: it sends after a start message
   // One scan in the device's bytes, in the order in which they leave. reading.sensors has `sensors` frames.
   std::vector<Packet> (*scan)(const ScanInput&) = nullptr;
-  // A packet from the host; null: the device does not listen.
+  // A packet from the host; null: the device ignores them.
   void (*receive)(const Packet&, HostState&) = nullptr;
   std::optional<UsbModel> usb = {};
   std::optional<HidModel> hid = {};
@@ -84,11 +84,11 @@ const DeviceModel& space_mouse();
 const DeviceModel& rohand();
 const DeviceModel& hid_force();
 
-// All of them, and one by its name (null: unknown).
+// All models, and one by its name (null: unknown).
 std::vector<const DeviceModel*> all_models();
 const DeviceModel* find_model(std::string_view name);
 
-// A force sensor's share of a frame: newtons on a layout of one taxel.
+// The force on one taxel.
 struct Force {
   double x_n = 0, y_n = 0, z_n = 0;  // z is the normal force, positive when pressed
 };

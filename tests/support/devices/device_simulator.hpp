@@ -1,6 +1,5 @@
-// A simulated device at work: takes what its sensors feel, puts it into the device's bytes, distorts them as
-// ordered, sends them through its port and writes the truth down. step() is one scan and knows no clock;
-// run() gives it one.
+// Runs a simulated device: encodes its sensors' frames in the device's bytes, distorts them as ordered, sends
+// them through its port and records the truth. step() is one scan and reads no clock; run() paces it.
 #pragma once
 
 #include <functional>
@@ -14,7 +13,7 @@
 
 namespace slipd::devices {
 
-// Fills the next frame of one sensor, with its truth. The slot's spans have the layout's size.
+// Fills the next frame of one sensor and its truth. The slot's spans have the layout's size.
 using Contact = std::function<void(FrameSlot&)>;
 
 class DeviceSimulator {
@@ -25,11 +24,12 @@ class DeviceSimulator {
                   std::ostream* truth = nullptr);
   ~DeviceSimulator();
 
-  // Any thread: carried out before the next scan, or before that number. Throws std::invalid_argument.
+  // Any thread. The order takes effect before the next scan, or before the scan of that number. Throws
+  // std::invalid_argument.
   void order(const std::string& text);
   void order_at(std::uint64_t scan, const std::string& text);
 
-  // One scan. False when told to quit.
+  // One scan. False after the order `quit`.
   bool step();
 
   // Serves the port and steps at `rate_hz`, until told to stop or to quit, or after `scans` scans (0: no

@@ -1,6 +1,6 @@
-// A bus that is nothing but memory of this process: what a simulated device sends waits here for a driver
-// that reads through a stand-in for its bus's library. The device's side is the thread that runs the
-// DeviceSimulator, the host's is any.
+// A bus in this process's memory: it queues a simulated device's packets for a driver that reads through a
+// fake of its bus's library. The thread of the DeviceSimulator calls the device's side, any thread the
+// host's.
 #pragma once
 
 #include <chrono>

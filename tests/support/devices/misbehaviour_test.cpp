@@ -1,4 +1,4 @@
-// A device does wrong what it is told to, for as long as it is told to, and nothing else.
+// A device misbehaves as ordered, for as many scans as ordered, and in no other way.
 #include "tests/support/devices/misbehaviour.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,5 @@
-// Where a simulated device is plugged in. A port owns its file descriptors, never blocks for long and has no
-// thread or clock of its own: whoever runs the device waits on the descriptors of watch() and then calls
-// serve().
+// The bus connection of a simulated device. A port owns its file descriptors, never blocks for long and has
+// no thread or clock: the caller waits on the descriptors of watch() and then calls serve().
 #pragma once
 
 #include <poll.h>
@@ -24,18 +23,17 @@ class Port {
   Port& operator=(const Port&) = delete;
   virtual ~Port() = default;
 
-  virtual void watch(std::vector<pollfd>& waits) const = 0;  // appends what is worth waiting on
-  virtual void serve() = 0;                                  // takes what the host has said, if anything
+  virtual void watch(std::vector<pollfd>& waits) const = 0;  // appends the descriptors to wait on
+  virtual void serve() = 0;                                  // handles pending messages of the host
   virtual void send(std::span<const Packet> scan) = 0;
-  virtual void plug() = 0;    // throws std::system_error
-  virtual void unplug() = 0;  // as if the cable were pulled
-  virtual void silence(bool /*on*/) {
-  }  // a device that is asked says nothing; those that talk by themselves just do not
+  virtual void plug() = 0;              // throws std::system_error
+  virtual void unplug() = 0;            // as if the cable were pulled
+  virtual void silence(bool /*on*/) {}  // a polled device does not answer; other devices stop sending anyway
 
   // Where a host finds it: an interface, a port, a path.
   virtual std::string place() const = 0;
 
-  // What the host has told the device since it was plugged in.
+  // Whether the host has started the device since it was plugged in.
   bool streaming() const { return plugged_ && host_state_.streaming; }
 
  protected:
@@ -51,7 +49,7 @@ class Port {
 
 using Fd = UniqueFd;
 
-// The result of a system call, or std::system_error that says what was tried.
+// The result of a system call. Throws std::system_error, which names `what`.
 int checked(int result, const std::string& what);
 
 // Listens on TCP of this machine. `port`: 0 becomes the one that was free, and stays. Throws

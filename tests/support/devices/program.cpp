@@ -1,5 +1,5 @@
-// simulated-device: plugs a simulated device into a bus of this machine and plays it until it is told to
-// quit.
+// simulated-device: connects a simulated device to a bus of this machine and runs it until it receives the
+// order to quit.
 //   simulated-device xela-xr1944 --at can:vcan0 --truth truth.jsonl --control /tmp/device
 //   echo "lose 3" | socat - UNIX-SENDTO:/tmp/device
 #include <sys/socket.h>

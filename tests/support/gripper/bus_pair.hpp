@@ -1,4 +1,4 @@
-// A CAN bus of two on a machine that has none: a socket pair that carries can_frames as an interface does.
+// A CAN bus of two nodes without an interface: a socket pair that transports can_frames.
 #pragma once
 
 #include <linux/can.h>
@@ -38,7 +38,7 @@ class BusPair final : public can::Port {
     return ::send(ends_[0], &frame, sizeof frame, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof frame ? 0 : errno;
   }
 
-  // The gripper's end: false when nothing waits.
+  // The gripper's end: false when no frame is pending.
   bool next(can_frame& frame) const noexcept {
     return ::recv(ends_[1], &frame, sizeof frame, MSG_DONTWAIT) == sizeof frame;
   }

@@ -1,5 +1,5 @@
-// One object that a simulated gripper lifts and carries while its friction falls, by what slipd says on CAN
-// or deaf to it, and what that cost.
+// Simulates a gripper that lifts and carries an object while friction falls, in closed loop with slipd's CAN
+// messages or in open loop, and measures slip and force.
 #pragma once
 
 #include <cstdint>
@@ -12,30 +12,30 @@
 
 namespace slipd::gripper {
 
-// Lifted with a margin of 0.5 to 0.65, swung by up to a fifth of its weight, and losing 10 to 30 % of its
-// friction again and again, until the first grip cannot hold it any more.
-struct Errand {
+// One object: lifted with a margin of 0.5 to 0.65, swung by up to a fifth of its weight, while friction falls
+// in steps of 10 to 30 % until the first grip cannot hold it any more.
+struct CarryTask {
   sim::SensorSettings sensor;
   GripperSettings gripper;
   double lifted_s = 0, length_s = 0;
 };
-Errand draw_errand(std::uint64_t seed);
+CarryTask draw_carry_task(std::uint64_t seed);
 
-struct Moment {
+struct CarrySample {
   double time_s = 0;
-  double force_n = 0;  // the fingers'
-  double least_n = 0;  // that with which it would just not slip
+  double force_n = 0;  // normal force of the fingers, N
+  double least_n = 0;  // the least normal force that prevents slip, N
   Truth truth;
-  std::optional<double> heard;  // the margin on CAN
+  std::optional<double> received;  // the margin on CAN
 };
 
-// Sums from the lift's end on.
-struct Carried {
+// Statistics from the end of the lift on.
+struct CarryResult {
   double sliding_s = 0;
-  double force_share = 0;     // mean force, over the mean of the least
-  double constant_share = 0;  // the least constant force that never slips, over the same
-  std::vector<Moment> moments;
+  double force_share = 0;     // mean force over the mean least force
+  double constant_share = 0;  // the least constant force without slip over the mean least force
+  std::vector<CarrySample> samples;
 };
-Carried carry(const Errand& errand, const ChainSetup& setup, bool listening);
+CarryResult carry(const CarryTask& task, const ChainSetup& setup, bool listening);
 
 }  // namespace slipd::gripper

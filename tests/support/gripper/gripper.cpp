@@ -33,14 +33,14 @@ double Fingers::force_n(Time now) {
   return force_n_;
 }
 
-double Controller::step(Hearing& hearing, Time now) {
+double Controller::step(MarginReceiver& receiver, Time now) {
   const double force_n = fingers_.force_n(now);
-  if (const auto call = hearing.take_call()) {
+  if (const auto call = receiver.take_request()) {
     const double needed_n =
         call->grip_increase_n ? force_n + *call->grip_increase_n : fingers_.wanted_n() * kMoreBlindly;
     if (needed_n > fingers_.wanted_n()) fingers_.want(needed_n, now);
   }
-  if (!hearing.margin(now) && fingers_.wanted_n() < settings_.force_n) fingers_.want(settings_.force_n, now);
+  if (!receiver.margin(now) && fingers_.wanted_n() < settings_.force_n) fingers_.want(settings_.force_n, now);
   return force_n;
 }
 

@@ -1,19 +1,19 @@
-// A simulated gripper and its controller: fingers that follow a set-point late and no faster than they can,
-// and a set-point that follows what slipd says on CAN. One thread; time is the caller's.
+// A simulated gripper and its controller: fingers that follow a set-point with a delay and a limited slew
+// rate, and a set-point that follows slipd's CAN messages. Called from one thread, which provides the time.
 #pragma once
 
 #include <chrono>
 #include <deque>
 
-#include "tests/support/gripper/hearing.hpp"
+#include "tests/support/gripper/margin_receiver.hpp"
 
 namespace slipd::gripper {
 
 struct GripperSettings {
-  double force_n = 2;                   // gripped with, and held with while nobody knows the margin
-  double most_n = 40;                   // the object must not be crushed
-  std::chrono::milliseconds delay{20};  // from set-point to the first motion
-  double slew_n_per_s = 40;
+  double force_n = 2;                   // initial normal force, and the least while the margin is unknown, N
+  double most_n = 40;                   // largest force, which does not crush the object, N
+  std::chrono::milliseconds delay{20};  // from set-point to the first change of force
+  double slew_n_per_s = 40;             // largest change of force, N/s
 };
 
 class Fingers {
@@ -22,7 +22,7 @@ class Fingers {
 
   void want(double force_n, Time now);
   double wanted_n() const noexcept { return orders_.empty() ? goal_n_ : orders_.back().force_n; }
-  double force_n(Time now);  // goes on to `now`
+  double force_n(Time now);  // advances to `now`
 
  private:
   struct Order {
@@ -32,21 +32,21 @@ class Fingers {
   void move(Time until);
 
   GripperSettings settings_;
-  std::deque<Order> orders_;  // on their way
+  std::deque<Order> orders_;  // set-points within the delay
   double goal_n_ = 0, force_n_ = 0;
   Time moved_;
 };
 
-// Grips harder by what an alert says is lacking, a tenth more where slipd cannot say how much. It does not
-// let go: how soon one may is a matter of the task.
+// Increases the force by an alert's GripIncrease, or by a tenth where that is unknown. It never reduces the
+// force, because the right time for that depends on the task.
 class Controller {
  public:
   Controller(const GripperSettings& settings, Time start) : settings_(settings), fingers_(settings, start) {
     fingers_.want(settings.force_n, start);
   }
 
-  // The force at `now`, with what was heard until then.
-  double step(Hearing& hearing, Time now);
+  // The force at `now`, with what was received until then.
+  double step(MarginReceiver& receiver, Time now);
 
  private:
   GripperSettings settings_;

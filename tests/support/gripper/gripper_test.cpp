@@ -37,23 +37,23 @@ class GripperHearing : public ::testing::Test {
   can_frame next(double gamma, State state = State::ok) {
     return frame_of(can::encode_estimate(kBase, estimate(gamma, state), true, counter_++));
   }
-  void hear(const can_frame& frame) { hearing_.hear(frame, now_ += 10ms); }
+  void receive(const can_frame& frame) { receiver_.receive(frame, now_ += 10ms); }
   void hear_some() {
-    for (int i = 0; i < 5; ++i) hear(next(0.7));
+    for (int i = 0; i < 5; ++i) receive(next(0.7));
   }
-  std::optional<double> margin() const { return hearing_.margin(now_); }
+  std::optional<double> margin() const { return receiver_.margin(now_); }
 
-  Hearing hearing_{kBase, 0, 10ms};
+  MarginReceiver receiver_{kBase, 0, 10ms};
   Time now_ = kStart;
   unsigned counter_ = 0;
 };
 
 TEST_F(GripperHearing, BelievesAMarginOnlyAfterThreeFramesThatMayHaveWaited) {
   for (int i = 0; i < 3; ++i) {
-    hear(next(0.7));
+    receive(next(0.7));
     EXPECT_FALSE(margin()) << i;
   }
-  hear(next(0.7));
+  receive(next(0.7));
   EXPECT_DOUBLE_EQ(margin().value(), 0.7);
 }
 
@@ -61,36 +61,36 @@ TEST_F(GripperHearing, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
   hear_some();
   now_ += 31ms;
   EXPECT_FALSE(margin());
-  hear(next(0.7));
+  receive(next(0.7));
   EXPECT_FALSE(margin()) << "after a silence it begins anew";
   hear_some();
   EXPECT_TRUE(margin());
-  hear(next(0.7, State::learning));
+  receive(next(0.7, State::learning));
   EXPECT_FALSE(margin());
 }
 
 TEST_F(GripperHearing, ARepetitionOrADamagedFrameDoesNotExist) {
   hear_some();
   can_frame repeated = next(0.2);
-  hear(repeated);
+  receive(repeated);
   EXPECT_DOUBLE_EQ(margin().value(), 0.2);
-  for (int i = 0; i < 4; ++i) hear(repeated);
+  for (int i = 0; i < 4; ++i) receive(repeated);
   EXPECT_FALSE(margin()) << "the deadline is that of frames which say something new";
   hear_some();
   for (unsigned bit = 0; bit < 64; ++bit) {
     can_frame damaged = next(0.2);
     damaged.data[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
-    hearing_.hear(damaged, now_);
+    receiver_.receive(damaged, now_);
     EXPECT_DOUBLE_EQ(margin().value(), 0.7) << bit;
   }
 }
 
 TEST_F(GripperHearing, AnAlertCallsOnceAndSlipdsLastWordsEndTheMargin) {
   hear_some();
-  hear(frame_of(can::encode_alert(kBase + 0x20, estimate(0.3), true, 0)));
-  EXPECT_DOUBLE_EQ(hearing_.take_call().value().grip_increase_n.value(), 1.5);
-  EXPECT_FALSE(hearing_.take_call());
-  hear(frame_of(can::encode_heartbeat(kBase + 0x3F, {.messages = 1, .uptime_s = 5, .stopping = true}, 0)));
+  receive(frame_of(can::encode_alert(kBase + 0x20, estimate(0.3), true, 0)));
+  EXPECT_DOUBLE_EQ(receiver_.take_request().value().grip_increase_n.value(), 1.5);
+  EXPECT_FALSE(receiver_.take_request());
+  receive(frame_of(can::encode_heartbeat(kBase + 0x3F, {.messages = 1, .uptime_s = 5, .stopping = true}, 0)));
   EXPECT_FALSE(margin());
 }
 
@@ -115,7 +115,7 @@ ChainSetup by_moments() {
 }
 
 // What a static grip does not show, no sensor sees: a fall of friction may cost a few milliseconds of
-// sliding, and one errand in twenty has such a fall (docs/alerts.md), which too few errands cannot count. The
+// sliding, and one task in twenty has such a fall (docs/alerts.md), which too few tasks cannot count. The
 // force: the target is a margin of 0.5, which is twice the least; as much again is the estimator's error on
 // the safe side.
 TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
@@ -124,8 +124,8 @@ TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
   double force_share = 0;
   double deaf_s = 0, listening_s = 0;
   for (std::uint64_t seed = 1; seed <= kErrands; ++seed) {
-    const Errand errand = draw_errand(seed);
-    const Carried deaf = carry(errand, setup, false), held = carry(errand, setup, true);
+    const CarryTask task = draw_carry_task(seed);
+    const CarryResult deaf = carry(task, setup, false), held = carry(task, setup, true);
     EXPECT_GT(deaf.sliding_s, 0) << seed;
     deaf_s += deaf.sliding_s;
     listening_s += held.sliding_s;
@@ -136,11 +136,11 @@ TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
 }
 
 TEST(ClosedLoop, IsTheSameEachTime) {
-  const auto once = carry(draw_errand(7), by_moments(), true),
-             again = carry(draw_errand(7), by_moments(), true);
-  ASSERT_EQ(once.moments.size(), again.moments.size());
-  for (std::size_t i = 0; i < once.moments.size(); ++i)
-    ASSERT_EQ(once.moments[i].force_n, again.moments[i].force_n) << i;
+  const auto once = carry(draw_carry_task(7), by_moments(), true),
+             again = carry(draw_carry_task(7), by_moments(), true);
+  ASSERT_EQ(once.samples.size(), again.samples.size());
+  for (std::size_t i = 0; i < once.samples.size(); ++i)
+    ASSERT_EQ(once.samples[i].force_n, again.samples[i].force_n) << i;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A machine with release and acquire, in one thread: what code without locks may see on any processor is
-// tried exhaustively, and not only what the processor at hand happens to show.
+// A model of release-acquire memory, in one thread: it tries exhaustively all values that lock-free code can
+// read on any processor, not only those that the present processor produces.
 //
 // The code under test is the real one, with Atomic of this file in the place of std::atomic. Each location
 // keeps all it ever held, in order; each thread has a view: how far it knows each location. A load may give
@@ -19,7 +19,7 @@
 
 namespace slipd::testing {
 
-// Thrown out of explore(): what was seen that must not be.
+// Thrown by explore(): an observed violation.
 class Violation : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -33,13 +33,13 @@ class WeakMemory {
  public:
   enum class Access : std::uint8_t { load, store, exchange };
 
-  // Which order an access really gets: to try what is lost with a weaker one.
+  // The memory order that an access really gets: tests weaken it to show that the stronger one is needed.
   using Weaken =
       std::function<std::memory_order(std::size_t location, std::size_t thread, Access, std::memory_order)>;
 
   static constexpr std::size_t kThreads = 3;  // 0 makes the others and sees all that they share
 
-  // Runs `body` once for each sequence of choices that there is; how many. Throws Violation.
+  // Runs `body` once for each possible sequence of choices; returns their number. Throws Violation.
   static std::size_t explore(const std::function<void(WeakMemory&)>& body, const Weaken& weaken = {});
 
   static WeakMemory& current();

@@ -1,4 +1,4 @@
-#include "tests/support/gripper/hand.hpp"
+#include "tests/support/gripper/grip_output.hpp"
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -11,7 +11,7 @@
 
 namespace slipd::gripper {
 
-Hand::Hand(const std::string& grip_input) : fd_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+GripOutput::GripOutput(const std::string& grip_input) : fd_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   grip_input.copy(address.sun_path, sizeof address.sun_path - 1);
@@ -22,11 +22,11 @@ Hand::Hand(const std::string& grip_input) : fd_(::socket(AF_UNIX, SOCK_DGRAM | S
   throw std::system_error(cause, std::generic_category(), grip_input);
 }
 
-Hand::~Hand() {
+GripOutput::~GripOutput() {
   ::close(fd_);
 }
 
-bool Hand::press(double force_n) const noexcept {
+bool GripOutput::press(double force_n) const noexcept {
   std::array<char, 32> text{};
   const auto end =
       std::to_chars(text.data(), text.data() + text.size(), force_n, std::chars_format::fixed, 4).ptr;

@@ -1,7 +1,7 @@
-// Everything between a contact and the hand on it, in frame time and as fast as it can be computed: simulated
+// The closed loop of a grasp, in frame time and as fast as it can be computed: simulated
 // sensor → estimator → CAN messages over a socket pair → controller → grip_input → simulated sensor. Every
-// byte goes the way that it goes in a cell; only the clock is not waited for, so that the same seed gives the
-// same on any machine.
+// byte takes its real path; only time is simulated, so that the same seed gives the same result on any
+// machine.
 #pragma once
 
 #include <vector>
@@ -12,25 +12,25 @@
 #include "drivers/sim/grip_input.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
 #include "tests/support/gripper/bus_pair.hpp"
+#include "tests/support/gripper/grip_output.hpp"
 #include "tests/support/gripper/gripper.hpp"
-#include "tests/support/gripper/hand.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd::gripper {
 
-class Cell {
+class ClosedLoop {
  public:
   static constexpr std::chrono::milliseconds kFrame{1};
 
-  // `listening` false: the gripper is deaf and holds with the force it began with.
-  Cell(const sim::SensorSettings& sensor, const GripperSettings& gripper, const ChainSetup& setup,
-       bool listening);
+  // `listening` false: open loop; the gripper ignores slipd and holds with its initial force.
+  ClosedLoop(const sim::SensorSettings& sensor, const GripperSettings& gripper, const ChainSetup& setup,
+             bool listening);
 
-  // One frame later. What is asked of it then: the sensor's truth, the force, and the margin as heard.
+  // Advances by one frame. Then truth(), force_n() and received() are those of that frame.
   void step();
   Truth truth() const noexcept { return sensor_.truth(); }
   double force_n() const noexcept { return force_n_; }
-  std::optional<double> heard() const noexcept { return hearing_.margin(now_); }
+  std::optional<double> received() const noexcept { return receiver_.margin(now_); }
 
  private:
   SensorStatus& add_sensor();
@@ -49,8 +49,8 @@ class Cell {
   std::vector<float> memory_;
   FrameSlot slot_;
   sim::GripInput grip_input_;
-  Hand hand_;
-  Hearing hearing_;
+  GripOutput grip_output_;
+  MarginReceiver receiver_;
   Controller controller_;
   bool listening_;
   double force_n_ = 0;

@@ -1,4 +1,4 @@
-#include "tests/support/gripper/cell.hpp"
+#include "tests/support/gripper/closed_loop.hpp"
 
 #include <span>
 
@@ -23,8 +23,8 @@ Settings settings_for(const ChainSetup& setup) {
 
 }  // namespace
 
-Cell::Cell(const sim::SensorSettings& sensor, const GripperSettings& gripper, const ChainSetup& setup,
-           bool listening)
+ClosedLoop::ClosedLoop(const sim::SensorSettings& sensor, const GripperSettings& gripper,
+                       const ChainSetup& setup, bool listening)
     : settings_(settings_for(setup)),
       status_(add_sensor()),
       scheduler_(settings_, board_, bus_, log_, now_),
@@ -32,8 +32,8 @@ Cell::Cell(const sim::SensorSettings& sensor, const GripperSettings& gripper, co
       chain_(setup, nullptr),
       memory_(3 * setup.layout.size()),
       grip_input_(folder_.file("grip").string()),
-      hand_(folder_.file("grip").string()),
-      hearing_(kBaseId, 0, settings_.can->period),
+      grip_output_(folder_.file("grip").string()),
+      receiver_(kBaseId, 0, settings_.can->period),
       controller_(gripper, now_),
       listening_(listening) {
   const std::span all(memory_);
@@ -43,19 +43,19 @@ Cell::Cell(const sim::SensorSettings& sensor, const GripperSettings& gripper, co
   slot_.shear_y_pa = all.last(taxels);
 }
 
-void Cell::step() {
+void ClosedLoop::step() {
   now_ += kFrame;
-  force_n_ = controller_.step(hearing_, now_);
-  hand_.press(force_n_);
+  force_n_ = controller_.step(receiver_, now_);
+  grip_output_.press(force_n_);
   if (const auto normal_n = grip_input_.newest()) sensor_.grip(normal_n);
   sensor_.advance(kFrame);
   if (!sensor_.sample(slot_) || !listening_) return;
   publish(chain_.estimate(slot_.view()));
   can_frame frame{};
-  while (bus_.next(frame)) hearing_.hear(frame, now_);
+  while (bus_.next(frame)) receiver_.receive(frame, now_);
 }
 
-SensorStatus& Cell::add_sensor() {
+SensorStatus& ClosedLoop::add_sensor() {
   SensorStatus& status = *board_.sensors.emplace_back(std::make_unique<SensorStatus>("finger", "sim"));
   status.simulated = true;
   status.link = DeviceLink::open;
@@ -63,7 +63,7 @@ SensorStatus& Cell::add_sensor() {
 }
 
 // As the estimate thread does; then it is the CAN thread's turn, if one is due or the bell rings.
-void Cell::publish(Estimate estimate) noexcept {
+void ClosedLoop::publish(Estimate estimate) noexcept {
   estimate.published_ns = std::chrono::nanoseconds(now_.time_since_epoch()).count();
   Published reading = status_.latest.load();
   const bool rings = estimate.alert != reading.estimate.alert || estimate.state != reading.estimate.state;

@@ -1,4 +1,4 @@
-#include "tests/support/gripper/hearing.hpp"
+#include "tests/support/gripper/margin_receiver.hpp"
 
 #include <span>
 #include <utility>
@@ -25,24 +25,24 @@ std::optional<double> number(const can_frame& frame, const can::Signal& signal) 
 
 }  // namespace
 
-bool Hearing::Line::good(const can_frame& frame) noexcept {
+bool MarginReceiver::Line::good(const can_frame& frame) noexcept {
   if (frame.len != sizeof frame.data) return false;
   if (can::crc8(id, std::span(frame.data).first<7>()) != frame.data[7]) return false;
   const auto now = static_cast<unsigned>(count(frame, can::kCounter));
   return std::exchange(counter, now) != now;
 }
 
-void Hearing::hear(const can_frame& frame, Time now) noexcept {
+void MarginReceiver::receive(const can_frame& frame, Time now) noexcept {
   if ((frame.can_id & (CAN_RTR_FLAG | CAN_ERR_FLAG)) != 0) return;
   const std::uint32_t id = frame.can_id & CAN_EFF_MASK;
   if (id == heartbeat_.id && heartbeat_.good(frame) && count(frame, can::heartbeat::kStopping) != 0) {
     margin_.reset();
   } else if (id == alert_.id && alert_.good(frame)) {
     if (count(frame, can::alert::kAlert) != static_cast<std::uint64_t>(Alert::none))
-      call_ = Call{number(frame, can::alert::kGripIncrease_n)};
+      request_ = GripRequest{number(frame, can::alert::kGripIncrease_n)};
   } else if (id == estimate_.id && estimate_.good(frame)) {
-    if (!heard_ || now - *heard_ > 3 * period_) to_ignore_ = kSuspectAfterSilence;
-    heard_ = now;
+    if (!received_ || now - *received_ > 3 * period_) to_ignore_ = kSuspectAfterSilence;
+    received_ = now;
     margin_.reset();
     if (to_ignore_ > 0) {
       --to_ignore_;
@@ -52,12 +52,12 @@ void Hearing::hear(const can_frame& frame, Time now) noexcept {
   }
 }
 
-std::optional<double> Hearing::margin(Time now) const noexcept {
-  return heard_ && now - *heard_ <= 3 * period_ ? margin_ : std::nullopt;
+std::optional<double> MarginReceiver::margin(Time now) const noexcept {
+  return received_ && now - *received_ <= 3 * period_ ? margin_ : std::nullopt;
 }
 
-std::optional<Hearing::Call> Hearing::take_call() noexcept {
-  return std::exchange(call_, std::nullopt);
+std::optional<MarginReceiver::GripRequest> MarginReceiver::take_request() noexcept {
+  return std::exchange(request_, std::nullopt);
 }
 
 }  // namespace slipd::gripper
