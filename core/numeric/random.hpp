@@ -1,39 +1,42 @@
-// Random numbers by counter: each is a hash of where it is used, not of how many were drawn before, so that
-// any block of a data set can be made again, alone, on any thread and any machine. The hash is the finaliser
-// of splitmix64 (docs/theory.md §14). The standard library's distributions differ between
-// implementations, hence none here.
+// A counter-based random number generator. Each number is a hash of its index, not of the numbers drawn
+// before, so that any block of a data set can be made again alone, on any thread and any machine. The hash is
+// the finaliser of splitmix64 (docs/theory.md §14). Distributions of the standard library differ between
+// implementations and are not used.
 #pragma once
 
 #include <cstdint>
 
 namespace slipd {
 
+// A sequence of random numbers. Immutable: called from any thread.
 class RandomStream {
  public:
   constexpr explicit RandomStream(std::uint64_t seed) noexcept : key_(mix(seed + kStep)) {}
 
-  // An independent sequence of its own, for a contact or a column.
+  // Another sequence, independent of this one and of those of other indices.
   constexpr RandomStream stream(std::uint64_t index) const noexcept {
     RandomStream child(key_);
     child.key_ = mix(child.key_ ^ mix((index + 1) * kStep));
     return child;
   }
 
+  // The number at index i, 64 bits.
   constexpr std::uint64_t bits(std::uint64_t i) const noexcept { return mix(key_ + (i + 1) * kStep); }
 
-  // Uniform in [0, 1), 53 bits.
+  // The number at index i, uniform in [0, 1), 53 bits.
   constexpr double uniform(std::uint64_t i) const noexcept {
     return static_cast<double>(bits(i) >> 11) * 0x1p-53;
   }
 
+  // The number at index i, uniform from low to high.
   constexpr double uniform(std::uint64_t i, double low, double high) const noexcept {
     return low + (high - low) * uniform(i);
   }
 
-  // Uniform in [-1, 1), 24 bits; two of them cost one hash.
+  // The number at index i, uniform in [-1, 1), 24 bits. Two neighbouring ones share one hash.
   constexpr float noise(std::uint64_t i) const noexcept { return half(bits(i / 2), i % 2 != 0); }
 
-  // adds half_width * noise(i) to each of the n values.
+  // Adds half_width * noise(i) to values[i], for i from 0 to n - 1.
   void add_noise(float* values, std::uint64_t n, float half_width) const noexcept {
     for (std::uint64_t i = 0; i + 1 < n; i += 2) {
       const std::uint64_t both = bits(i / 2);

@@ -1,6 +1,7 @@
-// Which loops this processor can run. Kernels: a struct of functions that exists once for each instruction
-// set, as Kernels::baseline, avx2 and avx512 (slipd_instruction_sets in core/CMakeLists.txt). Not for the
-// files with the loops themselves: what is inline here must be built for every processor.
+// Chooses the loops for this processor at run time. `Kernels` is a struct of function pointers that exists
+// once for each instruction set, as Kernels::baseline, avx2 and avx512 (slipd_instruction_sets in
+// core/CMakeLists.txt). The files with the loops do not include this header: its inline functions must be
+// built for every processor.
 #pragma once
 
 #include <array>
@@ -9,8 +10,8 @@
 
 namespace slipd {
 
-// All that there are, the plainest first. Asked when first used, after main began: resolvers that run while
-// the program is loaded crash under ThreadSanitizer.
+// The kernels that this processor can run, baseline first. Called from any thread. Chosen at the first call:
+// resolvers that run at load time crash under ThreadSanitizer.
 template <typename Kernels>
 std::span<const Kernels* const> kernels_at_hand() noexcept {
   struct AtHand {
@@ -30,6 +31,7 @@ std::span<const Kernels* const> kernels_at_hand() noexcept {
   return std::span(kAtHand.all).first(kAtHand.count);
 }
 
+// The fastest kernels that this processor can run. Called from any thread.
 template <typename Kernels>
 const Kernels& best_kernels() noexcept {
   return *kernels_at_hand<Kernels>().back();

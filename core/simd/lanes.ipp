@@ -1,8 +1,7 @@
-// A register of taxels at a time, as vectors of the compiler's own kind. They are as wide as a register: GCC
-// takes comparisons and masks of wider ones apart value by value, which makes these loops five to ten times
-// as long. Included by files that are built once for each instruction set. No function of the standard
-// library is called here: what is inline there would exist once for all files, perhaps for the wrong
-// processor.
+// Vector types of the compiler (vector extensions), and loops over taxels with them. A vector is as wide as a
+// register: GCC splits comparisons and masks of wider ones into single values, which makes these loops five
+// to ten times slower. Included by files that are built once for each instruction set. They call no function
+// of the standard library: an inline function exists once in the program, perhaps for another processor.
 #pragma once
 
 #include <cstddef>
@@ -46,7 +45,8 @@ SLIPD_INLINE Floats where(const Ints& mask, const Floats& values) noexcept {
   return reinterpret_cast<Floats>(mask & reinterpret_cast<Ints>(values));
 }
 
-// Many sums at once, each of one register.
+// N sums at once. Each is kept in one register in single precision and added up in double after kBlocks
+// blocks.
 template <int N>
 struct Sums {
   Floats part[N] = {};
@@ -72,7 +72,8 @@ struct Sums {
   }
 };
 
-// Calls body(place, mask) for blocks that together are the runs, each taxel once; mask: of those that count.
+// Calls body(first, mask) for blocks of kLanes taxels that cover the runs. `mask` selects the taxels of a
+// block, so that each taxel of the runs is selected once.
 template <typename Body>
 SLIPD_INLINE void for_blocks(const TaxelRun* runs, std::size_t count, std::size_t size,
                              const Body& body) noexcept {

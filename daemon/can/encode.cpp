@@ -12,8 +12,7 @@ namespace {
 
 using Crc8J1850 = boost::crc_optimal<8, 0x1D, 0xFF, 0xFF, false, false>;
 
-// Boost makes the table of a CRC when it is first used: here, while the program is loaded, and not in the CAN
-// thread.
+// Boost builds the table of a CRC at first use. This makes it happen at load time and not in the CAN thread.
 [[maybe_unused]] const std::uint8_t kTableMade = crc8({});
 
 // The eight bytes as one little-endian number. A signal is a range of its bits.

@@ -315,7 +315,7 @@ void RpcMethods::complete_frames() {
     if (frame == nullptr) continue;
     const auto waiting = std::exchange(pending_frames_[i], {});
     const auto layout = status.facts().layout;
-    const bool usable = frame->any && layout && layout->size() == frame->normal_pa.size();
+    const bool usable = frame->has_frame && layout && layout->size() == frame->normal_pa.size();
     json result;
     const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
     try {

@@ -34,7 +34,7 @@ json realtime_json(const ServiceContext& context) {
   result["got"] = {{"priority", context.realtime.scheduling ? json(asked.priority) : json(nullptr)},
                    {"cpus", context.realtime.cpus ? json(asked.cpus) : json::array()},
                    {"lock_memory", context.realtime.memory_locked}};
-  if (!context.realtime.error_response.empty()) result["refused"] = context.realtime.error_response;
+  if (!context.realtime.refusal.empty()) result["refused"] = context.realtime.refusal;
   return result;
 }
 

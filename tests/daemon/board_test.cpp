@@ -49,14 +49,14 @@ TEST(Latest, IsNeverTornAndNeverGoesBack) {
   second.join();
 }
 
-TEST(IoWakeup, IsHeardHoweverRingAndClearMeet) {
+TEST(IoWakeup, IsSeenHoweverNotifyAndClearMeet) {
   IoWakeup wake;
   std::atomic<int> news{0};
   constexpr int kRings = 20000;
   std::thread teller([&] {
     for (int i = 1; i <= kRings; ++i) {
       news.store(i);
-      wake.ring();
+      wake.notify();
     }
   });
   int heard = 0;

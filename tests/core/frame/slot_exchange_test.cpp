@@ -20,7 +20,7 @@ constexpr std::size_t kFiller = 1, kReader = 2;
 constexpr int kFrames = 5, kLooks = 4;
 
 // Atomic, as the exchange uses it, with a place before each of the reader's accesses in which the filler may
-// do whatever it still has to. As hand_over() has a single access to what is shared, all orders are among
+// do whatever it still has to. As publish() has a single access to what is shared, all orders are among
 // these.
 template <typename T>
 class Interleaved : public CheckedAtomic<T> {
