@@ -22,8 +22,8 @@ struct StabilityOptions {
   std::vector<std::string> parts{"model", "extremes", "condition", "adversary"};
 };
 
-std::vector<ModelError> worst_everywhere(const TrialSetup& setup, const Done& done) {
-  std::vector<ModelError> rows;
+std::vector<ContactModelError> worst_everywhere(const TrialSetup& setup, const Done& done) {
+  std::vector<ContactModelError> rows;
   for (const Axis axis : kAxes) {
     for (const double place : places_on(axis)) rows.push_back({axis, place, 0, 0, 0, 0, 0});
   }

@@ -59,7 +59,7 @@ class CanTalk : public ::testing::Test {
     reading.estimate.normal_n = 2;
     reading.estimate.shear_n = gamma ? std::optional(2 * 0.5 * (1 - *gamma)) : std::nullopt;
     board_.sensors[sensor]->latest.store(reading);
-    grasp_evaluator_->touch(sensor);
+    grasp_evaluator_->mark_updated(sensor);
   }
 
   // A millisecond a time, each with a new estimate of every sensor, as at 1 kHz; steps when the talk asked
@@ -67,7 +67,7 @@ class CanTalk : public ::testing::Test {
   void pass(std::chrono::milliseconds time, std::optional<double> gamma = 0.7, Alert alert = Alert::none) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       for (std::size_t i = 0; i < board_.sensors.size(); ++i) publish(i, gamma, alert);
-      grasp_evaluator_->judge();
+      grasp_evaluator_->evaluate();
       if (now_ >= due_) due_ = scheduler_->step(now_);
     }
   }
@@ -289,7 +289,7 @@ TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
        now_ += 1ms) {  // together they hold less well than they should
     publish(0, 0.6);
     publish(1, 0.1);
-    grasp_evaluator_->judge();
+    grasp_evaluator_->evaluate();
     step();
   }
   const auto alerts = port_.take(kAlert + 2);

@@ -17,7 +17,7 @@ using slipd::NoiseKind;
 TEST(Extremes, TheContactModelKeepsTwelveDigitsEverywhere) {
   for (const Axis axis : kAxes) {
     for (const double place : places_on(axis)) {
-      const ModelError worst = model_error_at(axis, place, 10, 3);
+      const ContactModelError worst = model_error_at(axis, place, 10, 3);
       EXPECT_LT(worst.closed_form, 1e-12) << name_of(axis) << ' ' << place;
       // Beside the stick zone's edge q rises like a root of the distance, and that edge is a rounded number.
       EXPECT_LT(worst.history, 1e-3) << name_of(axis) << ' ' << place;

@@ -107,8 +107,8 @@ Case draw_case(Axis axis, double place, const RandomStream& u) {
   return in;
 }
 
-ModelError model_error_at(Axis axis, double place, std::size_t cases, std::uint64_t seed) {
-  ModelError worst{axis, place, 0, 0, 0, 0, 0};
+ContactModelError model_error_at(Axis axis, double place, std::size_t cases, std::uint64_t seed) {
+  ContactModelError worst{axis, place, 0, 0, 0, 0, 0};
   const RandomStream random = RandomStream(seed).stream(static_cast<std::uint64_t>(axis));
   for (std::size_t i = 0; i < cases; ++i) {
     const Case in = draw_case(axis, place, random.stream(i));

@@ -27,7 +27,7 @@ std::vector<double> places_on(Axis axis);
 Case draw_case(Axis axis, double place, const slipd::RandomStream& random);
 
 // Largest relative error of a, p0, c, Q, p, q and alpha.
-struct ModelError {
+struct ContactModelError {
   Axis axis;
   double place;
   double closed_form;   // slipd's closed forms
@@ -36,6 +36,6 @@ struct ModelError {
   double textbook_double;  // the textbook's formulas in double precision
   double textbook_single;  // the textbook's formulas in single precision
 };
-ModelError model_error_at(Axis axis, double place, std::size_t cases, std::uint64_t seed);
+ContactModelError model_error_at(Axis axis, double place, std::size_t cases, std::uint64_t seed);
 
 }  // namespace sliplab

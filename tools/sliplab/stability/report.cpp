@@ -15,7 +15,7 @@ const char* noise_name(slipd::NoiseKind kind) {
   return kind == slipd::NoiseKind::relative ? "relative" : "sensor";
 }
 
-void print_model(const std::vector<ModelError>& rows) {
+void print_model(const std::vector<ContactModelError>& rows) {
   std::puts(
       "The contact model against 60 digits: largest relative error of a, p0, c, Q, p, q, alpha over drawn "
       "contacts.\nhistory: q as a sum of disc terms, of the contact's largest q. alpha: in single precision, "

@@ -15,7 +15,7 @@ namespace sliplab {
 // A part that was not requested is empty.
 struct Stability {
   TrialSetup setup;
-  std::vector<ModelError> model;             // of the contact model
+  std::vector<ContactModelError> model;      // of the contact model
   std::vector<RobustnessRow> extremes;       // of the estimators at extreme parameters
   std::vector<std::string> methods;          // of `condition` and `bits`
   std::vector<Condition> condition;          // for each margin
