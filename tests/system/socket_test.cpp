@@ -18,13 +18,13 @@ using nlohmann::json;
 using namespace std::chrono_literals;
 
 // Not stale, however long this machine does something else: each notification is of another frame.
-json trial(const char* name) {
+json fine_trial(const char* name) {
   return {{"name", name},
           {"driver", "trial"},
           {"stale_after_ms", 60'000},
           {"layout", {{"grid", {20, 20}}, {"pitch_mm", 0.72}}}};
 }
-const json kSensors = {trial("left"), trial("right")};
+const json kSensors = {fine_trial("left"), fine_trial("right")};
 
 class Socket : public ::testing::Test {
  protected:

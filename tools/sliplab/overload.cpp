@@ -18,7 +18,7 @@ namespace {
 
 using namespace slipd;
 
-struct Options {
+struct OverloadOptions {
   OverloadSetup setup;
   std::vector<std::size_t> sides{4, 16, 32};
   std::vector<std::string> methods{"moments", "fit", "registered", "svd-knn"};
@@ -33,7 +33,7 @@ const std::map<std::string, std::pair<MethodChoice, Method>> kOverloadMethods{
     {"moments", {MethodChoice::moments, Method::moments}},
     {"fit", {MethodChoice::fit, Method::fit}}};
 
-std::vector<OverloadCase> cases(const Options& options) {
+std::vector<OverloadCase> cases(const OverloadOptions& options) {
   std::vector<OverloadCase> all;
   for (const unsigned k : options.every) all.push_back({Skipping::regular, k});
   for (const Skipping skipping : {Skipping::random, Skipping::bursts}) {
@@ -43,7 +43,7 @@ std::vector<OverloadCase> cases(const Options& options) {
 }
 
 // The lines of one layout and method; none where slipd takes another method for this layout.
-void measure(std::size_t side, const std::string& name, const Options& options,
+void measure(std::size_t side, const std::string& name, const OverloadOptions& options,
              std::vector<OverloadLine>& lines) {
   const auto& [choice, method] = kOverloadMethods.at(name);
   const ChainSetup chain = paper_chain(side, choice, options.setup.sensing.noise);
@@ -65,7 +65,7 @@ void measure(std::size_t side, const std::string& name, const Options& options,
   }
 }
 
-void run(const Common& common, Options options) {
+void run(const Common& common, OverloadOptions options) {
   options.setup.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   options.setup.seed = common.seed;
   std::vector<OverloadLine> lines;
@@ -85,7 +85,7 @@ void run(const Common& common, Options options) {
 void add_overload(CLI::App& app, const Common& common) {
   auto* command =
       app.add_subcommand("overload", "random grasps of which only some frames come, against the truth");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<OverloadOptions>();
   options->setup.sensing.frame_s = 0.001;
   command->add_option("--grasps", options->setup.grasps, "of each line")
       ->check(CLI::Range(1, 100000))
