@@ -170,7 +170,7 @@ void plot_traces(const std::filesystem::path& folder, const std::vector<MethodLi
     script << "set title '" << lines[i].side << " x " << lines[i].side << ", " << lines[i].method
            << "'\nplot 'grasp-" << name
            << ".csv' using 1:($6-2*$7):($6+2*$7) with filledcurves lc rgb '#4a90d9' title '2 sigma', "
-              "'' using 1:6 with lines lc rgb '#1f4e8c' lw 1.5 title 'told', "
+              "'' using 1:6 with lines lc rgb '#1f4e8c' lw 1.5 title 'estimated', "
               "'' using 1:5 with lines lc rgb 'black' dt 2 title 'true'\n";
   }
   script << "unset multiplot\n";

@@ -88,7 +88,7 @@ std::string script_of(const Recorded& recorded, const std::string& name, const P
          << " skip 1 using 1:($9>=2?1:NaN) with impulses lc rgb '#f4c7c3' title "
          << "'slip alert', '' skip 1 using 1:($5-2*$6):($5+2*$6) with filledcurves lc rgb '#4a90d9' title '2 "
             "sigma', "
-         << "'' skip 1 using 1:5 with lines lc rgb '#1f4e8c' lw 1.5 title 'told', "
+         << "'' skip 1 using 1:5 with lines lc rgb '#1f4e8c' lw 1.5 title 'estimated', "
          << "'' skip 1 using 1:4 with lines lc rgb 'black' dt 2 title 'true', "
          << "'-' using 1:2 with points pt 11 lc rgb 'black' notitle\n"
          << shown.time_s << ",0\ne\nset origin 0," << (map ? 0.34 : 0.0) << "\nset size 1,"

@@ -9,7 +9,7 @@ namespace slipd::devices {
 
 class UsbRequests {
  public:
-  UsbRequests(const DeviceModel& model, HostState& talk, std::string serial);
+  UsbRequests(const DeviceModel& model, HostState& host, std::string serial);
 
   // `setup`: the eight bytes of a request. Data to the host (empty for requests without), or nothing for a
   // stall.

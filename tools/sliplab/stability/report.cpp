@@ -57,7 +57,7 @@ void print_robustness(const char* title, const std::vector<RobustnessRow>& rows)
 
 void print_condition(const Stability& found) {
   std::printf(
-      "\nError out per error in: deviation of Gamma over the deviation of one taxel's reading (of the "
+      "\nCondition: standard deviation of Gamma over the standard deviation of one taxel (of the "
       "largest p). limit: the\nleast possible (Cramer-Rao). -: no answer.\n\n  Gamma ");
   for (const auto& name : found.methods) std::printf("  %10s", name.c_str());
   std::printf("  %10s\n", "limit");
@@ -177,7 +177,7 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
   plot(folder, "condition", script.str());
 }
 
-void plot_flaws(const std::filesystem::path& folder) {
+void plot_perturbations(const std::filesystem::path& folder) {
   std::ostringstream script;
   script << "set terminal svg size 900,1250 font 'sans,11' background 'white'\nset output 'adversary.svg'\n"
             "set datafile separator ','\nset grid\nset multiplot layout 5,2\nset yrange [0:0.4]\n"
@@ -214,10 +214,10 @@ void print_table(const Stability& found) {
         found.setup.side, found.setup.side, 100 * found.setup.noise, noise_name(found.setup.kind),
         found.setup.contacts, kGrossError);
   }
-  if (!found.extremes.empty()) print_robustness("What slipd says at the extremes.", found.extremes);
+  if (!found.extremes.empty()) print_robustness("Estimates at extreme parameters.", found.extremes);
   if (!found.condition.empty()) print_condition(found);
   if (!found.perturbations.empty())
-    print_robustness("What slipd says of contacts that are not its model.", found.perturbations);
+    print_robustness("Estimates of contacts that deviate from the model.", found.perturbations);
 }
 
 nlohmann::ordered_json to_json(const Stability& found) {
@@ -260,7 +260,7 @@ void write_files(const Stability& found, const std::filesystem::path& folder) {
   if (!found.condition.empty()) plot_condition(found, folder);
   if (!found.perturbations.empty()) {
     write_robustness(found.perturbations, folder / "adversary.csv");
-    plot_flaws(folder);
+    plot_perturbations(folder);
   }
 }
 
