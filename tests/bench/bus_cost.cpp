@@ -53,8 +53,8 @@ void measure(const test::DriverCase& driver_case, double seconds) {
   }
   const double wall_s = seconds_of(CLOCK_MONOTONIC) - begun_s;
   const double used_s = seconds_of(CLOCK_THREAD_CPUTIME_ID) - cpu_s;
-  std::printf("| %-13s | %6zu | %8.0f | %8.1f | %7d |\n", driver_case.name.c_str(), info.sensors[0].layout.size(),
-              frames / wall_s, 1e6 * used_s / std::max(frames, 1), corrupt);
+  std::printf("| %-13s | %6zu | %8.0f | %8.1f | %7d |\n", driver_case.name.c_str(),
+              info.sensors[0].layout.size(), frames / wall_s, 1e6 * used_s / std::max(frames, 1), corrupt);
 }
 
 }  // namespace
