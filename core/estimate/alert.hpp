@@ -46,7 +46,7 @@ struct SlipForecastOptions {
   // Gap between samples after which older ones are dropped, in forget_s; 3 … 100. Too small: a slow sensor
   // has no forecast. Too large: samples that mean nothing are kept.
   double max_gap = 10;
-  // Weight of the samples from which on a slope is told, 1 for the newest one; 2 … 20. Too small: two samples
+  // Weight of the samples from which on a slope shows, 1 for the newest one; 2 … 20. Too small: two samples
   // are a slope. Too large: a slow sensor has no forecast.
   double min_weight = 3;
   // A fall is clear from this many standard deviations of the slope on; 1 … 6. Too small: noise is a fall.

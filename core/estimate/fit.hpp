@@ -70,8 +70,8 @@ struct FitOptions {
   double pressure_sigma = 0.9;
   // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
   double friction_sigma_factor = 2;
-  // Sigma of Gamma, of 1 - Gamma, below which friction is told by the parabola; 0.1 … 1. Too small: friction
-  // is told late. Too large: its sigma is not meant.
+  // Sigma of Gamma, of 1 - Gamma, below which friction is given by the parabola; 0.1 … 1. Too small: friction
+  // is given late. Too large: its sigma is not meant.
   double max_friction_share = 0.5;
 
   // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:

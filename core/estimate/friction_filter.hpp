@@ -27,7 +27,7 @@ namespace slipd {
 class FrictionFilter {
  public:
   // force_only: frames of this sensor say little of their own. Then there are no foundations, and gross slip
-  // is told by |Q|/P, which stays even while P falls.
+  // is read from |Q|/P, which stays even while P falls.
   FrictionFilter(const FrictionPrior& prior, bool force_only, const FrictionFilterOptions& options = {});
 
   // A new grasp: back to the prior.

@@ -24,11 +24,11 @@ struct FrictionFilterOptions {
   // WinklerFoundations::kMost. Too few: the right friction lies between two. More cost time in proportion.
   std::size_t foundations = 56;
   // Points of the grid of a force-only sensor, which has no foundations; 16 … FrictionGrid::kMost. Too few:
-  // friction known by a slide is told in steps.
+  // friction known by a slide changes in steps.
   std::size_t force_only_points = FrictionGrid::kMost;
 
   // Time after which evidence of a force-only sensor has faded to 1/e; s, 0.5 … 100. Too small: friction is
-  // forgotten between two slides. Too large: friction that changed unseen is told for longer.
+  // forgotten between two slides. Too large: friction that changed unseen is given for longer.
   double forget_s = 5;
   // Shear from which on a frame is weighed; sigmas, 3 … 20. Too small: noise is weighed, since only the
   // frames that it raised come through. Too large: friction is learnt late.
@@ -94,7 +94,7 @@ struct FrictionFilterOptions {
   // Mean of least squared residuals from which no margin is given; 1.5 … 9, about 1 where all is understood.
   double max_mean_residual = 4;
   // Squared residual of the likeliest friction from which the frame contradicts it; 9 … 50. Too small: sigma
-  // is wide without a reason. Too large: friction that fell is told late.
+  // is wide without a reason. Too large: friction that fell is given late.
   double surprising_residual = 16;
   // CUSUM (Page 1954) of half the likeliest friction's squared residuals: each frame counts less than it by
   // the drift, the sum ends at the threshold what older frames said of friction; nats, 1 … 10 and 3 … 50. Too

@@ -62,8 +62,8 @@ struct MomentsOptions {
   // history; 1.5 … 20, about 1 after a monotonic load. Too small: skins that are no half space are refused.
   // Too large: a regrip passes.
   double max_ring_misfit = 4;
-  // Sigma of Gamma, of 1 - Gamma, below which friction is told; 0.1 … 1. Near no load friction is a ratio of
-  // two small numbers. Too small: friction is told late. Too large: its sigma is not meant.
+  // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1. Near no load friction is a ratio of
+  // two small numbers. Too small: friction is given late. Too large: its sigma is not meant.
   double max_friction_share = 0.5;
 };
 

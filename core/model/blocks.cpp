@@ -14,7 +14,7 @@ void for_each_index(std::size_t count, unsigned threads,
                     const std::function<void(double)>& progress) {
   const std::size_t workers =
       std::clamp<std::size_t>(threads, 1, std::min(kLanes, std::max<std::size_t>(count, 1)));
-  std::atomic<bool> stop{false};  // relaxed: nothing is read on its word, and join hands over the failure
+  std::atomic<bool> stop{false};  // relaxed: no other data depends on it; join hands over the failure
   std::atomic<std::size_t> done{0};
   std::vector<std::exception_ptr> failures(workers);
 

@@ -74,7 +74,7 @@ struct PatchOptions {
   double reach_factor = 1.06;
   double reach_sides = 0.7072;
   // Floor of the pressure's second moment, over side^2; 0.005 … 0.5. Too small: a contact on one taxel has no
-  // radius. Too large: small contacts are told as larger.
+  // radius. Too large: small contacts come out larger.
   double min_second_moment = 0.05;
   // The disc is found anew until a round moves it by less than this, in sides, at most so many rounds; 0.001
   // … 0.1, 1 … 10. Too small, too many: costs time. Too large, too few: place and radius lag behind.
