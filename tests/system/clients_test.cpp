@@ -74,7 +74,8 @@ View look(RpcClient& asking, Subscriber& subscriber) {
   const auto count = [&] {
     View now;
     std::uint64_t least = UINT64_MAX;
-    for (const json& sensor : asking.result("status")["sensors"]) {
+    const json status = asking.result("status");
+    for (const json& sensor : status["sensors"]) {
       const std::uint64_t received = sensor["received"], skipped = sensor["skipped"];
       EXPECT_EQ(received, skipped + sensor["estimated"].get<std::uint64_t>()) << sensor;
       now.received += received;
