@@ -123,7 +123,7 @@ awaits "it ends when told to" eval '! kill -0 $slipd'
 mkdir /run/models
 mount -t tmpfs -o size=4m tmpfs /run/models
 cat >model.json <<'END'
-{ "sensors": [ { "name": "pad", "driver": "sim", "rate_hz": 50, "stale_after_ms": 5000, "layout": { "grid": [4, 4], "pitch_mm": 3.6 } } ],
+{ "sensors": [ { "name": "pad", "driver": "sim", "rate_hz": 50, "stale_after_ms": 5000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
   "estimator": { "method": "svd-knn" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/slipd.sock" } }
 END
 model_is_made() {  # LOG WHAT
