@@ -133,10 +133,16 @@ void Daemon::wait_for_log(const std::string& text) const {
 }
 
 std::size_t Daemon::descriptors_at_rest() const {
-  RpcClient client(socket_);
   Patience patience(*program_);
-  while (client.result("status")["clients"] != 1) patience.hold("clients that are gone are not let go");
-  return open_descriptors(program_->pid());
+  for (;;) {
+    try {
+      RpcClient client(socket_);
+      while (client.result("status")["clients"] != 1) patience.hold("clients that are gone are not let go");
+      return open_descriptors(program_->pid());
+    } catch (const RpcClient::NoAnswer&) {  // all places are still taken by those that are gone
+      patience.hold("clients that are gone keep their places");
+    }
+  }
 }
 
 std::optional<int> Daemon::stop() {

@@ -95,7 +95,7 @@ json RpcClient::call(const std::string& method, const json& params, int descript
     if (message.contains("id") && message["id"] == id) return message;
     notifications_.push_back(std::move(message));
   }
-  throw std::runtime_error("no answer to " + method + (ended_ ? ": the connection is closed" : ""));
+  throw NoAnswer("no answer to " + method + (ended_ ? ": the connection is closed" : ""));
 }
 
 json RpcClient::result(const std::string& method, const json& params) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "tests/support/patience.hpp"
@@ -14,6 +15,12 @@ namespace slipd::testing {
 
 class RpcClient {
  public:
+  // The other end has closed, or has said nothing for kPatience.
+  class NoAnswer : public std::runtime_error {
+   public:
+    using std::runtime_error::runtime_error;
+  };
+
   explicit RpcClient(const std::filesystem::path& socket);  // throws std::runtime_error if nobody listens
   ~RpcClient();
   RpcClient(const RpcClient&) = delete;

@@ -150,10 +150,10 @@ class Crowd {
   Crowd(const Daemon& daemon, std::size_t size) {
     static constexpr const char* kSubscribe = R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})"
                                               "\n";
+    for (std::size_t i = 0; i < size; ++i) all_.push_back(connection(daemon.socket()));
     for (std::size_t i = 0; i < size; ++i) {
-      all_.push_back(connection(daemon.socket()));
-      if (i % 10 == 0) say(all_.back(), kSubscribe);  // and never reads
-      if (i % 10 == 1) say(all_.back(), R"({"jsonrpc":"2.0","id":1,"method":"gam)");
+      if (i % 10 == 0) say(all_[i], kSubscribe);  // and never reads
+      if (i % 10 == 1) say(all_[i], R"({"jsonrpc":"2.0","id":1,"method":"gam)");
     }
     flooding_ = std::jthread([this](const std::stop_token& stop) { flood(stop); });
   }
