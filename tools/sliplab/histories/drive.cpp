@@ -8,6 +8,18 @@
 #include "tools/sliplab/histories/friction_trace.hpp"
 
 namespace sliplab {
+namespace {
+
+// Standard deviation of one taxel's shear; uniform noise of half-width w has w/sqrt 3.
+double shear_sigma_pa(slipd::TrialFrames& frames, const Sampling& sensing) {
+  constexpr double kLeastNoise = 1e-6;  // of the largest value: a sensor without noise rounds
+  const auto values = sensing.kind == slipd::NoiseKind::sensor ? frames.normal_pa() : frames.shear_pa();
+  float most_pa = 0;
+  for (const float value : values) most_pa = std::max(most_pa, std::fabs(value));
+  return std::max(sensing.noise, kLeastNoise) * static_cast<double>(most_pa) / std::sqrt(3.0);
+}
+
+}  // namespace
 
 slipd::ChainSetup paper_chain(std::size_t side, slipd::MethodChoice method, double noise) {
   const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
@@ -21,19 +33,6 @@ slipd::ChainSetup paper_chain(std::size_t side, slipd::MethodChoice method, doub
   chain.scene.noise = noise;
   return chain;
 }
-
-namespace {
-
-// Standard deviation of one taxel's shear; uniform noise of half-width w has w/sqrt 3.
-double shear_sigma_pa(slipd::TrialFrames& frames, const Sampling& sensing) {
-  constexpr double kLeastNoise = 1e-6;  // of the largest value: a sensor without noise rounds
-  const auto values = sensing.kind == slipd::NoiseKind::sensor ? frames.normal_pa() : frames.shear_pa();
-  float most_pa = 0;
-  for (const float value : values) most_pa = std::max(most_pa, std::fabs(value));
-  return std::max(sensing.noise, kLeastNoise) * static_cast<double>(most_pa) / std::sqrt(3.0);
-}
-
-}  // namespace
 
 StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,
                        const Sampling& sensing, const slipd::RandomStream& noise,
