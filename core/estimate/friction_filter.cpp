@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/estimate/moments.hpp"
+
 namespace slipd {
 namespace {
 
@@ -87,12 +89,17 @@ void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   if (!force_only_) foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
-bool FrictionFilter::looks_monotonic(double normal_n, double load) const noexcept {
+// Also finds what is left of another history: Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger
+// than a monotonic load's by dS reads as a margin that is smaller by dGamma/drho dS/Q.
+bool FrictionFilter::looks_monotonic(double normal_n, double load) noexcept {
   const std::size_t j = grid_.likeliest();
-  const double mu = grid_.friction(j), limit_n = mu * normal_n;
-  const double monotonic_n = limit_n * monotonic_slip_moment(1 - load / mu);
-  return std::fabs(std::fabs(foundations_.shear_moments(j).slip_moment_n) - monotonic_n) <
-         options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
+  const double mu = grid_.friction(j), limit_n = mu * normal_n, gamma = std::clamp(1 - load / mu, 0.0, 1.0);
+  const double off_n =
+      std::fabs(foundations_.shear_moments(j).slip_moment_n) - limit_n * monotonic_slip_moment(gamma);
+  const double resolved_n = options_.monotonic_share_of_limit * limit_n, shear_n = load * normal_n;
+  const double clear_n = std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
+  grasp_.margin_offset = gamma_per_moment_ratio(gamma) * clear_n / shear_n;
+  return std::fabs(off_n) < options_.monotonic_share_of_shear * shear_n + resolved_n;
 }
 
 void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
@@ -117,12 +124,14 @@ void FrictionFilter::compare_margin(double load, const FrameEstimate& frame_esti
                                     PerFriction& residuals) const noexcept {
   const double step = options_.grid_share * grid_.step();
   const double frames = options_.frame_share * grasp_.discount.share();
+  const auto [offset, offset_sigma] = margin_offset();
+  const double gamma = frame_estimate.gamma + offset,
+               variance = square(frame_estimate.sigma) + square(offset_sigma);
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     const double mobilised = load / grid_.friction(j);
     residuals[j] = frame_estimate.profile.known
-                       ? frames * 2 * frame_estimate.profile.at(1 - mobilised)
-                       : square(frame_estimate.gamma - 1 + mobilised) /
-                             (square(frame_estimate.sigma) + square(step * mobilised));
+                       ? frames * 2 * frame_estimate.profile.at(1 - mobilised - offset)
+                       : square(gamma - 1 + mobilised) / (variance + square(step * mobilised));
   }
 }
 

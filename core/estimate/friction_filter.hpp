@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -44,6 +45,12 @@ class FrictionFilter {
 
   // What is known of the load before this frame.
   HistoryState history() const noexcept { return history_.state(); }
+
+  // What a frame's margin, read as one of a monotonic load, misses by the history that the likeliest friction's contact
+  // has had: to be added to it, Gamma; and its standard deviation.
+  MeanSigma margin_offset() const noexcept {
+    return {grasp_.margin_offset, options_.offset_sigma_share * std::fabs(grasp_.margin_offset)};
+  }
 
   // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
   bool surprised() const noexcept { return grasp_.surprised; }
@@ -84,6 +91,7 @@ class FrictionFilter {
   struct GraspState {
     bool surprised = false;
     int doubt_frames = 0;      // to come
+    double margin_offset = 0;  // see margin_offset()
     double likeliest = 0;      // friction a frame ago; 0 before the first
     double mean_residual = 1;  // of the best friction, squared
     Cusum cusum;
@@ -96,7 +104,7 @@ class FrictionFilter {
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
   void lose_history(HistoryEvent why) noexcept;
-  bool looks_monotonic(double normal_n, double load) const noexcept;
+  bool looks_monotonic(double normal_n, double load) noexcept;
   void weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   // Squared residuals of each friction: of the frame's margin, of its shear moments.
   void compare_margin(double load, const FrameEstimate& frame_estimate,

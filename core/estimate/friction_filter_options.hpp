@@ -53,6 +53,11 @@ struct FrictionFilterOptions {
   double monotonic_share_of_shear = 0.03;
   double monotonic_share_of_limit = 0.003;
 
+  // Standard deviation of what such a load adds to a frame's margin, of that; 0 … 1. Methods differ in how much of it
+  // they read. Too small: sigma is less than the error after a small regrip or unloading. Too large: frames that say
+  // much are wasted.
+  double offset_sigma_share = 0.3;
+
   // What the shear moments of a real skin deviate from the model, of the shear; 0.005 … 0.1. Too small: the
   // model's error refutes the right friction. Too large: frictions are not told apart.
   double uneven_share = 0.02;

@@ -47,6 +47,10 @@ double gamma_of_moment_ratio(double ratio) noexcept {
   return k * k * k;
 }
 
+double gamma_per_moment_ratio(double gamma) noexcept {
+  return slope(std::cbrt(gamma));
+}
+
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options) noexcept {
   const MomentSums sums = best_kernels<DiscKernels>().moments(patch.taxels, patch.runs, patch.pose());

@@ -46,7 +46,9 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
 
 MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate, Method method,
                            Estimate& out) const noexcept {
-  const MeanSigma own{frame_estimate.gamma, frame_estimate.sigma};
+  const auto [offset, offset_sigma] = friction_filter_.margin_offset();
+  const MeanSigma own{std::clamp(frame_estimate.gamma + offset, 0.0, 1.0),
+                      std::hypot(frame_estimate.sigma, offset_sigma)};
   if (friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
   if (friction_filter_.surprised()) {
     // A frame of a monotonic load shows friction that fell at once, the filter a few frames later.
