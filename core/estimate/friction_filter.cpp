@@ -85,31 +85,41 @@ void FrictionFilter::follow(const ContactPatch& patch) noexcept {
 void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   history_.lose(why);
   grid_.reset();
-  grasp_.discount = {};
+  forget_common();
   if (!force_only_) foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
-// Also finds what is left of another history: Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger
-// than a monotonic load's by dS reads as a margin that is smaller by dGamma/drho dS/Q.
+// Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS reads as a
+// margin that is smaller by dGamma/drho dS/Q.
+MeanSigma FrictionFilter::offset_of(std::size_t friction, double load, double normal_n) const noexcept {
+  const double mu = grid_.friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
+  const double gamma = std::clamp(1 - load / mu, 0.0, 1.0);
+  const double off_n =
+      std::fabs(foundations_.shear_moments(friction).slip_moment_n) - limit_n * monotonic_slip_moment(gamma);
+  const double resolved_n = options_.monotonic_share_of_limit * limit_n;
+  const double per_newton = gamma_per_moment_ratio(gamma) / shear_n;
+  const double clear = per_newton * std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
+  return {clear, std::hypot(options_.offset_sigma_share * clear, grasp_.other_history ? per_newton * resolved_n : 0)};
+}
+
 bool FrictionFilter::looks_monotonic(double normal_n, double load) noexcept {
   const std::size_t j = grid_.likeliest();
-  const double mu = grid_.friction(j), limit_n = mu * normal_n, gamma = std::clamp(1 - load / mu, 0.0, 1.0);
-  const double off_n =
-      std::fabs(foundations_.shear_moments(j).slip_moment_n) - limit_n * monotonic_slip_moment(gamma);
-  const double resolved_n = options_.monotonic_share_of_limit * limit_n, shear_n = load * normal_n;
-  const double clear_n = std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
-  grasp_.margin_offset = gamma_per_moment_ratio(gamma) * clear_n / shear_n;
-  return std::fabs(off_n) < options_.monotonic_share_of_shear * shear_n + resolved_n;
+  const double mu = grid_.friction(j), limit_n = mu * normal_n;
+  const double monotonic_n = limit_n * monotonic_slip_moment(1 - load / mu);
+  grasp_.margin_offset = offset_of(j, load, normal_n);
+  return std::fabs(std::fabs(foundations_.shear_moments(j).slip_moment_n) - monotonic_n) <
+         options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
 
 void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
   const double load = patch.shear_n / patch.normal_n;
   history_.classify(force_only_ ? traction_ratio_.is_highest(load, patch.shear_sigma_n / patch.normal_n)
                                 : looks_monotonic(patch.normal_n, load));
+  grasp_.other_history |= !is_monotonic(history());
   const bool as_monotonic = is_monotonic(history()) && frame_estimate.in_model;
   PerFriction residuals;  // the first grid_.count() of them
   if (as_monotonic) {
-    compare_margin(load, frame_estimate, residuals);
+    compare_margin(patch, frame_estimate, residuals);
     grasp_.discount.add(frame_estimate.sigma / options_.alike_sigma);
   } else if (is_known(history()) && !force_only_ &&
              std::isfinite(frame_estimate.moments_sigma.slip_moment_n)) {
@@ -117,21 +127,42 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   } else {
     return;
   }
-  take_evidence(residuals, as_monotonic);
+  part_errors(patch);
+  take_evidence(residuals, as_monotonic, as_monotonic ? share_of_margin(frame_estimate) : 1);
 }
 
-void FrictionFilter::compare_margin(double load, const FrameEstimate& frame_estimate,
+// What frames have in common changes with the contact: where the forces have moved far, errors are new.
+void FrictionFilter::part_errors(const ContactPatch& patch) noexcept {
+  const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
+  const double moved = std::hypot((patch.normal_n - grasp_.evidence_normal_n) / patch.normal_n,
+                                  (patch.shear_n - grasp_.evidence_shear_n) / limit_n);
+  grasp_.of_margins.known *= std::exp(-moved / options_.parting_share);
+  grasp_.evidence_normal_n = patch.normal_n;
+  grasp_.evidence_shear_n = patch.shear_n;
+}
+
+// Of a frame's margin: friction's relative error is Gamma's over 1 - Gamma.
+double FrictionFilter::share_of_margin(const FrameEstimate& frame_estimate) noexcept {
+  if (frame_estimate.profile.known || !(frame_estimate.common_sigma > 0)) return 1;
+  const double mobilised = std::max(options_.min_mobilised, 1 - frame_estimate.gamma);
+  const double all = square(frame_estimate.sigma / mobilised), common = square(frame_estimate.common_sigma / mobilised);
+  return grasp_.of_margins.add(common, std::max(all - common, options_.min_noise_share * all));
+}
+
+void FrictionFilter::compare_margin(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                                     PerFriction& residuals) const noexcept {
-  const double step = options_.grid_share * grid_.step();
+  const double step = options_.grid_share * grid_.step(), load = patch.shear_n / patch.normal_n;
   const double frames = options_.frame_share * grasp_.discount.share();
-  const auto [offset, offset_sigma] = margin_offset();
-  const double gamma = frame_estimate.gamma + offset,
-               variance = square(frame_estimate.sigma) + square(offset_sigma);
+  const bool followed = !force_only_ && (grasp_.other_history || grasp_.margin_offset.mean != 0);
+  const std::size_t likeliest = grid_.likeliest();
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     const double mobilised = load / grid_.friction(j);
+    const bool near = j + options_.offset_reach >= likeliest && j <= likeliest + options_.offset_reach;
+    const MeanSigma offset = followed && near ? offset_of(j, load, patch.normal_n) : grasp_.margin_offset;
     residuals[j] = frame_estimate.profile.known
-                       ? frames * 2 * frame_estimate.profile.at(1 - mobilised - offset)
-                       : square(gamma - 1 + mobilised) / (variance + square(step * mobilised));
+                       ? frames * 2 * frame_estimate.profile.at(1 - mobilised - offset.mean)
+                       : square(frame_estimate.gamma + offset.mean - 1 + mobilised) /
+                             (square(frame_estimate.sigma) + square(offset.sigma) + square(step * mobilised));
   }
 }
 
@@ -178,7 +209,7 @@ void FrictionFilter::doubt_likeliest(const FrameEstimate& frame_estimate, double
 
 // Bayes: half of each friction's squared residual is taken from its log weight, unless nothing explains the
 // frame.
-void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic) noexcept {
+void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept {
   const double likeliest = residuals[grid_.likeliest()];
   const double least =
       *std::min_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(grid_.count()));
@@ -192,11 +223,13 @@ void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monoton
   }
   if (grasp_.cusum.nats > options_.cusum_threshold_nats) {
     grasp_.cusum = {};
-    grasp_.discount = {};
+    forget_common();
     grid_.reset();
   }
+  if (grasp_.surprised || doubted()) forget_common();
   history_.explained(as_monotonic);
-  for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, 0.5 * (residuals[j] - least));
+  const double half = 0.5 * share;
+  for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, half * (residuals[j] - least));
 }
 
 // Friction does not change by so much between two frames, but noise may turn one peak into another: what was

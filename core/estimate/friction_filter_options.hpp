@@ -42,6 +42,13 @@ struct FrictionFilterOptions {
   // After frames of sigmas s_i the next one counts for 1/(1 + sum (s_i/alike_sigma)^2); sigma of Gamma, 0.3 …
   // 5. Too small: learns slowly. Too large: sigma is less than the error.
   double alike_sigma = 1.2;
+  // Share by which forces have to move, of the normal force and of the friction limit, for a frame's error to be another
+  // one to 1/e; 0.05 … 5. Too small: sigma is less than the error after a hold. Too large: learns slowly.
+  double parting_share = 0.5;
+  // The least share of a frame's variance that is noise, and the least 1 - Gamma that friction is read from; 1e-6 … 0.1
+  // each. They keep quotients finite, without noise and without load.
+  double min_noise_share = 1e-4;
+  double min_mobilised = 1e-3;
   // Standard deviation of a margin that lies between two points of the grid, of its step; 0 … 1. Too small:
   // a sharp frame refutes the points on both sides of the right friction. Too large: sharp frames are wasted.
   double grid_share = 0.35;
@@ -57,6 +64,9 @@ struct FrictionFilterOptions {
   // they read. Too small: sigma is less than the error after a small regrip or unloading. Too large: frames that say
   // much are wasted.
   double offset_sigma_share = 0.3;
+  // Points of the grid on either side of the likeliest friction for which it is computed by their own contacts; 0 …
+  // foundations. Too few: a friction that is not known yet is learnt with the likeliest one's history. More cost time.
+  std::size_t offset_reach = 6;
 
   // What the shear moments of a real skin deviate from the model, of the shear; 0.005 … 0.1. Too small: the
   // model's error refutes the right friction. Too large: frictions are not told apart.

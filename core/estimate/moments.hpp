@@ -26,6 +26,11 @@ struct MomentRatioOptions {
   // Error of the ratio by square taxels on a round rim, over (side/a)^3; 0 … 2. Too small: sigma is less than
   // the error on coarse arrays. Too large: it is more.
   double rim_error = 0.3;
+  // The same of shear that lies in a ring at the rim narrower than a taxel, under a light load: over (side/a)^2, and the
+  // ring's width (1 - k) a at which half of that is left, over side; 0 … 1, 0.1 … 1. Measured by quadrature of exact
+  // tractions over side/a of 0.06 … 0.9. Too small and too large: as above, of light loads.
+  double ring_error = 0.2;
+  double ring_width = 0.35;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
   double ratio_floor = 0.0007;
   // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one
@@ -40,6 +45,8 @@ struct MomentRatio {
   // Its standard deviation, by noise of this frame and the taxels' size; infinite for a contact cut by the
   // sensor's edge, or without load.
   double sigma = std::numeric_limits<double>::infinity();
+  // The margin of a monotonic load with this ratio, 0 … 1.
+  double gamma = 0;
   // Sum q / sum p, dimensionless; 0 without load.
   double load = 0;
   // How the pressure differs from Hertz's; zero for a contact cut by the edge.
@@ -48,6 +55,9 @@ struct MomentRatio {
   contact::ShearMoments moments;
   // Their standard deviations, N; infinite as `sigma` is.
   contact::ShearMoments moments_sigma = FrameEstimate().moments_sigma;
+  // The parts of both that are the same in each frame of a contact: of the taxels' size.
+  double common_sigma = 0;
+  contact::ShearMoments moments_common_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options = {}) noexcept;
