@@ -29,8 +29,8 @@ struct MomentRatioOptions {
   // The same of shear that lies in a ring at the rim narrower than a taxel, under a light load: over (side/a)^2, and the
   // ring's width (1 - k) a at which half of that is left, over side; 0 … 1, 0.1 … 1. Measured by quadrature of exact
   // tractions over side/a of 0.06 … 0.9. Too small and too large: as above, of light loads.
-  double ring_error = 0.2;
-  double ring_width = 0.35;
+  double ring_error = 0.3;
+  double ring_width = 0.45;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
   double ratio_floor = 0.0007;
   // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one
@@ -55,9 +55,8 @@ struct MomentRatio {
   contact::ShearMoments moments;
   // Their standard deviations, N; infinite as `sigma` is.
   contact::ShearMoments moments_sigma = FrameEstimate().moments_sigma;
-  // The parts of both that are the same in each frame of a contact: of the taxels' size.
+  // The part of `sigma` that is the same in each frame of a contact: of the taxels' size.
   double common_sigma = 0;
-  contact::ShearMoments moments_common_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options = {}) noexcept;

@@ -84,7 +84,7 @@ void Tracker::update(const ContactPatch& patch, const FrameEstimate* frame_estim
   if (margin && margin->sigma <= settings_.sigma_max) {
     out.state = State::ok;
     out.gamma = margin->mean;
-    out.sigma = margin->sigma;
+    out.sigma = std::hypot(margin->sigma, options_.least_sigma);
   } else {
     out.state = margin || frame_estimate == nullptr ? State::learning : State::out_of_model;
   }
