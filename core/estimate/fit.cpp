@@ -284,6 +284,7 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
+  out.moments_common_sigma = ratio.moments_common_sigma;
   const Vector first = start(patch, ratio);
   if (!(first[load] > 0) || count_ < kUnknowns) return out;
   const Minimum minimum = minimise(first);

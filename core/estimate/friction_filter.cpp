@@ -50,8 +50,11 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
   if (!force_only_) follow(patch);
   grasp_.surprised = false;
   grasp_.doubt_frames = std::max(0, grasp_.doubt_frames - 1);
-  if (frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
+  if (frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n) {
     weigh_frame(patch, *frame_estimate);
+  } else {
+    grasp_.slip_moment.known = false;
+  }
   if (force_only_) {
     if (const auto load = traction_ratio_.detect_slide()) weigh_slide(*load);
   }
@@ -117,6 +120,7 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
                                 : looks_monotonic(patch.normal_n, load));
   grasp_.other_history |= !is_monotonic(history());
   const bool as_monotonic = is_monotonic(history()) && frame_estimate.in_model;
+  if (!force_only_ && is_known(history())) detect_fall(patch, frame_estimate);
   PerFriction residuals;  // the first grid_.count() of them
   if (as_monotonic) {
     compare_margin(patch, frame_estimate, residuals);
@@ -128,7 +132,7 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
     return;
   }
   part_errors(patch);
-  take_evidence(residuals, as_monotonic, as_monotonic ? share_of_margin(frame_estimate) : 1);
+  take_evidence(residuals, as_monotonic, as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
 }
 
 // What frames have in common changes with the contact: where the forces have moved far, errors are new.
@@ -136,7 +140,9 @@ void FrictionFilter::part_errors(const ContactPatch& patch) noexcept {
   const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
   const double moved = std::hypot((patch.normal_n - grasp_.evidence_normal_n) / patch.normal_n,
                                   (patch.shear_n - grasp_.evidence_shear_n) / limit_n);
-  grasp_.of_margins.known *= std::exp(-moved / options_.parting_share);
+  const double kept = std::exp(-moved / options_.parting_share);
+  grasp_.of_margins.known *= kept;
+  grasp_.of_moments.known *= kept;
   grasp_.evidence_normal_n = patch.normal_n;
   grasp_.evidence_shear_n = patch.shear_n;
 }
@@ -147,6 +153,44 @@ double FrictionFilter::share_of_margin(const FrameEstimate& frame_estimate) noex
   const double mobilised = std::max(options_.min_mobilised, 1 - frame_estimate.gamma);
   const double all = square(frame_estimate.sigma / mobilised), common = square(frame_estimate.common_sigma / mobilised);
   return grasp_.of_margins.add(common, std::max(all - common, options_.min_noise_share * all));
+}
+
+// Of a frame's slip moment, over Q.
+double FrictionFilter::share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
+  const double all = square(frame_estimate.moments_sigma.slip_moment_n / patch.shear_n),
+               grid = square(frame_estimate.moments_common_sigma.slip_moment_n / patch.shear_n),
+               model = square(options_.model_sigma_share * options_.uneven_share);
+  return grasp_.of_moments.add(grid + model, std::max(all - grid, options_.min_noise_share * (all + model)));
+}
+
+// Errors of the model and of the taxels' size are the same in two frames, so that the step from one to the next is known
+// much better than either: where the slip moment grows by more than the forces' step explains, friction has fallen.
+void FrictionFilter::detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
+  const SlipMoment last = grasp_.slip_moment;
+  SlipMoment& now = grasp_.slip_moment;
+  if (!std::isfinite(frame_estimate.moments_sigma.slip_moment_n)) {
+    now.known = false;
+    return;
+  }
+  now = {.known = true,
+         .friction = grid_.likeliest(),
+         .seen_n = forces_.axis().cosine(patch) * frame_estimate.moments.slip_moment_n,
+         .expected_n = foundations_.shear_moments(grid_.likeliest()).slip_moment_n,
+         .sigma_n = std::sqrt(std::max(0.0, square(frame_estimate.moments_sigma.slip_moment_n) -
+                                                square(frame_estimate.moments_common_sigma.slip_moment_n))),
+         .normal_n = patch.normal_n,
+         .shear_n = forces_.axis().along_n(patch)};
+  if (!last.known || last.friction != now.friction) return;
+  const double step_n = (now.seen_n - last.seen_n) - (now.expected_n - last.expected_n);
+  const double moved_n = std::fabs(now.shear_n - last.shear_n) +
+                         grid_.friction(now.friction) * std::fabs(now.normal_n - last.normal_n);
+  const double explained_n = options_.fall_sigmas * std::hypot(now.sigma_n, last.sigma_n) +
+                             options_.fall_share_of_step * moved_n + options_.fall_share * patch.shear_n;
+  if (!(std::copysign(1.0, now.shear_n) * step_n > explained_n)) return;
+  forget_common();
+  grid_.open_below(options_.fallen_nats);
+  foundations_.weaken(now.friction, [](std::size_t) { return true; });
+  grasp_.doubt_frames = std::max(grasp_.doubt_frames, 1);
 }
 
 void FrictionFilter::compare_margin(const ContactPatch& patch, const FrameEstimate& frame_estimate,

@@ -100,6 +100,15 @@ class FrictionFilter {
     double second_legendre_n = 0;
   };
 
+  // The slip moment of the last frame, N, signed like Q.
+  struct SlipMoment {
+    bool known = false;
+    std::size_t friction = 0;           // the likeliest then
+    double seen_n = 0, expected_n = 0;  // of the frame, of that friction's foundation
+    double sigma_n = 0;                 // of noise
+    double normal_n = 0, shear_n = 0;   // forces then
+  };
+
   // What a new grasp forgets.
   struct GraspState {
     bool surprised = false;
@@ -109,7 +118,8 @@ class FrictionFilter {
     double mean_residual = 1;  // of the best friction, squared
     Cusum cusum;
     EvidenceDiscount discount;
-    CommonError of_margins;
+    CommonError of_margins, of_moments;
+    SlipMoment slip_moment;
     bool other_history = false;  // the load was not monotonic once
     double evidence_normal_n = 0, evidence_shear_n = 0;  // forces of the last frame that was weighed
     MomentResiduals moment_residuals;
@@ -120,7 +130,7 @@ class FrictionFilter {
   // The frames before say nothing of what the next ones have in common.
   void forget_common() noexcept {
     grasp_.discount = {};
-    grasp_.of_margins = {};
+    grasp_.of_margins = grasp_.of_moments = {};
   }
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
@@ -136,6 +146,8 @@ class FrictionFilter {
   void take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept;
   void part_errors(const ContactPatch& patch) noexcept;
   double share_of_margin(const FrameEstimate& frame_estimate) noexcept;
+  double share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
+  void detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void doubt_jump() noexcept;
   void weigh_slide(double load) noexcept;

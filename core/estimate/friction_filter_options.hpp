@@ -97,6 +97,17 @@ struct FrictionFilterOptions {
   // learning casts doubt. Too large: a jump between two peaks is given as sure.
   double jump_log = 0.4;
 
+  // The slip moment's step from one frame to the next that shows friction's fall: beyond what the likeliest friction
+  // expects, by standard deviations of noise, 3 … 10, by a share of the forces' step, 0.05 … 0.5, and of the shear, 0.002
+  // … 0.05. Too small: noise, or a fast load, is taken for a fall, and no margin is given. Too large: a fall between two
+  // frames is learnt late.
+  double fall_sigmas = 5;
+  double fall_share_of_step = 0.15;
+  double fall_share = 0.01;
+  // What then counts against each lower friction; nats, 0 … 5. Too small: the former friction, which may have fallen by a
+  // little, is given up. Too large: the fall is learnt late.
+  double fallen_nats = 0.5;
+
   // Least squared residual of all frictions above which a frame is an outlier and takes no weight; 4 … 50.
   // Too small: frames that say something are left out. Too large: frames that contradict the model decide.
   double outlier_residual = 9;

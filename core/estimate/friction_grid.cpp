@@ -28,6 +28,11 @@ void FrictionGrid::fade(double keep) noexcept {
     log_weight_[j] = log_prior_[j] + keep * (log_weight_[j] - log_prior_[j]);
 }
 
+void FrictionGrid::open_below(double nats) noexcept {
+  const std::size_t top = likeliest();
+  for (std::size_t j = 0; j < top; ++j) log_weight_[j] = std::max(log_weight_[j], log_weight_[top] - nats);
+}
+
 std::size_t FrictionGrid::likeliest() const noexcept {
   const auto end = log_weight_.begin() + static_cast<std::ptrdiff_t>(count_);
   return static_cast<std::size_t>(std::max_element(log_weight_.begin(), end) - log_weight_.begin());

@@ -74,6 +74,9 @@ class FrictionGrid {
     log_weight_[j] -= std::min(nats, options_.max_frame_nats);
   }
 
+  // Friction has fallen, and by how much is not known: all below the likeliest are at most `nats` behind it.
+  void open_below(double nats) noexcept;
+
   // After each frame: the likeliest gets 0, all floors are applied.
   void normalise() noexcept;
 

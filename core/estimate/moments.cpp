@@ -82,8 +82,9 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   out.deviation = hertz_deviation(sums, patch, layout.side_m(), options.deviation);
   const double coarse = layout.side_m() / patch.radius_m;
   out.gamma = gamma_of_moment_ratio(out.value);
-  const double rim = options.rim_error * coarse * coarse * coarse, grid = rim + options.moments_floor;
-  out.common_sigma = std::hypot(rim, ring_error(coarse, out.gamma, options)) + options.ratio_floor;
+  const double rim = std::hypot(options.rim_error * coarse * coarse * coarse, ring_error(coarse, out.gamma, options)),
+               grid = rim + options.moments_floor;
+  out.common_sigma = rim + options.ratio_floor;
   out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, out.common_sigma);
 
   // In u = r^2/a^2, with a from the pressure, <r^2>_p = 2 a^2/5: the slip moment Q (5/3 - 5/2 <u>) and the
@@ -101,6 +102,7 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                                   shear_n * std::hypot(2.5 * u * radius, grid)),
                        std::hypot(taxel_n * std::sqrt(std::max(0.0, legendre_weights)),
                                   shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
+  out.moments_common_sigma = {shear_n * grid, 2 * shear_n * grid};
   return out;
 }
 
@@ -117,6 +119,7 @@ FrameEstimate Moments::estimate(const ContactPatch& patch, const Rings& rings) c
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
+  out.moments_common_sigma = ratio.moments_common_sigma;
   const double open = options_.range_sigmas * ratio.sigma + options_.range_slack;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
   out.gamma = ratio.gamma;

@@ -57,6 +57,8 @@ struct MomentRatio {
   contact::ShearMoments moments_sigma = FrameEstimate().moments_sigma;
   // The part of `sigma` that is the same in each frame of a contact: of the taxels' size.
   double common_sigma = 0;
+  // The same of `moments_sigma`, N.
+  contact::ShearMoments moments_common_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options = {}) noexcept;

@@ -130,6 +130,7 @@ FrameEstimate SvdKnn::estimate(const Frame&, const ContactPatch& patch) noexcept
   const FrameEstimate shape = moments_.estimate(patch, sums);
   out.moments = shape.moments;
   out.moments_sigma = shape.moments_sigma;
+  out.moments_common_sigma = shape.moments_common_sigma;
   float noise = 0;
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;
