@@ -101,9 +101,9 @@ struct FrictionFilterOptions {
   // expects, by standard deviations of noise, 3 … 10, by a share of the forces' step, 0.05 … 0.5, and of the shear, 0.002
   // … 0.05. Too small: noise, or a fast load, is taken for a fall, and no margin is given. Too large: a fall between two
   // frames is learnt late.
-  double fall_sigmas = 5;
-  double fall_share_of_step = 0.15;
-  double fall_share = 0.01;
+  double fall_sigmas = 4;
+  double fall_share_of_step = 0.02;
+  double fall_share = 0.003;
   // What then counts against each lower friction; nats, 0 … 5. Too small: the former friction, which may have fallen by a
   // little, is given up. Too large: the fall is learnt late.
   double fallen_nats = 0.5;
