@@ -188,6 +188,7 @@ void FrictionFilter::detect_fall(const ContactPatch& patch, const FrameEstimate&
                              options_.fall_share_of_step * moved_n + options_.fall_share * patch.shear_n;
   if (!(std::copysign(1.0, now.shear_n) * step_n > explained_n)) return;
   forget_common();
+  grasp_.fallen = true;
   grid_.open_below(options_.fallen_nats);
   foundations_.weaken(now.friction, [](std::size_t) { return true; });
   grasp_.doubt_frames = std::max(grasp_.doubt_frames, 1);

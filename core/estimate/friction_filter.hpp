@@ -56,6 +56,9 @@ class FrictionFilter {
   // Frames of late contradict it by less: friction is less than it was, and they do not say by how much.
   bool doubted() const noexcept { return grasp_.doubt_frames > 0; }
 
+  // Friction has fallen in this grasp, as far as frames then left it open.
+  bool fallen() const noexcept { return grasp_.fallen; }
+
   // The history is known, and frames of late look as some friction would make them.
   bool understood() const noexcept {
     return is_known(history()) && grasp_.mean_residual < options_.max_mean_residual;
@@ -120,6 +123,7 @@ class FrictionFilter {
     EvidenceDiscount discount;
     CommonError of_margins, of_moments;
     SlipMoment slip_moment;
+    bool fallen = false;        // see fallen()
     bool other_history = false;  // the load was not monotonic once
     double evidence_normal_n = 0, evidence_shear_n = 0;  // forces of the last frame that was weighed
     MomentResiduals moment_residuals;

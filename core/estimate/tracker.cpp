@@ -33,11 +33,13 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   }
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
   const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known);
-  if (!shaped) {
-    // Forces alone never show how near slip is until it has come: the lower part of the posterior is given,
-    // one sigma down, and sigma covers both.
+  const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
+  if (!shaped || fallen) {
+    // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
+    // fallen: the lower part of the posterior is given, one sigma down, and sigma covers both.
     margin.mean = std::max(0.0, margin.mean - margin.sigma);
     margin.sigma *= std::numbers::sqrt2;
+    if (shaped && friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     return margin;
   }
   if (force_only_) return margin;

@@ -21,6 +21,9 @@ struct TrackerOptions {
   // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
   // comes late. Too large: it is advice from a guess.
   double known_sigma = 0.3;
+  // Friction that has fallen is open until its sigma is below this; relative, 0.02 … 0.3. Until then the lower part of its
+  // posterior is given, one sigma down. Too small: margins after a fall stay low. Too large: they are too safe.
+  double settled_sigma = 0.05;
   // Floor of a margin's sigma while friction is doubted; Gamma, 0.05 … 1; above sigma_max no margin is given
   // at all. Too small: a margin of a friction that has fallen is given as sure. Too large: no effect beyond
   // sigma_max.
