@@ -89,7 +89,7 @@ void Acquirer::open_and_read() {
     leave_realtime(grant_);
     driver_->close();
     for (auto& channel : channels_) {
-      if (channel.bias) channel.bias->flush_to_store();
+      if (channel.bias) channel.bias->flush_to_store(end == ReadEnd::stopped);
     }
     if (end == ReadEnd::ended) {
       log_.write(LogLevel::info, {name_}, "%s: the recording has ended", name_.c_str());
