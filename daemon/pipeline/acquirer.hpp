@@ -46,14 +46,22 @@ class Acquirer {
     ArrivalCounts arrivals;
     std::optional<std::uint64_t> last_sequence;  // none: no frame since it was opened
   };
-  enum class ReadEnd : std::uint8_t { stopped, disconnected, ended };
+  enum class ReadEnd : std::uint8_t {
+    stopped,
+    disconnected,
+    ended,
+    silent,   // the device is open and has completed no frame for a while; reading goes on
+    speaking  // the first frame after `silent`; reading goes on
+  };
 
   void run();
   void open_and_read();
   bool open();
   void connect_sensors(const DeviceInfo& info);
   void connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
+  ReadEnd read_in_realtime();
   ReadEnd read_until_closed() noexcept;
+  void set_silence(bool silent);
   bool deliver(std::size_t index) noexcept;
   void set_link(DeviceLink link) noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
@@ -69,6 +77,9 @@ class Acquirer {
   std::string last_logged_trouble_;  // logged once, not at each attempt
   bool was_open_ = false;
   bool delivered_ = false;  // a frame, since it was last opened
+  bool silent_ = false;     // people were told that no frame came, since it was last opened
+  std::string silence_;     // what people were told
+  Doorbell::Clock::time_point opened_at_;
   RealtimeSettings realtime_;
   RealtimeGrant grant_;
   Doorbell stop_bell_;

@@ -25,12 +25,17 @@ void print_status(const CommonOptions& common) {
 
 void print_sensors(const CommonOptions& common) {
   const json result = ask(common, "sensors");
-  if (common.json)
+  if (common.json) {
     std::cout << result.dump() << '\n';
-  else
-    std::cout << table_of(
-        result.value("sensors", json::array()),
-        {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
+    return;
+  }
+  json sensors = result.value("sensors", json::array());
+  for (json& sensor : sensors) {
+    if (sensor.value("connected", false) && !sensor.value("receiving", true))
+      sensor["connected"] = "open, no frames";
+  }
+  std::cout << table_of(sensors,
+                        {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
 }
 
 void print_gamma(const CommonOptions& common, const std::string& sensor) {
