@@ -232,6 +232,7 @@ std::unique_ptr<Engine> Service::next_engine() {
 void Service::switch_to(std::unique_ptr<Engine> next) {
   next->context().realtime = engine_->context().realtime;
   next->context().started = engine_->context().started;
+  next->context().recordings = engine_->context().recordings;
   recorder_.end_all();
   server_.reset();
   const bool clean = engine_->stop(std::chrono::steady_clock::now() + kStopTimeout);

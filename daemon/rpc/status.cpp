@@ -102,9 +102,19 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
 
 json recorder_json(const ServiceContext& context) {
   if (context.flight == nullptr) return "off";
+  json last = json::array();
+  for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
+    const FlightOutcome outcome = context.flight->outcome(i);
+    if (outcome.number == 0) continue;
+    last.push_back({{"sensor", context.board.sensors[i]->name},
+                    {"recording", outcome.number},
+                    {"file", outcome.file.empty() ? json(nullptr) : json(outcome.file)},
+                    {"trouble", outcome.trouble.empty() ? json(nullptr) : json(outcome.trouble)}});
+  }
   return {{"folder", context.flight->folder().string()},
           {"kept", context.flight->files_written()},
-          {"failed", context.flight->failures()}};
+          {"failed", context.flight->failures()},
+          {"last", std::move(last)}};
 }
 
 json can_json(const ServiceContext& context) {
@@ -165,6 +175,7 @@ json status_json(const ServiceContext& context) {
           {"sensors", std::move(sensors)},
           {"realtime", realtime_json(context)},
           {"recorder", recorder_json(context)},
+          {"recordings", {{"written", context.recordings->written}, {"failed", context.recordings->failed}}},
           {"outputs", std::move(outputs)},
           {"clients", context.clients}};
 }
