@@ -33,6 +33,8 @@ class Acquirer {
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
   // Returns at once; the thread ends when the driver's read returns.
   void request_stop() noexcept;
+  // The names of its sensors, for people.
+  const std::string& sensors() const noexcept { return name_; }
   // Joins the thread; see Thread::join_until.
   bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
