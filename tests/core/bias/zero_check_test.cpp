@@ -172,6 +172,7 @@ TEST(ZeroCheck, SkinThatSpringsBackContradictsNoZero) {
   BiasEstimator estimator = estimator_of(small_pad());
   estimator.restore(zero_of(sensor));
   constexpr float kPressed = 200e3F;
+  EXPECT_TRUE(sensor.run(estimator, 1).zeroed);
   sensor.press_everywhere(kPressed, 0);
   sensor.run(estimator, 1);
   sensor.press_everywhere(-0.04F * kPressed, 0);
