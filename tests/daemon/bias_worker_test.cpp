@@ -35,7 +35,7 @@ class Acquiring {
             worker.apply(slot);
             worker.after_publish();
           }
-          worker.flush_to_store();
+          worker.flush_to_store(true);
         }) {}
 
  private:
