@@ -8,7 +8,7 @@ sensor() { echo "{ \"sensors\": [ { \"name\": \"left\", $1, \"stale_after_ms\": 
 
 installs slipd
 people
-test -e /usr/share/doc/slipd/service.md || fail "there are no pages"
+dpkg -L slipd | grep -qx /usr/share/doc/slipd/service.md || fail "there are no pages"
 echo "ok: the pages are there"
 
 # CAN: not permitted, no such interface, no CAN interface.
@@ -50,10 +50,10 @@ awaits "a first device that comes later is read" eval 'as alice slipctl --json s
 
 # A profile of reports of another length.
 mkdir -p /etc/slipd/profiles
-sed 's/"length": 64/"length": 63/' /usr/share/slipd/profiles/vendor-hid-8x8.json >/etc/slipd/profiles/short.json
+sed 's/"length": 64/"length": 65/' /usr/share/slipd/profiles/vendor-hid-8x8.json >/etc/slipd/profiles/short.json
 sensor '"driver": "hid", "profile": "short"'
 systemctl reload slipd || fail "the profile is refused: $(why)"
-awaits "reports of another length are told" eval 'trouble | grep -q "reports of 64 bytes arrive, the profile expects 63"'
+awaits "reports of another length are told" eval 'trouble | grep -q "reports of 64 bytes arrive, the profile expects 65"'
 awaits "and counted" eval 'as alice slipctl --json status | grep -q "\"corrupt\":[1-9]"'
 
 # The driver that the configuration needs is removed: what runs goes on, and nothing has failed.
