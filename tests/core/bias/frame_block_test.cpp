@@ -1,4 +1,4 @@
-// A block of frames is their mean and variance, whatever offset they have.
+// A block of frames is its frames' mean and variance, at any offset.
 #include "core/bias/frame_block.hpp"
 
 #include <gtest/gtest.h>
