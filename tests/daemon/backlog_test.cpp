@@ -46,21 +46,21 @@ TEST(Backlog, NeverLosesAnAnswerAndKeepsTheOrder) {
 
 TEST(Backlog, WhatIsSentAndWhatIsDroppedIsAllThereWas) {
   Backlog backlog(4);
-  std::uint64_t told = 0;
+  std::uint64_t delivered = 0;
   std::uint64_t dropped = 0;
   constexpr int kAll = 1000;
   for (int i = 0; i < kAll; ++i) {
     backlog.push_notification(head(i), i % 10 == 0 ? 2 : 0);  // some were lost on the way already
     if (i % 7 == 0) {
       dropped += params(backlog.next())["dropped"].get<std::uint64_t>();
-      ++told;
+      ++delivered;
     }
   }
   while (const auto line = backlog.next()) {
     dropped += params(line)["dropped"].get<std::uint64_t>();
-    ++told;
+    ++delivered;
   }
-  EXPECT_EQ(told + dropped, kAll + 2 * kAll / 10);
+  EXPECT_EQ(delivered + dropped, kAll + 2 * kAll / 10);
   EXPECT_EQ(dropped, backlog.dropped());
 }
 

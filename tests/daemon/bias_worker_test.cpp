@@ -52,17 +52,17 @@ class SensorSlot : public ::testing::Test {
 
   void await_completed(std::uint32_t request) {
     while (status_.bias.completed() < request) {
-      pollfd news{wake_.fd(), POLLIN, 0};
-      ASSERT_GT(poll(&news, 1, testing::kPollPatience), 0);
+      pollfd ready{wake_.fd(), POLLIN, 0};
+      ASSERT_GT(poll(&ready, 1, testing::kPollPatience), 0);
       wake_.clear();
     }
   }
 
   const testing::TempFolder folder_;
-  LogRing log_, keepers_log_;
+  LogRing log_, store_log_;
   IoWakeup wake_;
   SensorStatus status_{"left", "trial"};
-  BiasStore store_{keepers_log_, wake_};
+  BiasStore store_{store_log_, wake_};
 };
 
 TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {

@@ -51,22 +51,22 @@ TEST(Latest, IsNeverTornAndNeverGoesBack) {
 
 TEST(IoWakeup, IsSeenHoweverNotifyAndClearMeet) {
   IoWakeup wake;
-  std::atomic<int> news{0};
+  std::atomic<int> published{0};
   constexpr int kRings = 20000;
-  std::thread teller([&] {
+  std::thread publisher([&] {
     for (int i = 1; i <= kRings; ++i) {
-      news.store(i);
+      published.store(i);
       wake.notify();
     }
   });
-  int heard = 0;
-  while (heard < kRings) {
+  int seen = 0;
+  while (seen < kRings) {
     pollfd ready{wake.fd(), POLLIN, 0};
-    ASSERT_EQ(poll(&ready, 1, testing::kPollPatience), 1) << "news " << news.load() << " was never told";
+    ASSERT_EQ(poll(&ready, 1, testing::kPollPatience), 1) << "no wake-up for value " << published.load();
     wake.clear();
-    heard = news.load();
+    seen = published.load();
   }
-  teller.join();
+  publisher.join();
 }
 
 TEST(LatencyHistogram, QuantilesAreWithinABucketAndTheMaximumExact) {

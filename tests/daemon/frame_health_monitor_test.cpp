@@ -1,4 +1,5 @@
-// What the log is told of frames that go wrong, and what it is spared.
+// Which log lines the frame health monitor writes about lost, corrupt and late frames, and how it limits
+// them.
 #include "daemon/telemetry/frame_health_monitor.hpp"
 
 #include <gmock/gmock.h>

@@ -27,16 +27,16 @@ struct Pair {
 template <typename CanSource>
 void read_while_written(WeakMemory& memory) {
   CanSource latest(Pair{0, 0});
-  memory.tell(0, kWriter);
-  memory.tell(0, kReader);
-  const std::size_t told = memory.choose(kStores + 1);  // of how many stores the reader has heard
+  memory.synchronize(0, kWriter);
+  memory.synchronize(0, kReader);
+  const std::size_t known = memory.choose(kStores + 1);  // stores that happen before the first load
   memory.run_as(kWriter);
   for (std::uint64_t i = 1; i <= kStores; ++i) {
     latest.store({i, i});
-    if (i == told) memory.tell(kWriter, kReader);
+    if (i == known) memory.synchronize(kWriter, kReader);
   }
   memory.run_as(kReader);
-  std::uint64_t last = told;
+  std::uint64_t last = known;
   for (int i = 0; i < kLoads; ++i) {
     memory.settle_after(kRound);
     const Pair seen = latest.load();

@@ -135,9 +135,9 @@ TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
   const auto answers = std::make_shared<Responses>(true, 3, [&](std::string text) { all = std::move(text); });
   Request asked;
   asked.id = "1";
-  Request told;
-  told.notification = true;
-  Reply(told, answers).result(true);
+  Request notification;
+  notification.notification = true;
+  Reply(notification, answers).result(true);
   Reply(asked, answers).result(2);
   EXPECT_EQ(all, "not yet");
   asked.id = "2";

@@ -1,5 +1,6 @@
-// A sensor that does not zero itself, with the real daemon: no margin before its zero is known, none of a
-// held load, the same margin after a restart in mid-grasp, and no trust in a file that is not its own.
+// A sensor that does not zero itself, with the real daemon: it gives no margin before its bias is known,
+// takes no bias under load, gives the same margin after a restart in mid-grasp, and refuses a damaged file
+// or another sensor's.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// Its offsets are three times what it measures.
+// A sensor whose offsets are three times the pressure of its contact.
 json sensor(const json& cycle, const json& options = json::object()) {
   json all{{"speed", 0}, {"zeroed", false}, {"zero_spread_kpa", 100}, {"noise", 0.002}, {"cycle", cycle}};
   all.merge_patch(options);
@@ -45,7 +46,7 @@ class Zero : public ::testing::Test {
   static json zero_of(const Daemon& daemon) { return daemon.client().result("status")["sensors"][0]["zero"]; }
   static json await(const Daemon& daemon, const char* state) {
     return daemon.wait_for(
-        "gamma", [&](const json& told) { return told["sensors"][0]["state"] == state; })["sensors"][0];
+        "gamma", [&](const json& result) { return result["sensors"][0]["state"] == state; })["sensors"][0];
   }
   std::filesystem::path kept() const {
     for (const auto& file : std::filesystem::directory_iterator(folder_.file("state") / "zero")) return file;
@@ -70,8 +71,8 @@ TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
     EXPECT_EQ(std::filesystem::status(kept()).permissions(), std::filesystem::perms(0640));
   }
   const Daemon daemon = start(kHeld);
-  const json held = daemon.wait_for("gamma", [](const json& told) {
-    const json& left = told["sensors"][0];
+  const json held = daemon.wait_for("gamma", [](const json& result) {
+    const json& left = result["sensors"][0];
     EXPECT_NE(left["state"], "unzeroed");
     return left["state"] == "ok" && left["normal_n"].is_number() && left["truth"]["gamma"].is_number() &&
            std::fabs(left["gamma"].get<double>() - left["truth"]["gamma"].get<double>()) < 0.02 &&
@@ -155,8 +156,8 @@ TEST_F(Zero, ValuesAreMultipliedByTheGainOnceTheZeroIsOff) {
   doubled["gain"] = std::vector<double>(24 * 24, 2.0);
   const Daemon daemon(config_with(folder_, json::array({doubled})), real_drivers(),
                       {{"STATE_DIRECTORY", folder_.file("state").string()}});
-  daemon.wait_for("gamma", [](const json& told) {
-    const json& left = told["sensors"][0];
+  daemon.wait_for("gamma", [](const json& result) {
+    const json& left = result["sensors"][0];
     return left["normal_n"].is_number() && std::fabs(left["normal_n"].get<double>() - 4) < 0.1;
   });
 }

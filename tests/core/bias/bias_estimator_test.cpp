@@ -249,21 +249,22 @@ TEST(BiasEstimator, ARestoredBiasIsValidInMidGrasp) {
   EXPECT_TRUE(second.report().restored);
   EstimatorChain before = make_chain();
   EstimatorChain after = make_chain();
-  Estimate told_before, told_after;
+  Estimate estimate_before, estimate_after;
   for (int i = 0; i < 1000; ++i) {
     FrameSlot slot = sensor.read();
     first.apply(slot);
     first.judge();
-    told_before = before.estimate(slot.view());
+    estimate_before = before.estimate(slot.view());
     slot = sensor.read();
     second.apply(slot);
     second.judge();
-    told_after = after.estimate(slot.view());
+    estimate_after = after.estimate(slot.view());
   }
-  ASSERT_EQ(told_before.state, State::ok);
-  ASSERT_EQ(told_after.state, State::ok);
-  EXPECT_NEAR(*told_after.gamma, *told_before.gamma, 3 * (*told_before.sigma + *told_after.sigma));
-  EXPECT_NEAR(*told_after.normal_n, 3, 0.05);
+  ASSERT_EQ(estimate_before.state, State::ok);
+  ASSERT_EQ(estimate_after.state, State::ok);
+  EXPECT_NEAR(*estimate_after.gamma, *estimate_before.gamma,
+              3 * (*estimate_before.sigma + *estimate_after.sigma));
+  EXPECT_NEAR(*estimate_after.normal_n, 3, 0.05);
   EXPECT_LT(sensor.farthest(second), kMeanError);
 }
 
@@ -272,10 +273,10 @@ TEST(BiasEstimator, WithoutABiasTheChainGivesStateUnzeroedAndNoNumber) {
   sensor.press(3, 0.8);
   BiasEstimator bias_estimator(sensor.layout());
   EstimatorChain chain = make_chain();
-  const Estimate told = chain.estimate(sensor.run(bias_estimator, 0.5).view());
-  EXPECT_EQ(told.state, State::unzeroed);
-  EXPECT_FALSE(told.gamma || told.normal_n || told.shear_n || told.friction);
-  EXPECT_EQ(told.alert, Alert::none);
+  const Estimate estimate = chain.estimate(sensor.run(bias_estimator, 0.5).view());
+  EXPECT_EQ(estimate.state, State::unzeroed);
+  EXPECT_FALSE(estimate.gamma || estimate.normal_n || estimate.shear_n || estimate.friction);
+  EXPECT_EQ(estimate.alert, Alert::none);
 }
 
 TEST(BiasEstimator, AfterAReplugAHeldLoadIsNotTakenForDriftAndARequestIsAnswered) {

@@ -70,11 +70,11 @@ TEST(WinklerFoundation, AContactThatSticksEverywhereHasTheShearOfItsPressure) {
 }
 
 TEST(WinklerFoundation, WhatItIsToldToHaveRisenIsAsIfItHad) {
-  WinklerFoundation told, risen;
-  told.assume_monotonic(3, 1, 0.6);
+  WinklerFoundation assumed, risen;
+  assumed.assume_monotonic(3, 1, 0.6);
   risen.follow(3, 0, 0.6);
   for (int i = 1; i <= 50; ++i) risen.follow(3, 0.02 * i, 0.6);
-  EXPECT_NEAR(told.shear_moments().slip_moment_n, risen.shear_moments().slip_moment_n, 1e-3);
+  EXPECT_NEAR(assumed.shear_moments().slip_moment_n, risen.shear_moments().slip_moment_n, 1e-3);
 }
 
 TEST(WinklerFoundation, CarriesNoMoreThanFrictionHolds) {

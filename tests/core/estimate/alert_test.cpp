@@ -194,33 +194,34 @@ TEST(SlipForecast, BeginsAnewAfterAMarginThatNobodyKnewOrAPause) {
   EXPECT_FALSE(forecast.update(500 * kMs, 0.05, 0));
 }
 
-// Of a fall by `slope` a second without noise, sampled each `step_ns`: what is told by the last of `samples`.
-std::optional<double> told_of(double slope, int samples, std::int64_t step_ns = kMs, double sigma = 0) {
+// The forecast after `samples` samples, `step_ns` apart, of a margin that falls by `slope` a second without
+// noise.
+std::optional<double> forecast_of(double slope, int samples, std::int64_t step_ns = kMs, double sigma = 0) {
   SlipForecast forecast;
-  std::optional<double> told;
+  std::optional<double> last;
   for (int i = 0; i < samples; ++i)
-    told = forecast.update(i * step_ns, 0.9 - slope * static_cast<double>(i * step_ns) * 1e-9, sigma);
-  return told;
+    last = forecast.update(i * step_ns, 0.9 - slope * static_cast<double>(i * step_ns) * 1e-9, sigma);
+  return last;
 }
 
 TEST(SlipForecast, NeedsTheWeightOfThreeSamplesOfWhichOneLosesItInAFiftiethOfASecond) {
-  EXPECT_FALSE(told_of(5, 3));
-  EXPECT_TRUE(told_of(5, 4));
+  EXPECT_FALSE(forecast_of(5, 3));
+  EXPECT_TRUE(forecast_of(5, 4));
   // Each 7 ms, six weigh 2.97 and seven 3.09.
-  EXPECT_FALSE(told_of(2, 6, 7 * kMs));
-  EXPECT_TRUE(told_of(2, 7, 7 * kMs));
+  EXPECT_FALSE(forecast_of(2, 6, 7 * kMs));
+  EXPECT_TRUE(forecast_of(2, 7, 7 * kMs));
 }
 
 TEST(SlipForecast, AFallSlowerThanAThousandthASecondIsNone) {
-  EXPECT_FALSE(told_of(0.95e-3, 100));
-  EXPECT_TRUE(told_of(1.05e-3, 100));
+  EXPECT_FALSE(forecast_of(0.95e-3, 100));
+  EXPECT_TRUE(forecast_of(1.05e-3, 100));
 }
 
 // The margins' own scatter may be hidden by what makes them; a tenth of their sigma is taken to be theirs at
 // least. The sigma of a slope over the last 20 ms, each 1 ms, is that divided by 0.0906 s.
 TEST(SlipForecast, AFallThatIsSmallAgainstSigmaIsNone) {
-  EXPECT_FALSE(told_of(3.2, 200, kMs, 1.0));
-  EXPECT_TRUE(told_of(3.4, 200, kMs, 1.0));
+  EXPECT_FALSE(forecast_of(3.2, 200, kMs, 1.0));
+  EXPECT_TRUE(forecast_of(3.4, 200, kMs, 1.0));
 }
 
 TEST(SlipForecast, WhatWasBeforeAGapSaysNothingOfWhatComesAfter) {

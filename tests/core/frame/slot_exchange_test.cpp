@@ -44,8 +44,8 @@ void pass_frames(WeakMemory& memory) {
   std::array<int, 3> content{};
   std::array<std::size_t, 3> place{};
   for (auto& each : place) each = memory.add_plain();
-  memory.tell(0, kFiller);
-  memory.tell(0, kReader);
+  memory.synchronize(0, kFiller);
+  memory.synchronize(0, kReader);
   int filled = 0, skipped = 0, taken = 0, last = 0;
   bool filling = false;
 
@@ -76,7 +76,7 @@ void pass_frames(WeakMemory& memory) {
   for (int i = 0; i < kLooks; ++i) {
     const int before = filled;
     if (memory.choose(2) == 1) {  // the doorbell has rung for all that came so far
-      memory.tell(kFiller, kReader);
+      memory.synchronize(kFiller, kReader);
       demand(look() || last == before, "a frame was announced and not there");
       demand(last >= before, "an old frame came though a newer one was announced");
     } else {
@@ -84,7 +84,7 @@ void pass_frames(WeakMemory& memory) {
     }
   }
   Interleaved<std::uint32_t>::meanwhile = [] {};
-  memory.tell(kFiller, kReader);
+  memory.synchronize(kFiller, kReader);
   look();
   demand(last == filled, "the newest frame did not win");
   demand(taken + skipped == filled, "the account does not close");

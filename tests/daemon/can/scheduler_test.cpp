@@ -144,7 +144,7 @@ TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStand
   const auto sent = port_.take(kEstimate);
   const auto stale =
       std::find_if(sent.begin(), sent.end(), [](const Message& m) { return raw(m, "State") == 6; });
-  EXPECT_LE(stale - sent.begin(), 2) << "stale after 20 ms, told in the period after";
+  EXPECT_LE(stale - sent.begin(), 2) << "stale after 20 ms, sent in the period after";
   for (auto each = stale; each != sent.end(); ++each) {
     EXPECT_EQ(raw(*each, "Gamma"), kUnknownMargin);
     EXPECT_EQ(raw(*each, "Alert"), 1U);

@@ -102,7 +102,7 @@ class DriverContract : public testing::TestWithParam<DriverCase> {
   bool garbled_ = false;
 };
 
-TEST_P(DriverContract, opens_and_closes_as_often_as_it_is_told) {
+TEST_P(DriverContract, opens_and_closes_again_and_again) {
   rig_->driver().close();
   open();
   EXPECT_TRUE(frames(3));

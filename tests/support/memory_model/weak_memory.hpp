@@ -48,8 +48,8 @@ class WeakMemory {
   std::size_t choose(std::size_t options);
 
   void run_as(std::size_t thread) { thread_ = thread; }
-  // What `teller` has done so far is known to `told`: a doorbell rang.
-  void tell(std::size_t teller, std::size_t told) { views_[told].join(views_[teller]); }
+  // Everything that thread `from` has done so far happens before what thread `to` does next: a doorbell rang.
+  void synchronize(std::size_t from, std::size_t to) { views_[to].join(views_[from]); }
   // After so many accesses from now, loads give the newest value: for what goes round until it has got one.
   // (What a failed round has seen leaves fewer choices to the next one, not more: nothing is missed.)
   void settle_after(std::size_t accesses) { settled_after_ = accesses_ + accesses; }

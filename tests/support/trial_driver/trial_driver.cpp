@@ -82,7 +82,8 @@ class TrialDriver : public DeviceDriver {
     well_until_ = options_.at("well_until").get<std::string>();
     account_ = options_.at("account").get<std::string>();
     if (const std::uint64_t seed = options_.at("troubles"); seed > 0) troubles_.emplace(seed);
-    if (behaviour_ == "throw_in_create") throw DriverError("the trial device cannot be made: it was told so");
+    if (behaviour_ == "throw_in_create")
+      throw DriverError("the trial device cannot be made: its options say so");
     vanishes_ = behaviour_ == "vanish";
     hangs_ = behaviour_ == "hang_in_read";
     ends_ = behaviour_ == "end";
@@ -248,8 +249,8 @@ std::unique_ptr<DeviceDriver> create(const std::vector<SensorSetup>& sensors) {
   return std::make_unique<TrialDriver>(sensors);
 }
 
-const DriverModule kModule{kDriverAbi, "trial", "a device that misbehaves as it is told, for tests", kOptions,
-                           create};
+const DriverModule kModule{kDriverAbi, "trial", "a device that misbehaves as its options say, for tests",
+                           kOptions, create};
 
 }  // namespace
 

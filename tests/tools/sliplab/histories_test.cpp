@@ -21,7 +21,7 @@ slipd::Scene scene() {
   return made;
 }
 
-Estimate told(double gamma, double sigma) {
+Estimate margin_estimate(double gamma, double sigma) {
   Estimate out;
   out.state = State::ok;
   out.gamma = gamma;
@@ -67,9 +67,9 @@ TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
 
 TEST(ErrorStatistics, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
   ErrorStatistics statistics;
-  statistics.add(told(0.5, 0.1), 0.5);
-  statistics.add(told(0.75, 0.1), 0.5);
-  statistics.add(told(0.1, 0.3), 0.5);
+  statistics.add(margin_estimate(0.5, 0.1), 0.5);
+  statistics.add(margin_estimate(0.75, 0.1), 0.5);
+  statistics.add(margin_estimate(0.1, 0.3), 0.5);
   statistics.add(Estimate{}, 0.5);
   EXPECT_EQ(statistics.frames(), 4);
   EXPECT_DOUBLE_EQ(statistics.answered(), 0.75);
