@@ -1,4 +1,5 @@
-// A device on a bus that is a pair of sockets: the host's end sees what a SocketCAN interface would give.
+// A simulated CAN device on a pair of sockets: the host's end gets the same frames as from a SocketCAN
+// interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/can.h>

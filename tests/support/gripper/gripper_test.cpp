@@ -1,5 +1,5 @@
-// What the gripper believes, how its fingers move, and that with slipd's advice it holds what it drops
-// without.
+// The gripper's receiver, the motion of its fingers, and the closed loop: with slipd's advice the gripper
+// holds what it drops without.
 #include "tests/support/gripper/gripper.hpp"
 
 #include <gtest/gtest.h>
@@ -114,10 +114,10 @@ ChainSetup by_moments() {
   return setup;
 }
 
-// What a static grip does not show, no sensor sees: a fall of friction may cost a few milliseconds of
-// sliding, and one task in twenty has such a fall (docs/alerts.md), which too few tasks cannot count. The
-// force: the target is a margin of 0.5, which is twice the least; as much again is the estimator's error on
-// the safe side.
+// No sensor sees what a static grip does not show. A fall of friction may therefore cost a few milliseconds
+// of sliding. One task in twenty has such a fall (docs/alerts.md), which is too rare for these few tasks to
+// count. The force: the target is a margin of 0.5, which takes twice the least force; the estimator's error
+// on the safe side takes as much again.
 TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
   constexpr std::uint64_t kErrands = 8;
   const ChainSetup setup = by_moments();

@@ -1,4 +1,4 @@
-# slipd speaks on CAN: what is on the wire is what the socket says, and no illness of the bus stops or hides it.
+# slipd's CAN output: messages on the bus agree with the socket, and no fault of the bus stops slipd or hides an estimate.
 source /source/tests/vm/guest/check.sh
 
 socket=/run/slipd-test.sock
@@ -23,7 +23,7 @@ status() { slipctl --socket $socket --json status; }
 bus_is() { status | grep -q "\"can\":{[^}]*\"state\":\"$1\""; }
 figure() { status | grep -o "\"can\":{[^}]*}" | grep -o "\"$1\":[0-9]*" | cut -d: -f2; }
 
-# says_the_same WHAT LOG: the frames in LOG against the socket, by the DBC of the running configuration. Ends slipd.
+# says_the_same WHAT LOG: compares the messages in LOG with the socket by the DBC of the running configuration. Ends slipd.
 says_the_same() {
   in_background estimates.log slipctl --socket $socket --json watch --rate 1000
   local watcher=$background
@@ -39,7 +39,7 @@ modprobe vcan
 ip link add vcan0 mtu 72 type vcan
 ip link set vcan0 up
 
-# Without leave, nothing of a simulated sensor but the heartbeat.
+# Without allow_simulated, a simulated sensor sends the heartbeat only.
 captures vcan0 withheld.log
 serve '{ "interface": "vcan0" }'
 awaits "two heartbeats" eval 'test "$(grep -c 5DF# withheld.log)" -ge 2'
@@ -62,12 +62,12 @@ captures can1 wire.log
 serve '{ "interface": "can0", "allow_simulated": true }'
 says_the_same "and frames over a wire between two controllers" wire.log
 
-# A bus that is ill. Each time: told in the status, and over without a restart, with the newest value.
+# Faults of the bus. Each is shown in the status, and ends without a restart, with the newest value.
 captures vcan0 faults.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
 frames() { grep -c 5A0# faults.log || true; }
 sequence() { slipctl --socket $socket --json gamma | grep -o '"seq":[0-9]*' | head -n 1 | cut -d: -f2; }
-# While it is ill, call ails; then speaks checks that the first frame after is no older than what was estimated by then.
+# Call `ails` during the fault. `speaks` then checks that the first message after it is not older than the estimates up to then.
 ails() { told=$(sequence) before=$(frames); }
 speaks() {
   awaits "$1" eval '(( $(frames) > before ))'

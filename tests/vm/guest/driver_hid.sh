@@ -1,5 +1,5 @@
-# slipd with its HID driver and a simulated device on /dev/uhid: the margin on the socket against the truth, a stall, the
-# cable pulled and put in again, reports lost on the way.
+# slipd with its HID driver and a simulated device on /dev/uhid: the margin on the socket against the truth, a stall,
+# unplugging, lost reports.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/margin.sh
 
@@ -14,7 +14,7 @@ modprobe uhid
 in_background pad.log simulated-device vendor-hid --at uhid --serial HID42 --rate-hz 20 --script hold.json --truth truth.jsonl \
   --control /tmp/pad
 awaits "the device's node" test -e /dev/hidraw0
-# A force sensor of the Sensors page, which is found by what it says of itself.
+# A force sensor of HID's Sensors page, found by its own descriptor.
 in_background grip.log simulated-device hid-force --at uhid --serial HID43 --rate-hz 20 --script hold.json
 awaits "the other's node" test -e /dev/hidraw1
 in_background slipd.log slipd --config slipd.json

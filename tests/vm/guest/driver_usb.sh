@@ -1,5 +1,5 @@
 # slipd with its USB driver and a simulated hub served over USB/IP, a serial port to the kernel: the margin of both of its
-# sensors on the socket against the truth, a stall, the cable pulled and put in again, packets lost and garbled on the way.
+# sensors on the socket against the truth, a stall, unplugging, packets lost and damaged.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/margin.sh
 

@@ -1,4 +1,5 @@
-# The service heals: killed, stopped, badly configured; and takes up a good configuration without losing its clients.
+# The service recovers after a kill, a stop and a bad configuration, and takes up a good configuration without losing its
+# clients.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 installs slipd
@@ -12,7 +13,7 @@ restarts=$(property NRestarts)
 kill -STOP "$(property MainPID)"
 awaits "standing still, it is restarted and serves" restarted
 
-# A client that stays through a reload: its line comes and goes on after it.
+# A client that stays connected during a reload; its stream goes on.
 cat >$config <<'JSON'
 { "sensors": [ { "name": "left", "driver": "sim", "rate_hz": 50, "stale_after_ms": 2000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
   "estimator": { "method": "moments" } }
