@@ -55,7 +55,7 @@ wait "$daemon" || true
 
 serve ', "behaviour": "nonsense"'
 trust "a margin"
-awaits "frames that fit no contact are told as that" state 3
+awaits "frames that fit no contact have state out_of_model" state 3
 doubt "frames that fit no contact"
 ends
 

@@ -46,7 +46,7 @@ awaits "two heartbeats" eval 'test "$(grep -c 5DF# withheld.log)" -ge 2'
 same "and nothing else" "$(grep -vc 5DF# withheld.log)" 0
 status | grep -q '"withheld":\["sensor left"\]' || fail "the status does not say so: $(status)"
 ends
-awaits "its last word" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}01"'
+awaits "its last heartbeat" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}01"'
 
 captures vcan0 vcan.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
@@ -67,47 +67,47 @@ captures vcan0 faults.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
 frames() { grep -c 5A0# faults.log || true; }
 sequence() { slipctl --socket $socket --json gamma | grep -o '"seq":[0-9]*' | head -n 1 | cut -d: -f2; }
-# Call `ails` during the fault. `speaks` then checks that the first message after it is not older than the estimates up to then.
-ails() { told=$(sequence) before=$(frames); }
-speaks() {
+# fault_begins: call it during the fault. sends_again WHAT: the first message after the fault is not older than the newest estimate then.
+fault_begins() { newest=$(sequence) before=$(frames); }
+sends_again() {
   awaits "$1" eval '(( $(frames) > before ))'
   local data
   data=$(grep 5A0# faults.log | sed -n "$((before + 1))p" | cut -d'#' -f2)
-  (( (0x${data:13:1}${data:10:2} - told + 4096 * 1000000) % 4096 < 2048 )) || fail "$1: $data is older than $told"
+  (( (0x${data:13:1}${data:10:2} - newest + 4096 * 1000000) % 4096 < 2048 )) || fail "$1: $data is older than $newest"
 }
 metric() { slipctl --socket $socket metrics | grep "^slipd_can_$1"; }
-before=0 told=0
-speaks "it speaks"
+before=0 newest=0
+sends_again "messages"
 printf '\1' | dd of=$counts conv=notrunc bs=1 status=none  # from here on allocations count
 tc qdisc replace dev vcan0 root pfifo limit 0  # no room for any frame
 awaits "a full queue is counted" eval 'test "$(figure queue_full)" -ge 20'
-ails
+fault_begins
 tc qdisc del dev vcan0 root
-speaks "it speaks once there is room"
+sends_again "messages once there is room"
 cansend vcan0 20000004#0010000000000000
-awaits "error-passive is told" bus_is error_passive
+awaits "error-passive is reported" bus_is error_passive
 cansend vcan0 20000040#0000000000000000
-awaits "bus-off is told" bus_is bus_off
+awaits "bus-off is reported" bus_is bus_off
 cansend vcan0 20000100#0000000000000000
-awaits "the controller's restart is told" bus_is up
+awaits "the controller's restart is reported" bus_is up
 ip link set vcan0 down
-awaits "an interface that is down is told" bus_is down
+awaits "an interface that is down is reported" bus_is down
 captures_anew() {
   ip link set vcan0 up
   captures vcan0 faults.log  # candump ends with its interface
   before=0
 }
-ails
+fault_begins
 captures_anew
 awaits "it comes back" bus_is up
-speaks "and speaks"
+sends_again "and messages with it"
 ip link del vcan0
-awaits "an interface that is gone is told" bus_is absent
+awaits "an interface that is gone is reported" bus_is absent
 ip link add vcan0 type vcan
-ails
+fault_begins
 captures_anew
 awaits "a new one is found" bus_is up
-speaks "and spoken to"
+sends_again "and used"
 same "the metrics count the bus-off" "$(metric bus_offs_total)" "slipd_can_bus_offs_total 1"
 metric queue_full_total | grep -q ' [1-9]' || fail "the metrics do not count the full queue: $(metric '')"
 estimated=$(status | grep -o '"estimated":[0-9]*' | cut -d: -f2)

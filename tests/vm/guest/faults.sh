@@ -71,9 +71,9 @@ in_background states.log slipctl --socket /tmp/slipd.sock --json watch steady
 for days in -1 +400 -4000 +3 0; do
   date -s "@$((right + days * 86400))" >/dev/null
   more_frames "frames go on with the clock $days days off"
-  told=$(of steady time_ns)
-  (( told / 1000000000 - right - days * 86400 < 300 )) || fail "the time told is not the clock's"
-  (( right + days * 86400 - told / 1000000000 < 300 )) || fail "the time told is not the clock's"
+  reported=$(of steady time_ns)
+  (( reported / 1000000000 - right - days * 86400 < 300 )) || fail "the time reported is not the clock's"
+  (( right + days * 86400 - reported / 1000000000 < 300 )) || fail "the time reported is not the clock's"
 done
 kill "$background" || echo "note: the watcher gave up before: this machine is very slow"
 refused "no estimate was stale meanwhile" grep -q '"state":"\(stale\|fault\)"' states.log
@@ -116,7 +116,7 @@ awaits "with room again, recordings are kept" recorder_is kept $((kept + 1))
 same "what is there is whole, without leftovers" "$(find $STATE_DIRECTORY -name '*.part' -o -name '*.new-*')" ""
 
 kill "$slipd"
-awaits "it ends when told to" eval '! kill -0 $slipd'
+awaits "it ends on SIGTERM" eval '! kill -0 $slipd'
 
 # A model on a disk that is full, then read-only, then has room again: it is used each time, and kept the last time.
 mkdir /run/models

@@ -27,7 +27,7 @@ sed -i 's/"left"/"right"/' $config
 systemctl reload slipd || fail "a good configuration is refused: $(why)"
 awaits "the new sensor is there" eval 'serves | grep -q "\"sensor\":\"right\""'
 same "in the same process" "$(property MainPID)" "$pid"
-awaits "the client is told of it" grep -q '"sensor":"right"' watched
+awaits "the client gets estimates of the new sensor" grep -q '"sensor":"right"' watched
 kill -0 "$watcher" || fail "the client is gone: $(cat watched)"
 kill "$watcher"
 

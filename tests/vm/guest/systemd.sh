@@ -45,4 +45,4 @@ awaits "the watchdog restarts it when it stands still" eval 'test "$(systemctl s
 awaits "it serves again" eval 'ask version | grep -q slipd'
 
 systemctl stop slipd.service
-same "it ends cleanly when told to" "$(systemctl show -P Result slipd.service) $(systemctl show -P ExecMainStatus slipd.service)" "success 0"
+same "it ends cleanly on a stop" "$(systemctl show -P Result slipd.service) $(systemctl show -P ExecMainStatus slipd.service)" "success 0"
