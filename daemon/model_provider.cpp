@@ -26,8 +26,9 @@
 namespace slipd {
 namespace {
 
-constexpr int kTrainingNice = 10;
-constexpr int kLookMs = 100;  // between two looks at stop_
+constexpr int kTrainingNice =
+    10;                       // nice value of the training process, so that it does not disturb estimates
+constexpr int kLookMs = 100;  // ms between two looks at stop_: the delay of a stop during training
 
 // An anonymous file in memory that holds `text`, positioned at its start.
 UniqueFd file_of(const std::string& text) {
