@@ -26,9 +26,10 @@
 namespace slipd {
 namespace {
 
-constexpr int kTrainingNice =
-    10;                       // nice value of the training process, so that it does not disturb estimates
-constexpr int kLookMs = 100;  // ms between two looks at stop_: the delay of a stop during training
+// Nice value of the training process, 0 to 19. Smaller: training delays estimates.
+constexpr int kTrainingNice = 10;
+// Time between two looks at stop_, ms: the delay of a stop during training.
+constexpr int kLookMs = 100;
 
 // An anonymous file in memory that holds `text`, positioned at its start.
 UniqueFd file_of(const std::string& text) {
