@@ -18,7 +18,7 @@ nlohmann::json params(const std::optional<std::string>& line) {
   return nlohmann::json::parse(*line).at("params");
 }
 
-TEST(Backlog, LosesTheOldestNotificationsAndTheNextOneSaysHowMany) {
+TEST(Backlog, DropsTheOldestNotificationsAndTheNextOneStatesTheirNumber) {
   Backlog backlog(3);
   for (int i = 0; i < 10; ++i) backlog.push_notification(head(i), 0);
   const auto first = params(backlog.next());
@@ -44,7 +44,7 @@ TEST(Backlog, NeverLosesAnAnswerAndKeepsTheOrder) {
   EXPECT_EQ(backlog.response_bytes(), 0U);
 }
 
-TEST(Backlog, WhatIsSentAndWhatIsDroppedIsAllThereWas) {
+TEST(Backlog, SentPlusDroppedIsTheTotal) {
   Backlog backlog(4);
   std::uint64_t delivered = 0;
   std::uint64_t dropped = 0;

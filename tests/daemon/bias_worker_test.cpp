@@ -42,10 +42,10 @@ class Acquiring {
   std::jthread thread_;
 };
 
-class SensorSlot : public ::testing::Test {
+class BiasWorkerTest : public ::testing::Test {
  protected:
-  SensorSlot() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
-  ~SensorSlot() override {
+  BiasWorkerTest() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
+  ~BiasWorkerTest() override {
     unsetenv("STATE_DIRECTORY");
     store_.request_stop();
   }
@@ -65,7 +65,7 @@ class SensorSlot : public ::testing::Test {
   BiasStore store_{store_log_, wake_};
 };
 
-TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {
+TEST_F(BiasWorkerTest, AnswersARequestWhenItsBiasIsOnDisk) {
   const auto worker = store_.register_sensor(status_, kInfo, kSensor, log_);
   std::atomic<float> offset{1000};
   const Acquiring acquiring(*worker, offset);
@@ -79,7 +79,7 @@ TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {
   }
 }
 
-TEST_F(SensorSlot, AnswersARequestOfADeviceThatWasExchanged) {
+TEST_F(BiasWorkerTest, AnswersARequestAfterTheDeviceWasExchanged) {
   const auto first = store_.register_sensor(status_, kInfo, kSensor, log_);
   const std::uint32_t request = status_.bias.request(false);
   store_.unregister_sensor(first);
@@ -91,7 +91,7 @@ TEST_F(SensorSlot, AnswersARequestOfADeviceThatWasExchanged) {
   EXPECT_EQ(status_.bias.report.load().origin, BiasOrigin::none);
 }
 
-TEST_F(SensorSlot, OfTheNextRunFindsTheZero) {
+TEST_F(BiasWorkerTest, RestoresTheBiasInTheNextRun) {
   std::atomic<float> offset{500};
   {
     const auto worker = store_.register_sensor(status_, kInfo, kSensor, log_);

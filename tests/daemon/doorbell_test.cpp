@@ -21,14 +21,14 @@ TEST(Doorbell, AWaitEndsAtItsTime) {
   EXPECT_GE(Clock::now(), until);
 }
 
-TEST(Doorbell, WhatRangBeforeTheWaitEndsItAtOnce) {
+TEST(Doorbell, ARingBeforeTheWaitEndsItAtOnce) {
   Doorbell bell;
   const auto seen = bell.ring_count();
   bell.ring();
   EXPECT_TRUE(bell.wait(seen, Clock::now() + 1h));
 }
 
-TEST(Doorbell, EveryRingIsHeardInTime) {
+TEST(Doorbell, EveryRingEndsAWait) {
   Doorbell there;
   Doorbell back;
   std::atomic<int> ball{0};

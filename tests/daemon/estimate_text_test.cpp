@@ -60,7 +60,7 @@ TEST(EstimateText, IsKeptWhileItsEstimateIsTheNewestAndOnlyItsAgeGoesOn) {
   EXPECT_EQ(after, before);
 }
 
-TEST(EstimateText, AgesAreSaidToTheNanosecond) {
+TEST(EstimateText, AgesHaveNanoseconds) {
   const auto said = [](std::int64_t time_ns) {
     std::string text;
     append_ms(text, time_ns);

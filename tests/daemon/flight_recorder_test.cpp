@@ -40,7 +40,7 @@ TEST(FrameHistory, HoldsTheNewestInTheirOrder) {
   }
 }
 
-TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
+TEST(FrameHistory, HasTheEstimateOfEachFrame) {
   FrameHistory history(4, 5);
   const auto estimate_at = [](std::int64_t time) {
     return RecordedEstimate{.gamma = static_cast<double>(time) * 0.01};
@@ -102,7 +102,7 @@ TEST(RecordingsFolder, TheLastWrittenIsTheNewestAlsoWhereTheClockWasSetBack) {
   EXPECT_TRUE(std::filesystem::exists(temp.file("d.rec")));
 }
 
-TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
+TEST(RecordingsFolder, PartialFilesOfACrashAreRemoved) {
   const TempFolder temp;
   temp.write("crashed.rec.part", "half");
   fs::last_write_time(temp.path() / "crashed.rec.part",
@@ -112,7 +112,7 @@ TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f.rec", "under-way.rec.part"}));
 }
 
-TEST(RecordingsFolder, WritesThroughNoLinkThatSomebodyLaidInItsWay) {
+TEST(RecordingsFolder, DoesNotWriteThroughALinkInItsPlace) {
   const TempFolder temp;
   const fs::path precious = temp.write("precious", "mine");
   const TempFolder kept;

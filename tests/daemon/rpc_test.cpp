@@ -34,7 +34,7 @@ TEST(Rpc, NestingIsAllowedUpToItsLimitAndBracketsInStringsDoNotCount) {
   EXPECT_TRUE(parse(text).error_response.empty());
 }
 
-TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
+TEST(Rpc, AnyBytesGetAnAnswerInJson) {
   std::mt19937 random(1);
   const std::string good =
       R"([{"jsonrpc":"2.0","id":1,"method":"gamma","params":{"sensor":"left"}},{"a":[1e5,"\u00e9"]}])";
@@ -57,7 +57,7 @@ TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
   }
 }
 
-TEST(Rpc, WhatClientsSendUsuallyIsPlain) {
+TEST(Rpc, CommonRequestsTakeTheFastParser) {
   for (const char* text : {R"({"jsonrpc":"2.0","id":1,"method":"gamma"})",
                            R"({"jsonrpc": "2.0", "id": 0, "method": "gamma", "params": {}})",
                            R"({"method":"gamma","params":{"sensor":"left"},"id":"a-7","jsonrpc":"2.0"} )"}) {
@@ -67,7 +67,7 @@ TEST(Rpc, WhatClientsSendUsuallyIsPlain) {
   EXPECT_EQ(plain_request(R"({"jsonrpc":"2.0","id":"a-7","method":"gamma"})")->id, "\"a-7\"");
 }
 
-TEST(Rpc, WhatIsPlainIsReadAsIfItWereNot) {
+TEST(Rpc, TheFastParserAgreesWithTheFullOne) {
   std::mt19937 random(2);
   const std::string pieces[] = {"{",
                                 "}",

@@ -12,9 +12,9 @@ namespace {
 
 using nlohmann::json;
 
-class Subscribed : public ::testing::Test {
+class SubscriptionTest : public ::testing::Test {
  protected:
-  Subscribed() {
+  SubscriptionTest() {
     board_.sensors.push_back(std::make_unique<SensorStatus>("left", "trial"));
     board_.sensors.push_back(std::make_unique<SensorStatus>("right", "trial"));
   }
@@ -35,7 +35,7 @@ class Subscribed : public ::testing::Test {
   std::uint64_t lost_ = 0;
 };
 
-TEST_F(Subscribed, EstimatesAreThinnedToTheRateAskedFor) {
+TEST_F(SubscriptionTest, EstimatesAreThinnedToTheRateAskedFor) {
   for (const double hz : {1.0, 30.0, 99.0, 500.0}) {
     Subscription subscription(1, {{"max_rate_hz", hz}}, board_);
     const int count = accepted(subscription, 1, 10000);
@@ -46,14 +46,14 @@ TEST_F(Subscribed, EstimatesAreThinnedToTheRateAskedFor) {
   EXPECT_EQ(accepted(all, 1, 1000), 1000);
 }
 
-TEST_F(Subscribed, AChangeOfStateIsSentAtAnyRate) {
+TEST_F(SubscriptionTest, AChangeOfStateIsSentAtAnyRate) {
   Subscription slow(1, {{"max_rate_hz", 1}}, board_);
   EXPECT_TRUE(slow.accepts(at_ms(0), EventKind::estimate, lost_));
   EXPECT_FALSE(slow.accepts(at_ms(1), EventKind::estimate, lost_));
   EXPECT_TRUE(slow.accepts(at_ms(2, State::stale), EventKind::estimate, lost_));
 }
 
-TEST_F(Subscribed, LossesAreSummedUntilTheNextNotification) {
+TEST_F(SubscriptionTest, LossesAreSummedUntilTheNextNotification) {
   Subscription slow(1, {{"max_rate_hz", 1}}, board_);
   slow.accepts(at_ms(0), EventKind::estimate, lost_);
   Event event = at_ms(10);
@@ -65,7 +65,7 @@ TEST_F(Subscribed, LossesAreSummedUntilTheNextNotification) {
   EXPECT_EQ(lost_, 7U);
 }
 
-TEST_F(Subscribed, OnlyTheSensorsAndEventsAskedForAreTold) {
+TEST_F(SubscriptionTest, OnlyTheRequestedSensorsAndEventsAreSent) {
   Subscription subscription(1, {{"sensors", {"right"}}, {"events", {"alert"}}}, board_);
   Event event = at_ms(0);
   EXPECT_FALSE(subscription.accepts(event, EventKind::alert, lost_));

@@ -113,7 +113,7 @@ TEST_F(CanDriverOnABus, says_so_when_the_bus_is_gone) {
   driver_.close();
 }
 
-TEST_F(CanDriverOnABus, takes_nothing_from_the_heap_while_reading) {
+TEST_F(CanDriverOnABus, allocates_nothing_while_reading) {
   start();
   scan();
   std::uint64_t allocated = 0;

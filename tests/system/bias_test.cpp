@@ -36,7 +36,7 @@ const json kHeld = {{{"ms", 1}, {"normal_n", 2}, {"shear_n", 0}, {"friction", 0.
                     {{"ms", 50}, {"load", {0, 0.5}}},
                     {{"ms", kForEverMs}}};
 
-class Zero : public ::testing::Test {
+class BiasTest : public ::testing::Test {
  protected:
   Daemon start(const json& cycle, const json& options = json::object()) const {
     return {config_with(folder_, json::array({sensor(cycle, options)})),
@@ -55,7 +55,7 @@ class Zero : public ::testing::Test {
   const TempFolder folder_;
 };
 
-TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
+TEST_F(BiasTest, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
   {
     const Daemon daemon = start(kFree);
     const json before = await(daemon, "unzeroed");
@@ -85,7 +85,7 @@ TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
   EXPECT_GE(zero["taken_s_ago"], zero["confirmed_s_ago"]);
 }
 
-TEST_F(Zero, IsAskedForOnTheCommandLine) {
+TEST_F(BiasTest, CanBeRequestedOnTheCommandLine) {
   const Daemon daemon = start(kFree);
   const std::string slipctl = (program_folder() / "slipctl").string();
   const Ran ran = run({slipctl, "--socket", daemon.socket().string(), "rebias", "left"});
@@ -101,7 +101,7 @@ TEST_F(Zero, IsAskedForOnTheCommandLine) {
               HasSubstr("slipd_zeroed{sensor=\"left\"} 1"));
 }
 
-TEST_F(Zero, IsNotTakenFromWhatIsHeld) {
+TEST_F(BiasTest, IsNotTakenUnderLoad) {
   const Daemon daemon = start(kHeld, {{"zero_spread_kpa", 0.1}});
   await(daemon, "unzeroed");
   const json refused = daemon.client().call("rebias", {{"sensor", "left"}})["error"];
@@ -111,13 +111,13 @@ TEST_F(Zero, IsNotTakenFromWhatIsHeld) {
   EXPECT_EQ(daemon.client().call("rebias", {{"sensor", "left"}, {"force", 1}})["error"]["code"], -32602);
 }
 
-TEST_F(Zero, OfASensorThatReadsNothingWithoutLoadNeedsNoRequest) {
+TEST_F(BiasTest, OfASensorThatReadsZeroWithoutLoadNeedsNoRequest) {
   const Daemon daemon = start(kFree, {{"zero_spread_kpa", 0}});
   await(daemon, "no_contact");
   EXPECT_EQ(zero_of(daemon)["origin"], "no_load");
 }
 
-TEST_F(Zero, ThatIsDamagedOrAnothersIsRefusedWithItsReason) {
+TEST_F(BiasTest, ThatIsDamagedOrOfAnotherSensorIsRefusedWithItsReason) {
   start(kFree).client().result("rebias", {{"sensor", "left"}});
   const auto file = kept();
   std::string bytes;
@@ -141,7 +141,7 @@ TEST_F(Zero, ThatIsDamagedOrAnothersIsRefusedWithItsReason) {
   await(daemon, "ok");
 }
 
-TEST_F(Zero, ThatCannotBeKeptIsTakenNeverthelessAndSaid) {
+TEST_F(BiasTest, ThatCannotBeWrittenIsUsedAndReported) {
   const Daemon daemon(config_with(folder_, json::array({sensor(kFree)})), real_drivers(),
                       {{"STATE_DIRECTORY", "/dev/full"}});
   const json taken = daemon.client().result("rebias", {{"sensor", "left"}});
@@ -150,7 +150,7 @@ TEST_F(Zero, ThatCannotBeKeptIsTakenNeverthelessAndSaid) {
   await(daemon, "no_contact");
 }
 
-TEST_F(Zero, ValuesAreMultipliedByTheGainOnceTheZeroIsOff) {
+TEST_F(BiasTest, IsSubtractedBeforeTheGain) {
   start(kFree).client().result("rebias", {{"sensor", "left"}});
   json doubled = sensor(kHeld);
   doubled["gain"] = std::vector<double>(24 * 24, 2.0);
@@ -162,7 +162,7 @@ TEST_F(Zero, ValuesAreMultipliedByTheGainOnceTheZeroIsOff) {
   });
 }
 
-TEST_F(Zero, HoldsThroughAReload) {
+TEST_F(BiasTest, HoldsThroughAReload) {
   Daemon daemon = start(kFree);
   daemon.client().result("rebias", {{"sensor", "left"}});
   std::ofstream(daemon.config()) << config_with(folder_, json::array({sensor(kHeld)}),
@@ -171,7 +171,7 @@ TEST_F(Zero, HoldsThroughAReload) {
   await(daemon, "ok");
 }
 
-TEST_F(Zero, ARecordingSaysWhetherItsFramesAreZeroed) {
+TEST_F(BiasTest, ARecordingSaysWhetherItsFramesAreZeroed) {
   const auto file = [&](const char* name) { return folder_.file(name).string(); };
   const auto record = [&](const Daemon& daemon, const char* name) {
     const int fd = open(file(name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);

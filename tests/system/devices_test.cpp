@@ -74,7 +74,7 @@ TEST(Devices, ADeviceThatVanishesIsReopened) {
   EXPECT_EQ(sensor_of(status, "left")["gaps"], 0) << "a device that comes back begins anew";
 }
 
-TEST(Devices, TheAccountingClosesAtAnyMomentAndTellsEveryGap) {
+TEST(Devices, EveryFrameAndGapIsAccountedForAtAnyMoment) {
   const TempFolder folder;
   constexpr int kFrames = 20000;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "end"},
@@ -121,7 +121,7 @@ TEST(Devices, TwoSensorsWithOneDeviceShareOneDriver) {
   });
 }
 
-TEST(Devices, AFrameForASensorThatTheDeviceHasNotCountsAsCorrupt) {
+TEST(Devices, AFrameOfAnUnknownSensorCountsAsCorrupt) {
   const TempFolder folder;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "wrong_sensor"}, {"after", 5}})})),
                 trial_drivers());

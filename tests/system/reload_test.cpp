@@ -100,7 +100,7 @@ TEST_F(Reload, EndsARecordingAndSaysSo) {
   EXPECT_THAT(*answer, HasSubstr("another configuration"));
 }
 
-TEST_F(Reload, AgainAndAgainWhileClientsAsk) {
+TEST_F(Reload, RepeatedWhileClientsSendRequests) {
   auto asking = daemon_.client();
   auto subscriber = daemon_.client();
   subscriber.result("subscribe");

@@ -159,7 +159,7 @@ TEST(Decode, reads_reports_and_registers_in_their_order) {
   EXPECT_EQ(said_of("oymotion-rohand", bytes_of(packets_of(slipd::devices::rohand(), 2))).frames.size(), 10);
 }
 
-TEST(Decode, says_no_where_there_is_no_frame_and_no_profile) {
+TEST(Decode, fails_without_a_frame_and_without_a_profile) {
   EXPECT_FALSE(said_of("optoforce", "nothing of use").any);
   EXPECT_FALSE(said_of("vendor-hid-8x8", "").any);
   EXPECT_THROW(said_of("nobodys", ""), slipd::DriverError);

@@ -126,7 +126,7 @@ TEST(CattaneoMindlin, AngleRisesWithRadiusAndWithLoadUpToFriction) {
   }
 }
 
-TEST(CattaneoMindlin, NothingIsFeltOutsideTheContactNorWithoutForce) {
+TEST(CattaneoMindlin, TractionIsZeroOutsideTheContactAndWithoutForce) {
   const BodyPair pair = make_body_pair(kSkin, kFlat);
   const auto outside = CattaneoMindlin(pair, 1, 0.5, 0.5).at(1.0000001);
   EXPECT_EQ(outside.pressure_pa, 0);
@@ -137,7 +137,7 @@ TEST(CattaneoMindlin, NothingIsFeltOutsideTheContactNorWithoutForce) {
   EXPECT_EQ(untouched.shear_pa, 0);
 }
 
-TEST(CattaneoMindlin, LoadsWithoutMeaningAreRefused) {
+TEST(CattaneoMindlin, InvalidLoadsAreRefused) {
   const BodyPair pair = make_body_pair(kSkin, kFlat);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, -1e-12), ContactError);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, 1.0000001), ContactError);

@@ -69,7 +69,7 @@ TEST(WinklerFoundation, AContactThatSticksEverywhereHasTheShearOfItsPressure) {
       << "a small load that sticks changes nothing";
 }
 
-TEST(WinklerFoundation, WhatItIsToldToHaveRisenIsAsIfItHad) {
+TEST(WinklerFoundation, AnAssumedMonotonicLoadEqualsAFollowedOne) {
   WinklerFoundation assumed, risen;
   assumed.assume_monotonic(3, 1, 0.6);
   risen.follow(3, 0, 0.6);

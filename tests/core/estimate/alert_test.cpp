@@ -76,7 +76,7 @@ TEST_F(AlertLogicTest, ALevelRisesAtThatFrameAndAtNoOther) {
   EXPECT_GT(raised, 100);
 }
 
-TEST_F(AlertLogicTest, AMarginThatJitterCrossesRaisesNothing) {
+TEST_F(AlertLogicTest, JitterAcrossTheThresholdRaisesNoAlert) {
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(after(1, known(i % 2 == 0 ? 0.39 : 0.41)), Alert::none);
 }
 
@@ -89,7 +89,7 @@ TEST_F(AlertLogicTest, StaysUntilTheMarginIsClearlyBackAndStepsDownThroughWarn) 
   EXPECT_EQ(after(1, known(0.6)), Alert::none);
 }
 
-TEST_F(AlertLogicTest, UncertaintyCountsAgainstTheGrip) {
+TEST_F(AlertLogicTest, SigmaLowersTheMarginThatIsCompared) {
   EXPECT_EQ(after(5, known(0.45, 0.1)), Alert::warn);
 }
 
@@ -114,7 +114,7 @@ TEST(AlertLogic, CountsFromTimeZeroLikeFromAnyOther) {
   }
 }
 
-TEST_F(AlertLogicTest, AnUnknownMarginRaisesNothingAndLowersNothing) {
+TEST_F(AlertLogicTest, AnUnknownMarginDoesNotChangeTheAlert) {
   for (const State state : kUnknowns) {
     logic_ = AlertLogic({});
     EXPECT_EQ(after(100, unknown(state)), Alert::none) << to_string(state);
@@ -125,7 +125,7 @@ TEST_F(AlertLogicTest, AnUnknownMarginRaisesNothingAndLowersNothing) {
   }
 }
 
-TEST_F(AlertLogicTest, ALowMarginThatIsDoubtedNowAndAgainIsToldNevertheless) {
+TEST_F(AlertLogicTest, ALowMarginRaisesTheAlertDespiteFramesWithoutAMargin) {
   Alert level = Alert::none;
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(level, Alert::none);
@@ -135,7 +135,7 @@ TEST_F(AlertLogicTest, ALowMarginThatIsDoubtedNowAndAgainIsToldNevertheless) {
   EXPECT_EQ(level, Alert::slip);
 }
 
-TEST_F(AlertLogicTest, TimeWithoutAMarginDoesNotCountAgainstTheGripEither) {
+TEST_F(AlertLogicTest, TimeWithoutAMarginDoesNotCountTowardsTheAlert) {
   after(2, known(0.1));
   after(1000, unknown(State::learning));
   EXPECT_EQ(after(1, known(0.6)), Alert::none);
@@ -150,7 +150,7 @@ TEST_F(AlertLogicTest, WithoutContactNothingCanSlip) {
   EXPECT_EQ(after(2, known(0.1)), Alert::none) << "another grasp begins anew";
 }
 
-TEST(SlipForecast, TellsTheTimeToSlipOfASteadyFallAndNothingOfAHold) {
+TEST(SlipForecast, GivesTheTimeToSlipOfASteadyFallAndNothingForAHold) {
   std::mt19937_64 random(41);
   std::normal_distribution<double> noise(0, 0.005);
   SlipForecast falling, holding;
@@ -168,7 +168,7 @@ TEST(SlipForecast, TellsTheTimeToSlipOfASteadyFallAndNothingOfAHold) {
   EXPECT_LT(alarms, 3);
 }
 
-TEST(SlipForecast, SaysNothingOfAMarginThatDoesNotFall) {
+TEST(SlipForecast, IsEmptyForAMarginThatDoesNotFall) {
   for (const double slope : {0.0, 1e-3, 4e-3}) {
     SlipForecast forecast;
     for (int i = 0; i < 100; ++i) EXPECT_FALSE(forecast.update(i * kMs, 0.3 + slope * i, 0)) << slope;
@@ -184,7 +184,7 @@ TEST(SlipForecast, EndsWithTheFall) {
   EXPECT_FALSE(forecast.update(i * kMs, 0.55, 0));
 }
 
-TEST(SlipForecast, BeginsAnewAfterAMarginThatNobodyKnewOrAPause) {
+TEST(SlipForecast, BeginsAgainAfterAnUnknownMarginOrAPause) {
   SlipForecast forecast;
   for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
   EXPECT_TRUE(forecast.update(50 * kMs, 0.4, 0));
@@ -204,7 +204,7 @@ std::optional<double> forecast_of(double slope, int samples, std::int64_t step_n
   return last;
 }
 
-TEST(SlipForecast, NeedsTheWeightOfThreeSamplesOfWhichOneLosesItInAFiftiethOfASecond) {
+TEST(SlipForecast, NeedsTheWeightOfThreeRecentSamples) {
   EXPECT_FALSE(forecast_of(5, 3));
   EXPECT_TRUE(forecast_of(5, 4));
   // Each 7 ms, six weigh 2.97 and seven 3.09.
@@ -224,7 +224,7 @@ TEST(SlipForecast, AFallThatIsSmallAgainstSigmaIsNone) {
   EXPECT_TRUE(forecast_of(3.4, 200, kMs, 1.0));
 }
 
-TEST(SlipForecast, WhatWasBeforeAGapSaysNothingOfWhatComesAfter) {
+TEST(SlipForecast, IgnoresSamplesBeforeAGap) {
   for (const bool gap : {true, false}) {  // a margin that nobody knew, or two samples of one time
     SlipForecast forecast;
     for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
@@ -240,12 +240,12 @@ TEST(SlipForecast, AMarginAtItsEndHasNoTimeLeft) {
   EXPECT_DOUBLE_EQ(forecast.update(90 * kMs, 0, 0).value(), 0);
 }
 
-TEST(GripAdvice, IsWhatIsLackingForTheTargetAndNothingMore) {
+TEST(GripAdvice, IsTheForceThatIsMissingForTheTarget) {
   EXPECT_DOUBLE_EQ(grip_advice(2, 0.8, 0, 0.5, 0.0, 0.5).increase_n.value(), 0.8 / 0.25 - 2);
   EXPECT_DOUBLE_EQ(grip_advice(5, 0.8, 0, 0.5, 0.0, 0.5).increase_n.value(), 0);
 }
 
-TEST(GripAdvice, NobodyKnowsItWithoutFriction) {
+TEST(GripAdvice, IsUnknownWithoutFriction) {
   for (const auto friction : {std::optional<double>(), std::optional(0.0)}) {
     const GripAdvice advice = grip_advice(2, 0.8, 0.1, friction, 0.1, 0.5);
     EXPECT_FALSE(advice.increase_n);

@@ -67,7 +67,7 @@ TEST_F(Chain, TheFirstFrameWhoseMarginHasStayedLowForLongEnoughRaisesTheAlert) {
   }
 }
 
-TEST_F(Chain, AnAlertOutlastsDoubtAndEndsWithASaferGripOrWithoutContact) {
+TEST_F(Chain, AnAlertOutlastsAnUnknownMarginAndEndsWithASaferGripOrWithoutContact) {
   press(100, 2, 0);
   ASSERT_EQ(press(200, 2, 0.95).back().alert, Alert::slip);
   int doubted = 0;
@@ -127,7 +127,7 @@ TEST(ChainsMethod, IsTheConfiguredOneForMoreTaxelsAndWithoutTracking) {
 }
 
 // Without shear, or with forces alone, fit has nothing to be fitted to.
-TEST(ChainsMethod, IsNotFitWhereNoShapeIsFelt) {
+TEST(ChainsMethod, IsNotFitWithoutAShape) {
   ChainSetup setup = setup_of(MethodChoice::svd_knn, 4, 4);
   for (const SensorClass other : {SensorClass::wrench, SensorClass::normal}) {
     setup.sensor_class = other;

@@ -53,7 +53,7 @@ Result try_contacts(std::size_t side, double noise, Noise kind, int contacts) {
 }
 
 // The bounds are those set for the project; in brackets what a Gaussian Cramer-Rao bound gives as a guide.
-TEST(Fit, ComesNearTheLimitOnEachLayoutWithASigmaThatIsMeant) {
+TEST(Fit, ComesNearTheLimitOnEachLayoutWithACorrectSigma) {
   struct Case {
     std::size_t side;
     double noise;
@@ -93,7 +93,7 @@ TEST(Fit, ReadsAContactThatTheEdgeCutsFromItsVisiblePart) {
   EXPECT_NEAR(reading.gamma, 0.4, std::max(0.01, 3 * reading.sigma));
 }
 
-TEST(Fit, OtherHistoriesAreNotOfTheFamilyButWhatSlippedIsTold) {
+TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
   Fit fit(maker.layout(), kFriction);

@@ -170,7 +170,7 @@ TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesB
   EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
 }
 
-TEST(FrictionFilter, SingleOutliersTakeNoWeight) {
+TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
   FrictionFilter filter(kPrior, true);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 100; ++i) {

@@ -38,7 +38,7 @@ int frames_until(FrictionGrid& grid, double mu, double sigma) {
   return 1000;
 }
 
-TEST(FrictionPrior, SaysNothingWithinTheRangeAndFallsAsAGaussianBeyondIt) {
+TEST(FrictionPrior, IsFlatWithinTheRangeAndFallsAsAGaussianBeyondIt) {
   for (const double mu : {0.1, 0.3, 0.9}) EXPECT_EQ(kPrior.nats_against(mu), 0);
   for (const double sigmas : {0.5, 1.0, 3.0}) {
     EXPECT_NEAR(kPrior.nats_against(0.9 * std::exp(sigmas * 0.15)), 0.5 * sigmas * sigmas, 1e-12);
@@ -87,7 +87,7 @@ TEST(FrictionGrid, SigmaHasAFloorHoweverSharpTheFramesAre) {
   EXPECT_GE(margin.sigma, 0.99 * options.sigma_floor * (1 - margin.mean));
 }
 
-TEST(FrictionGrid, OneFrameCountsNoMoreThanItMay) {
+TEST(FrictionGrid, OneFrameHasLimitedWeight) {
   FrictionGridOptions options;
   options.max_frame_nats = 3;
   options.refuted_nats = 8;
@@ -99,7 +99,7 @@ TEST(FrictionGrid, OneFrameCountsNoMoreThanItMay) {
   EXPECT_TRUE(grid.refuted(j));
 }
 
-TEST(FrictionGrid, RefutedFrictionRecoversWithinAFewFramesHoweverManySpokeAgainstIt) {
+TEST(FrictionGrid, RefutedFrictionRecoversWithinAFewFramesAfterAnyNumberOfFrames) {
   for (const int against : {30, 30000}) {
     FrictionGrid grid(kPrior, kCount);
     for (int i = 0; i < against; ++i) frame_says(grid, 0.6, 0.05);

@@ -55,7 +55,7 @@ TEST(Grasp, AFingerInTheAirCarriesNothing) {
   EXPECT_FALSE(grasp_estimate(air, 0.5).gamma);
 }
 
-TEST(Grasp, WithOneFingerUnknownTheWholeIsUnknown) {
+TEST(Grasp, WithOneFingerUnknownTheGraspIsUnknown) {
   for (const State state :
        {State::learning, State::out_of_model, State::no_shear, State::unzeroed, State::stale, State::fault}) {
     const std::array members{finger(2, 0.5, 0.5), in_state(state)};
@@ -98,7 +98,7 @@ TEST(GraspTracker, HasTheHysteresisAndTheLeastDurationOfASensor) {
   EXPECT_EQ(judge.judge(at(23 * kMs, 0.6)).alert, Alert::none);
 }
 
-TEST(GraspTracker, UncertaintyCountsAgainstTheGrip) {
+TEST(GraspTracker, SigmaLowersTheMarginThatIsCompared) {
   GraspTracker sure({}), unsure({});
   for (int i = 0; i < 5; ++i) {
     sure.judge(at(i * kMs, 0.45));

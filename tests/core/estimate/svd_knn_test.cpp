@@ -73,13 +73,13 @@ TEST(SvdKnn, IsWithinFiveHundredthsOnContactsItHasNotSeen) {
   EXPECT_GE(score.within_two, 0.80 * score.answered);
 }
 
-TEST(SvdKnn, StaysTrueUnderMoreNoiseThanItWasTrainedFor) {
+TEST(SvdKnn, StaysAccurateWithMoreNoiseThanInTraining) {
   const Score score = score_of(0.01, synthetic::Noise::sensor);
   EXPECT_LE(score.error, 0.08);
   EXPECT_GE(score.within_two, 0.80 * score.answered);
 }
 
-TEST(SvdKnn, IsNotWrongAfterARegripUnloadingOrReversal) {
+TEST(SvdKnn, GivesNoWrongMarginAfterARegripUnloadingOrReversal) {
   const auto model = centred_model();
   synthetic::FrameMaker maker(model->setup().layout, 3);
   PatchFinder finder(maker.layout());

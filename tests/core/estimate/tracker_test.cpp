@@ -76,7 +76,7 @@ ChainSetup setup_for(std::size_t side, MethodChoice method) {
   return setup;
 }
 
-TEST(Tracker, FollowsAGrippersLifeThroughRegripUnloadingReversalAndGrease) {
+TEST(Tracker, FollowsAGraspThroughRegripUnloadingReversalAndAFallOfFriction) {
   for (const auto kind : {Noise::relative, Noise::sensor}) {
     const ChainSetup setup = setup_for(100, MethodChoice::fit);
     EstimatorChain chain(setup, nullptr);
@@ -94,7 +94,7 @@ TEST(Tracker, WithMomentsNoMarginIsFarOffEither) {
   live(chain, maker, kLife, 0.01, Noise::relative);
 }
 
-TEST(Tracker, AContactThatSticksAllOverWhileBothForcesGrowIsNotTakenForSliding) {
+TEST(Tracker, AContactThatSticksEverywhereWhileBothForcesGrowIsNotTakenForSliding) {
   const ChainSetup setup = setup_for(100, MethodChoice::fit);
   EstimatorChain chain(setup, nullptr);
   FrameMaker maker(setup.layout);
@@ -154,7 +154,7 @@ TEST(Tracker, FourByFourTaxelsLearnFrictionOverAGrasp) {
   EXPECT_LT(tally.too_safe, 0.03 * tally.ok);
 }
 
-TEST(Tracker, OneForceVectorIsAnsweredCautiouslyOrNotAtAll) {
+TEST(Tracker, OneForceVectorGetsNoMarginThatIsTooSafe) {
   int right = 0, after = 0;
   const Tally tally = grasp_on_few_taxels(TaxelLayout::wrench(0.0188), 0, 40, right, after);
   EXPECT_EQ(tally.too_safe, 0);

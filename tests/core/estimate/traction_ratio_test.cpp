@@ -96,7 +96,7 @@ TEST(TractionRatioFilter, AnEvenRatioWhileTheGripFallsIsSliding) {
 }
 
 // Without noise, as one force vector gives them.
-TEST(TractionRatioFilter, OfReadingsWithoutNoiseIsEachFramesOwn) {
+TEST(TractionRatioFilter, WithoutNoiseIsTheRatioOfEachFrame) {
   TractionRatioFilter carried(true);
   for (const double shear_n : {0.0, 0.5, 0.5, 0.6, 0.1}) {
     ContactPatch patch;

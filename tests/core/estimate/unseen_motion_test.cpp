@@ -40,7 +40,7 @@ TEST(UnseenMotion, OfFramesThatFollowOneAnotherCloselyIsNone) {
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
-TEST(UnseenMotion, OfTheFirstFrameIsNoneWhateverItsForces) {
+TEST(UnseenMotion, IsNoneInTheFirstFrameWithAnyForces) {
   UnseenMotion unseen;
   unseen.update(patch(5, 2), kFriction);
   EXPECT_EQ(unseen.sigma(), 0);

@@ -72,7 +72,7 @@ class Both {
   double normal_n_ = 1, shear_n_ = 0;
 };
 
-TEST(WinklerFoundations, SayWhatEachWouldSayAloneToTheLastBit) {
+TEST(WinklerFoundations, AgreeWithSingleFoundationsToTheLastBit) {
   for (const WinklerKernels* kernels : kernels_at_hand<WinklerKernels>()) {
     for (const std::size_t count : {1U, 16U, 56U, 64U}) {
       std::mt19937_64 random(count);

@@ -75,7 +75,7 @@ void expect_no_margin_without_ok(const std::vector<Message>& sent) {
   }
 }
 
-TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
+TEST(CanPipeline, TheMarginOfADeviceIsSentAndItsSlipAtOnce) {
   ServiceContext context(R"({"gamma": 0.05})");
   ASSERT_TRUE(context.talk_until(
       [&] { return context.said(kAlertId, "Alert", kSlip) && context.said(kEstimateId, "State", 0); }));
@@ -93,7 +93,7 @@ TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
   expect_no_margin_without_ok(context.port().take(kEstimateId));
 }
 
-TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
+TEST(CanPipeline, FramesThatFitNoContactHaveStateOutOfModel) {
   const testing::TempFolder folder;
   ServiceContext context(R"({"behaviour": "nonsense", "well_until": ")" + folder.file("ill").string() +
                          R"("})");
@@ -104,7 +104,7 @@ TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
   expect_no_margin_without_ok(context.port().take(kEstimateId));
 }
 
-TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStands) {
+TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStays) {
   const testing::TempFolder folder;
   ServiceContext context(R"({"gamma": 0.05, "behaviour": "end", "well_until": ")" +
                          folder.file("over").string() + R"("})");

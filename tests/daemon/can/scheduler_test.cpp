@@ -32,7 +32,7 @@ Settings settings_for(std::vector<std::string> names) {
   return settings;
 }
 
-class CanTalk : public ::testing::Test {
+class CanSchedulerTest : public ::testing::Test {
  protected:
   void begin(Settings settings) {
     settings_ = std::move(settings);
@@ -83,7 +83,7 @@ class CanTalk : public ::testing::Test {
   std::optional<CanScheduler> scheduler_;
 };
 
-TEST_F(CanTalk, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
+TEST_F(CanSchedulerTest, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
   begin(settings_for({"left", "right"}));
   pass(1000ms);
   for (const std::uint32_t id : {kEstimate, kEstimate + 1}) {
@@ -100,7 +100,7 @@ TEST_F(CanTalk, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
   EXPECT_EQ(report().bus, Bus::up);
 }
 
-TEST_F(CanTalk, KeepsItsBeatWhenItIsLate) {
+TEST_F(CanSchedulerTest, KeepsItsPeriodAfterADelay) {
   begin(settings_for({"left"}));
   step();
   for (const auto late : {0ms, 3ms, 9ms}) {
@@ -109,7 +109,7 @@ TEST_F(CanTalk, KeepsItsBeatWhenItIsLate) {
   }
 }
 
-TEST_F(CanTalk, TellsAnAlertAtOnceRepeatsItAndTellsItsEnd) {
+TEST_F(CanSchedulerTest, SendsAnAlertAtOnceRepeatsItAndSendsItsEnd) {
   begin(settings_for({"left"}));
   pass(13ms);
   publish(0, 0.3, Alert::warn);
@@ -133,7 +133,7 @@ TEST_F(CanTalk, TellsAnAlertAtOnceRepeatsItAndTellsItsEnd) {
   EXPECT_EQ(raw(alerts[1], "Counter"), 6U);
 }
 
-TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStands) {
+TEST_F(CanSchedulerTest, AnEstimateThatIsNotRenewedIsStaleInTheNextPeriodAndItsAlertStays) {
   begin(settings_for({"left"}));
   pass(50ms, 0.3, Alert::warn);
   port_.sent.clear();
@@ -153,7 +153,7 @@ TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStand
   for (const Message& each : port_.take(kAlert)) EXPECT_EQ(raw(each, "Alert"), 1U);
 }
 
-TEST_F(CanTalk, NoStateButOkHasAMargin) {
+TEST_F(CanSchedulerTest, NoStateButOkHasAMargin) {
   begin(settings_for({"left"}));
   for (int state = 1; state <= static_cast<int>(State::fault); ++state) {
     publish(0, 0.9, Alert::none, static_cast<State>(state));
@@ -166,7 +166,7 @@ TEST_F(CanTalk, NoStateButOkHasAMargin) {
   }
 }
 
-TEST_F(CanTalk, ASimulatedSensorIsWithheldUnlessAllowed) {
+TEST_F(CanSchedulerTest, ASimulatedSensorIsWithheldUnlessAllowed) {
   begin(settings_for({"left"}));
   board_.sensors[0]->simulated = true;
   pass(100ms, 0.1, Alert::slip);
@@ -181,7 +181,7 @@ TEST_F(CanTalk, ASimulatedSensorIsWithheldUnlessAllowed) {
   EXPECT_EQ(raw(port_.take(kAlert).front(), "Simulated"), 1U);
 }
 
-TEST_F(CanTalk, AFullQueueLosesTheOldValueNotTheNewAndStarvesNobody) {
+TEST_F(CanSchedulerTest, AFullQueueLosesTheOldValueAndServesEverySensor) {
   begin(settings_for({"a", "b", "c", "d"}));
   std::array<std::size_t, 4> sent{};
   for (int period = 0; period < 40; ++period) {
@@ -203,7 +203,7 @@ TEST_F(CanTalk, AFullQueueLosesTheOldValueNotTheNewAndStarvesNobody) {
   EXPECT_EQ(report().bus, Bus::up);
 }
 
-TEST_F(CanTalk, AnAlertThatFoundNoRoomIsToldAsSoonAsThereIsSome) {
+TEST_F(CanSchedulerTest, AnAlertThatFoundNoRoomIsSentAsSoonAsThereIsSome) {
   begin(settings_for({"left"}));
   port_.room = 0;
   pass(5ms, 0.1, Alert::slip);
@@ -214,7 +214,7 @@ TEST_F(CanTalk, AnAlertThatFoundNoRoomIsToldAsSoonAsThereIsSome) {
   EXPECT_EQ(port_.sent[0].id, kAlert) << "before all else";
 }
 
-TEST_F(CanTalk, AnInterfaceThatIsDownIsToldAndComesBackByItself) {
+TEST_F(CanSchedulerTest, AnInterfaceThatIsDownIsReportedAndUsedAgainLater) {
   begin(settings_for({"left"}));
   pass(20ms);
   port_.send_error = ENETDOWN;
@@ -229,7 +229,7 @@ TEST_F(CanTalk, AnInterfaceThatIsDownIsToldAndComesBackByItself) {
   EXPECT_EQ(port_.opened, 1);
 }
 
-TEST_F(CanTalk, AnInterfaceThatIsGoneIsLookedForAndSpokenToAgain) {
+TEST_F(CanSchedulerTest, AnInterfaceThatIsGoneIsLookedForAndUsedAgain) {
   begin(settings_for({"left"}));
   pass(20ms);
   port_.send_error = ENXIO;
@@ -244,7 +244,7 @@ TEST_F(CanTalk, AnInterfaceThatIsGoneIsLookedForAndSpokenToAgain) {
   EXPECT_EQ(report().reopened, 1U);
 }
 
-TEST_F(CanTalk, TheControllersStateIsToldAsItComesAndGoes) {
+TEST_F(CanSchedulerTest, TheControllersStateIsReported) {
   begin(settings_for({"left"}));
   const auto after = [&](std::uint32_t kind, std::uint8_t controller) {
     port_.errors.push_back({kind, {0, controller}});
@@ -261,7 +261,7 @@ TEST_F(CanTalk, TheControllersStateIsToldAsItComesAndGoes) {
   EXPECT_EQ(report().bus_offs, 1U);
 }
 
-TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
+TEST_F(CanSchedulerTest, ItsLastMessagesAreStaleAndKeepTheAlert) {
   begin(settings_for({"left", "right"}));
   pass(25ms, 0.1, Alert::slip);
   port_.sent.clear();
@@ -278,7 +278,7 @@ TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
   EXPECT_EQ(raw(port_.take(kHeartbeat).back(), "Stopping"), 1U);
 }
 
-TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
+TEST_F(CanSchedulerTest, AGraspHasMessagesOfItsOwn) {
   Settings settings = settings_for({"left", "right"});
   settings.grasps.push_back({"both", {"left", "right"}});
   begin(std::move(settings));
@@ -299,7 +299,7 @@ TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
   EXPECT_EQ(raw(alerts[0], "GripIncrease"), 120U) << "1.3 N of 0.5 * 4 N; 5.2 N give the margin of one half";
 }
 
-TEST_F(CanTalk, AGraspThatNobodyRenewsIsStaleToo) {
+TEST_F(CanSchedulerTest, AGraspWithoutNewEstimatesIsStaleToo) {
   Settings settings = settings_for({"left", "right"});
   settings.grasps.push_back({"both", {"left", "right"}});
   begin(std::move(settings));
@@ -310,7 +310,7 @@ TEST_F(CanTalk, AGraspThatNobodyRenewsIsStaleToo) {
   EXPECT_EQ(raw(port_.take(kEstimate + 2).back(), "State"), 6U);
 }
 
-TEST_F(CanTalk, ASlowDeviceIsAsStaleAsThePipelineSays) {
+TEST_F(CanSchedulerTest, ASlowDeviceIsAsStaleAsThePipelineSays) {
   begin(settings_for({"left"}));
   board_.sensors[0]->stale_after_ns = 120'000'000;  // three frames of a device of 25 Hz
   pass(1ms);

@@ -226,7 +226,7 @@ TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
   EXPECT_EQ(rig.out.slot.sequence, 1);
 }
 
-TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or_had_begun_one) {
+TEST(Decoder, counts_a_lost_packet_as_a_lost_scan_if_it_was_or_began_one) {
   DecoderRig single("robotiq-ft300");
   const auto packet = scan_of(devices::robotiq_ft300());
   EXPECT_EQ(single.frames(packet), 1);
@@ -300,7 +300,7 @@ TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
   EXPECT_EQ(first.decoder.counts().packets, 16);
 }
 
-TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
+TEST(Decoder, survives_any_bytes_and_gives_finite_numbers_only) {
   std::mt19937 random(7);
   for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300", "vendor-hid-8x8"}) {
     DecoderRig rig(name);

@@ -71,7 +71,7 @@ TEST(Xela, SendsAFrameATaxelWithBigEndianAxesFromByteOne) {
   EXPECT_EQ(scan[15], (Packet{0x71F, {0, 0x76, 0xC0, 0x74, 0x68, 0x76, 0xC0}}));
 }
 
-TEST(Xela, SpeaksOnlyAfterItsStartCommand) {
+TEST(Xela, SendsOnlyAfterItsStartCommand) {
   HostState host{.streaming = xela_xr1944().starts_by_itself};
   EXPECT_FALSE(host.streaming);
   xela_xr1944().receive({0x202, {0x07, 0x00}}, host);

@@ -32,7 +32,7 @@ Estimate estimate(double gamma, State state = State::ok) {
   return made;
 }
 
-class GripperHearing : public ::testing::Test {
+class MarginReceiverTest : public ::testing::Test {
  protected:
   can_frame next(double gamma, State state = State::ok) {
     return frame_of(can::encode_estimate(kBase, estimate(gamma, state), true, counter_++));
@@ -48,7 +48,7 @@ class GripperHearing : public ::testing::Test {
   unsigned counter_ = 0;
 };
 
-TEST_F(GripperHearing, BelievesAMarginOnlyAfterThreeFramesThatMayHaveWaited) {
+TEST_F(MarginReceiverTest, AcceptsAMarginOnlyAfterThreeFramesThatMayBeOld) {
   for (int i = 0; i < 3; ++i) {
     receive(next(0.7));
     EXPECT_FALSE(margin()) << i;
@@ -57,7 +57,7 @@ TEST_F(GripperHearing, BelievesAMarginOnlyAfterThreeFramesThatMayHaveWaited) {
   EXPECT_DOUBLE_EQ(margin().value(), 0.7);
 }
 
-TEST_F(GripperHearing, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
+TEST_F(MarginReceiverTest, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
   hear_some();
   now_ += 31ms;
   EXPECT_FALSE(margin());
@@ -69,7 +69,7 @@ TEST_F(GripperHearing, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
   EXPECT_FALSE(margin());
 }
 
-TEST_F(GripperHearing, ARepetitionOrADamagedFrameDoesNotExist) {
+TEST_F(MarginReceiverTest, ARepeatedOrDamagedFrameIsIgnored) {
   hear_some();
   can_frame repeated = next(0.2);
   receive(repeated);
@@ -85,7 +85,7 @@ TEST_F(GripperHearing, ARepetitionOrADamagedFrameDoesNotExist) {
   }
 }
 
-TEST_F(GripperHearing, AnAlertCallsOnceAndSlipdsLastWordsEndTheMargin) {
+TEST_F(MarginReceiverTest, AnAlertIsReceivedOnceAndSlipdsStopEndsTheMargin) {
   hear_some();
   receive(frame_of(can::encode_alert(kBase + 0x20, estimate(0.3), true, 0)));
   EXPECT_DOUBLE_EQ(receiver_.take_request().value().grip_increase_n.value(), 1.5);
@@ -94,7 +94,7 @@ TEST_F(GripperHearing, AnAlertCallsOnceAndSlipdsLastWordsEndTheMargin) {
   EXPECT_FALSE(margin());
 }
 
-TEST(GripperFingers, FollowLateAndNoFasterThanTheyCan) {
+TEST(GripperFingers, FollowWithTheirDelayAndSlewRate) {
   Fingers fingers({.delay = 20ms, .slew_n_per_s = 40}, kStart);
   fingers.want(2, kStart);
   EXPECT_DOUBLE_EQ(fingers.force_n(kStart + 20ms), 0);

@@ -29,7 +29,7 @@ Estimate margin_estimate(double gamma, double sigma) {
   return out;
 }
 
-TEST(Grasp, StaysWithinWhatIsExpectedAndDoesEverythingSomeday) {
+TEST(Grasp, StaysWithinItsRangesAndMakesEveryMove) {
   std::set<Move> seen;
   for (std::size_t i = 0; i < 200; ++i) {
     const Grasp grasp = draw_grasp(scene(), 1, i);
@@ -65,7 +65,7 @@ TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
   EXPECT_NE(once.direction_rad, other.direction_rad);
 }
 
-TEST(ErrorStatistics, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
+TEST(ErrorStatistics, CountsErrorsBeyondTheLimitOnEachSide) {
   ErrorStatistics statistics;
   statistics.add(margin_estimate(0.5, 0.1), 0.5);
   statistics.add(margin_estimate(0.75, 0.1), 0.5);
@@ -81,7 +81,7 @@ TEST(ErrorStatistics, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
   EXPECT_DOUBLE_EQ(statistics.in_state(State::stale), 0.25);
 }
 
-TEST(ErrorStatistics, NothingAnsweredIsNoErrorAtAll) {
+TEST(ErrorStatistics, WithoutAnAnswerThereIsNoError) {
   ErrorStatistics statistics;
   statistics.add(Estimate{}, 0.5);
   EXPECT_TRUE(std::isnan(statistics.mean_error()));

@@ -30,7 +30,7 @@ TEST(Extremes, TheTextbookLosesALightLoad) {
   EXPECT_GT(model_error_at(Axis::load, 1e-12, 20, 3).textbook_double, 1e-6);
 }
 
-TEST(CramerRaoBound, IsTheGuideThatAnIndependentPrototypeFound) {
+TEST(CramerRaoBound, AgreesWithAnIndependentPrototype) {
   // Five in a hundred of relative noise on 100, 32, 16 taxels along a side: 0.0008, 0.0041, 0.012.
   slipd::Scene scene = scene_of({});
   const auto limit = [&](std::size_t side) {
@@ -55,7 +55,7 @@ double sum(std::span<const float> values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-class Flaws : public ::testing::Test {
+class PerturbationTest : public ::testing::Test {
  protected:
   // What a contact in the middle of a wide pad becomes, without noise.
   Trial trial(Perturbation perturbation, double strength) {
@@ -74,7 +74,7 @@ class Flaws : public ::testing::Test {
   Adversary adversary_{layout_, NoiseKind::sensor, 0};
 };
 
-TEST_F(Flaws, NoneIsTheContactItself) {
+TEST_F(PerturbationTest, NoneIsTheContactItself) {
   const double whole = force(Perturbation::gains, 0), truth = trial(Perturbation::gains, 0).truth;
   for (std::size_t f = 0; f < kPerturbations; ++f) {
     const auto perturbation = static_cast<Perturbation>(f);
@@ -85,7 +85,7 @@ TEST_F(Flaws, NoneIsTheContactItself) {
   }
 }
 
-TEST_F(Flaws, OfSkinAndShapeLeaveTheForceAsItIs) {
+TEST_F(PerturbationTest, OfSkinAndShapeLeaveTheForceAsItIs) {
   const double whole = force(Perturbation::gains, 0);
   for (const auto& [perturbation, strength] :
        {std::pair(Perturbation::blurred, 0.5), std::pair(Perturbation::elliptic, 1.5),
@@ -93,14 +93,14 @@ TEST_F(Flaws, OfSkinAndShapeLeaveTheForceAsItIs) {
     EXPECT_NEAR(force(perturbation, strength) / whole, 1, 0.02) << name_of(perturbation);
 }
 
-TEST_F(Flaws, ARegripMakesSafeAndUnloadingToo) {
+TEST_F(PerturbationTest, ARegripAndUnloadingRaiseTheMargin) {
   const double truth = trial(Perturbation::gains, 0).truth;
   EXPECT_NEAR(1 - trial(Perturbation::regripped, 0.5).truth, (1 - truth) / 1.5, 1e-9);
   EXPECT_NEAR(1 - trial(Perturbation::unloaded, 0.25).truth, (1 - truth) * 0.75, 1e-9);
   EXPECT_NEAR(trial(Perturbation::grown, 0.5).truth, truth, 1e-9);
 }
 
-TEST_F(Flaws, DeadTaxelsReadNothingAndNoOtherDoes) {
+TEST_F(PerturbationTest, DeadTaxelsReadNothingAndNoOtherDoes) {
   const auto frame = trial(Perturbation::dead, 0.5).frame;
   const std::vector<float> dead(frame.normal_pa.begin(), frame.normal_pa.end());
   const auto whole = trial(Perturbation::dead, 0).frame;
@@ -160,7 +160,7 @@ TEST(ConditionNumber, OfFittingComesNearTheLimitAndOfMomentsDoesNot) {
   }
 }
 
-TEST(Bits, MoreOfThemChangeLess) {
+TEST(Bits, MoreBitsChangeTheMarginLess) {
   const TrialSetup setup{.side = 16, .contacts = 20};
   std::vector<NamedMethod> methods = untrained_methods(setup);
   const auto rows = bits_needed(setup, methods, [](double) {});
