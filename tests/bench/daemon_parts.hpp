@@ -1,4 +1,4 @@
-// What the parts of daemon-bench share: how long they measure and how they print.
+// Shared by the parts of daemon-bench: how long they measure and how they print.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// What lies ready in config/: the annotated default and the scenes.
+// The files in config/: the annotated default and the scenes.
 #include <gmock/gmock.h>
 
 #include <filesystem>

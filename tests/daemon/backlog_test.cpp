@@ -1,4 +1,4 @@
-// What waits for a client: answers all of it, notifications only the newest.
+// The queue of a client: it keeps every answer, and the newest notifications.
 #include "daemon/rpc/backlog.hpp"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(Backlog, SentPlusDroppedIsTheTotal) {
   std::uint64_t dropped = 0;
   constexpr int kAll = 1000;
   for (int i = 0; i < kAll; ++i) {
-    backlog.push_notification(head(i), i % 10 == 0 ? 2 : 0);  // some were lost on the way already
+    backlog.push_notification(head(i), i % 10 == 0 ? 2 : 0);  // some were lost before the queue
     if (i % 7 == 0) {
       dropped += params(backlog.next())["dropped"].get<std::uint64_t>();
       ++delivered;

@@ -1,4 +1,4 @@
-// A zero comes back from its file as it went there, and whatever else the file may hold is refused.
+// A bias is read back from its file unchanged, and any other content is refused.
 #include "daemon/state/bias_file.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// A zero between the thread that takes it, the one that keeps it and the one that asks.
+// A bias between three threads: the one that measures it, the one that writes it and the one that requests
+// it.
 #include "daemon/pipeline/bias_worker.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +20,7 @@ namespace {
 const SensorInfo kInfo{.layout = TaxelLayout::grid(3, 2, 0.002)};
 const BiasIdentity kSensor{"trial", "", "{}", "left", 6};
 
-// The acquire thread of a sensor that reads `offset` everywhere, as fast as it goes; frames are 10 ms apart.
+// The acquire thread of a sensor that reads `offset` everywhere, without pacing; frames are 10 ms apart.
 class Acquiring {
  public:
   Acquiring(BiasWorker& worker, const std::atomic<float>& offset)

@@ -1,4 +1,4 @@
-// The doorbell between threads: nothing rung is missed, and no wait is without end.
+// The doorbell between threads: no ring is missed, and every wait ends.
 #include "daemon/rt/doorbell.hpp"
 
 #include <gtest/gtest.h>

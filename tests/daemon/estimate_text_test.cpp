@@ -1,4 +1,4 @@
-// Estimates as clients see them: nothing unknown becomes a number, no gamma outside state ok.
+// Estimates as clients receive them: unknown values are null, and gamma is a number in state ok only.
 #include "daemon/rpc/estimate_text.hpp"
 
 #include <gtest/gtest.h>

@@ -22,8 +22,8 @@ struct Pair {
   std::uint64_t first, second;
 };
 
-// All stores come first, which leaves nothing out: the writer never looks at what readers do, and a load may
-// see each value that it is not known to be past.
+// All stores come first. This leaves nothing out: the writer does not read what readers write, and a load
+// may give each value that no happens-before relation excludes.
 template <typename CanSource>
 void read_while_written(WeakMemory& memory) {
   CanSource latest(Pair{0, 0});
@@ -46,7 +46,8 @@ void read_while_written(WeakMemory& memory) {
   }
 }
 
-// As it was until a reader was seen to go back: a copy counted as good once it was whole, published or not.
+// An earlier form of Latest, in which a reader could go back: a copy counted as valid once it was whole,
+// published or not.
 class OnceLatest {
  public:
   explicit OnceLatest(Pair initial) { store(initial); }

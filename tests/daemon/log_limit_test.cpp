@@ -1,4 +1,4 @@
-// What the log is spared: a line that comes again and again is printed a few times a minute, and counted.
+// The limit of the log: a line that repeats is printed a few times a minute, and counted.
 #include "daemon/log/log_limit.hpp"
 
 #include <gmock/gmock.h>

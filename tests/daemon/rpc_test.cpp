@@ -1,4 +1,4 @@
-// Lines in, answers out, without a socket.
+// Requests and answers as text, without a socket.
 #include "daemon/rpc/rpc.hpp"
 
 #include <gtest/gtest.h>
@@ -112,7 +112,7 @@ TEST(Rpc, TheFastParserAgreesWithTheFullOne) {
     const auto request = plain_request(text);
     if (!request) continue;
     ++plain;
-    const Line line = parse("\n" + text);  // as JSON the same, and not plain
+    const Line line = parse("\n" + text);  // the same JSON, which the fast parser does not accept
     ASSERT_TRUE(line.error_response.empty()) << text;
     ASSERT_EQ(line.requests.size(), 1U) << text;
     ASSERT_FALSE(line.requests[0].error_response) << text;

@@ -26,7 +26,7 @@ std::string contents(const std::filesystem::path& path) {
   return text.str();
 }
 
-// A daemon with one sensor that, once subscribed to, tells of a grip that slips.
+// A daemon with one sensor, which sends estimates of a grasp that slips to its subscribers.
 class SlipctlWithADaemon : public ::testing::Test {
  protected:
   std::optional<std::string> answer(const Asked& asked) {

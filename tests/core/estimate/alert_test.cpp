@@ -48,8 +48,8 @@ TEST_F(AlertLogicTest, RaisesOnTheFirstFrameAtWhichTheMarginHasBeenLowForLongEno
   EXPECT_EQ(after(1, known(0.1)), Alert::slip);
 }
 
-// Against the definition, on margins that wander: whatever went before, a frame at which the margin has been
-// below a threshold for min_ms is at least at that level, and no level rises on any other frame.
+// Compared with the definition, on random margins: at a frame at which the margin has been below a threshold
+// for min_ms, the alert has at least that level, and no level rises at any other frame.
 TEST_F(AlertLogicTest, ALevelRisesAtThatFrameAndAtNoOther) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> step(-0.06, 0.06);
@@ -207,7 +207,7 @@ std::optional<double> forecast_of(double slope, int samples, std::int64_t step_n
 TEST(SlipForecast, NeedsTheWeightOfThreeRecentSamples) {
   EXPECT_FALSE(forecast_of(5, 3));
   EXPECT_TRUE(forecast_of(5, 4));
-  // Each 7 ms, six weigh 2.97 and seven 3.09.
+  // Six samples, 7 ms apart, have a weight of 2.97, and seven of 3.09.
   EXPECT_FALSE(forecast_of(2, 6, 7 * kMs));
   EXPECT_TRUE(forecast_of(2, 7, 7 * kMs));
 }
@@ -217,15 +217,16 @@ TEST(SlipForecast, AFallSlowerThanAThousandthASecondIsNone) {
   EXPECT_TRUE(forecast_of(1.05e-3, 100));
 }
 
-// The margins' own scatter may be hidden by what makes them; a tenth of their sigma is taken to be theirs at
-// least. The sigma of a slope over the last 20 ms, each 1 ms, is that divided by 0.0906 s.
+// The scatter of margins may be smaller than their error. At least a tenth of their sigma is therefore taken
+// as their scatter. The sigma of a slope over the last 20 ms, a sample each 1 ms, is that divided by 0.0906
+// s.
 TEST(SlipForecast, AFallThatIsSmallAgainstSigmaIsNone) {
   EXPECT_FALSE(forecast_of(3.2, 200, kMs, 1.0));
   EXPECT_TRUE(forecast_of(3.4, 200, kMs, 1.0));
 }
 
 TEST(SlipForecast, IgnoresSamplesBeforeAGap) {
-  for (const bool gap : {true, false}) {  // a margin that nobody knew, or two samples of one time
+  for (const bool gap : {true, false}) {  // an unknown margin, or two samples with one time
     SlipForecast forecast;
     for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
     if (gap) forecast.update(50 * kMs, std::nullopt, 0);
@@ -253,7 +254,8 @@ TEST(GripAdvice, IsUnknownWithoutFriction) {
   }
 }
 
-// Against the spread of what it says when friction and shear are drawn with their sigmas, to first order.
+// Compared with the scatter of the advice when friction and shear are drawn with their sigmas, to first
+// order.
 TEST(GripAdvice, ItsSigmaIsThatOfFrictionAndShear) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> unit(0, 1);

@@ -1,5 +1,4 @@
-// What the chain makes of a margin, on frames at 1 kHz in frame time: when it alerts, and when it takes that
-// back.
+// The chain's alerts on frames at 1 kHz, in frame time: when they are raised and when they end.
 #include "core/estimate/chain.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +26,7 @@ ChainSetup setup_16() {
 
 class Chain : public ::testing::Test {
  protected:
-  // A millisecond a frame, at the end of which both forces are reached.
+  // One frame each millisecond, up to the given forces.
   std::vector<Estimate> press(int ms, double normal_n, double shear_n, double noise = 0.01) {
     std::vector<Estimate> estimates;
     const double from_normal_n = normal_n_, from_shear_n = shear_n_;
@@ -71,7 +70,7 @@ TEST_F(Chain, AnAlertOutlastsAnUnknownMarginAndEndsWithASaferGripOrWithoutContac
   press(100, 2, 0);
   ASSERT_EQ(press(200, 2, 0.95).back().alert, Alert::slip);
   int doubted = 0;
-  for (const Estimate& each : press(50, 2, 0.95, 0.3)) {  // noise of which nobody can make much
+  for (const Estimate& each : press(50, 2, 0.95, 0.3)) {  // too noisy for a margin
     if (!each.gamma) ++doubted;
     EXPECT_EQ(each.alert, Alert::slip) << to_string(each.state);
   }
@@ -126,7 +125,7 @@ TEST(ChainsMethod, IsTheConfiguredOneForMoreTaxelsAndWithoutTracking) {
   }
 }
 
-// Without shear, or with forces alone, fit has nothing to be fitted to.
+// Without shear, or with forces only, there is nothing to fit.
 TEST(ChainsMethod, IsNotFitWithoutAShape) {
   ChainSetup setup = setup_of(MethodChoice::svd_knn, 4, 4);
   for (const SensorClass other : {SensorClass::wrench, SensorClass::normal}) {

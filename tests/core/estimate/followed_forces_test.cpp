@@ -1,4 +1,4 @@
-// The forces that the foundations get: without noise, signed along one axis.
+// The forces that the foundations follow: without noise, signed along one axis.
 #include "core/estimate/followed_forces.hpp"
 
 #include <gtest/gtest.h>

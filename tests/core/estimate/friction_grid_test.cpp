@@ -1,4 +1,4 @@
-// The posterior of friction: its prior, its floors, and that it recovers.
+// The posterior of friction: its prior, its floors and its recovery.
 #include "core/estimate/friction_grid.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ std::size_t nearest(const FrictionGrid& grid, double mu) {
   return best;
 }
 
-// A frame that says mu, with a Gaussian of `sigma` in log mu; what fits it best loses nothing.
+// A frame whose likelihood is a Gaussian of `sigma` in log mu about mu; the best friction loses nothing.
 void frame_says(FrictionGrid& grid, double mu, double sigma) {
   const auto nats = [&](std::size_t j) {
     const double off = std::log(grid.friction(j) / mu) / sigma;
@@ -144,7 +144,7 @@ TEST(FrictionGrid, ANewGraspForgetsAll) {
   EXPECT_EQ(grid.friction().sigma, fresh.friction().sigma);
 }
 
-// The closed form near a sharp peak and the sum over the whole grid are one and the same margin.
+// The closed form near a sharp peak gives the same margin as the sum over the whole grid.
 TEST(FrictionGrid, MarginOfASharpFrictionIsThatOfTheSum) {
   FrictionGridOptions summed;
   summed.sharp_sigma = 0;

@@ -1,4 +1,5 @@
-// Fingers together: the grasp's margin is that of all they carry against all they could.
+// Several fingers: the grasp's margin follows from the sums of their shear forces and of their friction
+// limits.
 #include "core/estimate/grasp.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +70,7 @@ TEST(Grasp, WithOneFingerUnknownTheGraspIsUnknown) {
   EXPECT_FALSE(grasp_estimate({}, 0.5).gamma);
 }
 
-// Friction that is known to 2 % in each of two like fingers is known to 2 %/sqrt 2 for both.
+// If friction is known to 2 % at each of two equal fingers, it is known to 2 %/sqrt 2 for both.
 TEST(Grasp, ErrorsOfTheFingersAreIndependent) {
   std::array members{finger(2, 0.5, 0.5), finger(2, 0.5, 0.5)};
   for (Estimate& each : members) each.friction_sigma = 0.01;

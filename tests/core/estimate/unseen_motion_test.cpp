@@ -1,4 +1,4 @@
-// What a margin's sigma says of the forces that moved between two frames.
+// The sigma that is added for forces that moved between two frames.
 #include "core/estimate/unseen_motion.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(UnseenMotion, OfFramesThatFollowOneAnotherCloselyIsNone) {
   unseen.update(patch(0.05, 0), kFriction);
   for (int i = 1; i <= 200; ++i) {
     unseen.update(patch(2, 0.004 * i), kFriction);
-    if (i == 1) unseen.reset();  // the grip itself was no step
+    if (i == 1) unseen.reset();  // the grip itself is not counted as motion
   }
   EXPECT_EQ(unseen.sigma(), 0);
 }

@@ -1,4 +1,4 @@
-// The DBC of a running configuration: each sensor and grasp has its messages, all else is as shipped.
+// The DBC of a running configuration: each sensor and grasp has its messages, everything else is as shipped.
 #include "daemon/can/dbc.hpp"
 
 #include <gtest/gtest.h>

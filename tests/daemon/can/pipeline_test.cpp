@@ -1,5 +1,5 @@
-// A device that fails, all the way to the bus: the trial driver, the pipeline and the talk as in the daemon,
-// on a fake port.
+// A device that fails, from the driver to the bus: the trial driver, the pipeline and the CAN scheduler as
+// in the daemon, on a fake port.
 #include "daemon/pipeline/pipeline.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ class ServiceContext {
   }
   ~ServiceContext() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + testing::kPatience)); }
 
-  // Talks on, as the CAN thread does, until `enough`; false if that never comes.
+  // Runs the scheduler, as the CAN thread does, until `enough`; false if that does not happen.
   bool talk_until(const std::function<bool()>& enough) {
     const auto patience = Doorbell::Clock::now() + testing::kPatience;
     while (!enough()) {
@@ -110,7 +110,7 @@ TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStays) {
                          folder.file("over").string() + R"("})");
   ASSERT_TRUE(context.talk_until([&] { return context.said(kAlertId, "Alert", kSlip); }));
   folder.write("over", "");
-  context.port().take(kEstimateId);  // it was stale before the first frame, too
+  context.port().take(kEstimateId);  // the first messages are stale, because no frame had come
   ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimateId, "State", kStale); }));
   const auto sent = context.port().take(kEstimateId);
   expect_no_margin_without_ok(sent);

@@ -1,4 +1,4 @@
-// When which message goes, and what happens on a bus that is ill: all in a time that the test moves on.
+// When each message is sent, and what happens when the bus fails, in simulated time.
 #include "daemon/can/scheduler.hpp"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ class CanSchedulerTest : public ::testing::Test {
     scheduler_.emplace(settings_, board_, port_, log_, now_);
   }
 
-  // As the estimate thread does at this moment.
+  // Publishes an estimate, as the estimate thread does at this moment.
   void publish(std::size_t sensor, std::optional<double> gamma, Alert alert = Alert::none,
                State state = State::ok) {
     Published reading = board_.sensors[sensor]->latest.load();
@@ -62,8 +62,8 @@ class CanSchedulerTest : public ::testing::Test {
     grasp_evaluator_->mark_updated(sensor);
   }
 
-  // A millisecond a time, each with a new estimate of every sensor, as at 1 kHz; steps when the talk asked
-  // for one.
+  // Advances by a millisecond at a time, each with a new estimate of every sensor, as at 1 kHz, and calls
+  // the scheduler when it is due.
   void pass(std::chrono::milliseconds time, std::optional<double> gamma = 0.7, Alert alert = Alert::none) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       for (std::size_t i = 0; i < board_.sensors.size(); ++i) publish(i, gamma, alert);
@@ -186,7 +186,7 @@ TEST_F(CanSchedulerTest, AFullQueueLosesTheOldValueAndServesEverySensor) {
   std::array<std::size_t, 4> sent{};
   for (int period = 0; period < 40; ++period) {
     for (int ms = 0; ms < 10; ++ms) {
-      port_.room = ms == 5 ? 2 : 0;  // half of what is due
+      port_.room = ms == 5 ? 2 : 0;  // room for half of the messages that are due
       pass(1ms, 0.001 * period);
     }
     for (std::uint32_t i = 0; i < 4; ++i) {
@@ -285,8 +285,7 @@ TEST_F(CanSchedulerTest, AGraspHasMessagesOfItsOwn) {
   pass(10ms);
   auto sent = port_.take(kEstimate + 2);
   ASSERT_EQ(sent.size(), 1U);
-  for (; now_ < CanScheduler::Time(1000s) + 20ms;
-       now_ += 1ms) {  // together they hold less well than they should
+  for (; now_ < CanScheduler::Time(1000s) + 20ms; now_ += 1ms) {  // the grasp's margin is low
     publish(0, 0.6);
     publish(1, 0.1);
     grasp_evaluator_->evaluate();

@@ -117,7 +117,7 @@ TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
   EXPECT_NEAR(right.out.slot.shear_x_pa[0] * area_m2, -1.0, 1e-6);
 }
 
-// Simulated devices know nothing of profiles. The tolerance is half a count.
+// Simulated devices do not use profiles. The tolerance is half a count.
 struct Pair {
   const devices::DeviceModel& (*model)();
   const char* profile;
@@ -237,7 +237,7 @@ TEST(Decoder, counts_a_lost_packet_as_a_lost_scan_if_it_was_or_began_one) {
   DecoderRig many("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
   EXPECT_EQ(many.frames(whole), 1);
-  many.decoder.mark_packet_lost();  // nobody knows whether all of a scan went with it
+  many.decoder.mark_packet_lost();  // it is unknown whether the packet contained all of a scan
   EXPECT_EQ(many.frames(whole), 1);
   EXPECT_EQ(many.out.slot.sequence, 1);
   many.take(whole[0], 0);

@@ -1,4 +1,4 @@
-// A profile that can work is taken as it stands; one that cannot is refused with the place.
+// A valid profile is accepted unchanged; an invalid one is refused with the place.
 #include "drivers/decode/profile.hpp"
 
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@ json shipped(const std::string& name) {
   return json::parse(file);
 }
 
-// What is said of the XELA's profile after `change`.
+// The error about the XELA's profile after `change`.
 std::string said_of(const std::function<void(json&)>& change, const std::string& name = "xela-xr1944") {
   json profile = shipped(name);
   change(profile);

@@ -1,4 +1,4 @@
-// Random grasps and what is counted of them.
+// Random grasps, and their statistics.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// The adversary, the extremes and the limit that `sliplab stability` and `tradeoff` hold methods against.
+// The adversary, the extremes and the Cramér–Rao bound with which `sliplab stability` and `tradeoff` compare
+// methods.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,8 @@ TEST(Extremes, TheContactModelKeepsTwelveDigitsEverywhere) {
     for (const double place : places_on(axis)) {
       const ContactModelError worst = model_error_at(axis, place, 10, 3);
       EXPECT_LT(worst.closed_form, 1e-12) << name_of(axis) << ' ' << place;
-      // Beside the stick zone's edge q rises like a root of the distance, and that edge is a rounded number.
+      // Beside the edge of the stick zone q rises like a root of the distance, and the edge is a rounded
+      // number.
       EXPECT_LT(worst.history, 1e-3) << name_of(axis) << ' ' << place;
       EXPECT_LT(worst.single_angle, 1e-6) << name_of(axis) << ' ' << place;
     }
@@ -31,7 +33,7 @@ TEST(Extremes, TheTextbookLosesALightLoad) {
 }
 
 TEST(CramerRaoBound, AgreesWithAnIndependentPrototype) {
-  // Five in a hundred of relative noise on 100, 32, 16 taxels along a side: 0.0008, 0.0041, 0.012.
+  // Relative noise of 5 % on 100, 32, 16 taxels along a side: 0.0008, 0.0041, 0.012.
   slipd::Scene scene = scene_of({});
   const auto limit = [&](std::size_t side) {
     return mean_cramer_rao_bound(layout_of({.side = side}), scene, NoiseKind::relative, 0.05, 200, 5)
@@ -57,7 +59,7 @@ double sum(std::span<const float> values) {
 
 class PerturbationTest : public ::testing::Test {
  protected:
-  // What a contact in the middle of a wide pad becomes, without noise.
+  // Perturbations of a contact in the middle of a wide pad, without noise.
   Trial trial(Perturbation perturbation, double strength) {
     return adversary_.make(perturbation, strength, scene_, 1, 4);
   }
@@ -130,11 +132,11 @@ TEST(Ordeals, AContactOfTheModelIsAnsweredRightlyAndAFlawCosts) {
     EXPECT_TRUE(statistics.answered() < 0.8 || statistics.mean_error() > 0.06);
 }
 
-// What no estimator's model knows of: its deviation is to tell. Perfect were 95 % of so many; few dead taxels
-// cost next to nothing.
+// Perturbations outside every estimator's model: sigma must include their effect. A perfect sigma would
+// cover 95 %. A few dead taxels cost next to nothing.
 TEST(Ordeals, SigmaOwnsUpToFlawsOfShapeAndSensor) {
   for (const auto& row : measure_perturbations({.side = 32, .contacts = 24}, [](double) {})) {
-    // A history seen once looks like another, and a shear that is off everywhere like a load.
+    // One frame cannot distinguish some histories, nor a constant error of shear from a load.
     if (row.what == "regripped" || row.what == "unloaded" || row.what == "grown" || row.what == "biased")
       continue;
     for (const auto& statistics : row.by_method) {
