@@ -30,9 +30,16 @@ class LogLimit {
     std::chrono::minutes within{0};
   };
 
+  // Lines of one kind and sensor that are printed in each window; the others are counted. More repeat
+  // themselves in the journal.
   static constexpr int kPrintedPerWindow = 5;
+  // Lines of one kind that are printed in each window, of all sensors together. More fill the journal when a
+  // bus with many sensors fails, fewer hide which sensors are concerned.
   static constexpr int kPrintedOfAllSensors = 20;
+  // Length of a window. A shorter one lets a lasting fault fill the journal, a longer one hides that it
+  // lasts.
   static constexpr auto kWindow = std::chrono::minutes(1);
+  // Longest window while lines keep coming, which doubles from kWindow on.
   static constexpr auto kLongestWindow = std::chrono::minutes(64);
 
   // Whether to print this line now. If not, it is counted.
