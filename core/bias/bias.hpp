@@ -31,9 +31,9 @@ struct Bias {
 
 // Why a zero that is there is not used.
 enum class BiasDoubt : std::uint8_t {
-  none,      // it is used
-  elsewhere, // the sensor was away, and now reads neither as without load nor as before
-  below      // the sensor reads far below the zero, as no contact makes it read
+  none,       // it is used
+  elsewhere,  // the sensor was away, and now reads neither as without load nor as before
+  below       // the sensor reads far below the zero, as no contact makes it read
 };
 
 std::string_view to_string(BiasDoubt) noexcept;  // "none", "elsewhere", "below"

@@ -276,8 +276,8 @@ bool BiasEstimator::near_bias() const noexcept {
   return true;
 }
 
-// Whether the block differs from the bias (from 0, while there is none to trust) as a contact does: some taxels that
-// lie together, more than what the others differ by. What all have in common is drift.
+// Whether the block differs from the bias (from 0, while there is none to trust) as a contact does: some
+// taxels that lie together, more than what the others differ by. What all have in common is drift.
 bool BiasEstimator::stands_out() noexcept {
   if (!shows_shape()) return false;
   const auto now = block_.mean_pa();

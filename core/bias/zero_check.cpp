@@ -19,7 +19,8 @@ ZeroCheck::ZeroCheck(std::size_t taxels, const ZeroCheckOptions& options)
 
 float ZeroCheck::tolerance_pa(const Bias& zero, std::size_t channel, const Floors& floors) const noexcept {
   const bool normal = channel < taxels_;
-  const float noise = std::max(zero.noise_pa[channel], normal ? floors.noise_normal_pa : floors.noise_shear_pa);
+  const float noise =
+      std::max(zero.noise_pa[channel], normal ? floors.noise_normal_pa : floors.noise_shear_pa);
   const float step = normal ? floors.step_normal_pa : floors.step_shear_pa;
   return std::max(options_.agree_sigmas * noise, options_.agree_steps * step);
 }

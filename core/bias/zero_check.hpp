@@ -33,12 +33,12 @@ struct ZeroCheckOptions {
   float rebound_share = 0.05F;
   // So many taxels far below contradict a zero: this share of all, 0.03 … 0.2, and at least this number,
   // 2 … 5 (all, of a sensor that has fewer). Too small: a bad taxel does. Too large: a zero that was taken
-  // from a small contact is believed.
+  // from a small contact is used.
   double below_share = 1.0 / 16;
   std::size_t min_below_taxels = 3;
   // Their sum exceeds what the other taxels are pressed by, times this; 2 … 10. A cable that pulls at an
   // object lifts some taxels and presses others. Too small: that contradicts a zero. Too large: a zero that
-  // was taken from a contact is believed while another contact is there.
+  // was taken from a contact is used while another contact is there.
   double below_over_pressed = 4;
   // More than this share of the taxels far below contradict a zero whatever the others read; 0.4 … 0.8.
   double most_share = 0.5;
@@ -66,7 +66,7 @@ class ZeroCheck {
   // Whether `reading` is further below `zero` than any contact presses it, on many taxels.
   bool is_below(const Frame& reading, const Bias& zero, const Floors& floors) const noexcept;
 
-  // Keeps the greatest pressure of each taxel; of readings whose zero is believed.
+  // Keeps the greatest pressure of each taxel; of readings whose zero is in use.
   void note_pressed(std::span<const float> normal_pa, const Bias& zero) noexcept;
   // Forgets it; with a new zero.
   void forget_pressed() noexcept;

@@ -225,8 +225,8 @@ void CanScheduler::publish() noexcept {
   const char* const interface = can_.interface.c_str();
   switch (report_data_.bus) {
     case Bus::absent:
-      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s cannot be used: %s; tried again", interface,
-                        why_no_can(report_data_.error));
+      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s cannot be used: %s; tried again",
+                        interface, why_no_can(report_data_.error));
     case Bus::down:
       return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is down", interface);
     case Bus::up:

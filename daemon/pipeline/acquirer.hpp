@@ -79,8 +79,8 @@ class Acquirer {
   std::string last_logged_trouble_;  // logged once, not at each attempt
   bool was_open_ = false;
   bool delivered_ = false;  // a frame, since it was last opened
-  bool silent_ = false;     // people were told that no frame came, since it was last opened
-  std::string silence_;     // what people were told
+  bool silent_ = false;     // set_silence(true) was called since the device was last opened
+  std::string silence_;     // the trouble that set_silence wrote; empty: none
   Doorbell::Clock::time_point opened_at_;
   RealtimeSettings realtime_;
   RealtimeGrant grant_;

@@ -32,7 +32,8 @@ std::string doubt_text(const BiasReport& report, const std::string& sensor) {
              " off its zero: another sensor, drift, or a load on all of it" + remedy;
     case BiasDoubt::below:
       return std::string("its pressure is ") + off +
-             ", far below its zero, as under no contact: another sensor's zero, or one taken under load" + remedy;
+             ", far below its zero, as under no contact: another sensor's zero, or one taken under load" +
+             remedy;
   }
   return {};
 }
@@ -107,7 +108,7 @@ void BiasStore::process(BiasWorker& worker) {
   BiasChannel& channel = worker.status().bias;
   // The report before the copy: a bias that the report contains was handed over before.
   const BiasReport report = channel.report.load();
-  tell_doubt(worker, report);
+  report_doubt(worker, report);
   if (const Bias* zero = worker.pending_save()) {
     save(worker, *zero, report);
     worker.save_done();
@@ -120,8 +121,8 @@ void BiasStore::process(BiasWorker& worker) {
 }
 
 // Once at its beginning and once at its end.
-void BiasStore::tell_doubt(BiasWorker& worker, const BiasReport& report) {
-  if (std::exchange(worker.told_doubt(), report.doubt) == report.doubt) return;
+void BiasStore::report_doubt(BiasWorker& worker, const BiasReport& report) {
+  if (std::exchange(worker.logged_doubt(), report.doubt) == report.doubt) return;
   const std::string& name = worker.status().name;
   const std::string trouble = doubt_text(report, name);
   if (trouble.empty()) {

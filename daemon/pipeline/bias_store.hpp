@@ -41,7 +41,7 @@ class BiasStore {
  private:
   void run();
   void process(BiasWorker& worker);
-  void tell_doubt(BiasWorker& worker, const BiasReport& report);
+  void report_doubt(BiasWorker& worker, const BiasReport& report);
   void save(BiasWorker& worker, const Bias& zero, const BiasReport& report);
   std::vector<std::shared_ptr<BiasWorker>> workers() const;
 

@@ -65,8 +65,7 @@ void BiasWorker::publish_report() noexcept {
   const bool doubt_changed = std::exchange(published_doubt_, report.doubt) != report.doubt;
   // The copy is handed over before the report is published, so that the store finds both.
   // Relaxed: decides only whether to ring.
-  if (doubt_changed || report.answered != status_.bias.completed() ||
-      filled_.load(std::memory_order_relaxed))
+  if (doubt_changed || report.answered != status_.bias.completed() || filled_.load(std::memory_order_relaxed))
     store_.ring();
 }
 

@@ -51,8 +51,8 @@ class BiasWorker {
   void after_publish() noexcept;
 
   // Called from one thread: acquire, out of real time, when the device was closed. Hands an unsaved bias to
-  // the store; waits up to a second for the one before. `last`: it is not opened again, so that what the sensor
-  // reads now is saved with it.
+  // the store; waits up to a second for the one before. `last`: it is not opened again, so that what the
+  // sensor reads now is saved with it.
   void flush_to_store(bool last);
 
   // Called from one thread: bias store. The bias to save, or null. Valid until save_done().
@@ -61,8 +61,8 @@ class BiasWorker {
   void save_done() noexcept;
   // Called from one thread: bias store. BiasReport::taken of the bias last saved; 0: none was.
   std::uint32_t saved_taken() const noexcept { return saved_taken_; }
-  // Called from one thread: bias store. The doubt that it last told people of.
-  BiasDoubt& told_doubt() noexcept { return told_doubt_; }
+  // Called from one thread: bias store. The doubt that was last written to the log and to the facts.
+  BiasDoubt& logged_doubt() noexcept { return logged_doubt_; }
 
  private:
   // Whether the bias was measured anew since it was handed over, or was followed for this long.
@@ -81,8 +81,8 @@ class BiasWorker {
   std::atomic<bool> filled_{false};
   Bias copy_;
   std::uint32_t copy_taken_ = 0;
-  std::uint32_t saved_taken_ = 0;              // the store's
-  BiasDoubt told_doubt_ = BiasDoubt::none;     // the store's
+  std::uint32_t saved_taken_ = 0;                // the store's
+  BiasDoubt logged_doubt_ = BiasDoubt::none;     // the store's
   BiasDoubt published_doubt_ = BiasDoubt::none;  // acquire's
 };
 

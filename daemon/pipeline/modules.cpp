@@ -127,7 +127,8 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
 std::string DriverModules::why_absent(const std::string& name) {
   std::string there;
   for (const std::string& each : names()) there += (there.empty() ? "" : ", ") + each;
-  const std::string installed = "installed are: " + (there.empty() ? "none" : there) + ", in " + folder_.string();
+  const std::string installed =
+      "installed are: " + (there.empty() ? "none" : there) + ", in " + folder_.string();
   if (std::ranges::find(kPackagedApart, name) != std::end(kPackagedApart))
     return "it is not installed: install the package " + std::string(kPrefix) + name + "; " + installed;
   return "there is no such driver; " + installed;

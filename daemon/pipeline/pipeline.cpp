@@ -102,7 +102,8 @@ bool Pipeline::stop(std::chrono::steady_clock::time_point deadline) {
   };
   for (auto& acquirer : acquirers_) acquirer->request_stop();
   estimator_factory_.request_stop();
-  for (auto& acquirer : acquirers_) note(acquirer->join_until(deadline), "the driver of " + acquirer->sensors());
+  for (auto& acquirer : acquirers_)
+    note(acquirer->join_until(deadline), "the driver of " + acquirer->sensors());
   bias_store_.request_stop();
   note(bias_store_.join_until(later), "the store of zeros");
   stop_estimate_.store(true, std::memory_order_relaxed);

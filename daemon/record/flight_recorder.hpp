@@ -79,7 +79,7 @@ class FlightRecorder {
     std::atomic<const char*> trigger_reason{nullptr};  // io → this thread; relaxed: points to a literal
     const char* reason = nullptr;  // of the pending recording, written at `due`; null: none is pending
     Clock::time_point due;
-    bool failure_logged = false;  // the present failure was logged
+    bool failure_logged = false;          // the present failure was logged
     std::atomic<std::uint64_t> begun{0};  // recordings; relaxed: a counter
     FlightOutcome outcome;                // of the last; guarded by outcomes_
   };

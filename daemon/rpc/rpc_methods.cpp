@@ -246,7 +246,8 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
   if (!file)
     throw rpc::Error(rpc::kInvalidParams, "pass the file to record into along, as a descriptor (SCM_RIGHTS)");
   SensorStatus& status = *context_.board.sensors[sensor];
-  const auto answer = [reply, name = status.name, counts = context_.recordings](const RecordingResult& result) {
+  const auto answer = [reply, name = status.name,
+                       counts = context_.recordings](const RecordingResult& result) {
     ++(result.trouble.empty() ? counts->written : counts->failed);
     if (!result.trouble.empty()) {
       return reply.error(rpc::kInternalError,

@@ -52,7 +52,8 @@ std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const st
       return on + count(more, "frame") +
              " were not simulated in time: this machine is too slow for this rate";
     return on + count(more, "frame") +
-           " never came whole (by the device's count, if it has one, else by messages that are missing): the device "
+           " never came whole (by the device's count, if it has one, else by messages that are missing): the "
+           "device "
            "or the bus is too slow";
   });
   report(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {

@@ -1,5 +1,4 @@
 // Metrics as text: each family with its type and help, one line a sensor; as OpenMetrics ended by # EOF.
-#include "daemon/record/flight_recorder.hpp"
 #include "daemon/telemetry/metrics.hpp"
 
 #include <cmath>
@@ -7,6 +6,8 @@
 #include <limits>
 #include <sstream>
 #include <string>
+
+#include "daemon/record/flight_recorder.hpp"
 
 namespace slipd {
 namespace {
@@ -199,7 +200,8 @@ void add_recordings(Families& families, const ServiceContext& context) {
   families.add_one("slipd_flight_recordings", "counter", "Recordings that the flight recorder has written.",
                    number(context.flight->files_written()));
   families.add_one("slipd_flight_recordings_failed", "counter",
-                   "Recordings that the flight recorder could not write.", number(context.flight->failures()));
+                   "Recordings that the flight recorder could not write.",
+                   number(context.flight->failures()));
 }
 
 void add_can(Families& families, const can::Report& can) {

@@ -13,9 +13,9 @@
 namespace slipd::can {
 namespace {
 
-// Whether this process may not make CAN sockets, whatever the kernel can. The kernel looks at the type
-// before it looks for the family, so that a type that does not exist is refused with EINVAL, unless the
-// service manager's filter refuses the family before.
+// Whether a filter forbids this process to make CAN sockets. The kernel checks the type before the family, so
+// an unknown type gives EINVAL with or without CAN in the kernel. The service manager's filter refuses the
+// family before that, with another error.
 bool is_forbidden() noexcept {
   constexpr int kNoSuchType = 15;
   const int fd = ::socket(PF_CAN, kNoSuchType | SOCK_CLOEXEC, 0);
@@ -42,8 +42,9 @@ const char* why_no_can(int error) noexcept {
     case EPROTONOSUPPORT:
     case EPERM:
     case EACCES:
-      return is_forbidden() ? "the service may not use CAN: install the package slipd-driver-can, which permits it"
-                            : "this kernel has no CAN: load its module can-raw";
+      return is_forbidden()
+                 ? "the service may not use CAN: install the package slipd-driver-can, which permits it"
+                 : "this kernel has no CAN: load its module can-raw";
     case ENODEV:
       return "there is no such interface: plug its adapter in, or correct its name";
     case EPROTOTYPE:

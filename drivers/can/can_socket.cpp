@@ -136,12 +136,10 @@ Socket open_interface(const std::string& interface, const std::vector<std::uint3
   const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
   if (fd < 0) unusable(interface, errno);
   Socket socket(fd);
-  if (const int error = check_can_interface(fd, interface); error != 0)
-    unusable(interface, error);
+  if (const int error = check_can_interface(fd, interface); error != 0) unusable(interface, error);
   ifreq request{};
   interface.copy(request.ifr_name, IFNAMSIZ - 1);
-  if (::ioctl(fd, SIOCGIFINDEX, &request) != 0)
-    unusable(interface, errno);
+  if (::ioctl(fd, SIOCGIFINDEX, &request) != 0) unusable(interface, errno);
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;

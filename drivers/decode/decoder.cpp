@@ -35,7 +35,8 @@ bool Decoder::fits_some_rule(std::uint32_t id, std::size_t bytes) const noexcept
 
 std::string Decoder::why_no_frames(const std::string& packets) const {
   if (!misfit_) return {};
-  const bool numbered = std::any_of(rules_.begin(), rules_.end(), [](const auto& rule) { return rule.id != 0; });
+  const bool numbered =
+      std::any_of(rules_.begin(), rules_.end(), [](const auto& rule) { return rule.id != 0; });
   std::string expected;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const auto same = [&](const PacketRule& rule) {
@@ -47,8 +48,8 @@ std::string Decoder::why_no_frames(const std::string& packets) const {
     if (numbered) expected += " with id " + std::to_string(rules_[i].id);
   }
   return packets + " of " + std::to_string(misfit_->bytes) + " bytes" +
-         (numbered ? " with id " + std::to_string(misfit_->id) : "") + " arrive, the profile expects " + expected +
-         ": choose or correct the profile";
+         (numbered ? " with id " + std::to_string(misfit_->id) : "") + " arrive, the profile expects " +
+         expected + ": choose or correct the profile";
 }
 
 bool Decoder::of_another_scan(std::span<const std::uint8_t> bytes) const noexcept {

@@ -49,8 +49,9 @@ std::string why_not_opened(const std::string& path) {
   const int error = errno;
   why += std::generic_category().message(error);
   if (error == EPERM) {
-    return why + ": the service's unit does not permit it: install slipd-driver-hid; if it is installed, restart "
-                 "slipd, which started before the kernel had any HID device";
+    return why +
+           ": the service's unit does not permit it: install slipd-driver-hid; if it is installed, restart "
+           "slipd, which started before the kernel had any HID device";
   }
   if (error == EACCES)
     return why + ": no udev rule gives it to slipd: add a line for it as in 60-slipd-hid.rules";

@@ -32,9 +32,9 @@ std::string text_of(const addrinfo& address) {
   return error == 0 ? text.data() : "";
 }
 
-// Whether the system does not let this process send to the address. Of a TCP connection the service
-// manager's filter drops packets without a word, so that it only seems to take long; a datagram it refuses.
-// This one goes to the port that discards.
+// Whether the system forbids this process to send to the address. The service manager's filter drops the
+// packets of a TCP connection without an error, so that connecting times out; a datagram fails with EPERM.
+// The datagram is empty and goes to the discard port.
 bool is_forbidden(const addrinfo& address) {
   const UniqueFd probe(socket(address.ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!probe) return errno == EAFNOSUPPORT || errno == EPERM;
@@ -46,11 +46,13 @@ bool is_forbidden(const addrinfo& address) {
 std::string why_unreachable(const std::string& host, int port, int error) {
   const Addresses addresses = addresses_of(host);
   if (!addresses)
-    return "its name cannot be resolved: give its numeric address as device.host, since the service may be kept "
+    return "its name cannot be resolved: give its numeric address as device.host, since the service may be "
+           "kept "
            "from asking a name server";
   for (const addrinfo* each = addresses.get(); each != nullptr; each = each->ai_next) {
     if (!is_forbidden(*each)) continue;
-    return "the service may not reach it: run systemctl edit slipd, write the lines [Service] and IPAddressAllow=" +
+    return "the service may not reach it: run systemctl edit slipd, write the lines [Service] and "
+           "IPAddressAllow=" +
            text_of(*each) + ", then systemctl restart slipd";
   }
   switch (error) {
@@ -58,7 +60,8 @@ std::string why_unreachable(const std::string& host, int port, int error) {
     case ETIMEDOUT:
       return "no answer within a second: is the device on, and on this network?";
     case ECONNREFUSED:
-      return "nothing listens at its port " + std::to_string(port) + ": is the device on, and device.port right?";
+      return "nothing listens at its port " + std::to_string(port) +
+             ": is the device on, and device.port right?";
     default:
       return std::generic_category().message(error) + ": is the device on and its network reachable?";
   }

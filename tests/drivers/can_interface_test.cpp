@@ -1,5 +1,5 @@
-// Why a CAN interface cannot be used: the service that may not, the kernel that cannot, the interface that is none of
-// CAN. Where the machine has CAN or not, a filter like the service manager's forbids it.
+// Why a CAN interface cannot be used: the service that may not, the kernel that cannot, the interface that is
+// none of CAN. Where the machine has CAN or not, a filter like the service manager's forbids it.
 #include "drivers/can/can_interface.hpp"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,8 @@ bool forbid_can() {
       BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
   };
   const sock_fprog filter{static_cast<unsigned short>(std::size(program)), program};
-  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
+  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+         prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
 }
 
 TEST(CanInterface, AServiceThatMayNotUseCanIsToldThePackageAndNotThatTheKernelHasNone) {

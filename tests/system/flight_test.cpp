@@ -85,11 +85,13 @@ TEST(Flight, ADiskThatTakesNothingLosesOnlyTheRecording) {
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
   daemon.client().result("flight");
   const json status = daemon.wait_for("status", [](const json& s) { return s["recorder"]["failed"] == 1; });
-  EXPECT_THAT(status["recorder"]["last"][0]["trouble"].get<std::string>(), ::testing::HasSubstr("could not be kept"));
+  EXPECT_THAT(status["recorder"]["last"][0]["trouble"].get<std::string>(),
+              ::testing::HasSubstr("could not be kept"));
   EXPECT_THAT(daemon.program().errors(), ::testing::HasSubstr("could not be kept"));
   EXPECT_THAT(daemon.client().result("metrics").get<std::string>(),
               ::testing::HasSubstr("slipd_flight_recordings_failed_total 1\n"));
-  const Ran ran = run({(program_folder() / "slipctl").string(), "--socket", daemon.socket().string(), "flight"});
+  const Ran ran =
+      run({(program_folder() / "slipctl").string(), "--socket", daemon.socket().string(), "flight"});
   EXPECT_EQ(ran.code, 1);
   EXPECT_THAT(ran.errors, ::testing::HasSubstr("could not be kept"));
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });

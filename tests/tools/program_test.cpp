@@ -99,7 +99,8 @@ TEST(Program, NamesTheCommandThatThereIsNotAndThoseThatThereAre) {
   EXPECT_EQ(ran.exit_code, 2);
   EXPECT_THAT(ran.err, AllOf(StartsWith("slipctl: no such command: wacth; did you mean \"watch\"?"),
                              HasSubstr("commands are status, "), HasSubstr("rebias")));
-  EXPECT_THAT(slipctl_with({"--json", "nonsense"}).err, StartsWith("slipctl: no such command: nonsense; commands are"));
+  EXPECT_THAT(slipctl_with({"--json", "nonsense"}).err,
+              StartsWith("slipctl: no such command: nonsense; commands are"));
   const Ran bare = slipctl_with({});
   EXPECT_EQ(bare.exit_code, 2);
   EXPECT_THAT(bare.err, HasSubstr("commands are"));

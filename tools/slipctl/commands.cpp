@@ -79,7 +79,8 @@ int keep_flight(const CommonOptions& common, const std::string& sensor) {
   constexpr std::chrono::seconds kWriting{60};  // the longest that writing all of them may take
   RpcClient client(common.socket);
   const json asked = client.call("flight", sensor.empty() ? json::object() : json{{"sensor", sensor}});
-  const json names = asked.value("sensors", json::array()), numbers = asked.value("recordings", json::array());
+  const json names = asked.value("sensors", json::array()),
+             numbers = asked.value("recordings", json::array());
   const auto last_moment = std::chrono::steady_clock::now() + kWriting +
                            std::chrono::ceil<std::chrono::milliseconds>(
                                std::chrono::duration<double>(asked.value("written_in_s", 0.0)));

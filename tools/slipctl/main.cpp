@@ -47,7 +47,8 @@ void add_questions(CLI::App& app, Choices& choices) {
   CLI::App* frame = app.add_subcommand("frame", "the latest frame, one taxel a line (CSV)");
   frame->add_option("sensor", choices.sensor)->required();
   frame->callback([&] { print_frame(choices.common, choices.sensor); });
-  CLI::App* flight = app.add_subcommand("flight", "write the flight recorder's last seconds to a recording, and wait for it");
+  CLI::App* flight = app.add_subcommand(
+      "flight", "write the flight recorder's last seconds to a recording, and wait for it");
   flight->add_option("sensor", choices.sensor, "only this sensor");
   flight->callback([&] { choices.exit_code = keep_flight(choices.common, choices.sensor); });
   CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's values as its zero");
@@ -153,14 +154,15 @@ int main(int argc, char** argv) try {
   add_devices(app, choices);
   try {
     app.parse(argc, argv);
-    if (app.get_subcommands().empty()) return wrong_usage("no command; " + commands_are(names_of_commands(app)));
+    if (app.get_subcommands().empty())
+      return wrong_usage("no command; " + commands_are(names_of_commands(app)));
   } catch (const CLI::ExtrasError& wrong) {
     const std::vector<std::string> words = app.remaining();
     if (!app.get_subcommands().empty() || words.empty() || words.front().starts_with('-'))
       return app.exit(wrong) == 0 ? 0 : 2;
     const std::vector<std::string> names = names_of_commands(app);
-    return wrong_usage("no such command: " + words.front() + slipd::did_you_mean(words.front(), names) + "; " +
-                       commands_are(names));
+    return wrong_usage("no such command: " + words.front() + slipd::did_you_mean(words.front(), names) +
+                       "; " + commands_are(names));
   } catch (const CLI::ParseError& wrong) {
     return app.exit(wrong) == 0 ? 0 : 2;
   }

@@ -77,7 +77,8 @@ class Watcher {
     state_.connected = true;
   }
 
-  // slipd was stopped, or restarts: it is waited for, without an end. What was told before holds no more.
+  // slipd was stopped or restarts. The watch tries to connect again without end. Earlier estimates are no
+  // longer shown.
   void lose(const std::string& why) {
     client_.reset();
     next_attempt_ = Clock::now() + kConnectEvery;

@@ -211,7 +211,8 @@ TEST(Decoder, tells_how_packets_that_no_rule_describes_differ) {
   EXPECT_EQ(hid.decoder.why_no_frames("reports"), "") << "nothing has come";
   const std::vector<std::uint8_t> bytes(64);
   EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped);
-  EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped) << "each counts";
+  EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped)
+      << "each counts";
   EXPECT_EQ(hid.decoder.why_no_frames("reports"),
             "reports of 20 bytes arrive, the profile expects 64: choose or correct the profile");
   EXPECT_EQ(hid.decoder.take(9, bytes, 0, hid.out.slot), Outcome::foreign);
