@@ -23,10 +23,15 @@ why | grep -q 'install the package slipd-driver-can' || fail "the package is not
 
 # Four packages at once: one restart, when all are there.
 sensor '"driver": "sim", "rate_hz": 50'
+systemctl reload slipd
+in_background watched as alice slipctl --json watch --rate 5
+awaits "a client follows" grep -q '"sensor":"left"' watched
 before=$(restarts)
 installs slipd slipd-driver-can slipd-driver-hid slipd-driver-modbus
 same "four packages are one restart" "$(($(restarts) - before))" 1
 same "and it runs" "$(systemctl is-active slipd)" active
+awaits "the client comes back" grep -q 'slipd is back' watched
+kill "$background"
 
 sensor '"driver": "can", "profile": "xela-xr1944", "device": { "interface": "lo" }'
 systemctl reload slipd || fail "a good configuration is refused: $(why)"
@@ -61,8 +66,6 @@ by_apt remove slipd-driver-hid 2>&1 | tee removal.log
 grep -q 'install the package slipd-driver-hid' removal.log || fail "the reason is not told"
 refused "no job fails" grep -q 'Job for slipd' removal.log
 same "it goes on" "$(systemctl is-active slipd)" active
-in_background watched as alice slipctl --json watch
-awaits "a client follows" test -s watched
 by_apt remove slipd-driver-can slipd-driver-modbus slipd 2>&1 | tee removal.log
 refused "no job fails when all are removed" grep -q 'Job for slipd' removal.log
 same "no unit has failed" "$(systemctl list-units --failed --plain --no-legend 'slipd*')" ""
