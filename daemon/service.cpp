@@ -232,6 +232,7 @@ std::unique_ptr<Engine> Service::next_engine() {
 void Service::switch_to(std::unique_ptr<Engine> next) {
   next->context().realtime = engine_->context().realtime;
   next->context().started = engine_->context().started;
+  next->context().recordings = engine_->context().recordings;
   recorder_.end_all();
   server_.reset();
   const bool clean = engine_->stop(std::chrono::steady_clock::now() + kStopTimeout);
@@ -241,9 +242,8 @@ void Service::switch_to(std::unique_ptr<Engine> next) {
   if (clean) {
     engine_->adopt_learned_state(next->release_learned_state());
   } else {
-    write_log(
-        LogLevel::error, {{}, Cause::device},
-        "reload: what reads or sets up a device of the old configuration does not end, and is left behind");
+    write_log(LogLevel::error, {{}, Cause::none},
+              "reload: " + next->unfinished() + " of the old configuration does not end, and is left behind");
     abandoned_.push_back(std::move(next));
   }
   begin();
@@ -259,8 +259,10 @@ int Service::end() {
   const bool clean = engine_->stop(deadline) && abandoned_.empty();
   drain_logs(engine_->board().logs, log_limit_);
   if (!clean) {
-    write_log(LogLevel::error, {{}, Cause::device},
-              "a driver hangs and is left behind; the process ends without it");
+    const std::string& unfinished = engine_->unfinished();
+    write_log(LogLevel::error, {{}, Cause::none},
+              (unfinished.empty() ? "what an earlier reload left behind" : unfinished) +
+                  " does not end; the process ends without it");
     _exit(0);  // its thread may use anything that a destructor would free
   }
   return 0;

@@ -44,7 +44,7 @@ struct FrictionFilterOptions {
   double alike_sigma = 1.2;
   // Share by which forces have to move, of the normal force and of the friction limit, for a frame's error to be another
   // one to 1/e; 0.05 … 5. Too small: sigma is less than the error after a hold. Too large: learns slowly.
-  double parting_share = 0.5;
+  double parting_share = 0.25;
   // The least share of a frame's variance that is noise, and the least 1 - Gamma that friction is read from; 1e-6 … 0.1
   // each. They keep quotients finite, without noise and without load.
   double min_noise_share = 1e-4;

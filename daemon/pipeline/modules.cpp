@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <iterator>
+#include <string_view>
 #include <system_error>
 
 namespace slipd {
@@ -16,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kPrefix = "slipd-driver-";
 constexpr const char* kSuffix = ".so";
+// Drivers that have a Debian package of their own, which is called as the module is.
+constexpr std::string_view kPackagedApart[] = {"usb", "hid", "modbus", "can"};
 
 fs::path default_folder() {
   std::error_code error;
@@ -88,10 +92,7 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
   const fs::path file = folder_ / (kPrefix + name + kSuffix);
   std::error_code error;
   if (!fs::exists(file, error)) {
-    entry.trouble = "there is no " + file.string() + "; there are: ";
-    const auto there = names();
-    for (std::size_t i = 0; i < there.size(); ++i) entry.trouble += (i == 0 ? "" : ", ") + there[i];
-    if (there.empty()) entry.trouble += "none";
+    entry.trouble = why_absent(name);
     return entry;
   }
   const fs::path real = fs::canonical(file, error);  // the target of links: it is verified and then loaded
@@ -121,6 +122,16 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
     entry.module = module;
   }
   return entry;
+}
+
+std::string DriverModules::why_absent(const std::string& name) {
+  std::string there;
+  for (const std::string& each : names()) there += (there.empty() ? "" : ", ") + each;
+  const std::string installed =
+      "installed are: " + (there.empty() ? "none" : there) + ", in " + folder_.string();
+  if (std::ranges::find(kPackagedApart, name) != std::end(kPackagedApart))
+    return "it is not installed: install the package " + std::string(kPrefix) + name + "; " + installed;
+  return "there is no such driver; " + installed;
 }
 
 const DriverModule* DriverModules::find(const std::string& name) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <thread>
+#include <utility>
 
 #include "core/storage/recording.hpp"
 #include "daemon/log/log.hpp"
@@ -18,8 +19,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kFlightStackBytes = std::size_t{256} * 1024;
+// Time between two looks at an empty queue. Longer: the queue must hold more frames. Shorter: more wake-ups.
 constexpr auto kFlightPollInterval = 5ms;
-constexpr double kQueueSeconds = 0.25;  // of frames that the queue holds while this thread is late
+// Frames that the queue holds while this thread is late, s. Too short: a loaded machine loses frames.
+constexpr double kQueueSeconds = 0.25;
+// Rate by which memory is reserved for a device of unknown rate, Hz. A faster device keeps fewer seconds.
 constexpr double kUnknownRateHz = 1000;
 
 std::size_t frames_in(double seconds, double rate_hz) {
@@ -57,8 +61,19 @@ void FlightRecorder::start() {
   thread_ = Thread("flight", kFlightStackBytes, [this] { run(); });
 }
 
-void FlightRecorder::trigger(std::size_t sensor, const char* reason) noexcept {
+std::uint64_t FlightRecorder::trigger(std::size_t sensor, const char* reason) noexcept {
   tracks_[sensor]->trigger_reason.store(reason, std::memory_order_relaxed);
+  return tracks_[sensor]->begun.load(std::memory_order_relaxed) + 1;
+}
+
+FlightOutcome FlightRecorder::outcome(std::size_t sensor) const {
+  const std::lock_guard lock(outcomes_);
+  return tracks_[sensor]->outcome;
+}
+
+void FlightRecorder::finish(Track& track, std::string file, std::string trouble) {
+  const std::lock_guard lock(outcomes_);
+  track.outcome = {track.begun.load(std::memory_order_relaxed), std::move(file), std::move(trouble)};
 }
 
 void FlightRecorder::add_estimate(std::size_t sensor, const Estimate& estimate) noexcept {
@@ -151,8 +166,9 @@ void FlightRecorder::write_if_due(Track& track, Clock::time_point now, bool last
 void FlightRecorder::write(Track& track) {
   const std::string name = file_name(track.status->name, track.reason);
   track.reason = nullptr;
+  track.begun.fetch_add(1, std::memory_order_relaxed);
   const FrameHistory& history = *track.history;
-  if (history.size() == 0) return;
+  if (history.size() == 0) return finish(track, {}, "no frame has come");
   const DeviceFacts facts = track.status->facts();
   const Now now = Now::read();
   bool zeroed = true;
@@ -178,8 +194,9 @@ void FlightRecorder::write(Track& track) {
     write_log(LogLevel::error, {track.status->name, Cause::machine},
               track.status->name + ": " + (folder_.path() / name).string() +
                   " could not be kept: " + error.message());
-    return;
+    return finish(track, {}, (folder_.path() / name).string() + " could not be kept: " + error.message());
   }
+  finish(track, (folder_.path() / name).string(), {});
   files_written_.fetch_add(1, std::memory_order_relaxed);
   write_log(LogLevel::info, {track.status->name},
             track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " +

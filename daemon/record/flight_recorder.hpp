@@ -7,6 +7,8 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <vector>
 
 #include "config/settings.hpp"
@@ -16,6 +18,16 @@
 #include "daemon/rt/thread.hpp"
 
 namespace slipd {
+
+// How a recording of one sensor ended.
+struct FlightOutcome {
+  // The recordings of this sensor that were begun to be written, with this one; 0: none was.
+  std::uint64_t number = 0;
+  // The recording; empty: there is none.
+  std::string file;
+  // Why there is none, for people; empty: there is one.
+  std::string trouble;
+};
 
 // Thread-safe; each function names its callers.
 class FlightRecorder {
@@ -33,8 +45,12 @@ class FlightRecorder {
   void start();
 
   // Called from one thread: io. Requests a recording around the present moment. Without effect while one of
-  // this sensor is pending. `reason`: a literal, part of the file's name.
-  void trigger(std::size_t sensor, const char* reason) noexcept;
+  // this sensor is pending. `reason`: a literal, part of the file's name. The number of the recording, as in
+  // FlightOutcome.
+  std::uint64_t trigger(std::size_t sensor, const char* reason) noexcept;
+
+  // How the sensor's last recording ended. Called from any thread but real-time ones: it locks.
+  FlightOutcome outcome(std::size_t sensor) const;
 
   // Called from one thread: io. Adds an estimate to its frame. One that does not fit into the queue is
   // missing in the recording.
@@ -63,7 +79,9 @@ class FlightRecorder {
     std::atomic<const char*> trigger_reason{nullptr};  // io → this thread; relaxed: points to a literal
     const char* reason = nullptr;  // of the pending recording, written at `due`; null: none is pending
     Clock::time_point due;
-    bool failure_logged = false;  // the present failure was logged
+    bool failure_logged = false;          // the present failure was logged
+    std::atomic<std::uint64_t> begun{0};  // recordings; relaxed: a counter
+    FlightOutcome outcome;                // of the last; guarded by outcomes_
   };
   void run();
   void process(Track& track, bool last);
@@ -71,10 +89,12 @@ class FlightRecorder {
   static void drain_queues(Track& track);
   void write_if_due(Track& track, Clock::time_point now, bool last);
   void write(Track& track);
+  void finish(Track& track, std::string file, std::string trouble);
 
   const RecorderSettings settings_;
   RecordingsFolder folder_;
   std::vector<std::unique_ptr<Track>> tracks_;
+  mutable std::mutex outcomes_;
   std::atomic<bool> stop_{false};  // relaxed: no other memory is read because of it
   std::atomic<std::uint64_t> files_written_{0}, failures_{0};  // relaxed: counters
   Thread thread_;

@@ -222,12 +222,14 @@ json RpcMethods::flight(const Params& params) {
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   json names = json::array();
+  json recordings = json::array();
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
-    context_.flight->trigger(i, "request");
+    recordings.push_back(context_.flight->trigger(i, "request"));
     names.push_back(board.sensors[i]->name);
   }
   return {{"sensors", std::move(names)},
+          {"recordings", std::move(recordings)},
           {"folder", context_.flight->folder().string()},
           {"written_in_s", context_.settings.recorder.seconds}};
 }
@@ -244,7 +246,9 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
   if (!file)
     throw rpc::Error(rpc::kInvalidParams, "pass the file to record into along, as a descriptor (SCM_RIGHTS)");
   SensorStatus& status = *context_.board.sensors[sensor];
-  const auto answer = [reply, name = status.name](const RecordingResult& result) {
+  const auto answer = [reply, name = status.name,
+                       counts = context_.recordings](const RecordingResult& result) {
+    ++(result.trouble.empty() ? counts->written : counts->failed);
     if (!result.trouble.empty()) {
       return reply.error(rpc::kInternalError,
                          result.trouble + ", after " + std::to_string(result.frames) + " frames");

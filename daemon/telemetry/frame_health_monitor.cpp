@@ -3,9 +3,11 @@
 namespace slipd {
 namespace {
 
-// A machine without real-time kernel skips single frames, and all frames are skipped while an estimator is
-// being made. Only this share for this many seconds is a problem.
+// Skipped frames are reported only above this share of the received frames, 0 to 1, because a machine without
+// real-time kernel skips single frames.
 constexpr double kSkippedShare = 0.05;
+// Seconds in a row above that share before it is reported, because all frames are skipped while an estimator
+// is being made.
 constexpr int kSecondsBehind = 3;
 
 std::string count(std::uint64_t number, const char* what) {
@@ -50,7 +52,9 @@ std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const st
       return on + count(more, "frame") +
              " were not simulated in time: this machine is too slow for this rate";
     return on + count(more, "frame") +
-           " never came, by the device's own numbering: the device or the bus is too slow";
+           " never came whole (by the device's count, if it has one, else by messages that are missing): the "
+           "device "
+           "or the bus is too slow";
   });
   report(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
     return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <string>
 
+#include "daemon/record/flight_recorder.hpp"
+
 namespace slipd {
 namespace {
 
@@ -189,6 +191,19 @@ void add_service(Families& families, const ServiceContext& context) {
                    number(context.notifications_dropped));
 }
 
+void add_recordings(Families& families, const ServiceContext& context) {
+  families.add_one("slipd_recordings", "counter", "Recordings that clients asked for and got.",
+                   number(context.recordings->written));
+  families.add_one("slipd_recordings_failed", "counter", "Recordings that clients asked for and that failed.",
+                   number(context.recordings->failed));
+  if (context.flight == nullptr) return;
+  families.add_one("slipd_flight_recordings", "counter", "Recordings that the flight recorder has written.",
+                   number(context.flight->files_written()));
+  families.add_one("slipd_flight_recordings_failed", "counter",
+                   "Recordings that the flight recorder could not write.",
+                   number(context.flight->failures()));
+}
+
 void add_can(Families& families, const can::Report& can) {
   families.add_one("slipd_can_state", "gauge",
                    "0 absent, 1 down, 2 up, 3 error_warning, 4 error_passive, 5 bus_off.",
@@ -213,6 +228,7 @@ std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
   add_states(families, context, published);
   families.latencies();
   add_service(families, context);
+  add_recordings(families, context);
   if (context.can != nullptr) add_can(families, context.can->load());
   return families.text();
 }

@@ -1,4 +1,4 @@
-// A zero comes back from its file as it went there, and whatever else the file may hold is refused.
+// A bias is read back from its file unchanged, and any other content is refused.
 #include "daemon/state/bias_file.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,8 @@ Bias some_zero() {
           .noise_pa = {0, 1, 2, 3, 4, 5},
           .origin = BiasOrigin::command,
           .taken_ns = 1'000,
-          .confirmed_ns = 2'000};
+          .confirmed_ns = 2'000,
+          .last_pa = {1, 2, 3, 4, 5, 6}};
 }
 
 std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentity& sensor = kBiasedSensor) {
@@ -33,18 +34,26 @@ std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentit
   return {};
 }
 
-TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
+TEST(BiasFileTest, ReadsBackWhatWasWrittenWithTheWallClocksTime) {
   const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   constexpr Now kAfterReboot{.monotonic_ns = 100, .realtime_ns = kWritten.realtime_ns + 1'000'000};
   const Bias read = decode_bias(bytes, kBiasedSensor, kAfterReboot);
   EXPECT_EQ(read.bias_pa, some_zero().bias_pa);
   EXPECT_EQ(read.noise_pa, some_zero().noise_pa);
   EXPECT_EQ(read.origin, BiasOrigin::command);
+  EXPECT_EQ(read.last_pa, some_zero().last_pa);
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.taken_ns, 1'000'000 + 4'000) << "its age: before this boot";
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.confirmed_ns, 1'000'000 + 3'000);
 }
 
-TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
+TEST(BiasFileTest, NeedNotHoldWhatTheSensorReadLast) {
+  Bias zero = some_zero();
+  zero.last_pa.clear();
+  EXPECT_TRUE(
+      decode_bias(encode_bias(kBiasedSensor, zero, kWritten), kBiasedSensor, kWritten).last_pa.empty());
+}
+
+TEST(BiasFileTest, RefusesEveryByteThatIsChangedAndEveryCut) {
   const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     auto changed = bytes;
@@ -55,7 +64,7 @@ TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
   }
 }
 
-TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
+TEST(BiasFileTest, RefusesTheBiasOfAnotherSensorAndNamesIt) {
   const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   BiasIdentity other = kBiasedSensor;
   other.part = "board 2";
@@ -67,7 +76,7 @@ TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
   EXPECT_NE(refusal_of(bytes, other), "");
 }
 
-TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
+TEST(BiasFileTest, RefusesValuesThatAreNotFinite) {
   Bias zero = some_zero();
   zero.bias_pa[3] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(refusal_of(encode_bias(kBiasedSensor, zero, kWritten)), HasSubstr("no number"));
@@ -76,7 +85,7 @@ TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
   EXPECT_THAT(refusal_of(encode_bias(kBiasedSensor, zero, kWritten)), HasSubstr("number of values"));
 }
 
-TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
+TEST(BiasFileTest, IsNotReadFromALinkOrAFileThatOthersCanWrite) {
   const testing::TempFolder folder;
   const auto file = folder.file("mine.cbor");
   save_bias(file, kBiasedSensor, some_zero());
@@ -87,11 +96,11 @@ TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
   EXPECT_THROW(static_cast<void>(load_bias(file, kBiasedSensor)), BiasError);
 }
 
-TEST(ZeroFile, RefusesNestingWithoutEnd) {
+TEST(BiasFileTest, RefusesDeepNesting) {
   EXPECT_THAT(refusal_of(std::vector<std::uint8_t>(1'000'000, 0x81)), HasSubstr("no CBOR item"));
 }
 
-TEST(ZeroFile, IsFoundAgainUnderItsIdentityOnly) {
+TEST(BiasFileTest, IsFoundAgainUnderItsIdentityOnly) {
   const testing::TempFolder folder;
   const auto file = folder.file("zero") / "mine.cbor";
   EXPECT_FALSE(load_bias(file, kBiasedSensor)) << "no file is no error";

@@ -1,6 +1,9 @@
-// Devices that hang, vanish, lie and end: each is its own sensor's trouble, and every frame is accounted for.
+// Devices that hang, vanish, end or send frames of a wrong sensor: each affects its own sensor only, and
+// every frame is accounted for.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 #include "tests/support/daemon.hpp"
 
@@ -63,6 +66,21 @@ TEST(Devices, ADeviceThatIsNotThereIsAFaultWithItsReasonAndTheOthersGoOn) {
   EXPECT_EQ(daemon.client().call("frame", {{"sensor", "gone"}})["error"]["code"], -32003);
 }
 
+TEST(Devices, OneThatIsOpenAndSendsNothingIsSaidToBeSilentUntilItSends) {
+  const TempFolder folder;
+  const auto gate = folder.file("gate");
+  Daemon daemon(config_with(folder, sensors({trial("left", {{"gate", gate.string()}})})), trial_drivers());
+  const auto silent = [](const json& s) { return sensor_of(s, "left")["trouble"].is_string(); };
+  const json told = sensor_of(daemon.wait_for("status", silent), "left");
+  EXPECT_THAT(told["trouble"].get<std::string>(), ::testing::HasSubstr("sends nothing"));
+  EXPECT_EQ(told["connected"], true);
+  EXPECT_EQ(told["receiving"], false);
+  std::ofstream(gate) << "open";
+  daemon.wait_for("status", [](const json& s) {
+    return sensor_of(s, "left")["receiving"] == true && sensor_of(s, "left")["trouble"].is_null();
+  });
+}
+
 TEST(Devices, ADeviceThatVanishesIsReopened) {
   const TempFolder folder;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "vanish"}, {"after", 50}})})),
@@ -73,7 +91,7 @@ TEST(Devices, ADeviceThatVanishesIsReopened) {
   EXPECT_EQ(sensor_of(status, "left")["gaps"], 0) << "a device that comes back begins anew";
 }
 
-TEST(Devices, TheAccountingClosesAtAnyMomentAndTellsEveryGap) {
+TEST(Devices, EveryFrameAndGapIsAccountedForAtAnyMoment) {
   const TempFolder folder;
   constexpr int kFrames = 20000;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "end"},
@@ -99,7 +117,7 @@ TEST(Devices, ADriverThatWaitsForItsConsumerLosesNothing) {
       config_with(folder,
                   sensors({trial("left", {{"behaviour", "end"}, {"after", kFrames}, {"paced", true}})})),
       trial_drivers());
-  // Stale alone it may be before, while this machine does something else.
+  // Waits for the end of the device, since the sensor may also become stale earlier, on a busy machine.
   const json last = daemon.wait_for("status", [](const json& s) {
     return sensor_of(s, "left")["connected"] == false && sensor_of(s, "left")["state"] == "stale" &&
            sensor_of(s, "left")["received"] > 0;
@@ -120,7 +138,7 @@ TEST(Devices, TwoSensorsWithOneDeviceShareOneDriver) {
   });
 }
 
-TEST(Devices, AFrameForASensorThatTheDeviceHasNotCountsAsCorrupt) {
+TEST(Devices, AFrameOfAnUnknownSensorCountsAsCorrupt) {
   const TempFolder folder;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "wrong_sensor"}, {"after", 5}})})),
                 trial_drivers());

@@ -1,4 +1,4 @@
-// The flight recorder in the real daemon: on an alert, on request, where the disk does not take it.
+// The flight recorder in the real daemon: on an alert, on request, and on a disk that takes nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,9 +35,11 @@ TEST(Flight, KeepsTheSecondsAroundARequest) {
   daemon.wait_for("status",
                   [](const json& s) { return s["sensors"][0]["received"] >= 2 * kSeconds * kRateHz; });
   EXPECT_EQ(daemon.client().result("flight")["sensors"], json({"left"}));
-  daemon.wait_for("status", [](const json& s) { return s["recorder"]["kept"] == 1; });
+  const json status = daemon.wait_for("status", [](const json& s) { return s["recorder"]["kept"] == 1; });
   const auto files = recordings(state);
   ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(status["recorder"]["last"][0]["file"], files.front().string());
+  EXPECT_EQ(status["recorder"]["last"][0]["recording"], 1);
   RecordingReader reader(files.front());
   EXPECT_EQ(reader.header().sensor, "left");
   const std::size_t taxels = reader.header().layout.size();
@@ -47,24 +49,24 @@ TEST(Flight, KeepsTheSecondsAroundARequest) {
   slot.shear_x_pa = std::span(memory).subspan(taxels, taxels);
   slot.shear_y_pa = std::span(memory).subspan(2 * taxels, taxels);
   std::size_t frames = 0;
-  std::size_t told = 0, others = 0;  // frames in state ok, and in another
+  std::size_t ok_frames = 0, other_frames = 0;  // frames in state ok, and in any other state
   std::optional<std::uint64_t> last;
   std::optional<RecordedEstimate> estimate;
   while (reader.next(slot, &estimate) == RecordingReader::Status::frame) {
     EXPECT_TRUE(!last || slot.sequence > *last);
     last = slot.sequence;
     ++frames;
-    if (estimate && estimate->state != 0) ++others;
+    if (estimate && estimate->state != 0) ++other_frames;
     if (!estimate || estimate->state != 0) continue;
     EXPECT_NEAR(estimate->gamma, 0.5, 0.1);
-    ++told;
+    ++ok_frames;
   }
   EXPECT_TRUE(reader.fault().empty()) << reader.fault();
   EXPECT_LE(static_cast<double>(frames), 2 * kSeconds * kRateHz + 16);
-  // What was estimated is there with its estimate, and what is there without was skipped.
+  // Each estimated frame has its estimate in the recording; each frame without an estimate was skipped.
   const json sensor = daemon.client().result("status")["sensors"][0];
-  EXPECT_GT(told, 0U);
-  EXPECT_LE(frames, told + sensor["skipped"].get<std::uint64_t>() + others);
+  EXPECT_GT(ok_frames, 0U);
+  EXPECT_LE(frames, ok_frames + sensor["skipped"].get<std::uint64_t>() + other_frames);
 }
 
 TEST(Flight, KeepsWhatLedToASlip) {
@@ -76,14 +78,22 @@ TEST(Flight, KeepsWhatLedToASlip) {
   EXPECT_THAT(recordings(state).front().filename().string(), ::testing::EndsWith("-slip.rec"));
 }
 
-TEST(Flight, ADiskThatTakesNothingCostsTheRecordingAndNothingElse) {
+TEST(Flight, ADiskThatTakesNothingLosesOnlyTheRecording) {
   const TempFolder folder;
   Daemon daemon(watched(folder, json::object(), {{"seconds", 0.05}}), trial_drivers(),
                 {{"STATE_DIRECTORY", "/dev/full"}});
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
   daemon.client().result("flight");
-  daemon.wait_for("status", [](const json& s) { return s["recorder"]["failed"] == 1; });
+  const json status = daemon.wait_for("status", [](const json& s) { return s["recorder"]["failed"] == 1; });
+  EXPECT_THAT(status["recorder"]["last"][0]["trouble"].get<std::string>(),
+              ::testing::HasSubstr("could not be kept"));
   EXPECT_THAT(daemon.program().errors(), ::testing::HasSubstr("could not be kept"));
+  EXPECT_THAT(daemon.client().result("metrics").get<std::string>(),
+              ::testing::HasSubstr("slipd_flight_recordings_failed_total 1\n"));
+  const Ran ran =
+      run({(program_folder() / "slipctl").string(), "--socket", daemon.socket().string(), "flight"});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_THAT(ran.errors, ::testing::HasSubstr("could not be kept"));
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
 }
 

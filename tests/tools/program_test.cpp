@@ -26,8 +26,8 @@ std::string contents(const std::filesystem::path& path) {
   return text.str();
 }
 
-// A daemon with one sensor that, once subscribed to, tells of a grip that slips.
-class Gripping : public ::testing::Test {
+// A daemon with one sensor, which sends estimates of a grasp that slips to its subscribers.
+class SlipctlWithADaemon : public ::testing::Test {
  protected:
   std::optional<std::string> answer(const Asked& asked) {
     const json request = json::parse(asked.line);
@@ -65,7 +65,7 @@ class Gripping : public ::testing::Test {
   std::atomic<std::uint64_t> received_{0};
   FakeDaemon daemon_{[this](const Asked& asked) { return answer(asked); }};
   const std::filesystem::path folder_ = temporary_folder();
-  ~Gripping() override { std::filesystem::remove_all(folder_); }
+  ~SlipctlWithADaemon() override { std::filesystem::remove_all(folder_); }
 };
 
 TEST(Program, EndsWithTwoOnWrongUse) {
@@ -94,6 +94,66 @@ TEST(Program, EndsWithOneWithoutADaemonAndSaysWhatToDo) {
   }
 }
 
+TEST(Program, NamesTheCommandThatThereIsNotAndThoseThatThereAre) {
+  const Ran ran = slipctl_with({"wacth"});
+  EXPECT_EQ(ran.exit_code, 2);
+  EXPECT_THAT(ran.err, AllOf(StartsWith("slipctl: no such command: wacth; did you mean \"watch\"?"),
+                             HasSubstr("commands are status, "), HasSubstr("rebias")));
+  EXPECT_THAT(slipctl_with({"--json", "nonsense"}).err,
+              StartsWith("slipctl: no such command: nonsense; commands are"));
+  const Ran bare = slipctl_with({});
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_THAT(bare.err, HasSubstr("commands are"));
+}
+
+TEST(Program, RebiasAdvisesItsOwnOption) {
+  const FakeDaemon touched([](const Asked& asked) {
+    return error_line(asked.line, -32003, "left looks touched; let go of it, or ask with \"force\": true");
+  });
+  const Ran ran = slipctl_with({"--socket", touched.path(), "rebias", "left"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, HasSubstr("or say slipctl rebias --force left"));
+}
+
+TEST(Program, FlightWaitsForTheRecordingAndFailsWithIt) {
+  for (const bool full : {false, true}) {
+    int looks = 0;
+    const FakeDaemon recording(by_method({
+        {"flight",
+         [](const json&) {
+           return json{{"sensors", {"left"}}, {"recordings", {3}}, {"folder", "/r"}, {"written_in_s", 0.0}};
+         }},
+        {"status",
+         [&](const json&) {
+           const bool now = ++looks > 2;
+           const json one{{"sensor", "left"},
+                          {"recording", now ? 3 : 2},
+                          {"file", now && full ? json() : json("/r/left.rec")},
+                          {"trouble", now && full ? json("No space left on device") : json()}};
+           return json{{"recorder", {{"last", {one}}}}};
+         }},
+    }));
+    const Ran ran = slipctl_with({"--socket", recording.path(), "flight"});
+    EXPECT_EQ(ran.exit_code, full ? 1 : 0);
+    EXPECT_THAT(full ? ran.err : ran.out, full ? "left: No space left on device\n" : "left: /r/left.rec\n");
+    EXPECT_EQ(looks, 3);
+  }
+}
+
+TEST_F(SlipctlWithADaemon, WatchComesBackWithTheDaemon) {
+  std::atomic<int> looks{0}, subscriptions{0};
+  const FakeDaemon restarting([&](const Asked& asked) -> std::optional<std::string> {
+    const auto method = json::parse(asked.line)["method"];
+    if (method == "subscribe") ++subscriptions;
+    if (method == "status" && ++looks == 2) return std::nullopt;  // in the midst of watching
+    return answer(asked);
+  });
+  const Ran ran = slipctl_with({"--socket", restarting.path(), "watch", "--seconds", "3"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("; trying again\n"), HasSubstr("slipd is back\n")));
+  EXPECT_EQ(subscriptions, 2);
+}
+
 TEST(Program, TellsItsVersionAndHelpOnStdout) {
   EXPECT_THAT(slipctl_with({"--version"}).out, StartsWith("slipctl "));
   const Ran help = slipctl_with({"--help"});
@@ -102,30 +162,30 @@ TEST(Program, TellsItsVersionAndHelpOnStdout) {
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 
-TEST_F(Gripping, PrintsMarginsAsATable) {
+TEST_F(SlipctlWithADaemon, PrintsMarginsAsATable) {
   const Ran ran = ask({"gamma"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_THAT(ran.out, AllOf(HasSubstr("sensor  state  gamma"), HasSubstr("left    ok      0.62")));
 }
 
-TEST_F(Gripping, PrintsTheDaemonsOwnJsonWhenAsked) {
+TEST_F(SlipctlWithADaemon, PrintsTheDaemonsOwnJsonWhenAsked) {
   EXPECT_EQ(json::parse(ask({"--json", "sensors"}).out), sensors_sample({"left"}));
   EXPECT_EQ(json::parse(ask({"frame", "left", "--json"}).out), frame_sample(4, 4));
 }
 
-TEST_F(Gripping, PrintsAFrameAsCsv) {
+TEST_F(SlipctlWithADaemon, PrintsAFrameAsCsv) {
   const Ran ran = ask({"frame", "left"});
   EXPECT_THAT(ran.out, StartsWith("x_mm,y_mm,normal_pa,shear_x_pa,shear_y_pa\n"));
   EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 17);
 }
 
-TEST_F(Gripping, TellsTheDaemonsRefusal) {
+TEST_F(SlipctlWithADaemon, PrintsTheDaemonsRefusal) {
   const Ran ran = ask({"rebias", "lfet"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_EQ(ran.err, "slipctl: no sensor is called so\n");
 }
 
-TEST_F(Gripping, RecordsIntoANewFileOnly) {
+TEST_F(SlipctlWithADaemon, RecordsIntoANewFileOnly) {
   const std::string file = folder_ / "left.cbor";
   const std::vector<std::string> arguments{"record", "--sensor", "left", "--seconds", "0.1", "--out", file};
   EXPECT_EQ(ask(arguments).exit_code, 0);
@@ -141,7 +201,7 @@ TEST_F(Gripping, RecordsIntoANewFileOnly) {
   EXPECT_EQ(contents(file), "frames");
 }
 
-TEST_F(Gripping, LeavesNoFileBehindWhenRecordingIsRefused) {
+TEST_F(SlipctlWithADaemon, LeavesNoFileBehindWhenRecordingIsRefused) {
   const std::string file = folder_ / "left.cbor";
   FakeDaemon refusing([](const Asked& asked) { return error_line(asked.line, -32003, "not possible"); });
   const Ran ran =
@@ -150,7 +210,7 @@ TEST_F(Gripping, LeavesNoFileBehindWhenRecordingIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST_F(Gripping, WatchesInPlainLinesWithoutATerminal) {
+TEST_F(SlipctlWithADaemon, WatchesInPlainLinesWithoutATerminal) {
   const Ran ran = ask({"watch", "--seconds", "0.5", "--rate", "20"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_THAT(ran.out,
@@ -159,14 +219,14 @@ TEST_F(Gripping, WatchesInPlainLinesWithoutATerminal) {
   EXPECT_THAT(ran.err, IsEmpty());
 }
 
-TEST_F(Gripping, SumsUpWhatItSaw) {
+TEST_F(SlipctlWithADaemon, SumsUpWhatItSaw) {
   const Ran ran = ask({"watch", "--seconds", "0.3", "--summary", "--expect-slip"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_THAT(ran.out, AllOf(HasSubstr("1 warnings, 1 slips; lowest margin 0.01"), HasSubstr("ok 100.0 %"),
                              HasSubstr("mean |error| 0.0050")));
 }
 
-TEST_F(Gripping, GivesEstimatesAndTheSummaryAsJsonLines) {
+TEST_F(SlipctlWithADaemon, GivesEstimatesAndTheSummaryAsJsonLines) {
   std::istringstream lines(ask({"--json", "watch", "--seconds", "0.3", "--summary"}).out);
   std::vector<json> all;
   for (std::string line; std::getline(lines, line);) all.push_back(json::parse(line));
@@ -175,13 +235,13 @@ TEST_F(Gripping, GivesEstimatesAndTheSummaryAsJsonLines) {
   EXPECT_EQ(all.back()["summary"]["sensors"][0]["slips"], 1);
 }
 
-TEST_F(Gripping, NamesTheSensorsThereAreWhenOneIsNot) {
+TEST_F(SlipctlWithADaemon, NamesTheSensorsThereAreWhenOneIsNot) {
   const Ran ran = ask({"watch", "rihgt"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_THAT(ran.err, AllOf(HasSubstr("rihgt"), HasSubstr("left")));
 }
 
-TEST_F(Gripping, DrawsTheLastScreenAsAPicture) {
+TEST_F(SlipctlWithADaemon, DrawsTheLastScreenAsAPicture) {
   const std::string file = folder_ / "watch.svg";
   EXPECT_EQ(ask({"watch", "--seconds", "0.3", "--picture", file}).exit_code, 0);
   EXPECT_THAT(contents(file), AllOf(StartsWith("<svg "), HasSubstr("</svg>")));

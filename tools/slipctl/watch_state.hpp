@@ -15,6 +15,7 @@ struct MarginPoint {
   std::optional<double> gamma;  // margin; absent: unknown
 };
 
+// Length of the margin's history on the screen, s.
 inline constexpr double kHistorySeconds = 10;
 
 struct SensorWatch {
@@ -28,6 +29,7 @@ struct SensorWatch {
 
 struct WatchState {
   std::string socket;                // path of the daemon's socket
+  bool connected = true;             // false: slipd is gone; the watch waits for it
   double elapsed_s = 0;              // since the watch began
   std::vector<SensorWatch> sensors;  // those that are watched
   std::vector<EstimateView> grasps;  // `sensor` is the grasp's name

@@ -117,7 +117,7 @@ TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
   EXPECT_NEAR(right.out.slot.shear_x_pa[0] * area_m2, -1.0, 1e-6);
 }
 
-// Simulated devices know nothing of profiles. The tolerance is half a count.
+// Simulated devices do not use profiles. The tolerance is half a count.
 struct Pair {
   const devices::DeviceModel& (*model)();
   const char* profile;
@@ -206,6 +206,25 @@ TEST(Decoder, drops_the_scan_whole_if_a_packet_is_too_short_or_too_long) {
   }
 }
 
+TEST(Decoder, tells_how_packets_that_no_rule_describes_differ) {
+  DecoderRig hid("vendor-hid-8x8");
+  EXPECT_EQ(hid.decoder.why_no_frames("reports"), "") << "nothing has come";
+  const std::vector<std::uint8_t> bytes(64);
+  EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped);
+  EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped)
+      << "each counts";
+  EXPECT_EQ(hid.decoder.why_no_frames("reports"),
+            "reports of 20 bytes arrive, the profile expects 64: choose or correct the profile");
+  EXPECT_EQ(hid.decoder.take(9, bytes, 0, hid.out.slot), Outcome::foreign);
+  DecoderRig can("icub-mtb");
+  EXPECT_EQ(can.decoder.take(1, std::span(bytes).first(8), 0, can.out.slot), Outcome::foreign);
+  EXPECT_THAT(can.decoder.why_no_frames("messages"),
+              testing::AllOf(testing::HasSubstr("messages of 8 bytes with id 1 arrive, the profile expects "),
+                             testing::HasSubstr(" with id ")));
+  can.decoder.reset();
+  EXPECT_EQ(can.decoder.why_no_frames("messages"), "");
+}
+
 TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
   DecoderRig rig("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
@@ -226,7 +245,7 @@ TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
   EXPECT_EQ(rig.out.slot.sequence, 1);
 }
 
-TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or_had_begun_one) {
+TEST(Decoder, counts_a_lost_packet_as_a_lost_scan_if_it_was_or_began_one) {
   DecoderRig single("robotiq-ft300");
   const auto packet = scan_of(devices::robotiq_ft300());
   EXPECT_EQ(single.frames(packet), 1);
@@ -237,7 +256,7 @@ TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or
   DecoderRig many("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
   EXPECT_EQ(many.frames(whole), 1);
-  many.decoder.mark_packet_lost();  // nobody knows whether all of a scan went with it
+  many.decoder.mark_packet_lost();  // it is unknown whether the packet contained all of a scan
   EXPECT_EQ(many.frames(whole), 1);
   EXPECT_EQ(many.out.slot.sequence, 1);
   many.take(whole[0], 0);
@@ -300,7 +319,7 @@ TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
   EXPECT_EQ(first.decoder.counts().packets, 16);
 }
 
-TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
+TEST(Decoder, survives_any_bytes_and_gives_finite_numbers_only) {
   std::mt19937 random(7);
   for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300", "vendor-hid-8x8"}) {
     DecoderRig rig(name);
