@@ -68,7 +68,7 @@ struct FrictionFilterOptions {
   // Points of the grid on either side of the likeliest friction for which it is computed by their own
   // contacts; 0 … foundations. Too few: a friction that is not known yet is learnt with the likeliest one's
   // history. More cost time.
-  std::size_t offset_reach = 6;
+  std::size_t offset_reach = 2;
 
   // What the shear moments of a real skin deviate from the model, of the shear; 0.005 … 0.1. Too small: the
   // model's error refutes the right friction. Too large: frictions are not told apart.
