@@ -1,5 +1,6 @@
 #include "core/storage/buffered_file.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -43,10 +44,26 @@ void BufferedFile::reserve(std::size_t capacity) {
   if (capacity > memory_.size()) memory_.resize(capacity);
 }
 
-void BufferedFile::rewind() noexcept {
+void BufferedFile::seek(std::uint64_t offset) noexcept {
   begin_ = end_ = 0;
-  offset_ = 0;
+  offset_ = offset;
   error_ = 0;
+}
+
+std::uint64_t BufferedFile::size() const noexcept {
+  struct stat status {};
+  return ::fstat(fd_.get(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
+bool BufferedFile::read_at(std::uint64_t offset, std::span<std::uint8_t> out) const noexcept {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const auto got =
+        ::pread(fd_.get(), out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (got == 0 || (got < 0 && errno != EINTR)) return false;
+    if (got > 0) done += static_cast<std::size_t>(got);
+  }
+  return true;
 }
 
 }  // namespace slipd

@@ -36,8 +36,16 @@ class BufferedFile {
   // Enlarges the buffer; never shrinks it. Allocates, so only while setting up. Invalidates what peek
   // returned.
   void reserve(std::size_t capacity);
+  // Continues at another position in the file and clears the error.
+  void seek(std::uint64_t offset) noexcept;
   // Starts again at the beginning of the file and clears the error.
-  void rewind() noexcept;
+  void rewind() noexcept { seek(0); }
+
+  // Size of the file now, bytes; 0 if it cannot be told.
+  std::uint64_t size() const noexcept;
+  // Fills `out` from a position, beside the buffer. False: the file has not so many bytes there, or cannot be
+  // read.
+  bool read_at(std::uint64_t offset, std::span<std::uint8_t> out) const noexcept;
 
  private:
   std::vector<std::uint8_t> memory_;
