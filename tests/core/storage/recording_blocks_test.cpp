@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -126,7 +127,8 @@ class Blocks : public ::testing::Test {
   }
 
   testing::TempFolder folder_;
-  std::filesystem::path path_ = folder_.file("r.rec");
+  UniqueFd file_{memfd_create("slipd-blocks", MFD_CLOEXEC)};  // thousands of files, which no disk has to take
+  std::filesystem::path path_ = "/proc/self/fd/" + std::to_string(file_.get());
 };
 
 TEST_F(Blocks, OneDamagedIsLeftOutToldAndCountedAndTheRestComes) {
@@ -250,7 +252,7 @@ TEST_F(Blocks, AsManyAsADayHasKeepAnIndexOfLimitedSize) {
   record(kBlocks);
   RecordingReader reader(path_);
   EXPECT_EQ(reader.frames(), kBlocks * kFramesOfBlock);
-  ASSERT_TRUE(reader.seek(1'000'000 * 24'321));
+  ASSERT_TRUE(reader.seek(1'000'000 * std::int64_t{24'321}));
   EXPECT_EQ(read(reader).frames.front(), 24'321U);
 }
 
