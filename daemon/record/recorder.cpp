@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
 // Of frames that wait for the disk, in all recordings. Less: a short pause of the disk costs frames. More:
 // clients can make slipd larger.
-constexpr std::size_t kQueueBytes = std::size_t{32} * 1024 * 1024;
+constexpr std::size_t kQueueBytes = std::size_t{24} * 1024 * 1024;
 constexpr std::size_t kLeastQueueFrames = 16;
 constexpr std::size_t kMostQueueFrames = 4096;
 constexpr std::size_t kMostLeftBehind = 4;  // threads; no recording is started beyond

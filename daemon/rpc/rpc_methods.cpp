@@ -21,7 +21,7 @@ using rpc::Reply;
 // Of the text of a frame, as measured on frames of which half the taxels are loaded.
 constexpr std::size_t kFrameBytesPerTaxel = 40;
 // Of answers that all clients together have requested and not read, beyond which there are no more frames.
-constexpr std::size_t kMostOwedToAll = std::size_t{32} * 1024 * 1024;
+constexpr std::size_t kMostOwedToAll = std::size_t{24} * 1024 * 1024;
 constexpr double kRecordingsPerSecond = 2;  // started for one sensor, in the long run
 constexpr double kRecordingsAtOnce = 20;    // after a pause
 
