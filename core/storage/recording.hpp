@@ -259,7 +259,7 @@ class RecordingReader {
   std::size_t body_left_ = 0;         // bytes of the present block's frames
   bool searching_ = false;
   std::size_t search_from_ = 0;  // in the buffer
-  std::uint64_t to_tell_ = 0;    // damaged blocks that were not returned yet
+  std::uint64_t skips_due_ = 0;    // damaged blocks that were not returned yet
 
   // What was wrong.
   std::uint64_t damaged_blocks_ = 0, damaged_frames_ = 0;

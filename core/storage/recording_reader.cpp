@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kFirstLook = std::size_t{1} << 14;
 constexpr std::size_t kMostIndexBytes = std::size_t{2} << 20;
-constexpr std::uint64_t kMostToTell = 1'000'000;  // damaged blocks that are returned one by one
+constexpr std::uint64_t kMostSkips = 1'000'000;  // damaged blocks that are returned one by one
 
 }  // namespace
 
@@ -150,8 +150,8 @@ RecordingReader::Status RecordingReader::next_of_sequence(FrameSlot& out,
 RecordingReader::Status RecordingReader::next_of_blocks(FrameSlot& out,
                                                         std::optional<RecordedEstimate>* estimate) noexcept {
   for (;;) {
-    if (to_tell_ > 0) {
-      --to_tell_;
+    if (skips_due_ > 0) {
+      --skips_due_;
       return Status::skipped;
     }
     if (frames_left_ > 0) return take_frame_of_block(out, estimate);
@@ -237,7 +237,7 @@ bool RecordingReader::take_whole_item(std::span<const std::uint8_t> bytes) noexc
 void RecordingReader::count_damaged(std::uint64_t blocks, std::uint64_t frames) noexcept {
   damaged_blocks_ += blocks;
   damaged_frames_ += frames;
-  to_tell_ += std::min(blocks, kMostToTell);
+  skips_due_ += std::min(blocks, kMostSkips);
 }
 
 // Looks on for an item behind a damage, in one buffer at most.
@@ -271,7 +271,7 @@ void RecordingReader::end_of_file() noexcept {
 void RecordingReader::start_at(std::uint64_t offset) noexcept {
   file_.seek(offset);
   status_ = Status::frame;
-  next_number_ = frames_before_ = frames_left_ = to_tell_ = 0;
+  next_number_ = frames_before_ = frames_left_ = skips_due_ = 0;
   body_left_ = search_from_ = 0;
   any_number_ = searching_ = false;
   from_ns_ = INT64_MIN;

@@ -21,14 +21,17 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-// Of frames that wait for the disk, in all recordings. Less: a short pause of the disk costs frames. More:
-// clients can make slipd larger.
+// Memory for frames that wait for the disk, bytes, for all recordings together. Smaller: a slow disk loses
+// frames earlier. Larger: clients can make slipd larger.
 constexpr std::size_t kQueueBytes = std::size_t{24} * 1024 * 1024;
-constexpr std::size_t kLeastQueueFrames = 16;
-constexpr std::size_t kMostQueueFrames = 4096;
-constexpr std::size_t kMostLeftBehind = 4;  // threads; no recording is started beyond
-constexpr auto kPollInterval = 5ms;         // between two looks at the queue
-constexpr auto kEndPatience = 300ms;        // of end_all, for all recordings together
+// Frames of a queue. Fewer than the least are of no use; more than the most are not needed.
+constexpr std::size_t kLeastQueueFrames = 16, kMostQueueFrames = 4096;
+// Threads left behind beyond which no recording is started.
+constexpr std::size_t kMostLeftBehind = 4;
+// Time between two looks at an empty queue.
+constexpr auto kPollInterval = 5ms;
+// Longest time of end_all, for all recordings together.
+constexpr auto kEndPatience = 300ms;
 
 std::size_t bytes_of_frame(std::size_t taxels) {
   return 3 * sizeof(float) * taxels;

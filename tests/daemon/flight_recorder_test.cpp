@@ -1,4 +1,5 @@
-// What the flight recorder keeps: the seconds around an alert, so many files, nothing half.
+// The files of the flight recorder: the seconds around an alert, a limited number of files, none of them
+// partial.
 #include "daemon/record/flight_recorder.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +42,7 @@ TEST(FrameHistory, HoldsTheNewestInTheirOrder) {
   }
 }
 
-TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
+TEST(FrameHistory, HasTheEstimateOfEachFrame) {
   FrameHistory history(4, 5);
   const auto estimate_at = [](std::int64_t time) {
     return RecordedEstimate{.gamma = static_cast<double>(time) * 0.01};
@@ -54,8 +55,8 @@ TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
   }
   history.attach_estimate(
       80, {.state = 6});  // what is said when nothing more comes: the frame has its own already
-  history.attach_estimate(10, estimate_at(1));  // of a frame that is gone
-  history.attach_estimate(75, estimate_at(7));  // of none
+  history.attach_estimate(10, estimate_at(1));  // of a frame that was overwritten
+  history.attach_estimate(75, estimate_at(7));  // of no frame
   history.attach_estimate(50, estimate_at(5));  // late
   ASSERT_EQ(history.size(), 5U);                // frames 4 to 8
   for (std::size_t i = 0; i < 5; ++i) {
@@ -131,7 +132,7 @@ TEST(RequestRate, GrantsABurstAndThenSoManyASecond) {
   EXPECT_NEAR(granted, 20, 1);
 }
 
-TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
+TEST(RecordingsFolder, PartialFilesOfACrashAreRemoved) {
   const TempFolder temp;
   temp.write("crashed.rec.part", "half");
   fs::last_write_time(temp.path() / "crashed.rec.part",
@@ -141,7 +142,7 @@ TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f-slip.rec", "under-way.rec.part"}));
 }
 
-TEST(RecordingsFolder, WritesThroughNoLinkThatSomebodyLaidInItsWay) {
+TEST(RecordingsFolder, DoesNotWriteThroughALinkInItsPlace) {
   const TempFolder temp;
   const fs::path precious = temp.write("precious", "mine");
   const TempFolder kept;

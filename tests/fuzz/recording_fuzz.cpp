@@ -21,7 +21,7 @@ std::uint64_t play(RecordingReader& reader, FrameSlot& slot) {
   for (; status != Status::end && status != Status::damaged; status = reader.next(slot, &estimate)) {
     if (status == Status::frame) ++frames;
   }
-  demand(reader.next(slot) == status);  // and stays so
+  demand(reader.next(slot) == status);  // and does not change
   demand(reader.fault().empty() != reader.has_fault());
   demand(status != Status::damaged || reader.has_fault());
   return frames;

@@ -1,4 +1,4 @@
-// Recordings of version 2: what is damaged is left out, told and counted, and no frame comes back other than it
+// Recordings of version 2: what is damaged is left out, reported and counted, and no frame comes back other than it
 // was recorded.
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -131,7 +131,7 @@ class Blocks : public ::testing::Test {
   std::filesystem::path path_ = "/proc/self/fd/" + std::to_string(file_.get());
 };
 
-TEST_F(Blocks, OneDamagedIsLeftOutToldAndCountedAndTheRestComes) {
+TEST_F(Blocks, OneDamagedIsLeftOutReportedAndCountedAndTheRestComes) {
   const auto begins = record(4);
   const auto whole = bytes();
   for (std::uint64_t block = 0; block < 4; ++block) {
@@ -147,7 +147,7 @@ TEST_F(Blocks, OneDamagedIsLeftOutToldAndCountedAndTheRestComes) {
   }
 }
 
-TEST_F(Blocks, AnyByteThatChangesCostsAtMostItsBlockAndIsTold) {
+TEST_F(Blocks, AnyByteThatChangesCostsAtMostItsBlockAndIsReported) {
   constexpr std::uint64_t kBlocks = 3;
   const auto begins = record(kBlocks);
   const auto whole = bytes();
@@ -177,7 +177,7 @@ TEST_F(Blocks, AnyByteThatChangesCostsAtMostItsBlockAndIsTold) {
   EXPECT_THAT(refused, IsEmpty()) << "a damaged header is replaced by its copy in the index";
 }
 
-TEST_F(Blocks, SomeLostOrDoubledOrOfAnotherRecordingAreToldAndNeverPlayed) {
+TEST_F(Blocks, SomeLostOrDoubledOrOfAnotherRecordingAreReportedAndNeverPlayed) {
   const auto begins = record(4);
   const auto whole = bytes();
   const auto block = [&](std::size_t i) { return whole.substr(begins[i], begins[i + 1] - begins[i]); };
