@@ -210,7 +210,8 @@ bool has_problem_at(const std::vector<Problem>& problems, const std::string& poi
 }
 
 bool has_problem_exactly_at(const std::vector<Problem>& problems, const std::string& pointer) {
-  return std::any_of(problems.begin(), problems.end(), [&](const Problem& p) { return p.pointer == pointer; });
+  return std::any_of(problems.begin(), problems.end(),
+                     [&](const Problem& p) { return p.pointer == pointer; });
 }
 
 void check_names_differ(const json& list, const std::string& at, std::vector<Problem>& problems) {

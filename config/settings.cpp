@@ -30,7 +30,8 @@ const std::string* string_at(const json& object, const char* key) {
 // Looks up each sensor's driver and checks the sensor's options by the driver's schema.
 void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& problems) {
   if (!root.contains("sensors") || !root["sensors"].is_array()) return;
-  if (has_problem_exactly_at(problems, "/sensors")) return;  // too many of them, say: looking at all takes long
+  if (has_problem_exactly_at(problems, "/sensors"))
+    return;  // too many of them, say: looking at all takes long
   for (std::size_t i = 0; i < root["sensors"].size(); ++i) {
     json& sensor = root["sensors"][i];
     const std::string at = pointer_to("/sensors", i);

@@ -5,7 +5,8 @@
 // What guarantees the limit:
 //   regular file   its file system takes what it is given; nothing limits a disk that hangs
 //   socket         each send has MSG_DONTWAIT
-//   pipe, others   poll, then at most PIPE_BUF bytes, which a writable pipe takes at once. A second writer that
+//   pipe, others   poll, then at most PIPE_BUF bytes, which a writable pipe takes at once. A second writer
+//   that
 //                  fills the pipe between the two calls makes the write wait; the caller must be prepared for
 //                  that (Recorder leaves such a thread behind).
 #pragma once

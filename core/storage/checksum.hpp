@@ -1,5 +1,5 @@
-// XXH3-64 (docs/theory.md §14): finds damage in what is written and read at the rate of frames, at the speed of
-// memory. Not against malice. crc64.hpp is for small files.
+// XXH3-64 (docs/theory.md §14): finds damage in what is written and read at the rate of frames, at the speed
+// of memory. Not against malice. crc64.hpp is for small files.
 #pragma once
 
 #include <cstdint>

@@ -197,8 +197,8 @@ class RecordingReader {
   const RecordingHeader& header() const noexcept { return header_; }
 
   // Reads the next frame. The spans of `out` must have the layout's size, else the result is damaged. end and
-  // damaged stay until rewind or seek. `estimate` may be null; else it gets the frame's estimate, or nothing if
-  // none was recorded. What is not a frame leaves `out` undefined.
+  // damaged stay until rewind or seek. `estimate` may be null; else it gets the frame's estimate, or nothing
+  // if none was recorded. What is not a frame leaves `out` undefined.
   Status next(FrameSlot& out, std::optional<RecordedEstimate>* estimate = nullptr) noexcept;
   // As next, for readers that may wait: passes over skipped and searching.
   Status next_frame(FrameSlot& out, std::optional<RecordedEstimate>* estimate = nullptr) noexcept;
@@ -250,16 +250,16 @@ class RecordingReader {
   std::size_t item_bytes_ = 0;  // of the largest block or index
 
   // Where reading is.
-  Status status_ = Status::frame;  // end and damaged stay
-  std::uint64_t next_number_ = 0;  // of the next block
-  bool any_number_ = false;        // after seek: the next block may have any number
+  Status status_ = Status::frame;     // end and damaged stay
+  std::uint64_t next_number_ = 0;     // of the next block
+  bool any_number_ = false;           // after seek: the next block may have any number
   std::int64_t from_ns_ = INT64_MIN;  // frames before are passed over
   std::uint64_t frames_before_ = 0;   // in the blocks up to the present one
   std::uint64_t frames_left_ = 0;     // in the present block
   std::size_t body_left_ = 0;         // bytes of the present block's frames
   bool searching_ = false;
   std::size_t search_from_ = 0;  // in the buffer
-  std::uint64_t skips_due_ = 0;    // damaged blocks that were not returned yet
+  std::uint64_t skips_due_ = 0;  // damaged blocks that were not returned yet
 
   // What was wrong.
   std::uint64_t damaged_blocks_ = 0, damaged_frames_ = 0;

@@ -13,8 +13,8 @@ namespace {
 
 using Mark = std::array<std::uint8_t, kItemMarkBytes>;
 
-constexpr std::size_t kInteger = 9;      // bytes of an integer of fixed width
-constexpr std::size_t kStringHead = 5;   // bytes before a byte string of fixed width
+constexpr std::size_t kInteger = 9;     // bytes of an integer of fixed width
+constexpr std::size_t kStringHead = 5;  // bytes before a byte string of fixed width
 constexpr std::uint64_t kBlockEntries = 8;
 constexpr std::uint64_t kIndexEntries = 7;
 constexpr std::size_t kEntryBytes = 16;  // of an IndexEntry: two integers of 64 bits, little-endian
@@ -156,8 +156,7 @@ std::vector<std::uint8_t> index_bytes(const RecordingIndex& index, std::uint64_t
   out.text("header");
   out.fixed_bytes_head(index.header.size());
   out.bytes(index.header);
-  const std::uint64_t sum =
-      xxh3(std::span(bytes).first(static_cast<std::size_t>(out.at() - bytes.data())));
+  const std::uint64_t sum = xxh3(std::span(bytes).first(static_cast<std::size_t>(out.at() - bytes.data())));
   out.text("xxh3");
   out.fixed_unsigned(sum);
   out.text("index_at");
@@ -201,7 +200,8 @@ std::optional<std::uint64_t> index_position(std::span<const std::uint8_t> last_b
 
 std::size_t find_item(std::span<const std::uint8_t> bytes, std::size_t from) noexcept {
   for (std::size_t at = from; at + kItemMarkBytes <= bytes.size(); ++at) {
-    const void* const next = std::memchr(bytes.data() + at, 0x65, bytes.size() - at);  // the second of each mark
+    const void* const next =
+        std::memchr(bytes.data() + at, 0x65, bytes.size() - at);  // the second of each mark
     if (next == nullptr) break;
     const auto second = static_cast<std::size_t>(static_cast<const std::uint8_t*>(next) - bytes.data());
     at = std::max(at, second > 0 ? second - 1 : second);

@@ -1,7 +1,6 @@
 // Encodes and decodes what surrounds the frames of a recording of version 2: blocks and the index;
-// recording.hpp describes their form. Any bytes may be decoded: what is returned was covered by a checksum that
-// fits. Nothing but index_bytes and read_index allocates; nothing
-// else throws. Called from any thread.
+// recording.hpp describes their form. Any bytes may be decoded: what is returned was covered by a checksum
+// that fits. Nothing but index_bytes and read_index allocates; nothing else throws. Called from any thread.
 #pragma once
 
 #include <cstddef>

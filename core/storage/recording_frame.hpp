@@ -1,5 +1,5 @@
-// Encodes and decodes one frame of a recording; recording.hpp describes its form. Neither allocates nor throws.
-// Not thread-safe for one frame.
+// Encodes and decodes one frame of a recording; recording.hpp describes its form. Neither allocates nor
+// throws. Not thread-safe for one frame.
 #pragma once
 
 #include <cstddef>

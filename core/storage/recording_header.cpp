@@ -140,13 +140,11 @@ DecodedHeader decode_header(std::span<const std::uint8_t> item) {
   const auto rate = [](const json& v) {
     return v.is_number() && std::isfinite(v.get<double>()) && v.get<double>() >= 0;
   };
-  return {.header = {text(map, "sensor"),
-                     class_of(text(map, "class")),
+  return {.header = {text(map, "sensor"), class_of(text(map, "class")),
                      layout_of(entry(map, "layout", "a map", [](const json& v) { return v.is_object(); })),
                      entry(map, "rate_hz", "a rate in Hz, 0 if unknown", rate).get<double>(),
                      entry(map, "simulated", "true or false", boolean).get<bool>(),
-                     nanoseconds(map, "start_realtime_ns"),
-                     nanoseconds(map, "start_monotonic_ns"),
+                     nanoseconds(map, "start_realtime_ns"), nanoseconds(map, "start_monotonic_ns"),
                      text(map, "description"),
                      !map.contains("zeroed") || entry(map, "zeroed", "true or false", boolean).get<bool>()},
           .version = version.get<int>()};

@@ -21,7 +21,8 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
   const std::size_t frame = largest_frame_bytes(header_.layout.size());
   item_bytes_ = block_head_bytes() + std::max(kBlockBytes, frame) + block_tail_bytes();
   if (version_ == 2) item_bytes_ = std::max(item_bytes_, kFirstLook + kMostIndexBytes / 32);
-  if (index_) item_bytes_ = std::max(item_bytes_, static_cast<std::size_t>(first_frame_) + kMostIndexBytes / 32);
+  if (index_)
+    item_bytes_ = std::max(item_bytes_, static_cast<std::size_t>(first_frame_) + kMostIndexBytes / 32);
   file_.reserve(2 * (version_ == 1 ? frame : item_bytes_));
   rewind();
 }
@@ -130,8 +131,8 @@ RecordingReader::Status RecordingReader::next_frame(FrameSlot& out,
 }
 
 // Version 1: frames without blocks.
-RecordingReader::Status RecordingReader::next_of_sequence(FrameSlot& out,
-                                                          std::optional<RecordedEstimate>* estimate) noexcept {
+RecordingReader::Status RecordingReader::next_of_sequence(
+    FrameSlot& out, std::optional<RecordedEstimate>* estimate) noexcept {
   if (status_ != Status::frame) return status_;
   const auto bytes = file_.peek(largest_frame_bytes(header_.layout.size()));
   if (file_.error() != 0)

@@ -53,7 +53,8 @@ bool is_whole(int fd) {
   };
   ElfW(Ehdr) header{};
   struct stat status {};
-  if (fstat(fd, &status) != 0 || !read_at(0, header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_phentsize != sizeof(ElfW(Phdr))) {
+  if (fstat(fd, &status) != 0 || !read_at(0, header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 ||
+      header.e_phentsize != sizeof(ElfW(Phdr))) {
     return false;
   }
   const auto size = static_cast<std::uint64_t>(status.st_size);

@@ -187,7 +187,8 @@ void FlightRecorder::write(Track& track, bool last) {
                                .description = facts.description,
                                .zeroed = zeroed};
   // A stop does not wait for what a client requested; a slip's recording is evidence.
-  const auto give_up = last && reason == Reason::request ? Clock::now() + kStopPatience : Clock::time_point::max();
+  const auto give_up =
+      last && reason == Reason::request ? Clock::now() + kStopPatience : Clock::time_point::max();
   const std::error_code error = folder_.add(name, kind, [&](int fd) {
     RecordingWriter writer(fd, header);
     std::error_code trouble;
@@ -204,9 +205,9 @@ void FlightRecorder::write(Track& track, bool last) {
     return;
   }
   files_written_.fetch_add(1, std::memory_order_relaxed);
-  write_log(LogLevel::info, {track.status->name},
-            track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " +
-                path.string());
+  write_log(
+      LogLevel::info, {track.status->name},
+      track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " + path.string());
 }
 
 }  // namespace slipd

@@ -39,8 +39,8 @@ class FlightRecorder {
   // Called from one thread: io. Demands a recording around the present moment. Without effect while one of
   // this sensor is pending, unless that was requested and this one is of a slip: then it becomes the slip's.
   void trigger(std::size_t sensor, Reason reason) noexcept;
-  // Called from one thread: io. As trigger, by a client. False: clients have requested too many of this sensor
-  // (ten at once, one a second in the long run).
+  // Called from one thread: io. As trigger, by a client. False: clients have requested too many of this
+  // sensor (ten at once, one a second in the long run).
   bool request(std::size_t sensor) noexcept;
 
   // Called from one thread: io. Adds an estimate to its frame. One that does not fit into the queue is
@@ -70,7 +70,7 @@ class FlightRecorder {
     std::unique_ptr<FrameHistory> history;
     std::optional<TaxelLayout> layout;
     std::atomic<Reason> trigger_reason{Reason::none};  // io → this thread; relaxed: no other memory with it
-    Reason reason = Reason::none;  // of the pending recording, written at `due`; none: none is pending
+    Reason reason = Reason::none;      // of the pending recording, written at `due`; none: none is pending
     std::atomic<bool> pending{false};  // whether `reason` is set; this thread → io; relaxed: as above
     RequestRate requests{kRequestsPerSecond, kRequestsAtOnce};  // used by io only
     Clock::time_point due;

@@ -180,8 +180,8 @@ void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
 // In the io thread, after the thread of a recording has written all it could.
 void Recorder::ended(const Job* job, const RecordingResult& result) {
   std::erase_if(left_behind_, [&](const auto& each) { return each.get() == job; });
-  const auto found =
-      std::find_if(running_.begin(), running_.end(), [&](const Running& each) { return each.job.get() == job; });
+  const auto found = std::find_if(running_.begin(), running_.end(),
+                                  [&](const Running& each) { return each.job.get() == job; });
   if (found == running_.end()) return;
   const auto done = std::move(found->job->done);
   running_.erase(found);

@@ -1,6 +1,7 @@
 // The folder of the flight recorder's files. A file is written under a temporary name and renamed, so that
-// every *.rec is complete. The number of files of each kind is limited; the oldest of the kind are removed, so
-// that recordings that clients request cost none of a slip. Temporary files that a crash left are removed too.
+// every *.rec is complete. The number of files of each kind is limited; the oldest of the kind are removed,
+// so that recordings that clients request cost none of a slip. Temporary files that a crash left are removed
+// too.
 #pragma once
 
 #include <filesystem>

@@ -19,7 +19,8 @@ class RequestRate {
 
   // Whether a request is granted at `now`, and counts. Calls must not go back in time.
   bool grant(Clock::time_point now) noexcept {
-    tokens_ = std::min(burst_, tokens_ + per_second_ * std::chrono::duration<double>(now - refilled_).count());
+    tokens_ =
+        std::min(burst_, tokens_ + per_second_ * std::chrono::duration<double>(now - refilled_).count());
     refilled_ = now;
     if (tokens_ < 1) return false;
     tokens_ -= 1;

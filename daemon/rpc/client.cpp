@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::seconds;
 
-constexpr std::size_t kMaxNotifications = 256;                       // queued for one client
+constexpr std::size_t kMaxNotifications = 256;  // queued for one client
 // Of answers that a client has requested and not read, beyond which it is not read from. One answer more may
 // follow. Less: few requests of large frames in a row. More: many clients that do not read make slipd larger.
 constexpr std::size_t kMostOwedBytes = std::size_t{512} * 1024;
@@ -161,8 +161,9 @@ void Client::yield() {
 void Client::refuse_long_line() {
   input_.clear();
   discarding_ = true;
-  std::string text = rpc::error_text(rpc::kNoId, rpc::kInvalidRequest,
-                                     "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long");
+  std::string text =
+      rpc::error_text(rpc::kNoId, rpc::kInvalidRequest,
+                      "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long");
   owed_->add(text.size() + 1);
   backlog_.push_response(std::move(text));
   subscriptions.clear();

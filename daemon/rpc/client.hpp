@@ -55,8 +55,8 @@ class Client : public std::enable_shared_from_this<Client> {
   // Whether the connection is closed.
   bool closed() const noexcept { return closed_; }
 
-  // Promises an answer of about so many bytes, until the returned part is destroyed. A client that is owed too
-  // much is not read from.
+  // Promises an answer of about so many bytes, until the returned part is destroyed. A client that is owed
+  // too much is not read from.
   OwedPart promise(std::size_t bytes) { return {owed_, bytes}; }
   // Whether it is owed so much that it gets nothing more before it has read.
   bool owed_too_much() const noexcept;
@@ -116,7 +116,7 @@ class Client : public std::enable_shared_from_this<Client> {
   bool parsing_ = false;                // take_lines is running; a response within it must not start it again
   bool yielded_ = false;                // it has more lines, but other clients are served first
   bool input_ended_ = false;
-  bool held_back_ = false;  // it is not read from, because it owes reading
+  bool held_back_ = false;   // it is not read from, because it owes reading
   bool discarding_ = false;  // its line was too long: input is discarded, then it is closed
   bool closed_ = false;
 };

@@ -224,7 +224,8 @@ void RpcMethods::frame(Client& client, const Params& params, const Reply& reply)
   if (!layout) throw rpc::Error(rpc::kNotPossible, "no frame of this sensor has come yet");
   if (context_.owed_bytes() > kMostOwedToAll) {
     ++refused_;
-    throw rpc::Error(rpc::kTooMuch, "slipd keeps too many answers that its clients do not read; ask again later");
+    throw rpc::Error(rpc::kTooMuch,
+                     "slipd keeps too many answers that its clients do not read; ask again later");
   }
   pending_frames_[sensor].push_back({reply, client.promise(kFrameBytesPerTaxel * layout->size())});
   status.frame_copy.request(layout->size());
@@ -246,7 +247,8 @@ json RpcMethods::flight(const Params& params) {
     if (context_.flight->request(i)) names.push_back(board.sensors[i]->name);
   }
   if (names.empty())
-    throw rpc::Error(rpc::kNotPossible, "too many recordings were requested just now; ask again in some seconds");
+    throw rpc::Error(rpc::kNotPossible,
+                     "too many recordings were requested just now; ask again in some seconds");
   return {{"sensors", std::move(names)},
           {"folder", context_.flight->folder().string()},
           {"written_in_s", context_.settings.recorder.seconds}};
@@ -271,9 +273,9 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
   SensorStatus& status = *context_.board.sensors[sensor];
   const auto answer = [reply, name = status.name](const RecordingResult& result) {
     if (!result.trouble.empty()) {
-      return reply.error(rpc::kInternalError,
-                         result.trouble + ", after " + std::to_string(result.frames) + " frames; " +
-                             std::to_string(result.missed) + " more did not fit");
+      return reply.error(rpc::kInternalError, result.trouble + ", after " + std::to_string(result.frames) +
+                                                  " frames; " + std::to_string(result.missed) +
+                                                  " more did not fit");
     }
     reply.result({{"sensor", name},
                   {"frames", result.frames},
@@ -329,8 +331,7 @@ void RpcMethods::complete_rebias(bool late) {
 void RpcMethods::fail_pending() {
   constexpr const char* kWhy = "slipd has stopped or taken up another configuration; ask again";
   for (auto& waiting : pending_frames_) {
-    for (const PendingFrame& wanted : std::exchange(waiting, {}))
-      wanted.reply.error(rpc::kNotPossible, kWhy);
+    for (const PendingFrame& wanted : std::exchange(waiting, {})) wanted.reply.error(rpc::kNotPossible, kWhy);
   }
   for (const PendingRebias& wanted : std::exchange(pending_rebias_, {}))
     wanted.reply.error(rpc::kNotPossible, kWhy);

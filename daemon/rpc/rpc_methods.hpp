@@ -65,7 +65,7 @@ class RpcMethods {
     std::uint32_t request = 0;
     std::chrono::steady_clock::time_point deadline;
   };
-  std::vector<EstimateText> cached_texts_;               // per sensor, of method gamma
+  std::vector<EstimateText> cached_texts_;  // per sensor, of method gamma
   struct PendingFrame {
     rpc::Reply reply;
     OwedPart promised;

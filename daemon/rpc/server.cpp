@@ -168,7 +168,8 @@ void Server::trigger_on_grasp_slip() {
     const GraspStatus& grasp = *context_.board.grasps[i];
     const Alert now = grasp.latest.load().alert;
     if (now == std::exchange(grasp_alerts_[i], now) || now != Alert::slip) continue;
-    for (const std::size_t sensor : grasp.sensors) context_.flight->trigger(sensor, FlightRecorder::Reason::slip);
+    for (const std::size_t sensor : grasp.sensors)
+      context_.flight->trigger(sensor, FlightRecorder::Reason::slip);
   }
 }
 

@@ -15,8 +15,9 @@ namespace slipd {
 // Not thread-safe. Called from one thread: io.
 class SocketFile {
  public:
-  // Takes the lock, removes a socket that nobody listens on, binds and listens with permissions `mode`. Throws
-  // std::runtime_error that names who holds the lock or the socket or what else is wrong, and what to do.
+  // Takes the lock, removes a socket that nobody listens on, binds and listens with permissions `mode`.
+  // Throws std::runtime_error that names who holds the lock or the socket or what else is wrong, and what to
+  // do.
   SocketFile(std::filesystem::path path, unsigned mode);
   // Uses a listening socket that systemd made. Its file is not removed.
   explicit SocketFile(int listener);

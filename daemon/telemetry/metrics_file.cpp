@@ -89,7 +89,8 @@ std::string why_folder_refused(const fs::path& folder) {
       (status.st_mode & S_IWGRP) != 0 && (status.st_mode & S_IWOTH) == 0 && is_in_group(status.st_gid);
   if (geteuid() == 0 || status.st_uid == geteuid() || opened_to_group) return {};
   return "lies in " + real.string() +
-         ", which is not slipd's: choose /run/slipd, or open the folder to slipd with chgrp slipd and chmod g+w";
+         ", which is not slipd's: choose /run/slipd, or open the folder to slipd with chgrp slipd and chmod "
+         "g+w";
 }
 
 }  // namespace

@@ -16,8 +16,8 @@
 
 namespace slipd {
 
-// Why slipd does not write its metrics into `file`, for people, beginning with a verb; empty: it does. Refused
-// are
+// Why slipd does not write its metrics into `file`, for people, beginning with a verb; empty: it does.
+// Refused are
 //   a name that does not end in .prom;
 //   what is there already and was not made by slipd: anything but a regular file with metrics of slipd, which
 //     belongs to the user that slipd runs as;

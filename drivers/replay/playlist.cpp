@@ -57,7 +57,8 @@ bool Playlist::next_file() noexcept {
 }
 
 bool Playlist::any_damage() const noexcept {
-  return std::any_of(sources_.begin(), sources_.end(), [](const auto& source) { return source->has_fault(); });
+  return std::any_of(sources_.begin(), sources_.end(),
+                     [](const auto& source) { return source->has_fault(); });
 }
 
 std::string Playlist::fault() const {

@@ -20,8 +20,8 @@ class Playlist {
   // Acquire thread; allocates nothing. In `out`, sequence and time_ns rise strictly. Gaps in the recorded
   // sequence are kept, and so are pauses up to an hour; where the recorded clock stood or went back, time
   // advances by 1 ns. device_time_ns is the recorded one, or else recorded time. Values are in Pa. corrupt: a
-  // frame with a value that is not finite was skipped, or a damaged block of a recording. damaged: the present
-  // file cannot be read on, or it is the end and a file had damaged blocks; see fault().
+  // frame with a value that is not finite was skipped, or a damaged block of a recording. damaged: the
+  // present file cannot be read on, or it is the end and a file had damaged blocks; see fault().
   ReadOutcome next(FrameSlot& out) noexcept;
   // What is damaged in the first damaged file, and where; empty: nothing that was met so far.
   std::string fault() const;

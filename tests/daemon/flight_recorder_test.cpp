@@ -83,9 +83,11 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
   for (int i = 0; i < 7; ++i) {
     const std::string name = "f" + std::to_string(i);
     EXPECT_FALSE(folder.add(name, "slip", [](int) { return std::error_code(); }));
-    fs::last_write_time(temp.path() / (name + "-slip.rec"), fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
+    fs::last_write_time(temp.path() / (name + "-slip.rec"),
+                        fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
   }
-  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4-slip.rec", "f5-slip.rec", "f6-slip.rec", "notes.txt"}));
+  EXPECT_EQ(names_in(temp.path()),
+            (std::set<std::string>{"f4-slip.rec", "f5-slip.rec", "f6-slip.rec", "notes.txt"}));
 }
 
 TEST(RecordingsFolder, TheLastWrittenIsTheNewestAlsoWhereTheClockWasSetBack) {

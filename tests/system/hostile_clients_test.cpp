@@ -1,5 +1,5 @@
-// Clients that mean harm: none of them holds slipd up, makes it large, or costs what others recorded. How long
-// a reload and a stop take meanwhile is printed.
+// Clients that mean harm: none of them holds slipd up, makes it large, or costs what others recorded. How
+// long a reload and a stop take meanwhile is printed.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-constexpr int kHostile = 60;                  // of the 64 places that there are
+constexpr int kHostile = 60;                   // of the 64 places that there are
 constexpr std::size_t kAllowedKb = 64 * 1024;  // above idle
 
 json large_sensor(const json& options = json::object()) {
@@ -46,7 +46,8 @@ std::string record_request(double seconds) {
 class Hostile : public ::testing::Test {
  protected:
   void start(const json& sensor, const json& more = json::object(), const Program::Environment& set = {}) {
-    daemon_ = std::make_unique<Daemon>(config_with(folder_, json::array({sensor}), more), trial_drivers(), set);
+    daemon_ =
+        std::make_unique<Daemon>(config_with(folder_, json::array({sensor}), more), trial_drivers(), set);
     daemon_->wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
   }
   // Sends the signal and waits for what it has to bring about.
@@ -113,7 +114,8 @@ TEST_F(Hostile, ThatReadNothingAreNotReadFromAndMakeItLittleLarger) {
     answers = json::parse(*line);
   }
   ASSERT_EQ(answers.size(), 64U);
-  EXPECT_TRUE(std::any_of(answers.begin(), answers.end(), [](const json& a) { return a.contains("result"); }));
+  EXPECT_TRUE(
+      std::any_of(answers.begin(), answers.end(), [](const json& a) { return a.contains("result"); }));
   EXPECT_TRUE(std::any_of(answers.begin(), answers.end(),
                           [](const json& a) { return a.contains("error") && a["error"]["code"] == -32004; }));
   expect_reload_and_stop();
@@ -203,7 +205,8 @@ TEST_F(Hostile, RequestsForTheFlightRecorderCostNoRecordingOfASlip) {
     return s["recorder"]["kept"] >= 2 * kKeep + 3;
   });
   EXPECT_EQ(files_ending(folder, "-slip.rec"), 1U);
-  EXPECT_LE(files_ending(folder, "-request.rec"), static_cast<std::size_t>(kKeep) + 1) << "one is being added";
+  EXPECT_LE(files_ending(folder, "-request.rec"), static_cast<std::size_t>(kKeep) + 1)
+      << "one is being added";
 }
 
 }  // namespace

@@ -101,7 +101,8 @@ TEST(Life, AFileInTheSocketsPlaceIsLeftAlone) {
 // Accepts nothing, as a program that is busy.
 class ForeignListener {
  public:
-  ForeignListener(const std::filesystem::path& path, int type) : fd_(socket(AF_UNIX, type | SOCK_CLOEXEC, 0)) {
+  ForeignListener(const std::filesystem::path& path, int type)
+      : fd_(socket(AF_UNIX, type | SOCK_CLOEXEC, 0)) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);

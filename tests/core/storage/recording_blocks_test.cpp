@@ -1,5 +1,5 @@
-// Recordings of version 2: what is damaged is left out, reported and counted, and no frame comes back other than it
-// was recorded.
+// Recordings of version 2: what is damaged is left out, reported and counted, and no frame comes back other
+// than it was recorded.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -159,8 +159,8 @@ TEST_F(Blocks, AnyByteThatChangesCostsAtMostItsBlockAndIsReported) {
       write(content);
       try {
         const ReadBack found = read();
-        const auto block = static_cast<std::uint64_t>(
-            std::upper_bound(begins.begin(), begins.end(), at) - begins.begin() - 1);
+        const auto block = static_cast<std::uint64_t>(std::upper_bound(begins.begin(), begins.end(), at) -
+                                                      begins.begin() - 1);
         const bool in_block = at >= begins.front() && at < begins.back();
         EXPECT_EQ(found.frames, in_block ? frames_without(kBlocks, {block}) : frames_without(kBlocks, {}))
             << "byte " << at;
@@ -211,8 +211,8 @@ TEST_F(Blocks, CutAnywherePlayToTheLastWholeOneAndSaySo) {
   const auto whole = bytes();
   for (std::size_t cut = begins.front(); cut < whole.size(); ++cut) {
     write(whole.substr(0, cut));
-    const auto blocks = static_cast<std::uint64_t>(std::upper_bound(begins.begin(), begins.end(), cut) -
-                                                   begins.begin() - 1);
+    const auto blocks =
+        static_cast<std::uint64_t>(std::upper_bound(begins.begin(), begins.end(), cut) - begins.begin() - 1);
     const ReadBack found = read();
     EXPECT_EQ(found.frames, frames_without(blocks, {})) << "cut at " << cut;
     EXPECT_EQ(found.last, Status::end);
@@ -291,7 +291,8 @@ TEST_F(Blocks, ARecordingOfVersionOneStillPlays) {
 TEST(Outputs, ThatTakeNothingEndTheWriteInTime) {
   for (const bool of_socket : {false, true}) {
     int ends[2] = {-1, -1};
-    ASSERT_EQ(of_socket ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) : pipe2(ends, O_CLOEXEC), 0);
+    ASSERT_EQ(of_socket ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) : pipe2(ends, O_CLOEXEC),
+              0);
     const UniqueFd reading(ends[0]);
     const UniqueFd writing(ends[1]);
     RecordingWriter writer(writing.get(), block_header(), 0ms, {.stalled = 20ms});

@@ -158,8 +158,7 @@ TEST_F(Recordings, AreReadByAnyCborLibrary) {
   EXPECT_EQ(header.at("format"), "slipd-recording");
   EXPECT_EQ(header.at("version"), 2);
   EXPECT_EQ(nlohmann::json::from_cbor(header.at("body").get_binary()).at("sensor"), "left");
-  const auto header_end =
-      all.begin() + static_cast<std::ptrdiff_t>(nlohmann::json::to_cbor(header).size());
+  const auto header_end = all.begin() + static_cast<std::ptrdiff_t>(nlohmann::json::to_cbor(header).size());
   const auto block = nlohmann::json::from_cbor(std::vector<std::uint8_t>(header_end, all.end()), false);
   EXPECT_EQ(block.at("block"), 0);
   EXPECT_EQ(block.at("frames"), 1);
