@@ -15,6 +15,8 @@
 #include "daemon/pipeline/estimator_factory.hpp"
 #include "daemon/rpc/server.hpp"
 #include "daemon/rpc/socket_file.hpp"
+#include "daemon/telemetry/metrics_file.hpp"
+#include "schema/schema.hpp"
 
 namespace slipd {
 namespace {
@@ -38,8 +40,12 @@ RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
   return grant;
 }
 
-// Prefixes the drivers' problems with the file's name.
+// Judges what the configuration names outside of it. Prefixes the drivers' problems with the file's name.
 std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, const std::string& file) {
+  if (const auto& metrics = settings.metrics.file; !metrics.empty()) {
+    if (const std::string why = why_no_metrics_file(metrics); !why.empty())
+      throw SettingsError({problem_of("/metrics/file", metrics.string(), why).in(file)});
+  }
   try {
     return std::make_unique<Engine>(std::move(settings), drivers);
   } catch (const SettingsError& error) {
@@ -254,7 +260,7 @@ int Service::end() {
   const auto deadline = std::chrono::steady_clock::now() + kStopTimeout;
   server_.reset();
   clients_.close_all();
-  recorder_.end_all();
+  const bool recordings_ended = recorder_.end_all();
   file_.reset();
   const bool clean = engine_->stop(deadline) && abandoned_.empty();
   drain_logs(engine_->board().logs, log_limit_);
@@ -264,6 +270,12 @@ int Service::end() {
               (unfinished.empty() ? "what an earlier reload left behind" : unfinished) +
                   " does not end; the process ends without it");
     _exit(0);  // its thread may use anything that a destructor would free
+  }
+  if (!recordings_ended) {
+    engine_.reset();  // the flight recorder writes what is pending
+    write_log(LogLevel::warning, {{}, Cause::machine},
+              "what a client had passed for a recording takes nothing, and is left behind");
+    _exit(0);  // its thread may use the event loop
   }
   return 0;
 }

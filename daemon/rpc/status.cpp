@@ -165,6 +165,9 @@ json status_json(const ServiceContext& context) {
   json outputs{{"socket",
                 {{"path", context.settings.socket.path.string()},
                  {"dropped", context.notifications_dropped},
+                 {"owed_bytes", context.owed_bytes()},
+                 {"held_back", context.clients_held_back},
+                 {"refused", context.requests_refused},
                  {"latency_us", latency_json(context.delivery_latency.summary())},
                  {"latency_last_minute_us",
                   latency_json(context.delivery_latency_last_minute.summary(context.delivery_latency))}}}};

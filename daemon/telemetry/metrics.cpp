@@ -189,6 +189,13 @@ void add_service(Families& families, const ServiceContext& context) {
   families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(context.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
                    number(context.notifications_dropped));
+  families.add_one("slipd_answers_owed_bytes", "gauge", "Answers that clients requested and have not read.",
+                   number(context.owed_bytes()));
+  families.add_one("slipd_clients_held_back", "counter",
+                   "Times that a client was not read from because it did not read its answers.",
+                   number(context.clients_held_back));
+  families.add_one("slipd_requests_refused", "counter", "Requests refused because clients do not read.",
+                   number(context.requests_refused));
 }
 
 void add_recordings(Families& families, const ServiceContext& context) {
