@@ -92,8 +92,8 @@ void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   if (!force_only_) foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
-// Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS reads as a
-// margin that is smaller by dGamma/drho dS/Q.
+// Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS
+// reads as a margin that is smaller by dGamma/drho dS/Q.
 MeanSigma FrictionFilter::offset_of(std::size_t friction, double load, double normal_n) const noexcept {
   const double mu = grid_.friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
   const double gamma = std::clamp(1 - load / mu, 0.0, 1.0);
@@ -102,7 +102,8 @@ MeanSigma FrictionFilter::offset_of(std::size_t friction, double load, double no
   const double resolved_n = options_.monotonic_share_of_limit * limit_n;
   const double per_newton = gamma_per_moment_ratio(gamma) / shear_n;
   const double clear = per_newton * std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
-  return {clear, std::hypot(options_.offset_sigma_share * clear, grasp_.other_history ? per_newton * resolved_n : 0)};
+  return {clear, std::hypot(options_.offset_sigma_share * clear,
+                            grasp_.other_history ? per_newton * resolved_n : 0)};
 }
 
 bool FrictionFilter::looks_monotonic(double normal_n, double load) noexcept {
@@ -132,7 +133,8 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
     return;
   }
   part_errors(patch);
-  take_evidence(residuals, as_monotonic, as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
+  take_evidence(residuals, as_monotonic,
+                as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
 }
 
 // What frames have in common changes with the contact: where the forces have moved far, errors are new.
@@ -151,20 +153,23 @@ void FrictionFilter::part_errors(const ContactPatch& patch) noexcept {
 double FrictionFilter::share_of_margin(const FrameEstimate& frame_estimate) noexcept {
   if (frame_estimate.profile.known || !(frame_estimate.common_sigma > 0)) return 1;
   const double mobilised = std::max(options_.min_mobilised, 1 - frame_estimate.gamma);
-  const double all = square(frame_estimate.sigma / mobilised), common = square(frame_estimate.common_sigma / mobilised);
+  const double all = square(frame_estimate.sigma / mobilised),
+               common = square(frame_estimate.common_sigma / mobilised);
   return grasp_.of_margins.add(common, std::max(all - common, options_.min_noise_share * all));
 }
 
 // Of a frame's slip moment, over Q.
-double FrictionFilter::share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
+double FrictionFilter::share_of_moments(const ContactPatch& patch,
+                                        const FrameEstimate& frame_estimate) noexcept {
   const double all = square(frame_estimate.moments_sigma.slip_moment_n / patch.shear_n),
                grid = square(frame_estimate.moments_common_sigma.slip_moment_n / patch.shear_n),
                model = square(options_.model_sigma_share * options_.uneven_share);
   return grasp_.of_moments.add(grid + model, std::max(all - grid, options_.min_noise_share * (all + model)));
 }
 
-// Errors of the model and of the taxels' size are the same in two frames, so that the step from one to the next is known
-// much better than either: where the slip moment grows by more than the forces' step explains, friction has fallen.
+// Errors of the model and of the taxels' size are the same in two frames, so that the step from one to the
+// next is known much better than either: where the slip moment grows by more than the forces' step explains,
+// friction has fallen.
 void FrictionFilter::detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
   const SlipMoment last = grasp_.slip_moment;
   SlipMoment& now = grasp_.slip_moment;

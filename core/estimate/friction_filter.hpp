@@ -46,8 +46,8 @@ class FrictionFilter {
   // What is known of the load before this frame.
   HistoryState history() const noexcept { return history_.state(); }
 
-  // What a frame's margin, read as one of a monotonic load, misses by the history that the likeliest friction's contact
-  // has had: to be added to it, Gamma; and its standard deviation.
+  // What a frame's margin, read as one of a monotonic load, misses by the history that the likeliest
+  // friction's contact has had: to be added to it, Gamma; and its standard deviation.
   const MeanSigma& margin_offset() const noexcept { return grasp_.margin_offset; }
 
   // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
@@ -82,15 +82,17 @@ class FrictionFilter {
     double share() const noexcept { return 1 / (1 + common); }
   };
 
-  // Frames of one contact share a part of their error (docs/theory.md §11.2): what n of them say of friction has the
-  // variance common^2 + noise^2/n, relative to friction.
+  // Frames of one contact share a part of their error (docs/theory.md §11.2): what n of them say of friction
+  // has the variance common^2 + noise^2/n, relative to friction.
   struct CommonError {
-    double known = 0;  // what the frames so far said, as the inverse of that variance; faded as the contact changes
+    double known =
+        0;  // what the frames so far said, as the inverse of that variance; faded as the contact changes
     // Adds a frame of variances `common` and `noise` > 0. Returns how much of its evidence is new, 0 … 1.
     double add(double common, double noise) noexcept {
       const double open = 1 / std::max(known, kLeast) - common;
       if (!(open > 0)) return 0;
-      const double with_it = 1 / (common + 1 / (1 / open + 1 / noise)), share = (with_it - known) * (common + noise);
+      const double with_it = 1 / (common + 1 / (1 / open + 1 / noise)),
+                   share = (with_it - known) * (common + noise);
       known = with_it;
       return std::clamp(share, 0.0, 1.0);
     }
@@ -123,8 +125,8 @@ class FrictionFilter {
     EvidenceDiscount discount;
     CommonError of_margins, of_moments;
     SlipMoment slip_moment;
-    bool fallen = false;        // see fallen()
-    bool other_history = false;  // the load was not monotonic once
+    bool fallen = false;                                 // see fallen()
+    bool other_history = false;                          // the load was not monotonic once
     double evidence_normal_n = 0, evidence_shear_n = 0;  // forces of the last frame that was weighed
     MomentResiduals moment_residuals;
     std::int64_t last_ns = 0;  // time of the frame before; 0 before the first

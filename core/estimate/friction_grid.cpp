@@ -86,7 +86,8 @@ MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
     sums.add(std::exp(log_weight_[j]), std::clamp(1 - load / friction_[j], 0.0, 1.0));
   const double mobilised = 1 - sums.mean();
   const double per_load = load > options_.load_floor ? mobilised / load : 1 / mu.mean;
-  return {sums.mean(), std::sqrt(sums.variance() + variance_of_step(step_ * mobilised) + square(load_sigma * per_load))};
+  return {sums.mean(),
+          std::sqrt(sums.variance() + variance_of_step(step_ * mobilised) + square(load_sigma * per_load))};
 }
 
 }  // namespace slipd

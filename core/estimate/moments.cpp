@@ -82,7 +82,8 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   out.deviation = hertz_deviation(sums, patch, layout.side_m(), options.deviation);
   const double coarse = layout.side_m() / patch.radius_m;
   out.gamma = gamma_of_moment_ratio(out.value);
-  const double rim = std::hypot(options.rim_error * coarse * coarse * coarse, ring_error(coarse, out.gamma, options)),
+  const double rim = std::hypot(options.rim_error * coarse * coarse * coarse,
+                                ring_error(coarse, out.gamma, options)),
                grid = rim + options.moments_floor;
   out.common_sigma = rim + options.ratio_floor;
   out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, out.common_sigma);

@@ -26,9 +26,10 @@ struct MomentRatioOptions {
   // Error of the ratio by square taxels on a round rim, over (side/a)^3; 0 … 2. Too small: sigma is less than
   // the error on coarse arrays. Too large: it is more.
   double rim_error = 0.3;
-  // The same of shear that lies in a ring at the rim narrower than a taxel, under a light load: over (side/a)^2, and the
-  // ring's width (1 - k) a at which half of that is left, over side; 0 … 1, 0.1 … 1. Measured by quadrature of exact
-  // tractions over side/a of 0.06 … 0.9. Too small and too large: as above, of light loads.
+  // The same of shear that lies in a ring at the rim narrower than a taxel, under a light load: over
+  // (side/a)^2, and the ring's width (1 - k) a at which half of that is left, over side; 0 … 1, 0.1 … 1.
+  // Measured by quadrature of exact tractions over side/a of 0.06 … 0.9. Too small and too large: as above,
+  // of light loads.
   double ring_error = 0.3;
   double ring_width = 0.45;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.

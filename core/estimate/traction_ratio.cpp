@@ -11,7 +11,6 @@ constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without s
 
 }  // namespace
 
-
 void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const MeanSigma frame{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
   const bool first = state_.frame_sigma == 0;
@@ -52,9 +51,10 @@ void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
   line.slope += slope_gain * residual;
   const double lag = std::max(0.0, std::fabs(line.residual) - options_.lag_sigmas);
   const double level = std::max(0.0, expected + level_gain * residual);
-  // Noise across a small shear makes |Q| larger, and no mean takes that away: by sigma^2/(2 |Q|), or by sqrt(pi/2) sigma
-  // without shear (Rice 1944).
-  const double rectified = std::min(std::sqrt(std::numbers::pi / 2), 0.5 * sigma / std::max(level, kLeastLoad));
+  // Noise across a small shear makes |Q| larger, and no mean takes that away: by sigma^2/(2 |Q|), or by
+  // sqrt(pi/2) sigma without shear (Rice 1944).
+  const double rectified =
+      std::min(std::sqrt(std::numbers::pi / 2), 0.5 * sigma / std::max(level, kLeastLoad));
   state_.now = {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
 }
 

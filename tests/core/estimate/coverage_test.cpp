@@ -24,8 +24,9 @@ sliplab::Coverage cycle_of(std::size_t side, MethodChoice method, double rate_hz
 
 // Few grasps scatter more than many: the limits are a little wider than what `sliplab coverage` is asked for.
 TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
-  for (const auto& [side, method] : {std::pair{4U, MethodChoice::automatic}, std::pair{16U, MethodChoice::moments},
-                                     std::pair{16U, MethodChoice::fit}}) {
+  for (const auto& [side, method] :
+       {std::pair{4U, MethodChoice::automatic}, std::pair{16U, MethodChoice::moments},
+        std::pair{16U, MethodChoice::fit}}) {
     const sliplab::CoverageTally all = cycle_of(side, method, 500, 2).all;
     SCOPED_TRACE(side);
     ASSERT_GT(all.answers(), 1000);
