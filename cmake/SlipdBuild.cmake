@@ -16,9 +16,9 @@ if(SLIPD_SANITIZE)
   target_link_options(slipd_flags INTERFACE -fsanitize=${SLIPD_SANITIZE})
 endif()
 
-# What a mistake in memory may still do: a stack that was overrun ends the program (stack-protector, stack-clash), so does a
-# library call on a buffer that is too small (FORTIFY_SOURCE), jumps land where jumps may (cf-protection on x86, branch protection
-# on arm64), addresses are random (PIE) and the tables of the linker read-only (relro, now). vm.packages looks after it.
+# Limits what a memory fault can do. A stack that was overrun ends the program (stack-protector, stack-clash), and so does a library
+# call on a buffer that is too small (FORTIFY_SOURCE). Indirect jumps reach marked targets only (cf-protection on x86, branch
+# protection on arm64). Addresses are random (PIE). The linker's tables are read-only (relro, now). vm.hardening checks all of it.
 option(SLIPD_HARDEN "Harden the binaries, as packaged" OFF)
 if(SLIPD_HARDEN)
   include(CheckPIESupported)
@@ -29,20 +29,20 @@ if(SLIPD_HARDEN)
   target_link_options(slipd_flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
 endif()
 
-# Which lines are run is noted of these rooms only: what else there is is built as in the preset dev, and taken from the same cache.
-# Counts may be lost between threads, but not that there was one.
-option(SLIPD_COVERAGE "Note which lines of core, drivers/decode, daemon/rpc and config are run" OFF)
+# The preset `coverage` counts the lines that run in the folders below. Everything else is compiled as in the preset dev and comes
+# from the same cache. Threads may lose counts, but a line that ran has a count above 0.
+option(SLIPD_COVERAGE "Count which lines of core, schema, driver_api, config, drivers and daemon run" OFF)
 if(SLIPD_COVERAGE)
   target_link_options(slipd_flags INTERFACE --coverage)
 endif()
 function(slipd_note_lines target)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
-  if(SLIPD_COVERAGE AND room MATCHES "^(core|drivers/decode|daemon/rpc|config)(/|$)")
+  if(SLIPD_COVERAGE AND room MATCHES "^(core|schema|driver_api|config|drivers|daemon)(/|$)")
     target_compile_options(${target} PRIVATE --coverage -O1)
   endif()
 endfunction()
 
-# slipd_library(name SOURCES … LINKS …): one room of the house as a static library.
+# slipd_library(name SOURCES … LINKS …): one room as a static library.
 function(slipd_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
@@ -55,6 +55,7 @@ function(slipd_driver name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(slipd_driver_${name} MODULE ${ARG_SOURCES})
   target_link_libraries(slipd_driver_${name} PRIVATE slipd_flags ${ARG_LINKS})
+  slipd_note_lines(slipd_driver_${name})
   set_target_properties(slipd_driver_${name} PROPERTIES
     PREFIX "" OUTPUT_NAME slipd-driver-${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     LIBRARY_OUTPUT_DIRECTORY ${SLIPD_MODULE_DIR})

@@ -141,7 +141,7 @@ class Converter {
     s.mode = static_cast<unsigned>(std::stoul(in["mode"].get<std::string>(), nullptr, 8));
     s.max_clients = in["max_clients"];
     constexpr std::size_t kLongest =
-        107;  // bytes of sockaddr_un::sun_path without its final 0; the schema counts characters
+        107;  // bytes in sockaddr_un::sun_path without its final 0; the schema counts characters
     if (s.path.native().size() > kLongest) {
       add("/socket/path", in["path"],
           "has " + std::to_string(s.path.native().size()) + " bytes; expected up to 107");

@@ -152,7 +152,7 @@ class SensorConverter {
             std::to_string(std::llround(std::ceil(frame_ms))) + " ms");
   }
 
-  const std::vector<Problem> found_;  // by the schema, before this conversion
+  const std::vector<Problem> found_;  // found by the schema, before this conversion
   std::vector<Problem>& problems_;
 };
 

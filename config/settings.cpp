@@ -53,7 +53,8 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
       const json schema = parse_json_text(module->options_schema);
       for (auto& problem : check(schema, sensor["options"], at + "/options"))
         problems.push_back(std::move(problem));
-    } catch (const std::runtime_error& e) {  // SchemaError, JsonTextError: the module is wrong, not the user
+      // SchemaError, JsonTextError: the module is wrong, not the configuration
+    } catch (const std::runtime_error& e) {
       problems.push_back(problem_of(at + "/driver", *name,
                                     std::string("the driver describes its options wrongly: ") + e.what()));
     }

@@ -26,8 +26,10 @@
 namespace slipd {
 namespace {
 
+// Nice value of the training process, 0 to 19. Smaller: training delays estimates.
 constexpr int kTrainingNice = 10;
-constexpr int kLookMs = 100;  // between two looks at stop_
+// Time between two looks at stop_, ms: the delay of a stop during training.
+constexpr int kLookMs = 100;
 
 // An anonymous file in memory that holds `text`, positioned at its start.
 UniqueFd file_of(const std::string& text) {

@@ -18,7 +18,9 @@
 namespace slipd {
 namespace {
 
-// On a disc of fewer taxels a frame has no shape to speak of, unless the whole pad is read for it (Fit).
+// Taxels within the contact's disc below which a frame's shape is not used, 4 to 30, except by Fit, which
+// uses the whole pad. Too small: the shape is noise. Too large: small contacts get no margin from their
+// shape.
 constexpr std::size_t kFewInside = 12;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
@@ -35,8 +37,11 @@ bool weighed_over_time(const ChainSetup& setup) {
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
+  // Contacts by which the methods are compared, 10 to 1000. Too few: chance decides. Too many: opening the
+  // sensor takes long.
   constexpr std::size_t kContacts = 48;
-  constexpr std::uint64_t kSeed = 2;  // training draws from 1
+  // Differs from the seed of training, 1, so that the contacts are new ones.
+  constexpr std::uint64_t kSeed = 2;
   std::vector<std::unique_ptr<SlipMethod>> methods;
   methods.push_back(std::make_unique<Moments>(setup.layout));
   methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));

@@ -8,9 +8,12 @@
 namespace slipd {
 namespace {
 
-// Relative to mu p: what skins that are no half space, and rings cut by square taxels, may deviate.
+// Expected deviation of a ring's shear from the model, as a fraction of mu p; range 0.02 to 0.2. Real skins
+// are no half space. Too small: monotonic loading is refused. Too large: unloading is taken for monotonic.
 constexpr double kModelTolerance = 0.06;
-constexpr double kTaxelTolerance = 0.5;  // times taxel side over contact radius
+// The same because square taxels cut rings, as a fraction of mu p times taxel side over contact radius; range
+// 0.2 to 1. Too small: contacts of few taxels are refused. Too large: their unloading is not noticed.
+constexpr double kTaxelTolerance = 0.5;
 
 }  // namespace
 

@@ -40,6 +40,7 @@ class LatencyHistogram {
   static Summary summary_of(const Counts& counts) noexcept;
 
  private:
+  // Bits within an octave: 8 buckets for each factor of 2, so that a bucket's width is at most 13 %.
   static constexpr int kSubBits = 3;
   static constexpr std::size_t kBuckets = std::tuple_size_v<Counts>;
   static std::size_t bucket_of(std::uint64_t nanoseconds) noexcept;

@@ -11,12 +11,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
+// Time between two messages of a standing alert; docs/can.md states it to receivers.
 constexpr auto kAlertInterval = 50ms;
+// Time between two heartbeats; docs/can.md states it to receivers.
 constexpr auto kHeartbeatInterval = 1s;
-constexpr auto kRetryInterval = 1ms;     // after a full queue
-constexpr auto kDownInterval = 20ms;     // after an interface was down
-constexpr auto kReopenInterval = 200ms;  // after an interface was gone
-constexpr auto kOpeningTimeout = 3s;     // how long nothing is sent of a device that was not opened yet
+// Time until the next attempt after a full queue. Longer: an alert is later. Shorter: more failed calls.
+constexpr auto kRetryInterval = 1ms;
+// The same after the interface was down.
+constexpr auto kDownInterval = 20ms;
+// The same after the interface was gone; each attempt opens a socket.
+constexpr auto kReopenInterval = 200ms;
+// How long nothing is sent for a device that has not been opened yet; then its fault is.
+constexpr auto kOpeningTimeout = 3s;
 
 std::int64_t nanoseconds_of(CanScheduler::Time time) noexcept {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();

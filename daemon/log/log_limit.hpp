@@ -25,7 +25,11 @@ class LogLimit {
     std::uint64_t count = 0;
   };
 
+  // Lines of one kind and sensor that are printed in each window; the others are counted. More repeat
+  // themselves in the journal.
   static constexpr int kPrintedPerWindow = 5;
+  // Length of a window. A shorter one lets a lasting fault fill the journal, a longer one hides that it
+  // lasts.
   static constexpr auto kWindow = std::chrono::minutes(1);
 
   // Whether to print this line now. If not, it is counted.

@@ -11,7 +11,10 @@ namespace {
 using Clock = Doorbell::Clock;
 using namespace std::chrono_literals;
 
-constexpr auto kReadTimeout = 50ms;  // the longest that a stop waits for a driver that keeps its timeout
+// Time-out of one read: the longest that a stop waits for a driver that keeps it.
+constexpr auto kReadTimeout = 50ms;
+// Pause before a device that failed is opened again, doubled at each failure up to the second. Longer: a
+// device that is plugged in again is found later. Shorter: more load and more log while it is away.
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
 constexpr std::size_t kAcquirerStackBytes = std::size_t{512} * 1024;

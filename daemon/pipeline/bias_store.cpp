@@ -9,6 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr std::size_t kStoreStackBytes = std::size_t{256} * 1024;
+// The store sleeps until it is woken; a finite time, because the futex takes no infinite one.
 constexpr auto kLongestStoreSleep = 1h;
 
 double seconds_since(std::int64_t time_ns) {

@@ -17,6 +17,7 @@ constexpr std::int64_t kSaveIntervalNs = 300'000'000'000;
 // When the device is closed, a bias that was followed for this long is saved. Limits the writes of a device
 // that is lost again and again.
 constexpr std::int64_t kMinSaveIntervalNs = 10'000'000'000;
+// How long closing a device waits for the store to take the previous bias. Longer delays a stop.
 constexpr auto kStoreTimeout = 1s;
 
 BiasEstimator::Steps steps_of(const SensorInfo& sensor) {

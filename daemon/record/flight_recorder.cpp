@@ -18,8 +18,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kFlightStackBytes = std::size_t{256} * 1024;
+// Time between two looks at an empty queue. Longer: the queue must hold more frames. Shorter: more wake-ups.
 constexpr auto kFlightPollInterval = 5ms;
-constexpr double kQueueSeconds = 0.25;  // of frames that the queue holds while this thread is late
+// Frames that the queue holds while this thread is late, s. Too short: a loaded machine loses frames.
+constexpr double kQueueSeconds = 0.25;
+// Rate by which memory is reserved for a device of unknown rate, Hz. A faster device keeps fewer seconds.
 constexpr double kUnknownRateHz = 1000;
 
 std::size_t frames_in(double seconds, double rate_hz) {

@@ -19,8 +19,10 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-constexpr std::size_t kQueueBytes = std::size_t{32} * 1024 * 1024;  // of frames that wait for the disk
-constexpr auto kPollInterval = 5ms;                                 // between two looks at the queue
+// Largest queue of frames that wait for the disk, bytes. Smaller: a slow disk loses frames earlier.
+constexpr std::size_t kQueueBytes = std::size_t{32} * 1024 * 1024;
+// Time between two looks at an empty queue.
+constexpr auto kPollInterval = 5ms;
 
 std::size_t queue_frames(std::size_t taxels) {
   return std::clamp<std::size_t>(kQueueBytes / (3 * sizeof(float) * taxels), 16, 4096);

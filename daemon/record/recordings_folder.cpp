@@ -17,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kLongestWrite =
-    std::chrono::minutes(10);  // of a temporary file; an older one has no writer any more
+// A temporary file that is older has no writer any more and is removed. Shorter than the longest write: a
+// file in use is removed.
+constexpr auto kLongestWrite = std::chrono::minutes(10);
 
 std::error_code last_error() {
   return {errno, std::generic_category()};

@@ -58,7 +58,10 @@ class LogRing {
   std::uint64_t take_lost() noexcept { return lost_.exchange(0, std::memory_order_relaxed); }
 
  private:
-  boost::lockfree::spsc_queue<LogLine, boost::lockfree::capacity<64>> lines_;
+  // Lines that the ring holds until io prints them, every 20 ms (kLogInterval in service.cpp). Fewer: a burst
+  // of errors loses lines. More: more memory, some 300 bytes a line.
+  static constexpr std::size_t kLines = 64;
+  boost::lockfree::spsc_queue<LogLine, boost::lockfree::capacity<kLines>> lines_;
   std::atomic<std::uint64_t> lost_{0};  // relaxed: an independent counter
 };
 

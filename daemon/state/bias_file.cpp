@@ -110,7 +110,7 @@ fs::path bias_file_path(const BiasIdentity& identity) {
 std::optional<Bias> load_bias(const fs::path& file, const BiasIdentity& identity) {
   std::error_code error;
   if (!fs::exists(file, error) && !error) return std::nullopt;
-  constexpr std::size_t kLargest = std::size_t{64} << 20U;
+  constexpr std::size_t kLargest = std::size_t{64} << 20U;  // bytes; 5 million taxels fit, more is no bias
   std::vector<std::uint8_t> bytes;
   try {
     bytes = read_own_file(file, kLargest);

@@ -3,9 +3,11 @@
 namespace slipd {
 namespace {
 
-// A machine without real-time kernel skips single frames, and all frames are skipped while an estimator is
-// being made. Only this share for this many seconds is a problem.
+// Skipped frames are reported only above this share of the received frames, 0 to 1, because a machine without
+// real-time kernel skips single frames.
 constexpr double kSkippedShare = 0.05;
+// Seconds in a row above that share before it is reported, because all frames are skipped while an estimator
+// is being made.
 constexpr int kSecondsBehind = 3;
 
 std::string count(std::uint64_t number, const char* what) {

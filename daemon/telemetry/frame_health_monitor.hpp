@@ -50,6 +50,7 @@ class FrameHealthMonitor {
                                   const HealthTotals& totals, Clock::time_point now);
 
  private:
+  // Least time between two reports of one kind for one sensor. Shorter: a lasting fault fills the journal.
   static constexpr auto kInterval = std::chrono::minutes(1);
   static constexpr std::size_t kKinds = 4;
   struct Kind {

@@ -22,6 +22,7 @@ class LatencyWindow {
   LatencyHistogram::Summary summary(const LatencyHistogram& histogram) const;
 
  private:
+  // Time between two snapshots; the window is twelve of them, a minute.
   static constexpr auto kInterval = std::chrono::seconds(5);
   std::array<LatencyHistogram::Counts, 12> snapshots_{};
   std::size_t next_ = 0;  // the oldest snapshot, which the next one replaces

@@ -1,8 +1,8 @@
-// alert-statistics [GRASPS [SIDE [METHOD [SEED]]]]: do alerts come before slips, and only then? Random
-// simulated grasps in frame time, at 1 kHz, as fast as they can be computed: friction 0.1–0.9, 1–5 N, loads
-// that rise to gross slip within 50 ms to 2 s, 2 % of sensor noise; and as many that hold with a margin of
-// 0.5 and more through regrips and unloading. Prints a table; fails
-// when a slip came without an alert, or more than one hold in a hundred with one.
+// alert-statistics [GRASPS [SIDE [METHOD [SEED]]]]: how many slips have an alert before them, and how many
+// holds have one. Random simulated grasps in frame time, at 1 kHz, as fast as they can be computed: friction
+// 0.1–0.9, 1–5 N, loads that rise to gross slip within 50 ms to 2 s, 2 % of sensor noise; and as many that
+// hold with a margin of 0.5 and more through regrips and unloading. Prints a table. Fails when a slip came
+// without an alert, or when more than one hold in a hundred had one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -53,7 +53,7 @@ class Draw {
     return grasp;
   }
 
-  // Loaded and, if `busy`, regripped, unloaded, loaded again, let go to the first force: the margin is never
+  // Loaded and, if `busy`, regripped, unloaded, loaded again, back to the first force: the margin is never
   // below 0.5.
   Grasp holding(bool busy) {
     Grasp grasp = gripped();
@@ -147,7 +147,7 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-// Whether all slips were told and the holds left alone.
+// Whether every slip had an alert, and holds had none.
 bool tell(std::size_t side, std::size_t grasps, MethodChoice method, std::uint64_t seed) {
   const auto layout = TaxelLayout::grid(side, side, kPadSide_m / static_cast<double>(side));
   ChainSetup setup{.layout = layout, .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};

@@ -1,7 +1,7 @@
-// bus-cost [SECONDS]: what reading costs on each bus, beyond what its kernel and cables do: frames a second
-// and the reading thread's CPU time per frame, with simulated devices in this very process that send as fast
-// as a timer lets them. CAN is a pair of sockets, Modbus is loopback and a pseudo-terminal with the real
-// libmodbus; USB and HID come out of memory, without libusb and hidapi, whose cost the guest's tests show.
+// bus-cost [SECONDS]: the cost of reading on each bus, without the bus itself: frames a second and the
+// reading thread's CPU time per frame. Simulated devices in the same process send as fast as a timer allows.
+// CAN is a pair of sockets; Modbus is loopback and a pseudo-terminal with the real libmodbus; USB and HID
+// read from memory, without libusb and hidapi, whose cost the tests in guests show.
 #include <sys/utsname.h>
 #include <time.h>
 

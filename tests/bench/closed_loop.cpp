@@ -1,6 +1,6 @@
-// closed-loop [ERRANDS [SEED [TRACE.csv]]]: does a gripper that listens to slipd on CAN hold what a deaf one
-// drops, and at what force? Each task is carried twice from the same seed, in frame time. Prints a table;
-// writes the course of the first task as a table of comma-separated values.
+// closed-loop [TASKS [SEED [TRACE.csv]]]: whether a gripper that receives slipd's CAN messages holds what a
+// gripper without them drops, and at what force. Each task is carried twice from the same seed, in frame
+// time. Prints a table; writes the first task over time as CSV.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // daemon-bench [--brief] [PART…]: the real slipd, from its device to its clients. Prints one JSON object a
-// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, each with its floors. --brief: a
-// moment each, to see that it works.
+// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, each with its floors. --brief:
+// each for a moment only, as a test of the program.
 #include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -43,7 +43,7 @@ using testing::Daemon;
 using testing::TempFolder;
 using namespace std::chrono_literals;
 
-// Trained ones are left out of a moment's run: training takes longer than that.
+// --brief leaves out trained methods, because training takes too long.
 std::vector<const char*> methods() {
   if (brief) return {"moments", "fit"};
   return {"moments", "registered", "svd-knn", "fit"};
@@ -53,7 +53,7 @@ bool left_out(const std::string& method) {
   return brief && (method == "svd-knn" || method == "registered");
 }
 
-// The lines of a subscribed connection, and when they were in hand.
+// The lines of a subscribed connection, and when each was received.
 class Listener {
  public:
   explicit Listener(const std::filesystem::path& socket) : fd_(connect_to(socket)) {
@@ -105,7 +105,7 @@ void say_floor(const char* name, const Quantiles& times, json more = json::objec
   say("floor", more);
 }
 
-// Frame complete → in a subscribed client's hands, at 1 kHz.
+// From a complete frame to its estimate at a subscribed client, at 1 kHz.
 void latency() {
   for (const char* method : methods()) {
     say_floor("frame to client", frame_to_client(length(3s)), {{"method", method}});
@@ -153,7 +153,7 @@ void throughput() {
   }
 }
 
-// Sensors of 16 x 16 at 1 kHz: what each costs, and what it waits.
+// Sensors of 16 x 16 at 1 kHz: CPU time and latency of each.
 void sensors() {
   for (const int count : {1, 2, 4, 8, 16}) {
     const TempFolder folder;
@@ -175,7 +175,7 @@ void sensors() {
   }
 }
 
-// From the start of the program to the first estimate in a client's hands, its model already on disk.
+// From the start of the program to the first estimate at a client, with the model already on disk.
 void startup() {
   redis_startup();
   for (const auto& [method, side] : {std::pair{"moments", 4}, std::pair{"svd-knn", 100},
@@ -201,7 +201,7 @@ void startup() {
         }
       }
       listener->next();
-      // The first is of the model's making, that it made the model of: not counted.
+      // The first run trains the model and is not counted.
       if (i > 0) times.push_back(now_ns() - begun);
       program.signal(SIGTERM);
       program.wait(10s);
@@ -235,7 +235,7 @@ void memory() {
   }
 }
 
-// A sensor at 1 kHz that nothing touches: its driver, the search for a contact, and nothing else.
+// A sensor at 1 kHz without contact: the costs of its driver and of the search for a contact.
 void idle() {
   for (const int side : {4, 100}) {
     say("floor",

@@ -1,4 +1,4 @@
-// What the parts of daemon-bench share: how long they measure and how they print.
+// Shared by the parts of daemon-bench: how long they measure and how they print.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@ namespace slipd::bench {
 
 using nlohmann::json;
 
-extern bool brief;  // a moment each, to see that it works
+extern bool brief;  // each part for a moment only, as a test of the program
 
 std::chrono::milliseconds length(std::chrono::milliseconds whole);  // a twentieth of it if brief
 void say(const char* part, json values);                            // one line of JSON

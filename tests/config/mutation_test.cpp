@@ -1,4 +1,4 @@
-// Random damage to configurations: whatever comes, the answer is Settings or a SettingsError of plain lines.
+// Random damage to configurations: the result is always Settings, or a SettingsError of printable lines.
 #include <gmock/gmock.h>
 
 #include <random>

@@ -1,4 +1,4 @@
-// What lies ready in config/: the annotated default and the scenes.
+// The files in config/: the annotated default and the scenes.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-TEST(DefaultConfiguration, says_nothing_but_the_defaults) {
+TEST(DefaultConfiguration, has_the_default_values_only) {
   json written = parse_json_text(text_of("config/slipd.json")),
        minimal = json::parse(R"({"sensors": [{"name": "left", "driver": "sim"}]})");
   EXPECT_THAT(check(schema(), written), testing::IsEmpty());

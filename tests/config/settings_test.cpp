@@ -133,7 +133,7 @@ TEST(Settings, check_a_drivers_options_by_its_own_schema) {
           "t.json: /sensors/0/options/sede = 1: is an unknown key; did you mean \"seed\"?"));
 }
 
-TEST(Settings, say_of_a_driver_that_is_there_why_it_cannot_be_used) {
+TEST(Settings, state_why_an_existing_driver_cannot_be_used) {
   EXPECT_THAT(
       problems_of(with("/sensors/0/driver", "old")),
       ElementsAre("t.json: /sensors/0/driver = \"old\": is there, but cannot be used: it was built for "
@@ -158,7 +158,7 @@ TEST(Settings, say_which_drivers_there_are) {
           "looked in /nowhere"));
 }
 
-TEST(Settings, do_not_blame_the_user_for_a_drivers_schema) {
+TEST(Settings, report_an_invalid_schema_as_the_drivers_fault) {
   EXPECT_THAT(problems_of(with("/sensors/0/driver", "broken")),
               ElementsAre(HasSubstr("the driver describes its options wrongly")));
 }

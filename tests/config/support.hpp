@@ -1,4 +1,4 @@
-// A catalogue of two drivers that are not there, and shorthand for parsing with it.
+// A catalogue of two drivers that do not exist, and shorthand for parsing with it.
 #pragma once
 
 #include <fstream>
@@ -42,7 +42,7 @@ inline Settings parse(const nlohmann::json& document) {
   return parse(document.dump());
 }
 
-// What parse() complains about; empty if it does not.
+// The problems that parse() reports; empty: none.
 template <typename Document>
 std::vector<std::string> problems_of(const Document& document) {
   try {

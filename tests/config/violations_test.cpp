@@ -1,5 +1,5 @@
-// Every key of the configuration, broken in every way its schema knows of: the error names the place, alone
-// and among all others.
+// Every key of the configuration, violated in every way that its schema knows: the error names the place,
+// alone and among all others.
 #include "tests/config/violations.hpp"
 
 #include <gmock/gmock.h>
@@ -57,7 +57,7 @@ TEST(Violations, all_are_named_at_once) {
 
 TEST(Violations, every_misspelt_key_is_named_with_the_one_that_was_meant) {
   for (const auto& key : survey(schema(), whole_document()).keys) {
-    if (key.name.size() < 3) continue;  // too short to tell a slip from another word
+    if (key.name.size() < 3) continue;  // too short to recognise a misspelling
     json document = whole_document();
     json& parent = document[key.parent];
     parent[swapped(key.name)] = parent[key.name];

@@ -1,4 +1,4 @@
-// What waits for a client: answers all of it, notifications only the newest.
+// The queue of a client: it keeps every answer, and the newest notifications.
 #include "daemon/rpc/backlog.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ nlohmann::json params(const std::optional<std::string>& line) {
   return nlohmann::json::parse(*line).at("params");
 }
 
-TEST(Backlog, LosesTheOldestNotificationsAndTheNextOneSaysHowMany) {
+TEST(Backlog, DropsTheOldestNotificationsAndTheNextOneStatesTheirNumber) {
   Backlog backlog(3);
   for (int i = 0; i < 10; ++i) backlog.push_notification(head(i), 0);
   const auto first = params(backlog.next());
@@ -44,23 +44,23 @@ TEST(Backlog, NeverLosesAnAnswerAndKeepsTheOrder) {
   EXPECT_EQ(backlog.response_bytes(), 0U);
 }
 
-TEST(Backlog, WhatIsSentAndWhatIsDroppedIsAllThereWas) {
+TEST(Backlog, SentPlusDroppedIsTheTotal) {
   Backlog backlog(4);
-  std::uint64_t told = 0;
+  std::uint64_t delivered = 0;
   std::uint64_t dropped = 0;
   constexpr int kAll = 1000;
   for (int i = 0; i < kAll; ++i) {
-    backlog.push_notification(head(i), i % 10 == 0 ? 2 : 0);  // some were lost on the way already
+    backlog.push_notification(head(i), i % 10 == 0 ? 2 : 0);  // some were lost before the queue
     if (i % 7 == 0) {
       dropped += params(backlog.next())["dropped"].get<std::uint64_t>();
-      ++told;
+      ++delivered;
     }
   }
   while (const auto line = backlog.next()) {
     dropped += params(line)["dropped"].get<std::uint64_t>();
-    ++told;
+    ++delivered;
   }
-  EXPECT_EQ(told + dropped, kAll + 2 * kAll / 10);
+  EXPECT_EQ(delivered + dropped, kAll + 2 * kAll / 10);
   EXPECT_EQ(dropped, backlog.dropped());
 }
 

@@ -1,4 +1,4 @@
-// A zero comes back from its file as it went there, and whatever else the file may hold is refused.
+// A bias is read back from its file unchanged, and any other content is refused.
 #include "daemon/state/bias_file.hpp"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentit
   return {};
 }
 
-TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
+TEST(BiasFileTest, ReadsBackWhatWasWrittenWithTheWallClocksTime) {
   const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   constexpr Now kAfterReboot{.monotonic_ns = 100, .realtime_ns = kWritten.realtime_ns + 1'000'000};
   const Bias read = decode_bias(bytes, kBiasedSensor, kAfterReboot);
@@ -44,7 +44,7 @@ TEST(ZeroFile, GivesBackWhatWasWrittenOnTheClockOfTheDay) {
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.confirmed_ns, 1'000'000 + 3'000);
 }
 
-TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
+TEST(BiasFileTest, RefusesEveryByteThatIsChangedAndEveryCut) {
   const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     auto changed = bytes;
@@ -55,7 +55,7 @@ TEST(ZeroFile, RefusesEveryByteThatIsChangedAndEveryCut) {
   }
 }
 
-TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
+TEST(BiasFileTest, RefusesTheBiasOfAnotherSensorAndNamesIt) {
   const auto bytes = encode_bias(kBiasedSensor, some_zero(), kWritten);
   BiasIdentity other = kBiasedSensor;
   other.part = "board 2";
@@ -67,7 +67,7 @@ TEST(ZeroFile, RefusesAnotherSensorsZeroAndSaysWhose) {
   EXPECT_NE(refusal_of(bytes, other), "");
 }
 
-TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
+TEST(BiasFileTest, RefusesValuesThatAreNotFinite) {
   Bias zero = some_zero();
   zero.bias_pa[3] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(refusal_of(encode_bias(kBiasedSensor, zero, kWritten)), HasSubstr("no number"));
@@ -76,7 +76,7 @@ TEST(ZeroFile, RefusesValuesThatAreNoNumbers) {
   EXPECT_THAT(refusal_of(encode_bias(kBiasedSensor, zero, kWritten)), HasSubstr("number of values"));
 }
 
-TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
+TEST(BiasFileTest, IsNotReadFromALinkOrAFileThatOthersCanWrite) {
   const testing::TempFolder folder;
   const auto file = folder.file("mine.cbor");
   save_bias(file, kBiasedSensor, some_zero());
@@ -87,11 +87,11 @@ TEST(ZeroFile, IsReadFromNoLinkAndNoFileThatOthersWrite) {
   EXPECT_THROW(static_cast<void>(load_bias(file, kBiasedSensor)), BiasError);
 }
 
-TEST(ZeroFile, RefusesNestingWithoutEnd) {
+TEST(BiasFileTest, RefusesDeepNesting) {
   EXPECT_THAT(refusal_of(std::vector<std::uint8_t>(1'000'000, 0x81)), HasSubstr("no CBOR item"));
 }
 
-TEST(ZeroFile, IsFoundAgainUnderItsIdentityOnly) {
+TEST(BiasFileTest, IsFoundAgainUnderItsIdentityOnly) {
   const testing::TempFolder folder;
   const auto file = folder.file("zero") / "mine.cbor";
   EXPECT_FALSE(load_bias(file, kBiasedSensor)) << "no file is no error";

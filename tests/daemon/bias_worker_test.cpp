@@ -1,4 +1,5 @@
-// A zero between the thread that takes it, the one that keeps it and the one that asks.
+// A bias between three threads: the one that measures it, the one that writes it and the one that requests
+// it.
 #include "daemon/pipeline/bias_worker.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +20,7 @@ namespace {
 const SensorInfo kInfo{.layout = TaxelLayout::grid(3, 2, 0.002)};
 const BiasIdentity kSensor{"trial", "", "{}", "left", 6};
 
-// The acquire thread of a sensor that reads `offset` everywhere, as fast as it goes; frames are 10 ms apart.
+// The acquire thread of a sensor that reads `offset` everywhere, without pacing; frames are 10 ms apart.
 class Acquiring {
  public:
   Acquiring(BiasWorker& worker, const std::atomic<float>& offset)
@@ -42,30 +43,30 @@ class Acquiring {
   std::jthread thread_;
 };
 
-class SensorSlot : public ::testing::Test {
+class BiasWorkerTest : public ::testing::Test {
  protected:
-  SensorSlot() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
-  ~SensorSlot() override {
+  BiasWorkerTest() { setenv("STATE_DIRECTORY", folder_.path().c_str(), 1); }
+  ~BiasWorkerTest() override {
     unsetenv("STATE_DIRECTORY");
     store_.request_stop();
   }
 
   void await_completed(std::uint32_t request) {
     while (status_.bias.completed() < request) {
-      pollfd news{wake_.fd(), POLLIN, 0};
-      ASSERT_GT(poll(&news, 1, testing::kPollPatience), 0);
+      pollfd ready{wake_.fd(), POLLIN, 0};
+      ASSERT_GT(poll(&ready, 1, testing::kPollPatience), 0);
       wake_.clear();
     }
   }
 
   const testing::TempFolder folder_;
-  LogRing log_, keepers_log_;
+  LogRing log_, store_log_;
   IoWakeup wake_;
   SensorStatus status_{"left", "trial"};
-  BiasStore store_{keepers_log_, wake_};
+  BiasStore store_{store_log_, wake_};
 };
 
-TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {
+TEST_F(BiasWorkerTest, AnswersARequestWhenItsBiasIsOnDisk) {
   const auto worker = store_.register_sensor(status_, kInfo, kSensor, log_);
   std::atomic<float> offset{1000};
   const Acquiring acquiring(*worker, offset);
@@ -79,7 +80,7 @@ TEST_F(SensorSlot, SettlesARequestOnceItsZeroIsOnDisk) {
   }
 }
 
-TEST_F(SensorSlot, AnswersARequestOfADeviceThatWasExchanged) {
+TEST_F(BiasWorkerTest, AnswersARequestAfterTheDeviceWasExchanged) {
   const auto first = store_.register_sensor(status_, kInfo, kSensor, log_);
   const std::uint32_t request = status_.bias.request(false);
   store_.unregister_sensor(first);
@@ -91,7 +92,7 @@ TEST_F(SensorSlot, AnswersARequestOfADeviceThatWasExchanged) {
   EXPECT_EQ(status_.bias.report.load().origin, BiasOrigin::none);
 }
 
-TEST_F(SensorSlot, OfTheNextRunFindsTheZero) {
+TEST_F(BiasWorkerTest, RestoresTheBiasInTheNextRun) {
   std::atomic<float> offset{500};
   {
     const auto worker = store_.register_sensor(status_, kInfo, kSensor, log_);

@@ -1,4 +1,4 @@
-// What threads share, under threads.
+// Data shared by threads, accessed from several threads at once.
 #include <gtest/gtest.h>
 #include <poll.h>
 
@@ -15,7 +15,8 @@
 namespace slipd {
 namespace {
 
-using Words = std::array<std::uint64_t, 37>;  // odd in number, so that the last one is no round place
+// an odd number, so that no boundary of alignment coincides with the end
+using Words = std::array<std::uint64_t, 37>;
 
 Words all(std::uint64_t value) {
   Words words{};
@@ -51,22 +52,22 @@ TEST(Latest, IsNeverTornAndNeverGoesBack) {
 
 TEST(IoWakeup, IsSeenHoweverNotifyAndClearMeet) {
   IoWakeup wake;
-  std::atomic<int> news{0};
+  std::atomic<int> published{0};
   constexpr int kRings = 20000;
-  std::thread teller([&] {
+  std::thread publisher([&] {
     for (int i = 1; i <= kRings; ++i) {
-      news.store(i);
+      published.store(i);
       wake.notify();
     }
   });
-  int heard = 0;
-  while (heard < kRings) {
+  int seen = 0;
+  while (seen < kRings) {
     pollfd ready{wake.fd(), POLLIN, 0};
-    ASSERT_EQ(poll(&ready, 1, testing::kPollPatience), 1) << "news " << news.load() << " was never told";
+    ASSERT_EQ(poll(&ready, 1, testing::kPollPatience), 1) << "no wake-up for value " << published.load();
     wake.clear();
-    heard = news.load();
+    seen = published.load();
   }
-  teller.join();
+  publisher.join();
 }
 
 TEST(LatencyHistogram, QuantilesAreWithinABucketAndTheMaximumExact) {
@@ -76,7 +77,7 @@ TEST(LatencyHistogram, QuantilesAreWithinABucketAndTheMaximumExact) {
   for (int i = 1; i <= 1000; ++i) histogram.record(i * 1000);
   const auto summary = histogram.summary();
   EXPECT_EQ(summary.count, 1000U);
-  // Eight buckets to a doubling: at most an eighth too high, never too low.
+  // Eight buckets for each factor of 2: at most an eighth too high, never too low.
   EXPECT_GE(summary.p50_us, 500);
   EXPECT_LE(summary.p50_us, 500 * 1.13);
   EXPECT_GE(summary.p99_us, 990);
@@ -143,7 +144,7 @@ TEST(RecordTap, EveryFrameOfferedIsTakenOrCountedAsMissed) {
     }
     over = true;
   });
-  // Recordings come and go while frames are offered; a queue may be destroyed as soon as it is detached.
+  // Recordings begin and end while frames are offered; a queue may be destroyed as soon as it is detached.
   while (!over) {
     FrameQueue queue(4, 8);
     ASSERT_TRUE(tap.attach(queue));

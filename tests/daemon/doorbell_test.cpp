@@ -1,4 +1,4 @@
-// The doorbell between threads: nothing rung is missed, and no wait is without end.
+// The doorbell between threads: no ring is missed, and every wait ends.
 #include "daemon/rt/doorbell.hpp"
 
 #include <gtest/gtest.h>
@@ -21,14 +21,14 @@ TEST(Doorbell, AWaitEndsAtItsTime) {
   EXPECT_GE(Clock::now(), until);
 }
 
-TEST(Doorbell, WhatRangBeforeTheWaitEndsItAtOnce) {
+TEST(Doorbell, ARingBeforeTheWaitEndsItAtOnce) {
   Doorbell bell;
   const auto seen = bell.ring_count();
   bell.ring();
   EXPECT_TRUE(bell.wait(seen, Clock::now() + 1h));
 }
 
-TEST(Doorbell, EveryRingIsHeardInTime) {
+TEST(Doorbell, EveryRingEndsAWait) {
   Doorbell there;
   Doorbell back;
   std::atomic<int> ball{0};

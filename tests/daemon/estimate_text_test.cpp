@@ -1,4 +1,4 @@
-// Estimates as clients see them: nothing unknown becomes a number, no gamma outside state ok.
+// Estimates as clients receive them: unknown values are null, and gamma is a number in state ok only.
 #include "daemon/rpc/estimate_text.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST(EstimateText, IsKeptWhileItsEstimateIsTheNewestAndOnlyItsAgeGoesOn) {
   EXPECT_EQ(after, before);
 }
 
-TEST(EstimateText, AgesAreSaidToTheNanosecond) {
+TEST(EstimateText, AgesHaveNanoseconds) {
   const auto said = [](std::int64_t time_ns) {
     std::string text;
     append_ms(text, time_ns);

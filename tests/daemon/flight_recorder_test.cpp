@@ -1,4 +1,5 @@
-// What the flight recorder keeps: the seconds around an alert, so many files, nothing half.
+// The files of the flight recorder: the seconds around an alert, a limited number of files, none of them
+// partial.
 #include "daemon/record/flight_recorder.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,7 @@ TEST(FrameHistory, HoldsTheNewestInTheirOrder) {
   }
 }
 
-TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
+TEST(FrameHistory, HasTheEstimateOfEachFrame) {
   FrameHistory history(4, 5);
   const auto estimate_at = [](std::int64_t time) {
     return RecordedEstimate{.gamma = static_cast<double>(time) * 0.01};
@@ -53,8 +54,8 @@ TEST(FrameHistory, KnowsWhatWasEstimatedFromEachFrameThatItHolds) {
   }
   history.attach_estimate(
       80, {.state = 6});  // what is said when nothing more comes: the frame has its own already
-  history.attach_estimate(10, estimate_at(1));  // of a frame that is gone
-  history.attach_estimate(75, estimate_at(7));  // of none
+  history.attach_estimate(10, estimate_at(1));  // of a frame that was overwritten
+  history.attach_estimate(75, estimate_at(7));  // of no frame
   history.attach_estimate(50, estimate_at(5));  // late
   ASSERT_EQ(history.size(), 5U);                // frames 4 to 8
   for (std::size_t i = 0; i < 5; ++i) {
@@ -102,7 +103,7 @@ TEST(RecordingsFolder, TheLastWrittenIsTheNewestAlsoWhereTheClockWasSetBack) {
   EXPECT_TRUE(std::filesystem::exists(temp.file("d.rec")));
 }
 
-TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
+TEST(RecordingsFolder, PartialFilesOfACrashAreRemoved) {
   const TempFolder temp;
   temp.write("crashed.rec.part", "half");
   fs::last_write_time(temp.path() / "crashed.rec.part",
@@ -112,7 +113,7 @@ TEST(RecordingsFolder, WhatACrashLeftHalfWrittenGoes) {
   EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f.rec", "under-way.rec.part"}));
 }
 
-TEST(RecordingsFolder, WritesThroughNoLinkThatSomebodyLaidInItsWay) {
+TEST(RecordingsFolder, DoesNotWriteThroughALinkInItsPlace) {
   const TempFolder temp;
   const fs::path precious = temp.write("precious", "mine");
   const TempFolder kept;

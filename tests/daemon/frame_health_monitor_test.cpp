@@ -1,4 +1,5 @@
-// What the log is told of frames that go wrong, and what it is spared.
+// Which log lines the frame health monitor writes about lost, corrupt and late frames, and how it limits
+// them.
 #include "daemon/telemetry/frame_health_monitor.hpp"
 
 #include <gmock/gmock.h>
@@ -12,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using namespace std::chrono_literals;
 
-class Complaining : public ::testing::Test {
+class FrameHealthMonitorTest : public ::testing::Test {
  protected:
   std::vector<std::string> after(std::chrono::seconds time, const HealthTotals& totals) {
     std::vector<std::string> lines;
@@ -27,23 +28,23 @@ class Complaining : public ::testing::Test {
   const FrameHealthMonitor::Clock::time_point begin_ = FrameHealthMonitor::Clock::now();
 };
 
-TEST_F(Complaining, NobodyWhenAllIsWell) {
+TEST_F(FrameHealthMonitorTest, ReportsNothingWithoutAFault) {
   EXPECT_THAT(after(1s, {.received = 1000}), IsEmpty());
 }
 
-TEST_F(Complaining, TheDeviceIsNamedForWhatItDid) {
+TEST_F(FrameHealthMonitorTest, TheDeviceIsNamedForWhatItDid) {
   EXPECT_THAT(after(1s, {.received = 1000, .corrupt = 1}),
               ElementsAre(HasSubstr("left (XELA on can0): 1 damaged packet thrown away")));
   EXPECT_THAT(after(2s, {.received = 2000, .corrupt = 1, .lost = 7}),
               ElementsAre(HasSubstr("7 frames never came")));
 }
 
-TEST_F(Complaining, ASimulationThatIsLateIsTheMachinesFault) {
+TEST_F(FrameHealthMonitorTest, ASimulationThatIsLateIsTheMachinesFault) {
   EXPECT_THAT(after(1s, {.received = 1000, .lost = 7, .simulated = true}),
               ElementsAre(HasSubstr("7 frames were not simulated in time: this machine")));
 }
 
-TEST_F(Complaining, OnceAMinuteAndThenWithAllThatCameMeanwhile) {
+TEST_F(FrameHealthMonitorTest, ReportsOnceAMinuteWithTheTotalSinceTheLastReport) {
   EXPECT_EQ(after(1s, {.received = 1000, .corrupt = 5}).size(), 1U);
   for (int s = 2; s <= 60; ++s) {
     EXPECT_THAT(
@@ -53,7 +54,7 @@ TEST_F(Complaining, OnceAMinuteAndThenWithAllThatCameMeanwhile) {
   EXPECT_THAT(after(61s, {.received = 1000, .corrupt = 305}), ElementsAre(HasSubstr("300 damaged packets")));
 }
 
-TEST_F(Complaining, AFewSkippedFramesAreNoNewsAndManyAreTheMachinesFault) {
+TEST_F(FrameHealthMonitorTest, AFewSkippedFramesAreNotReportedAndManyAreTheMachinesFault) {
   EXPECT_THAT(after(1s, {.received = 1000, .skipped = 10}), IsEmpty());
   EXPECT_THAT(after(2s, {.received = 2000, .skipped = 1000}), IsEmpty()) << "an estimator was being made";
   EXPECT_THAT(after(3s, {.received = 3000, .skipped = 1010}), IsEmpty());

@@ -22,21 +22,21 @@ struct Pair {
   std::uint64_t first, second;
 };
 
-// All stores come first, which leaves nothing out: the writer never looks at what readers do, and a load may
-// see each value that it is not known to be past.
+// All stores come first. This leaves nothing out: the writer does not read what readers write, and a load
+// may give each value that no happens-before relation excludes.
 template <typename CanSource>
 void read_while_written(WeakMemory& memory) {
   CanSource latest(Pair{0, 0});
-  memory.tell(0, kWriter);
-  memory.tell(0, kReader);
-  const std::size_t told = memory.choose(kStores + 1);  // of how many stores the reader has heard
+  memory.synchronize(0, kWriter);
+  memory.synchronize(0, kReader);
+  const std::size_t known = memory.choose(kStores + 1);  // stores that happen before the first load
   memory.run_as(kWriter);
   for (std::uint64_t i = 1; i <= kStores; ++i) {
     latest.store({i, i});
-    if (i == told) memory.tell(kWriter, kReader);
+    if (i == known) memory.synchronize(kWriter, kReader);
   }
   memory.run_as(kReader);
-  std::uint64_t last = told;
+  std::uint64_t last = known;
   for (int i = 0; i < kLoads; ++i) {
     memory.settle_after(kRound);
     const Pair seen = latest.load();
@@ -46,7 +46,8 @@ void read_while_written(WeakMemory& memory) {
   }
 }
 
-// As it was until a reader was seen to go back: a copy counted as good once it was whole, published or not.
+// An earlier form of Latest, in which a reader could go back: a copy counted as valid once it was whole,
+// published or not.
 class OnceLatest {
  public:
   explicit OnceLatest(Pair initial) { store(initial); }

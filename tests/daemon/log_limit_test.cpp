@@ -1,4 +1,4 @@
-// What the log is spared: a line that comes again and again is printed a few times a minute, and counted.
+// The limit of the log: a line that repeats is printed a few times a minute, and counted.
 #include "daemon/log/log_limit.hpp"
 
 #include <gmock/gmock.h>
@@ -52,7 +52,8 @@ TEST_F(Limit, OneSensorsFlapsHideNeitherAnothersNorAnotherTrouble) {
   EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrintedPerWindow);
   EXPECT_EQ(admitted(kGone, "left", 3, 1s), 3);
   EXPECT_EQ(admitted(kStale, "right", 3, 1s), 3);
-  EXPECT_THAT(limit_.take_expired(begin_ + 2min), SizeIs(1)) << "what was not held back is not told again";
+  EXPECT_THAT(limit_.take_expired(begin_ + 2min), SizeIs(1))
+      << "a line that was not held back is not repeated";
 }
 
 TEST(LogLines, ThatAreTooLongAreCut) {

@@ -1,4 +1,4 @@
-// Lines in, answers out, without a socket.
+// Requests and answers as text, without a socket.
 #include "daemon/rpc/rpc.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(Rpc, NestingIsAllowedUpToItsLimitAndBracketsInStringsDoNotCount) {
   EXPECT_TRUE(parse(text).error_response.empty());
 }
 
-TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
+TEST(Rpc, AnyBytesGetAnAnswerInJson) {
   std::mt19937 random(1);
   const std::string good =
       R"([{"jsonrpc":"2.0","id":1,"method":"gamma","params":{"sensor":"left"}},{"a":[1e5,"\u00e9"]}])";
@@ -57,7 +57,7 @@ TEST(Rpc, WhateverTheBytesThereIsAnAnswerAndItIsJson) {
   }
 }
 
-TEST(Rpc, WhatClientsSendUsuallyIsPlain) {
+TEST(Rpc, CommonRequestsTakeTheFastParser) {
   for (const char* text : {R"({"jsonrpc":"2.0","id":1,"method":"gamma"})",
                            R"({"jsonrpc": "2.0", "id": 0, "method": "gamma", "params": {}})",
                            R"({"method":"gamma","params":{"sensor":"left"},"id":"a-7","jsonrpc":"2.0"} )"}) {
@@ -67,7 +67,7 @@ TEST(Rpc, WhatClientsSendUsuallyIsPlain) {
   EXPECT_EQ(plain_request(R"({"jsonrpc":"2.0","id":"a-7","method":"gamma"})")->id, "\"a-7\"");
 }
 
-TEST(Rpc, WhatIsPlainIsReadAsIfItWereNot) {
+TEST(Rpc, TheFastParserAgreesWithTheFullOne) {
   std::mt19937 random(2);
   const std::string pieces[] = {"{",
                                 "}",
@@ -112,7 +112,7 @@ TEST(Rpc, WhatIsPlainIsReadAsIfItWereNot) {
     const auto request = plain_request(text);
     if (!request) continue;
     ++plain;
-    const Line line = parse("\n" + text);  // as JSON the same, and not plain
+    const Line line = parse("\n" + text);  // the same JSON, which the fast parser does not accept
     ASSERT_TRUE(line.error_response.empty()) << text;
     ASSERT_EQ(line.requests.size(), 1U) << text;
     ASSERT_FALSE(line.requests[0].error_response) << text;
@@ -135,9 +135,9 @@ TEST(Rpc, ABatchIsHandedOnWhenItsLastAnswerHasCome) {
   const auto answers = std::make_shared<Responses>(true, 3, [&](std::string text) { all = std::move(text); });
   Request asked;
   asked.id = "1";
-  Request told;
-  told.notification = true;
-  Reply(told, answers).result(true);
+  Request notification;
+  notification.notification = true;
+  Reply(notification, answers).result(true);
   Reply(asked, answers).result(2);
   EXPECT_EQ(all, "not yet");
   asked.id = "2";

@@ -1,4 +1,4 @@
-// What a subscriber is told, and what it is spared.
+// Which estimates a subscriber gets: its rate, its kinds of events, and the count of losses.
 #include "daemon/rpc/subscription.hpp"
 
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@ namespace {
 
 using nlohmann::json;
 
-class Subscribed : public ::testing::Test {
+class SubscriptionTest : public ::testing::Test {
  protected:
-  Subscribed() {
+  SubscriptionTest() {
     board_.sensors.push_back(std::make_unique<SensorStatus>("left", "trial"));
     board_.sensors.push_back(std::make_unique<SensorStatus>("right", "trial"));
   }
@@ -24,7 +24,7 @@ class Subscribed : public ::testing::Test {
     event.estimate.published_ns = static_cast<std::int64_t>(ms * 1e6) + 1'000'000'000;
     return event;
   }
-  int told(Subscription& subscription, double every_ms, double for_ms) {
+  int accepted(Subscription& subscription, double every_ms, double for_ms) {
     int count = 0;
     for (double ms = 0; ms < for_ms; ms += every_ms) {
       count += subscription.accepts(at_ms(ms), EventKind::estimate, lost_) ? 1 : 0;
@@ -35,25 +35,25 @@ class Subscribed : public ::testing::Test {
   std::uint64_t lost_ = 0;
 };
 
-TEST_F(Subscribed, EstimatesAreThinnedToTheRateAskedFor) {
+TEST_F(SubscriptionTest, EstimatesAreThinnedToTheRateAskedFor) {
   for (const double hz : {1.0, 30.0, 99.0, 500.0}) {
     Subscription subscription(1, {{"max_rate_hz", hz}}, board_);
-    const int count = told(subscription, 1, 10000);
+    const int count = accepted(subscription, 1, 10000);
     EXPECT_LE(count, 10 * hz + 1) << hz;
     EXPECT_GE(count, 10 * hz * 0.9) << hz;
   }
   Subscription all(2, json::object(), board_);
-  EXPECT_EQ(told(all, 1, 1000), 1000);
+  EXPECT_EQ(accepted(all, 1, 1000), 1000);
 }
 
-TEST_F(Subscribed, AChangeOfStateIsToldWhateverTheRate) {
+TEST_F(SubscriptionTest, AChangeOfStateIsSentAtAnyRate) {
   Subscription slow(1, {{"max_rate_hz", 1}}, board_);
   EXPECT_TRUE(slow.accepts(at_ms(0), EventKind::estimate, lost_));
   EXPECT_FALSE(slow.accepts(at_ms(1), EventKind::estimate, lost_));
   EXPECT_TRUE(slow.accepts(at_ms(2, State::stale), EventKind::estimate, lost_));
 }
 
-TEST_F(Subscribed, WhatWasLostOnTheWayIsAddedUpUntilTheNextIsTold) {
+TEST_F(SubscriptionTest, LossesAreSummedUntilTheNextNotification) {
   Subscription slow(1, {{"max_rate_hz", 1}}, board_);
   slow.accepts(at_ms(0), EventKind::estimate, lost_);
   Event event = at_ms(10);
@@ -65,7 +65,7 @@ TEST_F(Subscribed, WhatWasLostOnTheWayIsAddedUpUntilTheNextIsTold) {
   EXPECT_EQ(lost_, 7U);
 }
 
-TEST_F(Subscribed, OnlyTheSensorsAndEventsAskedForAreTold) {
+TEST_F(SubscriptionTest, OnlyTheRequestedSensorsAndEventsAreSent) {
   Subscription subscription(1, {{"sensors", {"right"}}, {"events", {"alert"}}}, board_);
   Event event = at_ms(0);
   EXPECT_FALSE(subscription.accepts(event, EventKind::alert, lost_));

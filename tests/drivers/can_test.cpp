@@ -1,4 +1,4 @@
-// The CAN driver on a bus that is a pair of sockets, at whose other end a simulated board sits.
+// The CAN driver on a bus that is a pair of sockets, with a simulated board at the other end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -41,7 +41,7 @@ class CanDriverOnABus : public testing::Test {
 
   ReadResult read() { return driver_.read(std::span(&slot_.slot, 1), 5ms); }
 
-  // Until the driver has sent its start messages and the board has heard them.
+  // Waits until the driver has sent its start messages and the board has received them.
   void start() {
     driver_.open();
     EXPECT_EQ(read().status, ReadStatus::timeout);
@@ -113,7 +113,7 @@ TEST_F(CanDriverOnABus, says_so_when_the_bus_is_gone) {
   driver_.close();
 }
 
-TEST_F(CanDriverOnABus, takes_nothing_from_the_heap_while_reading) {
+TEST_F(CanDriverOnABus, allocates_nothing_while_reading) {
   start();
   scan();
   std::uint64_t allocated = 0;

@@ -1,4 +1,4 @@
-// What tests of drivers share: slots with memory, and a setup of one sensor.
+// Shared by the tests of drivers: slots with memory, and a setup of one sensor.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -68,7 +68,7 @@ TEST(Descriptor, puts_places_into_a_profile_that_names_usages) {
   EXPECT_THAT(test::refusal_of([&] { resolve_usages(profile, nibble); }), HasSubstr("has 4 bits from bit 0"));
 }
 
-TEST(Descriptor, of_any_bytes_is_survived) {
+TEST(Descriptor, of_any_bytes_does_not_crash) {
   std::mt19937 random(5);
   const Bytes& good = devices::hid_force().hid->report_descriptor;
   for (int i = 0; i < 20000; ++i) {

@@ -148,7 +148,7 @@ TEST(ModbusDriver, keeps_the_profiles_rate_and_its_sequence) {
   EXPECT_GE(host.slots[0].time_ns - begun_ns, 150'000'000) << "twenty periods of 10 ms, the first one late";
 }
 
-TEST(ModbusDriver, takes_nothing_from_the_heap_while_reading) {
+TEST(ModbusDriver, allocates_nothing_while_reading) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();

@@ -42,7 +42,7 @@ TEST(SimDrivers, RunWithoutASingleOption) {
   EXPECT_EQ(next(driver, slot).status, ReadStatus::frame);
 }
 
-TEST(SimDrivers, ShowSlipRegripAndOtherFrictionInTheCycleThatNobodyAskedFor) {
+TEST(SimDrivers, ShowSlipRegripAndOtherFrictionInTheDefaultCycle) {
   const auto settings = parse_options(small(json::object())).sensor;
   SimulatedSensor sensor(TaxelLayout::grid(4, 4, 0.003), settings);
   int slips = 0, frictions = 0, free = 0;
@@ -86,7 +86,7 @@ TEST(SimDrivers, ReturnWithoutAFrameWhenTheTimeGivenIsShorterThanTheWait) {
   EXPECT_EQ(driver.read({&slot.slot, 1}, microseconds(100)).status, ReadStatus::timeout);
 }
 
-TEST(SimDrivers, LeaveFramesOutWithAJumpWhenNobodyTookThem) {
+TEST(SimDrivers, SkipFramesWithAGapInTheSequenceIfNotRead) {
   SimDriver driver({small(json::object(), 100000)});
   driver.open();
   OwnedSlot slot(16);
@@ -171,7 +171,7 @@ TEST(SimDrivers, AtSpeedZeroFramesAreLostAndLateAsInRealTime) {
   EXPECT_NEAR(static_cast<double>(slot.slot.sequence), 2000, 200);
 }
 
-TEST(SimDrivers, RefuseWhatMakesNoSenseAndSayTheRemedy) {
+TEST(SimDrivers, RefuseInvalidOptionsWithTheRemedy) {
   auto flat = small(json::object());
   flat.skin_radius_m = std::numeric_limits<double>::infinity();
   EXPECT_THAT(refusal_of([&] { SimDriver({flat}); }), HasSubstr("a flat skin needs a round object"));
@@ -229,7 +229,7 @@ TEST_F(GripInputs, SetTheNormalForceOfTheNextFrame) {
   EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
-TEST_F(GripInputs, TakeThePlaceOfASocketWhoseOwnerIsGoneAndOfNothingElse) {
+TEST_F(GripInputs, ReplaceASocketWithoutAnOwnerAndNothingElse) {
   std::filesystem::create_directory(path_);
   EXPECT_THAT(refusal_of([&] { GripInput input(path_); }), HasSubstr(path_.string()));
   std::filesystem::remove(path_);

@@ -66,7 +66,7 @@ TEST(SimulatedSensors, GiveBackTheForcesInTheSumsOfTheirTaxels) {
   }
 }
 
-TEST(SimulatedSensors, TellTheTruthBesideTheFrame) {
+TEST(SimulatedSensors, GiveTheTruthWithEachFrame) {
   SimulatedSensor sensor(TaxelLayout::grid(8, 8, 0.002), settings_of(eventful_cycle()));
   double lowest = 1;
   run(sensor, 960, [&](const FrameSlot& frame, const SimulatedSensor& s) {
@@ -254,7 +254,7 @@ TEST(Scripts, VisitEveryCornerBetweenTwoMoments) {
   EXPECT_LE(visits, 7);  // a long sleep costs one round, not all of them
 }
 
-TEST(Scripts, WithoutMeaningAreRefusedWithThePhase) {
+TEST(Scripts, ThatAreInvalidAreRefusedWithThePhase) {
   const auto refusal = [](std::vector<Phase> cycle) -> std::string {
     try {
       Script{cycle};

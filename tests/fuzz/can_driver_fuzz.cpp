@@ -1,6 +1,6 @@
-// Any frames on a CAN bus with two boards of taxels: what comes out are frames of finite numbers, and reading
-// ends. Input: packets of an identifier (2 bytes), flags (extended, error, remote, FD), a length and the
-// data.
+// Any frames on a CAN bus with two boards of taxels: the driver gives frames of finite numbers, and each
+// read returns. Input: packets of an identifier (2 bytes), flags (extended, error, remote, FD), a length and
+// the data.
 #include <sys/socket.h>
 
 #include <cmath>
@@ -45,7 +45,7 @@ class Bus {
       if ((in[2] & 1U) != 0) frame.can_id |= CAN_EFF_FLAG;
       if ((in[2] & 2U) != 0) frame.can_id |= CAN_ERR_FLAG;
       if ((in[2] & 4U) != 0) frame.can_id |= CAN_RTR_FLAG;
-      frame.len = in[3];  // whatever it claims
+      frame.len = in[3];  // any length, true or not
       const std::size_t size = std::min<std::size_t>({in[3], in.size() - 4, sizeof frame.data});
       std::memcpy(frame.data, in.data() + 4, size);
       in = in.subspan(4 + size);

@@ -1,6 +1,5 @@
-// Any estimates on any bus: whatever an estimator says and the interface answers, each message that goes out
-// keeps its identifier, its checksum and the rule that a margin is told in state ok only. Input: a script of
-// one byte's orders with their operands.
+// Any estimates on any bus: each message that goes out has its identifier and checksum, and carries a margin
+// in state ok only. Input: a script of orders of one byte each, with their operands.
 #include <cstring>
 
 #include "daemon/can/scheduler.hpp"

@@ -1,6 +1,7 @@
-// Any bytes, by any shipped profile: what comes out are whole frames of numbers in a rising sequence, or
-// none. The first byte says which profile, the rest is what arrives: on USB in pieces whose length a byte
-// before each says, on other buses as packets (rule, length, bytes) a tenth of the scan's time-out apart.
+// Any bytes, by any shipped profile: the decoder gives whole frames of finite numbers with rising sequence
+// numbers, or none. The first byte selects the profile, the rest is the device's data. On USB a byte before
+// each piece is its length. On other buses the data are packets (rule, length, bytes), a tenth of the scan's
+// time-out apart.
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -15,12 +16,12 @@ using namespace slipd;
 using fuzz::demand;
 using Bytes = std::span<const std::uint8_t>;
 
-// In the order in which they came: the corpus counts on it.
+// In the order in which the profiles were added: files of the corpus select them by index.
 constexpr const char* kNames[] = {"3dconnexion", "contactile-pts2", "icub-mtb",      "onrobot-rg2-ft",
                                   "optoforce",   "oymotion-rohand", "robotiq-ft300", "robotiq-tsf85",
                                   "takktile",    "vendor-hid-8x8",  "xela-xr1944",   "hid-force"};
 
-// The device's first sensor.
+// The first sensor of a device.
 class Device {
  public:
   explicit Device(const decode::Profile& profile)

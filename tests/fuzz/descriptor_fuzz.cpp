@@ -1,5 +1,5 @@
-// Any bytes as a HID report descriptor: its fields lie within its reports, and a profile that names a force
-// by usage is refused with words or reads reports of the length that the descriptor says.
+// Any bytes as a HID report descriptor: its fields lie within its reports. A profile that names a force by
+// usage is refused with a message, or reads reports of the length that the descriptor states.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -29,7 +29,7 @@ void read_reports(const decode::Profile& profile) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const decode::Profile kForce = decode::find_profile("hid-force");
   const std::span descriptor(data, size);
-  std::map<std::uint8_t, std::size_t> ends;  // of each report's last field
+  std::map<std::uint8_t, std::size_t> ends;  // the end of each report's last field
   for (const hid::InputField& field : hid::input_fields(descriptor))
     ends[field.report] = std::max(ends[field.report], field.bit + field.bits);
   for (const auto& [report, bits] : ends) demand(bits <= 8 * hid::report_length(descriptor, report));

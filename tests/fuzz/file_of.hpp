@@ -1,4 +1,4 @@
-// The bytes of one input as a file, for readers that open files: in memory, one for all inputs.
+// The bytes of one input as a file in memory, for readers that open files.
 #pragma once
 
 #include <sys/mman.h>

@@ -33,7 +33,7 @@ void play(replay::Playlist& playlist, FrameSlot& slot) {
 
 }  // namespace
 
-// The first byte: whether in a loop, and whether the sensor's rate is known.
+// The first byte: whether the file is played in a loop, and whether the sensor's rate is given.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const bool loop = (data[0] & 1U) != 0;

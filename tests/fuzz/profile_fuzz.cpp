@@ -1,4 +1,5 @@
-// Any text as a profile: it is refused with a message, or accepted; then its decoder survives a few bytes.
+// Any text as a profile: it is refused with a message, or accepted; an accepted profile then decodes a few
+// bytes.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -37,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     try_out(decode::parse_profile(std::string(data, data + size), "fuzzed"));
   } catch (const DriverError&) {
-    // that is what it is for
+    // the expected refusal
   }
   return 0;
 }

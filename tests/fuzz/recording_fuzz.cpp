@@ -19,7 +19,7 @@ std::uint64_t play(RecordingReader& reader, FrameSlot& slot) {
   std::optional<RecordedEstimate> estimate;
   Status status = reader.next(slot, &estimate);
   for (; status == Status::frame; status = reader.next(slot, &estimate)) ++frames;
-  demand(reader.next(slot) == status);  // and stays so
+  demand(reader.next(slot) == status);  // and does not change
   demand(reader.fault().empty() == (status == Status::end));
   return frames;
 }

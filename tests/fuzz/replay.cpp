@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
       if (!file.is_regular_file()) continue;
       std::ifstream in(file.path(), std::ios::binary);
       const std::vector<char> bytes(std::istreambuf_iterator<char>(in), {});
-      std::fprintf(stderr, "%s\n", file.path().c_str());  // the last one said is the one that did it
+      // after a crash, the last name printed is the input that caused it
+      std::fprintf(stderr, "%s\n", file.path().c_str());
       LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
       ++files;
     }

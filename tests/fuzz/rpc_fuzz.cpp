@@ -1,5 +1,6 @@
-// Any bytes from clients of the socket, cut into any pieces: each line is answered once and whole, whatever
-// else happens meanwhile. In the input, a byte from 1 to 8 is an order (below), all others are sent.
+// Any bytes from clients of the socket, cut into any pieces: each line gets one complete answer,
+// concurrently with estimates and other clients. In the input, a byte from 1 to 8 is an order (below); all
+// other bytes are sent.
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -21,7 +22,7 @@ using fuzz::demand;
 
 constexpr std::size_t kSensors = 2, kMostPeers = 3;
 
-// The kernel chooses its name.
+// The kernel chooses the socket's name.
 UniqueFd make_listener(sockaddr_un& address, socklen_t& length) {
   UniqueFd fd(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   address.sun_family = AF_UNIX;
@@ -32,7 +33,7 @@ UniqueFd make_listener(sockaddr_un& address, socklen_t& length) {
   return fd;
 }
 
-// The other end of one connection.
+// The client's end of one connection.
 class Peer {
  public:
   Peer(const sockaddr_un& address, socklen_t length)
@@ -70,7 +71,7 @@ class Peer {
     }
   }
 
-  // After the last word.
+  // Called after the last piece.
   void check() {
     hear();
     demand(heard_.empty() || heard_.back() == '\n');
@@ -83,7 +84,7 @@ class Peer {
       if (!first.contains("method")) ++answers;
       at = end + 1;
     }
-    demand(answers <= lines_ + 1);  // the last line may do without its end; or no room for this client
+    demand(answers <= lines_ + 1);  // one more: a last line without its end, or the refusal of this client
   }
 
  private:
@@ -138,7 +139,7 @@ class Stage {
       peer->finish();
     }
     turn();
-    server_.reset();  // who waits is told that nothing will come
+    server_.reset();  // a request that waits for a frame gets its error
     recorder_.end_all();
     for (int i = 0; i < 3; ++i) {
       turn();

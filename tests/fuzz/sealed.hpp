@@ -1,5 +1,5 @@
-// The bytes of one input inside the envelope that slipd's own files have, with a checksum that fits: what
-// lies behind the checksum is then fuzzed as well.
+// The bytes of one input within the envelope of slipd's own files, with a matching checksum, so that what
+// follows the checksum is fuzzed as well.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Any text as a configuration: settings that can be used, or problems of one plain line each that name the
-// file.
+// Any text as a configuration: it gives usable settings, or problems of one printable line each that name
+// the file.
 #include <cstdint>
 
 #include "tests/config/support.hpp"

@@ -1,5 +1,6 @@
-// Any bytes as a sensor's zero on disk: refused with words, or as many finite numbers as the sensor has. The
-// first byte says whether the rest is the whole file or the body of one whose checksum fits.
+// Any bytes as a sensor's bias on disk: refused with a message, or as many finite numbers as the sensor has
+// channels. The first byte selects whether the rest is the whole file or the body of one with a matching
+// checksum.
 #include <cmath>
 
 #include "daemon/state/bias_file.hpp"

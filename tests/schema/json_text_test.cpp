@@ -1,4 +1,4 @@
-// Reading JSON with comments: what is refused, and where it is said to be.
+// Reading JSON with comments: what is refused, and the position in the error.
 #include "schema/json_text.hpp"
 
 #include <gmock/gmock.h>

@@ -67,7 +67,7 @@ TEST(Schema, fills_in_defaults_at_every_level) {
             json::parse(R"({"a": {"b": 2}, "list": [{"c": 7}, {"c": 1}]})"));
 }
 
-TEST(Schema, tells_of_unknown_keys_and_what_was_meant) {
+TEST(Schema, reports_unknown_keys_with_the_likely_one) {
   const char* schema =
       R"({"type": "object", "additionalProperties": false, "properties": {"rate": {}, "name": {}}})";
   EXPECT_THAT(lines(schema, {{"rtae", 1}}),
@@ -80,7 +80,7 @@ TEST(Schema, tells_of_unknown_keys_and_what_was_meant) {
               ElementsAre("f: /a = 1: is an unknown key; none is known here"));
 }
 
-TEST(Schema, tells_of_missing_keys) {
+TEST(Schema, reports_missing_keys) {
   EXPECT_THAT(lines(R"({"required": ["a"], "properties": {"a": {"type": "boolean"}}})", json::object()),
               ElementsAre("f: /a: is missing; expected true or false"));
 }

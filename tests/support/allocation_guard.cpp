@@ -1,5 +1,5 @@
-// Loaded before a program (LD_PRELOAD): counts what its threads allocate and free, by the thread's name, once
-// the test has armed it through a file that both map into memory.
+// Loaded before a program (LD_PRELOAD). Counts what its threads allocate and free, by the thread's name,
+// once the test has armed it through a file that both map into memory.
 #include "tests/support/allocation_guard.hpp"
 
 #include <fcntl.h>

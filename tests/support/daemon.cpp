@@ -19,12 +19,12 @@ namespace {
 using nlohmann::json;
 using namespace std::chrono_literals;
 
-// Ends a wait for what will never come.
+// The deadline of a wait.
 class Patience {
  public:
   explicit Patience(Program& program) : program_(program) {}
 
-  // Throws when slipd has ended, or has said nothing more for kPatience.
+  // Waits a little. Throws when slipd has ended, or has logged nothing for kPatience.
   void hold(const std::string& last_seen) {
     const std::uintmax_t said = program_.errors().size();
     const auto now = std::chrono::steady_clock::now();
@@ -44,7 +44,7 @@ class Patience {
   std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::now() + kPatience;
 };
 
-// What a service manager would listen on for READY=1.
+// The socket of a service manager, for READY=1.
 class NotifySocket {
  public:
   explicit NotifySocket(const std::filesystem::path& path)
@@ -139,7 +139,7 @@ std::size_t Daemon::descriptors_at_rest() const {
       RpcClient client(socket_);
       while (client.result("status")["clients"] != 1) patience.hold("clients that are gone are not let go");
       return open_descriptors(program_->pid());
-    } catch (const RpcClient::NoAnswer&) {  // all places are still taken by those that are gone
+    } catch (const RpcClient::NoAnswer&) {  // clients that have left may still hold all places
       patience.hold("clients that are gone keep their places");
     }
   }

@@ -1,4 +1,4 @@
-// The real slipd on a private socket: ready when the constructor returns.
+// The real slipd on a private socket: it serves when the constructor returns.
 #pragma once
 
 #include <functional>
@@ -9,19 +9,19 @@
 
 namespace slipd::testing {
 
-// The folder of the modules that are for tests only (trial), and that of the real ones.
+// The folder of the modules for tests (trial), and that of the shipped ones.
 std::filesystem::path trial_drivers();
 std::filesystem::path real_drivers();
 
-// A sensor of the driver trial; more members as they are given.
+// A sensor of the driver trial, with additional members.
 nlohmann::json trial_sensor(const std::string& name, const nlohmann::json& options = nlohmann::json::object(),
                             const nlohmann::json& more = nlohmann::json::object());
 
-// A configuration with these sensors and a socket in the folder; more top-level members as they are given.
+// A configuration with these sensors and a socket in the folder, with additional members.
 nlohmann::json config_with(const TempFolder& folder, const nlohmann::json& sensors,
                            const nlohmann::json& more = nlohmann::json::object());
 
-// Whether this build runs under a sanitizer, which is slower and, at its end, waits a second for late
+// Whether this build runs under a sanitizer. Such a build is slower, and waits a second at its end for late
 // reports.
 constexpr bool sanitized() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -33,11 +33,11 @@ constexpr bool sanitized() {
 
 class Daemon {
  public:
-  // Starts it and waits until it says READY=1. Throws std::runtime_error with its errors if it ends before.
+  // Starts slipd and waits for READY=1. Throws std::runtime_error with its log if it ends before.
   Daemon(const nlohmann::json& config, const std::filesystem::path& drivers,
          const Program::Environment& more = {});
 
-  // Fails the test if a sanitizer had something to say of it.
+  // Fails the test if a sanitizer reported an error.
   ~Daemon();
 
   RpcClient client() const { return RpcClient(socket_); }
@@ -45,19 +45,19 @@ class Daemon {
   const std::filesystem::path& config() const { return config_; }
   Program& program() const { return *program_; }
 
-  // Asks again and again until `enough` is pleased; the last `method` result. Throws if it never is, or when
-  // slipd has ended. Patience begins anew with each line of the log: what makes progress (a training) may
-  // take as long as it likes.
+  // Calls `method` until `enough` accepts the result, and returns that result. Throws when slipd has ended
+  // or the time is over. The time begins anew with each line of the log, so a training may take as long as
+  // it needs.
   nlohmann::json wait_for(const std::string& method,
                           const std::function<bool(const nlohmann::json&)>& enough) const;
 
-  // How many files it has open once there is no client but the one that asks.
+  // The number of open files when there is no client but the one that asks.
   std::size_t descriptors_at_rest() const;
 
-  // SIGTERM, then its exit code; none if it does not end.
+  // Sends SIGTERM and returns the exit code; none if slipd does not end.
   std::optional<int> stop();
 
-  // Waits until it has said this, or throws.
+  // Waits until the log contains this text, or throws.
   void wait_for_log(const std::string& text) const;
 
  private:

@@ -1,5 +1,5 @@
-// A small reader of DBC files for tests: messages, signals, value tables. Reads the statements that slipd.dbc
-// has, and throws std::runtime_error with the line for one of those that makes no sense.
+// A small reader of DBC files for tests: messages, signals, value tables. Reads the statements that
+// slipd.dbc has. Throws std::runtime_error with the line of an invalid statement.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct DbcSignal {
 };
 
 struct DbcMessage {
-  std::uint32_t id = 0;  // without the mark of 29 bits
+  std::uint32_t id = 0;  // without the flag for 29 bits
   bool extended = false;
   std::string name, comment;
   unsigned length = 0;
@@ -32,7 +32,7 @@ struct DbcMessage {
   std::map<std::string, int> attributes;
 };
 
-// By identifier.
+// The messages by identifier.
 std::map<std::uint32_t, DbcMessage> read_dbc(const std::string& text);
 
 }  // namespace slipd::testing

@@ -20,7 +20,7 @@ void* taken(std::size_t size, std::size_t alignment) {
 
 }  // namespace
 
-// The array and nothrow forms of the standard library come down to these.
+// The array and nothrow forms of the standard library call these.
 void* operator new(std::size_t size) {
   return taken(size, 1);
 }

@@ -11,7 +11,7 @@ std::size_t resident_kb(pid_t process);
 std::size_t open_descriptors(pid_t process);
 std::size_t threads(pid_t process);
 
-// A process that it has started and that still runs; 0: there is none.
+// The process's running child; 0: none.
 pid_t child_of(pid_t process);
 
 }  // namespace slipd::testing

@@ -18,7 +18,7 @@ class Program {
  public:
   using Environment = std::vector<std::pair<std::string, std::string>>;
 
-  // Starts it with output and errors in files of `folder`, named after `name`.
+  // Starts it. Output and errors go to files in `folder`, named after `name`.
   Program(const TempFolder& folder, const std::string& name, std::vector<std::string> command,
           const Environment& environment = {});
   ~Program();  // kills it if it still runs
@@ -40,10 +40,10 @@ class Program {
   std::optional<int> code_;
 };
 
-// The folder of the programs that this build has made.
+// The folder of the programs of this build.
 std::filesystem::path program_folder();
 
-// Runs a program to its end. Fails the test if that does not come.
+// Runs a program to its end. Fails the test if it does not end.
 struct Ran {
   int code = -1;
   std::string output, errors;

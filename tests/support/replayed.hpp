@@ -10,8 +10,8 @@ namespace slipd::testing {
 struct Replayed {
   std::uint64_t frames = 0;
   std::uint64_t last_sequence = 0;
-  bool in_order = true;  // each has a higher sequence number than the one before
-  std::string fault;     // why it ended early, or is none; empty: it is whole
+  bool in_order = true;  // sequence numbers rise
+  std::string fault;     // why reading ended early; empty: the recording is whole
 };
 
 Replayed replay(const std::filesystem::path& file);

@@ -1,4 +1,5 @@
-// A client of slipd's socket for tests: lines, requests, descriptors passed along. Every wait has an end.
+// A client of slipd's socket for tests: lines, requests, descriptors passed along. Every wait has a
+// deadline.
 #pragma once
 
 #include <chrono>
@@ -15,18 +16,18 @@ namespace slipd::testing {
 
 class RpcClient {
  public:
-  // The other end has closed, or has said nothing for kPatience.
+  // The other end has closed, or has sent nothing for kPatience.
   class NoAnswer : public std::runtime_error {
    public:
     using std::runtime_error::runtime_error;
   };
 
-  explicit RpcClient(const std::filesystem::path& socket);  // throws std::runtime_error if nobody listens
+  explicit RpcClient(const std::filesystem::path& socket);  // throws std::runtime_error if no process listens
   ~RpcClient();
   RpcClient(const RpcClient&) = delete;
   RpcClient& operator=(const RpcClient&) = delete;
 
-  // All of `bytes`, as far as the other end takes them; false if it has closed.
+  // Sends all of `bytes`, or as much as the other end takes; false if it has closed.
   bool send(const std::string& bytes, int descriptor = -1);
   bool send_line(const std::string& line) { return send(line + "\n"); }
 
@@ -35,7 +36,7 @@ class RpcClient {
   // The next line without its end; none if the other end closed first or time ran out.
   std::optional<std::string> line(std::chrono::milliseconds patience = kPatience);
   bool closed_by_peer(
-      std::chrono::milliseconds patience = kPatience);  // within that time; lines are thrown away
+      std::chrono::milliseconds patience = kPatience);  // waits at most this long; lines are discarded
 
   // The whole answer to one request; notifications before it are kept. Throws std::runtime_error if none
   // comes.

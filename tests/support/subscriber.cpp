@@ -81,19 +81,19 @@ void Subscriber::take_line(std::string_view line, std::int64_t now_ns) {
     return;
   }
   const std::string_view name = member(line, R"("sensor":)");
-  if (name.empty()) return;  // the answer to its request
-  Told& told = told_[std::string(name)];
+  if (name.empty()) return;  // the answer to the subscription
+  Counts& counts = counts_[std::string(name)];
   const std::uint64_t sequence = number(member(line, R"("seq":)"));
-  const bool another = sequence != told.last_sequence;
-  ++told.events;
-  told.frames += another ? 1 : 0;
-  told.dropped += number(member(line, R"("dropped":)"));
-  told.last_sequence = sequence;
-  told.last_state = member(line, R"("state":)");
+  const bool another = sequence != counts.last_sequence;
+  ++counts.events;
+  counts.frames += another ? 1 : 0;
+  counts.dropped += number(member(line, R"("dropped":)"));
+  counts.last_sequence = sequence;
+  counts.last_state = member(line, R"("state":)");
   if (another && keep_latencies_) {
     const auto sampled_ns = static_cast<std::int64_t>(number(member(line, R"("time_ns":)")));
     const std::lock_guard lock(mutex_);
-    latencies_.told_us.push_back(1e-3 * static_cast<double>(now_ns - sampled_ns));
+    latencies_.delivered_us.push_back(1e-3 * static_cast<double>(now_ns - sampled_ns));
     latencies_.published_us.push_back(static_cast<double>(number(member(line, R"("latency_us":)"))));
   }
 }
@@ -103,17 +103,17 @@ Subscriber::Latencies Subscriber::take_latencies() {
   return std::exchange(latencies_, {});
 }
 
-Subscriber::Told Subscriber::total() const {
-  Told all;
-  for (const auto& [name, told] : told_) {
-    all.events += told.events;
-    all.frames += told.frames;
-    all.dropped += told.dropped;
+Subscriber::Counts Subscriber::total() const {
+  Counts all;
+  for (const auto& [name, counts] : counts_) {
+    all.events += counts.events;
+    all.frames += counts.frames;
+    all.dropped += counts.dropped;
   }
   return all;
 }
 
-Reading::Reading(Subscriber& subscriber, std::chrono::milliseconds pause)
+BackgroundReader::BackgroundReader(Subscriber& subscriber, std::chrono::milliseconds pause)
     : thread_([&subscriber, pause](const std::stop_token& stop) {
         const bool slow = pause.count() > 0;
         while (!stop.stop_requested()) {

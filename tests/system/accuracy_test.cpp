@@ -1,7 +1,7 @@
-// Simulated sensors through their driver and the estimator, frame by frame, held against the truth that
-// travels beside the frames; that the daemon tells the same of the same frames; and real frames of a real
-// sensor, of which only trends are known. Sensors play at speed 0: nothing here depends on how fast the
-// machine is.
+// Compares estimates with the truth of simulated sensors, frame by frame: first without the daemon, then on
+// the socket, where each frame must have the same estimate. Recorded frames of a real sensor have no truth;
+// of them only states and trends are tested. Sensors play at speed 0, so nothing here depends on how fast
+// the machine is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,8 @@ namespace {
 
 using nlohmann::json;
 
-// The load rises from nothing to slip at constant force, again and again, with another friction each time.
+// The load rises from nothing to slip at constant normal force, again and again, each time with another
+// friction.
 json rising_loads() {
   json cycle = json::array();
   for (const double friction : {0.2, 0.4, 0.6, 0.8}) {
@@ -41,7 +42,7 @@ json simulated(const json& options) {
       {"name", "finger"}, {"driver", "sim"}, {"rate_hz", 200}, {"stale_after_ms", 60'000}, {"options", all}};
 }
 
-// What the daemon does with a sensor's frames, without the daemon.
+// One sensor's driver and estimator, as the daemon runs them, without the daemon.
 class FrameByFrame {
  public:
   explicit FrameByFrame(const json& config)
@@ -57,7 +58,7 @@ class FrameByFrame {
     slot_.shear_y_pa = all.last(taxels);
   }
 
-  // Of the next frame, with its truth.
+  // The estimate of the next frame, with the frame's truth.
   Estimate next() {
     EXPECT_EQ(driver_->read({&slot_, 1}, std::chrono::seconds(0)).status, ReadStatus::frame);
     slot_.zeroed = true;
@@ -88,51 +89,50 @@ class FrameByFrame {
   EstimatorChain chain_;
 };
 
-struct Account {
-  std::string worst_of_all;  // the estimate that was furthest off
+struct MarginErrors {
+  std::string worst_frame;  // the estimate with the largest error
   int ok = 0, others = 0;
   double error = 0, worst = 0, too_safe = -1;
 };
 
-// Of so many frames of a contact.
-Account account_of(const json& config, int frames) {
+// The errors over this many frames in contact.
+MarginErrors margin_errors(const json& config, int frames) {
   FrameByFrame played(config);
-  Account account;
-  while (account.ok + account.others < frames) {
+  MarginErrors errors;
+  while (errors.ok + errors.others < frames) {
     const Estimate estimate = played.next();
     EXPECT_EQ(estimate.gamma.has_value(), estimate.state == State::ok);
     if (std::isnan(estimate.truth.gamma)) continue;
     if (!estimate.gamma) {
-      ++account.others;
+      ++errors.others;
       continue;
     }
     const double off = *estimate.gamma - estimate.truth.gamma;
-    ++account.ok;
-    account.error += std::fabs(off);
-    if (std::fabs(off) > account.worst) {
-      account.worst = std::fabs(off);
-      account.worst_of_all = "frame " + std::to_string(estimate.sequence) + ": margin " +
-                             std::to_string(*estimate.gamma) + ", true " +
-                             std::to_string(estimate.truth.gamma);
+    ++errors.ok;
+    errors.error += std::fabs(off);
+    if (std::fabs(off) > errors.worst) {
+      errors.worst = std::fabs(off);
+      errors.worst_frame = "frame " + std::to_string(estimate.sequence) + ": margin " +
+                           std::to_string(*estimate.gamma) + ", true " + std::to_string(estimate.truth.gamma);
     }
-    account.too_safe = std::max(account.too_safe, off);
+    errors.too_safe = std::max(errors.too_safe, off);
   }
-  account.error /= std::max(1, account.ok);
-  return account;
+  errors.error /= std::max(1, errors.ok);
+  return errors;
 }
 
 class RisingLoads : public ::testing::TestWithParam<std::pair<const char*, double>> {};
 
-TEST_P(RisingLoads, AreReadAsNearToTheTruthAsTheMethodCan) {
+TEST_P(RisingLoads, AreWithinTheErrorOfTheMethod) {
   const auto& [method, most_error] = GetParam();
   const TempFolder folder;
   const json estimator = {{"method", method}, {"tracking", false}, {"offset_mm", 0}, {"noise", 0.01}};
-  const Account account = account_of(
+  const MarginErrors errors = margin_errors(
       config_with(folder, json::array({simulated({{"cycle", rising_loads()}})}), {{"estimator", estimator}}),
       1000);
-  EXPECT_GT(account.ok, 800);
-  EXPECT_LE(account.error, most_error);
-  RecordProperty("mean_error", std::to_string(account.error));
+  EXPECT_GT(errors.ok, 800);
+  EXPECT_LE(errors.error, most_error);
+  RecordProperty("mean_error", std::to_string(errors.error));
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, RisingLoads,
@@ -144,20 +144,21 @@ INSTANTIATE_TEST_SUITE_P(Methods, RisingLoads,
                            return name;
                          });
 
-TEST(AGrippersLife, WithRegripUnloadingAndChangesOfFrictionNeverGetsAMarginThatIsFarOff) {
+TEST(AGraspsHistory, WithRegripUnloadingAndChangesOfFrictionGetsNoMarginThatIsFarOff) {
   for (const char* method : {"fit", "moments", "svd-knn"}) {
     SCOPED_TRACE(method);
     const TempFolder folder;
     const json estimator = {{"method", method}, {"offset_mm", 0}, {"noise", 0.01}};
-    const Account account = account_of(
+    const MarginErrors errors = margin_errors(
         config_with(folder, json::array({simulated(json::object())}), {{"estimator", estimator}}), 1200);
-    EXPECT_GT(account.ok, 600);
-    EXPECT_LE(account.worst, 0.25) << account.worst_of_all;
-    EXPECT_LE(account.too_safe, 0.15);
+    EXPECT_GT(errors.ok, 600);
+    EXPECT_LE(errors.worst, 0.25) << errors.worst_frame;
+    EXPECT_LE(errors.too_safe, 0.15);
   }
 }
 
-// A client is told of some frames, as many as it can read: of each it is told what it would be offline.
+// A client gets as many estimates as it can read. Each must equal the estimate of the same frame without the
+// daemon.
 TEST(OnTheSocket, EachEstimateIsThatOfItsFrameAndNoFrameIsSkipped) {
   for (const char* method : {"moments", "svd-knn"}) {
     SCOPED_TRACE(method);
@@ -169,11 +170,11 @@ TEST(OnTheSocket, EachEstimateIsThatOfItsFrameAndNoFrameIsSkipped) {
     Daemon daemon(config, real_drivers(), {{"XDG_CACHE_HOME", folder.path().string()}});
     auto client = daemon.client();
     client.result("subscribe", {{"events", {"estimate"}}});
-    std::map<std::uint64_t, json> told;
-    while (told.size() < 300) {
+    std::map<std::uint64_t, json> online;
+    while (online.size() < 300) {
       json estimate = client.notification().at("params");
       EXPECT_EQ(estimate["gamma"].is_number(), estimate["state"] == "ok") << estimate;
-      if (estimate["normal_n"].is_number()) told.insert_or_assign(estimate["seq"], estimate);
+      if (estimate["normal_n"].is_number()) online.insert_or_assign(estimate["seq"], estimate);
     }
     const json sensor = client.result("status")["sensors"][0];
     EXPECT_EQ(sensor["skipped"], 0) << sensor;
@@ -181,25 +182,26 @@ TEST(OnTheSocket, EachEstimateIsThatOfItsFrameAndNoFrameIsSkipped) {
     EXPECT_EQ(daemon.stop(), 0);
 
     FrameByFrame played(config);
-    for (std::uint64_t sequence = 0; sequence <= told.rbegin()->first; ++sequence) {
+    for (std::uint64_t sequence = 0; sequence <= online.rbegin()->first; ++sequence) {
       const Estimate estimate = played.next();
       ASSERT_EQ(estimate.sequence, sequence);
-      const auto found = told.find(sequence);
-      if (found == told.end()) continue;
-      const json& heard = found->second;
-      ASSERT_EQ(heard["state"], to_string(estimate.state)) << heard;
-      EXPECT_EQ(heard["alert"], to_string(estimate.alert)) << heard;
-      EXPECT_EQ(heard["method"], to_string(estimate.method)) << heard;
+      const auto found = online.find(sequence);
+      if (found == online.end()) continue;
+      const json& received = found->second;
+      ASSERT_EQ(received["state"], to_string(estimate.state)) << received;
+      EXPECT_EQ(received["alert"], to_string(estimate.alert)) << received;
+      EXPECT_EQ(received["method"], to_string(estimate.method)) << received;
       if (estimate.gamma) {
-        EXPECT_NEAR(heard["gamma"].get<double>(), *estimate.gamma, 1e-6) << heard;
-        EXPECT_NEAR(heard["sigma"].get<double>(), *estimate.sigma, 1e-6) << heard;
+        EXPECT_NEAR(received["gamma"].get<double>(), *estimate.gamma, 1e-6) << received;
+        EXPECT_NEAR(received["sigma"].get<double>(), *estimate.sigma, 1e-6) << received;
       }
     }
   }
 }
 
-// Three trials of two real fingertips. Counts are no newtons and most trials have no zero, so margins cannot
-// be tested: that every row arrives, that no number comes where nothing is known, and the course of Q/P can.
+// Three trials with two real fingertips. Counts are not newtons and most trials have no bias, so margins
+// cannot be tested. The test checks that every row arrives, that no number comes outside state ok, and how
+// Q/P develops.
 std::filesystem::path trials() {
   const char* shared = std::getenv("SLIPD_SHARED");
   return std::filesystem::path(shared != nullptr ? shared : SLIPD_SOURCE_DIR "/../shared") / "data/uskin";
@@ -211,7 +213,7 @@ int rows_of(const std::filesystem::path& file) {
 }
 
 // The mean of each channel over the last 20 rows of the third trial, where the object has fallen: the only
-// true zero.
+// rows without load.
 json zero_of(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::vector<std::vector<double>> rows;
@@ -230,7 +232,7 @@ json zero_of(const std::filesystem::path& file) {
   return zero;
 }
 
-TEST(RecordedGrasps, PlayThroughWholeWithHonestStates) {
+TEST(RecordedGrasps, PlayToTheEndWithoutAMarginOutsideStateOk) {
   if (!std::filesystem::exists(trials()))
     GTEST_SKIP() << "needs " << trials() << ", which is not part of the project";
   const auto third = trials() / "2022-02-22-15-15-00";

@@ -1,5 +1,5 @@
-// slipd's real-time threads allocate and free nothing once they run: shown on the real program, with every
-// allocation function replaced by one that counts.
+// slipd's real-time threads allocate and free nothing once they run. The test runs the real program with
+// every allocation function replaced by one that counts.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -40,9 +40,9 @@ std::uint64_t estimated(const json& status) {
   return least;
 }
 
-// Runs slipd until each of its sensors has answered some frames, arms the guard, and lets it answer a
-// thousand more while clients ask for everything.
-// The frames answered meanwhile, at most.
+// Runs slipd until each of its sensors has some estimates, arms the guard, and waits for a thousand more
+// while clients send every kind of request. Returns an upper bound of the estimates made while the guard was
+// armed.
 std::uint64_t watch(const json& sensors, const std::filesystem::path& drivers, SharedCounts& counts,
                     const TempFolder& folder, json more = {{"estimator", {{"method", "moments"}}}}) {
   Daemon daemon(config_with(folder, sensors, more), drivers,
@@ -77,8 +77,8 @@ TEST(Allocation, NoneInTheThreadsOfFramesAndEstimates) {
   EXPECT_GT(counts->others, 0U) << "the guard must have counted something";
 }
 
-// With an interface that is not there, which it looks for again and again; with one that is there, and ill,
-// tests/vm/guest/can_output.sh.
+// The interface does not exist, and the thread looks for it again and again. tests/vm/guest/can_output.sh
+// tests an interface that exists and fails.
 TEST(Allocation, NoneInTheThreadOfTheBus) {
   if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
   const TempFolder folder;
@@ -96,7 +96,7 @@ TEST(Allocation, NoneInTheThreadOfTheBus) {
   EXPECT_GT(counts->others, 0U);
 }
 
-// What is done about a zero comes every hundred milliseconds; the thousand frames are a second.
+// The bias is updated every hundred milliseconds; the thousand frames take a second.
 TEST(Allocation, NoneForASensorWhoseZeroIsTakenAndFollowed) {
   if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
   const TempFolder folder;
@@ -113,8 +113,8 @@ TEST(Allocation, NoneForASensorWhoseZeroIsTakenAndFollowed) {
   EXPECT_EQ(counts->estimate, 0U);
 }
 
-// FLANN's exact search allocates a list of visited nodes and frees it, each time; nothing of ours comes on
-// top.
+// FLANN's exact search allocates and frees a list of visited nodes for each query. slipd's own code adds no
+// allocation.
 TEST(Allocation, OfNearestNeighboursOnlyTheOneInsideFlann) {
   if (sanitized()) GTEST_SKIP() << "the sanitizer has replaced the allocator already";
   const TempFolder folder;

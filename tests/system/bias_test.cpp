@@ -1,5 +1,6 @@
-// A sensor that does not zero itself, with the real daemon: no margin before its zero is known, none of a
-// held load, the same margin after a restart in mid-grasp, and no trust in a file that is not its own.
+// A sensor that does not zero itself, with the real daemon: it gives no margin before its bias is known,
+// takes no bias under load, gives the same margin after a restart in mid-grasp, and refuses a damaged file
+// or another sensor's.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// Its offsets are three times what it measures.
+// A sensor whose offsets are three times the pressure of its contact.
 json sensor(const json& cycle, const json& options = json::object()) {
   json all{{"speed", 0}, {"zeroed", false}, {"zero_spread_kpa", 100}, {"noise", 0.002}, {"cycle", cycle}};
   all.merge_patch(options);
@@ -35,7 +36,7 @@ const json kHeld = {{{"ms", 1}, {"normal_n", 2}, {"shear_n", 0}, {"friction", 0.
                     {{"ms", 50}, {"load", {0, 0.5}}},
                     {{"ms", kForEverMs}}};
 
-class Zero : public ::testing::Test {
+class BiasTest : public ::testing::Test {
  protected:
   Daemon start(const json& cycle, const json& options = json::object()) const {
     return {config_with(folder_, json::array({sensor(cycle, options)})),
@@ -45,7 +46,7 @@ class Zero : public ::testing::Test {
   static json zero_of(const Daemon& daemon) { return daemon.client().result("status")["sensors"][0]["zero"]; }
   static json await(const Daemon& daemon, const char* state) {
     return daemon.wait_for(
-        "gamma", [&](const json& told) { return told["sensors"][0]["state"] == state; })["sensors"][0];
+        "gamma", [&](const json& result) { return result["sensors"][0]["state"] == state; })["sensors"][0];
   }
   std::filesystem::path kept() const {
     for (const auto& file : std::filesystem::directory_iterator(folder_.file("state") / "zero")) return file;
@@ -54,7 +55,7 @@ class Zero : public ::testing::Test {
   const TempFolder folder_;
 };
 
-TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
+TEST_F(BiasTest, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
   {
     const Daemon daemon = start(kFree);
     const json before = await(daemon, "unzeroed");
@@ -70,8 +71,8 @@ TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
     EXPECT_EQ(std::filesystem::status(kept()).permissions(), std::filesystem::perms(0640));
   }
   const Daemon daemon = start(kHeld);
-  const json held = daemon.wait_for("gamma", [](const json& told) {
-    const json& left = told["sensors"][0];
+  const json held = daemon.wait_for("gamma", [](const json& result) {
+    const json& left = result["sensors"][0];
     EXPECT_NE(left["state"], "unzeroed");
     return left["state"] == "ok" && left["normal_n"].is_number() && left["truth"]["gamma"].is_number() &&
            std::fabs(left["gamma"].get<double>() - left["truth"]["gamma"].get<double>()) < 0.02 &&
@@ -84,7 +85,7 @@ TEST_F(Zero, IsTakenOnRequestAndHoldsThroughARestartInMidGrasp) {
   EXPECT_GE(zero["taken_s_ago"], zero["confirmed_s_ago"]);
 }
 
-TEST_F(Zero, IsAskedForOnTheCommandLine) {
+TEST_F(BiasTest, CanBeRequestedOnTheCommandLine) {
   const Daemon daemon = start(kFree);
   const std::string slipctl = (program_folder() / "slipctl").string();
   const Ran ran = run({slipctl, "--socket", daemon.socket().string(), "rebias", "left"});
@@ -100,7 +101,7 @@ TEST_F(Zero, IsAskedForOnTheCommandLine) {
               HasSubstr("slipd_zeroed{sensor=\"left\"} 1"));
 }
 
-TEST_F(Zero, IsNotTakenFromWhatIsHeld) {
+TEST_F(BiasTest, IsNotTakenUnderLoad) {
   const Daemon daemon = start(kHeld, {{"zero_spread_kpa", 0.1}});
   await(daemon, "unzeroed");
   const json refused = daemon.client().call("rebias", {{"sensor", "left"}})["error"];
@@ -110,13 +111,13 @@ TEST_F(Zero, IsNotTakenFromWhatIsHeld) {
   EXPECT_EQ(daemon.client().call("rebias", {{"sensor", "left"}, {"force", 1}})["error"]["code"], -32602);
 }
 
-TEST_F(Zero, OfASensorThatReadsNothingWithoutLoadNeedsNoRequest) {
+TEST_F(BiasTest, OfASensorThatReadsZeroWithoutLoadNeedsNoRequest) {
   const Daemon daemon = start(kFree, {{"zero_spread_kpa", 0}});
   await(daemon, "no_contact");
   EXPECT_EQ(zero_of(daemon)["origin"], "no_load");
 }
 
-TEST_F(Zero, ThatIsDamagedOrAnothersIsRefusedWithItsReason) {
+TEST_F(BiasTest, ThatIsDamagedOrOfAnotherSensorIsRefusedWithItsReason) {
   start(kFree).client().result("rebias", {{"sensor", "left"}});
   const auto file = kept();
   std::string bytes;
@@ -140,7 +141,7 @@ TEST_F(Zero, ThatIsDamagedOrAnothersIsRefusedWithItsReason) {
   await(daemon, "ok");
 }
 
-TEST_F(Zero, ThatCannotBeKeptIsTakenNeverthelessAndSaid) {
+TEST_F(BiasTest, ThatCannotBeWrittenIsUsedAndReported) {
   const Daemon daemon(config_with(folder_, json::array({sensor(kFree)})), real_drivers(),
                       {{"STATE_DIRECTORY", "/dev/full"}});
   const json taken = daemon.client().result("rebias", {{"sensor", "left"}});
@@ -149,19 +150,19 @@ TEST_F(Zero, ThatCannotBeKeptIsTakenNeverthelessAndSaid) {
   await(daemon, "no_contact");
 }
 
-TEST_F(Zero, ValuesAreMultipliedByTheGainOnceTheZeroIsOff) {
+TEST_F(BiasTest, IsSubtractedBeforeTheGain) {
   start(kFree).client().result("rebias", {{"sensor", "left"}});
   json doubled = sensor(kHeld);
   doubled["gain"] = std::vector<double>(24 * 24, 2.0);
   const Daemon daemon(config_with(folder_, json::array({doubled})), real_drivers(),
                       {{"STATE_DIRECTORY", folder_.file("state").string()}});
-  daemon.wait_for("gamma", [](const json& told) {
-    const json& left = told["sensors"][0];
+  daemon.wait_for("gamma", [](const json& result) {
+    const json& left = result["sensors"][0];
     return left["normal_n"].is_number() && std::fabs(left["normal_n"].get<double>() - 4) < 0.1;
   });
 }
 
-TEST_F(Zero, HoldsThroughAReload) {
+TEST_F(BiasTest, HoldsThroughAReload) {
   Daemon daemon = start(kFree);
   daemon.client().result("rebias", {{"sensor", "left"}});
   std::ofstream(daemon.config()) << config_with(folder_, json::array({sensor(kHeld)}),
@@ -170,7 +171,7 @@ TEST_F(Zero, HoldsThroughAReload) {
   await(daemon, "ok");
 }
 
-TEST_F(Zero, ARecordingSaysWhetherItsFramesAreZeroed) {
+TEST_F(BiasTest, ARecordingSaysWhetherItsFramesAreZeroed) {
   const auto file = [&](const char* name) { return folder_.file(name).string(); };
   const auto record = [&](const Daemon& daemon, const char* name) {
     const int fd = open(file(name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);

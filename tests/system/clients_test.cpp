@@ -1,6 +1,6 @@
-// As many clients as may come, and one more; most of them behave badly. Those that behave are served, frames
-// go on, and every one of them is accounted for. What it costs them is measured in one run, before and
-// during, and printed side by side: it depends on the machine, and nothing is judged by it.
+// One client more than the configuration allows; most of them misbehave. Clients that behave are served,
+// frames go on, and every frame is accounted for. Latencies are measured in one run, before the crowd
+// connects and beside it, and printed side by side. They depend on the machine; nothing is judged by them.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,16 +24,16 @@ using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kClients = 1000;
-constexpr std::size_t kModest = 300;    // files that the daemon finds itself allowed to open at first
-constexpr std::size_t kNeeded = 2500;   // that this test opens at most
-constexpr int kRequests = 100;          // of one look, each answered
-constexpr std::uint64_t kFrames = 500;  // of each sensor that come meanwhile, at least
+constexpr std::size_t kInitialFiles = 300;  // limit of open files with which the daemon starts
+constexpr std::size_t kNeededFiles = 2500;  // limit of open files that this test needs
+constexpr int kRequests = 100;              // requests of one measurement
+constexpr std::uint64_t kFrames = 500;      // least frames of each sensor during one measurement
 
 json trial(const std::string& name, const json& options = json::object()) {
   return trial_sensor(name, options, {{"rate_hz", 1000}, {"layout", {{"grid", {8, 8}}, {"pitch_mm", 1.8}}}});
 }
 
-TEST(Clients, ASubscriberThatLeavesIsLetGoAlsoWhereNothingIsTold) {
+TEST(Clients, ASubscriberThatLeavesIsDroppedAlsoWithoutEstimates) {
   const TempFolder folder;
   const Daemon daemon(
       config_with(folder, json::array({trial("left", {{"behaviour", "hang_in_read"}, {"after", 5}})})),
@@ -49,14 +49,15 @@ TEST(Clients, ASubscriberThatLeavesIsLetGoAlsoWhereNothingIsTold) {
     half_closed.result("subscribe");
     half_closed.finish();
     daemon.wait_for("status", [](const json& s) { return s["clients"] == 2; });
-    EXPECT_FALSE(half_closed.closed_by_peer(50ms)) << "who only says no more is still told";
+    EXPECT_FALSE(half_closed.closed_by_peer(50ms))
+        << "a client that only closed its sending side stays subscribed";
   }
   EXPECT_EQ(daemon.descriptors_at_rest(), descriptors);
 }
 
-// What its well-behaved clients see of a daemon.
-struct View {
-  std::vector<double> published_us, told_us, asked_us;
+// Latencies and counts of one measurement, as well-behaved clients see them. answered_us: request to answer.
+struct Measurement {
+  std::vector<double> published_us, delivered_us, answered_us;
   std::uint64_t received = 0, skipped = 0;
 };
 
@@ -68,11 +69,12 @@ double quantile(std::vector<double>& values, double share) {
   return *at;
 }
 
-// Until kRequests are answered and kFrames of each sensor have come. The books close at any moment.
-View look(RpcClient& asking, Subscriber& subscriber) {
-  View view;
+// Measures until kRequests are answered and kFrames of each sensor have come. Checks received = estimated +
+// skipped each time.
+Measurement measure(RpcClient& asking, Subscriber& subscriber) {
+  Measurement measured;
   const auto count = [&] {
-    View now;
+    Measurement now;
     std::uint64_t least = UINT64_MAX;
     const json status = asking.result("status");
     for (const json& sensor : status["sensors"]) {
@@ -87,33 +89,33 @@ View look(RpcClient& asking, Subscriber& subscriber) {
   const auto [before, least_before] = count();
   subscriber.take_latencies();
   const auto until = Clock::now() + kPatience;
-  for (std::uint64_t least = 0; view.asked_us.size() < kRequests || least < least_before + kFrames;) {
+  for (std::uint64_t least = 0; measured.answered_us.size() < kRequests || least < least_before + kFrames;) {
     const auto asked = Clock::now();
     if (asked > until) throw std::runtime_error("the frames do not go on");
     asking.result("gamma");
-    view.asked_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - asked).count());
+    measured.answered_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - asked).count());
     std::this_thread::sleep_for(5ms);
     const auto [now, least_now] = count();
-    view.received = now.received - before.received;
-    view.skipped = now.skipped - before.skipped;
+    measured.received = now.received - before.received;
+    measured.skipped = now.skipped - before.skipped;
     least = least_now;
   }
   auto latencies = subscriber.take_latencies();
-  view.published_us = std::move(latencies.published_us);
-  view.told_us = std::move(latencies.told_us);
-  return view;
+  measured.published_us = std::move(latencies.published_us);
+  measured.delivered_us = std::move(latencies.delivered_us);
+  return measured;
 }
 
-void print(const char* when, View& view) {
-  std::printf("%-8s frames %6llu, skipped %5llu", when, static_cast<unsigned long long>(view.received),
-              static_cast<unsigned long long>(view.skipped));
+void print(const char* when, Measurement& measured) {
+  std::printf("%-8s frames %6llu, skipped %5llu", when, static_cast<unsigned long long>(measured.received),
+              static_cast<unsigned long long>(measured.skipped));
   const auto line = [](const char* what, std::vector<double>& us) {
     std::printf(" | %s p50 %6.0f, p99 %7.0f, max %7.0f us", what, quantile(us, 0.5), quantile(us, 0.99),
                 quantile(us, 1));
   };
-  line("published", view.published_us);
-  line("told", view.told_us);
-  line("asked", view.asked_us);
+  line("published", measured.published_us);
+  line("delivered", measured.delivered_us);
+  line("answered", measured.answered_us);
   std::printf("\n");
 }
 
@@ -131,7 +133,7 @@ void say(const UniqueFd& to, const std::string& text) {
   [[maybe_unused]] const auto sent = send(to.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-// What waits to be read: only whole lines, but for the last.
+// Checks that what is queued for this client consists of whole lines; the last may be incomplete.
 void expect_whole_lines(const UniqueFd& from) {
   std::string text(std::size_t{1} << 20, '\0');
   const auto got = recv(from.get(), text.data(), text.size(), MSG_DONTWAIT);
@@ -144,7 +146,7 @@ void expect_whole_lines(const UniqueFd& from) {
   }
 }
 
-// A crowd of every bad habit, for as long as it lives.
+// Clients that misbehave in each of several ways during the lifetime of this object.
 class Crowd {
  public:
   Crowd(const Daemon& daemon, std::size_t size) {
@@ -152,29 +154,29 @@ class Crowd {
                                               "\n";
     for (std::size_t i = 0; i < size; ++i) all_.push_back(connection(daemon.socket()));
     for (std::size_t i = 0; i < size; ++i) {
-      if (i % 10 == 0) say(all_[i], kSubscribe);  // and never reads
+      if (i % 10 == 0) say(all_[i], kSubscribe);  // subscribes and never reads
       if (i % 10 == 1) say(all_[i], R"({"jsonrpc":"2.0","id":1,"method":"gam)");
     }
-    flooding_ = std::jthread([this](const std::stop_token& stop) { flood(stop); });
+    flooder_ = std::jthread([this](const std::stop_token& stop) { flood(stop); });
   }
   ~Crowd() {
-    flooding_ = {};
+    flooder_ = {};
     for (const UniqueFd& each : all_) expect_whole_lines(each);
   }
   Crowd(const Crowd&) = delete;
   Crowd& operator=(const Crowd&) = delete;
 
  private:
-  // Some talk nonsense as fast as it is taken and read little of what is said of it; some read slowly.
+  // Some clients send invalid requests as fast as the daemon takes them, and read some of the answers.
   void flood(const std::stop_token& stop) {
-    setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone
-    const std::string nonsense = R"({"jsonrpc":"2.0","id":1,"method":)"
-                                 "\n{}\n[\n\xff\xfe\n";
+    setpriority(PRIO_PROCESS, 0, 10);  // of this thread only
+    const std::string invalid = R"({"jsonrpc":"2.0","id":1,"method":)"
+                                "\n{}\n[\n\xff\xfe\n";
     std::vector<char> bytes(4096);
     while (!stop.stop_requested()) {
       for (std::size_t i = 0; i < all_.size(); ++i) {
         if (i % 20 == 2) {
-          for (int k = 0; k < 20; ++k) say(all_[i], nonsense);
+          for (int k = 0; k < 20; ++k) say(all_[i], invalid);
           while (recv(all_[i].get(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) {
           }
         }
@@ -182,24 +184,25 @@ class Crowd {
     }
   }
   std::vector<UniqueFd> all_;
-  std::jthread flooding_;
+  std::jthread flooder_;
 };
 
 class ThousandClients : public ::testing::Test {
  protected:
-  // The daemon starts with a modest limit, as a service does, and has to see to it itself.
+  // The daemon starts with a low limit of open files, as a service does, and must raise it itself.
   void SetUp() override {
     rlimit limit{};
     getrlimit(RLIMIT_NOFILE, &limit);
-    if (limit.rlim_max < kNeeded) GTEST_SKIP() << "no process may open " << kNeeded << " files here";
-    limit.rlim_cur = kModest;
+    if (limit.rlim_max < kNeededFiles)
+      GTEST_SKIP() << "no process may open " << kNeededFiles << " files here";
+    limit.rlim_cur = kInitialFiles;
     setrlimit(RLIMIT_NOFILE, &limit);
     daemon_ =
         std::make_unique<Daemon>(config_with(folder_, json::array({trial("left"), trial("right")}),
                                              {{"socket", {{"max_clients", kClients}}},
                                               {"realtime", {{"mode", "prefer"}, {"lock_memory", false}}}}),
                                  trial_drivers());
-    limit.rlim_cur = kNeeded;
+    limit.rlim_cur = kNeededFiles;
     setrlimit(RLIMIT_NOFILE, &limit);
   }
   void expect_no_room() const {
@@ -214,20 +217,20 @@ class ThousandClients : public ::testing::Test {
   std::unique_ptr<Daemon> daemon_;
 };
 
-TEST_F(ThousandClients, OfEveryBadHabitAndTheFramesGoOn) {
+TEST_F(ThousandClients, ThatMisbehaveDoNotStopFrames) {
   daemon_->wait_for("gamma", [](const json& r) { return r["sensors"][1]["state"] == "ok"; });
   const std::size_t descriptors = daemon_->descriptors_at_rest();
   {
     Subscriber good(daemon_->socket());
     good.keep_latencies();
-    std::optional<Reading> reading(std::in_place, good);
+    std::optional<BackgroundReader> reading(std::in_place, good);
     RpcClient asking(daemon_->socket());
     const bool real_time = !asking.result("status")["realtime"]["got"]["priority"].is_null();
-    View before = look(asking, good);
+    Measurement before = measure(asking, good);
     const Crowd crowd(*daemon_, kClients - 2);
     while (asking.result("status")["clients"] != kClients) std::this_thread::sleep_for(1ms);
     expect_no_room();
-    View during = look(asking, good);
+    Measurement during = measure(asking, good);
     reading.reset();
     std::printf("%s real time\n", real_time ? "with" : "without");
     print("before", before);

@@ -1,4 +1,5 @@
-// Devices that hang, vanish, lie and end: each is its own sensor's trouble, and every frame is accounted for.
+// Devices that hang, vanish, end or send frames of a wrong sensor: each affects its own sensor only, and
+// every frame is accounted for.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -73,7 +74,7 @@ TEST(Devices, ADeviceThatVanishesIsReopened) {
   EXPECT_EQ(sensor_of(status, "left")["gaps"], 0) << "a device that comes back begins anew";
 }
 
-TEST(Devices, TheAccountingClosesAtAnyMomentAndTellsEveryGap) {
+TEST(Devices, EveryFrameAndGapIsAccountedForAtAnyMoment) {
   const TempFolder folder;
   constexpr int kFrames = 20000;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "end"},
@@ -99,7 +100,7 @@ TEST(Devices, ADriverThatWaitsForItsConsumerLosesNothing) {
       config_with(folder,
                   sensors({trial("left", {{"behaviour", "end"}, {"after", kFrames}, {"paced", true}})})),
       trial_drivers());
-  // Stale alone it may be before, while this machine does something else.
+  // Waits for the end of the device, since the sensor may also become stale earlier, on a busy machine.
   const json last = daemon.wait_for("status", [](const json& s) {
     return sensor_of(s, "left")["connected"] == false && sensor_of(s, "left")["state"] == "stale" &&
            sensor_of(s, "left")["received"] > 0;
@@ -120,7 +121,7 @@ TEST(Devices, TwoSensorsWithOneDeviceShareOneDriver) {
   });
 }
 
-TEST(Devices, AFrameForASensorThatTheDeviceHasNotCountsAsCorrupt) {
+TEST(Devices, AFrameOfAnUnknownSensorCountsAsCorrupt) {
   const TempFolder folder;
   Daemon daemon(config_with(folder, sensors({trial("left", {{"behaviour", "wrong_sensor"}, {"after", 5}})})),
                 trial_drivers());

@@ -1,4 +1,4 @@
-// The flight recorder in the real daemon: on an alert, on request, where the disk does not take it.
+// The flight recorder in the real daemon: on an alert, on request, and on a disk that takes nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,24 +47,24 @@ TEST(Flight, KeepsTheSecondsAroundARequest) {
   slot.shear_x_pa = std::span(memory).subspan(taxels, taxels);
   slot.shear_y_pa = std::span(memory).subspan(2 * taxels, taxels);
   std::size_t frames = 0;
-  std::size_t told = 0, others = 0;  // frames in state ok, and in another
+  std::size_t ok_frames = 0, other_frames = 0;  // frames in state ok, and in any other state
   std::optional<std::uint64_t> last;
   std::optional<RecordedEstimate> estimate;
   while (reader.next(slot, &estimate) == RecordingReader::Status::frame) {
     EXPECT_TRUE(!last || slot.sequence > *last);
     last = slot.sequence;
     ++frames;
-    if (estimate && estimate->state != 0) ++others;
+    if (estimate && estimate->state != 0) ++other_frames;
     if (!estimate || estimate->state != 0) continue;
     EXPECT_NEAR(estimate->gamma, 0.5, 0.1);
-    ++told;
+    ++ok_frames;
   }
   EXPECT_TRUE(reader.fault().empty()) << reader.fault();
   EXPECT_LE(static_cast<double>(frames), 2 * kSeconds * kRateHz + 16);
-  // What was estimated is there with its estimate, and what is there without was skipped.
+  // Each estimated frame has its estimate in the recording; each frame without an estimate was skipped.
   const json sensor = daemon.client().result("status")["sensors"][0];
-  EXPECT_GT(told, 0U);
-  EXPECT_LE(frames, told + sensor["skipped"].get<std::uint64_t>() + others);
+  EXPECT_GT(ok_frames, 0U);
+  EXPECT_LE(frames, ok_frames + sensor["skipped"].get<std::uint64_t>() + other_frames);
 }
 
 TEST(Flight, KeepsWhatLedToASlip) {
@@ -76,7 +76,7 @@ TEST(Flight, KeepsWhatLedToASlip) {
   EXPECT_THAT(recordings(state).front().filename().string(), ::testing::EndsWith("-slip.rec"));
 }
 
-TEST(Flight, ADiskThatTakesNothingCostsTheRecordingAndNothingElse) {
+TEST(Flight, ADiskThatTakesNothingLosesOnlyTheRecording) {
   const TempFolder folder;
   Daemon daemon(watched(folder, json::object(), {{"seconds", 0.05}}), trial_drivers(),
                 {{"STATE_DIRECTORY", "/dev/full"}});

@@ -1,5 +1,5 @@
-// How slipd starts and ends: wrong use, configurations, a second instance, what a crash left behind, a stop
-// whatever hangs.
+// How slipd starts and ends: wrong use, configurations, a second instance, files that a crash left, a stop
+// while a driver hangs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -189,7 +189,7 @@ TEST(Life, AModuleBelowAFolderThatOthersMayChangeIsNotLoaded) {
   EXPECT_THAT(list(inner), HasSubstr("trial: a device that misbehaves"));
   chmod((folder.path() / "open").c_str(), 0777);
   EXPECT_THAT(list(inner), HasSubstr("can be written by everybody"));
-  // Nor by way of a link from a folder that is trusted.
+  // A link from a trusted folder does not help.
   const auto links = folder.path() / "links";
   std::filesystem::create_directories(links);
   std::filesystem::create_symlink(inner / "slipd-driver-trial.so", links / "slipd-driver-trial.so");

@@ -1,5 +1,6 @@
 // The daemon with its Modbus driver and a simulated gripper on loopback or on a serial line: the margin on
-// the socket against the contact's truth; stalls, unplugs; and that nobody else carries the library.
+// the socket against the contact's truth, stalls and unplugging. Without a Modbus sensor the process does
+// not load libmodbus.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,8 +23,8 @@ using ::testing::Not;
 
 constexpr int kForEverMs = 3'600'000;
 
-// At first it is free, long enough to be seen to be. It slips once, so that friction can be learnt, and is
-// then held at a margin of 0.4, again and again.
+// Free at first, long enough for the bias. Then one slip, from which friction is learnt, and then a margin
+// of 0.4, in cycles.
 json slips_and_holds(int free_ms = 800, int hold_ms = 3000) {
   return {{"noise", 0},
           {"cycle",
@@ -34,13 +35,13 @@ json slips_and_holds(int free_ms = 800, int hold_ms = 3000) {
             {{"ms", hold_ms}}}}};
 }
 
-// A device that runs on a thread of its own.
-class Running {
+// A simulated device on a thread of its own.
+class RunningDevice {
  public:
-  enum class Script : std::uint8_t { begun, waits };  // waits: free until pressed
+  enum class Script : std::uint8_t { begun, waits };  // waits: free until press()
 
-  Running(const devices::DeviceModel& model, std::unique_ptr<devices::Port> port,
-          const json& script = slips_and_holds(), Script begin = Script::begun)
+  RunningDevice(const devices::DeviceModel& model, std::unique_ptr<devices::Port> port,
+                const json& script = slips_and_holds(), Script begin = Script::begun)
       : pressed_(begin == Script::begun),
         simulator_(model, contacts(model, script), std::move(port)),
         thread_([this](std::stop_token stop) { simulator_.run(stop, 100); }) {}
@@ -77,15 +78,15 @@ json config_of(const TempFolder& folder, const json& sensors) {
   return config_with(folder, sensors, {{"estimator", {{"method", "moments"}}}});
 }
 
-// So that no zero of an earlier run is found.
+// A state folder of its own, so that no bias of an earlier run is restored.
 Program::Environment state_in(const TempFolder& folder) {
   return {{"STATE_DIRECTORY", folder.file("state").string()}};
 }
 
-// Awaits it for all sensors; the estimates then.
+// Waits until the condition holds for all sensors; returns their estimates.
 json await(const Daemon& daemon, const std::function<bool(const json&)>& of_each) {
-  return daemon.wait_for("gamma", [&](const json& told) {
-    for (const json& estimate : told["sensors"]) {
+  return daemon.wait_for("gamma", [&](const json& result) {
+    for (const json& estimate : result["sensors"]) {
       if (!of_each(estimate)) return false;
     }
     return true;
@@ -104,7 +105,7 @@ auto in_state(const char* state) {
 
 TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_unplugging) {
   const TempFolder folder;
-  Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0));
+  RunningDevice device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0));
   const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
   const Daemon daemon(config_of(folder, json::array({sensor("left", "onrobot-rg2-ft", place, 0),
                                                      sensor("right", "onrobot-rg2-ft", place, 1)})),
@@ -119,11 +120,11 @@ TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_
   await(daemon, holds);
 }
 
-// Free for once, then held for ever: no zero could be taken any more.
+// The sensor is free once and then held for the rest of the test, so the bias cannot be measured again.
 TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
   const TempFolder folder;
-  Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
-                 slips_and_holds(1, kForEverMs), Running::Script::waits);
+  RunningDevice device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
+                       slips_and_holds(1, kForEverMs), RunningDevice::Script::waits);
   const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
   const json config = config_of(folder, json::array({sensor("left", "onrobot-rg2-ft", place)}));
   {
@@ -138,7 +139,7 @@ TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
     EXPECT_EQ(daemon.stop(), 0);
   }
   const Daemon daemon(config, real_drivers(), state_in(folder));
-  // Of friction it knows what it was told, no more: it has seen no slip.
+  // After the restart only the configured friction is known, because no slip was seen since.
   await(daemon, [](const json& estimate) {
     EXPECT_NE(estimate["state"], "unzeroed");
     return estimate["state"] == "ok" && std::fabs(estimate["normal_n"].get<double>() - 10) < 0.06 &&
@@ -148,11 +149,11 @@ TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
   EXPECT_EQ(daemon.client().result("status")["sensors"][0]["zero"]["restored"], true);
 }
 
-// Held for ever after the one slip that told its friction: nobody could learn it anew.
+// The sensor is held for the rest of the test after its one slip, so friction cannot be learnt again.
 TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_sensor_is_configured_otherwise) {
   const TempFolder folder;
-  Running device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
-                 slips_and_holds(1, kForEverMs), Running::Script::waits);
+  RunningDevice device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
+                       slips_and_holds(1, kForEverMs), RunningDevice::Script::waits);
   json left = sensor("left", "onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}});
   left.erase("friction");
   json config = config_of(folder, json::array({left}));
@@ -184,7 +185,8 @@ TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_senso
 TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
   const TempFolder folder;
   const std::string line = folder.file("line").string();
-  Running device(devices::robotiq_ft300(), devices::make_modbus_pty_port(devices::robotiq_ft300(), line));
+  RunningDevice device(devices::robotiq_ft300(),
+                       devices::make_modbus_pty_port(devices::robotiq_ft300(), line));
   const Daemon daemon(
       config_of(folder, json::array({sensor("wrist", "robotiq-ft300", {{"serial_line", line}})})),
       real_drivers(), state_in(folder));

@@ -1,4 +1,4 @@
-// Models are made on first use, kept, and made anew when what was kept cannot be trusted.
+// Models are trained on first use, kept on disk, and trained again when the file is damaged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -51,7 +51,7 @@ TEST_F(Models, AreTrainedOnceAndMadeAnewWhenDamaged) {
   EXPECT_THAT(said, HasSubstr("made anew"));
 }
 
-// The training stands still, and is large enough to be met before its end: what waits for it waits for ever.
+// The training process is stopped, so it never ends by itself.
 TEST_F(Models, ATrainingUnderWayDoesNotHoldUpAStop) {
   auto daemon = start(60);
   pid_t training = 0;

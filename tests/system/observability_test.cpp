@@ -1,5 +1,5 @@
 // What an administrator sees of a running slipd: latencies, the estimator's expected error, metrics in a
-// file, and a log that does not repeat itself.
+// file, and a log without repetitions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -63,8 +63,8 @@ TEST(Observability, StatusTellsLatenciesAndWhatTheEstimatorIsWorthOnThisScene) {
   EXPECT_THAT(metrics, HasSubstr("slipd_telling_seconds{quantile=\"0.999\"} "));
 }
 
-// Prometheus's own text format, as node_exporter reads it: each sample's family is named by a TYPE line
-// before it, a counter's with its _total, and the types are those that it knows.
+// Prometheus' text format, as node_exporter reads it: a TYPE line precedes the samples of each family, names
+// of counters end in _total, and only the format's types occur.
 TEST(Observability, MetricsAreInAFileAsLongAsSlipdRuns) {
   const TempFolder folder;
   const auto file = folder.file("slipd.prom");
@@ -97,7 +97,7 @@ TEST(Observability, MetricsAreInAFileAsLongAsSlipdRuns) {
   EXPECT_FALSE(std::filesystem::exists(file)) << "what it says holds no more";
 }
 
-TEST(Observability, AMetricsFileThatCannotBeWrittenIsSaidOnceAndCostsNothingElse) {
+TEST(Observability, AMetricsFileThatCannotBeWrittenIsLoggedOnceAndStopsNothingElse) {
   const TempFolder folder;
   const Daemon daemon(config_with(folder, json::array({left()}),
                                   {{"metrics", {{"file", "/nowhere/slipd.prom"}, {"period_s", 1}}}}),
@@ -111,19 +111,19 @@ TEST(Observability, AMetricsFileThatCannotBeWrittenIsSaidOnceAndCostsNothingElse
   EXPECT_EQ(errors.find("/nowhere/slipd.prom", first + 1), std::string::npos) << errors;
 }
 
-TEST(Observability, ADeviceThatFlapsIsToldOfAFewTimesOnly) {
+TEST(Observability, ADeviceThatFlapsIsLoggedAFewTimesOnly) {
   const TempFolder folder;
   const Daemon daemon(config_with(folder, json::array({left({{"behaviour", "vanish"}, {"after", 1}})})),
                       trial_drivers());
   const json status =
       daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["reconnects"] > 9; });
   const std::string errors = daemon.program().errors();
-  std::size_t told = 0;
+  std::size_t lines = 0;
   for (auto at = errors.find("the device is gone"); at != std::string::npos;
        at = errors.find("the device is gone", at + 1))
-    ++told;
-  EXPECT_GE(told, 1U);
-  EXPECT_LE(told, 5 * (1 + std::floor(status["uptime_s"].get<double>() / 60))) << "a minute: " << errors;
+    ++lines;
+  EXPECT_GE(lines, 1U);
+  EXPECT_LE(lines, 5 * (1 + std::floor(status["uptime_s"].get<double>() / 60))) << "a minute: " << errors;
 }
 
 }  // namespace

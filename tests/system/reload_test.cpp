@@ -1,5 +1,5 @@
-// What an administrator does to a running service: changes its configuration, well or badly; starts it by its
-// socket.
+// What an administrator does to a running service: changes its configuration, to a valid or an invalid one;
+// starts it by its socket.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,14 +23,14 @@ bool serves(const json& gamma, const std::string& sensor) {
 
 class Reload : public ::testing::Test {
  protected:
-  // Another configuration in the file, and a signal.
+  // Replaces the configuration file and sends SIGHUP.
   void reload(const json& config) { reload_text(config.dump()); }
   void reload_text(const std::string& text) {
     std::ofstream(daemon_.config()) << text;
     daemon_.program().signal(SIGHUP);
   }
   json only(const json& sensor) const { return config_with(folder_, json::array({sensor})); }
-  // The log is the only one to say that nothing has changed.
+  // Only the log shows a reload that changed nothing.
   void await_error(const std::string& text) const { daemon_.wait_for_log(text); }
   const TempFolder folder_;
   Daemon daemon_{only(trial_sensor("left")), trial_drivers()};
@@ -42,13 +42,13 @@ TEST_F(Reload, TakesUpAGoodConfigurationAndKeepsItsClients) {
   EXPECT_EQ(subscriber.notification()["params"]["sensor"], "left");
   reload(only(trial_sensor("right")));
   daemon_.wait_for("gamma", [](const json& r) { return serves(r, "right"); });
-  json told;
-  do told = subscriber.notification();
-  while (told["params"]["sensor"] != "right");
+  json notified;
+  do notified = subscriber.notification();
+  while (notified["params"]["sensor"] != "right");
   EXPECT_EQ(subscriber.result("version")["name"], "slipd");
 }
 
-TEST_F(Reload, ASubscriberByNameIsToldOfItsOwnSensorsOnly) {
+TEST_F(Reload, ASubscriberByNameGetsItsOwnSensorsOnly) {
   reload(config_with(folder_, json::array({trial_sensor("other"), trial_sensor("left")})));
   daemon_.wait_for("gamma", [](const json& r) { return r["sensors"].size() == 2; });
   auto subscriber = daemon_.client();
@@ -89,7 +89,7 @@ TEST_F(Reload, EndsARecordingAndSaysSo) {
               "\n",
               file);
   close(file);
-  // Two clients cannot record the same sensor: once the second is refused, the first records.
+  // Two clients cannot record the same sensor: when the second is refused, the first records.
   daemon_.wait_for("version", [&](const json&) {
     return std::filesystem::exists(folder_.file("r.rec")) &&
            std::filesystem::file_size(folder_.file("r.rec")) > 0;
@@ -100,7 +100,7 @@ TEST_F(Reload, EndsARecordingAndSaysSo) {
   EXPECT_THAT(*answer, HasSubstr("another configuration"));
 }
 
-TEST_F(Reload, AgainAndAgainWhileClientsAsk) {
+TEST_F(Reload, RepeatedWhileClientsSendRequests) {
   auto asking = daemon_.client();
   auto subscriber = daemon_.client();
   subscriber.result("subscribe");

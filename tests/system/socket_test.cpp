@@ -1,4 +1,5 @@
-// The socket of the real daemon, used well and badly. Whatever one client does, the next one is served.
+// The socket of the real daemon with valid and invalid requests. No client can prevent the next one from
+// being served.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 using nlohmann::json;
 using namespace std::chrono_literals;
 
-// Not stale, however long this machine does something else: each notification is of another frame.
+// A deadline that is never reached, so that each notification is of a new frame.
 json fine_trial(const char* name) {
   return {{"name", name},
           {"driver", "trial"},
@@ -36,7 +37,7 @@ class Socket : public ::testing::Test {
   static int error_code(const std::optional<std::string>& line) {
     return line ? json::parse(*line).at("error").at("code").get<int>() : 0;
   }
-  // The sensor answers, so slipd has outlived what was done to it.
+  // An answer shows that slipd still runs.
   void expect_served() {
     RpcClient client(daemon_.socket());
     EXPECT_EQ(client.result("version").at("name"), "slipd");
@@ -160,7 +161,7 @@ TEST_F(Socket, ABatchIsAnsweredAtOnceAndNotificationsNotAtAll) {
 
 TEST_F(Socket, AClientThatAsksWithoutReadingIsHeldBackAndThenGetsEveryAnswer) {
   auto client = daemon_.client();
-  constexpr int kRequests = 3000;  // each answered by some ten times its length
+  constexpr int kRequests = 3000;  // each answer is some ten times as long as its request
   std::thread asking([&] {
     for (int i = 0; i < kRequests; ++i) {
       client.send_line(R"({"jsonrpc":"2.0","id":)" + std::to_string(i) +
@@ -193,34 +194,34 @@ TEST_F(Socket, ALineMayComeInPieces) {
   EXPECT_TRUE(client.line());
 }
 
-TEST_F(Socket, SubscribersHearOfEstimatesUntilTheyUnsubscribe) {
+TEST_F(Socket, SubscribersGetEstimatesUntilTheyUnsubscribe) {
   auto client = daemon_.client();
   const json id = client.result("subscribe", {{"sensors", {"left"}}, {"max_rate_hz", 100}})["subscription"];
   std::uint64_t last = 0;
   for (int i = 0; i < 5; ++i) {
-    const json told = client.notification();
-    EXPECT_EQ(told["method"], "estimate");
-    EXPECT_EQ(told["params"]["sensor"], "left");
-    EXPECT_FALSE(told.contains("id"));
-    EXPECT_TRUE(told["params"].contains("dropped"));
-    EXPECT_GT(told["params"]["seq"].get<std::uint64_t>(), last);
-    last = told["params"]["seq"];
+    const json notified = client.notification();
+    EXPECT_EQ(notified["method"], "estimate");
+    EXPECT_EQ(notified["params"]["sensor"], "left");
+    EXPECT_FALSE(notified.contains("id"));
+    EXPECT_TRUE(notified["params"].contains("dropped"));
+    EXPECT_GT(notified["params"]["seq"].get<std::uint64_t>(), last);
+    last = notified["params"]["seq"];
   }
   EXPECT_EQ(client.result("unsubscribe", {{"subscription", id}}), true);
   EXPECT_EQ(client.call("unsubscribe", {{"subscription", id}})["error"]["code"], -32602);
 }
 
-TEST_F(Socket, AClientThatReadsLateLosesTheOldestAndIsToldHowMany) {
+TEST_F(Socket, AClientThatReadsLateLosesTheOldestAndGetsTheirNumber) {
   auto client = daemon_.client();
   client.result("subscribe", {{"sensors", {"left"}}});
   daemon_.wait_for("status", [](const json& s) { return s["outputs"]["socket"]["dropped"] > 500; });
-  // Every line is whole, and what is missing between two of them is what the second one says.
+  // Every line is whole, and each line states how many notifications were dropped before it.
   std::uint64_t dropped = 0;
   std::optional<std::uint64_t> last;
   while (dropped == 0) {
-    const json told = client.notification()["params"];
-    dropped = told["dropped"];
-    const std::uint64_t sequence = told["seq"];
+    const json notified = client.notification()["params"];
+    dropped = notified["dropped"];
+    const std::uint64_t sequence = notified["seq"];
     if (last) {
       EXPECT_GE(sequence - *last - 1, dropped) << "skipped frames may be missing too, dropped ones must be";
     }
@@ -229,7 +230,7 @@ TEST_F(Socket, AClientThatReadsLateLosesTheOldestAndIsToldHowMany) {
   EXPECT_GT(dropped, 100U);
 }
 
-TEST_F(Socket, TheClientTooManyIsToldSo) {
+TEST_F(Socket, OneClientTooManyIsRefusedWithItsReason) {
   std::vector<std::unique_ptr<RpcClient>> clients;
   for (int i = 0; i < 4; ++i) {
     clients.push_back(std::make_unique<RpcClient>(daemon_.socket()));
@@ -249,7 +250,7 @@ TEST_F(Socket, TheModeIsAsConfigured) {
   EXPECT_EQ(there.st_mode & 0777, 0600U);
 }
 
-// As another user, until it goes.
+// Acts as another user during its lifetime.
 class AsNobody {
  public:
   AsNobody() : was_(geteuid()) {
@@ -308,7 +309,7 @@ TEST_F(Socket, RecordsIntoADescriptorThatIsPassedAlong) {
   const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   auto client = daemon_.client();
   json answer;
-  do {  // a time in which frames come
+  do {  // until some frames have come
     ASSERT_EQ(ftruncate(fd, 0), 0);
     ASSERT_EQ(lseek(fd, 0, SEEK_SET), 0);
     answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.2}}, fd);
@@ -340,7 +341,7 @@ TEST_F(Socket, ARecordingEndsWithItsClient) {
   }
   const auto until = std::chrono::steady_clock::now() + kPatience;
   json answer;
-  do {  // the sensor can be recorded again as soon as the first recording is over
+  do {  // the sensor can be recorded again as soon as the first recording has ended
     auto client = daemon_.client();
     answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.01}}, fd);
   } while (!answer.contains("result") && std::chrono::steady_clock::now() < until);

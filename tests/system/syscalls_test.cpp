@@ -1,5 +1,5 @@
-// What slipd's real-time threads ask of the kernel once they run: to sleep, to be woken, to wake. Seen by
-// strace, on the real program.
+// The system calls of slipd's real-time threads once they run: to sleep, to be woken, to wake. strace
+// observes the real program.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -25,8 +25,8 @@ std::string thread_named(pid_t process, const std::string& name) {
   throw std::runtime_error("slipd has no thread " + name);
 }
 
-// The calls that one thread makes while 500 frames pass; a write says what it is to. Empty: strace may not
-// look.
+// The system calls of one thread during 500 frames; a write is listed with its target. Empty: strace is not
+// permitted here.
 std::set<std::string> calls_of(const std::string& thread) {
   const TempFolder folder;
   const json sensor{
@@ -78,7 +78,7 @@ TEST(SystemCalls, OfEstimateAreSleepingAndWakingIo) {
   expect_only("estimate", {"futex", "restart_syscall", "write to anon_inode:[eventfd]"});
 }
 
-// The trial device waits for its clock; that is the driver's own.
+// The trial driver sleeps until its next frame is due; that call is the driver's own.
 TEST(SystemCalls, OfAcquireAreTheDriversAndWakingEstimate) {
   expect_only("acq:left", {"futex", "restart_syscall", "clock_nanosleep"});
 }

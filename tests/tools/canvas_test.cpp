@@ -29,7 +29,7 @@ TEST(Canvas, IgnoresWhatLiesOutside) {
   EXPECT_EQ(canvas.to_text(), "\n\n");
 }
 
-TEST(Canvas, LetsNoNameBreakTheGrid) {
+TEST(Canvas, KeepsTheGridWithAnyName) {
   Canvas canvas(20, 1);
   canvas.text(
       0, 0, "a\x1b[2J\n\xff\xe6\x96\x87\xcc\x81z");  // escape, newline, no UTF-8, a wide one, a combining one
@@ -48,7 +48,7 @@ TEST(Encoding, WithoutColourIsPlainText) {
   EXPECT_EQ(encode_row(canvas, 0, ColourDepth::none), "slip  ");
 }
 
-TEST(Encoding, SpeaksEachDepthOfColour) {
+TEST(Encoding, EncodesEachDepthOfColour) {
   Canvas canvas(4, 1);
   canvas.text(0, 0, "slip", {Rgb{250, 10, 0}, std::nullopt, false});
   EXPECT_EQ(encode_row(canvas, 0, ColourDepth::rgb), "\x1b[0;38;2;250;10;0mslip\x1b[0m");

@@ -121,7 +121,7 @@ TEST(Client, SaysThatNobodyListensAtASocketLeftBehind) {
   std::filesystem::remove_all(folder);
 }
 
-// Root is denied nothing, so root is somebody else meanwhile.
+// Permission is never denied to root, so root acts as another user here.
 class AsNobody {
  public:
   AsNobody() {

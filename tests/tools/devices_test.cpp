@@ -1,5 +1,5 @@
-// slipctl probe and decode: what a machine has, from a sysfs of our own; what captures of simulated devices
-// mean.
+// slipctl probe and decode: the devices of a machine, from a sysfs of the test's own, and captures of
+// simulated devices.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -80,7 +80,7 @@ TEST(Probe, finds_hid_devices_can_interfaces_and_serial_lines) {
   EXPECT_THAT(found[3]["profiles"], IsEmpty());
 }
 
-// What a device sends in `scans` scans of the pattern that the models' tests know.
+// The bytes that a device sends in `scans` scans of the pattern of the models' tests.
 std::vector<Packet> packets_of(const DeviceModel& model, int scans) {
   const std::size_t taxels = model.layout.size();
   std::vector<std::vector<float>> memory;
@@ -159,7 +159,7 @@ TEST(Decode, reads_reports_and_registers_in_their_order) {
   EXPECT_EQ(said_of("oymotion-rohand", bytes_of(packets_of(slipd::devices::rohand(), 2))).frames.size(), 10);
 }
 
-TEST(Decode, says_no_where_there_is_no_frame_and_no_profile) {
+TEST(Decode, fails_without_a_frame_and_without_a_profile) {
   EXPECT_FALSE(said_of("optoforce", "nothing of use").any);
   EXPECT_FALSE(said_of("vendor-hid-8x8", "").any);
   EXPECT_THROW(said_of("nobodys", ""), slipd::DriverError);

@@ -1,4 +1,4 @@
-// A daemon's end of the socket, in a thread of the test: it answers what the test tells it to.
+// A daemon's end of the socket, in a thread of the test: it sends the answers that the test sets.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace slipctl::testing {
 
-// What arrived: one line, and the descriptor that came with it (-1: none; closed after the answer).
+// A received line, and the descriptor that came with it (-1: none; closed after the answer).
 struct Asked {
   std::string line;
   int passed_fd = -1;
@@ -18,7 +18,7 @@ struct Asked {
 
 class FakeDaemon {
  public:
-  // The bytes to answer with, just as they are. An empty answer: none. nullopt: the connection is closed.
+  // The bytes of the answer. Empty: no answer. nullopt: closes the connection.
   using Answer = std::function<std::optional<std::string>(const Asked&)>;
 
   explicit FakeDaemon(Answer answer);
@@ -40,7 +40,7 @@ class FakeDaemon {
 std::string result_line(const std::string& line, const nlohmann::json& result);
 std::string error_line(const std::string& line, int code, const std::string& message);
 
-// Answers by method, as slipd does: a method that is not there is error -32601.
+// Answers by method, as slipd does: an unknown method is error -32601.
 FakeDaemon::Answer by_method(
     std::map<std::string, std::function<nlohmann::json(const nlohmann::json& params)>> methods);
 

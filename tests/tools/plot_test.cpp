@@ -1,4 +1,4 @@
-// A recording on the terminal: what is drawn of it, and what is said of one that is damaged or holds less.
+// A recording drawn on the terminal, and the messages for one that is damaged or lacks data.
 #include "tools/slipctl/plot.hpp"
 
 #include <gmock/gmock.h>

@@ -26,8 +26,8 @@ std::string contents(const std::filesystem::path& path) {
   return text.str();
 }
 
-// A daemon with one sensor that, once subscribed to, tells of a grip that slips.
-class Gripping : public ::testing::Test {
+// A daemon with one sensor, which sends estimates of a grasp that slips to its subscribers.
+class SlipctlWithADaemon : public ::testing::Test {
  protected:
   std::optional<std::string> answer(const Asked& asked) {
     const json request = json::parse(asked.line);
@@ -65,7 +65,7 @@ class Gripping : public ::testing::Test {
   std::atomic<std::uint64_t> received_{0};
   FakeDaemon daemon_{[this](const Asked& asked) { return answer(asked); }};
   const std::filesystem::path folder_ = temporary_folder();
-  ~Gripping() override { std::filesystem::remove_all(folder_); }
+  ~SlipctlWithADaemon() override { std::filesystem::remove_all(folder_); }
 };
 
 TEST(Program, EndsWithTwoOnWrongUse) {
@@ -102,30 +102,30 @@ TEST(Program, TellsItsVersionAndHelpOnStdout) {
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 
-TEST_F(Gripping, PrintsMarginsAsATable) {
+TEST_F(SlipctlWithADaemon, PrintsMarginsAsATable) {
   const Ran ran = ask({"gamma"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_THAT(ran.out, AllOf(HasSubstr("sensor  state  gamma"), HasSubstr("left    ok      0.62")));
 }
 
-TEST_F(Gripping, PrintsTheDaemonsOwnJsonWhenAsked) {
+TEST_F(SlipctlWithADaemon, PrintsTheDaemonsOwnJsonWhenAsked) {
   EXPECT_EQ(json::parse(ask({"--json", "sensors"}).out), sensors_sample({"left"}));
   EXPECT_EQ(json::parse(ask({"frame", "left", "--json"}).out), frame_sample(4, 4));
 }
 
-TEST_F(Gripping, PrintsAFrameAsCsv) {
+TEST_F(SlipctlWithADaemon, PrintsAFrameAsCsv) {
   const Ran ran = ask({"frame", "left"});
   EXPECT_THAT(ran.out, StartsWith("x_mm,y_mm,normal_pa,shear_x_pa,shear_y_pa\n"));
   EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 17);
 }
 
-TEST_F(Gripping, TellsTheDaemonsRefusal) {
+TEST_F(SlipctlWithADaemon, PrintsTheDaemonsRefusal) {
   const Ran ran = ask({"rebias", "lfet"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_EQ(ran.err, "slipctl: no sensor is called so\n");
 }
 
-TEST_F(Gripping, RecordsIntoANewFileOnly) {
+TEST_F(SlipctlWithADaemon, RecordsIntoANewFileOnly) {
   const std::string file = folder_ / "left.cbor";
   const std::vector<std::string> arguments{"record", "--sensor", "left", "--seconds", "0.1", "--out", file};
   EXPECT_EQ(ask(arguments).exit_code, 0);
@@ -141,7 +141,7 @@ TEST_F(Gripping, RecordsIntoANewFileOnly) {
   EXPECT_EQ(contents(file), "frames");
 }
 
-TEST_F(Gripping, LeavesNoFileBehindWhenRecordingIsRefused) {
+TEST_F(SlipctlWithADaemon, LeavesNoFileBehindWhenRecordingIsRefused) {
   const std::string file = folder_ / "left.cbor";
   FakeDaemon refusing([](const Asked& asked) { return error_line(asked.line, -32003, "not possible"); });
   const Ran ran =
@@ -150,7 +150,7 @@ TEST_F(Gripping, LeavesNoFileBehindWhenRecordingIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST_F(Gripping, WatchesInPlainLinesWithoutATerminal) {
+TEST_F(SlipctlWithADaemon, WatchesInPlainLinesWithoutATerminal) {
   const Ran ran = ask({"watch", "--seconds", "0.5", "--rate", "20"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_THAT(ran.out,
@@ -159,14 +159,14 @@ TEST_F(Gripping, WatchesInPlainLinesWithoutATerminal) {
   EXPECT_THAT(ran.err, IsEmpty());
 }
 
-TEST_F(Gripping, SumsUpWhatItSaw) {
+TEST_F(SlipctlWithADaemon, SumsUpWhatItSaw) {
   const Ran ran = ask({"watch", "--seconds", "0.3", "--summary", "--expect-slip"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_THAT(ran.out, AllOf(HasSubstr("1 warnings, 1 slips; lowest margin 0.01"), HasSubstr("ok 100.0 %"),
                              HasSubstr("mean |error| 0.0050")));
 }
 
-TEST_F(Gripping, GivesEstimatesAndTheSummaryAsJsonLines) {
+TEST_F(SlipctlWithADaemon, GivesEstimatesAndTheSummaryAsJsonLines) {
   std::istringstream lines(ask({"--json", "watch", "--seconds", "0.3", "--summary"}).out);
   std::vector<json> all;
   for (std::string line; std::getline(lines, line);) all.push_back(json::parse(line));
@@ -175,13 +175,13 @@ TEST_F(Gripping, GivesEstimatesAndTheSummaryAsJsonLines) {
   EXPECT_EQ(all.back()["summary"]["sensors"][0]["slips"], 1);
 }
 
-TEST_F(Gripping, NamesTheSensorsThereAreWhenOneIsNot) {
+TEST_F(SlipctlWithADaemon, NamesTheSensorsThereAreWhenOneIsNot) {
   const Ran ran = ask({"watch", "rihgt"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_THAT(ran.err, AllOf(HasSubstr("rihgt"), HasSubstr("left")));
 }
 
-TEST_F(Gripping, DrawsTheLastScreenAsAPicture) {
+TEST_F(SlipctlWithADaemon, DrawsTheLastScreenAsAPicture) {
   const std::string file = folder_ / "watch.svg";
   EXPECT_EQ(ask({"watch", "--seconds", "0.3", "--picture", file}).exit_code, 0);
   EXPECT_THAT(contents(file), AllOf(StartsWith("<svg "), HasSubstr("</svg>")));

@@ -1,4 +1,4 @@
-// What a daemon would tell of a gripper that holds something: estimates, frames, counts.
+// Answers of a daemon whose gripper holds an object: estimates, frames, counts.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ nlohmann::json frame_sample(int columns, int rows);  // pressed in the middle, s
 nlohmann::json sensors_sample(const std::vector<std::string>& names);
 nlohmann::json status_sample(const std::vector<std::string>& names, std::uint64_t received);
 
-// Sensors "s0" … with ten seconds behind them, in the state given; a sensor in state ok has a margin.
+// Sensors "s0" … with a history of ten seconds, in the given state; a sensor in state ok has a margin.
 WatchState watch_sample(int sensors, const std::string& state = "ok");
 
 }  // namespace slipctl::testing

@@ -22,7 +22,7 @@ TEST(Table, ShowsWhatIsUnknownAsADash) {
             "left      –      –\n");
 }
 
-TEST(Table, TellsANestedAnswerAsATree) {
+TEST(Table, PrintsANestedAnswerAsATree) {
   const json status{{"uptime_s", 12.5},
                     {"sensors", {{{"name", "left"}, {"received", 7}, {"latency_us", {{"p50", 33.0}}}}}}};
   EXPECT_EQ(tree(status),

@@ -1,5 +1,5 @@
-// The real slipctl on a real pseudo-terminal: what it draws, which keys and signals end it, and what it
-// leaves behind.
+// The real slipctl on a real pseudo-terminal: its screen, the keys and signals that end it, and the restored
+// terminal.
 #include <gmock/gmock.h>
 #include <poll.h>
 #include <pty.h>
@@ -57,8 +57,8 @@ class OnTerminal : public ::testing::Test {
     }
   }
 
-  // Reads until `wanted` has come; what came so far is in shown_. False if the program ended, or said
-  // nothing, first.
+  // Reads until `wanted` has come; shown_ has all text so far. False if the program ended, or printed
+  // nothing more, before that.
   bool shows(const std::string& wanted) {
     while (shown_.find(wanted) == std::string::npos) {
       pollfd readable{terminal_.get(), POLLIN, 0};

@@ -43,7 +43,7 @@ TEST(WatchStatistics, CountsAnEventAndItsEstimateOnceInWhicheverOrderTheyCome) {
   }
 }
 
-TEST(WatchStatistics, SeesNoSlipWhereThereIsNone) {
+TEST(WatchStatistics, CountsNoSlipWithoutOne) {
   WatchStatistics statistics;
   statistics.take(estimate(1, "warn"), true);
   EXPECT_FALSE(statistics.slip_seen());
@@ -68,7 +68,7 @@ TEST(WatchStatistics, ClaimsNoErrorWithoutATruth) {
   EXPECT_TRUE(totals(statistics)["mean_error"].is_null());
 }
 
-TEST(WatchStatistics, TellsTheDaemonsCountsOfTheTimeItLooked) {
+TEST(WatchStatistics, HasTheDaemonsCountsOfItsTime) {
   WatchStatistics statistics;
   statistics.take(estimate(1, "none"), true);
   EXPECT_THAT(statistics.text(counts_from(status_sample({"left"}, 100)),

@@ -15,8 +15,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-constexpr std::size_t kLongestLine = std::size_t{64}
-                                     << 20;  // a frame of 4096 x 4096 taxels is no socket's business
+// Longest answer, bytes. A frame of a million taxels fits; more is an error of the other end.
+constexpr std::size_t kLongestLine = std::size_t{64} << 20;
 
 std::string reason(int error) {
   return std::generic_category().message(error);

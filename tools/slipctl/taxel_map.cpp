@@ -38,7 +38,7 @@ struct PixelRange {
 // The pixels whose centres a taxel at `place` covers, else the one with the taxel's centre. Lengths in
 // pixels.
 PixelRange covered(double place, double half_side, int pixels) {
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-9;  // pixels: rounding errors of a taxel's edge
   int first = static_cast<int>(std::ceil(place - half_side - 0.5 - kRounding));
   int last = static_cast<int>(std::ceil(place + half_side - 0.5 - kRounding)) - 1;
   if (last < first) first = last = static_cast<int>(std::floor(place));

@@ -133,7 +133,7 @@ void draw_sensor(Canvas& canvas, const Box& box, const SensorWatch& sensor, doub
   draw_title(canvas, box, sensor);
   if (box.rows < 2) return;
   draw_margin(canvas, {0, box.row + 1, box.columns, 1}, sensor);
-  constexpr int kSmallestMaps = 4;
+  constexpr int kSmallestMaps = 4;  // rows; with fewer, the maps are left out
   const int rest = box.rows - 2;
   const bool maps = rest >= kSmallestMaps + 2;
   const int course_rows = !maps ? rest : rest >= 18 ? 4 : rest >= 12 ? 3 : rest >= 9 ? 2 : 1;

@@ -20,10 +20,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr double kViewRateHz = 200;  // estimates per second and sensor: several for each dot of the history
+// Estimates of each sensor that are subscribed to, Hz: several for each dot of the history.
+constexpr double kViewRateHz = 200;
+// Time between two drawings of the screen.
 constexpr milliseconds kDrawEvery{100};
+// Time between two requests for the counts of frames.
 constexpr milliseconds kCountEvery{1000};
-constexpr int kMostWaiting = 4096;  // notifications: more than a socket holds
+// Notifications read after the end of the watch; more than a socket holds.
+constexpr int kMostWaiting = 4096;
 
 class Watcher {
  public:

@@ -15,6 +15,7 @@ struct MarginPoint {
   std::optional<double> gamma;  // margin; absent: unknown
 };
 
+// Length of the margin's history on the screen, s.
 inline constexpr double kHistorySeconds = 10;
 
 struct SensorWatch {

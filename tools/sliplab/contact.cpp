@@ -117,12 +117,13 @@ void run(const std::string& file) {
 }  // namespace
 
 void add_contact(CLI::App& app, const Common& /*common*/) {
-  auto* command = app.add_subcommand("contact", "Hertz and Cattaneo-Mindlin for each row of a CSV file");
+  auto* command = app.add_subcommand(
+      "contact", "print the Hertz and Cattaneo-Mindlin solution for each row of a CSV file");
   auto file = std::make_shared<std::string>();
   command
       ->add_option("file", *file,
-                   "columns P_N, mu, R1_m, E1_Pa, nu1, R2_m (inf: flat), E2_Pa, nu2, one_minus_gamma (Q/(mu "
-                   "P)), s (r/a)")
+                   "CSV file with the columns P_N, mu, R1_m, E1_Pa, nu1, R2_m (inf: flat), E2_Pa, nu2, "
+                   "one_minus_gamma (Q/(mu P)), s (r/a)")
       ->required();
   command->callback([file] { run(*file); });
 }

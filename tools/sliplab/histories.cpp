@@ -202,29 +202,38 @@ void run(const Common& common, HistoriesOptions options) {
 }  // namespace
 
 void add_histories(CLI::App& app, const Common& common) {
-  auto* command = app.add_subcommand("histories", "the whole chain over random grasps, against the truth");
+  auto* command =
+      app.add_subcommand("histories", "measure the whole chain on random grasps against the truth");
   auto options = std::make_shared<HistoriesOptions>();
-  command->add_option("--grasps", options->grasps, "of each layout and method")
+  command->add_option("--grasps", options->grasps, "grasps for each layout and method")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--sides", options->sides, "taxels along each side of the pad")
       ->delimiter(',')
       ->check(CLI::Range(2, 200))
       ->capture_default_str();
-  command->add_option("--methods", options->methods, "auto, moments, fit, registered, svd-knn")
+  command
+      ->add_option("--methods", options->methods, "methods, out of auto, moments, fit, registered, svd-knn")
       ->delimiter(',')
       ->check(CLI::IsMember(kMethods))
       ->capture_default_str();
-  command->add_option("--noise", options->sensing.noise, "half-width, a fraction")
+  command
+      ->add_option("--noise", options->sensing.noise,
+                   "half-width of the uniform noise, as a fraction: see --noise-kind")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+  command
+      ->add_option("--noise-kind", options->noise_kind,
+                   "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
+                   "pressure on pressure, of the largest shear on shear")
       ->check(CLI::IsMember({"sensor", "relative"}))
       ->capture_default_str();
-  command->add_option("--frame-s", options->sensing.frame_s, "time between frames")
+  command->add_option("--frame-s", options->sensing.frame_s, "time between two frames, s")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();
-  command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->add_option("--threads", options->threads, "threads to compute with")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
   command->callback([&common, options] { run(common, *options); });
 }
 

@@ -4,15 +4,15 @@
 
 #include "tools/sliplab/command.hpp"
 
-// What fails before the command line is read ends the program as it is.
+// An exception before the command line is read ends the program.
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace sliplab;
   Common common;
   CLI::App app{"Contacts, models and accuracy, offline.", "sliplab"};
   app.set_version_flag("--version", "sliplab " SLIPD_VERSION);
   app.add_option("--out", common.out, "folder for the files that a command writes");
-  app.add_flag("--json", common.json, "the result as one JSON object");
-  app.add_option("--seed", common.seed, "of all that is drawn")->capture_default_str();
+  app.add_flag("--json", common.json, "print the result as one JSON object");
+  app.add_option("--seed", common.seed, "seed of all random numbers")->capture_default_str();
   app.require_subcommand(1);
   app.fallthrough();
   add_contact(app, common);

@@ -84,38 +84,47 @@ void run(const Common& common, OverloadOptions options) {
 
 void add_overload(CLI::App& app, const Common& common) {
   auto* command =
-      app.add_subcommand("overload", "random grasps of which only some frames come, against the truth");
+      app.add_subcommand("overload", "measure the whole chain against the truth when frames are skipped");
   auto options = std::make_shared<OverloadOptions>();
   options->setup.sensing.frame_s = 0.001;
-  command->add_option("--grasps", options->setup.grasps, "of each line")
+  command->add_option("--grasps", options->setup.grasps, "grasps for each line of the result")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--sides", options->sides, "taxels along each side of the pad")
       ->delimiter(',')
       ->check(CLI::Range(2, 200))
       ->capture_default_str();
-  command->add_option("--methods", options->methods, "moments, fit, registered, svd-knn")
+  command->add_option("--methods", options->methods, "methods, out of moments, fit, registered, svd-knn")
       ->delimiter(',')
       ->check(CLI::IsMember(kOverloadMethods))
       ->capture_default_str();
-  command->add_option("--every", options->every, "of so many frames one comes, at regular intervals")
+  command->add_option("--every", options->every, "keep every Nth frame, for each N of this list")
       ->delimiter(',')
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--at-random", options->at_random, "the same on average, at random and in bursts")
+  command
+      ->add_option("--at-random", options->at_random,
+                   "keep one frame in N on average, at random and in bursts, for each N of this list")
       ->delimiter(',')
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--noise", options->setup.sensing.noise, "half-width, a fraction")
+  command
+      ->add_option("--noise", options->setup.sensing.noise,
+                   "half-width of the uniform noise, as a fraction: see --noise-kind")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+  command
+      ->add_option("--noise-kind", options->noise_kind,
+                   "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
+                   "pressure on pressure, of the largest shear on shear")
       ->check(CLI::IsMember({"sensor", "relative"}))
       ->capture_default_str();
-  command->add_option("--frame-s", options->setup.sensing.frame_s, "between frames of the sensor")
+  command->add_option("--frame-s", options->setup.sensing.frame_s, "time between two frames of the sensor, s")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();
-  command->add_option("--threads", options->setup.threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->add_option("--threads", options->setup.threads, "threads to compute with")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
   command->callback([&common, options] { run(common, *options); });
 }
 

@@ -43,15 +43,18 @@ void run_command(const ProtocolOptions& options, const Common& common) {
 
 void add_paper(CLI::App& app, const Common& common) {
   auto options = std::make_shared<ProtocolOptions>();
-  CLI::App* command = app.add_subcommand("paper", "the paper's experiment, and what its figures hide");
+  CLI::App* command =
+      app.add_subcommand("paper", "repeat the paper's experiment, and vary its split and its contacts");
   command
       ->add_option("--seeds", options->seeds,
                    "number of repetitions, each with its own contacts, noise and split")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->add_option("--threads", options->threads, "threads to compute with")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
   command->add_flag("--fast", options->fast,
-                    "few contacts on a small grid: shows that it works, and nothing else");
+                    "few contacts on a small grid: a test of the command; its figures mean nothing");
   command->callback([options, &common] {
     options->first_seed = common.seed;
     run_command(*options, common);

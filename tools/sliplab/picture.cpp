@@ -138,14 +138,17 @@ void run(const Common& common, const PictureOptions& options) {
 }  // namespace
 
 void add_picture(CLI::App& app, const Common& common) {
-  auto* command = app.add_subcommand("picture", "a picture of a recording, by gnuplot, into --out or here");
+  auto* command =
+      app.add_subcommand("picture", "draw a recording by gnuplot, into --out or the current folder");
   auto options = std::make_shared<PictureOptions>();
   command->add_option("file", options->file, "a recording of slipd")->required()->check(CLI::ExistingFile);
-  command->add_option("--format", options->format, "svg or png")
+  command->add_option("--format", options->format, "format of the file: svg or png")
       ->check(CLI::IsMember({"svg", "png"}))
       ->capture_default_str();
-  command->add_option("--at", options->at_s,
-                      "whose taxels: so many seconds from its beginning; else those of least margin");
+  command->add_option(
+      "--at", options->at_s,
+      "time of the frame whose taxels are drawn, s from the beginning; default: the frame with the "
+      "least margin");
   command->callback([&common, options] { run(common, *options); });
 }
 

@@ -77,24 +77,35 @@ void run(const Common& common, StabilityOptions options) {
 }  // namespace
 
 void add_stability(CLI::App& app, const Common& common) {
-  auto* command = app.add_subcommand("stability", "extremes, error out per error in, and an adversary");
+  auto* command = app.add_subcommand(
+      "stability",
+      "measure extreme contacts, the effect of errors in a frame, and contacts unlike the model");
   auto options = std::make_shared<StabilityOptions>();
-  command->add_option("--parts", options->parts, "model, extremes, condition, adversary")
+  command
+      ->add_option("--parts", options->parts,
+                   "parts to run, out of model, extremes, condition, adversary; default: all")
       ->delimiter(',')
       ->check(CLI::IsMember({"model", "extremes", "condition", "adversary"}));
   command->add_option("--side", options->setup.side, "taxels along each side of the pad")
       ->check(CLI::Range(8, 100))
       ->capture_default_str();
-  command->add_option("--contacts", options->setup.contacts, "of each row")
+  command->add_option("--contacts", options->setup.contacts, "contacts for each row of the result")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--noise", options->setup.noise, "half-width, a fraction")
+  command
+      ->add_option("--noise", options->setup.noise,
+                   "half-width of the uniform noise, as a fraction: see --noise-kind")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+  command
+      ->add_option("--noise-kind", options->noise_kind,
+                   "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
+                   "pressure on pressure, of the largest shear on shear")
       ->check(CLI::IsMember({"sensor", "relative"}))
       ->capture_default_str();
-  command->add_option("--threads", options->setup.threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->add_option("--threads", options->setup.threads, "threads to compute with")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
   command->callback([&common, options] { run(common, *options); });
 }
 

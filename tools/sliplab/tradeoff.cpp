@@ -29,17 +29,21 @@ void run(const Common& common, TradeoffOptions options) {
 }  // namespace
 
 void add_tradeoff(CLI::App& app, const Common& common) {
-  auto* command = app.add_subcommand("tradeoff", "error against run time, for each method, layout and noise");
+  auto* command =
+      app.add_subcommand("tradeoff", "measure error and run time for each method, layout and noise");
   auto options = std::make_shared<TradeoffOptions>();
-  command->add_option("--contacts", options->contacts, "of each row")
+  command->add_option("--contacts", options->contacts, "contacts for each row of the result")
       ->check(CLI::Range(10, 1000000))
       ->capture_default_str();
-  command->add_option("--layouts", options->layouts, "100, 32, 16, 8, 4, wrench")
+  command
+      ->add_option(
+          "--layouts", options->layouts,
+          "layouts: taxels along each side of the pad (100, 32, 16, 8, 4), or wrench for one force sensor")
       ->delimiter(',')
       ->check(CLI::IsMember({"100", "32", "16", "8", "4", "wrench"}))
       ->capture_default_str();
-  command->add_flag("!--no-models", options->models, "leave out what has to be trained first");
-  command->add_option("--threads", options->threads, "for training")
+  command->add_flag("!--no-models", options->models, "leave out the methods that need a trained model");
+  command->add_option("--threads", options->threads, "threads for training")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   command->callback([&common, options] { run(common, *options); });

@@ -178,16 +178,21 @@ void run(const Choices& choices, const Common& common) {
 
 void add_train(CLI::App& app, const Common& common) {
   auto choices = std::make_shared<Choices>();
-  CLI::App* command = app.add_subcommand("train", "make the model that a sensor's estimator needs");
-  auto* config = command->add_option("--config", choices->config, "slipd's configuration");
-  auto* sensor = command->add_option("--sensor", choices->sensor, "a sensor of it")->needs(config);
+  CLI::App* command = app.add_subcommand("train", "train the model that a sensor's estimator needs");
+  auto* config = command->add_option("--config", choices->config, "a configuration of slipd");
+  auto* sensor = command->add_option("--sensor", choices->sensor, "name of a sensor in the configuration")
+                     ->needs(config);
   config->needs(sensor);
-  command->add_option("--setup", choices->setup, "instead: what to train for, as JSON; - for standard input")
+  command
+      ->add_option("--setup", choices->setup,
+                   "instead of --config: the setup to train for, a file of JSON; - for standard input")
       ->excludes(config);
   command->add_option("--model", choices->model,
-                      "the file to write, - for standard output; slipd's own place if not given");
-  command->add_option("--threads", choices->threads)->check(CLI::Range(1, 4))->capture_default_str();
-  command->add_flag("--anew", choices->anew, "train even if there is a good model already");
+                      "the file to write, - for standard output; default: where slipd looks for it");
+  command->add_option("--threads", choices->threads, "threads to compute with")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command->add_flag("--anew", choices->anew, "train even if a valid model exists");
   command->callback([choices, &common] {
     if (choices->config.empty() && choices->setup.empty()) {
       throw CLI::RequiredError("--config with --sensor, or --setup,");

@@ -1,5 +1,5 @@
-// A zero is taken when asked for or when the sensor reads zero, never from what is held; it follows drift
-// while the sensor is free, and holds while it is not.
+// The bias is measured on request or when the sensor reads zero, never under load. It follows drift while
+// the sensor is free, and is constant under load.
 #include "core/bias/bias_estimator.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ EstimatorChain make_chain() {
   return {setup, nullptr};
 }
 
-// How far a mean over two blocks (202 frames and more) may be off, for any of some thousand channels: five
+// Tolerance for a mean over two blocks (202 frames and more), for any of some thousand channels: five
 // standard errors.
 constexpr float kMeanError = 5 * RawSensor::kNoisePa / 14;
 
@@ -36,7 +36,7 @@ void rebias(BiasEstimator& bias_estimator, RawSensor& sensor, std::uint32_t requ
   sensor.run(bias_estimator, 2);
 }
 
-TEST(BiasEstimator, TakesTheMeanOfTheFramesAsTheZeroWhenAsked) {
+TEST(BiasEstimator, TakesTheMeanOfTheFramesAsTheBiasOnRequest) {
   RawSensor sensor(pad());
   BiasEstimator bias_estimator(sensor.layout());
   sensor.run(bias_estimator, 1);
@@ -51,12 +51,12 @@ TEST(BiasEstimator, MeasuresTheNoise) {
   RawSensor sensor(pad());
   BiasEstimator bias_estimator(sensor.layout());
   rebias(bias_estimator, sensor);
-  // Of 200 frames and 576 taxels: within 2 %.
+  // 200 frames of 576 taxels: within 2 %.
   EXPECT_NEAR(bias_estimator.report().noise_normal_pa / RawSensor::kNoisePa, 1, 0.02);
   EXPECT_NEAR(bias_estimator.report().noise_shear_pa / RawSensor::kNoisePa, 1, 0.02);
 }
 
-TEST(BiasEstimator, MarksEveryFrameAsLongAsThereIsNoZero) {
+TEST(BiasEstimator, MarksEveryFrameWhileTheBiasIsUnknown) {
   RawSensor sensor(pad());
   BiasEstimator bias_estimator(sensor.layout());
   EXPECT_FALSE(sensor.run(bias_estimator, 1).zeroed);
@@ -65,7 +65,7 @@ TEST(BiasEstimator, MarksEveryFrameAsLongAsThereIsNoZero) {
   EXPECT_TRUE(sensor.run(bias_estimator, 0.01).zeroed);
 }
 
-TEST(BiasEstimator, TakesNoHeldLoadForZeroByItself) {
+TEST(BiasEstimator, DoesNotTakeALoadForTheBiasWithoutARequest) {
   for (const double normal_n : {0.2, 1.0, 5.0}) {
     RawSensor sensor(pad());
     sensor.without_offsets();
@@ -75,7 +75,7 @@ TEST(BiasEstimator, TakesNoHeldLoadForZeroByItself) {
   }
 }
 
-TEST(BiasEstimator, ASensorThatReadsZeroByItselfNeedsNobodysWord) {
+TEST(BiasEstimator, ASensorThatReadsZeroNeedsNoRequest) {
   RawSensor sensor(pad());
   sensor.without_offsets();
   BiasEstimator bias_estimator(sensor.layout());
@@ -83,8 +83,8 @@ TEST(BiasEstimator, ASensorThatReadsZeroByItselfNeedsNobodysWord) {
   EXPECT_EQ(bias_estimator.report().origin, BiasOrigin::no_load);
 }
 
-TEST(BiasEstimator, AGripThatShakesIsNoZero) {
-  // On a force sensor there is no shape, and a shaking load looks like noise about a mean.
+TEST(BiasEstimator, AShakingLoadIsNotTakenForTheBias) {
+  // A force sensor shows no shape, and a load that shakes looks like noise about a mean.
   for (const float share : {0.1F, 0.5F, 0.9F}) {
     RawSensor sensor(TaxelLayout::wrench(0.02));
     sensor.without_offsets();
@@ -100,8 +100,8 @@ TEST(BiasEstimator, AGripThatShakesIsNoZero) {
   }
 }
 
-// At 20 Hz a block is 0.8 s: a touch may begin anywhere in it.
-TEST(BiasEstimator, ATouchThatBeginsInAnyFrameOfABlockLeavesNothingInTheZero) {
+// At 20 Hz a block takes 0.8 s; the contact begins in each of its frames in turn.
+TEST(BiasEstimator, AContactThatBeginsInAnyFrameOfABlockDoesNotChangeTheBias) {
   for (const float noise_pa : {0.0F, RawSensor::kNoisePa}) {
     for (int free_frames = 0; free_frames < 70; ++free_frames) {
       RawSensor sensor(TaxelLayout::grid(4, 4, 0.0047), noise_pa, 50'000'000);
@@ -137,7 +137,8 @@ TEST(BiasEstimator, RefusesWhatLooksLikeAContactUnlessForced) {
   RawSensor sensor(pad());
   sensor.press(3, 0.5);
   BiasEstimator bias_estimator(sensor.layout());
-  // A device with offsets as large as a load shows no shape before its first zero; this one has small ones.
+  // Offsets as large as a load hide the shape of a contact before the first bias. This device has small
+  // offsets.
   sensor.without_offsets();
   rebias(bias_estimator, sensor, 1);
   EXPECT_EQ(bias_estimator.report().answer, BiasResult::in_contact);
@@ -147,8 +148,8 @@ TEST(BiasEstimator, RefusesWhatLooksLikeAContactUnlessForced) {
   EXPECT_EQ(bias_estimator.report().answer, BiasResult::taken);
 }
 
-TEST(BiasEstimator, RefusesASensorThatItSawFreeAndThatIsTouchedNow) {
-  RawSensor sensor(TaxelLayout::wrench(0.02));  // where no shape tells
+TEST(BiasEstimator, RefusesASensorThatWasFreeAndIsInContactNow) {
+  RawSensor sensor(TaxelLayout::wrench(0.02));  // a force sensor, which shows no shape
   BiasEstimator bias_estimator(sensor.layout());
   rebias(bias_estimator, sensor, 1);
   sensor.press_everywhere(20000, 3000);
@@ -164,7 +165,7 @@ TEST(BiasEstimator, FollowsDriftWhileTheSensorIsFree) {
   RawSensor sensor(pad());
   BiasEstimator bias_estimator(sensor.layout());
   rebias(bias_estimator, sensor);
-  constexpr float kRate = 10;  // Pa/s; over a minute three times the noise
+  constexpr float kRate = 10;  // Pa/s; in a minute the drift is three times the noise
   sensor.drifts(kRate);
   sensor.run(bias_estimator, 60);
   EXPECT_TRUE(bias_estimator.report().free);
@@ -172,7 +173,7 @@ TEST(BiasEstimator, FollowsDriftWhileTheSensorIsFree) {
   EXPECT_GT(bias_estimator.report().drift_pa, 40 * kRate);
 }
 
-TEST(BiasEstimator, FollowsACoarseSensorThatStandsStillBetweenItsSteps) {
+TEST(BiasEstimator, FollowsASensorOfCoarseResolution) {
   constexpr float kStep = 500;
   RawSensor sensor(TaxelLayout::grid(4, 4, 0.005), 20);
   sensor.round_to(kStep);
@@ -188,7 +189,7 @@ TEST(BiasEstimator, FollowsACoarseSensorThatStandsStillBetweenItsSteps) {
   EXPECT_FALSE(bias_estimator.report().free);
 }
 
-TEST(BiasEstimator, WhatIsNoNumberNeverGetsIntoTheZero) {
+TEST(BiasEstimator, ValuesThatAreNotFiniteDoNotChangeTheBias) {
   RawSensor sensor(pad());
   BiasEstimator bias_estimator(sensor.layout());
   rebias(bias_estimator, sensor);
@@ -204,7 +205,7 @@ TEST(BiasEstimator, WhatIsNoNumberNeverGetsIntoTheZero) {
   EXPECT_TRUE(bias_estimator.report().free);
 }
 
-TEST(BiasEstimator, KeepsTheZeroWhileSomethingIsHeld) {
+TEST(BiasEstimator, KeepsTheBiasUnderLoad) {
   for (const bool everywhere : {false, true}) {
     RawSensor sensor(pad());
     BiasEstimator bias_estimator(sensor.layout());
@@ -223,7 +224,7 @@ TEST(BiasEstimator, KeepsTheZeroWhileSomethingIsHeld) {
   }
 }
 
-TEST(BiasEstimator, FollowsAgainAfterAHoldDuringWhichItDrifted) {
+TEST(BiasEstimator, FollowsAgainAfterDriftUnderLoad) {
   RawSensor sensor(pad());
   BiasEstimator bias_estimator(sensor.layout());
   rebias(bias_estimator, sensor);
@@ -237,7 +238,7 @@ TEST(BiasEstimator, FollowsAgainAfterAHoldDuringWhichItDrifted) {
   EXPECT_LT(sensor.farthest(bias_estimator), 10 * 8 + kMeanError);
 }
 
-TEST(BiasEstimator, ARestoredZeroHoldsInMidGrasp) {
+TEST(BiasEstimator, ARestoredBiasIsValidInMidGrasp) {
   RawSensor sensor(pad());
   BiasEstimator first(sensor.layout());
   rebias(first, sensor);
@@ -248,33 +249,34 @@ TEST(BiasEstimator, ARestoredZeroHoldsInMidGrasp) {
   EXPECT_TRUE(second.report().restored);
   EstimatorChain before = make_chain();
   EstimatorChain after = make_chain();
-  Estimate told_before, told_after;
+  Estimate estimate_before, estimate_after;
   for (int i = 0; i < 1000; ++i) {
     FrameSlot slot = sensor.read();
     first.apply(slot);
     first.judge();
-    told_before = before.estimate(slot.view());
+    estimate_before = before.estimate(slot.view());
     slot = sensor.read();
     second.apply(slot);
     second.judge();
-    told_after = after.estimate(slot.view());
+    estimate_after = after.estimate(slot.view());
   }
-  ASSERT_EQ(told_before.state, State::ok);
-  ASSERT_EQ(told_after.state, State::ok);
-  EXPECT_NEAR(*told_after.gamma, *told_before.gamma, 3 * (*told_before.sigma + *told_after.sigma));
-  EXPECT_NEAR(*told_after.normal_n, 3, 0.05);
+  ASSERT_EQ(estimate_before.state, State::ok);
+  ASSERT_EQ(estimate_after.state, State::ok);
+  EXPECT_NEAR(*estimate_after.gamma, *estimate_before.gamma,
+              3 * (*estimate_before.sigma + *estimate_after.sigma));
+  EXPECT_NEAR(*estimate_after.normal_n, 3, 0.05);
   EXPECT_LT(sensor.farthest(second), kMeanError);
 }
 
-TEST(BiasEstimator, WithoutAZeroTheChainSaysUnzeroedAndNothingElse) {
+TEST(BiasEstimator, WithoutABiasTheChainGivesStateUnzeroedAndNoNumber) {
   RawSensor sensor(pad());
   sensor.press(3, 0.8);
   BiasEstimator bias_estimator(sensor.layout());
   EstimatorChain chain = make_chain();
-  const Estimate told = chain.estimate(sensor.run(bias_estimator, 0.5).view());
-  EXPECT_EQ(told.state, State::unzeroed);
-  EXPECT_FALSE(told.gamma || told.normal_n || told.shear_n || told.friction);
-  EXPECT_EQ(told.alert, Alert::none);
+  const Estimate estimate = chain.estimate(sensor.run(bias_estimator, 0.5).view());
+  EXPECT_EQ(estimate.state, State::unzeroed);
+  EXPECT_FALSE(estimate.gamma || estimate.normal_n || estimate.shear_n || estimate.friction);
+  EXPECT_EQ(estimate.alert, Alert::none);
 }
 
 TEST(BiasEstimator, AfterAReplugAHeldLoadIsNotTakenForDriftAndARequestIsAnswered) {
@@ -303,7 +305,7 @@ TEST(Gain, MultipliesAllChannelsOfItsTaxel) {
   EXPECT_EQ(memory, (std::vector<float>{2, 20, 6, 40, 10, 60}));
 }
 
-TEST(BiasEstimator, RefusesTheZeroOfAnotherSensor) {
+TEST(BiasEstimator, RefusesTheBiasOfAnotherSensor) {
   BiasEstimator bias_estimator(pad());
   const Bias other{.bias_pa = std::vector<float>(9), .noise_pa = std::vector<float>(9)};
   EXPECT_THROW(bias_estimator.restore(other), std::invalid_argument);

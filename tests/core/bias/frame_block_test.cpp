@@ -1,4 +1,4 @@
-// A block of frames is their mean and variance, whatever offset they have.
+// A block of frames is its frames' mean and variance, at any offset.
 #include "core/bias/frame_block.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST(FrameBlock, IsTheMeanAndVarianceOfItsFramesAtAnyOffset) {
   }
 }
 
-TEST(FrameBlock, OfASlowSensorHasEnoughFramesAndThatOfAFastOneTakesLongEnough) {
+TEST(FrameBlock, HasEnoughFramesOfASlowSensorAndIsLongEnoughForAFastOne) {
   for (const std::int64_t period_ns : {std::int64_t{100'000'000}, std::int64_t{100'000}}) {
     FrameBlock block(1);
     std::vector<float> memory(3);

@@ -1,5 +1,5 @@
-// A sensor as it comes: every channel of every taxel has an offset of its own, flickers, drifts, and feels a
-// contact.
+// A sensor without zeroing: every channel of every taxel has an offset of its own, noise and drift, and
+// measures a contact.
 #pragma once
 
 #include <cmath>
@@ -49,7 +49,7 @@ class RawSensor {
       felt_[taxels() + i] = shear_pa;
     }
   }
-  // From now on each offset runs away, at up to this.
+  // From now on each offset drifts, by at most this.
   void drifts(float pa_per_s) {
     std::uniform_real_distribution<float> rate(-pa_per_s, pa_per_s);
     for (float& each : drift_) each = rate(random_) * 1e-9F * static_cast<float>(period_ns_);
@@ -74,7 +74,7 @@ class RawSensor {
     return slot;
   }
 
-  // Through the zeroing for so long; the last frame.
+  // Passes frames through the bias estimator for this long; returns the last frame.
   FrameSlot run(BiasEstimator& bias_estimator, double seconds) {
     FrameSlot slot;
     for (auto frames = static_cast<int>(seconds * 1e9 / static_cast<double>(period_ns_)); frames > 0;
@@ -86,7 +86,7 @@ class RawSensor {
     return slot;
   }
 
-  // What the zero lacks, at most.
+  // The largest error of the bias, Pa.
   float farthest(const BiasEstimator& bias_estimator) const {
     float most = 0;
     for (std::size_t i = 0; i < offsets_.size(); ++i)

@@ -14,7 +14,8 @@ namespace {
 const BodyPair kPair =
     make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
-// The average by brute force: exact in one direction (a circular segment's area), many lines in the other.
+// The average by brute force: exact in one direction (the area of a circular segment), many lines in the
+// other.
 double by_lines(double radius, double u, double v, double side) {
   constexpr int kLines = 20000;
   const auto area = [](double half_width,

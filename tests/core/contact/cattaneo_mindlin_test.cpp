@@ -32,8 +32,8 @@ TEST(CattaneoMindlin, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
                         : i % 4 == 1 ? tiny
                                      : unit(random);
     const double stick = std::cbrt(1 - load);
-    // Anywhere, near the rim, and a hair inside and outside the stick zone's edge, where digits are easiest
-    // to lose.
+    // Anywhere, near the rim, and just inside and outside the edge of the stick zone, where cancellation is
+    // worst.
     const double s = i % 3 == 0   ? unit(random)
                      : i % 3 == 1 ? 1 - std::pow(10.0, -15 * unit(random))
                                   : std::min(1.0, stick * (1 + 1e-6 * (unit(random) - 0.5)));
@@ -42,8 +42,8 @@ TEST(CattaneoMindlin, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
     const CattaneoMindlin contact(pair, normal, friction, load);
     const auto got = contact.at(s);
     const auto want = precise::reference(kSkin, kFlat, normal, friction, load, s);
-    // At the edge of the stick zone the ratio falls like the root of the distance: 1e-12, as elsewhere, needs
-    // that distance to sixteen digits, which 1 - Gamma gives and a rounded k would not.
+    // At the edge of the stick zone the ratio falls like the root of the distance. An error of 1e-12
+    // therefore needs the distance to sixteen digits. 1 - Gamma gives them, a rounded k would not.
     EXPECT_LT(precise::error(got.pressure_pa, want.pressure), 1e-12) << "load " << load << " s " << s;
     EXPECT_LT(precise::error(got.shear_pa, want.traction), 1e-12) << "load " << load << " s " << s;
     EXPECT_LT(precise::error(got.angle_rad, want.angle), 1e-12) << "load " << load << " s " << s;
@@ -97,7 +97,8 @@ TEST(CattaneoMindlin, IntegralsReturnTheForces) {
     const CattaneoMindlin contact(pair, 2, 0.4, load);
     const double a = contact.contact_radius_m();
     double normal = 0, shear = 0;
-    constexpr int kRings = 200000;  // midpoint rule on r dr: the rim's root costs kRings^-1.5, here 1e-8
+    // midpoint rule on r dr; the root at the rim limits it to kRings^-1.5, here 1e-8
+    constexpr int kRings = 200000;
     for (int i = 0; i < kRings; ++i) {
       const double s = (i + 0.5) / kRings;
       const double ring = 2 * std::numbers::pi * s * a * a / kRings;
@@ -125,7 +126,7 @@ TEST(CattaneoMindlin, AngleRisesWithRadiusAndWithLoadUpToFriction) {
   }
 }
 
-TEST(CattaneoMindlin, NothingIsFeltOutsideTheContactNorWithoutForce) {
+TEST(CattaneoMindlin, TractionIsZeroOutsideTheContactAndWithoutForce) {
   const BodyPair pair = make_body_pair(kSkin, kFlat);
   const auto outside = CattaneoMindlin(pair, 1, 0.5, 0.5).at(1.0000001);
   EXPECT_EQ(outside.pressure_pa, 0);
@@ -136,7 +137,7 @@ TEST(CattaneoMindlin, NothingIsFeltOutsideTheContactNorWithoutForce) {
   EXPECT_EQ(untouched.shear_pa, 0);
 }
 
-TEST(CattaneoMindlin, LoadsWithoutMeaningAreRefused) {
+TEST(CattaneoMindlin, InvalidLoadsAreRefused) {
   const BodyPair pair = make_body_pair(kSkin, kFlat);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, -1e-12), ContactError);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, 1.0000001), ContactError);

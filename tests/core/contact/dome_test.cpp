@@ -35,7 +35,7 @@ TEST(Dome, ItsDerivativesAreThoseOfItsAverage) {
     };
     const DomeAverage got = dome_average(1, u, v, side);
     EXPECT_NEAR(got.value, average(1, 0, 0), 1e-11);
-    // Central differences of values good to 1e-12: no better than a few 1e-6 themselves at the rim.
+    // Central differences of values with an error of 1e-12 have an error of a few 1e-6 at the rim.
     EXPECT_NEAR(got.d_x, (average(1 + kStep, 0, 0) - average(1 - kStep, 0, 0)) / (2 * kStep), 2e-5);
     EXPECT_NEAR(got.d_u, (average(1, kStep, 0) - average(1, -kStep, 0)) / (2 * kStep), 2e-5);
     EXPECT_NEAR(got.d_v, (average(1, 0, kStep) - average(1, 0, -kStep)) / (2 * kStep), 2e-5);

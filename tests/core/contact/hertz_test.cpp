@@ -49,7 +49,7 @@ TEST(Hertz, NoForceMeansNoExtentAndNoPressure) {
   EXPECT_EQ(pair.peak_pressure_pa(0), 0);
 }
 
-TEST(Hertz, BodiesWithoutMeaningAreRefusedByName) {
+TEST(Hertz, InvalidBodiesAreRefusedByName) {
   const auto message = [](const Body& object) -> std::string {
     try {
       make_body_pair(kSkin, object);

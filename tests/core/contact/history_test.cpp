@@ -33,7 +33,7 @@ double largest_excess_over_friction(const LoadHistory& contact) {
   return worst;
 }
 
-// Mean square radius of shear over that of pressure: 1 … 5/3 while a load only rises.
+// Mean square radius of shear over that of pressure: 1 to 5/3 under monotonic loading.
 double moment_ratio(const LoadHistory& contact) {
   double q = 0, q2 = 0;
   for (const auto& term : contact.shear_terms()) {
@@ -44,7 +44,7 @@ double moment_ratio(const LoadHistory& contact) {
   return q2 / q / (0.4 * std::pow(contact.contact_radius_m(), 2));
 }
 
-// The largest difference of two contacts' shear, relative to the most that friction could hold.
+// The largest difference between the shear of two contacts, relative to mu times the peak pressure.
 double distance(const LoadHistory& one, const LoadHistory& two) {
   const double a = one.contact_radius_m();
   double worst = 0;
@@ -53,8 +53,8 @@ double distance(const LoadHistory& one, const LoadHistory& two) {
   return worst / (one.friction() * kPair.peak_pressure_pa(one.normal_n()));
 }
 
-// At the edge of a stick zone the dome of its disc rises like a root: a radius known to 1e-16 gives it to
-// 1e-8.
+// At the edge of a stick zone the dome of its disc rises like a root. A radius known to 1e-16 therefore
+// gives the traction to 1e-8.
 constexpr double kRoot = 1e-7;
 
 TEST(LoadHistory, ARisingLoadIsCattaneoAndMindlins) {
@@ -79,7 +79,7 @@ TEST(LoadHistory, RegripAtConstantShearLeavesTheFamilyAsWorkedOut) {
   contact.move_to(3, 0.8, 0.5);
   EXPECT_NEAR(contact.safety_margin(), 1 - 0.8 / 1.5, 1e-12);  // 0.467
   EXPECT_NEAR(moment_ratio(contact), 0.889, 5e-4);
-  // The new ring carries nothing; inside, the traction is what it was: mu (D_a - D_c).
+  // The new ring carries no shear. Inside it the traction is unchanged: mu (D_a - D_c).
   const double a = kPair.contact_radius_m(2);
   EXPECT_NEAR(contact.shear_pa(1.01 * a), 0, 1e-6);
   const CattaneoMindlin before(kPair, 2, 0.5, 0.8);
@@ -102,7 +102,7 @@ TEST(LoadHistory, ReversalIsMindlinAndDeresiewiczsLoop) {
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.8, 0.5);
   contact.move_to(2, 0.2, 0.5);
-  // q = mu (D_a - D_c) - 2 mu (D_a - D_b): b from the fall of load, P(b) = P - dQ/(2 mu).
+  // q = mu (D_a - D_c) - 2 mu (D_a - D_b). b follows from the decrease of Q: P(b) = P - dQ/(2 mu).
   const double a = kPair.contact_radius_m(2);
   const double c = a * std::cbrt(0.2), b = a * std::cbrt(1 - 0.6 / (2 * 0.5 * 2));
   const auto dome = [](double x, double r) { return r < x ? std::sqrt(x * x - r * r) : 0.0; };
@@ -180,8 +180,8 @@ TEST(LoadHistory, AForceThatIsTooSmallForAnyExtentLetsGo) {
   EXPECT_TRUE(contact.shear_terms().empty());
 }
 
-// One spring per point of the one-dimensional picture, loaded in many small steps: an independent,
-// brute-force truth.
+// One spring per point of the one-dimensional foundation, loaded in many small steps: an independent truth
+// by brute force.
 class Springs {
  public:
   explicit Springs(double reach_m) : step_(reach_m / kCount), t_(kCount, 0) {}
@@ -235,7 +235,7 @@ TEST(LoadHistory, AgreesWithSpringsLoadedInSmallStepsOnAnyPath) {
         for (const auto& term : contact.shear_terms()) {
           t += term.coefficient * std::max(0.0, term.radius_m * term.radius_m - x * x);
         }
-        // 4000 springs and 400 steps a path: each resolves its knots to about half a percent of the limit.
+        // 4000 springs and 400 steps a path resolve each knot to about half a percent of the friction limit.
         EXPECT_NEAR(t / (0.5 * edge), springs.at(x) / (0.5 * edge), 0.01)
             << "trial " << trial << " step " << step;
       }
@@ -243,7 +243,8 @@ TEST(LoadHistory, AgreesWithSpringsLoadedInSmallStepsOnAnyPath) {
   }
 }
 
-// A greater friction leaves a curve that is steeper than the smaller one's limits: unloading then meets both.
+// A greater friction leaves a curve that is steeper than the limits of the smaller friction. Unloading then
+// reaches both limits.
 TEST(LoadHistory, AgreesWithSpringsWhereTheLoadIsTakenOffAfterFrictionFell) {
   struct Step {
     double normal_n, shear_n, friction;
@@ -251,7 +252,7 @@ TEST(LoadHistory, AgreesWithSpringsWhereTheLoadIsTakenOffAfterFrictionFell) {
   const std::vector<Step> paths[] = {
       {{3, 0, 0.8}, {3, 2.2861, 0.8}, {3, -0.1273, 0.8}, {3, -0.1273, 0.116}, {0.599, 0.0617, 0.116}},
       {{3, 0, 0.8}, {3, 2.4, 0.8}, {3, -0.1273, 0.8}, {3, -0.1273, 0.116}, {0.599, 0.0617, 0.116}},
-      // Steep from the middle on, as all has stuck.
+      // Steep from the middle outwards, because the whole contact has stuck.
       {{2.797, 1.618, 0.968}, {0.257, 0.0134, 0.968}, {0.257, 0.0134, 0.225}, {0.13, 0.0281, 0.225}},
   };
   for (const auto& path : paths) {
@@ -320,7 +321,7 @@ TEST(LoadHistory, AnyPathKeepsForceFrictionLawAndIndependenceOfTheSteps) {
       EXPECT_NEAR(total_shear_n(coarse), to_shear, 1e-12 * to_normal);
       EXPECT_LT(largest_excess_over_friction(coarse), 1e-9);
       EXPECT_LT(largest_excess_over_friction(fine), 1e-9);
-      // Exact but for paths that unload across both limits, which are followed in 64 parts.
+      // Exact, except for paths that unload across both limits: the history follows those in 64 parts.
       EXPECT_LT(distance(coarse, fine), 1e-6) << "trial " << trial << " step " << step;
     }
   }

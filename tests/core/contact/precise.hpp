@@ -1,5 +1,5 @@
 // The contact model by its textbook formulas in 400 digits, where cancellation and overflow do not matter:
-// the truth that the double forms are held against.
+// the reference for the formulas in double.
 #pragma once
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
@@ -43,7 +43,8 @@ inline Reference reference(const Body& one, const Body& two, double normal, doub
   return out;
 }
 
-// |got - want| relative to want, or, where want is below the normal doubles, to the smallest of them.
+// |got - want| relative to want. Where want is below the normal doubles: relative to the smallest normal
+// double.
 inline double error(double got, const Real& want) {
   const Real least = std::numeric_limits<double>::min();
   const Real size = abs(want) > least ? Real(abs(want)) : least;

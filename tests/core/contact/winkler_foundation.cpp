@@ -6,7 +6,8 @@
 namespace slipd::contact {
 namespace {
 
-constexpr double kSpare = 1.2;  // springs stand this much further out than the contact when they are set
+// the outermost spring, as a multiple of the contact radius, when the springs are placed
+constexpr double kSpare = 1.2;
 constexpr int kMostSteps = 12;
 
 constexpr float place(std::size_t i) noexcept {
@@ -20,7 +21,7 @@ void WinklerFoundation::clear() noexcept {
   load_.fill(0);
 }
 
-// Sets the springs wider when the contact has outgrown them.
+// Places the springs wider when the contact has become wider than their row.
 void WinklerFoundation::reach(double radius) noexcept {
   if (radius <= step_ * kSprings) return;
   const double step = kSpare * radius / kSprings, ratio = step_ > 0 ? step / step_ : 0;
@@ -45,7 +46,7 @@ void WinklerFoundation::limits(double edge, double friction, Row& most) const no
   }
 }
 
-// The sum of edge - x^2 over the springs that touch: the normal force as the springs see it.
+// The sum of edge - x^2 over the springs in contact: the normal force in the springs' unit.
 double WinklerFoundation::touching(double edge) const noexcept {
   Row rest;
   limits(edge, 1, rest);
@@ -54,7 +55,7 @@ double WinklerFoundation::touching(double edge) const noexcept {
   return sum;
 }
 
-// Shifts all springs together, each as far as its limit lets it, until they carry `target`.
+// Shifts all springs together, each as far as its friction limit allows, until they carry `target`.
 void WinklerFoundation::settle(const Row& most, double target) noexcept {
   float low = 0, high = 0, shift = 0;
   for (std::size_t i = 0; i < kSprings; ++i) {
@@ -93,7 +94,7 @@ void WinklerFoundation::follow(double normal_n, double shear_n, double friction)
   Row most;
   limits(edge, friction, most);
   if (d_normal > 0 &&
-      std::fabs(d_shear) <= friction * d_normal) {  // all sticks, the new ring takes its share
+      std::fabs(d_shear) <= friction * d_normal) {  // all springs stick; the new ring takes its share
     const double old_radius = std::cbrt(normal_n_), old_edge = old_radius * old_radius;
     const auto slope = static_cast<float>(d_shear / d_normal);
     Row before;
@@ -127,7 +128,7 @@ ShearMoments WinklerFoundation::shear_moments() const noexcept {
     q2 += load_[i] * square;
     q4 += load_[i] * square * square;
   }
-  // <u>_p = 2/5 sets the scale, so that what the springs are too coarse for cancels.
+  // Scaled so that <u>_p = 2/5: this cancels the error of a row of few springs.
   const double newton = normal_n_ / p, u = 0.4 * q2 / p2, u2 = 8.0 / 3 * 0.04 * q4 * (p / p2) * (p / p2);
   return {newton * (5.0 / 3 * q - 2.5 * p * u), newton * (6 * u2 - 6 * p * u + q)};
 }

@@ -1,5 +1,5 @@
-// One contact of what core/estimate/winkler_foundations follows many of, in its plain form: what the other is
-// held against, to the last bit, and what is itself held against the exact history.
+// One Winkler foundation in its plain form. core/estimate/winkler_foundations follows many of them and must
+// agree with this one to the last bit; this one must agree with the exact load history.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace slipd::contact {
 
 class WinklerFoundation {
  public:
-  // As of WinklerFoundations, but for the friction, which is told each time.
+  // As in WinklerFoundations, but each call takes the friction.
   void clear() noexcept;
   void follow(double normal_n, double shear_n, double friction) noexcept;
   void assume_monotonic(double normal_n, double shear_n, double friction) noexcept;
@@ -29,9 +29,9 @@ class WinklerFoundation {
   void settle(const Row& most, double target) noexcept;
   double touching(double edge) const noexcept;
 
-  double step_ = 0;  // between springs; spring i stands at (i + 1/2) step
+  double step_ = 0;  // distance between springs; spring i is at (i + 1/2) step
   double normal_n_ = 0, shear_n_ = 0;
-  Row load_{};  // what each carries
+  Row load_{};  // shear that each spring carries
 };
 
 }  // namespace slipd::contact

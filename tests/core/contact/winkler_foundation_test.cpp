@@ -10,7 +10,7 @@
 namespace slipd::contact {
 namespace {
 
-// From the exact history's disc terms: of D_x <u> = 2 x^2/5 and <u^2> = 8 x^4/35.
+// Shear moments from the disc terms of the exact history: <u> = 2 x^2/5 and <u^2> = 8 x^4/35 of D_x.
 ShearMoments shape_of(const LoadHistory& exact) {
   double q = 0, u = 0, u2 = 0;
   for (const auto& term : exact.shear_terms()) {
@@ -56,11 +56,11 @@ TEST(WinklerFoundation, FollowsAnyHistoryAsTheExactOneDoes) {
   }
 }
 
-TEST(WinklerFoundation, AContactThatSticksAllOverHasLostNothingOfItsRim) {
+TEST(WinklerFoundation, AContactThatSticksEverywhereHasTheShearOfItsPressure) {
   WinklerFoundation springs;
   for (int i = 1; i <= 100; ++i) {
-    springs.follow(0.02 * i, 0.005 * i,
-                   0.5);  // Q/P = 1/4 all the way: even at the rim, and yet nothing slips
+    // Q/P = 1/4 at every step: the traction ratio is 1/4 up to the rim, and nothing slips.
+    springs.follow(0.02 * i, 0.005 * i, 0.5);
     EXPECT_NEAR(springs.shear_moments().slip_moment_n, (5.0 / 3 - 1) * 0.005 * i, 0.002 * 0.02 * i);
   }
   const double grown = springs.shear_moments().slip_moment_n;
@@ -69,12 +69,12 @@ TEST(WinklerFoundation, AContactThatSticksAllOverHasLostNothingOfItsRim) {
       << "a small load that sticks changes nothing";
 }
 
-TEST(WinklerFoundation, WhatItIsToldToHaveRisenIsAsIfItHad) {
-  WinklerFoundation told, risen;
-  told.assume_monotonic(3, 1, 0.6);
+TEST(WinklerFoundation, AnAssumedMonotonicLoadEqualsAFollowedOne) {
+  WinklerFoundation assumed, risen;
+  assumed.assume_monotonic(3, 1, 0.6);
   risen.follow(3, 0, 0.6);
   for (int i = 1; i <= 50; ++i) risen.follow(3, 0.02 * i, 0.6);
-  EXPECT_NEAR(told.shear_moments().slip_moment_n, risen.shear_moments().slip_moment_n, 1e-3);
+  EXPECT_NEAR(assumed.shear_moments().slip_moment_n, risen.shear_moments().slip_moment_n, 1e-3);
 }
 
 TEST(WinklerFoundation, CarriesNoMoreThanFrictionHolds) {

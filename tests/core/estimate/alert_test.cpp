@@ -48,8 +48,8 @@ TEST_F(AlertLogicTest, RaisesOnTheFirstFrameAtWhichTheMarginHasBeenLowForLongEno
   EXPECT_EQ(after(1, known(0.1)), Alert::slip);
 }
 
-// Against the definition, on margins that wander: whatever went before, a frame at which the margin has been
-// below a threshold for min_ms is at least at that level, and no level rises on any other frame.
+// Compared with the definition, on random margins: at a frame at which the margin has been below a threshold
+// for min_ms, the alert has at least that level, and no level rises at any other frame.
 TEST_F(AlertLogicTest, ALevelRisesAtThatFrameAndAtNoOther) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> step(-0.06, 0.06);
@@ -76,7 +76,7 @@ TEST_F(AlertLogicTest, ALevelRisesAtThatFrameAndAtNoOther) {
   EXPECT_GT(raised, 100);
 }
 
-TEST_F(AlertLogicTest, AMarginThatJitterCrossesRaisesNothing) {
+TEST_F(AlertLogicTest, JitterAcrossTheThresholdRaisesNoAlert) {
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(after(1, known(i % 2 == 0 ? 0.39 : 0.41)), Alert::none);
 }
 
@@ -89,7 +89,7 @@ TEST_F(AlertLogicTest, StaysUntilTheMarginIsClearlyBackAndStepsDownThroughWarn) 
   EXPECT_EQ(after(1, known(0.6)), Alert::none);
 }
 
-TEST_F(AlertLogicTest, UncertaintyCountsAgainstTheGrip) {
+TEST_F(AlertLogicTest, SigmaLowersTheMarginThatIsCompared) {
   EXPECT_EQ(after(5, known(0.45, 0.1)), Alert::warn);
 }
 
@@ -114,7 +114,7 @@ TEST(AlertLogic, CountsFromTimeZeroLikeFromAnyOther) {
   }
 }
 
-TEST_F(AlertLogicTest, AnUnknownMarginRaisesNothingAndLowersNothing) {
+TEST_F(AlertLogicTest, AnUnknownMarginDoesNotChangeTheAlert) {
   for (const State state : kUnknowns) {
     logic_ = AlertLogic({});
     EXPECT_EQ(after(100, unknown(state)), Alert::none) << to_string(state);
@@ -125,7 +125,7 @@ TEST_F(AlertLogicTest, AnUnknownMarginRaisesNothingAndLowersNothing) {
   }
 }
 
-TEST_F(AlertLogicTest, ALowMarginThatIsDoubtedNowAndAgainIsToldNevertheless) {
+TEST_F(AlertLogicTest, ALowMarginRaisesTheAlertDespiteFramesWithoutAMargin) {
   Alert level = Alert::none;
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(level, Alert::none);
@@ -135,7 +135,7 @@ TEST_F(AlertLogicTest, ALowMarginThatIsDoubtedNowAndAgainIsToldNevertheless) {
   EXPECT_EQ(level, Alert::slip);
 }
 
-TEST_F(AlertLogicTest, TimeWithoutAMarginDoesNotCountAgainstTheGripEither) {
+TEST_F(AlertLogicTest, TimeWithoutAMarginDoesNotCountTowardsTheAlert) {
   after(2, known(0.1));
   after(1000, unknown(State::learning));
   EXPECT_EQ(after(1, known(0.6)), Alert::none);
@@ -150,7 +150,7 @@ TEST_F(AlertLogicTest, WithoutContactNothingCanSlip) {
   EXPECT_EQ(after(2, known(0.1)), Alert::none) << "another grasp begins anew";
 }
 
-TEST(SlipForecast, TellsTheTimeToSlipOfASteadyFallAndNothingOfAHold) {
+TEST(SlipForecast, GivesTheTimeToSlipOfASteadyFallAndNothingForAHold) {
   std::mt19937_64 random(41);
   std::normal_distribution<double> noise(0, 0.005);
   SlipForecast falling, holding;
@@ -168,7 +168,7 @@ TEST(SlipForecast, TellsTheTimeToSlipOfASteadyFallAndNothingOfAHold) {
   EXPECT_LT(alarms, 3);
 }
 
-TEST(SlipForecast, SaysNothingOfAMarginThatDoesNotFall) {
+TEST(SlipForecast, IsEmptyForAMarginThatDoesNotFall) {
   for (const double slope : {0.0, 1e-3, 4e-3}) {
     SlipForecast forecast;
     for (int i = 0; i < 100; ++i) EXPECT_FALSE(forecast.update(i * kMs, 0.3 + slope * i, 0)) << slope;
@@ -184,7 +184,7 @@ TEST(SlipForecast, EndsWithTheFall) {
   EXPECT_FALSE(forecast.update(i * kMs, 0.55, 0));
 }
 
-TEST(SlipForecast, BeginsAnewAfterAMarginThatNobodyKnewOrAPause) {
+TEST(SlipForecast, BeginsAgainAfterAnUnknownMarginOrAPause) {
   SlipForecast forecast;
   for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
   EXPECT_TRUE(forecast.update(50 * kMs, 0.4, 0));
@@ -194,37 +194,39 @@ TEST(SlipForecast, BeginsAnewAfterAMarginThatNobodyKnewOrAPause) {
   EXPECT_FALSE(forecast.update(500 * kMs, 0.05, 0));
 }
 
-// Of a fall by `slope` a second without noise, sampled each `step_ns`: what is told by the last of `samples`.
-std::optional<double> told_of(double slope, int samples, std::int64_t step_ns = kMs, double sigma = 0) {
+// The forecast after `samples` samples, `step_ns` apart, of a margin that falls by `slope` a second without
+// noise.
+std::optional<double> forecast_of(double slope, int samples, std::int64_t step_ns = kMs, double sigma = 0) {
   SlipForecast forecast;
-  std::optional<double> told;
+  std::optional<double> last;
   for (int i = 0; i < samples; ++i)
-    told = forecast.update(i * step_ns, 0.9 - slope * static_cast<double>(i * step_ns) * 1e-9, sigma);
-  return told;
+    last = forecast.update(i * step_ns, 0.9 - slope * static_cast<double>(i * step_ns) * 1e-9, sigma);
+  return last;
 }
 
-TEST(SlipForecast, NeedsTheWeightOfThreeSamplesOfWhichOneLosesItInAFiftiethOfASecond) {
-  EXPECT_FALSE(told_of(5, 3));
-  EXPECT_TRUE(told_of(5, 4));
-  // Each 7 ms, six weigh 2.97 and seven 3.09.
-  EXPECT_FALSE(told_of(2, 6, 7 * kMs));
-  EXPECT_TRUE(told_of(2, 7, 7 * kMs));
+TEST(SlipForecast, NeedsTheWeightOfThreeRecentSamples) {
+  EXPECT_FALSE(forecast_of(5, 3));
+  EXPECT_TRUE(forecast_of(5, 4));
+  // Six samples, 7 ms apart, have a weight of 2.97, and seven of 3.09.
+  EXPECT_FALSE(forecast_of(2, 6, 7 * kMs));
+  EXPECT_TRUE(forecast_of(2, 7, 7 * kMs));
 }
 
 TEST(SlipForecast, AFallSlowerThanAThousandthASecondIsNone) {
-  EXPECT_FALSE(told_of(0.95e-3, 100));
-  EXPECT_TRUE(told_of(1.05e-3, 100));
+  EXPECT_FALSE(forecast_of(0.95e-3, 100));
+  EXPECT_TRUE(forecast_of(1.05e-3, 100));
 }
 
-// The margins' own scatter may be hidden by what makes them; a tenth of their sigma is taken to be theirs at
-// least. The sigma of a slope over the last 20 ms, each 1 ms, is that divided by 0.0906 s.
+// The scatter of margins may be smaller than their error. At least a tenth of their sigma is therefore taken
+// as their scatter. The sigma of a slope over the last 20 ms, a sample each 1 ms, is that divided by 0.0906
+// s.
 TEST(SlipForecast, AFallThatIsSmallAgainstSigmaIsNone) {
-  EXPECT_FALSE(told_of(3.2, 200, kMs, 1.0));
-  EXPECT_TRUE(told_of(3.4, 200, kMs, 1.0));
+  EXPECT_FALSE(forecast_of(3.2, 200, kMs, 1.0));
+  EXPECT_TRUE(forecast_of(3.4, 200, kMs, 1.0));
 }
 
-TEST(SlipForecast, WhatWasBeforeAGapSaysNothingOfWhatComesAfter) {
-  for (const bool gap : {true, false}) {  // a margin that nobody knew, or two samples of one time
+TEST(SlipForecast, IgnoresSamplesBeforeAGap) {
+  for (const bool gap : {true, false}) {  // an unknown margin, or two samples with one time
     SlipForecast forecast;
     for (int i = 0; i < 50; ++i) forecast.update(i * kMs, 0.9 - 0.01 * i, 0);
     if (gap) forecast.update(50 * kMs, std::nullopt, 0);
@@ -239,12 +241,12 @@ TEST(SlipForecast, AMarginAtItsEndHasNoTimeLeft) {
   EXPECT_DOUBLE_EQ(forecast.update(90 * kMs, 0, 0).value(), 0);
 }
 
-TEST(GripAdvice, IsWhatIsLackingForTheTargetAndNothingMore) {
+TEST(GripAdvice, IsTheForceThatIsMissingForTheTarget) {
   EXPECT_DOUBLE_EQ(grip_advice(2, 0.8, 0, 0.5, 0.0, 0.5).increase_n.value(), 0.8 / 0.25 - 2);
   EXPECT_DOUBLE_EQ(grip_advice(5, 0.8, 0, 0.5, 0.0, 0.5).increase_n.value(), 0);
 }
 
-TEST(GripAdvice, NobodyKnowsItWithoutFriction) {
+TEST(GripAdvice, IsUnknownWithoutFriction) {
   for (const auto friction : {std::optional<double>(), std::optional(0.0)}) {
     const GripAdvice advice = grip_advice(2, 0.8, 0.1, friction, 0.1, 0.5);
     EXPECT_FALSE(advice.increase_n);
@@ -252,7 +254,8 @@ TEST(GripAdvice, NobodyKnowsItWithoutFriction) {
   }
 }
 
-// Against the spread of what it says when friction and shear are drawn with their sigmas, to first order.
+// Compared with the scatter of the advice when friction and shear are drawn with their sigmas, to first
+// order.
 TEST(GripAdvice, ItsSigmaIsThatOfFrictionAndShear) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> unit(0, 1);

@@ -1,5 +1,4 @@
-// What the chain makes of a margin, on frames at 1 kHz in frame time: when it alerts, and when it takes that
-// back.
+// The chain's alerts on frames at 1 kHz, in frame time: when they are raised and when they end.
 #include "core/estimate/chain.hpp"
 
 #include <gtest/gtest.h>
@@ -27,18 +26,18 @@ ChainSetup setup_16() {
 
 class Chain : public ::testing::Test {
  protected:
-  // A millisecond a frame, at the end of which both forces are reached.
+  // One frame each millisecond, up to the given forces.
   std::vector<Estimate> press(int ms, double normal_n, double shear_n, double noise = 0.01) {
-    std::vector<Estimate> told;
+    std::vector<Estimate> estimates;
     const double from_normal_n = normal_n_, from_shear_n = shear_n_;
     for (int i = 1; i <= ms; ++i) {
       const double f = static_cast<double>(i) / ms;
       normal_n_ = from_normal_n + f * (normal_n - from_normal_n);
       shear_n_ = from_shear_n + f * (shear_n - from_shear_n);
       contact_.move_to(normal_n_, shear_n_, kFriction);
-      told.push_back(chain_.estimate(maker_.make(contact_, 0, 0, 0.3, noise)));
+      estimates.push_back(chain_.estimate(maker_.make(contact_, 0, 0, 0.3, noise)));
     }
-    return told;
+    return estimates;
   }
 
   ChainSetup setup_ = setup_16();
@@ -50,28 +49,28 @@ class Chain : public ::testing::Test {
 
 TEST_F(Chain, TheFirstFrameWhoseMarginHasStayedLowForLongEnoughRaisesTheAlert) {
   press(100, 2, 0);
-  const auto told = press(200, 2, 0.98);
+  const auto estimates = press(200, 2, 0.98);
   const auto low = [&](const Estimate& e, double threshold) {
     return e.gamma && *e.gamma - setup_.alerts.sigmas * *e.sigma < threshold;
   };
   for (const auto& [level, threshold] :
        {std::pair{Alert::warn, setup_.alerts.warn_below}, std::pair{Alert::slip, setup_.alerts.slip_below}}) {
     std::size_t raised = 0;
-    while (raised < told.size() && told[raised].alert < level) ++raised;
-    ASSERT_LT(raised, told.size());
+    while (raised < estimates.size() && estimates[raised].alert < level) ++raised;
+    ASSERT_LT(raised, estimates.size());
     int low_for = 0;  // frames; 2 ms are over with the third
     for (std::size_t i = 0; i <= raised; ++i) {
-      low_for = low(told[i], threshold) ? low_for + 1 : 0;
+      low_for = low(estimates[i], threshold) ? low_for + 1 : 0;
       EXPECT_EQ(low_for >= 3, i == raised) << i << " of " << raised;
     }
   }
 }
 
-TEST_F(Chain, AnAlertOutlastsDoubtAndEndsWithASaferGripOrWithoutContact) {
+TEST_F(Chain, AnAlertOutlastsAnUnknownMarginAndEndsWithASaferGripOrWithoutContact) {
   press(100, 2, 0);
   ASSERT_EQ(press(200, 2, 0.95).back().alert, Alert::slip);
   int doubted = 0;
-  for (const Estimate& each : press(50, 2, 0.95, 0.3)) {  // noise of which nobody can make much
+  for (const Estimate& each : press(50, 2, 0.95, 0.3)) {  // too noisy for a margin
     if (!each.gamma) ++doubted;
     EXPECT_EQ(each.alert, Alert::slip) << to_string(each.state);
   }
@@ -81,9 +80,9 @@ TEST_F(Chain, AnAlertOutlastsDoubtAndEndsWithASaferGripOrWithoutContact) {
   EXPECT_EQ(press(50, 0, 0).back().alert, Alert::none);
 }
 
-TEST_F(Chain, TheContactsRadiusIsToldAsAShareOfTheSkinsToo) {
-  const Estimate told = press(100, 2, 0.3).back();
-  EXPECT_DOUBLE_EQ(told.a_over_r.value(), *told.radius_m / kSkinRadius_m);
+TEST_F(Chain, TheContactRadiusIsGivenRelativeToTheSkinRadiusToo) {
+  const Estimate last = press(100, 2, 0.3).back();
+  EXPECT_DOUBLE_EQ(last.a_over_r.value(), *last.radius_m / kSkinRadius_m);
   setup_.scene.skin.radius_m = std::numeric_limits<double>::infinity();
   chain_ = EstimatorChain(setup_, nullptr);
   EXPECT_FALSE(press(10, 2, 0.3).back().a_over_r) << "a flat skin has none";
@@ -126,8 +125,8 @@ TEST(ChainsMethod, IsTheConfiguredOneForMoreTaxelsAndWithoutTracking) {
   }
 }
 
-// Without shear, or with forces alone, fit has nothing to be fitted to.
-TEST(ChainsMethod, IsNotFitWhereNoShapeIsFelt) {
+// Without shear, or with forces only, there is nothing to fit.
+TEST(ChainsMethod, IsNotFitWithoutAShape) {
   ChainSetup setup = setup_of(MethodChoice::svd_knn, 4, 4);
   for (const SensorClass other : {SensorClass::wrench, SensorClass::normal}) {
     setup.sensor_class = other;

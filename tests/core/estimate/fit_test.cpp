@@ -19,7 +19,7 @@ struct Result {
   double error = 0, right = 0, within_one = 0, within_two = 0, answered = 0;
 };
 
-// Contacts drawn as in the paper's II.B, up to 2 mm off the middle of a +-8 mm pad, Gamma uniform, exact
+// Contacts drawn as in docs/theory.md §9.1, up to 2 mm off the middle of a +-8 mm pad, Gamma uniform, exact
 // averages.
 Result try_contacts(std::size_t side, double noise, Noise kind, int contacts) {
   std::mt19937_64 random(31);
@@ -52,8 +52,8 @@ Result try_contacts(std::size_t side, double noise, Noise kind, int contacts) {
   return result;
 }
 
-// The bounds are those set for the project; in brackets what a Gaussian Cramer-Rao bound gives as a guide.
-TEST(Fit, ComesNearTheLimitOnEachLayoutWithASigmaThatIsMeant) {
+// The bounds are this project's goals; in brackets the Gaussian Cramér–Rao bound, for comparison.
+TEST(Fit, ComesNearTheLimitOnEachLayoutWithACorrectSigma) {
   struct Case {
     std::size_t side;
     double noise;
@@ -70,7 +70,7 @@ TEST(Fit, ComesNearTheLimitOnEachLayoutWithASigmaThatIsMeant) {
     const Result got = try_contacts(c.side, c.noise, c.kind, c.contacts);
     EXPECT_GT(got.answered, 0.95);
     EXPECT_LT(got.error, c.most_error);
-    // Shares of so few contacts scatter: two deviations are allowed for.
+    // Tolerance: two standard deviations of a share of so few contacts.
     const auto scatter = [&](double share) { return 2 * std::sqrt(share * (1 - share) / c.contacts); };
     EXPECT_GE(got.right, c.least_right - scatter(c.least_right));
     EXPECT_NEAR(got.within_one, 0.68, 0.05 + scatter(0.68));
@@ -93,7 +93,7 @@ TEST(Fit, ReadsAContactThatTheEdgeCutsFromItsVisiblePart) {
   EXPECT_NEAR(reading.gamma, 0.4, std::max(0.01, 3 * reading.sigma));
 }
 
-TEST(Fit, OtherHistoriesAreNotOfTheFamilyButWhatSlippedIsTold) {
+TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
   Fit fit(maker.layout(), kFriction);
@@ -108,7 +108,7 @@ TEST(Fit, OtherHistoriesAreNotOfTheFamilyButWhatSlippedIsTold) {
   const Frame reversed = maker.make(contact, 0, 0, 0.3, 0.01);
   const FrameEstimate reading = fit.estimate(reversed, finder.find(reversed));
   EXPECT_FALSE(reading.in_model);
-  double q = 0, q2 = 0;  // of the exact history's discs
+  double q = 0, q2 = 0;  // of the discs of the exact history
   for (const auto& term : contact.shear_terms()) {
     const double force = term.coefficient * std::pow(term.radius_m, 3);
     q += force;

@@ -1,4 +1,4 @@
-// The forces that the foundations get: without noise, signed along one axis.
+// The forces that the foundations follow: without noise, signed along one axis.
 #include "core/estimate/followed_forces.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ ContactPatch patch_of(double normal_n, double shear_n, double direction_rad = 0)
   return patch;
 }
 
-TEST(FollowedForces, ForcesThatTrembleWithinTheDeadBandDoNotChange) {
+TEST(FollowedForces, ForcesThatVaryWithinTheDeadBandDoNotChange) {
   FollowedForces forces;
   forces.aim(patch_of(2, 0.5));
   forces.follow(patch_of(2, 0.5));
@@ -36,7 +36,7 @@ TEST(FollowedForces, ForcesThatTrembleWithinTheDeadBandDoNotChange) {
   }
 }
 
-TEST(FollowedForces, AreNeverFurtherOffThanTheDeadBand) {
+TEST(FollowedForces, DifferByTheDeadBandAtMost) {
   const FollowedForcesOptions options;
   FollowedForces forces(options);
   for (int i = 0; i <= 400; ++i) {
@@ -66,7 +66,7 @@ TEST(FollowedForces, AReversedShearIsNegativeAlongTheSameAxis) {
   EXPECT_NEAR(forces.axis().cosine(patch_of(2, -0.8, 0.4)), -1, 1e-9);
 }
 
-TEST(FollowedForces, ShearThatTurnsOutOfASureAxisIsToldOnce) {
+TEST(FollowedForces, ShearThatTurnsFromAKnownAxisIsReportedOnce) {
   FollowedForces forces;
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(forces.aim(patch_of(2, 0.5, 0)));
   EXPECT_TRUE(forces.aim(patch_of(2, 0.5, std::numbers::pi / 2)));
@@ -74,7 +74,7 @@ TEST(FollowedForces, ShearThatTurnsOutOfASureAxisIsToldOnce) {
   EXPECT_FALSE(forces.aim(patch_of(2, 0.5, std::numbers::pi / 2)));
 }
 
-TEST(FollowedForces, ShearOfNoClearDirectionMayTurnFreely) {
+TEST(FollowedForces, ShearWithoutAClearDirectionMayTurn) {
   FollowedForces forces;
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(forces.aim(patch_of(2, 5 * kSigmaN, i)));
 }

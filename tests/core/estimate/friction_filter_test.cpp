@@ -1,5 +1,5 @@
-// The filter over whole grasps: what it knows of the load's history, what it learns of friction, and that it
-// recovers from both being wrong.
+// The friction filter over whole grasps: the state of the load history, the friction that it learns, and
+// recovery from errors in both.
 #include "core/estimate/friction_filter.hpp"
 
 #include <gtest/gtest.h>
@@ -17,12 +17,12 @@ namespace {
 using synthetic::FrameMaker;
 constexpr FrictionPrior kPrior{.expected = {0.1, 0.9}, .spread = 0.15};
 
-// One contact on 50 x 50 taxels, read by moments, a frame each millisecond.
+// One contact on 50 x 50 taxels, estimated by moments, a frame each millisecond.
 class Grasp {
  public:
   explicit Grasp(const FrictionFilterOptions& options = {}) : filter(kPrior, false, options) {}
 
-  // Straight to the forces given, in `frames` frames; none of them is seen if `seen` is false.
+  // Moves linearly to the given forces in `frames` frames; `seen` false: the filter gets none of them.
   void move(double normal_n, double shear_n, double friction, int frames, bool seen = true) {
     const double from_normal_n = contact_.normal_n(), from_shear_n = contact_.shear_n();
     for (int i = 1; i <= frames; ++i) {
@@ -54,7 +54,7 @@ class Grasp {
   contact::LoadHistory contact_{synthetic::paper_pair()};
 };
 
-// A frame of forces only, with what a method says of it.
+// A frame with forces only, and a method's estimate of it.
 ContactPatch forces(double normal_n, double shear_n) {
   ContactPatch patch;
   patch.in_contact = true;
@@ -170,7 +170,7 @@ TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesB
   EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
 }
 
-TEST(FrictionFilter, SingleOutliersTakeNoWeight) {
+TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
   FrictionFilter filter(kPrior, true);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 100; ++i) {

@@ -1,4 +1,4 @@
-// The posterior of friction: its prior, its floors, and that it recovers.
+// The posterior of friction: its prior, its floors and its recovery.
 #include "core/estimate/friction_grid.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ std::size_t nearest(const FrictionGrid& grid, double mu) {
   return best;
 }
 
-// A frame that says mu, with a Gaussian of `sigma` in log mu; what fits it best loses nothing.
+// A frame whose likelihood is a Gaussian of `sigma` in log mu about mu; the best friction loses nothing.
 void frame_says(FrictionGrid& grid, double mu, double sigma) {
   const auto nats = [&](std::size_t j) {
     const double off = std::log(grid.friction(j) / mu) / sigma;
@@ -38,7 +38,7 @@ int frames_until(FrictionGrid& grid, double mu, double sigma) {
   return 1000;
 }
 
-TEST(FrictionPrior, SaysNothingWithinTheRangeAndFallsAsAGaussianBeyondIt) {
+TEST(FrictionPrior, IsFlatWithinTheRangeAndFallsAsAGaussianBeyondIt) {
   for (const double mu : {0.1, 0.3, 0.9}) EXPECT_EQ(kPrior.nats_against(mu), 0);
   for (const double sigmas : {0.5, 1.0, 3.0}) {
     EXPECT_NEAR(kPrior.nats_against(0.9 * std::exp(sigmas * 0.15)), 0.5 * sigmas * sigmas, 1e-12);
@@ -87,7 +87,7 @@ TEST(FrictionGrid, SigmaHasAFloorHoweverSharpTheFramesAre) {
   EXPECT_GE(margin.sigma, 0.99 * options.sigma_floor * (1 - margin.mean));
 }
 
-TEST(FrictionGrid, OneFrameCountsNoMoreThanItMay) {
+TEST(FrictionGrid, OneFrameHasLimitedWeight) {
   FrictionGridOptions options;
   options.max_frame_nats = 3;
   options.refuted_nats = 8;
@@ -99,7 +99,7 @@ TEST(FrictionGrid, OneFrameCountsNoMoreThanItMay) {
   EXPECT_TRUE(grid.refuted(j));
 }
 
-TEST(FrictionGrid, RefutedFrictionRecoversWithinAFewFramesHoweverManySpokeAgainstIt) {
+TEST(FrictionGrid, RefutedFrictionRecoversWithinAFewFramesAfterAnyNumberOfFrames) {
   for (const int against : {30, 30000}) {
     FrictionGrid grid(kPrior, kCount);
     for (int i = 0; i < against; ++i) frame_says(grid, 0.6, 0.05);
@@ -144,7 +144,7 @@ TEST(FrictionGrid, ANewGraspForgetsAll) {
   EXPECT_EQ(grid.friction().sigma, fresh.friction().sigma);
 }
 
-// The closed form near a sharp peak and the sum over the whole grid are one and the same margin.
+// The closed form near a sharp peak gives the same margin as the sum over the whole grid.
 TEST(FrictionGrid, MarginOfASharpFrictionIsThatOfTheSum) {
   FrictionGridOptions summed;
   summed.sharp_sigma = 0;

@@ -1,4 +1,5 @@
-// Fingers together: the grasp's margin is that of all they carry against all they could.
+// Several fingers: the grasp's margin follows from the sums of their shear forces and of their friction
+// limits.
 #include "core/estimate/grasp.hpp"
 
 #include <gtest/gtest.h>
@@ -55,7 +56,7 @@ TEST(Grasp, AFingerInTheAirCarriesNothing) {
   EXPECT_FALSE(grasp_estimate(air, 0.5).gamma);
 }
 
-TEST(Grasp, WithOneFingerUnknownTheWholeIsUnknown) {
+TEST(Grasp, WithOneFingerUnknownTheGraspIsUnknown) {
   for (const State state :
        {State::learning, State::out_of_model, State::no_shear, State::unzeroed, State::stale, State::fault}) {
     const std::array members{finger(2, 0.5, 0.5), in_state(state)};
@@ -69,7 +70,7 @@ TEST(Grasp, WithOneFingerUnknownTheWholeIsUnknown) {
   EXPECT_FALSE(grasp_estimate({}, 0.5).gamma);
 }
 
-// Friction that is known to 2 % in each of two like fingers is known to 2 %/sqrt 2 for both.
+// If friction is known to 2 % at each of two equal fingers, it is known to 2 %/sqrt 2 for both.
 TEST(Grasp, ErrorsOfTheFingersAreIndependent) {
   std::array members{finger(2, 0.5, 0.5), finger(2, 0.5, 0.5)};
   for (Estimate& each : members) each.friction_sigma = 0.01;
@@ -98,7 +99,7 @@ TEST(GraspTracker, HasTheHysteresisAndTheLeastDurationOfASensor) {
   EXPECT_EQ(judge.judge(at(23 * kMs, 0.6)).alert, Alert::none);
 }
 
-TEST(GraspTracker, UncertaintyCountsAgainstTheGrip) {
+TEST(GraspTracker, SigmaLowersTheMarginThatIsCompared) {
   GraspTracker sure({}), unsure({});
   for (int i = 0; i < 5; ++i) {
     sure.judge(at(i * kMs, 0.45));

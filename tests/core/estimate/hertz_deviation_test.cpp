@@ -1,4 +1,4 @@
-// What a contact's pressure tells of its shape, against shapes that are known in closed form.
+// Measures of a contact's shape from its pressure, compared with shapes in closed form.
 #include "core/estimate/hertz_deviation.hpp"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kRadiusM = 5e-3, kPeakPa = 1e5;
 
-// Of a pad of 100 x 100 taxels, 16 mm wide, that feels `pressure` (of the peak) at a place in units of the
-// radius.
+// A frame of a pad of 100 x 100 taxels, 16 mm wide, with `pressure` (relative to the peak) as a function of
+// position in units of the radius.
 template <typename Pressure>
 HertzDeviation of(Pressure pressure, double noise = 0) {
   const auto layout = TaxelLayout::grid(100, 100, 0.00016);
@@ -64,14 +64,14 @@ TEST(HertzDeviation, ReadsHowLongAContactIsAndDoesNotTakeThatForASkin) {
     const HertzDeviation got =
         of([&](double x, double y) { return hertz(x / std::sqrt(axes), y * std::sqrt(axes)); }, 0.003);
     const double square = axes * axes;
-    // The disc that is read is round: it loses the ends of a long contact.
+    // The evaluated disc is round, so it misses the ends of a long contact.
     EXPECT_NEAR(got.ellipticity / ((square - 1) / (square + 1)), 1, axes < 1.4 ? 0.05 : 0.15) << axes;
     EXPECT_LT(got.excess_kurtosis, 0.05) << axes;
     EXPECT_EQ(got.hertzian(), axes < 1.7) << axes;
   }
 }
 
-// Beside the contact's own a lower pressure that reaches 1.4 times as far: as under a skin.
+// The contact's pressure plus a lower one that reaches 1.4 times as far, as under a skin.
 TEST(HertzDeviation, ReadsPressureThatLiesFartherOut) {
   double before = 0;
   for (const double share : {0.05, 0.1, 0.2, 0.4}) {

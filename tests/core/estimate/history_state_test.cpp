@@ -1,4 +1,4 @@
-// Every transition of a load history's state, and the counts of frames behind two of them.
+// Every transition of the load history's state, and the counts of frames on which two of them depend.
 #include "core/estimate/history_state.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ constexpr std::array kStates{monotonic, general, assumed_monotonic, unknown};
 TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
   struct Row {
     Event event;
-    std::array<HistoryState, 4> to;  // from each of kStates
+    std::array<HistoryState, 4> to;  // the next state from each of kStates
   };
   const Row rows[] = {
       {Event::contact_lost, {monotonic, monotonic, monotonic, monotonic}},

@@ -21,7 +21,8 @@ TEST(Moments, TheRatioIsInvertedFromNoLoadToGrossSlip) {
   EXPECT_EQ(gamma_of_moment_ratio(2), 1);
 }
 
-// Contacts never seen, up to 2 mm off the middle, +-8 mm pad, Gamma uniform: mean error and honest sigma.
+// New contacts, up to 2 mm off the middle of a +-8 mm pad, Gamma uniform: mean error and calibration of
+// sigma.
 TEST(Moments, ReadUnseenContactsOffTheMiddleWithAnHonestSigma) {
   std::mt19937_64 random(21);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -39,7 +40,7 @@ TEST(Moments, ReadUnseenContactsOffTheMiddleWithAnHonestSigma) {
     const Frame frame = maker.make(contact, 0.002 * (2 * unit(random) - 1), 0.002 * (2 * unit(random) - 1),
                                    6.28 * unit(random), 0.05);
     const auto& patch = finder.find(frame);
-    if (patch.cut) continue;  // the largest contacts reach over the edge
+    if (patch.cut) continue;  // the largest contacts reach beyond the edge
     const FrameEstimate reading = moments.estimate(frame, patch);
     ASSERT_TRUE(reading.in_model) << "gamma " << gamma << " friction " << friction;
     ++answered;

@@ -1,4 +1,5 @@
-// The same estimator on rings of the contact's own frame: place, size, stiffness and force have dropped out.
+// The estimator on rings in the contact's own frame, which does not depend on position, size, stiffness and
+// force.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +16,7 @@
 namespace slipd {
 namespace {
 
-// Contacts never seen, up to 2 mm off the middle of a +-8 mm pad, relative noise of 5 %, Gamma uniform, three
+// New contacts, up to 2 mm off the middle of a +-8 mm pad, relative noise of 5 %, Gamma uniform, three
 // bases.
 TEST(Registered, ReadsUnseenContactsWhereverTheyLie) {
   Scene scene;

@@ -1,4 +1,4 @@
-// The paper's estimator on frames of contacts that it was not trained on.
+// The paper's estimator (docs/theory.md §9) on frames of contacts outside its training data.
 #include "core/estimate/svd_knn.hpp"
 
 #include <gtest/gtest.h>
@@ -68,23 +68,23 @@ TEST(SvdKnn, IsWithinFiveHundredthsOnContactsItHasNotSeen) {
   const Score score = score_of(0.01, synthetic::Noise::relative);
   EXPECT_LE(score.error, 0.05);
   EXPECT_GE(score.answered, 0.93 * score.frames);
-  // Sigma is calibrated on other contacts than these: ten points cover the difference.
+  // Sigma is calibrated on other contacts than these; ten percentage points allow for the difference.
   EXPECT_NEAR(score.within_one, 0.68 * score.answered, 0.10 * score.frames);
   EXPECT_GE(score.within_two, 0.80 * score.answered);
 }
 
-TEST(SvdKnn, StaysTrueUnderMoreNoiseThanItWasTrainedFor) {
+TEST(SvdKnn, StaysAccurateWithMoreNoiseThanInTraining) {
   const Score score = score_of(0.01, synthetic::Noise::sensor);
   EXPECT_LE(score.error, 0.08);
   EXPECT_GE(score.within_two, 0.80 * score.answered);
 }
 
-TEST(SvdKnn, IsNotWrongAfterARegripUnloadingOrReversal) {
+TEST(SvdKnn, GivesNoWrongMarginAfterARegripUnloadingOrReversal) {
   const auto model = centred_model();
   synthetic::FrameMaker maker(model->setup().layout, 3);
   PatchFinder finder(maker.layout());
   SvdKnn estimator(model);
-  // The margin's error, where it answers at all.
+  // The error of the margin where there is one.
   const auto miss = [&](std::initializer_list<std::pair<double, double>> path) -> std::optional<double> {
     contact::LoadHistory contact(synthetic::paper_pair());
     for (const auto& [normal, shear] : path) contact.move_to(normal, shear, 0.5);
@@ -97,7 +97,7 @@ TEST(SvdKnn, IsNotWrongAfterARegripUnloadingOrReversal) {
   EXPECT_FALSE(miss({{2, 0}, {2, 0.8}, {3, 0.8}})) << "regrip";
   EXPECT_FALSE(miss({{2, 0}, {2, 0.8}, {2, 0.3}})) << "unloading";
   EXPECT_FALSE(miss({{2, 0}, {2, 0.8}, {2, -0.2}})) << "reversal";
-  // So far reversed that the old load hardly shows: an answer may come, and is then right.
+  // Reversed so far that the earlier load hardly shows: a margin may be given, and is then right.
   for (const double shear : {-0.5, -0.7, -0.9}) {
     EXPECT_LE(miss({{2, 0}, {2, 0.8}, {2, shear}}).value_or(0), 0.15) << "reversed to " << shear << " N";
   }

@@ -23,8 +23,8 @@ struct Phase {
   double normal_from, normal_to, shear_from, shear_to, friction;
 };
 
-// A gripper's ordinary life: grip, load, regrip, load on, unload, reverse, back, loosen, grease, slip,
-// regrip, let go.
+// A grasp: grip, load, regrip, load further, unload, reverse, load again, loosen, friction falls, slip,
+// regrip, release.
 const std::vector<Phase> kLife{{"grip", 200, 0.05, 2, 0, 0, 0.5},      {"load", 300, 2, 2, 0, 0.8, 0.5},
                                {"regrip", 100, 2, 3, 0.8, 0.8, 0.5},   {"hold", 100, 3, 3, 0.8, 0.8, 0.5},
                                {"load on", 300, 3, 3, 0.8, 1.4, 0.5},  {"unload", 200, 3, 3, 1.4, 0.3, 0.5},
@@ -76,7 +76,7 @@ ChainSetup setup_for(std::size_t side, MethodChoice method) {
   return setup;
 }
 
-TEST(Tracker, FollowsAGrippersLifeThroughRegripUnloadingReversalAndGrease) {
+TEST(Tracker, FollowsAGraspThroughRegripUnloadingReversalAndAFallOfFriction) {
   for (const auto kind : {Noise::relative, Noise::sensor}) {
     const ChainSetup setup = setup_for(100, MethodChoice::fit);
     EstimatorChain chain(setup, nullptr);
@@ -94,7 +94,7 @@ TEST(Tracker, WithMomentsNoMarginIsFarOffEither) {
   live(chain, maker, kLife, 0.01, Noise::relative);
 }
 
-TEST(Tracker, AContactThatSticksAllOverWhileBothForcesGrowIsNotTakenForSliding) {
+TEST(Tracker, AContactThatSticksEverywhereWhileBothForcesGrowIsNotTakenForSliding) {
   const ChainSetup setup = setup_for(100, MethodChoice::fit);
   EstimatorChain chain(setup, nullptr);
   FrameMaker maker(setup.layout);
@@ -103,7 +103,7 @@ TEST(Tracker, AContactThatSticksAllOverWhileBothForcesGrowIsNotTakenForSliding) 
   EXPECT_EQ(tally.ok, 0) << "stuck or sliding: one frame looks like the other";
 }
 
-// Grasps of objects never seen on 4 x 4 taxels of 4.7 mm: grip, load to slip, regrip, unload, load again.
+// Grasps of new objects on 4 x 4 taxels of 4.7 mm: grip, load to slip, regrip, unload, load again.
 Tally grasp_on_few_taxels(const TaxelLayout& layout, double noise, int grasps, int& right_after_slip,
                           int& after_slip) {
   std::mt19937_64 random(9);
@@ -154,7 +154,7 @@ TEST(Tracker, FourByFourTaxelsLearnFrictionOverAGrasp) {
   EXPECT_LT(tally.too_safe, 0.03 * tally.ok);
 }
 
-TEST(Tracker, OneForceVectorIsAnsweredCautiouslyOrNotAtAll) {
+TEST(Tracker, OneForceVectorGetsNoMarginThatIsTooSafe) {
   int right = 0, after = 0;
   const Tally tally = grasp_on_few_taxels(TaxelLayout::wrench(0.0188), 0, 40, right, after);
   EXPECT_EQ(tally.too_safe, 0);

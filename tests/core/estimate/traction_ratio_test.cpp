@@ -1,4 +1,5 @@
-// The load that a sensor without shape is said to carry: followed closely, with a deviation that is meant.
+// The filtered traction ratio of a sensor without shape: it follows the ratio closely, and its sigma covers
+// its error.
 #include "core/estimate/traction_ratio.hpp"
 
 #include <gtest/gtest.h>
@@ -9,9 +10,9 @@
 namespace slipd {
 namespace {
 
-constexpr double kNoiseN = 0.06;  // of either force
+constexpr double kNoiseN = 0.06;  // of each force
 
-// What a patch says of the forces when both are read with noise.
+// A patch whose forces have noise.
 class Readings {
  public:
   ContactPatch of(double normal_n, double shear_n) {
@@ -45,7 +46,7 @@ TEST(TractionRatioFilter, OfManyFramesIsFarBetterThanOfOne) {
   EXPECT_LT(within / frames, 0.85);
 }
 
-// Loads that rise, stand and fall in 40 frames each: what it lags behind stays within what it leaves open.
+// Loads that rise, stay and fall in 40 frames each: the lag stays within the given sigma.
 TEST(TractionRatioFilter, FollowsALoadThatTurns) {
   Readings readings;
   TractionRatioFilter carried(true);
@@ -96,7 +97,7 @@ TEST(TractionRatioFilter, AnEvenRatioWhileTheGripFallsIsSliding) {
 }
 
 // Without noise, as one force vector gives them.
-TEST(TractionRatioFilter, OfReadingsWithoutNoiseIsEachFramesOwn) {
+TEST(TractionRatioFilter, WithoutNoiseIsTheRatioOfEachFrame) {
   TractionRatioFilter carried(true);
   for (const double shear_n : {0.0, 0.5, 0.5, 0.6, 0.1}) {
     ContactPatch patch;

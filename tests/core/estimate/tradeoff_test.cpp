@@ -20,7 +20,7 @@ Scene paper_scene() {
   return scene;
 }
 
-TEST(Tradeoff, ShowsThatFittingIsDearerAndNearerToTheTruth) {
+TEST(Tradeoff, ShowsThatFitIsSlowerAndMoreAccurate) {
   const auto layout = TaxelLayout::grid(16, 16, 0.001);
   Moments moments(layout);
   Fit fit(layout, {0.1, 0.9});
@@ -40,7 +40,7 @@ TEST(Tradeoff, TheSameSeedGivesTheSameErrors) {
   EXPECT_EQ(once.p95_error, again.p95_error);
 }
 
-TEST(Tradeoff, AModelComesWithTheWorthOfEachMethodAndRank) {
+TEST(Tradeoff, AModelHasTheErrorOfEachMethodAndRank) {
   const ModelSetup setup{.layout = TaxelLayout::grid(16, 16, 0.001),
                          .scene = paper_scene(),
                          .size = {.contacts = 60, .loads = 20},

@@ -1,4 +1,4 @@
-// What a margin's sigma says of the forces that moved between two frames.
+// The sigma that is added for forces that moved between two frames.
 #include "core/estimate/unseen_motion.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ namespace slipd {
 namespace {
 
 constexpr double kFriction = 0.5;
-constexpr double kLargest = 0.15;  // sigma that is told
+constexpr double kLargest = 0.15;  // largest sigma with a margin
 
 ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
   ContactPatch made;
@@ -22,7 +22,7 @@ ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
   return made;
 }
 
-Estimate told(double sigma) {
+Estimate estimate_with(double sigma) {
   Estimate out;
   out.state = State::ok;
   out.gamma = 0.4;
@@ -35,12 +35,12 @@ TEST(UnseenMotion, OfFramesThatFollowOneAnotherCloselyIsNone) {
   unseen.update(patch(0.05, 0), kFriction);
   for (int i = 1; i <= 200; ++i) {
     unseen.update(patch(2, 0.004 * i), kFriction);
-    if (i == 1) unseen.reset();  // the grip itself was no step
+    if (i == 1) unseen.reset();  // the grip itself is not counted as motion
   }
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
-TEST(UnseenMotion, OfTheFirstFrameIsNoneWhateverItsForces) {
+TEST(UnseenMotion, IsNoneInTheFirstFrameWithAnyForces) {
   UnseenMotion unseen;
   unseen.update(patch(5, 2), kFriction);
   EXPECT_EQ(unseen.sigma(), 0);
@@ -53,7 +53,7 @@ TEST(UnseenMotion, WidensSigmaByTheShareOfTheForceThatMovedAlsoAcross) {
     unseen.update(patch(2, 0), kFriction);
     unseen.update(next, kFriction);
     EXPECT_NEAR(unseen.sigma(), UnseenMotion::kSigmaOfMotion * share, 0.002);
-    Estimate out = told(0.03);
+    Estimate out = estimate_with(0.03);
     unseen.widen(out, kLargest);
     EXPECT_NEAR(out.sigma.value(), std::hypot(0.03, unseen.sigma()), 1e-12);
     EXPECT_EQ(out.gamma, 0.4);
@@ -81,11 +81,11 @@ TEST(UnseenMotion, FadesOverTheFramesThatFollowAndEndsWithTheContact) {
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
-TEST(UnseenMotion, LeavesAMarginUntoldWhoseSigmaIsTooLargeThen) {
+TEST(UnseenMotion, RemovesAMarginWhoseSigmaBecomesTooLarge) {
   UnseenMotion unseen;
   unseen.update(patch(2, 0), kFriction);
   unseen.update(patch(1, 0), kFriction);
-  Estimate out = told(0.149);
+  Estimate out = estimate_with(0.149);
   unseen.widen(out, kLargest);
   EXPECT_EQ(out.state, State::learning);
   EXPECT_FALSE(out.gamma);

@@ -1,4 +1,4 @@
-// Many beds side by side say what each would say alone, on every instruction set.
+// Many foundations side by side agree with single ones, on every instruction set.
 #include "core/estimate/winkler_foundations.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ std::vector<double> frictions(std::size_t count) {
   return all;
 }
 
-// Both forms of the same contacts.
+// The same contacts in both forms.
 class Both {
  public:
   Both(std::size_t count, const WinklerKernels& kernels)
@@ -72,7 +72,7 @@ class Both {
   double normal_n_ = 1, shear_n_ = 0;
 };
 
-TEST(WinklerFoundations, SayWhatEachWouldSayAloneToTheLastBit) {
+TEST(WinklerFoundations, AgreeWithSingleFoundationsToTheLastBit) {
   for (const WinklerKernels* kernels : kernels_at_hand<WinklerKernels>()) {
     for (const std::size_t count : {1U, 16U, 56U, 64U}) {
       std::mt19937_64 random(count);

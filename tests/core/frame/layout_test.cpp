@@ -28,7 +28,7 @@ TEST(TaxelLayout, ScatteredTaxelsAreAsWideAsTheirNeighboursAreFar) {
   EXPECT_FALSE(same.regular().has_value());
 }
 
-TEST(TaxelLayout, LayoutsWithoutMeaningAreRefused) {
+TEST(TaxelLayout, InvalidLayoutsAreRefused) {
   EXPECT_THROW(TaxelLayout::grid(0, 4, 0.001), std::invalid_argument);
   EXPECT_THROW(TaxelLayout::grid(4, 5000, 0.001), std::invalid_argument);
   EXPECT_THROW(TaxelLayout::grid(4, 4, 0), std::invalid_argument);

@@ -26,7 +26,7 @@ TEST(FrameMailbox, IsEmptyUntilAFrameComesAndGivesItOnce) {
   EXPECT_EQ(skipped, 0U);
 }
 
-TEST(FrameMailbox, TheNewestFrameWinsHoweverLongNobodyLooked) {
+TEST(FrameMailbox, GivesTheNewestFrameAfterAnyDelay) {
   FrameMailbox mailbox(4);
   std::uint64_t skipped = 0;
   for (std::uint64_t i = 1; i <= 1000; ++i) send(mailbox, i, skipped);
@@ -34,7 +34,7 @@ TEST(FrameMailbox, TheNewestFrameWinsHoweverLongNobodyLooked) {
   EXPECT_EQ(skipped, 999U);
 }
 
-TEST(FrameMailbox, AFrameInHandIsLeftAloneWhileOthersCome) {
+TEST(FrameMailbox, AFrameThatIsReadDoesNotChangeWhileOthersCome) {
   FrameMailbox mailbox(4);
   std::uint64_t skipped = 0;
   send(mailbox, 1, skipped);

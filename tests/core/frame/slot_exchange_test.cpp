@@ -19,9 +19,8 @@ using Access = WeakMemory::Access;
 constexpr std::size_t kFiller = 1, kReader = 2;
 constexpr int kFrames = 5, kLooks = 4;
 
-// Atomic, as the exchange uses it, with a place before each of the reader's accesses in which the filler may
-// do whatever it still has to. As publish() has a single access to what is shared, all orders are among
-// these.
+// An Atomic for the exchange, which lets the filler do any part of its remaining work before each of the
+// reader's accesses. publish() accesses shared memory once, so this covers all orders.
 template <typename T>
 class Interleaved : public CheckedAtomic<T> {
  public:
@@ -37,20 +36,19 @@ class Interleaved : public CheckedAtomic<T> {
   }
 };
 
-// Frames 1 to kFrames through a mailbox, read at any moments; what a mailbox promises is demanded of each
-// path.
+// Frames 1 to kFrames through a mailbox, read at any moments; each path must keep the mailbox's guarantees.
 void pass_frames(WeakMemory& memory) {
   SlotExchange<Interleaved> slots;
   std::array<int, 3> content{};
   std::array<std::size_t, 3> place{};
   for (auto& each : place) each = memory.add_plain();
-  memory.tell(0, kFiller);
-  memory.tell(0, kReader);
+  memory.synchronize(0, kFiller);
+  memory.synchronize(0, kReader);
   int filled = 0, skipped = 0, taken = 0, last = 0;
   bool filling = false;
 
   const auto fill_some = [&] {
-    if (filling) return;  // its own exchange
+    if (filling) return;  // an access of the filler itself
     filling = true;
     memory.run_as(kFiller);
     for (std::size_t more = memory.choose(static_cast<std::size_t>(kFrames - filled) + 1); more > 0; --more) {
@@ -75,8 +73,8 @@ void pass_frames(WeakMemory& memory) {
   memory.run_as(kReader);
   for (int i = 0; i < kLooks; ++i) {
     const int before = filled;
-    if (memory.choose(2) == 1) {  // the doorbell has rung for all that came so far
-      memory.tell(kFiller, kReader);
+    if (memory.choose(2) == 1) {  // the doorbell has rung for all frames so far
+      memory.synchronize(kFiller, kReader);
       demand(look() || last == before, "a frame was announced and not there");
       demand(last >= before, "an old frame came though a newer one was announced");
     } else {
@@ -84,7 +82,7 @@ void pass_frames(WeakMemory& memory) {
     }
   }
   Interleaved<std::uint32_t>::meanwhile = [] {};
-  memory.tell(kFiller, kReader);
+  memory.synchronize(kFiller, kReader);
   look();
   demand(last == filled, "the newest frame did not win");
   demand(taken + skipped == filled, "the account does not close");

@@ -14,7 +14,7 @@ namespace slipd {
 namespace {
 
 TEST(Alpha, IsTheAngleOfShearOverPressure) {
-  constexpr std::size_t kCount = 4099;  // no multiple of a vector register's lanes
+  constexpr std::size_t kCount = 4099;  // not a multiple of the number of lanes of a vector register
   std::vector<float> p(kCount), x(kCount), y(kCount), alpha(kCount);
   const RandomStream draws(3);
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -31,7 +31,7 @@ TEST(Alpha, IsTheAngleOfShearOverPressure) {
   }
 }
 
-// Of a disc's taxels only, and what else is summed on the way, on every instruction set.
+// Alpha of a disc's taxels only, with the other sums of the same loop, on every instruction set.
 TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
   constexpr std::size_t kCount = 1003, kRank = AlphaKernels::kTogether;
   constexpr float kUntouched = -7;
@@ -69,7 +69,7 @@ TEST(Alpha, AndItsProjectionAreTheSameOnEveryInstructionSet) {
     EXPECT_NEAR(sums.inverse_squares_per_pa2, inverse, 1e-5 * inverse) << kernels->name;
     EXPECT_EQ(sums.taken, taken) << kernels->name;
     kernels->project(alpha.data(), runs, basis.data(), kRank, point.data());
-    // Single precision: rounding of as many terms as there are taxels.
+    // Tolerance: rounding in single precision of one term for each taxel.
     for (std::size_t k = 0; k < kRank; ++k) EXPECT_NEAR(point[k], wanted[k], 2e-4) << kernels->name;
   }
 }

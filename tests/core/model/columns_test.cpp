@@ -1,4 +1,4 @@
-// The data sets: what the columns hold, and that they are the same however they are asked for.
+// The data sets: the values of the columns, which do not depend on how many are asked for at once.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ TEST(DrawnContacts, LieInTheScenesRangesInTheScenesShares) {
     EXPECT_TRUE(std::isinf(draw.radius_m) || (draw.radius_m >= 0.01 && draw.radius_m <= 0.05));
     EXPECT_TRUE(std::abs(draw.x_m) <= 0.002 && std::abs(draw.y_m) <= 0.002);
   }
-  // Half each, within five standard errors.
+  // Half of each, within five standard errors.
   EXPECT_NEAR(stiff, kCount / 2, 5 * std::sqrt(kCount / 4.0));
   EXPECT_NEAR(flat, kCount / 2, 5 * std::sqrt(kCount / 4.0));
 }
@@ -104,8 +104,8 @@ TEST(Columns, AreTheSameAloneAndInABlock) {
   }
 }
 
-// The sums of a symmetric matrix' singular values and their spread bases are the same from an eighth of its
-// rows.
+// A symmetric matrix and its fold (one eighth of the rows) have the same sums of singular values and the
+// same bases.
 template <typename Folded, typename Whole>
 void expect_same_decomposition(const Folded& folded, const Whole& whole, const Fold& fold) {
   const Svd small = randomized_svd(folded, {.rank = 6}), large = randomized_svd(whole, {.rank = 6});

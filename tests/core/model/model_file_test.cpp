@@ -1,4 +1,4 @@
-// Models on disk: whole or not at all.
+// Models on disk are loaded whole or refused.
 #include "core/model/model_file.hpp"
 
 #include <gmock/gmock.h>
@@ -47,7 +47,7 @@ std::string why_refused(std::span<const std::uint8_t> bytes) {
   return "";
 }
 
-TEST_F(ModelFile, KeepsWhatEachMethodWasWorth) {
+TEST_F(ModelFile, KeepsTheExpectedErrorOfEachMethod) {
   ModelData data = small_model();
   TradeoffRow row;
   row.method = "registered";
@@ -97,7 +97,7 @@ TEST_F(ModelFile, EveryDamagedByteIsRefused) {
   }
 }
 
-TEST_F(ModelFile, EveryCutIsRefused) {
+TEST_F(ModelFile, EveryTruncatedFileIsRefused) {
   const auto bytes = encode_model(small_model());
   for (std::size_t length = 0; length < bytes.size(); length += length < 100 ? 1 : 211) {
     EXPECT_NE(why_refused(std::span(bytes).first(length)), "") << length << " bytes";
@@ -122,7 +122,7 @@ TEST_F(ModelFile, AModelOfAnotherSetupIsNotUsed) {
   EXPECT_EQ(load_cached_model(small_setup(), folder_).setup(), small_setup());
 }
 
-TEST_F(ModelFile, NestingWithoutEndIsRefusedBeforeAnybodyFollowsIt) {
+TEST_F(ModelFile, DeepNestingIsRefusedBeforeItIsParsed) {
   const std::vector<std::uint8_t> deep(10'000'000, 0x81);  // a list in a list in a list …
   EXPECT_THAT(why_refused(deep), HasSubstr("no CBOR item"));
   const nlohmann::json sealed{{"format", "slipd-model"},
@@ -132,7 +132,7 @@ TEST_F(ModelFile, NestingWithoutEndIsRefusedBeforeAnybodyFollowsIt) {
   EXPECT_THAT(why_refused(nlohmann::json::to_cbor(sealed)), HasSubstr("no CBOR item"));
 }
 
-TEST_F(ModelFile, IsReadFromNoLinkNoPipeAndNoFileThatOthersWrite) {
+TEST_F(ModelFile, IsNotReadFromALinkAPipeOrAFileThatOthersCanWrite) {
   const fs::path file = folder_ / "model.cbor";
   const auto refusal = [](const fs::path& of) -> std::string {
     try {
@@ -151,12 +151,12 @@ TEST_F(ModelFile, IsReadFromNoLinkNoPipeAndNoFileThatOthersWrite) {
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   EXPECT_THAT(refusal(file), HasSubstr("written by everybody"));
   fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
-  if (::geteuid() != 0) return;  // only root gives files away
+  if (::geteuid() != 0) return;  // only root can change the owner of a file
   ASSERT_EQ(::chown(file.c_str(), 12345, 12345), 0);
   EXPECT_THAT(refusal(file), HasSubstr("belongs to user 12345"));
 }
 
-TEST_F(ModelFile, IsNotWrittenThroughWhatSomebodyLaidInItsWay) {
+TEST_F(ModelFile, IsNotWrittenThroughALinkInItsPlace) {
   fs::create_directories(folder_);
   const fs::path precious = folder_ / "precious";
   std::ofstream(precious) << "mine";
@@ -207,7 +207,7 @@ TEST_F(ModelFile, NamesDifferForSetupsThatDiffer) {
   EXPECT_NE(id, changed([](ModelSetup& s) { s.size.loads = 6; }));
 }
 
-TEST_F(ModelFile, NonsenseBehindAGoodChecksumIsRefused) {
+TEST_F(ModelFile, AnInvalidModelWithAMatchingChecksumIsRefused) {
   const auto refused = [](auto change) {
     ModelData data = small_model();
     change(data);

@@ -1,4 +1,4 @@
-// Exact neighbours: the same as looking at every point.
+// Exact nearest neighbours, compared with a search of every point.
 #include "core/model/neighbours.hpp"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(Neighbours, AreThoseOfBruteForce) {
       std::partial_sort(sorted.begin(), sorted.begin() + 5, sorted.end());
       ASSERT_EQ(query.find(point), 5U);
       for (std::size_t i = 0; i < 5; ++i) {
-        EXPECT_NEAR(query.squared_distances()[i], sorted[i], 1e-5F);  // sums in another order
+        EXPECT_NEAR(query.squared_distances()[i], sorted[i], 1e-5F);  // the sums are taken in another order
         EXPECT_NEAR(distances[query.indices()[i]], query.squared_distances()[i], 1e-5F);
       }
     }
@@ -88,8 +88,8 @@ TEST(Neighbours, MeaninglessPointsAreRefused) {
   EXPECT_THROW(Neighbours({1, std::numeric_limits<float>::infinity()}, 2), std::invalid_argument);
 }
 
-// Where the answer is a plane over the points, its mean over the neighbours is off by their centre, the plane
-// is not.
+// Where the answer is a plane over the points, the mean over the neighbours is wrong by the offset of their
+// centre, and the fitted plane is exact.
 TEST(PlaneAnswer, IsExactOnAPlaneWhereTheMeanIsNot) {
   std::vector<float> points, gamma, friction;
   for (int i = 0; i < 40; ++i) {

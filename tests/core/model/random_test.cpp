@@ -9,7 +9,7 @@ namespace slipd {
 namespace {
 
 TEST(RandomStream, AreTheSameOnEveryMachine) {
-  // Recorded once; a change of these changes every model and every figure.
+  // Recorded once. If these numbers change, every model and every figure changes.
   EXPECT_EQ(RandomStream(1).bits(0), 6791897765849424158ULL);
   EXPECT_EQ(RandomStream(1).stream(5).bits(7), 11349061025129719534ULL);
 }

@@ -1,4 +1,4 @@
-// The streamed singular value decomposition against a full one.
+// The streamed singular value decomposition, compared with a full one.
 #include "core/model/svd.hpp"
 
 #include <gtest/gtest.h>
@@ -15,14 +15,15 @@
 namespace slipd {
 namespace {
 
-// Singular values that fall by `fall` from one to the next, on random orthogonal directions: eigenvectors of
-// random symmetric matrices (Eigen's own SVD would do too, and take the compiler a minute).
+// Random orthogonal directions: eigenvectors of a random symmetric matrix. (Eigen's own SVD takes a minute to
+// compile.)
 Eigen::MatrixXd directions(Eigen::Index rows, Eigen::Index count, std::uint64_t seed) {
   const Eigen::MatrixXd random = testing::random_matrix(rows, rows, seed).cast<double>();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(random + random.transpose());
   return solver.eigenvectors().leftCols(count);
 }
 
+// Singular values that fall by the factor `fall` from one to the next, on random orthogonal directions.
 Eigen::MatrixXf matrix_with_decay(Eigen::Index rows, Eigen::Index columns, double fall) {
   Eigen::VectorXd values(rows);
   for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = 100 * std::pow(fall, static_cast<double>(i));
@@ -37,7 +38,7 @@ TEST(RandomizedSvd, SingularValuesAreThoseOfAFullDecomposition) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> full(whole * whole.transpose(),
                                                               Eigen::EigenvaluesOnly);
     const Svd svd = randomized_svd(source, {.rank = 10});
-    for (Eigen::Index i = 0; i < 10; ++i) {  // the eigenvalues come in rising order
+    for (Eigen::Index i = 0; i < 10; ++i) {  // the eigenvalues come in ascending order
       EXPECT_NEAR(svd.singular_values[i] / std::sqrt(full.eigenvalues()[119 - i]), 1, 1e-4)
           << "fall " << fall << ", value " << i;
     }
@@ -51,7 +52,7 @@ TEST(RandomizedSvd, CoordinatesAreTheProjectionsOnItsBasis) {
   EXPECT_TRUE(svd.coordinates.isApprox(project(source, svd.basis, 2), 1e-5F));
 }
 
-// Zeros within and between the columns, and columns of nothing else.
+// Zeros within and between the columns, and columns of zeros only.
 TEST(PackedColumns, MultiplyAsTheMatrixDoesOnEveryInstructionSet) {
   Eigen::MatrixXf matrix = testing::random_matrix(61, 300, 4);
   matrix = (matrix.array() > 0.3F).select(matrix, 0.0F).eval();
@@ -100,7 +101,7 @@ TEST(RandomizedSvd, BasisIsOrthonormalAndHoldsWhatTheSingularValuesSay) {
   const Svd svd = randomized_svd(source, {.rank = 6});
   const Eigen::MatrixXf gram = svd.basis.transpose() * svd.basis;
   EXPECT_LT((gram - Eigen::MatrixXf::Identity(6, 6)).cwiseAbs().maxCoeff(),
-            1e-5F);  // float's rounding over 80 rows
+            1e-5F);  // rounding of float over 80 rows
   const Eigen::MatrixXf projected = project(source, svd.basis, 2);
   for (Eigen::Index i = 0; i < 6; ++i) {
     EXPECT_NEAR(projected.row(i).norm() / svd.singular_values[i], 1, 1e-4);
@@ -122,7 +123,7 @@ TEST(RandomizedSvd, RankIsClippedToTheMatrix) {
   EXPECT_NEAR(svd.singular_values.squaredNorm() / svd.total_variance, 1, 1e-5);
 }
 
-TEST(RandomizedSvd, WhatProgressThrowsEndsTheWork) {
+TEST(RandomizedSvd, AnExceptionOfTheProgressCallbackEndsTheWork) {
   const testing::MatrixSource source(testing::random_matrix(50, 700, 3));
   const auto cancel = [](double, const char*) { throw std::runtime_error("cancelled"); };
   EXPECT_THROW(randomized_svd(source, {.rank = 5}, cancel), std::runtime_error);

@@ -59,13 +59,13 @@ TEST(Training, AScatteredLayoutWithFewerTaxelsThanBasesWorks) {
   EXPECT_EQ(Model(train(setup)).rank(), 5U);
 }
 
-TEST(Training, ScenesOfWhichNoModelCanBeMadeAreRefused) {
+TEST(Training, ScenesWithoutAUsableContactAreRefused) {
   ModelSetup single = setup_of_side(16);
   single.layout = TaxelLayout::wrench(0.02);
   EXPECT_THROW(train(single), ModelError);
 
   ModelSetup beside = setup_of_side(16);
-  beside.layout = TaxelLayout::scattered({1, 1.001, 1}, {1, 1, 1.001});  // a metre off all contacts
+  beside.layout = TaxelLayout::scattered({1, 1.001, 1}, {1, 1, 1.001});  // a metre away from all contacts
   EXPECT_THROW(train(beside), ModelError);
 
   ModelSetup flat = setup_of_side(16);

@@ -1,4 +1,4 @@
-// The loops over taxels say the same on every instruction set, and the same as plain sums in double.
+// The loops over taxels give the same sums on every instruction set, and the same as plain sums in double.
 #include "core/patch/disc_kernels.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace slipd {
 namespace {
 
-// Channels and places of so many taxels, with zeros behind where there are fewer than a block.
+// Channels and positions of `size` taxels; zeros follow where there are fewer than a block.
 struct Taxels {
   std::vector<float> normal, shear_x, shear_y, x, y;
   std::size_t size;
@@ -45,11 +45,11 @@ std::vector<TaxelRun> random_runs(std::size_t size, std::mt19937& random) {
   return runs;
 }
 
-// Within 1e-6 of the sum of what was added, whatever its sign.
+// A sum of terms. The kernels' result must be within 1e-6 of the sum of the terms' magnitudes.
 class Near {
  public:
   void add(double value) { add(value, std::fabs(value)); }
-  void add(double value, double size) {  // size: of what it is itself the sum of
+  void add(double value, double size) {  // size: the magnitude of a value that is itself a sum
     sum_ += value;
     size_ += size;
   }
@@ -69,7 +69,7 @@ class DiscKernelsOf : public ::testing::TestWithParam<std::size_t> {};
 constexpr float kLeastPa = 3e4F;
 constexpr DeadTaxelTest kDeadTaxel{.below_pa = 1e4F, .within_m2 = 2e-5F};
 
-// The sums that kernels take, taxel by taxel in double.
+// The sums of the kernels, taxel by taxel in double.
 struct PlainSums {
   Near noise, squares;
   std::size_t below = 0, dead_taxels = 0;
@@ -159,8 +159,8 @@ TEST_P(DiscKernelsOf, AgreeWithPlainSums) {
   }
 }
 
-// A taxel on the very border of two rings may be in either: rings are compared by what they hold up to each
-// border.
+// Rounding may put a taxel on the border of two rings into either. The test therefore compares what all
+// rings up to a border hold together.
 TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
   constexpr std::size_t kRings = 16;
   std::mt19937 random(8);
@@ -193,10 +193,10 @@ TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
   }
 }
 
-// Fewer than a block, a block, not a multiple of it, and the paper's.
+// Fewer than a block, one block, not a multiple of a block, and the layout of docs/theory.md's paper.
 INSTANTIATE_TEST_SUITE_P(Layouts, DiscKernelsOf, ::testing::Values(1, 9, 16, 17, 100, 1000, 10000));
 
-TEST(DiscKernels, TheChosenAreTheLastOfThoseThatRunHere) {
+TEST(DiscKernels, TheFastestOfThisProcessorAreChosen) {
   EXPECT_EQ(&best_kernels<DiscKernels>(), kernels_at_hand<DiscKernels>().back());
 }
 

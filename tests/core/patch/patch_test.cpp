@@ -45,8 +45,8 @@ TEST(PatchFinder, MeasuresTheNoiseInsteadOfAssumingIt) {
   contact.move_to(2, 0.6, 0.5);
   for (const double noise : {0.01, 0.05, 0.1}) {
     const auto& patch = finder.find(maker.make(contact, 0, 0, 0, noise, Noise::sensor));
-    // Uniform noise of half-width w has the deviation w / sqrt(3); the frame's maximum is the centre's
-    // pressure.
+    // Uniform noise of half-width w has the standard deviation w / sqrt(3). The frame's maximum is the
+    // pressure at the centre.
     const double want = noise * synthetic::paper_pair().peak_pressure_pa(2) / std::sqrt(3.0);
     EXPECT_NEAR(patch.noise_normal_pa / want, 1, 0.05);
     EXPECT_NEAR(patch.noise_shear_pa / want, 1, 0.05);
@@ -69,7 +69,7 @@ TEST(PatchFinder, NoiseAloneIsNoContact) {
   EXPECT_FALSE(finder.find({1, 1, p, x, y}).in_contact);
 }
 
-TEST(PatchFinder, TellsAContactThatTheEdgeCuts) {
+TEST(PatchFinder, DetectsAContactThatTheEdgeCuts) {
   FrameMaker maker(TaxelLayout::grid(50, 50, 0.0003));
   PatchFinder finder(maker.layout());
   contact::LoadHistory contact(synthetic::paper_pair());
@@ -78,7 +78,7 @@ TEST(PatchFinder, TellsAContactThatTheEdgeCuts) {
   EXPECT_TRUE(finder.find(maker.make(contact, 0.0065, 0, 0, 0.01)).cut);
 }
 
-// A contact of 2 N in the middle of the pad, of which the taxels chosen read nothing.
+// A contact of 2 N in the middle of the pad; the chosen taxels read nothing.
 class Blinded {
  public:
   Blinded() {
@@ -123,15 +123,15 @@ TEST(PatchFinder, NeighboursStandForDeadTaxels) {
   }
 }
 
-// Neither what lies beyond a contact nor a hollow in it is invented.
-TEST(PatchFinder, AHollowStaysAHollow) {
+// Interpolation adds no pressure outside a contact nor in a pit within it.
+TEST(PatchFinder, InterpolationFillsNoPitInAContact) {
   Blinded blinded;
   PatchFinder finder(blinded.layout());
   const auto& patch = finder.find(
       blinded.frame([&](std::size_t i) { return blinded.from_middle_m(i) < 0.4 * blinded.radius_m(); }));
   ASSERT_TRUE(patch.in_contact);
-  const double second_legendre_n = 2 * std::pow(1 - 0.4 * 0.4, 1.5);
-  EXPECT_NEAR(patch.normal_n / second_legendre_n, 1, 0.1);
+  const double outside_n = 2 * std::pow(1 - 0.4 * 0.4, 1.5);
+  EXPECT_NEAR(patch.normal_n / outside_n, 1, 0.1);
 }
 
 TEST(PatchFinder, NeighboursStandForDeadTaxelsAlsoWhereThereIsNoGrid) {

@@ -14,12 +14,12 @@ std::uint64_t of(std::string_view text) {
 }
 
 // The check value of CRC-64/XZ (ECMA-182, reflected).
-TEST(Crc64, IsTheXzOne) {
+TEST(Crc64, IsThatOfXz) {
   EXPECT_EQ(of("123456789"), 0x995DC9BBDF1939FAU);
   EXPECT_EQ(of(""), 0U);
 }
 
-TEST(Crc64, TellsEachFlippedBit) {
+TEST(Crc64, DetectsEachFlippedBit) {
   std::vector<std::uint8_t> bytes(40, 0x5A);
   const std::uint64_t whole = crc64(bytes);
   for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {

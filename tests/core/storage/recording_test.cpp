@@ -1,5 +1,5 @@
-// What is recorded comes back bit for bit; what was whole before a cut or a damage comes back too; nothing
-// else does.
+// Recorded frames are read back bit for bit, also those before a cut or a damaged byte, and nothing else is
+// read.
 #include "core/storage/recording.hpp"
 
 #include <fcntl.h>
@@ -73,7 +73,7 @@ class Recordings : public ::testing::Test {
   }
   void write(const std::string& content) const { std::ofstream(path_, std::ios::binary) << content; }
 
-  // Leaves a recording of so many frames of four taxels behind; says where its header and each of its frames
+  // Writes a recording of this many frames of four taxels; returns where its header and each of its frames
   // end.
   std::vector<std::size_t> ends_of_header_and_frames(std::uint64_t frames) {
     std::vector<std::size_t> ends;
@@ -84,7 +84,7 @@ class Recordings : public ::testing::Test {
     return ends;
   }
 
-  // Reads on as long as whole frames come, each checked against what was recorded.
+  // Reads whole frames to the end, and compares each with the recorded one.
   static std::uint64_t count_frames(RecordingReader& reader) {
     const std::size_t taxels = reader.header().layout.size();
     OwnedFrame got(taxels);

@@ -1,4 +1,4 @@
-// What is sent is what the DBC says, bit for bit.
+// Encoded messages agree with the DBC, bit for bit.
 #include "daemon/can/encode.hpp"
 
 #include <gtest/gtest.h>

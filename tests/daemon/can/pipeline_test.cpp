@@ -1,5 +1,5 @@
-// A device that fails, all the way to the bus: the trial driver, the pipeline and the talk as in the daemon,
-// on a fake port.
+// A device that fails, from the driver to the bus: the trial driver, the pipeline and the CAN scheduler as
+// in the daemon, on a fake port.
 #include "daemon/pipeline/pipeline.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ class ServiceContext {
   }
   ~ServiceContext() { EXPECT_TRUE(pipeline_.stop(std::chrono::steady_clock::now() + testing::kPatience)); }
 
-  // Talks on, as the CAN thread does, until `enough`; false if that never comes.
+  // Runs the scheduler, as the CAN thread does, until `enough`; false if that does not happen.
   bool talk_until(const std::function<bool()>& enough) {
     const auto patience = Doorbell::Clock::now() + testing::kPatience;
     while (!enough()) {
@@ -75,7 +75,7 @@ void expect_no_margin_without_ok(const std::vector<Message>& sent) {
   }
 }
 
-TEST(CanPipeline, TheMarginOfADeviceGoesOutAndItsSlipAtOnce) {
+TEST(CanPipeline, TheMarginOfADeviceIsSentAndItsSlipAtOnce) {
   ServiceContext context(R"({"gamma": 0.05})");
   ASSERT_TRUE(context.talk_until(
       [&] { return context.said(kAlertId, "Alert", kSlip) && context.said(kEstimateId, "State", 0); }));
@@ -93,7 +93,7 @@ TEST(CanPipeline, ADeviceThatVanishesIsAFaultOnTheBus) {
   expect_no_margin_without_ok(context.port().take(kEstimateId));
 }
 
-TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
+TEST(CanPipeline, FramesThatFitNoContactHaveStateOutOfModel) {
   const testing::TempFolder folder;
   ServiceContext context(R"({"behaviour": "nonsense", "well_until": ")" + folder.file("ill").string() +
                          R"("})");
@@ -104,13 +104,13 @@ TEST(CanPipeline, FramesThatFitNoContactAreToldAsThat) {
   expect_no_margin_without_ok(context.port().take(kEstimateId));
 }
 
-TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStands) {
+TEST(CanPipeline, ARecordingThatEndsIsStaleOnTheBusAndItsAlertStays) {
   const testing::TempFolder folder;
   ServiceContext context(R"({"gamma": 0.05, "behaviour": "end", "well_until": ")" +
                          folder.file("over").string() + R"("})");
   ASSERT_TRUE(context.talk_until([&] { return context.said(kAlertId, "Alert", kSlip); }));
   folder.write("over", "");
-  context.port().take(kEstimateId);  // it was stale before the first frame, too
+  context.port().take(kEstimateId);  // the first messages are stale, because no frame had come
   ASSERT_TRUE(context.talk_until([&] { return context.said(kEstimateId, "State", kStale); }));
   const auto sent = context.port().take(kEstimateId);
   expect_no_margin_without_ok(sent);

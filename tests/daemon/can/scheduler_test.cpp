@@ -1,4 +1,4 @@
-// When which message goes, and what happens on a bus that is ill: all in a time that the test moves on.
+// When each message is sent, and what happens when the bus fails, in simulated time.
 #include "daemon/can/scheduler.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Settings settings_for(std::vector<std::string> names) {
   return settings;
 }
 
-class CanTalk : public ::testing::Test {
+class CanSchedulerTest : public ::testing::Test {
  protected:
   void begin(Settings settings) {
     settings_ = std::move(settings);
@@ -46,7 +46,7 @@ class CanTalk : public ::testing::Test {
     scheduler_.emplace(settings_, board_, port_, log_, now_);
   }
 
-  // As the estimate thread does at this moment.
+  // Publishes an estimate, as the estimate thread does at this moment.
   void publish(std::size_t sensor, std::optional<double> gamma, Alert alert = Alert::none,
                State state = State::ok) {
     Published reading = board_.sensors[sensor]->latest.load();
@@ -62,8 +62,8 @@ class CanTalk : public ::testing::Test {
     grasp_evaluator_->mark_updated(sensor);
   }
 
-  // A millisecond a time, each with a new estimate of every sensor, as at 1 kHz; steps when the talk asked
-  // for one.
+  // Advances by a millisecond at a time, each with a new estimate of every sensor, as at 1 kHz, and calls
+  // the scheduler when it is due.
   void pass(std::chrono::milliseconds time, std::optional<double> gamma = 0.7, Alert alert = Alert::none) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       for (std::size_t i = 0; i < board_.sensors.size(); ++i) publish(i, gamma, alert);
@@ -83,7 +83,7 @@ class CanTalk : public ::testing::Test {
   std::optional<CanScheduler> scheduler_;
 };
 
-TEST_F(CanTalk, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
+TEST_F(CanSchedulerTest, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
   begin(settings_for({"left", "right"}));
   pass(1000ms);
   for (const std::uint32_t id : {kEstimate, kEstimate + 1}) {
@@ -100,7 +100,7 @@ TEST_F(CanTalk, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
   EXPECT_EQ(report().bus, Bus::up);
 }
 
-TEST_F(CanTalk, KeepsItsBeatWhenItIsLate) {
+TEST_F(CanSchedulerTest, KeepsItsPeriodAfterADelay) {
   begin(settings_for({"left"}));
   step();
   for (const auto late : {0ms, 3ms, 9ms}) {
@@ -109,7 +109,7 @@ TEST_F(CanTalk, KeepsItsBeatWhenItIsLate) {
   }
 }
 
-TEST_F(CanTalk, TellsAnAlertAtOnceRepeatsItAndTellsItsEnd) {
+TEST_F(CanSchedulerTest, SendsAnAlertAtOnceRepeatsItAndSendsItsEnd) {
   begin(settings_for({"left"}));
   pass(13ms);
   publish(0, 0.3, Alert::warn);
@@ -133,7 +133,7 @@ TEST_F(CanTalk, TellsAnAlertAtOnceRepeatsItAndTellsItsEnd) {
   EXPECT_EQ(raw(alerts[1], "Counter"), 6U);
 }
 
-TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStands) {
+TEST_F(CanSchedulerTest, AnEstimateThatIsNotRenewedIsStaleInTheNextPeriodAndItsAlertStays) {
   begin(settings_for({"left"}));
   pass(50ms, 0.3, Alert::warn);
   port_.sent.clear();
@@ -144,7 +144,7 @@ TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStand
   const auto sent = port_.take(kEstimate);
   const auto stale =
       std::find_if(sent.begin(), sent.end(), [](const Message& m) { return raw(m, "State") == 6; });
-  EXPECT_LE(stale - sent.begin(), 2) << "stale after 20 ms, told in the period after";
+  EXPECT_LE(stale - sent.begin(), 2) << "stale after 20 ms, sent in the period after";
   for (auto each = stale; each != sent.end(); ++each) {
     EXPECT_EQ(raw(*each, "Gamma"), kUnknownMargin);
     EXPECT_EQ(raw(*each, "Alert"), 1U);
@@ -153,7 +153,7 @@ TEST_F(CanTalk, AnEstimateThatNobodyRenewsIsStaleInTheNextPeriodAndItsAlertStand
   for (const Message& each : port_.take(kAlert)) EXPECT_EQ(raw(each, "Alert"), 1U);
 }
 
-TEST_F(CanTalk, NoStateButOkHasAMargin) {
+TEST_F(CanSchedulerTest, NoStateButOkHasAMargin) {
   begin(settings_for({"left"}));
   for (int state = 1; state <= static_cast<int>(State::fault); ++state) {
     publish(0, 0.9, Alert::none, static_cast<State>(state));
@@ -166,7 +166,7 @@ TEST_F(CanTalk, NoStateButOkHasAMargin) {
   }
 }
 
-TEST_F(CanTalk, ASimulatedSensorIsWithheldUnlessAllowed) {
+TEST_F(CanSchedulerTest, ASimulatedSensorIsWithheldUnlessAllowed) {
   begin(settings_for({"left"}));
   board_.sensors[0]->simulated = true;
   pass(100ms, 0.1, Alert::slip);
@@ -181,12 +181,12 @@ TEST_F(CanTalk, ASimulatedSensorIsWithheldUnlessAllowed) {
   EXPECT_EQ(raw(port_.take(kAlert).front(), "Simulated"), 1U);
 }
 
-TEST_F(CanTalk, AFullQueueLosesTheOldValueNotTheNewAndStarvesNobody) {
+TEST_F(CanSchedulerTest, AFullQueueLosesTheOldValueAndServesEverySensor) {
   begin(settings_for({"a", "b", "c", "d"}));
   std::array<std::size_t, 4> sent{};
   for (int period = 0; period < 40; ++period) {
     for (int ms = 0; ms < 10; ++ms) {
-      port_.room = ms == 5 ? 2 : 0;  // half of what is due
+      port_.room = ms == 5 ? 2 : 0;  // room for half of the messages that are due
       pass(1ms, 0.001 * period);
     }
     for (std::uint32_t i = 0; i < 4; ++i) {
@@ -203,7 +203,7 @@ TEST_F(CanTalk, AFullQueueLosesTheOldValueNotTheNewAndStarvesNobody) {
   EXPECT_EQ(report().bus, Bus::up);
 }
 
-TEST_F(CanTalk, AnAlertThatFoundNoRoomIsToldAsSoonAsThereIsSome) {
+TEST_F(CanSchedulerTest, AnAlertThatFoundNoRoomIsSentAsSoonAsThereIsSome) {
   begin(settings_for({"left"}));
   port_.room = 0;
   pass(5ms, 0.1, Alert::slip);
@@ -214,7 +214,7 @@ TEST_F(CanTalk, AnAlertThatFoundNoRoomIsToldAsSoonAsThereIsSome) {
   EXPECT_EQ(port_.sent[0].id, kAlert) << "before all else";
 }
 
-TEST_F(CanTalk, AnInterfaceThatIsDownIsToldAndComesBackByItself) {
+TEST_F(CanSchedulerTest, AnInterfaceThatIsDownIsReportedAndUsedAgainLater) {
   begin(settings_for({"left"}));
   pass(20ms);
   port_.send_error = ENETDOWN;
@@ -229,7 +229,7 @@ TEST_F(CanTalk, AnInterfaceThatIsDownIsToldAndComesBackByItself) {
   EXPECT_EQ(port_.opened, 1);
 }
 
-TEST_F(CanTalk, AnInterfaceThatIsGoneIsLookedForAndSpokenToAgain) {
+TEST_F(CanSchedulerTest, AnInterfaceThatIsGoneIsLookedForAndUsedAgain) {
   begin(settings_for({"left"}));
   pass(20ms);
   port_.send_error = ENXIO;
@@ -244,7 +244,7 @@ TEST_F(CanTalk, AnInterfaceThatIsGoneIsLookedForAndSpokenToAgain) {
   EXPECT_EQ(report().reopened, 1U);
 }
 
-TEST_F(CanTalk, TheControllersStateIsToldAsItComesAndGoes) {
+TEST_F(CanSchedulerTest, TheControllersStateIsReported) {
   begin(settings_for({"left"}));
   const auto after = [&](std::uint32_t kind, std::uint8_t controller) {
     port_.errors.push_back({kind, {0, controller}});
@@ -261,7 +261,7 @@ TEST_F(CanTalk, TheControllersStateIsToldAsItComesAndGoes) {
   EXPECT_EQ(report().bus_offs, 1U);
 }
 
-TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
+TEST_F(CanSchedulerTest, ItsLastMessagesAreStaleAndKeepTheAlert) {
   begin(settings_for({"left", "right"}));
   pass(25ms, 0.1, Alert::slip);
   port_.sent.clear();
@@ -278,15 +278,14 @@ TEST_F(CanTalk, ItsLastWordsAreThatNothingHoldsAnyMoreAndTakeNoAlertBack) {
   EXPECT_EQ(raw(port_.take(kHeartbeat).back(), "Stopping"), 1U);
 }
 
-TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
+TEST_F(CanSchedulerTest, AGraspHasMessagesOfItsOwn) {
   Settings settings = settings_for({"left", "right"});
   settings.grasps.push_back({"both", {"left", "right"}});
   begin(std::move(settings));
   pass(10ms);
   auto sent = port_.take(kEstimate + 2);
   ASSERT_EQ(sent.size(), 1U);
-  for (; now_ < CanScheduler::Time(1000s) + 20ms;
-       now_ += 1ms) {  // together they hold less well than they should
+  for (; now_ < CanScheduler::Time(1000s) + 20ms; now_ += 1ms) {  // the grasp's margin is low
     publish(0, 0.6);
     publish(1, 0.1);
     grasp_evaluator_->evaluate();
@@ -299,7 +298,7 @@ TEST_F(CanTalk, AGraspHasMessagesOfItsOwn) {
   EXPECT_EQ(raw(alerts[0], "GripIncrease"), 120U) << "1.3 N of 0.5 * 4 N; 5.2 N give the margin of one half";
 }
 
-TEST_F(CanTalk, AGraspThatNobodyRenewsIsStaleToo) {
+TEST_F(CanSchedulerTest, AGraspWithoutNewEstimatesIsStaleToo) {
   Settings settings = settings_for({"left", "right"});
   settings.grasps.push_back({"both", {"left", "right"}});
   begin(std::move(settings));
@@ -310,7 +309,7 @@ TEST_F(CanTalk, AGraspThatNobodyRenewsIsStaleToo) {
   EXPECT_EQ(raw(port_.take(kEstimate + 2).back(), "State"), 6U);
 }
 
-TEST_F(CanTalk, ASlowDeviceIsAsStaleAsThePipelineSays) {
+TEST_F(CanSchedulerTest, ASlowDeviceIsAsStaleAsThePipelineSays) {
   begin(settings_for({"left"}));
   board_.sensors[0]->stale_after_ns = 120'000'000;  // three frames of a device of 25 Hz
   pass(1ms);

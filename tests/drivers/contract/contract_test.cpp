@@ -102,7 +102,7 @@ class DriverContract : public testing::TestWithParam<DriverCase> {
   bool garbled_ = false;
 };
 
-TEST_P(DriverContract, opens_and_closes_as_often_as_it_is_told) {
+TEST_P(DriverContract, opens_and_closes_again_and_again) {
   rig_->driver().close();
   open();
   EXPECT_TRUE(frames(3));
@@ -115,14 +115,14 @@ TEST_P(DriverContract, opens_and_closes_as_often_as_it_is_told) {
   rig_->driver().close();
 }
 
-TEST_P(DriverContract, tells_of_all_sensors_of_the_device) {
+TEST_P(DriverContract, describes_all_sensors_of_the_device) {
   open();
   const auto give_up = Clock::now() + kPatience;
   while (last_.size() < slots_.size() && Clock::now() < give_up) read();
   EXPECT_EQ(last_.size(), slots_.size());
 }
 
-TEST_P(DriverContract, survives_whatever_the_device_says_and_drops_scans_whole) {
+TEST_P(DriverContract, survives_any_bytes_and_drops_whole_scans) {
   if (!GetParam().misbehaves) GTEST_SKIP() << "there is no device";
   open();
   ASSERT_TRUE(frames(5));
@@ -177,7 +177,7 @@ TEST_P(DriverContract, says_when_the_device_is_gone_and_opens_it_again_when_it_i
   EXPECT_TRUE(frames(5));
 }
 
-TEST_P(DriverContract, takes_nothing_from_the_heap_while_reading) {
+TEST_P(DriverContract, allocates_nothing_while_reading) {
   open();
   ASSERT_TRUE(frames(5));
   rig_->order("lose 2");

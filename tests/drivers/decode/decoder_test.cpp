@@ -117,7 +117,7 @@ TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
   EXPECT_NEAR(right.out.slot.shear_x_pa[0] * area_m2, -1.0, 1e-6);
 }
 
-// Simulated devices know nothing of profiles. The tolerance is half a count.
+// Simulated devices do not use profiles. The tolerance is half a count.
 struct Pair {
   const devices::DeviceModel& (*model)();
   const char* profile;
@@ -226,7 +226,7 @@ TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
   EXPECT_EQ(rig.out.slot.sequence, 1);
 }
 
-TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or_had_begun_one) {
+TEST(Decoder, counts_a_lost_packet_as_a_lost_scan_if_it_was_or_began_one) {
   DecoderRig single("robotiq-ft300");
   const auto packet = scan_of(devices::robotiq_ft300());
   EXPECT_EQ(single.frames(packet), 1);
@@ -237,7 +237,7 @@ TEST(Decoder, counts_a_packet_lost_on_the_way_as_a_scan_lost_where_it_was_one_or
   DecoderRig many("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
   EXPECT_EQ(many.frames(whole), 1);
-  many.decoder.mark_packet_lost();  // nobody knows whether all of a scan went with it
+  many.decoder.mark_packet_lost();  // it is unknown whether the packet contained all of a scan
   EXPECT_EQ(many.frames(whole), 1);
   EXPECT_EQ(many.out.slot.sequence, 1);
   many.take(whole[0], 0);
@@ -300,7 +300,7 @@ TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
   EXPECT_EQ(first.decoder.counts().packets, 16);
 }
 
-TEST(Decoder, survives_any_bytes_and_never_gives_a_number_that_is_none) {
+TEST(Decoder, survives_any_bytes_and_gives_finite_numbers_only) {
   std::mt19937 random(7);
   for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300", "vendor-hid-8x8"}) {
     DecoderRig rig(name);

@@ -125,7 +125,7 @@ TEST(Framer, loses_the_frame_that_is_damaged_and_no_other) {
   }
 }
 
-TEST(Framer, tells_of_endless_garbage_now_and_then) {
+TEST(Framer, reports_endless_garbage_from_time_to_time) {
   Framer framer(profile_with(by_length()));
   EXPECT_EQ(cut_into_packets(framer, Bytes(10, 0x11)).invalid, 0) << "one may come in the middle of a frame";
   EXPECT_GE(cut_into_packets(framer, Bytes(640, 0x11), 30).invalid, 5);

@@ -1,4 +1,4 @@
-// A profile that can work is taken as it stands; one that cannot is refused with the place.
+// A valid profile is accepted unchanged; an invalid one is refused with the place.
 #include "drivers/decode/profile.hpp"
 
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@ json shipped(const std::string& name) {
   return json::parse(file);
 }
 
-// What is said of the XELA's profile after `change`.
+// The error about the XELA's profile after `change`.
 std::string said_of(const std::function<void(json&)>& change, const std::string& name = "xela-xr1944") {
   json profile = shipped(name);
   change(profile);
@@ -42,7 +42,7 @@ TEST(Profile, all_that_are_shipped_can_work_and_say_where_they_come_from) {
   EXPECT_GE(seen, 4);
 }
 
-TEST(Profile, that_is_not_there_is_told_with_where_it_was_looked_for) {
+TEST(Profile, that_does_not_exist_is_an_error_with_the_folders_searched) {
   EXPECT_THAT(refusal_of([] { static_cast<void>(find_profile("nobodys")); }),
               HasSubstr("/etc/slipd/profiles/nobodys.json"));
 }
@@ -86,7 +86,7 @@ TEST(Profile, that_reads_behind_a_packets_end_is_refused) {
               HasSubstr("is a byte behind the packet's end"));
 }
 
-TEST(Profile, whose_packets_cannot_be_told_apart_is_refused) {
+TEST(Profile, with_ambiguous_packets_is_refused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["id_step"] = 0; }), HasSubstr("nothing to tell them apart"));
   EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][1].erase("match"); }, "icub-mtb"),
               HasSubstr("/scan/packets/1"));

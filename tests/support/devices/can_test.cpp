@@ -1,4 +1,5 @@
-// A device on a bus that is a pair of sockets: the host's end sees what a SocketCAN interface would give.
+// A simulated CAN device on a pair of sockets: the host's end gets the same frames as from a SocketCAN
+// interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/can.h>
@@ -56,7 +57,7 @@ TEST_F(CanDevice, IsSilentUntilItIsStarted) {
   EXPECT_EQ(frames[15].can_id, 0x71F);
 }
 
-TEST_F(CanDevice, MisbehavesForAsManyScansAsItWasToldTo) {
+TEST_F(CanDevice, MisbehavesForTheOrderedNumberOfScans) {
   start();
   simulator_->order("lose 2");
   for (const std::size_t expected : {15U, 15U, 16U}) {
@@ -87,7 +88,7 @@ TEST_F(CanDevice, MustBeStartedAgainAfterItWasUnplugged) {
   EXPECT_EQ(received().size(), 16);
 }
 
-TEST_F(CanDevice, WritesDownWhatItSentAndWhatItWasTold) {
+TEST_F(CanDevice, RecordsFramesAndOrders) {
   start();
   simulator_->step();
   simulator_->order("garbage\n");
@@ -98,7 +99,7 @@ TEST_F(CanDevice, WritesDownWhatItSentAndWhatItWasTold) {
   EXPECT_THAT(truth_.str(), HasSubstr(R"({"scan":1,"order":"garbage 1"})"));
 }
 
-TEST_F(CanDevice, EndsWhenToldTo) {
+TEST_F(CanDevice, EndsOnTheOrderQuit) {
   EXPECT_TRUE(simulator_->step());
   simulator_->order("quit");
   EXPECT_FALSE(simulator_->step());

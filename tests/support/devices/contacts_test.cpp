@@ -1,4 +1,4 @@
-// The truth that a device writes down is that of the contact its bytes speak of.
+// The truth that a device records belongs to the same contact as the bytes that it sends.
 #include "tests/support/devices/contacts.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ TEST(Truth, FallsFromOneToZeroWhileTheContactIsSheared) {
   double last = 1;
   for (int scan = 0; scan < 99; ++scan) {
     simulator.step();
-    // The counts say what the truth says: shear and normal force, to the sensor's resolution.
+    // Shear and normal force of the counts agree with the truth, to the sensor's resolution.
     double x_n = 0, z_n = 0;
     for (can_frame frame{}; ::recv(host.get(), &frame, sizeof frame, MSG_DONTWAIT) > 0;) {
       constexpr double area_m2 = 0.0047 * 0.0047;

@@ -1,7 +1,7 @@
-// What a simulated device is: data, and how it puts one scan into bytes. One file a device, xela_xr1944.cpp
-// and so on; the layouts of the bytes are those of public drivers and data models, the scales are ours where
-// no source gives one. Transport, pacing and misbehaviour are the same for all and live in port.hpp and
-// simulator.hpp.
+// A simulated device: its data, and the encoding of one scan in bytes. Each device has a file
+// (xela_xr1944.cpp and so on). Byte layouts are those of public drivers and data models; where no source
+// gives a scale, it is chosen here. Transport, pacing and misbehaviour are common to all devices: see
+// port.hpp and device_simulator.hpp.
 #pragma once
 
 #include <optional>
@@ -38,7 +38,7 @@ struct UsbModel {
   std::uint8_t device_class = 0;
   std::uint8_t in_endpoint = 0x81;
   Bytes configuration;  // configuration, interface and endpoint descriptors; the total length is filled in
-  // Class and vendor requests with data to the host: the data, or nothing for a stall.
+  // Class and vendor requests with data to the host: returns the data, or nothing for a stall.
   std::optional<Bytes> (*request)(const UsbRequest&, HostState&) = nullptr;
 };
 
@@ -49,7 +49,7 @@ struct HidModel {
 
 struct ModbusModel {
   int unit = 1;
-  int baud = 0;  // of RTU
+  int baud = 0;  // RTU only; 0: TCP
   int first_register = 0;
   int registers = 0;
 };

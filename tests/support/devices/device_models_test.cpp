@@ -1,5 +1,4 @@
-// The devices speak their formats byte for byte. Expected bytes were worked out by hand from the layouts in
-// the models.
+// Each device's format, byte by byte. Expected bytes were worked out by hand from the layouts in the models.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::SizeIs;
 
-// One scan of what `pattern` feels, at scan 0x12 and 0x3456 µs.
+// One scan of the contact `pattern`, at scan 0x12 and 0x3456 µs.
 std::vector<Packet> scan_of(const DeviceModel& model) {
   std::vector<std::vector<float>> memory;
   std::vector<Frame> frames;
@@ -36,7 +35,7 @@ Bytes part(const Bytes& bytes, std::size_t at, std::size_t size) {
                bytes.begin() + static_cast<std::ptrdiff_t>(at + size));
 }
 
-// Whatever the device, a scan of a sensor at rest and one beyond every limit are as long as any other.
+// A scan has the same length for a sensor at rest and for one beyond every limit.
 class EveryDevice : public testing::TestWithParam<const DeviceModel*> {};
 INSTANTIATE_TEST_SUITE_P(Devices, EveryDevice, testing::ValuesIn(all_models()), [](const auto& tested) {
   std::string name(tested.param->name);
@@ -72,7 +71,7 @@ TEST(Xela, SendsAFrameATaxelWithBigEndianAxesFromByteOne) {
   EXPECT_EQ(scan[15], (Packet{0x71F, {0, 0x76, 0xC0, 0x74, 0x68, 0x76, 0xC0}}));
 }
 
-TEST(Xela, SpeaksOnlyAfterItsStartCommand) {
+TEST(Xela, SendsOnlyAfterItsStartCommand) {
   HostState host{.streaming = xela_xr1944().starts_by_itself};
   EXPECT_FALSE(host.streaming);
   xela_xr1944().receive({0x202, {0x07, 0x00}}, host);

@@ -111,7 +111,7 @@ void DeviceSimulator::write_truth() {
 
 bool DeviceSimulator::step() {
   if (!carry_out_orders()) return false;
-  std::vector<Packet> scan = next_scan();  // the contact goes on, whatever the device does
+  std::vector<Packet> scan = next_scan();  // the contact advances also while the device sends nothing
   port_->silence(stalled_ > 0);
   if (stalled_ > 0) {
     --stalled_;
@@ -141,7 +141,7 @@ void DeviceSimulator::run(std::stop_token stop, double rate_hz, std::uint64_t sc
     port_->serve();
     std::uint64_t due = 0;
     if (::read(timer.get(), &due, sizeof due) != sizeof due) continue;
-    // A device that was held up does not catch up: it says what is now.
+    // After a delay the device does not send missed scans; it continues with the present one.
     if (!step() || ++done == scans) return;
   }
 }

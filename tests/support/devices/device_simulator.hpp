@@ -18,22 +18,22 @@ using Contact = std::function<void(FrameSlot&)>;
 
 class DeviceSimulator {
  public:
-  // `contacts`: one a sensor of the model. `truth` may be null; it gets a line of JSON for each frame sent
-  // and each order carried out. The port is plugged in here. Throws as Port::plug does.
+  // `contacts`: one for each sensor of the model. `truth` may be null; it gets a line of JSON for each frame
+  // sent and each order carried out. Plugs the port in. Throws as Port::plug does.
   DeviceSimulator(const DeviceModel& model, std::vector<Contact> contacts, std::unique_ptr<Port> port,
                   std::ostream* truth = nullptr);
   ~DeviceSimulator();
 
-  // Any thread. The order takes effect before the next scan, or before the scan of that number. Throws
-  // std::invalid_argument.
+  // Called from any thread. The order takes effect before the next scan, or before the scan with that
+  // number. Throws std::invalid_argument.
   void order(const std::string& text);
   void order_at(std::uint64_t scan, const std::string& text);
 
-  // One scan. False after the order `quit`.
+  // Makes one scan. False after the order `quit`.
   bool step();
 
-  // Serves the port and steps at `rate_hz`, until told to stop or to quit, or after `scans` scans (0: no
-  // end).
+  // Serves the port and steps at `rate_hz`, until `stop` is requested, after the order `quit`, or after
+  // `scans` scans (0: without end).
   void run(std::stop_token stop, double rate_hz, std::uint64_t scans = 0);
 
   Port& port() { return *port_; }
@@ -55,9 +55,9 @@ class DeviceSimulator {
   std::ostream* truth_;
   std::uint64_t scan_ = 0;
   Misbehaviour misbehaviour_;
-  Misbehaviour::Order now_{.scans = 0};  // distorts so many scans more
+  Misbehaviour::Order now_{.scans = 0};  // the order that is in force
   int stalled_ = 0;                      // scans of silence to come
-  std::mutex mutex_;                     // orders_
+  std::mutex mutex_;                     // guards orders_
   std::multimap<std::uint64_t, Misbehaviour::Order> orders_;
 };
 

@@ -28,7 +28,7 @@ const DeviceModel& hid_force() {
       .rate_hz = 100,
       .scan = scan,
       .hid = HidModel{
-          .vendor = 0x1209,  // pid.codes' page for tests
+          .vendor = 0x1209,  // pid.codes' identifiers for tests
           .product = 0x0002,
           .report_descriptor = {0x05, 0x20, 0x09, 0x64, 0xA1, 0x00, 0x85, 0x01,  // force sensor, report 1
                                 0x0A, 0x01, 0x02, 0x15, 0x00, 0x25, 0x06,        // state

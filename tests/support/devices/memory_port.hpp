@@ -16,7 +16,7 @@ namespace slipd::devices {
 
 class MemoryBus {
  public:
-  // The host's side. receive: nothing within the time; throws Gone.
+  // The host's side. receive: nothing if no packet comes within the time; throws Gone.
   struct Gone {};
   bool plugged() const;
   std::optional<Packet> receive(std::chrono::nanoseconds patience);
@@ -30,7 +30,8 @@ class MemoryBus {
   std::vector<UsbRequest> requested();
 
  private:
-  static constexpr std::size_t kHeld = 64;  // for a host that does not read; the oldest go
+  // packets held for a host that does not read; the oldest are dropped
+  static constexpr std::size_t kHeld = 64;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool plugged_ = false;

@@ -37,13 +37,13 @@ class Misbehaviour {
   struct Order {
     Kind kind = Kind::none;
     int scans = 1;
-    std::string text() const;  // as it would be ordered: "lose 3"
+    std::string text() const;  // the order as text: "lose 3"
   };
 
-  // Throws std::invalid_argument that says which orders there are.
+  // Throws std::invalid_argument, which lists the valid orders.
   static Order parse(const std::string& text);
 
-  // Distorts one scan. Kinds that are about no part of a scan leave it alone.
+  // Distorts one scan. Kinds that concern no part of a scan leave it unchanged.
   void distort(Kind kind, std::vector<Packet>& scan);
 
  private:

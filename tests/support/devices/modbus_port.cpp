@@ -26,7 +26,7 @@ class ModbusPort : public Port {
     set_registers(model.modbus->registers);
   }
 
-  // A scan of another length leaves a map of that length: a request for more is answered by an exception.
+  // After a scan of another length the register map has that length; a request for more gets an exception.
   void send(std::span<const Packet> scan) override {
     for (const Packet& packet : scan) {
       const int count = static_cast<int>(packet.bytes.size() / 2);

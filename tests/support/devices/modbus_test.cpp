@@ -22,7 +22,7 @@ struct Closes {
 };
 using Client = std::unique_ptr<modbus_t, Closes>;
 
-// A device that runs on a thread of its own, 500 scans a second.
+// A simulated device on a thread of its own, 500 scans a second.
 class Running {
  public:
   Running(const DeviceModel& model, std::unique_ptr<Port> port)
@@ -39,7 +39,7 @@ class Running {
 Client connected(modbus_t* context, int unit) {
   Client client(context);
   modbus_set_slave(client.get(), unit);
-  // Long enough for a device that answers at all; those tests that wait for silence say less.
+  // Longer than any answer takes; tests that wait for silence set a shorter time.
   modbus_set_response_timeout(client.get(), 60, 0);
   if (modbus_connect(client.get()) != 0) client.reset();
   return client;
@@ -49,7 +49,7 @@ Client rg2ft_client(Running& device) {
   return connected(modbus_new_tcp("127.0.0.1", std::stoi(device.place())), 65);
 }
 
-// Reads until `done` says so; the scan that an order is carried out in comes within milliseconds.
+// Reads until `done` accepts the registers; an order takes effect within milliseconds.
 template <class Done>
 int read_until(modbus_t* client, int first, int count, std::vector<std::uint16_t>& out, Done&& done) {
   int got = -1;

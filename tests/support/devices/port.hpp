@@ -30,7 +30,7 @@ class Port {
   virtual void unplug() = 0;            // as if the cable were pulled
   virtual void silence(bool /*on*/) {}  // a polled device does not answer; other devices stop sending anyway
 
-  // Where a host finds it: an interface, a port, a path.
+  // Its address for a host: an interface, a port, a path.
   virtual std::string place() const = 0;
 
   // Whether the host has started the device since it was plugged in.
@@ -52,8 +52,7 @@ using Fd = UniqueFd;
 // The result of a system call. Throws std::system_error, which names `what`.
 int checked(int result, const std::string& what);
 
-// Listens on TCP of this machine. `port`: 0 becomes the one that was free, and stays. Throws
-// std::system_error.
+// Listens on TCP of this machine. `port` 0 is replaced by a free port. Throws std::system_error.
 Fd listen_on_loopback(int& port);
 
 // `place` is one of
@@ -66,7 +65,7 @@ std::unique_ptr<Port> make_port(const DeviceModel& model, const std::string& pla
                                 const std::string& serial);
 
 std::unique_ptr<Port> make_can_port(const DeviceModel& model, const std::string& interface);
-std::unique_ptr<Port> make_can_port(const DeviceModel& model, int socket);  // which it then owns
+std::unique_ptr<Port> make_can_port(const DeviceModel& model, int socket);  // takes ownership of the socket
 std::unique_ptr<Port> make_usbip_port(const DeviceModel& model, int tcp_port, const std::string& serial);
 std::unique_ptr<Port> make_uhid_port(const DeviceModel& model, const std::string& serial);
 std::unique_ptr<Port> make_modbus_tcp_port(const DeviceModel& model, int tcp_port);

@@ -1,5 +1,5 @@
-// OYMotion ROHand: a hand that feels how hard each of its five fingers presses. Modbus RTU, 115200 8N1, unit
-// 2: registers 1120–1124, u16, mN. Source: the maker's register map.
+// OYMotion ROHand: a hand that measures the normal force of each of its five fingers. Modbus RTU, 115200
+// 8N1, unit 2: registers 1120–1124, u16, mN. Source: the maker's register map.
 #include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {

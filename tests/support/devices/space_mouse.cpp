@@ -1,6 +1,6 @@
-// A 3Dconnexion six-axis device, as a source of forces on the bench: HID, report 1 is the translation, report
-// 2 the rotation, each 3 x i16 little-endian within ±350. Source: public drivers. A count is 0.01 N here. The
-// real one is silent at rest; this one is not.
+// A 3Dconnexion six-axis device, as a source of forces on the bench: HID, report 1 is the translation,
+// report 2 the rotation, each 3 x i16 little-endian within ±350. Source: public drivers. A count is 0.01 N
+// here. The real device sends nothing at rest; this one does.
 #include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {

@@ -1,4 +1,4 @@
-// A HID device made through /dev/uhid: the kernel gives it a hidraw node as if it hung on USB.
+// A HID device made through /dev/uhid: the kernel gives it a hidraw node as for a USB device.
 #include <fcntl.h>
 #include <linux/input.h>
 #include <linux/uhid.h>
@@ -55,7 +55,8 @@ class UhidPort final : public Port {
     for (const Packet& packet : scan) {
       uhid_event event{};
       event.type = UHID_INPUT2;
-      const std::uint16_t head = packet.address == 0 ? 0 : 1;  // the report's id, where there are any
+      // length of the report id; 0 without report ids
+      const std::uint16_t head = packet.address == 0 ? 0 : 1;
       event.u.input2.data[0] = static_cast<std::uint8_t>(packet.address);
       event.u.input2.size =
           static_cast<std::uint16_t>(head + std::min<std::size_t>(packet.bytes.size(), UHID_DATA_MAX - 1));
@@ -84,7 +85,7 @@ class UhidPort final : public Port {
     if (!plugged_) return;
     uhid_event event{};
     event.type = UHID_DESTROY;
-    (void)!::write(fd_.get(), &event, sizeof event);  // closing the descriptor does it, too
+    (void)!::write(fd_.get(), &event, sizeof event);  // closing the descriptor destroys the device as well
     plugged_ = false;
   }
 

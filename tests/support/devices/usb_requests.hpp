@@ -1,4 +1,5 @@
-// What a USB device answers on endpoint 0: descriptors from its model, the standard requests, its own.
+// A USB device's answers on endpoint 0: descriptors from its model, standard requests, class and vendor
+// requests.
 #pragma once
 
 #include <string>
@@ -11,11 +12,11 @@ class UsbRequests {
  public:
   UsbRequests(const DeviceModel& model, HostState& host, std::string serial);
 
-  // `setup`: the eight bytes of a request. Data to the host (empty for requests without), or nothing for a
-  // stall.
+  // `setup`: the eight bytes of a request. Returns data to the host (empty for requests without data), or
+  // nothing for a stall.
   std::optional<Bytes> control(std::span<const std::uint8_t> setup);
 
-  // How USB/IP describes the device, with or without its interfaces.
+  // The device's description in USB/IP, with or without its interfaces.
   Bytes usbip_record(bool with_interfaces) const;
 
  private:

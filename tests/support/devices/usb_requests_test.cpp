@@ -1,4 +1,4 @@
-// What a simulated USB device says of itself, without a bus.
+// The descriptors and answers of a simulated USB device, without a bus.
 #include "tests/support/devices/usb_requests.hpp"
 
 #include <gmock/gmock.h>

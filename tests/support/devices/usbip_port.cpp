@@ -1,6 +1,6 @@
 // A USB device served over USB/IP (the kernel's Documentation/usb/usbip_protocol.rst): `usbip attach` makes
-// it a device of the machine. One device at bus id 1-1, one client. Messages are big-endian; a bulk IN
-// request waits here until the device has something to say, as a pending transfer does on the bus.
+// it a device of the machine. One device at bus id 1-1, one client. Messages are big-endian. A bulk IN
+// request is kept until the device has data, like a pending transfer on the bus.
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -17,8 +17,7 @@ namespace {
 constexpr std::uint16_t kVersion = 0x0111, kListRequest = 0x8005, kImportRequest = 0x8003;
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitted = 3, kUnlinked = 4;
 constexpr std::size_t kOpHeader = 8, kBusId = 32, kUrbHeader = 48;
-constexpr std::size_t kBacklog =
-    64;  // packets that the device holds for a host that does not read; the oldest go
+constexpr std::size_t kBacklog = 64;  // packets held for a host that does not read; the oldest are dropped
 
 class UsbipPort final : public Port {
  public:
@@ -95,7 +94,7 @@ class UsbipPort final : public Port {
     if (::send(client_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0) client_ = Fd();
   }
 
-  // How many bytes were used: 0 while the message is not whole.
+  // Returns how many bytes were used: 0 while the message is incomplete.
   std::size_t take_operation() {
     if (heard_.size() < kOpHeader) return 0;
     const auto code = number<std::uint16_t>(2);
@@ -155,7 +154,7 @@ class UsbipPort final : public Port {
     reply(out);
   }
 
-  // A transfer ends with what the device said at once, or when its buffer is full.
+  // A transfer ends after one packet, or when its buffer is full.
   void deliver() {
     while (client_ && !waiting_.empty() && !said_.empty()) {
       Bytes& next = said_.front();

@@ -1,5 +1,5 @@
-// The USB/IP server, spoken to as the kernel does, so that its protocol is tested where no kernel can attach
-// it.
+// The USB/IP server with a client that follows the kernel's protocol, so that it is tested where no kernel
+// can attach it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -22,7 +22,7 @@ class UsbipDevice : public testing::Test {
 
   void attach() {
     host_ = Fd(checked(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), "socket"));
-    const int yes = 1;  // a small message leaves at once, and loopback has it there at once
+    const int yes = 1;  // without a delay for small messages: loopback then delivers them at once
     ::setsockopt(host_.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -78,10 +78,10 @@ class UsbipDevice : public testing::Test {
 TEST_F(UsbipDevice, DescribesItselfOnEndpointZero) {
   const Bytes answer = exchange(submit(7, kIn, 0, 18, {0x80, 6, 0, 1, 0, 0, 18, 0}), 48 + 18);
   ASSERT_THAT(answer, SizeIs(48 + 18));
-  EXPECT_EQ(word(answer, 0), 3);   // a submit has been answered
-  EXPECT_EQ(word(answer, 1), 7);   // that one
-  EXPECT_EQ(word(answer, 5), 0);   // well
-  EXPECT_EQ(word(answer, 6), 18);  // with so much
+  EXPECT_EQ(word(answer, 0), 3);   // reply to a submit
+  EXPECT_EQ(word(answer, 1), 7);   // sequence number of the request
+  EXPECT_EQ(word(answer, 5), 0);   // status: success
+  EXPECT_EQ(word(answer, 6), 18);  // bytes transferred
   EXPECT_EQ(answer[48 + 8], 0xe3);
 }
 

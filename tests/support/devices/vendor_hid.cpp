@@ -1,7 +1,7 @@
-// A HID sensor as users meet them: a raw vendor page, reports of 64 bytes without an id, one scan split over
-// several. No published tactile sensor has a layout to follow; this one is 8 x 8 taxels of three axes, ten to
-// a report: scan number u8, part u8, parts u8, taxels in this part u8, then per taxel normal u16, shear x and
-// y i16, little-endian, 5 Pa a count.
+// A HID sensor with a raw vendor page: reports of 64 bytes without an id, one scan split over several. No
+// published tactile sensor has such a layout to follow. This one has 8 x 8 taxels of three axes, ten to a
+// report: scan number u8, part u8, parts u8, taxels in this part u8, then for each taxel normal u16, shear x
+// and y i16, little-endian, 5 Pa a count.
 #include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {
@@ -40,7 +40,7 @@ const DeviceModel& vendor_hid() {
       .layout = TaxelLayout::grid(8, 8, 0.002),
       .rate_hz = 100,
       .scan = scan,
-      .hid = HidModel{.vendor = 0x1209,  // pid.codes' page for tests
+      .hid = HidModel{.vendor = 0x1209,  // pid.codes' identifiers for tests
                       .product = 0x0001,
                       .report_descriptor = {0x06, 0x00, 0xFF,        // usage page: vendor
                                             0x09, 0x01, 0xA1, 0x01,  // usage 1, collection: application

@@ -1,7 +1,7 @@
-// XELA uSkin XR1944: 4 x 4 taxels of three axes, one CAN frame a taxel. Id 0x700 | board << 4 | taxel; byte 0
-// unused, then X, Y, Z as big-endian u16. Board 1. `07 00` to 0x200 | board starts it. Source: the public
-// ur-o2as driver. The counts are uncalibrated on the real thing; here 40 Pa each for pressure, 20 for shear,
-// about a zero of 30000.
+// XELA uSkin XR1944: 4 x 4 taxels of three axes, one CAN frame a taxel. Id 0x700 | board << 4 | taxel; byte
+// 0 unused, then X, Y, Z as big-endian u16. Board 1. `07 00` to 0x200 | board starts it. Source: the public
+// ur-o2as driver. The real sensor's counts are uncalibrated; here a count is 40 Pa for pressure and 20 Pa
+// for shear, with an offset of 30000.
 #include "tests/support/devices/device_model.hpp"
 
 namespace slipd::devices {

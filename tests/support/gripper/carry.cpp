@@ -8,8 +8,9 @@
 namespace slipd::gripper {
 namespace {
 
-constexpr double kLeftByAStep = 0.7;  // of friction, at least; less would slip before any hand can close
-constexpr double kNothing = 1e-9;     // a margin below it is a slip
+// least factor by which one step reduces friction; with less, the object slips before a gripper can react
+constexpr double kLeftByAStep = 0.7;
+constexpr double kNothing = 1e-9;  // a smaller margin counts as a slip
 
 sim::Phase phase(double seconds, double friction, sim::Ramp shear_n) {
   sim::Phase made;

@@ -29,7 +29,7 @@ struct CarrySample {
   std::optional<double> received;  // the margin on CAN
 };
 
-// Statistics from the end of the lift on.
+// Statistics after the end of the lift.
 struct CarryResult {
   double sliding_s = 0;
   double force_share = 0;     // mean force over the mean least force

@@ -62,7 +62,7 @@ SensorStatus& ClosedLoop::add_sensor() {
   return status;
 }
 
-// As the estimate thread does; then it is the CAN thread's turn, if one is due or the bell rings.
+// The estimate thread's work; then the CAN thread's, if a message is due or the doorbell has rung.
 void ClosedLoop::publish(Estimate estimate) noexcept {
   estimate.published_ns = std::chrono::nanoseconds(now_.time_since_epoch()).count();
   Published reading = status_.latest.load();

@@ -7,7 +7,7 @@ namespace slipd::gripper {
 
 class GripOutput {
  public:
-  explicit GripOutput(const std::string& grip_input);  // throws std::system_error if nobody listens there
+  explicit GripOutput(const std::string& grip_input);  // throws std::system_error if no process listens there
   ~GripOutput();
   GripOutput(const GripOutput&) = delete;
   GripOutput& operator=(const GripOutput&) = delete;

@@ -1,5 +1,5 @@
-// What the gripper believes, how its fingers move, and that with slipd's advice it holds what it drops
-// without.
+// The gripper's receiver, the motion of its fingers, and the closed loop: with slipd's advice the gripper
+// holds what it drops without.
 #include "tests/support/gripper/gripper.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Estimate estimate(double gamma, State state = State::ok) {
   return made;
 }
 
-class GripperHearing : public ::testing::Test {
+class MarginReceiverTest : public ::testing::Test {
  protected:
   can_frame next(double gamma, State state = State::ok) {
     return frame_of(can::encode_estimate(kBase, estimate(gamma, state), true, counter_++));
@@ -48,7 +48,7 @@ class GripperHearing : public ::testing::Test {
   unsigned counter_ = 0;
 };
 
-TEST_F(GripperHearing, BelievesAMarginOnlyAfterThreeFramesThatMayHaveWaited) {
+TEST_F(MarginReceiverTest, AcceptsAMarginOnlyAfterThreeFramesThatMayBeOld) {
   for (int i = 0; i < 3; ++i) {
     receive(next(0.7));
     EXPECT_FALSE(margin()) << i;
@@ -57,7 +57,7 @@ TEST_F(GripperHearing, BelievesAMarginOnlyAfterThreeFramesThatMayHaveWaited) {
   EXPECT_DOUBLE_EQ(margin().value(), 0.7);
 }
 
-TEST_F(GripperHearing, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
+TEST_F(MarginReceiverTest, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
   hear_some();
   now_ += 31ms;
   EXPECT_FALSE(margin());
@@ -69,7 +69,7 @@ TEST_F(GripperHearing, AMarginEndsWithItsDeadlineAndWithAnyStateButOk) {
   EXPECT_FALSE(margin());
 }
 
-TEST_F(GripperHearing, ARepetitionOrADamagedFrameDoesNotExist) {
+TEST_F(MarginReceiverTest, ARepeatedOrDamagedFrameIsIgnored) {
   hear_some();
   can_frame repeated = next(0.2);
   receive(repeated);
@@ -85,7 +85,7 @@ TEST_F(GripperHearing, ARepetitionOrADamagedFrameDoesNotExist) {
   }
 }
 
-TEST_F(GripperHearing, AnAlertCallsOnceAndSlipdsLastWordsEndTheMargin) {
+TEST_F(MarginReceiverTest, AnAlertIsReceivedOnceAndSlipdsStopEndsTheMargin) {
   hear_some();
   receive(frame_of(can::encode_alert(kBase + 0x20, estimate(0.3), true, 0)));
   EXPECT_DOUBLE_EQ(receiver_.take_request().value().grip_increase_n.value(), 1.5);
@@ -94,7 +94,7 @@ TEST_F(GripperHearing, AnAlertCallsOnceAndSlipdsLastWordsEndTheMargin) {
   EXPECT_FALSE(margin());
 }
 
-TEST(GripperFingers, FollowLateAndNoFasterThanTheyCan) {
+TEST(GripperFingers, FollowWithTheirDelayAndSlewRate) {
   Fingers fingers({.delay = 20ms, .slew_n_per_s = 40}, kStart);
   fingers.want(2, kStart);
   EXPECT_DOUBLE_EQ(fingers.force_n(kStart + 20ms), 0);
@@ -114,10 +114,10 @@ ChainSetup by_moments() {
   return setup;
 }
 
-// What a static grip does not show, no sensor sees: a fall of friction may cost a few milliseconds of
-// sliding, and one task in twenty has such a fall (docs/alerts.md), which too few tasks cannot count. The
-// force: the target is a margin of 0.5, which is twice the least; as much again is the estimator's error on
-// the safe side.
+// No sensor sees what a static grip does not show. A fall of friction may therefore cost a few milliseconds
+// of sliding. One task in twenty has such a fall (docs/alerts.md), which is too rare for these few tasks to
+// count. The force: the target is a margin of 0.5, which takes twice the least force; the estimator's error
+// on the safe side takes as much again.
 TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
   constexpr std::uint64_t kErrands = 8;
   const ChainSetup setup = by_moments();

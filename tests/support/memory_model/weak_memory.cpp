@@ -107,10 +107,10 @@ std::uint64_t WeakMemory::exchange(std::size_t location, std::uint64_t value, st
   View& view = views_[thread_];
   const std::memory_order real = order_of(location, Access::exchange, order);
   const std::size_t which = locations_[location].size();
-  const Value before = locations_[location].back();  // an exchange follows what it has read at once
+  const Value before = locations_[location].back();  // an exchange reads the newest value
   if (acquires(real)) view.join(before.behind);
   view.at(location) = which;
-  Value stored{value, before.behind};  // a release's head goes on through it
+  Value stored{value, before.behind};  // the head of a release sequence is kept
   if (releases(real)) stored.behind.join(view);
   stored.behind.at(location) = which;
   locations_[location].push_back(std::move(stored));

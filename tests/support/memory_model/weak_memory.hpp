@@ -1,13 +1,13 @@
 // A model of release-acquire memory, in one thread: it tries exhaustively all values that lock-free code can
 // read on any processor, not only those that the present processor produces.
 //
-// The code under test is the real one, with Atomic of this file in the place of std::atomic. Each location
-// keeps all it ever held, in order; each thread has a view: how far it knows each location. A load may give
-// any value that is not older than the view, which covers store buffers, caches and every order in which
-// loads may be served; an acquire that reads a release takes over the view behind it. (Batty et al. 2011 in
-// the operational form of Kang et al. 2017. A load is not served after a store that follows it in the
-// program; seq_cst is not modelled.) Plain memory is watched for races by the same views. choose() walks all
-// choices, depth first.
+// The code under test is the real one, with Atomic of this file in place of std::atomic. Each location keeps
+// all values that it ever had, in order. Each thread has a view: for each location, the oldest value that it
+// may still read. A load may give any value that is not older than the view, which covers store buffers,
+// caches and every order in which loads may be served. An acquire that reads a release takes over the view
+// behind it. (Batty et al. 2011 in the operational form of Kang et al. 2017. A load is not served after a
+// store that follows it in the program; seq_cst is not modelled.) Plain memory is checked for races by the
+// same views. choose() tries all choices, depth first.
 #pragma once
 
 #include <atomic>
@@ -33,28 +33,30 @@ class WeakMemory {
  public:
   enum class Access : std::uint8_t { load, store, exchange };
 
-  // The memory order that an access really gets: tests weaken it to show that the stronger one is needed.
+  // Replaces the memory order of an access: tests weaken it to show that the stronger one is needed.
   using Weaken =
       std::function<std::memory_order(std::size_t location, std::size_t thread, Access, std::memory_order)>;
 
-  static constexpr std::size_t kThreads = 3;  // 0 makes the others and sees all that they share
+  static constexpr std::size_t kThreads = 3;  // thread 0 makes the others and sees everything they share
 
-  // Runs `body` once for each possible sequence of choices; returns their number. Throws Violation.
+  // Runs `body` once for each possible sequence of choices; returns the number of sequences. Throws
+  // Violation.
   static std::size_t explore(const std::function<void(WeakMemory&)>& body, const Weaken& weaken = {});
 
   static WeakMemory& current();
 
-  // One of `options` ways to go on.
+  // Chooses one of `options` ways to go on.
   std::size_t choose(std::size_t options);
 
   void run_as(std::size_t thread) { thread_ = thread; }
-  // What `teller` has done so far is known to `told`: a doorbell rang.
-  void tell(std::size_t teller, std::size_t told) { views_[told].join(views_[teller]); }
-  // After so many accesses from now, loads give the newest value: for what goes round until it has got one.
-  // (What a failed round has seen leaves fewer choices to the next one, not more: nothing is missed.)
+  // Everything that thread `from` has done so far happens before what thread `to` does next: a doorbell rang.
+  void synchronize(std::size_t from, std::size_t to) { views_[to].join(views_[from]); }
+  // After this many accesses from now, loads give the newest value. It ends a loop that repeats until it has
+  // read a consistent value. (What a failed round has seen leaves fewer choices to the next round, not more,
+  // so no violation is missed.)
   void settle_after(std::size_t accesses) { settled_after_ = accesses_ + accesses; }
 
-  // Memory without atomics: named by the test. A race is a violation.
+  // Memory without atomics, named by the test. A race is a violation.
   std::size_t add_plain();
   void write_plain(std::size_t place);
   void read_plain(std::size_t place);
@@ -66,17 +68,17 @@ class WeakMemory {
 
  private:
   struct View {
-    std::vector<std::size_t> newest;   // by location: index of the newest value known
-    std::size_t clock[kThreads] = {};  // by thread: how much of it is over
+    std::vector<std::size_t> newest;   // by location: index of the oldest value that may still be read
+    std::size_t clock[kThreads] = {};  // by thread: how many of its accesses happen before
     void join(const View& other);
     std::size_t& at(std::size_t location);
   };
   struct Value {
     std::uint64_t value;
-    View behind;  // what whoever acquires it knows from then on
+    View behind;  // the view that an acquire of this value takes over
   };
   struct Plain {
-    std::size_t written[kThreads] = {}, read[kThreads] = {};  // clocks of the last ones
+    std::size_t written[kThreads] = {}, read[kThreads] = {};  // clocks of the last accesses
   };
 
   explicit WeakMemory(const Weaken& weaken) : weaken_(weaken) {}
@@ -97,7 +99,7 @@ class WeakMemory {
   const char* seen_ = nullptr;  // thrown at the path's end: the code under test may be noexcept
 };
 
-// In the place of std::atomic, as far as slipd's own code uses it.
+// Replaces std::atomic, with the operations that slipd's own code uses.
 template <typename T>
 class CheckedAtomic {
  public:

@@ -41,13 +41,13 @@ constexpr const char* kOptions = R"({"type": "object", "additionalProperties": f
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
-// What goes wrong by chance, the same for the same seed.
+// Random faults, the same for the same seed.
 class Troubles {
  public:
   enum class Kind : std::uint8_t { none, corrupt, gap, silence, long_read, unplug };
   explicit Troubles(std::uint64_t seed) : random_(static_cast<std::minstd_rand::result_type>(seed)) {}
 
-  // Of the next frame: all but one in a thousand or so are well.
+  // The fault of the next frame; none for all but one in a thousand or so.
   Kind next() {
     static constexpr struct {
       unsigned in_80000;
@@ -82,7 +82,8 @@ class TrialDriver : public DeviceDriver {
     well_until_ = options_.at("well_until").get<std::string>();
     account_ = options_.at("account").get<std::string>();
     if (const std::uint64_t seed = options_.at("troubles"); seed > 0) troubles_.emplace(seed);
-    if (behaviour_ == "throw_in_create") throw DriverError("the trial device cannot be made: it was told so");
+    if (behaviour_ == "throw_in_create")
+      throw DriverError("the trial device cannot be made: its options say so");
     vanishes_ = behaviour_ == "vanish";
     hangs_ = behaviour_ == "hang_in_read";
     ends_ = behaviour_ == "end";
@@ -181,7 +182,8 @@ class TrialDriver : public DeviceDriver {
     return !well_until_.empty();
   }
 
-  // What read says instead of a frame; `frame`: nothing went wrong, or nothing that keeps it from coming.
+  // The status that read returns instead of a frame; `frame`: no fault, or one that does not prevent the
+  // frame.
   ReadStatus run_into_trouble() {
     using namespace std::chrono_literals;
     switch (troubles_->next()) {
@@ -189,7 +191,7 @@ class TrialDriver : public DeviceDriver {
         ++sent_.corrupt;
         return ReadStatus::corrupt;
       case Troubles::Kind::gap:
-        if (fresh_) break;  // before the first of them there is no telling what is missing
+        if (fresh_) break;  // before the first frame a gap cannot be noticed
         sent_.left_out += 3;
         sequence_ += 3 * sensors_.size();
         break;
@@ -206,7 +208,7 @@ class TrialDriver : public DeviceDriver {
       case Troubles::Kind::none:
         break;
     }
-    decided_ = true;  // until this frame has come
+    decided_ = true;  // until this frame has been delivered
     return ReadStatus::frame;
   }
 
@@ -248,8 +250,8 @@ std::unique_ptr<DeviceDriver> create(const std::vector<SensorSetup>& sensors) {
   return std::make_unique<TrialDriver>(sensors);
 }
 
-const DriverModule kModule{kDriverAbi, "trial", "a device that misbehaves as it is told, for tests", kOptions,
-                           create};
+const DriverModule kModule{kDriverAbi, "trial", "a device that misbehaves as its options say, for tests",
+                           kOptions, create};
 
 }  // namespace
 

@@ -10,7 +10,7 @@
 namespace slipd::testing {
 namespace {
 
-constexpr int kAnswersBefore = 5;  // that a connection lives for
+constexpr int kAnswersBefore = 5;  // answers that pass before a connection is cut
 constexpr int kLookMs = 20;
 
 sockaddr_in loopback(std::uint16_t port) {
@@ -69,12 +69,12 @@ void CuttingProxy::pass_on(const std::stop_token& stop, const UniqueFd& slipd) {
     const auto got = recv(device.get(), bytes.data(), bytes.size(), 0);
     if (got <= 0) return;
     const bool cut = cutting_ && ++answers > kAnswersBefore;
-    // Each time one byte later, so that every place is cut at.
+    // One byte later each time, so that every position is cut.
     const auto length =
         cut ? static_cast<std::size_t>(cuts_ % static_cast<int>(got)) : static_cast<std::size_t>(got);
     send(slipd.get(), bytes.data(), length, MSG_NOSIGNAL);
     if (!cut) continue;
-    // Every other time with a reset instead of an end.
+    // Every second time with a reset instead of an end.
     const linger at_once{1, 0};
     if (cuts_ % 2 == 0) setsockopt(slipd.get(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
     ++cuts_;

@@ -1,5 +1,5 @@
-// Between slipd and a Modbus TCP device: passes everything on, and kills each connection in the middle of an
-// answer, as a device does that loses its power. In a thread of its own.
+// A proxy between slipd and a Modbus TCP device. It forwards all bytes and closes each connection in the
+// middle of an answer, like a device that loses power. It runs in a thread of its own.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace slipd::testing {
 
 class CuttingProxy {
  public:
-  // To the device at this port of the loopback.
+  // Connects to the device at this port of the loopback interface.
   explicit CuttingProxy(std::uint16_t device_port);
 
   std::uint16_t port() const noexcept { return port_; }

@@ -1,5 +1,5 @@
-// Devices that come and go, and driver modules that are no good: the sensor says so, its neighbour notices
-// nothing, and nothing is used up by it.
+// Devices that are unplugged again and again, and driver modules that cannot be used: the sensor reports the
+// fault, other sensors are not affected, and no resource leaks.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
-// SLIPD_REPLUGS of a device that takes its time.
+// How often a slow device is unplugged: SLIPD_REPLUGS.
 int wanted_replugs() {
   const char* text = std::getenv("SLIPD_REPLUGS");
   return text != nullptr ? std::stoi(text) : 8;
@@ -35,7 +35,7 @@ std::uint64_t sum(const json& status, const char* member) {
   return all;
 }
 
-TEST(Unplugged, TwoHundredTimesAndNothingIsUsedUp) {
+TEST(Unplugged, TwoHundredTimesWithoutALeak) {
   const TempFolder folder;
   json sensors = json::array({trial("steady", json::object())});
   for (int i = 0; i < 8; ++i)
@@ -114,7 +114,7 @@ TEST_F(Modbus, KilledInTheMiddleOfAnAnswer) {
 
 class Modules : public ::testing::Test {
  protected:
-  // In a folder of its own, with a good one beside.
+  // In a folder of its own, beside a valid module.
   void SetUp() override { copy("slipd-driver-trial.so"); }
   fs::path copy(const std::string& name, const std::string& from = "slipd-driver-trial.so") const {
     fs::copy_file(trial_drivers() / from, folder_.file(name));
@@ -138,9 +138,10 @@ TEST_F(Modules, OfAnotherInterfaceAreRefusedWithBothNumbers) {
               ::testing::AllOf(HasSubstr("was built for driver interface"), HasSubstr("build it anew")));
 }
 
-TEST_F(Modules, ThatAreNoneAreRefused) {
+TEST_F(Modules, ThatAreInvalidAreRefused) {
   const auto half = copy("slipd-driver-half.so");
-  for (const std::uintmax_t size : {20000, 5000, 100}) {  // what comes after is for debuggers
+  // bytes after the last of these sizes are for debuggers only
+  for (const std::uintmax_t size : {20000, 5000, 100}) {
     fs::resize_file(half, size);
     EXPECT_THAT(refusal_of("half"), HasSubstr("is cut short"));
   }
@@ -153,7 +154,7 @@ TEST_F(Modules, ThatAreNoneAreRefused) {
   EXPECT_THAT(refusal_of("other"), HasSubstr("calls itself \"trial\""));
 }
 
-TEST(Drivers, ThatThrowOrHangCostTheirOwnSensorOnly) {
+TEST(Drivers, ThatThrowOrHangStopTheirOwnSensorOnly) {
   const TempFolder folder;
   Daemon daemon(
       config_with(folder, json::array({trial("steady", json::object()),

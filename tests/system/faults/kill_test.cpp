@@ -1,7 +1,7 @@
-// Killed at random moments (SLIPD_KILLS of them; tools/faults), the same ones in every run: while it starts,
-// trains, saves and records. After each, what is on disk is whole, or is refused with its reason; and the
-// next start comes up on it. How much of a recording's end is missing is printed: it is what the last flush
-// interval brought, and what the writer is late by, which depends on the machine.
+// slipd is killed at random moments, the same in every run: while it starts, trains, saves and records.
+// SLIPD_KILLS says how often (tools/faults). After each kill the files on disk are whole, or are refused
+// with a reason, and the next start succeeds with them. The test prints how much of a recording's end is
+// missing: the frames since the last flush, plus the delay of the writer, which depends on the machine.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ using namespace std::chrono_literals;
 
 class Killed : public ::testing::Test {
  protected:
-  // One that makes a model, one that finds its zero, and an alert now and then, which the flight recorder
-  // keeps.
+  // A sensor that trains a model, measures its bias and raises an alert now and then, which the flight
+  // recorder keeps.
   json config() const {
     json sensors = json::array();
     sensors.push_back({{"name", "left"},
@@ -40,8 +40,8 @@ class Killed : public ::testing::Test {
   }
   Program::Environment environment() const { return {{"STATE_DIRECTORY", state_.path().string()}}; }
 
-  // One life, of so long: what was recorded on its behalf is in folder_/asked.rec.
-  void live(std::chrono::milliseconds length) {
+  // Runs slipd for this long and kills it. A recording of that time is in folder_/asked.rec.
+  void run_and_kill(std::chrono::milliseconds length) {
     fs::remove(asked());
     newest_ = 0;
     const auto config_file = folder_.write("slipd.json", config().dump());
@@ -50,14 +50,14 @@ class Killed : public ::testing::Test {
                      real_drivers().string()},
                     environment());
     const auto until = Clock::now() + length;
-    attend(until);
+    use(until);
     std::this_thread::sleep_until(until);
     program.signal(SIGKILL);
     EXPECT_EQ(program.wait(), 128 + SIGKILL) << program.errors();
   }
 
-  // Records, and hears of frames, as soon as there is a socket, and to the end.
-  void attend(Clock::time_point until) {
+  // Records and subscribes from the moment at which the socket exists until the given time.
+  void use(Clock::time_point until) {
     const fs::path socket = folder_.file("s.sock");
     while (Clock::now() < until) {
       try {
@@ -71,10 +71,10 @@ class Killed : public ::testing::Test {
         for (int turn = 0; Clock::now() < until; ++turn) {
           listening.read(5ms);
           if (turn % 20 == 10) recording.send_line(R"({"jsonrpc":"2.0","method":"flight"})");
-          const auto& all = listening.told();
+          const auto& all = listening.counts();
           if (const auto left = all.find("left"); left != all.end()) newest_ = left->second.last_sequence;
         }
-      } catch (const std::exception&) {  // not there yet
+      } catch (const std::exception&) {  // the socket does not exist yet
         std::this_thread::sleep_for(1ms);
       }
     }
@@ -82,15 +82,15 @@ class Killed : public ::testing::Test {
 
   fs::path asked() const { return folder_.file("asked.rec"); }
 
-  // Everything that is kept.
-  void look_at_what_is_left() {
+  // Checks every file that slipd keeps.
+  void check_kept_files() {
     for (const auto& item : fs::recursive_directory_iterator(state_.path())) {
       if (!item.is_regular_file()) continue;
       const fs::path& file = item.path();
       SCOPED_TRACE(file.string());
       if (file.extension() == ".rec") {
         const Replayed kept = replay(file);
-        EXPECT_EQ(kept.fault, "") << "what has a recording's name is whole";
+        EXPECT_EQ(kept.fault, "") << "a file with a recording's name is whole";
         ++whole_recordings_;
       } else if (file.extension() == ".cbor" && file.filename().string().starts_with("model-")) {
         EXPECT_NO_THROW(load_model(file));
@@ -99,7 +99,7 @@ class Killed : public ::testing::Test {
     }
   }
 
-  void look_at_the_recording() {
+  void check_recording() {
     if (!fs::exists(asked())) return;
     const Replayed kept = replay(asked());
     if (kept.frames == 0) return;
@@ -126,7 +126,7 @@ int wanted_kills() {
   return text != nullptr ? std::stoi(text) : 10;
 }
 
-// A recording reaches the disk while it goes on, not at its end only.
+// A recording reaches the disk while it runs, not only at its end.
 TEST_F(Killed, WhileItRecordsItLosesNoFrameThatWasOnDiskBefore) {
   Daemon daemon(config(), real_drivers(), environment());
   RpcClient recording(daemon.socket());
@@ -148,23 +148,23 @@ TEST_F(Killed, WhileItRecordsItLosesNoFrameThatWasOnDiskBefore) {
   EXPECT_GE(after.last_sequence, before.last_sequence);
 }
 
-TEST_F(Killed, AtRandomMomentsItLeavesNothingHalf) {
+TEST_F(Killed, AtRandomMomentsItLeavesOnlyWholeFiles) {
   std::minstd_rand random(1);
   int kills = 0;
   while (kills < wanted_kills() && !HasFailure()) {
     SCOPED_TRACE("kill " + std::to_string(++kills));
-    live(std::chrono::milliseconds(random() % 1600));
-    look_at_what_is_left();
-    look_at_the_recording();
+    run_and_kill(std::chrono::milliseconds(random() % 1600));
+    check_kept_files();
+    check_recording();
   }
-  // A last life, in peace, on what they have left.
+  // A last run, which ends normally, on the files that the others left.
   Daemon daemon(config(), real_drivers(), environment());
   daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["estimated"] > 0; });
   EXPECT_EQ(daemon.stop(), 0);
-  look_at_what_is_left();
+  check_kept_files();
   for (const auto& item : fs::recursive_directory_iterator(state_.path()))
     EXPECT_THAT(item.path().filename().string(), ::testing::Not(::testing::HasSubstr(".new-")))
-        << "is left over";
+        << "is a temporary file";
   std::printf(
       "%d kills: %d recordings asked for, %d of them cut within a frame, at most %lld ms of frames missing "
       "at an end; "

@@ -1,5 +1,6 @@
-// What happens where something runs out: descriptors, memory, the disk, the one place on a socket. It is
-// said, it costs what could not be had and nothing else, and is over when it is there again.
+// slipd without a resource: descriptors, memory, disk space, the socket's path. Each time the error is
+// reported, only the operation that needed the resource fails, and it succeeds again when the resource is
+// there.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ class Limits : public ::testing::Test {
   void await_ok() const {
     daemon_.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
   }
-  // Of the running daemon, until lifted.
+  // A limit of the running daemon, until lift().
   void limit(__rlimit_resource what, rlim_t most) const {
     rlimit now{};
     ASSERT_EQ(prlimit(daemon_.program().pid(), what, nullptr, &now), 0);
@@ -57,7 +58,7 @@ TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
   if (sanitized()) GTEST_SKIP() << "without a pipe to try memory with, UBSan takes every object for none";
   RpcClient old(daemon_.socket());
   old.result("version");
-  limit(RLIMIT_NOFILE, 3);  // those that are open stay open
+  limit(RLIMIT_NOFILE, 3);  // open descriptors stay open
   RpcClient waiting(daemon_.socket());
   waiting.send_line(R"({"jsonrpc":"2.0","id":1,"method":"version"})");
   EXPECT_FALSE(waiting.line(300ms));
@@ -75,21 +76,21 @@ TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
   EXPECT_TRUE(old.call("record", {{"sensor", "left"}, {"seconds", 0.1}}, file.get()).contains("result"));
 }
 
-TEST_F(Limits, StoppedAndContinuedItGoesOnWithTheNewestFrameAndTheBooksClose) {
+TEST_F(Limits, StoppedAndContinuedItGoesOnWithTheNewestFrameAndAccountsForAll) {
   RpcClient client(daemon_.socket());
-  const auto books = [&] { return client.result("status")["sensors"][0]; };
-  const json before = books();
+  const auto account = [&] { return client.result("status")["sensors"][0]; };
+  const json before = account();
   for (int i = 0; i < 5; ++i) {
     daemon_.program().signal(SIGSTOP);
-    std::this_thread::sleep_for(100ms);  // five times what a sensor may be silent for
+    std::this_thread::sleep_for(100ms);  // five times stale_after_ms
     daemon_.program().signal(SIGCONT);
     await_ok();
     expect_frames_go_on(client);
   }
-  const json after = books();
+  const json after = account();
   EXPECT_EQ(after["received"],
             after["estimated"].get<std::uint64_t>() + after["skipped"].get<std::uint64_t>());
-  EXPECT_EQ(after["reconnects"], before["reconnects"]) << "its own standstill is no fault of the device";
+  EXPECT_EQ(after["reconnects"], before["reconnects"]) << "a pause of slipd is no fault of the device";
 }
 
 rlim_t address_space(const Daemon& daemon) {
@@ -99,9 +100,9 @@ rlim_t address_space(const Daemon& daemon) {
   return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
 }
 
-TEST_F(Limits, WithLittleMemoryWhatNeedsMoreIsRefusedAndTheRestGoesOn) {
+TEST_F(Limits, WithLittleMemoryOnlyLargeRequestsAreRefused) {
   if (sanitized()) GTEST_SKIP() << "a sanitizer needs an address space without limit";
-  constexpr rlim_t kLittle = 4'000'000;  // a recording's queue takes more
+  constexpr rlim_t kLittle = 4'000'000;  // less than the queue of a recording
   RpcClient client(daemon_.socket());
   limit(RLIMIT_AS, address_space(daemon_) + kLittle);
   const UniqueFd file(open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
@@ -112,10 +113,10 @@ TEST_F(Limits, WithLittleMemoryWhatNeedsMoreIsRefusedAndTheRestGoesOn) {
   expect_frames_go_on(client);
   lift(RLIMIT_AS);
   EXPECT_TRUE(client.call("record", record, file.get()).contains("result"))
-      << "and is possible when there is more";
+      << "succeeds when there is more memory";
 }
 
-// Then it may come to an end, and be started anew: but it does not stand there as if it served.
+// slipd may end with an error, for the service manager to restart it. It must not run without serving.
 TEST_F(Limits, WithoutAnyMemoryItServesOrEnds) {
   if (sanitized()) GTEST_SKIP() << "a sanitizer needs an address space without limit";
   limit(RLIMIT_AS, address_space(daemon_));
@@ -146,7 +147,7 @@ TEST_F(Limits, WithoutAnyMemoryItServesOrEnds) {
   }
 }
 
-TEST(Disk, ThatTakesNoModelCostsTheKeepingAndNotTheSensor) {
+TEST(Disk, ThatTakesNoModelDoesNotStopTheSensor) {
   const TempFolder folder;
   Daemon daemon(
       config_with(folder, json::array({fine_sensor("left")}), {{"estimator", {{"method", "svd-knn"}}}}),
@@ -160,7 +161,7 @@ TEST(TwoAtOnce, ManyStartOnOneSocketAndOneServes) {
   const TempFolder folder;
   const auto config = folder.write("c.json", config_with(folder, json::array({fine_sensor("left")})).dump());
   constexpr int kMany = 12;
-  for (int round = 0; round < 2; ++round) {  // the second time over what a crash has left
+  for (int round = 0; round < 2; ++round) {  // the second round starts on the files that a crash left
     std::vector<std::unique_ptr<Program>> all;
     for (int i = 0; i < kMany; ++i) {
       all.push_back(std::make_unique<Program>(

@@ -1,6 +1,6 @@
-// Eight sensors at 1 kHz for as long as one likes (SLIPD_SOAK_SECONDS; tools/soak), devices and clients
-// failing at random all the while. What the devices sent is known from the devices themselves, so the books
-// can be closed: not one frame more or less. Memory, descriptors and threads stay what they were.
+// Eight sensors at 1 kHz for SLIPD_SOAK_SECONDS (tools/soak), while devices and clients fail at random. The
+// devices write down what they sent, so every frame can be accounted for. Memory, descriptors and threads
+// must not grow.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "tests/support/daemon.hpp"
 #include "tests/support/process_facts.hpp"
 #include "tests/support/subscriber.hpp"
-#include "tests/system/soak/mischief.hpp"
+#include "tests/system/soak/disturbances.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -24,9 +24,9 @@ using namespace std::chrono_literals;
 constexpr int kSensors = 8;
 constexpr int kRateHz = 1000;
 constexpr std::size_t kRecordingKb = 4096;
-constexpr double kLongSeconds = 180;  // from here on, memory has time to settle
+constexpr double kLongSeconds = 180;  // a run at least this long also tests that memory has settled
 
-// What a recording or a client takes while it lasts comes and goes: what stays is the least of some time.
+// Recordings and clients take memory while they last. The least of a period shows what is kept.
 struct Memory {
   std::size_t early_kb = SIZE_MAX, late_kb = SIZE_MAX, late_most_kb = 0;
 };
@@ -62,7 +62,7 @@ class Soak : public ::testing::Test {
     return std::all_of(status["sensors"].begin(), status["sensors"].end(), of_each);
   }
 
-  // Until all devices have sent what they had to.
+  // Waits until all devices have sent their last frame.
   void watch_until_ended() {
     RpcClient asking(daemon_.socket());
     const auto begun = Clock::now();
@@ -79,13 +79,13 @@ class Soak : public ::testing::Test {
             return s["state"] == "stale" && s["connected"] == false && s["trouble"].is_null();
           }))
         break;
-      ASSERT_LT(Clock::now() - progress, kPatience) << "nothing goes on any more: " << status_;
+      ASSERT_LT(Clock::now() - progress, kPatience) << "no progress: " << status_;
       std::this_thread::sleep_for(100ms);
     }
     took_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
   }
 
-  // After its first minute, or third: the half that follows, and the one after that.
+  // Ignores the first minute, or third of the run; the rest of the run is halved into early and late.
   void look_at_memory(double elapsed_s) {
     const double settled_s = std::min(60.0, seconds_ / 3);
     const std::size_t kb = resident_kb(daemon_.program().pid());
@@ -95,11 +95,11 @@ class Soak : public ::testing::Test {
     if (&least_kb == &memory_.late_kb) memory_.late_most_kb = std::max(memory_.late_most_kb, kb);
   }
 
-  // Until both have been told of all there was, one way or the other, and nothing is left to read.
+  // Reads until both subscribers have received every notification or the report that it was dropped.
   void read_to_the_end(Subscriber& first, Subscriber& second) const {
     std::uint64_t estimated = 0;
     for (const json& sensor : status_["sensors"]) estimated += sensor["estimated"].get<std::uint64_t>();
-    const auto told_of_all = [&](const Subscriber& subscriber) {
+    const auto all_reported = [&](const Subscriber& subscriber) {
       const auto all = subscriber.total();
       return all.frames + all.dropped >= estimated;
     };
@@ -108,12 +108,12 @@ class Soak : public ::testing::Test {
       more = first.read(100ms);
       more = second.read(100ms) || more;
       const bool same = first.total().published() == second.total().published();
-      if (!more && same && told_of_all(first) && told_of_all(second)) return;
+      if (!more && same && all_reported(first) && all_reported(second)) return;
     }
   }
 
-  // Devices → slipd, sensor by sensor.
-  void close_the_books_of_frames() {
+  // From devices to slipd, for each sensor.
+  void check_accounts_of_frames() {
     std::cout << "sensor     sent  left out  corrupt  unplugs | received  lost  estimated  skipped\n";
     for (int i = 0; i < kSensors; ++i) {
       SCOPED_TRACE(name_of(i));
@@ -135,10 +135,11 @@ class Soak : public ::testing::Test {
   }
   static unsigned long long number(const json& value) { return value.get<unsigned long long>(); }
 
-  // slipd → subscribers. What is not a frame among what they are told is that a sensor is stale or gone.
-  void close_the_books_of(const char* whose, const Subscriber& subscriber, std::uint64_t published) const {
+  // From slipd to subscribers. Notifications without a new frame report that a sensor is stale or gone.
+  void check_account_of(const char* whose, const Subscriber& subscriber, std::uint64_t published) const {
     const auto all = subscriber.total();
-    EXPECT_EQ(all.published(), published) << whose << ": delivered + dropped is the same for everybody";
+    EXPECT_EQ(all.published(), published)
+        << whose << ": delivered + dropped is the same for every subscriber";
     EXPECT_LE(all.frames, estimated_);
     EXPECT_GE(all.frames + all.dropped, estimated_);
     EXPECT_EQ(subscriber.broken_lines(), 0U);
@@ -157,35 +158,35 @@ class Soak : public ::testing::Test {
   double took_s_ = 0;
 };
 
-TEST_F(Soak, ClosesItsBooks) {
+TEST_F(Soak, AccountsForEveryFrame) {
   const pid_t process = daemon_.program().pid();
   daemon_.wait_for("status",
                    [](const json& s) { return all(s, [](const json& e) { return e["state"] == "stale"; }); });
   const std::size_t descriptors = daemon_.descriptors_at_rest();
   const std::size_t running = threads(process);
-  auto good = std::make_unique<Subscriber>(daemon_.socket());
+  auto fast = std::make_unique<Subscriber>(daemon_.socket());
   auto slow = std::make_unique<Subscriber>(daemon_.socket());
   daemon_.wait_for("status", [](const json& s) { return s["clients"] == 3; });
   folder_.write("gate", "");
   {
-    const Reading reading(*good);
-    const Reading reading_slowly(*slow, 10ms);
-    Mischief mischief(daemon_, folder_, 1);
+    const BackgroundReader reading(*fast);
+    const BackgroundReader reading_slowly(*slow, 10ms);
+    Disturbances disturbances(daemon_, folder_, 1);
     watch_until_ended();
-    const auto done = mischief.stop();
+    const auto done = disturbances.stop();
     for (std::size_t i = 0; i < done.size(); ++i)
-      std::cout << (i == 0 ? "befell: " : ", ") << done[i] << " " << Mischief::kNames[i];
+      std::cout << (i == 0 ? "disturbances: " : ", ") << done[i] << " " << Disturbances::kNames[i];
     std::cout << "\n";
   }
   if (HasFatalFailure()) return;
-  read_to_the_end(*good, *slow);
-  close_the_books_of_frames();
-  const std::uint64_t published = good->total().published();
-  close_the_books_of("a subscriber that reads", *good, published);
-  close_the_books_of("one that is slow", *slow, published);
-  good.reset();
+  read_to_the_end(*fast, *slow);
+  check_accounts_of_frames();
+  const std::uint64_t published = fast->total().published();
+  check_account_of("a subscriber that reads", *fast, published);
+  check_account_of("a slow subscriber", *slow, published);
+  fast.reset();
   slow.reset();
-  // Those that ended have no acquire thread any more.
+  // Sensors that ended have no acquire thread any more.
   EXPECT_EQ(threads(process), running - kSensors);
   EXPECT_EQ(daemon_.descriptors_at_rest(), descriptors);
   std::printf(
@@ -194,7 +195,7 @@ TEST_F(Soak, ClosesItsBooks) {
       "%zu\n",
       took_s_, memory_.early_kb, memory_.late_kb, memory_.late_most_kb, descriptors);
   if (!sanitized()) {
-    // The allocator keeps the room of as many recordings as there were at one time.
+    // The allocator keeps the memory of as many recordings as ran at one time.
     EXPECT_LE(memory_.late_kb, memory_.early_kb + 2 * kRecordingKb);
     if (seconds_ >= kLongSeconds) {
       EXPECT_LE(memory_.late_most_kb, memory_.late_kb + 1024);

@@ -1,4 +1,4 @@
-// Random grasps and what is counted of them.
+// Random grasps, and their statistics.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ slipd::Scene scene() {
   return made;
 }
 
-Estimate told(double gamma, double sigma) {
+Estimate margin_estimate(double gamma, double sigma) {
   Estimate out;
   out.state = State::ok;
   out.gamma = gamma;
@@ -29,7 +29,7 @@ Estimate told(double gamma, double sigma) {
   return out;
 }
 
-TEST(Grasp, StaysWithinWhatIsExpectedAndDoesEverythingSomeday) {
+TEST(Grasp, StaysWithinItsRangesAndMakesEveryMove) {
   std::set<Move> seen;
   for (std::size_t i = 0; i < 200; ++i) {
     const Grasp grasp = draw_grasp(scene(), 1, i);
@@ -65,11 +65,11 @@ TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
   EXPECT_NE(once.direction_rad, other.direction_rad);
 }
 
-TEST(ErrorStatistics, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
+TEST(ErrorStatistics, CountsErrorsBeyondTheLimitOnEachSide) {
   ErrorStatistics statistics;
-  statistics.add(told(0.5, 0.1), 0.5);
-  statistics.add(told(0.75, 0.1), 0.5);
-  statistics.add(told(0.1, 0.3), 0.5);
+  statistics.add(margin_estimate(0.5, 0.1), 0.5);
+  statistics.add(margin_estimate(0.75, 0.1), 0.5);
+  statistics.add(margin_estimate(0.1, 0.3), 0.5);
   statistics.add(Estimate{}, 0.5);
   EXPECT_EQ(statistics.frames(), 4);
   EXPECT_DOUBLE_EQ(statistics.answered(), 0.75);
@@ -81,7 +81,7 @@ TEST(ErrorStatistics, ClaimsAreOffByMoreThanTheLimitOnTheirSide) {
   EXPECT_DOUBLE_EQ(statistics.in_state(State::stale), 0.25);
 }
 
-TEST(ErrorStatistics, NothingAnsweredIsNoErrorAtAll) {
+TEST(ErrorStatistics, WithoutAnAnswerThereIsNoError) {
   ErrorStatistics statistics;
   statistics.add(Estimate{}, 0.5);
   EXPECT_TRUE(std::isnan(statistics.mean_error()));

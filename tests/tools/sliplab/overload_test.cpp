@@ -1,4 +1,4 @@
-// Which frames come, and what is counted of those that do.
+// The frames that remain when frames are skipped, and the statistics of their estimates.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ using slipd::RandomStream;
 
 constexpr std::uint64_t kFrames = 200000;
 
-// How many of kFrames come, and the longest run of them.
+// The number of frames that remain of kFrames, and the longest run of them.
 struct Coming {
   std::uint64_t all = 0, longest_run = 0;
 };

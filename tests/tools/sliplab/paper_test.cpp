@@ -1,4 +1,4 @@
-// The parts of `sliplab paper` against plain ways to the same.
+// The parts of `sliplab paper`, compared with direct computations.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -108,7 +108,7 @@ TEST_F(Sliplab, PaperGivesTableJsonAndFigures) {
   }
 }
 
-TEST_F(Sliplab, StabilityTellsThePartsAskedForAndPlotsThem) {
+TEST_F(Sliplab, StabilityPrintsTheRequestedPartsAndPlotsThem) {
   const auto ran = run({"--json", "stability", "--parts", "model,adversary", "--contacts", "3", "--side",
                         "16", "--out", folder_ / "stability"});
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
@@ -121,7 +121,7 @@ TEST_F(Sliplab, StabilityTellsThePartsAskedForAndPlotsThem) {
   EXPECT_EQ(run({"stability", "--parts", "luck"}).exit_code, 2);
 }
 
-TEST_F(Sliplab, TradeoffTellsEverySettingAndPlotsTheFront) {
+TEST_F(Sliplab, TradeoffPrintsEverySettingAndPlotsTheFront) {
   const auto ran =
       run({"--json", "tradeoff", "--layouts", "8,wrench", "--contacts", "10", "--out", folder_ / "tradeoff"});
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
@@ -138,7 +138,7 @@ TEST_F(Sliplab, TradeoffTellsEverySettingAndPlotsTheFront) {
     EXPECT_GT(fs::file_size(folder_ / "tradeoff" / name), 500U) << name;
 }
 
-TEST_F(Sliplab, HistoriesTellsWhatWasAnsweredAndDrawsAGrasp) {
+TEST_F(Sliplab, HistoriesPrintsTheAnswersAndDrawsAGrasp) {
   const auto ran = run({"--json", "histories", "--grasps", "2", "--sides", "16", "--methods", "moments",
                         "--out", folder_ / "histories"});
   ASSERT_EQ(ran.exit_code, 0) << ran.err;

@@ -1,4 +1,5 @@
-// The adversary, the extremes and the limit that `sliplab stability` and `tradeoff` hold methods against.
+// The adversary, the extremes and the Cramér–Rao bound with which `sliplab stability` and `tradeoff` compare
+// methods.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,8 @@ TEST(Extremes, TheContactModelKeepsTwelveDigitsEverywhere) {
     for (const double place : places_on(axis)) {
       const ContactModelError worst = model_error_at(axis, place, 10, 3);
       EXPECT_LT(worst.closed_form, 1e-12) << name_of(axis) << ' ' << place;
-      // Beside the stick zone's edge q rises like a root of the distance, and that edge is a rounded number.
+      // Beside the edge of the stick zone q rises like a root of the distance, and the edge is a rounded
+      // number.
       EXPECT_LT(worst.history, 1e-3) << name_of(axis) << ' ' << place;
       EXPECT_LT(worst.single_angle, 1e-6) << name_of(axis) << ' ' << place;
     }
@@ -30,8 +32,8 @@ TEST(Extremes, TheTextbookLosesALightLoad) {
   EXPECT_GT(model_error_at(Axis::load, 1e-12, 20, 3).textbook_double, 1e-6);
 }
 
-TEST(CramerRaoBound, IsTheGuideThatAnIndependentPrototypeFound) {
-  // Five in a hundred of relative noise on 100, 32, 16 taxels along a side: 0.0008, 0.0041, 0.012.
+TEST(CramerRaoBound, AgreesWithAnIndependentPrototype) {
+  // Relative noise of 5 % on 100, 32, 16 taxels along a side: 0.0008, 0.0041, 0.012.
   slipd::Scene scene = scene_of({});
   const auto limit = [&](std::size_t side) {
     return mean_cramer_rao_bound(layout_of({.side = side}), scene, NoiseKind::relative, 0.05, 200, 5)
@@ -55,9 +57,9 @@ double sum(std::span<const float> values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-class Flaws : public ::testing::Test {
+class PerturbationTest : public ::testing::Test {
  protected:
-  // What a contact in the middle of a wide pad becomes, without noise.
+  // Perturbations of a contact in the middle of a wide pad, without noise.
   Trial trial(Perturbation perturbation, double strength) {
     return adversary_.make(perturbation, strength, scene_, 1, 4);
   }
@@ -74,7 +76,7 @@ class Flaws : public ::testing::Test {
   Adversary adversary_{layout_, NoiseKind::sensor, 0};
 };
 
-TEST_F(Flaws, NoneIsTheContactItself) {
+TEST_F(PerturbationTest, NoneIsTheContactItself) {
   const double whole = force(Perturbation::gains, 0), truth = trial(Perturbation::gains, 0).truth;
   for (std::size_t f = 0; f < kPerturbations; ++f) {
     const auto perturbation = static_cast<Perturbation>(f);
@@ -85,7 +87,7 @@ TEST_F(Flaws, NoneIsTheContactItself) {
   }
 }
 
-TEST_F(Flaws, OfSkinAndShapeLeaveTheForceAsItIs) {
+TEST_F(PerturbationTest, OfSkinAndShapeLeaveTheForceAsItIs) {
   const double whole = force(Perturbation::gains, 0);
   for (const auto& [perturbation, strength] :
        {std::pair(Perturbation::blurred, 0.5), std::pair(Perturbation::elliptic, 1.5),
@@ -93,14 +95,14 @@ TEST_F(Flaws, OfSkinAndShapeLeaveTheForceAsItIs) {
     EXPECT_NEAR(force(perturbation, strength) / whole, 1, 0.02) << name_of(perturbation);
 }
 
-TEST_F(Flaws, ARegripMakesSafeAndUnloadingToo) {
+TEST_F(PerturbationTest, ARegripAndUnloadingRaiseTheMargin) {
   const double truth = trial(Perturbation::gains, 0).truth;
   EXPECT_NEAR(1 - trial(Perturbation::regripped, 0.5).truth, (1 - truth) / 1.5, 1e-9);
   EXPECT_NEAR(1 - trial(Perturbation::unloaded, 0.25).truth, (1 - truth) * 0.75, 1e-9);
   EXPECT_NEAR(trial(Perturbation::grown, 0.5).truth, truth, 1e-9);
 }
 
-TEST_F(Flaws, DeadTaxelsReadNothingAndNoOtherDoes) {
+TEST_F(PerturbationTest, DeadTaxelsReadNothingAndNoOtherDoes) {
   const auto frame = trial(Perturbation::dead, 0.5).frame;
   const std::vector<float> dead(frame.normal_pa.begin(), frame.normal_pa.end());
   const auto whole = trial(Perturbation::dead, 0).frame;
@@ -130,11 +132,11 @@ TEST(Ordeals, AContactOfTheModelIsAnsweredRightlyAndAFlawCosts) {
     EXPECT_TRUE(statistics.answered() < 0.8 || statistics.mean_error() > 0.06);
 }
 
-// What no estimator's model knows of: its deviation is to tell. Perfect were 95 % of so many; few dead taxels
-// cost next to nothing.
+// Perturbations outside every estimator's model: sigma must include their effect. A perfect sigma would
+// cover 95 %. A few dead taxels cost next to nothing.
 TEST(Ordeals, SigmaOwnsUpToFlawsOfShapeAndSensor) {
   for (const auto& row : measure_perturbations({.side = 32, .contacts = 24}, [](double) {})) {
-    // A history seen once looks like another, and a shear that is off everywhere like a load.
+    // One frame cannot distinguish some histories, nor a constant error of shear from a load.
     if (row.what == "regripped" || row.what == "unloaded" || row.what == "grown" || row.what == "biased")
       continue;
     for (const auto& statistics : row.by_method) {
@@ -160,7 +162,7 @@ TEST(ConditionNumber, OfFittingComesNearTheLimitAndOfMomentsDoesNot) {
   }
 }
 
-TEST(Bits, MoreOfThemChangeLess) {
+TEST(Bits, MoreBitsChangeTheMarginLess) {
   const TrialSetup setup{.side = 16, .contacts = 20};
   std::vector<NamedMethod> methods = untrained_methods(setup);
   const auto rows = bits_needed(setup, methods, [](double) {});

@@ -17,7 +17,7 @@ Line line(double p50_us, double error, double answered = 1) {
   return made;
 }
 
-TEST(Front, HoldsWhatNothingElseBeatsInBothTimeAndError) {
+TEST(WorkPrecisionFront, HasTheRowsThatNoOtherBeatsInBothTimeAndError) {
   std::vector<Line> lines{line(5, 0.1), line(10, 0.02), line(12, 0.05), line(50, 0.001),
                           line(1, 0.0001, 0.2)};
   mark_front(lines);

@@ -17,7 +17,7 @@ same "classic, extended, remote and FD frames on the virtual bus" "$(cut -d' ' -
 123#R
 123##500112233445566778899AABB"
 
-# A simulated sensor speaks on the same bus once it is started: iCub's skin, two frames a triangle.
+# A simulated sensor sends on the same bus once it is started: iCub's skin, two frames a triangle.
 in_background skin.log simulated-device icub-skin --pattern --rate-hz 5 --at can:vcan0
 awaits "the skin" grep -q ready skin.log
 cansend vcan0 201#0700

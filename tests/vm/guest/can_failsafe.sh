@@ -1,5 +1,5 @@
-# Whatever happens to the sensor, the pipeline or slipd itself, whoever listens as docs/can.md says learns it with the next
-# frame, or with the first that does not come, and never takes an old margin for a new one.
+# Faults of the sensor, the pipeline or slipd itself: a listener that follows docs/can.md learns of each with the next message,
+# or with the first that is missing, and never takes an old margin for a new one.
 source /source/tests/vm/guest/check.sh
 
 modprobe vcan
@@ -26,7 +26,7 @@ ends() {
   # SLIP_ESTIMATE_0: Gamma in the first two bytes, State in the low half of the fifth.
   refused "no frame has a margin but in state ok" eval 'grep -E "5A0#.{9}[^0]" frames.log | grep -v "5A0#FFFF"'
 }
-# A period that an emulated processor can keep three of.
+# A period that slipd can keep on an emulated processor.
 period=50
 in_background c.log slip-listen vcan0 5A0 $period
 in_background python.log python3 /build/test-bin/slip-listen.py vcan0 5A0 $period
@@ -35,7 +35,7 @@ state() { tail -n 1 frames.log | grep -qE "5A0#.{9}$1"; }
 mark() { c=$(wc -l <c.log) python=$(wc -l <python.log); }
 since() { tail -n +$((c + 1)) c.log | grep -q "$1" && tail -n +$((python + 1)) python.log | grep -q "$1"; }
 believe() { tail -n 1 c.log | grep -q "$1" && tail -n 1 python.log | grep -q "$1"; }
-# Both listeners learn it, and believe nothing as long as it lasts: some lines later they have said nothing else.
+# Both listeners report no margin, and report nothing else while the fault lasts.
 doubt() {
   awaits "$1: the listeners know" believe "no margin"
   mark
@@ -55,7 +55,7 @@ wait "$daemon" || true
 
 serve ', "behaviour": "nonsense"'
 trust "a margin"
-awaits "frames that fit no contact are told as that" state 3
+awaits "frames that fit no contact have state out_of_model" state 3
 doubt "frames that fit no contact"
 ends
 

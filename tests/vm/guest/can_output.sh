@@ -1,4 +1,4 @@
-# slipd speaks on CAN: what is on the wire is what the socket says, and no illness of the bus stops or hides it.
+# slipd's CAN output: messages on the bus agree with the socket, and no fault of the bus stops slipd or hides an estimate.
 source /source/tests/vm/guest/check.sh
 
 socket=/run/slipd-test.sock
@@ -23,7 +23,7 @@ status() { slipctl --socket $socket --json status; }
 bus_is() { status | grep -q "\"can\":{[^}]*\"state\":\"$1\""; }
 figure() { status | grep -o "\"can\":{[^}]*}" | grep -o "\"$1\":[0-9]*" | cut -d: -f2; }
 
-# says_the_same WHAT LOG: the frames in LOG against the socket, by the DBC of the running configuration. Ends slipd.
+# says_the_same WHAT LOG: compares the messages in LOG with the socket by the DBC of the running configuration. Ends slipd.
 says_the_same() {
   in_background estimates.log slipctl --socket $socket --json watch --rate 1000
   local watcher=$background
@@ -39,14 +39,14 @@ modprobe vcan
 ip link add vcan0 mtu 72 type vcan
 ip link set vcan0 up
 
-# Without leave, nothing of a simulated sensor but the heartbeat.
+# Without allow_simulated, a simulated sensor sends the heartbeat only.
 captures vcan0 withheld.log
 serve '{ "interface": "vcan0" }'
 awaits "two heartbeats" eval 'test "$(grep -c 5DF# withheld.log)" -ge 2'
 same "and nothing else" "$(grep -vc 5DF# withheld.log)" 0
 status | grep -q '"withheld":\["sensor left"\]' || fail "the status does not say so: $(status)"
 ends
-awaits "its last word" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}01"'
+awaits "its last heartbeat" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}01"'
 
 captures vcan0 vcan.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
@@ -62,52 +62,52 @@ captures can1 wire.log
 serve '{ "interface": "can0", "allow_simulated": true }'
 says_the_same "and frames over a wire between two controllers" wire.log
 
-# A bus that is ill. Each time: told in the status, and over without a restart, with the newest value.
+# Faults of the bus. Each is shown in the status, and ends without a restart, with the newest value.
 captures vcan0 faults.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
 frames() { grep -c 5A0# faults.log || true; }
 sequence() { slipctl --socket $socket --json gamma | grep -o '"seq":[0-9]*' | head -n 1 | cut -d: -f2; }
-# While it is ill, call ails; then speaks checks that the first frame after is no older than what was estimated by then.
-ails() { told=$(sequence) before=$(frames); }
-speaks() {
+# fault_begins: call it during the fault. sends_again WHAT: the first message after the fault is not older than the newest estimate then.
+fault_begins() { newest=$(sequence) before=$(frames); }
+sends_again() {
   awaits "$1" eval '(( $(frames) > before ))'
   local data
   data=$(grep 5A0# faults.log | sed -n "$((before + 1))p" | cut -d'#' -f2)
-  (( (0x${data:13:1}${data:10:2} - told + 4096 * 1000000) % 4096 < 2048 )) || fail "$1: $data is older than $told"
+  (( (0x${data:13:1}${data:10:2} - newest + 4096 * 1000000) % 4096 < 2048 )) || fail "$1: $data is older than $newest"
 }
 metric() { slipctl --socket $socket metrics | grep "^slipd_can_$1"; }
-before=0 told=0
-speaks "it speaks"
+before=0 newest=0
+sends_again "messages"
 printf '\1' | dd of=$counts conv=notrunc bs=1 status=none  # from here on allocations count
 tc qdisc replace dev vcan0 root pfifo limit 0  # no room for any frame
 awaits "a full queue is counted" eval 'test "$(figure queue_full)" -ge 20'
-ails
+fault_begins
 tc qdisc del dev vcan0 root
-speaks "it speaks once there is room"
+sends_again "messages once there is room"
 cansend vcan0 20000004#0010000000000000
-awaits "error-passive is told" bus_is error_passive
+awaits "error-passive is reported" bus_is error_passive
 cansend vcan0 20000040#0000000000000000
-awaits "bus-off is told" bus_is bus_off
+awaits "bus-off is reported" bus_is bus_off
 cansend vcan0 20000100#0000000000000000
-awaits "the controller's restart is told" bus_is up
+awaits "the controller's restart is reported" bus_is up
 ip link set vcan0 down
-awaits "an interface that is down is told" bus_is down
+awaits "an interface that is down is reported" bus_is down
 captures_anew() {
   ip link set vcan0 up
   captures vcan0 faults.log  # candump ends with its interface
   before=0
 }
-ails
+fault_begins
 captures_anew
 awaits "it comes back" bus_is up
-speaks "and speaks"
+sends_again "and messages with it"
 ip link del vcan0
-awaits "an interface that is gone is told" bus_is absent
+awaits "an interface that is gone is reported" bus_is absent
 ip link add vcan0 type vcan
-ails
+fault_begins
 captures_anew
 awaits "a new one is found" bus_is up
-speaks "and spoken to"
+sends_again "and used"
 same "the metrics count the bus-off" "$(metric bus_offs_total)" "slipd_can_bus_offs_total 1"
 metric queue_full_total | grep -q ' [1-9]' || fail "the metrics do not count the full queue: $(metric '')"
 estimated=$(status | grep -o '"estimated":[0-9]*' | cut -d: -f2)

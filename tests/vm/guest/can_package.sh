@@ -1,4 +1,4 @@
-# A sensor on a CAN bus, read by the packaged driver within what its drop-in allows the hardened service, and no further.
+# A sensor on a CAN bus, read by the packaged driver within the limits of its drop-in for the hardened service.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 can_up can0 can1

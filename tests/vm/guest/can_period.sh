@@ -1,5 +1,5 @@
-# In a guest whose time is that of its own processor, whatever the host does, SLIP_ESTIMATE comes in every period, within a tenth
-# of one.
+# In a guest whose time is that of its own processor, independent of the host, SLIP_ESTIMATE comes in every period, within a
+# tenth of it.
 source /source/tests/vm/guest/check.sh
 
 modprobe vcan
@@ -20,7 +20,7 @@ kill "$daemon"
 wait "$daemon" || fail "it does not end well: $(cat slipd.log)"
 cat slipd.log
 
-# candump's times are the kernel's, at which a frame went out.
+# candump prints the kernel's times, at which each message was sent.
 grep 5A0# frames.log | head -n -1 | tr -d '()' | awk -v from="$from" '
   NR > from + 1 { gap = 1000 * ($1 - last); if (least == "" || gap < least) least = gap; if (gap > most) most = gap
                   if (gap < 9 || gap > 11) { print "gap of " gap " ms before " $0; ++off } ++gaps }

@@ -8,7 +8,8 @@ fail() {
 }
 skip() { echo "skipped: $*"; exit 77; }
 
-# awaits WHAT COMMAND…: until it succeeds, at most 300 s, or patience=SECONDS: only what hangs takes so long. Nothing is slept for that can be awaited.
+# awaits WHAT COMMAND…: repeats the command until it succeeds, at most 300 s, or patience=SECONDS. Only a command that hangs
+# takes as long. Tests await events and do not sleep.
 awaits() {
   local what=$1 end=$((SECONDS + ${patience:-300}))
   shift
@@ -41,8 +42,8 @@ in_background() {
   background=$!
 }
 
-# can_up NAME…: controllers at 1 Mbit/s, the rate of the sensors, with a queue for several scans of 16 frames: the default,
-# 10 frames, loses some that a sensor on the bus would have sent.
+# can_up NAME…: controllers at 1 Mbit/s, the rate of the sensors, with a queue for several scans of 16 frames. The default of 10
+# frames would lose some that a sensor on a real bus sends.
 can_up() {
   local name
   modprobe kvaser_pci
@@ -58,7 +59,7 @@ captures() {
   awaits "candump on $1" grep -q "^ *$1 " /proc/net/can/rcvlist_all
 }
 
-# order SOCKET WORDS…: what a simulated device shall do.
+# order SOCKET WORDS…: sends an order to a simulated device.
 order() {
   local socket=$1
   shift

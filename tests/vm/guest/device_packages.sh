@@ -1,5 +1,5 @@
-# A sensor on USB and one on HID, read by the packaged drivers within what their drop-ins and udev rules allow the hardened
-# service, and no further; unplugged and plugged in again, too, since libusb hears of that over netlink.
+# A sensor on USB and one on HID, read by the packaged drivers within the limits of their drop-ins and udev rules; both
+# unplugged and plugged in again, of which libusb is notified over netlink.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 modprobe vhci-hcd
@@ -22,7 +22,7 @@ JSON
 refused "without their packages there are no such drivers" systemctl reload slipd
 why | grep -q 'slipd-driver-usb' || fail "the log does not say what to install: $(why)"
 installs slipd-driver-usb slipd-driver-hid
-# Both were plugged in before the rules came.
+# Both were plugged in before the rules were installed.
 awaits "the USB device is slipd's group's" eval 'stat -c %G /dev/bus/usb/*/* | grep -q "^slipd$"'
 awaits "of the HID devices the one with a profile is" eval '[[ $(hid_groups) == "root slipd" ]]'
 systemctl restart slipd || fail "with their packages it does not start: $(why)"

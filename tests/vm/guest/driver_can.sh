@@ -22,7 +22,7 @@ awaits "a margin" is pad state ok
 awaits "the load that is held" near pad shear_n 0.9 0.01
 awaits "the margin, as the truth has it" near pad gamma 0.4 0.03
 echo "truth: $(tail -n 1 truth.jsonl)"
-echo "told: gamma $(of pad gamma), sigma $(of pad sigma), normal $(of pad normal_n) N, shear $(of pad shear_n) N"
+echo "measured: gamma $(of pad gamma), sigma $(of pad sigma), normal $(of pad normal_n) N, shear $(of pad shear_n) N"
 awaits "the force that presses" near pad normal_n 3 0.05
 same "a real sensor is not called simulated" "$(of pad simulated)" false
 awaits "pressure alone tells no margin" is skin state no_shear
@@ -48,4 +48,4 @@ order /tmp/pad garbage 5
 awaits "what is lost or garbled is counted" eval 'echo "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"status\"}" | socat -t 5 - UNIX-CONNECT:/tmp/slipd.sock | grep -q "\"corrupt\":[1-9]"'
 awaits "and the rest is as before" near pad gamma 0.4 0.03
 kill "$background"
-awaits "it ends when told to" eval '! kill -0 $background'
+awaits "it ends on SIGTERM" eval '! kill -0 $background'

@@ -1,5 +1,5 @@
 # slipd with its USB driver and a simulated hub served over USB/IP, a serial port to the kernel: the margin of both of its
-# sensors on the socket against the truth, a stall, the cable pulled and put in again, packets lost and garbled on the way.
+# sensors on the socket against the truth, a stall, unplugging, packets lost and damaged.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/margin.sh
 
@@ -26,7 +26,7 @@ for sensor in left right; do
   awaits "the margin, as the truth has it" near $sensor gamma 0.4 0.03
 done
 echo "truth: $(tail -n 1 truth.jsonl)"
-echo "told: gamma $(of left gamma), sigma $(of left sigma), normal $(of left normal_n) N, shear $(of left shear_n) N"
+echo "measured: gamma $(of left gamma), sigma $(of left sigma), normal $(of left normal_n) N, shear $(of left shear_n) N"
 refused "its interface is taken from the kernel's driver" test -e /dev/ttyACM0
 
 figures left
@@ -46,5 +46,5 @@ for what in lose garbage shorten lengthen repeat; do order /tmp/hub $what 3; don
 awaits "what is lost is counted" eval 'echo "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"status\"}" | socat -t 5 - UNIX-CONNECT:/tmp/slipd.sock | grep -q "\"corrupt\":[1-9]"'
 awaits "and the rest is as before" near left gamma 0.4 0.03
 kill "$background"
-awaits "it ends when told to" eval '! kill -0 $background'
+awaits "it ends on SIGTERM" eval '! kill -0 $background'
 awaits "the kernel has its serial port again" test -e /dev/ttyACM0

@@ -1,6 +1,5 @@
-# What only a kernel of one's own can do to slipd: the clock set back and forth, disks that are full or read-only, for recordings
-# and for models, HID and
-# USB devices unplugged and plugged in again REPLUGS times (unless said, a few; tools/faults: 200). One boot for all.
+# Faults that need a kernel of the test's own: the clock set back and forth, disks that are full or read-only (for recordings
+# and for models), HID and USB devices unplugged REPLUGS times (a few by default, 200 in tools/faults). One boot for all.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/margin.sh
 replugs=${REPLUGS:-2}
@@ -16,7 +15,7 @@ more_frames() {  # WHAT: the simulated sensor goes on
 }
 recorder() { slipctl --socket /tmp/slipd.sock --json status | grep -o "\"recorder\":{[^}]*}" | grep -o "\"$1\":[0-9]*" | cut -d: -f2; }
 recorder_is() { (( $(recorder "$1") >= $2 )); }
-# One connection for what is asked again and again: programs started for each question would take most of the time.
+# One connection for repeated requests: starting a program for each of them would take most of the time.
 connect() { coproc wire { exec socat - UNIX-CONNECT:/tmp/slipd.sock; }; }
 is_connected() {  # SENSOR true|false
   echo '{"jsonrpc":"2.0","id":1,"method":"sensors"}' >&"${wire[1]}"
@@ -66,25 +65,25 @@ done
 awaits "no descriptor more than the $open before" eval "(( \$(descriptors) <= open ))"
 echo "figures: HID and USB replugged $replugs times each in $((SECONDS - began)) s"
 
-# The clock, back and forth. Nothing may become stale by it, and what is told has the new time.
+# The clock, back and forth. No estimate may become stale by it, and each has the new time.
 right=$(date +%s)
 in_background states.log slipctl --socket /tmp/slipd.sock --json watch steady
 for days in -1 +400 -4000 +3 0; do
   date -s "@$((right + days * 86400))" >/dev/null
   more_frames "frames go on with the clock $days days off"
-  told=$(of steady time_ns)
-  (( told / 1000000000 - right - days * 86400 < 300 )) || fail "the time told is not the clock's"
-  (( right + days * 86400 - told / 1000000000 < 300 )) || fail "the time told is not the clock's"
+  reported=$(of steady time_ns)
+  (( reported / 1000000000 - right - days * 86400 < 300 )) || fail "the time reported is not the clock's"
+  (( right + days * 86400 - reported / 1000000000 < 300 )) || fail "the time reported is not the clock's"
 done
 kill "$background" || echo "note: the watcher gave up before: this machine is very slow"
 refused "no estimate was stale meanwhile" grep -q '"state":"\(stale\|fault\)"' states.log
-# A recording that is written when the clock is back by a day is not the first to go.
+# A recording that is written while the clock is a day behind is not the first to be removed.
 date -s "@$((right - 86400))" >/dev/null
 slipctl --socket /tmp/slipd.sock flight steady >/dev/null
 awaits "a recording with the clock a day back" recorder_is kept 1
 date -s "@$right" >/dev/null
 
-# A stop with a driver that hangs, during which the clock goes back by an hour: in time nevertheless.
+# A stop with a driver that hangs, while the clock goes back by an hour: it still ends in time.
 cat >hang.json <<'END'
 { "sensors": [ { "name": "ill", "driver": "trial", "options": { "behaviour": "hang_in_read" } } ],
   "estimator": { "method": "moments" }, "realtime": { "mode": "off" }, "socket": { "path": "/tmp/hang.sock" } }
@@ -117,9 +116,9 @@ awaits "with room again, recordings are kept" recorder_is kept $((kept + 1))
 same "what is there is whole, without leftovers" "$(find $STATE_DIRECTORY -name '*.part' -o -name '*.new-*')" ""
 
 kill "$slipd"
-awaits "it ends when told to" eval '! kill -0 $slipd'
+awaits "it ends on SIGTERM" eval '! kill -0 $slipd'
 
-# A model on a disk that is full, that is read-only, and that has room again: used each time, kept the last.
+# A model on a disk that is full, then read-only, then has room again: it is used each time, and kept the last time.
 mkdir /run/models
 mount -t tmpfs -o size=4m tmpfs /run/models
 cat >model.json <<'END'

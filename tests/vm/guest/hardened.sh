@@ -1,5 +1,4 @@
-# What slipd does besides answering, done by the hardened service: it trains a model as a child, keeps recordings that its group may
-# read, and plays them.
+# The hardened service beyond requests: it trains a model as a child, keeps recordings that its group may read, and plays them.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 installs slipd
@@ -10,7 +9,7 @@ answers() { serves | grep -q "\"state\":\"\($1\)\""; }
 echo "{ \"sensors\": [ { $sensor, \"driver\": \"sim\" } ], \"estimator\": { \"method\": \"moments\" }, \"recorder\": { \"seconds\": 1 } }" >$config
 systemctl reload slipd || fail "a good configuration is refused: $(why)"
 awaits "frames are estimated" answers 'ok\|no_contact'
-# The simulated contact slips again and again: a recording may be under way, and no second one is made then.
+# The simulated contact slips again and again. No second recording starts while one is running.
 recordings=/var/lib/slipd/recordings
 as alice slipctl flight left
 awaits "the flight recorder has kept a recording" eval "ls $recordings/left-*.rec"

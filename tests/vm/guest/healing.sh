@@ -1,4 +1,5 @@
-# The service heals: killed, stopped, badly configured; and takes up a good configuration without losing its clients.
+# The service recovers after a kill, a stop and a bad configuration, and takes up a good configuration without losing its
+# clients.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 installs slipd
@@ -12,7 +13,7 @@ restarts=$(property NRestarts)
 kill -STOP "$(property MainPID)"
 awaits "standing still, it is restarted and serves" restarted
 
-# A client that stays through a reload: its line comes and goes on after it.
+# A client that stays connected during a reload; its stream goes on.
 cat >$config <<'JSON'
 { "sensors": [ { "name": "left", "driver": "sim", "rate_hz": 50, "stale_after_ms": 2000, "layout": { "grid": [8, 8], "pitch_mm": 1.8 } } ],
   "estimator": { "method": "moments" } }
@@ -26,7 +27,7 @@ sed -i 's/"left"/"right"/' $config
 systemctl reload slipd || fail "a good configuration is refused: $(why)"
 awaits "the new sensor is there" eval 'serves | grep -q "\"sensor\":\"right\""'
 same "in the same process" "$(property MainPID)" "$pid"
-awaits "the client is told of it" grep -q '"sensor":"right"' watched
+awaits "the client gets estimates of the new sensor" grep -q '"sensor":"right"' watched
 kill -0 "$watcher" || fail "the client is gone: $(cat watched)"
 kill "$watcher"
 

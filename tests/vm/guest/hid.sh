@@ -1,4 +1,4 @@
-# A device made through /dev/uhid is a HID device to hidapi, and goes when it is unplugged.
+# hidapi sees a device made through /dev/uhid, until it is unplugged.
 source /source/tests/vm/guest/check.sh
 
 modprobe uhid

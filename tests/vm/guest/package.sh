@@ -1,5 +1,5 @@
-# The life of the packages, by apt as an administrator would: an older version is installed and serves its group and nobody else;
-# its configuration is edited; the packages as built replace it and its drivers and keep that; purged, nothing is left.
+# The life of the packages, with apt: an older version is installed and serves its group only; its configuration is edited; the
+# built packages replace it and its drivers and keep the edited file; after a purge nothing is left.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 
@@ -35,14 +35,14 @@ same "it is not root" "$(stat -c %U "/proc/$(property MainPID)")" slipd
 same "no capabilities" "$(grep CapEff "/proc/$(property MainPID)/status" | cut -f2)" 0000000000000000
 refused "there are no errors in its log" eval 'journalctl -u slipd -p err --no-pager -q | grep .'
 
-# Reinstalled with nobody to ask, an edited file stays without a question.
+# Reinstalled without a terminal, the edited file stays, without a question.
 echo '// mine' >>$config
 by_apt install --reinstall /run/older/slipd_0.0.9.deb
 same "an edited configuration stays" "$(tail -n 1 $config)" "// mine"
 by_apt install /run/older/slipd-driver-modbus_0.0.9.deb
 
-# The upgrade, of the daemon and its drivers in one go. Its default configuration is another one: the edited one stays, theirs
-# is put beside it.
+# The upgrade of the daemon with its drivers. It brings another default configuration: the edited file stays, and the new
+# default is put beside it.
 before=$(property MainPID)
 by_apt install -o Dpkg::Options::=--force-confold "$packages"/slipd_*.deb "$packages"/slipd-driver-modbus_*.deb
 same "the daemon is the one built" "$(version slipd)" "$built"

@@ -1,4 +1,5 @@
-# The same packages get real time where they are allowed to: FIFO threads, locked memory. Without slipd-realtime, enforce refuses.
+# The packages get real time where slipd-realtime allows it: FIFO threads, locked memory. Without slipd-realtime, `enforce`
+# refuses to start.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
 [[ -z ${RT-} ]] || grep -q PREEMPT_RT /proc/version || fail "this is no PREEMPT_RT kernel: $(cat /proc/version)"

@@ -1,5 +1,5 @@
-# A USB device opened and closed two hundred times by libusb, the kernel's own driver let go and taken back each time, leaks
-# nothing.
+# A USB device is opened and closed two hundred times by libusb, which detaches and reattaches the kernel's driver each time.
+# Nothing leaks.
 source /source/tests/vm/guest/check.sh
 modprobe vhci-hcd
 in_background hub.log simulated-device papillarray --at usbip:3240 --serial USB42 --rate-hz 100

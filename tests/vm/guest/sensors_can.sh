@@ -1,4 +1,4 @@
-# A simulated CAN sensor is started over a real controller, sends its frames over the wire, and misbehaves when told to.
+# A simulated CAN sensor is started over a real controller, sends its frames over the bus, and misbehaves on order.
 source /source/tests/vm/guest/check.sh
 
 can_up can0 can1
@@ -17,7 +17,7 @@ awaits "the order is carried out" grep -q '"order":"lose 3"' truth.jsonl
 without_taxel_8() { grep -A 1 717# wire.log | grep -c 719#; }
 awaits "three scans lack taxel 8" eval 'test "$(without_taxel_8)" = 3'
 
-# What it sent before it was unplugged may still be queued; a marker from the same controller comes after all of it.
+# Frames sent before it was unplugged may still be queued; a marker from the same controller comes after all of them.
 order /tmp/device unplug
 awaits "it is unplugged" grep -q unplug truth.jsonl
 cansend can0 001#01

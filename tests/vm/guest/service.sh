@@ -1,5 +1,5 @@
-# What the service scripts share: the packages, who may ask, and asking.
-PATH=${PATH#/build/bin:/build/test-bin:}  # the installed programs, not the built ones
+# Shared by the tests of the service: the packages, a user in the group, and requests.
+PATH=${PATH#/build/bin:/build/test-bin:}  # the installed programs, not those of the build tree
 packages=/source/build/packages
 config=/etc/slipd/slipd.json
 

@@ -1,8 +1,8 @@
-# slipd under the real systemd: started when it says so, restarted when its watchdog starves, stopped in time.
+# slipd under the real systemd: ready when it says so, restarted by the watchdog, stopped in time.
 source /source/tests/vm/guest/check.sh
 same "PID 1" "$(cat /proc/1/comm)" systemd
 
-# What the build made finds its libraries here, so that no test fails for want of one.
+# Libraries of the built programs, so that no test fails because one is missing.
 for file in /build/bin/* /build/drivers/*.so /build/test-bin/simulated-device; do
   [[ -f $file ]] || continue
   missing=$(ldd "$file" 2>/dev/null | grep 'not found' | xargs) || true
@@ -10,7 +10,7 @@ for file in /build/bin/* /build/drivers/*.so /build/test-bin/simulated-device; d
   echo "ok: $file"
 done
 
-# A copy, because slipd trusts driver modules of root only, and the build tree may be anybody's.
+# A copy, because slipd trusts driver modules of root only, and the build tree may belong to another user.
 install -D -t /opt/slipd/bin /build/bin/slipd
 install -D -t /opt/slipd/drivers /build/drivers/slipd-driver-sim.so
 
@@ -34,7 +34,7 @@ systemctl daemon-reload
 systemctl start slipd.service || fail "it does not start: $(journalctl -u slipd.service --no-pager)"
 
 ask() { echo "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"$1\"}" | socat -t 5 - UNIX-CONNECT:/run/slipd/slipd.sock; }
-# Readiness means that the socket answers: no waiting here.
+# Readiness means that the socket answers, so nothing is awaited here.
 ask version | grep -q '"name":"slipd"' || fail "the socket does not answer although it is ready: $(ask version)"
 echo "ok: it answers as soon as systemctl start returns"
 awaits "an estimate" eval 'ask gamma | grep -q "\"state\":\"\(ok\|no_contact\)\""'
@@ -45,4 +45,4 @@ awaits "the watchdog restarts it when it stands still" eval 'test "$(systemctl s
 awaits "it serves again" eval 'ask version | grep -q slipd'
 
 systemctl stop slipd.service
-same "it ends cleanly when told to" "$(systemctl show -P Result slipd.service) $(systemctl show -P ExecMainStatus slipd.service)" "success 0"
+same "it ends cleanly on a stop" "$(systemctl show -P Result slipd.service) $(systemctl show -P ExecMainStatus slipd.service)" "success 0"

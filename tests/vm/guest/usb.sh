@@ -1,4 +1,4 @@
-# USB devices served over USB/IP are the machine's own to libusb: vendor class, and serial ports that a driver takes over.
+# libusb sees USB devices served over USB/IP like any others: vendor class, and serial ports that a driver takes over.
 source /source/tests/vm/guest/check.sh
 modprobe vhci-hcd
 

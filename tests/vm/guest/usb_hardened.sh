@@ -1,6 +1,6 @@
-# A USB sensor read by the hardened service with the drop-in and the udev rules that its package brings, and no more than they
-# allow: found, taken from the kernel's driver, unplugged, and found again, which libusb hears of over netlink. The programs are
-# those just built; how they are packaged, the tests of packages see.
+# A USB sensor read by the hardened service with the drop-in and the udev rules of its package, and no further rights: found,
+# detached from the kernel's driver, unplugged, and found again, of which libusb is notified over netlink. The programs are
+# those of the build tree; the tests of packages use packaged ones.
 source /source/tests/vm/guest/check.sh
 modprobe vhci-hcd
 systemd-sysusers /source/systemd/sysusers/slipd.conf

@@ -1,6 +1,6 @@
-// can-check DBC CANDUMP ESTIMATES: whether what candump -L saw of slipd decodes, by the DBC, to what the
-// socket said of the same frames (one JSON estimate a line). Prints what was compared; exit 1 names the first
-// frame that is not right.
+// can-check DBC CANDUMP ESTIMATES: decodes the messages in a log of candump -L by the DBC and compares them
+// with the socket's estimates of the same frames (one JSON estimate a line). Prints what was compared. Exits
+// with 1 and the first message that differs.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -30,7 +30,7 @@ struct Frame {
   std::string line;
 };
 
-// The standard's own words, bit by bit: not the table that slipd has.
+// CRC-8 bit by bit, as the standard defines it, independent of slipd's table.
 std::uint8_t crc_by_definition(const Frame& frame) {
   unsigned crc = 0xFF;
   const auto byte = [&](unsigned value) {
@@ -69,12 +69,12 @@ std::vector<Frame> frames_of(const char* file) {
   return frames;
 }
 
-// Within one count; a value beyond the signal's range is cut to it.
+// Equal within one count. A value beyond the signal's range saturates.
 bool same_number(const DbcMessage& message, const char* signal, const Frame& frame, const json& value) {
   const auto& defined = message.signals.at(signal);
   if (value.is_null()) return defined.raw(frame.data) == 0xFFFF;
-  const double told = std::min(value.get<double>(), 0xFFFE * defined.scale);
-  return std::abs(defined.physical(frame.data) - told) <= defined.scale;
+  const double expected = std::min(value.get<double>(), 0xFFFE * defined.scale);
+  return std::abs(defined.physical(frame.data) - expected) <= defined.scale;
 }
 
 bool same_word(const DbcMessage& message, const char* signal, const Frame& frame, const json& word) {
@@ -95,10 +95,10 @@ bool same(const DbcMessage& message, const Frame& frame, const json& estimate) {
          same_number(message, "Friction", frame, estimate.at("friction"));
 }
 
-// What the socket said, by the low bits of seq.
-class Told {
+// The socket's estimates by the low bits of seq, which are those that CAN carries.
+class SocketEstimates {
  public:
-  explicit Told(const char* file) {
+  explicit SocketEstimates(const char* file) {
     std::ifstream lines(file);
     for (std::string line; std::getline(lines, line);) {
       const json estimate = json::parse(line, nullptr, false);
@@ -107,7 +107,8 @@ class Told {
     }
   }
 
-  // Whether the frame says what one of first … last does, round the turn; nothing where the socket lacks one.
+  // Whether the message agrees with an estimate between first and last, both modulo kTurn. Nothing: the
+  // socket lacks one.
   std::optional<bool> agrees(const DbcMessage& message, const Frame& frame, std::uint64_t first,
                              std::uint64_t last) const {
     bool agreed = false;
@@ -127,10 +128,10 @@ class Told {
 
 int check(char** files) {
   const auto messages = slipd::testing::read_dbc(text_of(files[1]));
-  const Told told(files[3]);
-  std::size_t compared = 0, alerts = 0, untold = 0, silent = 0;
+  const SocketEstimates estimates(files[3]);
+  std::size_t compared = 0, alerts = 0, unmatched = 0, stale_frames = 0;
   std::uint64_t sequence = 0;
-  std::optional<Frame> alert;  // the last one since the estimate before
+  std::optional<Frame> alert;  // the last alert since the previous estimate
   std::map<std::string, std::size_t> seen;
   std::map<std::string, std::uint64_t> counters;
   std::vector<double> times_s;
@@ -152,25 +153,25 @@ int check(char** files) {
     times_s.push_back(frame.time_s);
     const std::uint64_t before = std::exchange(sequence, message.signals.at("Sequence").raw(frame.data));
     if (alert && times_s.size() > 1) {
-      const auto agreed = told.agrees(messages.at(alert->id), *alert, before, sequence);
+      const auto agreed = estimates.agrees(messages.at(alert->id), *alert, before, sequence);
       if (agreed && !*agreed) throw std::runtime_error("alert and socket differ: " + alert->line);
       if (agreed) ++alerts;
     }
     alert.reset();
     const bool stale = message.signals.at("State").raw(frame.data) == 6;
     if (stale && message.signals.at("Gamma").raw(frame.data) == 0xFFFF) {
-      ++silent;
+      ++stale_frames;
       continue;
     }
-    const auto agreed = told.agrees(message, frame, sequence, sequence);
+    const auto agreed = estimates.agrees(message, frame, sequence, sequence);
     if (agreed && !*agreed) throw std::runtime_error("CAN and socket differ: " + frame.line);
-    ++(agreed ? compared : untold);
+    ++(agreed ? compared : unmatched);
   }
   std::vector<double> gaps_ms;
   for (std::size_t i = 1; i < times_s.size(); ++i) gaps_ms.push_back((times_s[i] - times_s[i - 1]) * 1e3);
   std::sort(gaps_ms.begin(), gaps_ms.end());
-  std::cout << "compared " << compared << ", alerts " << alerts << ", stale " << silent
-            << ", of frames before and after " << untold;
+  std::cout << "compared " << compared << ", alerts " << alerts << ", stale " << stale_frames
+            << ", of frames before and after " << unmatched;
   for (const auto& [name, count] : seen) std::cout << ", " << name << ' ' << count;
   if (!gaps_ms.empty())
     std::cout << ", period p50 " << gaps_ms[gaps_ms.size() / 2] << " ms, p99 "

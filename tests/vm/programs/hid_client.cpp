@@ -1,6 +1,6 @@
 // hid-client VENDOR PRODUCT COUNT: opens the HID device as driver hid does, by hidapi's hidraw backend,
-// writes COUNT reports to stdout in hexadecimal, then reads on until the device is gone. Exits with 0 when it
-// has seen both.
+// writes COUNT reports to stdout in hexadecimal, then reads until the device is gone. Exits with 0 when both
+// have happened.
 #include <hidapi/hidapi.h>
 
 #include <cstdio>

@@ -1,6 +1,6 @@
-// reopen MODULE SETUP TIMES: loads a driver's module as slipd does, and opens and closes its device so often,
-// twice. SETUP is JSON: {"profile", "device", "options"}. Exits with 0 if frames came at the first and at the
-// last opening, and neither descriptors nor memory have leaked between.
+// reopen MODULE SETUP TIMES: loads a driver's module as slipd does, and opens and closes its device TIMES
+// times, twice. SETUP is JSON: {"profile", "device", "options"}. Exits with 0 if the first and the last
+// opening gave frames and neither descriptors nor memory leaked between.
 #include <dlfcn.h>
 #include <malloc.h>
 
@@ -16,8 +16,8 @@ namespace {
 
 using namespace slipd;
 
-constexpr int kReads = 500;          // of 20 ms, for a first frame
-constexpr std::size_t kLeaked = 24;  // bytes an opening: less than a leak of the smallest kind
+constexpr int kReads = 500;          // reads of 20 ms to wait for a first frame
+constexpr std::size_t kLeaked = 24;  // bytes an opening: less than a leak of the smallest object
 
 std::ptrdiff_t descriptors() {
   namespace fs = std::filesystem;
@@ -67,8 +67,8 @@ int main(int argc, char** argv) try {
 
   const auto times = std::stoul(argv[3]);
   bool well = device.gives_frames();
-  // What libusb's and libudev's threads keep for the next grows at first, also without any device; then no
-  // more.
+  // The threads of libusb and libudev allocate memory during the first openings, even without a device, and
+  // keep it.
   for (unsigned long i = 0; i < times; ++i) device.cycle();
   const std::ptrdiff_t open_before = descriptors();
   const std::size_t bytes_before = ::mallinfo2().uordblks;

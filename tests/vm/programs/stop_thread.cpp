@@ -1,5 +1,5 @@
-// stop-thread PID NAME: stops that one thread of a process, as a signal cannot, and says "stopped". The
-// thread goes on when this program is killed: the kernel lets go what a tracer had stopped.
+// stop-thread PID NAME: stops one thread of a process, which a signal cannot do, and prints "stopped". The
+// thread goes on when this program is killed: the kernel then releases what the tracer stopped.
 #include <sys/ptrace.h>
 #include <sys/wait.h>
 #include <unistd.h>

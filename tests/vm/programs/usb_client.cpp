@@ -1,8 +1,8 @@
-// usb-client VENDOR PRODUCT INTERFACE COUNT [SETUP DATA]: opens the USB device as driver usb does, by libusb,
-// takes the interface from the kernel's driver if it must, starts the device, writes COUNT bulk transfers
-// from endpoint 0x81 to stdout in hexadecimal, then reads on until the device is gone. Exits with 0 when it
-// has seen both. The start is `control REQUEST VALUE` (a vendor request with a byte to the host) or `bulk
-// HEX` (to endpoint 0x01).
+// usb-client VENDOR PRODUCT INTERFACE COUNT [SETUP DATA]: opens the USB device as driver usb does, by
+// libusb, detaches the kernel's driver if there is one, starts the device, writes COUNT bulk transfers from
+// endpoint 0x81 to stdout in hexadecimal, then reads until the device is gone. Exits with 0 when both have
+// happened. The start is `control REQUEST VALUE` (a vendor request with a byte to the host) or `bulk HEX`
+// (to endpoint 0x01).
 #include <libusb-1.0/libusb.h>
 
 #include <cstdio>

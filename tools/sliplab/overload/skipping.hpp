@@ -1,5 +1,5 @@
-// Which frames of a sensor an estimator gets that cannot keep up with it: every k-th, or k times fewer at
-// random. A pure function of the seed.
+// Chooses the frames that an overloaded estimator gets: every k-th frame, or one in k at random. A pure
+// function of the seed.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ namespace sliplab {
 enum class Skipping : std::uint8_t {
   regular,  // every k-th frame comes
   random,   // each frame comes with a probability of 1/k: the gaps' lengths are geometric
-  bursts    // runs of frames that all come, 20 frames long on average, and silences k - 1 times as long, both
-            // geometric: what a scheduler does that gives the processor to somebody else for a while
+  bursts    // runs of frames that all come, 20 frames long on average, and gaps k - 1 times as long, both
+            // geometric: the effect of a scheduler that gives the processor to another process for a while
 };
 inline constexpr std::size_t kSkippings = 3;
 std::string_view name_of(Skipping skipping) noexcept;

@@ -37,7 +37,7 @@ contact::LoadHistory loaded(const Scene& scene, const ContactDraw& draw, double 
   return contact;
 }
 
-std::optional<double> told(SlipMethod& method, PatchFinder& finder, const Frame& frame) {
+std::optional<double> margin_in_model(SlipMethod& method, PatchFinder& finder, const Frame& frame) {
   const ContactPatch& patch = finder.find(frame);
   if (!patch.in_contact) return {};
   const FrameEstimate reading = method.estimate(frame, patch);
@@ -89,8 +89,8 @@ std::vector<Condition> condition_of(const TrialSetup& setup, std::vector<NamedMe
       noisy.feel(contact, draw.x_m, draw.y_m);
       const Frame without = clean.sense(direction_rad, random), with = noisy.sense(direction_rad, random);
       for (std::size_t m = 0; m < methods.size(); ++m) {
-        const auto first = told(*methods[m].method, finder, without),
-                   second = told(*methods[m].method, finder, with);
+        const auto first = margin_in_model(*methods[m].method, finder, without),
+                   second = margin_in_model(*methods[m].method, finder, with);
         if (!first || !second) continue;
         squares[m] += (*second - *first) * (*second - *first);
         counts[m] += 1;
@@ -122,13 +122,13 @@ std::vector<Bits> bits_needed(const TrialSetup& setup, std::vector<NamedMethod>&
       const Frame whole = frames.sense(2 * std::numbers::pi * random.uniform(1), random);
       std::vector<std::optional<double>> before;
       before.reserve(methods.size());
-      for (auto& method : methods) before.push_back(told(*method.method, finder, whole));
+      for (auto& method : methods) before.push_back(margin_in_model(*method.method, finder, whole));
       for (const auto& channel :
            {frames.sensed_normal_pa(), frames.sensed_shear_x_pa(), frames.sensed_shear_y_pa()}) {
         for (float& value : channel) value = rounded(value, bits);
       }
       for (std::size_t m = 0; m < methods.size(); ++m) {
-        const auto after = told(*methods[m].method, finder, whole);
+        const auto after = margin_in_model(*methods[m].method, finder, whole);
         if (!before[m] || !after) continue;
         sums[m] += std::fabs(*after - *before[m]);
         counts[m] += 1;

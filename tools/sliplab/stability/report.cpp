@@ -163,7 +163,7 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
   std::ostringstream script;
   script << "set terminal svg size 900,420 font 'sans,12' background 'white'\nset output 'condition.svg'\n"
             "set datafile separator ','\nset logscale y\nset grid\nset key outside bottom horizontal\n"
-            "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'error out per error in'\n"
+            "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'margin error / frame error'\n"
             "set title '"
          << found.setup.side << " x " << found.setup.side << ", " << noise_name(found.setup.kind)
          << " noise'\nplot for [c=2:" << found.methods.size() + 1

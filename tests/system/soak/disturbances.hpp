@@ -1,5 +1,5 @@
-// What may befall a running daemon from outside, one thing after another, drawn by chance: clients of every
-// bad habit, recordings that are left, a process that stands still for a while. In a thread of its own.
+// Disturbs a running daemon from outside, in random order: clients that misbehave, recordings whose client
+// leaves, SIGSTOP for a while. Runs in a thread of its own.
 #pragma once
 
 #include <array>
@@ -12,25 +12,25 @@
 
 namespace slipd::testing {
 
-class Mischief {
+class Disturbances {
  public:
-  static constexpr std::array kNames{"standstills",      "clients that leave",
+  static constexpr std::array kNames{"pauses",           "clients that leave",
                                      "half lines",       "floods of bad JSON",
                                      "endless lines",    "recordings",
                                      "recordings left",  "clients that never read",
                                      "frames asked for", "flights",
-                                     "reports"};
+                                     "status requests"};
 
-  // Until it is destroyed. The daemon outlives it; `folder` is for recordings.
-  Mischief(const Daemon& daemon, const TempFolder& folder, std::uint64_t seed);
+  // Runs until it is destroyed; the daemon must outlive it. Recordings are written to `folder`.
+  Disturbances(const Daemon& daemon, const TempFolder& folder, std::uint64_t seed);
 
-  // Stops; how often each was done.
+  // Stops. Returns how often each disturbance was made.
   std::array<std::uint64_t, kNames.size()> stop();
 
  private:
   void run(const std::stop_token& stop);
   void act(std::size_t kind);
-  void stand_still();
+  void pause();
   void record(bool leave);
   void never_read();
   int up_to(int most) { return 1 + static_cast<int>(random_() % static_cast<unsigned>(most)); }

@@ -1,4 +1,4 @@
-#include "tests/system/soak/mischief.hpp"
+#include "tests/system/soak/disturbances.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -19,18 +19,18 @@ std::string record_request(const std::string& sensor, double seconds) {
 
 }  // namespace
 
-Mischief::Mischief(const Daemon& daemon, const TempFolder& folder, std::uint64_t seed)
+Disturbances::Disturbances(const Daemon& daemon, const TempFolder& folder, std::uint64_t seed)
     : daemon_(daemon),
       folder_(folder),
       random_(static_cast<std::minstd_rand::result_type>(seed)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-std::array<std::uint64_t, Mischief::kNames.size()> Mischief::stop() {
+std::array<std::uint64_t, Disturbances::kNames.size()> Disturbances::stop() {
   thread_ = {};
   return done_;
 }
 
-void Mischief::run(const std::stop_token& stop) {
+void Disturbances::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const std::size_t kind = random_() % kNames.size();
     try {
@@ -44,8 +44,8 @@ void Mischief::run(const std::stop_token& stop) {
   }
 }
 
-void Mischief::act(std::size_t kind) {
-  if (kind == 0) return stand_still();
+void Disturbances::act(std::size_t kind) {
+  if (kind == 0) return pause();
   if (kind == 5 || kind == 6) return record(kind == 6);
   if (kind == 7) return never_read();
   RpcClient client(daemon_.socket());
@@ -77,26 +77,26 @@ void Mischief::act(std::size_t kind) {
   }
 }
 
-void Mischief::stand_still() {
+void Disturbances::pause() {
   daemon_.program().signal(SIGSTOP);
   std::this_thread::sleep_for(up_to(200) * 1ms);
   daemon_.program().signal(SIGCONT);
 }
 
-void Mischief::record(bool leave) {
+void Disturbances::record(bool leave) {
   const UniqueFd file(open(folder_.file("soak.rec").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   RpcClient client(daemon_.socket());
   client.send(record_request(sensor(), leave ? 1000 : 0.05 * up_to(4)), file.get());
   if (!leave && !client.line()) ADD_FAILURE() << "no answer to record";
 }
 
-void Mischief::never_read() {
+void Disturbances::never_read() {
   RpcClient client(daemon_.socket());
   client.send_line(R"({"jsonrpc":"2.0","id":1,"method":"subscribe"})");
   std::this_thread::sleep_for(up_to(500) * 1ms);
 }
 
-std::string Mischief::sensor() {
+std::string Disturbances::sensor() {
   return "s" + std::to_string(random_() % 8);
 }
 
