@@ -31,6 +31,12 @@ constexpr double kOneSided95 = 1.645;
 // bound stands though the contact turns.
 constexpr double kTorqueSigmas = 3;
 
+// Of a sensor of few taxels: below this P, N, there is no contact, and once in contact below
+// this share of it; 0.01 … 1, 0.2 … 0.9. Too small: drift and jitter of the zero are a contact. Too large: light
+// contacts are missed.
+constexpr double kMinNormalN = 0.1;
+constexpr double kKeptShare = 0.5;
+
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
@@ -115,6 +121,14 @@ struct EstimatorChain::Impl {
     unseen.widen(out, setup.estimator.sigma_max);
   }
 
+  // Whether the patch is a contact, with hysteresis where noise cannot be measured in a single frame.
+  bool touches(const ContactPatch& patch) noexcept {
+    const double least_n = touching ? kKeptShare * kMinNormalN : kMinNormalN;
+    touching = patch.in_contact && (setup.layout.size() > Fit::kFewTaxels || setup.layout.size() == 1 ||
+                                    patch.normal_n >= least_n);
+    return touching;
+  }
+
   // Whether the object slides; `contact` is ignored for frames without a zero.
   void detect_sliding(const Frame& frame, bool contact, Estimate& out) noexcept {
     const SlidingVerdict verdict = sliding.update(frame, contact);
@@ -152,6 +166,7 @@ struct EstimatorChain::Impl {
   UnseenMotion unseen;
   double usual_friction = 0;  // while that of the grasp is not known
   SlidingDetector sliding;
+  bool touching = false;  // the last frame was of a contact
   AlertLogic alert;
   SlipForecast forecast;
 };
@@ -195,7 +210,8 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
     return out;
   }
   const ContactPatch& patch = in.finder.find(frame);
-  if (!patch.in_contact) {
+  const bool touches = in.touches(patch);
+  if (!touches) {
     in.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   } else {
@@ -225,7 +241,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   }
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
-  in.detect_sliding(frame, patch.in_contact, out);
+  in.detect_sliding(frame, touches, out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;
