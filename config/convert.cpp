@@ -131,7 +131,8 @@ class Converter {
          .hysteresis = in["hysteresis"],
          .min_ms = in["min_ms"],
          .sigmas = in["sigmas"],
-         .target_margin = in["target_margin"]};
+         .target_margin = in["target_margin"],
+         .false_alarms_per_hour = in["false_alarms_per_hour"]};
     if (a.slip_below <= a.warn_below) return;
     add("/alerts/slip_below", in["slip_below"],
         "is above warn_below = " + in["warn_below"].dump() + "; expected slip_below <= warn_below");

@@ -6,6 +6,7 @@
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
 #include <csignal>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -280,10 +281,30 @@ int Service::end() {
   return 0;
 }
 
+// Opening a recording touches no device, and compares its columns with the sensor's layout. One that is not
+// there yet is no mistake of the configuration. Throws SettingsError.
+void check_recordings(const Settings& settings, DriverModules& drivers, const std::string& name) {
+  std::vector<std::string> problems;
+  for (std::size_t i = 0; i < settings.sensors.size(); ++i) {
+    const SensorSettings& sensor = settings.sensors[i];
+    if (sensor.driver != "replay") continue;
+    std::error_code unknown;
+    if (!std::filesystem::exists(sensor.setup.options.value("file", ""), unknown)) continue;
+    try {
+      drivers.find(sensor.driver)->create({sensor.setup})->open();
+    } catch (const DriverError& error) {
+      problems.push_back(name + ": /sensors/" + std::to_string(i) + "/options: " + error.what());
+    }
+  }
+  if (!problems.empty()) throw SettingsError(std::move(problems));
+}
+
 }  // namespace
 
 Settings check_configuration(const std::string& file, DriverModules& drivers) {
-  return make_engine(load_settings(file, drivers), drivers, file)->settings();
+  Settings settings = load_settings(file, drivers);
+  check_recordings(settings, drivers, file);
+  return make_engine(std::move(settings), drivers, file)->settings();
 }
 
 std::vector<std::string> notes_on(const Settings& settings) {

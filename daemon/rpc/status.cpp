@@ -77,6 +77,7 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"name", status.name},
       {"state", to_string(published.estimate.state)},
       {"alert", to_string(published.estimate.alert)},
+      {"sliding", published.estimate.sliding ? json(to_string(*published.estimate.sliding)) : json(nullptr)},
       {"driver", status.driver},
       {"device", facts.description},
       {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},

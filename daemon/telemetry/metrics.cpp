@@ -169,6 +169,12 @@ void add_states(Families& families, const ServiceContext& context, const Publish
                });
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
                [&](std::size_t i) { return static_cast<double>(published[i].estimate.alert); });
+  families.add("slipd_sliding", "gauge",
+               "0 none, 1 disturbed, 2 translation, 3 rotation; only where the sensor can tell.",
+               [&](std::size_t i) {
+                 const auto& sliding = published[i].estimate.sliding;
+                 return sliding ? static_cast<double>(*sliding) : kUnknown;
+               });
   families.add("slipd_simulated", "gauge", "1 for a simulated sensor.", [&](std::size_t i) {
     return status(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0;
   });
