@@ -6,6 +6,7 @@
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
 #include <csignal>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "daemon/pipeline/estimator_factory.hpp"
 #include "daemon/rpc/server.hpp"
 #include "daemon/rpc/socket_file.hpp"
+#include "daemon/telemetry/metrics_file.hpp"
+#include "schema/schema.hpp"
 
 namespace slipd {
 namespace {
@@ -38,8 +41,12 @@ RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
   return grant;
 }
 
-// Prefixes the drivers' problems with the file's name.
+// Judges what the configuration names outside of it. Prefixes the drivers' problems with the file's name.
 std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, const std::string& file) {
+  if (const auto& metrics = settings.metrics.file; !metrics.empty()) {
+    if (const std::string why = why_no_metrics_file(metrics); !why.empty())
+      throw SettingsError({problem_of("/metrics/file", metrics.string(), why).in(file)});
+  }
   try {
     return std::make_unique<Engine>(std::move(settings), drivers);
   } catch (const SettingsError& error) {
@@ -254,7 +261,7 @@ int Service::end() {
   const auto deadline = std::chrono::steady_clock::now() + kStopTimeout;
   server_.reset();
   clients_.close_all();
-  recorder_.end_all();
+  const bool recordings_ended = recorder_.end_all();
   file_.reset();
   const bool clean = engine_->stop(deadline) && abandoned_.empty();
   drain_logs(engine_->board().logs, log_limit_);
@@ -265,13 +272,39 @@ int Service::end() {
                   " does not end; the process ends without it");
     _exit(0);  // its thread may use anything that a destructor would free
   }
+  if (!recordings_ended) {
+    engine_.reset();  // the flight recorder writes what is pending
+    write_log(LogLevel::warning, {{}, Cause::machine},
+              "what a client had passed for a recording takes nothing, and is left behind");
+    _exit(0);  // its thread may use the event loop
+  }
   return 0;
+}
+
+// Opening a recording touches no device, and compares its columns with the sensor's layout. One that is not
+// there yet is no mistake of the configuration. Throws SettingsError.
+void check_recordings(const Settings& settings, DriverModules& drivers, const std::string& name) {
+  std::vector<std::string> problems;
+  for (std::size_t i = 0; i < settings.sensors.size(); ++i) {
+    const SensorSettings& sensor = settings.sensors[i];
+    if (sensor.driver != "replay") continue;
+    std::error_code unknown;
+    if (!std::filesystem::exists(sensor.setup.options.value("file", ""), unknown)) continue;
+    try {
+      drivers.find(sensor.driver)->create({sensor.setup})->open();
+    } catch (const DriverError& error) {
+      problems.push_back(name + ": /sensors/" + std::to_string(i) + "/options: " + error.what());
+    }
+  }
+  if (!problems.empty()) throw SettingsError(std::move(problems));
 }
 
 }  // namespace
 
 Settings check_configuration(const std::string& file, DriverModules& drivers) {
-  return make_engine(load_settings(file, drivers), drivers, file)->settings();
+  Settings settings = load_settings(file, drivers);
+  check_recordings(settings, drivers, file);
+  return make_engine(std::move(settings), drivers, file)->settings();
 }
 
 std::vector<std::string> notes_on(const Settings& settings) {

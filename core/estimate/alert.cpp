@@ -51,6 +51,20 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
   return level_;
 }
 
+void AlertLogic::judge(Estimate& out) noexcept {
+  const bool sliding = slides(out.sliding);
+  if (sliding && out.gamma && *out.gamma > settings_.slip_below) {
+    out.gamma.reset();
+    out.sigma.reset();
+    out.state = State::out_of_model;
+  }
+  out.alert = update(out.time_ns, out);
+  out.alert_cause = out.alert == Alert::none ? AlertCause::none : AlertCause::margin;
+  if (!sliding || out.alert == Alert::slip) return;
+  out.alert = Alert::slip;
+  out.alert_cause = AlertCause::sliding;
+}
+
 std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<double> gamma,
                                            double sigma) noexcept {
   if (!gamma) {

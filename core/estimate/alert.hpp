@@ -20,6 +20,10 @@ class AlertLogic {
   // know has no evidence that the grip got safer. Such samples do not count towards min_ms.
   Alert update(std::int64_t time_ns, const Estimate& now) noexcept;
 
+  // The same, written into `out`, with its cause. An object that is seen to slide is a slip whatever the
+  // margin: a margin above the threshold for slip is then no margin, and the state out_of_model.
+  void judge(Estimate& out) noexcept;
+
  private:
   // How long a condition has held; only time between samples that told of it counts.
   class Stopwatch {

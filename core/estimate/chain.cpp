@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -22,6 +23,19 @@ namespace {
 // uses the whole pad. Too small: the shape is noise. Too large: small contacts get no margin from their
 // shape.
 constexpr std::size_t kFewInside = 12;
+
+// Standard deviations below a mean that 95 % of a Gaussian lie above.
+constexpr double kOneSided95 = 1.645;
+
+// A torque of so many standard deviations is one; 2 … 5. Too small: noise takes the bound away. Too large: the
+// bound stands though the contact turns.
+constexpr double kTorqueSigmas = 3;
+
+// Of a sensor of few taxels: below this P, N, there is no contact, and once in contact below
+// this share of it; 0.01 … 1, 0.2 … 0.9. Too small: drift and jitter of the zero are a contact. Too large: light
+// contacts are missed.
+constexpr double kMinNormalN = 0.1;
+constexpr double kKeptShare = 0.5;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
@@ -89,6 +103,7 @@ struct EstimatorChain::Impl {
         finder(s.layout),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
+        sliding(s.layout, s.alerts.false_alarms_per_hour),
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
     usual_friction = s.friction.value_or(std::sqrt(expected.low * expected.high));
@@ -106,6 +121,42 @@ struct EstimatorChain::Impl {
     unseen.widen(out, setup.estimator.sigma_max);
   }
 
+  // Whether the patch is a contact, with hysteresis where noise cannot be measured in a single frame.
+  bool touches(const ContactPatch& patch) noexcept {
+    const double least_n = touching ? kKeptShare * kMinNormalN : kMinNormalN;
+    touching = patch.in_contact && (setup.layout.size() > Fit::kFewTaxels || setup.layout.size() == 1 ||
+                                    patch.normal_n >= least_n);
+    return touching;
+  }
+
+  // Whether the object slides; `contact` is ignored for frames without a zero.
+  void detect_sliding(const Frame& frame, bool contact, Estimate& out) noexcept {
+    const SlidingVerdict verdict = sliding.update(frame, contact);
+    out.sliding = verdict.sliding;
+    if (verdict.sliding) out.sliding_for_s = verdict.for_s;
+  }
+
+  // The margin on the safe side of all that is not known, and the torque that it does not know of.
+  void bound_margin(const ContactPatch& patch, Estimate& out) const noexcept {
+    double torque_nm = 0;
+    patch.for_each_inside([&](std::uint32_t i) {
+      torque_nm += (setup.layout.x_m()[i] - patch.center_x_m) * static_cast<double>(patch.taxels.shear_y_pa[i]) -
+                   (setup.layout.y_m()[i] - patch.center_y_m) * static_cast<double>(patch.taxels.shear_x_pa[i]);
+    });
+    torque_nm *= setup.layout.area_m2();
+    if (setup.layout.size() > 1) out.torque_nm = torque_nm;
+    const double torque_sigma_nm = patch.shear_sigma_n * patch.radius_m / std::numbers::sqrt2;
+    if (std::fabs(torque_nm) > kTorqueSigmas * torque_sigma_nm) return;
+    const double prior_low = setup.friction.value_or(expected_friction(setup.scene).low);
+    const double friction = out.friction ? *out.friction - kOneSided95 * out.friction_sigma.value_or(0) : prior_low;
+    const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
+    const double shear_n = patch.shear_n + kOneSided95 * patch.shear_sigma_n;
+    if (!(friction > 0) || !(normal_n > 0)) return;
+    double low = std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0);
+    if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
+    out.gamma_low = low;
+  }
+
   ChainSetup setup;
   std::shared_ptr<const Model> model;
   WorkPrecision work_precision;
@@ -114,6 +165,8 @@ struct EstimatorChain::Impl {
   Tracker tracker;
   UnseenMotion unseen;
   double usual_friction = 0;  // while that of the grasp is not known
+  SlidingDetector sliding;
+  bool touching = false;  // the last frame was of a contact
   AlertLogic alert;
   SlipForecast forecast;
 };
@@ -151,12 +204,14 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   if (!frame.zeroed) {
     in.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::unzeroed;
-    out.alert = in.alert.update(frame.time_ns, out);
+    in.detect_sliding(frame, false, out);
+    in.alert.judge(out);
     out.time_to_slip_s = in.forecast.update(frame.time_ns, std::nullopt, 0);
     return out;
   }
   const ContactPatch& patch = in.finder.find(frame);
-  if (!patch.in_contact) {
+  const bool touches = in.touches(patch);
+  if (!touches) {
     in.forget();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   } else {
@@ -180,12 +235,14 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
         out.center_y_m = frame_estimate.center_y_m;
         out.radius_m = frame_estimate.radius_m;
       }
+      in.bound_margin(patch, out);
       advise(out, patch.shear_sigma_n, in.setup.alerts.target_margin);
     }
   }
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
-  out.alert = in.alert.update(frame.time_ns, out);
+  in.detect_sliding(frame, touches, out);
+  in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;
 }

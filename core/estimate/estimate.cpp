@@ -25,6 +25,11 @@ std::string_view to_string(Alert alert) noexcept {
   return name_of(kNames, alert);
 }
 
+std::string_view to_string(AlertCause cause) noexcept {
+  static constexpr std::array<std::string_view, 3> kNames{"none", "margin", "sliding"};
+  return name_of(kNames, cause);
+}
+
 std::string_view to_string(Method method) noexcept {
   static constexpr std::array<std::string_view, 6> kNames{"none",    "svd-knn", "registered",
                                                           "moments", "fit",     "friction"};

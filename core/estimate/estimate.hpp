@@ -8,12 +8,19 @@
 #include <type_traits>
 
 #include "core/frame/frame.hpp"
+#include "core/sliding/sliding.hpp"
 
 namespace slipd {
 
 // Fail safe: gamma is a number only in state ok. The order is that of the CAN signal `State`.
 enum class State : std::uint8_t { ok, no_contact, learning, out_of_model, no_shear, unzeroed, stale, fault };
 enum class Alert : std::uint8_t { none, warn, slip };
+// What an alert comes from.
+enum class AlertCause : std::uint8_t {
+  none,    // there is no alert
+  margin,  // the margin is below a threshold
+  sliding  // the object is seen to slide; the alert is slip
+};
 enum class Method : std::uint8_t {
   none,
   svd_knn,
@@ -25,6 +32,7 @@ enum class Method : std::uint8_t {
 
 std::string_view to_string(State) noexcept;   // as on the socket: "ok", "no_contact", …
 std::string_view to_string(Alert) noexcept;   // "none", "warn", "slip"
+std::string_view to_string(AlertCause) noexcept;  // "none", "margin", "sliding"
 std::string_view to_string(Method) noexcept;  // "svd-knn", "registered", …
 
 // Lengths in metres, forces in newtons, an absent value is unknown.
@@ -41,9 +49,20 @@ struct Estimate {
       a_over_r;  // radius over the skin's: contact models hold where it is small; flat: none
   std::optional<double> time_to_slip_s;
   std::optional<double> grip_increase_n, grip_increase_sigma_n;
+  // The margin that holds with 95 % confidence: with the friction that is known, else with the low end of
+  // what the scene expects; 0 to 1. None without contact, without known forces, and where forces and
+  // friction contradict each other.
+  std::optional<double> gamma_low;
+  // Torque about the contact's normal, through its centre, on the sensor, N m; none for one force vector.
+  std::optional<double> torque_nm;
+  // Whether the object slides now; none: this sensor or contact cannot tell.
+  std::optional<Sliding> sliding;
+  // How long `sliding` has been what it is, s; none if it is.
+  std::optional<double> sliding_for_s;
   Truth truth;
   State state = State::stale;
   Alert alert = Alert::none;
+  AlertCause alert_cause = AlertCause::none;
   Method method = Method::none;
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);

@@ -50,6 +50,15 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
 Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
   Estimate now = grasp_estimate(members, target_margin_);
   now.alert = alert_.update(now.published_ns, now);
+  now.alert_cause = now.alert == Alert::none ? AlertCause::none : AlertCause::margin;
+  for (const Estimate& member : members) {
+    if (!slides(member.sliding)) continue;
+    now.sliding = member.sliding;
+    now.sliding_for_s = std::max(now.sliding_for_s.value_or(0), member.sliding_for_s.value_or(0));
+    if (now.alert == Alert::slip) continue;
+    now.alert = Alert::slip;
+    now.alert_cause = AlertCause::sliding;
+  }
   now.time_to_slip_s = forecast_.update(now.published_ns, now.gamma, now.sigma.value_or(0));
   return now;
 }

@@ -24,6 +24,7 @@ struct AlertSettings {
   double min_ms = 2;
   double sigmas = 1;  // how many sigma are taken off gamma before it is compared
   double target_margin = 0.5;
+  double false_alarms_per_hour = 1;  // of the detection of sliding in a held grasp, by design
   bool operator==(const AlertSettings&) const = default;
 };
 

@@ -12,6 +12,16 @@ FrictionPrior prior_of(Range expected, std::optional<double> friction, const Fri
   return {.expected = expected, .spread = options.scene_spread};
 }
 
+// The scene's range, and a friction that was given, bound what is learnt from forces alone: a grip that relaxes
+// looks like a slide at a friction that no object of the scene has.
+FrictionFilterOptions bounded(FrictionFilterOptions filter, const FrictionPrior& prior, bool force_only,
+                              double slack) {
+  if (!force_only) return filter;
+  filter.grid.min_friction = std::max(filter.grid.min_friction, prior.expected.low * std::exp(-slack));
+  filter.grid.max_friction = std::min(filter.grid.max_friction, prior.expected.high * std::exp(slack));
+  return filter;
+}
+
 }  // namespace
 
 Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
@@ -19,7 +29,9 @@ Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std
     : settings_(settings),
       force_only_(force_only),
       options_(options),
-      friction_filter_(prior_of(friction_expected, friction, options.prior), force_only, options.filter) {}
+      friction_filter_(prior_of(friction_expected, friction, options.prior), force_only,
+                       bounded(options.filter, prior_of(friction_expected, friction, options.prior),
+                               force_only, options.bound_slack)) {}
 
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
                                         Method method, Estimate& out) noexcept {

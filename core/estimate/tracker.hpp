@@ -18,6 +18,11 @@ struct TrackerOptions {
   FrictionPriorOptions prior;
   FrictionFilterOptions filter;
 
+  // How far beyond the scene's range, or a given friction, a force-only sensor may learn; of log mu, 0.02 … 0.5.
+  // Real slides scatter by 4 to 7 %. Too small: a friction at the range's end has no room for noise. Too
+  // large: a relaxing grip passes for a slide.
+  double bound_slack = 0.1;
+
   // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
   // comes late. Too large: it is advice from a guess.
   double known_sigma = 0.3;

@@ -19,6 +19,23 @@ std::int64_t passed_ns(std::int64_t since_ns, std::int64_t until_ns) {
   return std::max<std::int64_t>(0, until_ns - since_ns);
 }
 
+// A name, or null.
+void add_name(ObjectText& object, std::string_view key, std::optional<std::string_view> name) {
+  if (name) {
+    object.text(key, *name);
+  } else {
+    object.begin(key) += "null";
+  }
+}
+
+void add_sliding(ObjectText& object, const Estimate& estimate) {
+  const bool caused = estimate.alert_cause != AlertCause::none;
+  add_name(object, "alert_cause",
+           caused ? std::optional(to_string(estimate.alert_cause)) : std::nullopt);
+  add_name(object, "sliding", estimate.sliding ? std::optional(to_string(*estimate.sliding)) : std::nullopt);
+  object.number("sliding_for_ms", estimate.sliding_for_s, 1e3);
+}
+
 }  // namespace
 
 EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, bool simulated)
@@ -38,6 +55,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("gamma", gamma)
       .number("sigma", estimate.sigma)
       .integer("class", class_of(gamma))
+      .number("gamma_low", estimate.gamma_low)
       .number("friction", estimate.friction)
       .number("friction_sigma", estimate.friction_sigma)
       .number("normal_n", estimate.normal_n)
@@ -57,8 +75,9 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("time_to_slip_ms", estimate.time_to_slip_s, 1e3)
       .number("grip_increase_n", estimate.grip_increase_n)
       .number("grip_increase_sigma_n", estimate.grip_increase_sigma_n)
-      .text("alert", to_string(estimate.alert))
-      .text("method", to_string(estimate.method))
+      .text("alert", to_string(estimate.alert));
+  add_sliding(object, estimate);
+  object.text("method", to_string(estimate.method))
       .boolean("simulated", simulated)
       .number("latency_us",
               answered ? std::optional<double>(passed_ns(time_ns_, published_ns_)) : std::nullopt, 1e-3);
@@ -110,8 +129,9 @@ void append_grasp(std::string& out, const Estimate& together, const std::string&
       .number("time_to_slip_ms", together.time_to_slip_s, 1e3)
       .number("grip_increase_n", together.grip_increase_n)
       .number("grip_increase_sigma_n", together.grip_increase_sigma_n)
-      .text("alert", to_string(together.alert))
-      .end();
+      .text("alert", to_string(together.alert));
+  add_sliding(object, together);
+  object.end();
 }
 
 }  // namespace slipd

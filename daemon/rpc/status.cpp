@@ -77,6 +77,7 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"name", status.name},
       {"state", to_string(published.estimate.state)},
       {"alert", to_string(published.estimate.alert)},
+      {"sliding", published.estimate.sliding ? json(to_string(*published.estimate.sliding)) : json(nullptr)},
       {"driver", status.driver},
       {"device", facts.description},
       {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
@@ -165,6 +166,9 @@ json status_json(const ServiceContext& context) {
   json outputs{{"socket",
                 {{"path", context.settings.socket.path.string()},
                  {"dropped", context.notifications_dropped},
+                 {"owed_bytes", context.owed_bytes()},
+                 {"held_back", context.clients_held_back},
+                 {"refused", context.requests_refused},
                  {"latency_us", latency_json(context.delivery_latency.summary())},
                  {"latency_last_minute_us",
                   latency_json(context.delivery_latency_last_minute.summary(context.delivery_latency))}}}};

@@ -169,6 +169,12 @@ void add_states(Families& families, const ServiceContext& context, const Publish
                });
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
                [&](std::size_t i) { return static_cast<double>(published[i].estimate.alert); });
+  families.add("slipd_sliding", "gauge",
+               "0 none, 1 disturbed, 2 translation, 3 rotation; only where the sensor can tell.",
+               [&](std::size_t i) {
+                 const auto& sliding = published[i].estimate.sliding;
+                 return sliding ? static_cast<double>(*sliding) : kUnknown;
+               });
   families.add("slipd_simulated", "gauge", "1 for a simulated sensor.", [&](std::size_t i) {
     return status(i).simulated.load(std::memory_order_relaxed) ? 1.0 : 0.0;
   });
@@ -189,6 +195,13 @@ void add_service(Families& families, const ServiceContext& context) {
   families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(context.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
                    number(context.notifications_dropped));
+  families.add_one("slipd_answers_owed_bytes", "gauge", "Answers that clients requested and have not read.",
+                   number(context.owed_bytes()));
+  families.add_one("slipd_clients_held_back", "counter",
+                   "Times that a client was not read from because it did not read its answers.",
+                   number(context.clients_held_back));
+  families.add_one("slipd_requests_refused", "counter", "Requests refused because clients do not read.",
+                   number(context.requests_refused));
 }
 
 void add_recordings(Families& families, const ServiceContext& context) {

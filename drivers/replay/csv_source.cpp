@@ -4,14 +4,19 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <system_error>
+
+#include "drivers/replay/options.hpp"
 
 namespace slipd::replay {
 namespace {
 
 constexpr std::size_t kBytesPerNumber = 32;
 constexpr std::size_t kLongestLine = std::size_t{1} << 16;  // bytes
-constexpr double kLatestSeconds = 9e9;                      // 64 bits hold so many seconds in nanoseconds
+constexpr std::size_t kMostBlankBytes = std::size_t{1}
+                                        << 16;  // of empty lines in a row; limits what one read takes
+constexpr double kLatestSeconds = 9e9;          // 64 bits hold so many seconds in nanoseconds
 
 std::string_view trimmed(std::string_view s) noexcept {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -49,8 +54,10 @@ CsvSource::CsvSource(const std::filesystem::path& file, const SensorSetup& senso
     : path_(file),
       file_(open_file(file, sensor.layout.size())),
       taxels_(sensor.layout.size()),
+      names_(taxel_names(sensor)),
       rate_hz_(sensor.rate_hz),
-      class_(taxels_ == 1 ? SensorClass::wrench : SensorClass::array3) {
+      class_(taxels_ == 1 ? SensorClass::wrench : SensorClass::array3),
+      zeroed_(sensor.options.value("unit", "Pa") != "raw") {
   read_header(sensor);
 }
 
@@ -79,21 +86,30 @@ CsvSource::Column CsvSource::column_of(std::string_view name, const SensorSetup&
     column.channel = Channel::time;
     return column;
   }
-  if (name.size() < 6 || name.substr(0, 3) != "txl" || name[name.size() - 2] != '_') return column;
-  const auto digits = name.substr(3, name.size() - 5);
+  if (name.size() < 3 || name[name.size() - 2] != '_' || name.back() < 'x' || name.back() > 'z') return column;
+  const std::string_view taxel = name.substr(0, name.size() - 2);
+  const auto found = std::find(names_.begin(), names_.end(), taxel);
+  if (found == names_.end()) {
+    if (!sensor.options.contains("taxels")) refuse_beyond_layout(taxel, sensor);
+    return column;
+  }
+  const char axis = name.back();
+  column.channel = axis == 'x' ? Channel::x : axis == 'y' ? Channel::y : Channel::z;
+  column.taxel = static_cast<std::size_t>(found - names_.begin());
+  return column;
+}
+
+// txl17 in a layout of 16 taxels is a mistake, unless the sensor says which taxels are its own.
+void CsvSource::refuse_beyond_layout(std::string_view taxel, const SensorSetup& sensor) const {
+  if (!taxel.starts_with("txl")) return;
+  const std::string_view digits = taxel.substr(3);
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  const char axis = name.back();
-  if (error != std::errc() || end != digits.data() + digits.size() || axis < 'x' || axis > 'z') return column;
-  if (number < 1 || number > taxels_) {
-    throw DriverError(path_.string() + ": line 1, column " + std::to_string(columns_.size() + 1) + ": " +
-                      std::string(name.substr(0, 24)) + " is beyond the " + std::to_string(taxels_) +
-                      " taxels in the layout of sensor \"" + sensor.name +
-                      "\": give the sensor the file's layout");
-  }
-  column.channel = axis == 'x' ? Channel::x : axis == 'y' ? Channel::y : Channel::z;
-  column.taxel = number - 1;
-  return column;
+  if (error != std::errc() || end != digits.data() + digits.size()) return;
+  throw DriverError(path_.string() + ": line 1, column " + std::to_string(columns_.size() + 1) + ": " +
+                    std::string(taxel.substr(0, 24)) + " is beyond the " + std::to_string(taxels_) +
+                    " taxels in the layout of sensor \"" + sensor.name +
+                    "\": give the sensor the file's layout, or name its taxels with the option taxels");
 }
 
 void CsvSource::read_header(const SensorSetup& sensor) {
@@ -124,7 +140,7 @@ void CsvSource::read_header(const SensorSetup& sensor) {
   const auto missing = std::find(seen.begin(), seen.end() - 1, false);
   if (missing != seen.end() - 1) {
     const auto place = static_cast<std::size_t>(missing - seen.begin());
-    throw DriverError(path_.string() + ": line 1: no column txl" + std::to_string(place / 3 + 1) + "_" +
+    throw DriverError(path_.string() + ": line 1: no column " + names_[place / 3] + "_" +
                       "xyz"[place % 3] + ", but the layout of sensor \"" + sensor.name + "\" has " +
                       std::to_string(taxels_) +
                       " taxels: give the sensor the file's layout, or name the file of the tactile sensor");
@@ -162,7 +178,11 @@ bool CsvSource::store(const Column& column, std::string_view field, FrameSlot& o
 ReadOutcome CsvSource::next(FrameSlot& out) noexcept {
   if (fault_ != nullptr) return ReadOutcome::damaged;
   std::string_view line;
+  std::size_t blank_bytes = 0;
   do {
+    blank_bytes += line.size() + 1;
+    if (blank_bytes > kMostBlankBytes)
+      return fail(0, "the lines up to here are empty: no table of frames", {});
     switch (next_line(line)) {
       case Line::whole:
         break;

@@ -1,5 +1,6 @@
 // CSV as a source of frames: one line of column names, then a line per frame with txl1_x, txl1_y, txl1_z …
-// txlN_z in any order, N the layout's size, optionally `time` in s; other columns are ignored. Without
+// txlN_z in any order, N the layout's size, optionally `time` in s; other columns are ignored. The option
+// `taxels` names other columns. Without
 // `time`, rows are spaced by the sensor's rate_hz. Lines are read and numbers parsed in place: no allocation
 // after construction.
 #pragma once
@@ -22,10 +23,11 @@ class CsvSource final : public FrameSource {
 
   ReadOutcome next(FrameSlot& out) noexcept override;
   void rewind() noexcept override;
+  bool has_fault() const noexcept override { return fault_ != nullptr; }
   std::string fault() const override;  // `FILE: line L, column C (name): …`
   double rate_hz() const noexcept override { return rate_hz_; }
   SensorClass sensor_class() const noexcept override { return class_; }
-  bool zeroed() const noexcept override { return true; }  // the option `bias` zeroes it
+  bool zeroed() const noexcept override { return zeroed_; }  // by `bias`, unless `unit` is raw
 
  private:
   enum class Channel : std::uint8_t { ignored, time, x, y, z };
@@ -39,14 +41,17 @@ class CsvSource final : public FrameSource {
   Line next_line(std::string_view& line) noexcept;
   void read_header(const SensorSetup& sensor);
   Column column_of(std::string_view name, const SensorSetup& sensor) const;
+  void refuse_beyond_layout(std::string_view taxel, const SensorSetup& sensor) const;
   bool store(const Column& column, std::string_view field, FrameSlot& out) const noexcept;
   ReadOutcome fail(std::size_t column, const char* what, std::string_view field) noexcept;
 
   std::filesystem::path path_;
   BufferedFile file_;
   std::size_t taxels_;
+  std::vector<std::string> names_;  // of the taxels, in the layout's order
   double rate_hz_;
   SensorClass class_;
+  bool zeroed_;
   std::vector<Column> columns_;
   bool has_time_ = false;
   std::uint64_t line_ = 0;        // number of the line that was read last, from 1

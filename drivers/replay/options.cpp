@@ -1,5 +1,6 @@
 #include "drivers/replay/options.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -35,12 +36,39 @@ Options parse_options(const SensorSetup& sensor) {
   options.loop = sensor.options.value("loop", false);
   const auto scale = axis_values(sensor, "scale", 1, false);
   options.calibration.scale = {scale[0], scale[1], scale[2]};
+  const std::string unit = sensor.options.value("unit", "Pa");
+  options.raw = unit == "raw";
+  if (unit == "N") {
+    for (float& each : options.calibration.scale) each /= static_cast<float>(sensor.layout.area_m2());
+  }
   const auto bias = axis_values(sensor, "bias", 0, true);
   options.calibration.bias.resize(3 * sensor.layout.size());
   for (std::size_t i = 0; i < options.calibration.bias.size(); ++i) {
     options.calibration.bias[i] = bias[i % bias.size()];
   }
   return options;
+}
+
+std::vector<std::string> taxel_names(const SensorSetup& sensor) {
+  const std::size_t taxels = sensor.layout.size();
+  const auto given = sensor.options.find("taxels");
+  std::vector<std::string> names;
+  if (given == sensor.options.end()) {
+    for (std::size_t i = 1; i <= taxels; ++i) names.push_back("txl" + std::to_string(i));
+    return names;
+  }
+  names = given->get<std::vector<std::string>>();
+  const std::string who = "sensor \"" + sensor.name + "\": replay's taxels ";
+  if (names.size() != taxels) {
+    throw DriverError(who + "has " + std::to_string(names.size()) + " names: give one for each of the " +
+                      std::to_string(taxels) + " taxels of its layout");
+  }
+  for (std::size_t i = 0; i < taxels; ++i) {
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
+      throw DriverError(who + "names " + names[i] + " twice: give each taxel its own column");
+  }
+  return names;
 }
 
 bool Calibration::apply(FrameSlot& frame) const noexcept {

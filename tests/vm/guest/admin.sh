@@ -22,7 +22,7 @@ refused "without its package there is no such driver" systemctl reload slipd
 why | grep -q 'install the package slipd-driver-can' || fail "the package is not named: $(why)"
 
 # Four packages at once: one restart, when all are there.
-sensor '"driver": "sim", "rate_hz": 50'
+sensor '"driver": "sim", "rate_hz": 50, "layout": { "grid": [8, 8], "pitch_mm": 1.8 }'
 systemctl reload slipd
 in_background watched as alice slipctl --json watch --rate 5
 awaits "a client follows" grep -q '"sensor":"left"' watched

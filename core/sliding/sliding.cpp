@@ -1,0 +1,246 @@
+#include "core/sliding/sliding.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace slipd {
+namespace {
+
+constexpr double kSecondsPerHour = 3600;
+// Standard deviation of |x| over its mean, for Gaussian x: sqrt(pi/2 - 1).
+constexpr double kFoldedScatter = 0.7555;
+
+// z with P(x > z) = p for a Gaussian x; p below 0.1. The tail phi(z)/z, solved by iteration.
+double gaussian_limit(double p) {
+  double z = 4;
+  for (int i = 0; i < 20; ++i)
+    z = std::sqrt(std::max(1.0, -2 * std::log(p * z * std::sqrt(2 * std::numbers::pi))));
+  return z;
+}
+
+// t with P(|x| > t) = p for Student's x with `freedom` degrees, from the power law of its tail; p below 0.01.
+double student_limit(double p, double freedom) {
+  const double tail = std::tgamma((freedom + 1) / 2) * std::pow(freedom, (freedom - 1) / 2) /
+                      (std::sqrt(std::numbers::pi) * std::tgamma(freedom / 2));
+  return std::pow(2 * tail / p, 1 / freedom);
+}
+
+// The largest net change of a straight line over `blocks`, over its scatter, that independent noise reaches
+// as often as allowed. slope = t scatter / sqrt(sum of squared times).
+double trend_limit_of(double false_alarms_per_hour, double block_s, const SlidingOptions& options) {
+  const auto n = static_cast<double>(TaxelBlocks::kKept);
+  const double windows_per_hour = kSecondsPerHour / (block_s * n);
+  const double p = std::min(0.01, false_alarms_per_hour / windows_per_hour);
+  const double freedom = options.independent_share * (n - 2);
+  const double squared_times = n * (n * n - 1) / 12;
+  return student_limit(p, freedom) * (n - 1) / std::sqrt(squared_times);
+}
+
+// A tangential field's resultant, and its torque over a length, both as force.
+struct Resultant {
+  double x = 0, y = 0, torque = 0;
+  double along() const noexcept { return std::hypot(x, y); }
+};
+
+}  // namespace
+
+std::string_view to_string(Sliding sliding) noexcept {
+  static constexpr std::array<std::string_view, 4> kNames{"none", "disturbed", "translation", "rotation"};
+  const auto i = static_cast<std::size_t>(sliding);
+  return i < kNames.size() ? kNames[i] : "unknown";
+}
+
+SlidingDetector::SlidingDetector(const TaxelLayout& layout, double false_alarms_per_hour,
+                                 const SlidingOptions& options)
+    : options_(options), blocks_(layout), has_pattern_(blocks_.cells() >= options.min_cells) {
+  const double blocks_per_hour = kSecondsPerHour / blocks_.block_s();
+  noise_factor_ =
+      1 + kFoldedScatter * gaussian_limit(std::min(0.01, false_alarms_per_hour / blocks_per_hour));
+  trend_limit_ = trend_limit_of(false_alarms_per_hour, blocks_.block_s(), options);
+}
+
+void SlidingDetector::forget() noexcept {
+  blocks_.forget();
+  armed_ = false;
+  suspicious_ = 0;
+  now_.reset();
+}
+
+SlidingVerdict SlidingDetector::update(const Frame& frame, bool contact) noexcept {
+  if (!has_pattern_) return {};
+  if (frame.zeroed == raw_ || (frame.zeroed && !contact)) {
+    raw_ = !frame.zeroed;
+    forget();
+    if (frame.zeroed && !contact) return {};
+  }
+  if (blocks_.add(frame)) {
+    const auto judged = raw_ ? judge_raw() : judge_loaded();
+    if (judged != now_) since_ns_ = frame.time_ns;
+    now_ = judged;
+  }
+  if (!now_) return {};
+  return {now_, static_cast<double>(frame.time_ns - since_ns_) * 1e-9};
+}
+
+double SlidingDetector::normal_of(std::size_t ago) const noexcept {
+  const float* const p = blocks_.block(ago);
+  double sum = 0;
+  for (std::size_t i = 0; i < blocks_.cells(); ++i) sum += static_cast<double>(p[i]);
+  return sum;
+}
+
+SlidingDetector::Change SlidingDetector::change_since(std::size_t ago) const noexcept {
+  const double normal_now = normal_of(0), normal_then = normal_of(ago);
+  if (!(normal_now > 0) || !(normal_then > 0)) return {.pattern = 1, .shear = 1, .log_normal = 1};
+  Change change{.pattern = 0, .shear = 0, .log_normal = std::log(normal_now / normal_then)};
+  const std::size_t cells = blocks_.cells();
+  const float* const now = blocks_.block(0);
+  const float* const then = blocks_.block(ago);
+  for (std::size_t i = 0; i < cells; ++i) {
+    const auto difference = [&](std::size_t channel) {
+      return static_cast<double>(now[channel * cells + i]) / normal_now -
+             static_cast<double>(then[channel * cells + i]) / normal_then;
+    };
+    change.pattern += std::fabs(difference(0)) / 2;
+    change.shear += std::hypot(difference(1), difference(2));
+  }
+  return change;
+}
+
+// What the change of the tangential field is most: along, or a turn about the middle of the load.
+Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
+  const std::size_t cells = blocks_.cells();
+  const float* const now = blocks_.block(0);
+  const float* const then = blocks_.block(ago);
+  const double normal_now = raw_ ? 1 : normal_of(0), normal_then = raw_ ? 1 : normal_of(ago);
+  double weight = 0, x_m = 0, y_m = 0, square = 0, moved_x = 0, moved_y = 0;
+  const auto share = [&](std::size_t i) {
+    return raw_ ? 1 / static_cast<double>(cells)
+                : std::max(0.0, static_cast<double>(now[i]) / normal_now);
+  };
+  for (std::size_t i = 0; i < cells; ++i) {
+    const double w = share(i);
+    weight += w;
+    x_m += w * blocks_.x_m(i);
+    y_m += w * blocks_.y_m(i);
+    if (raw_) continue;
+    const double d =
+        static_cast<double>(now[i]) / normal_now - static_cast<double>(then[i]) / normal_then;
+    moved_x += d * blocks_.x_m(i);
+    moved_y += d * blocks_.y_m(i);
+  }
+  x_m /= weight;
+  y_m /= weight;
+  Resultant change;
+  for (std::size_t i = 0; i < cells; ++i) {
+    const double rx = blocks_.x_m(i) - x_m, ry = blocks_.y_m(i) - y_m;
+    square += share(i) * (rx * rx + ry * ry) / weight;
+    const double qx = static_cast<double>(now[cells + i]) / normal_now -
+                      static_cast<double>(then[cells + i]) / normal_then;
+    const double qy = static_cast<double>(now[2 * cells + i]) / normal_now -
+                      static_cast<double>(then[2 * cells + i]) / normal_then;
+    change.x += qx;
+    change.y += qy;
+    change.torque += rx * qy - ry * qx;
+  }
+  const double a_m = std::sqrt(square);
+  const double along = std::max(change.along(), a_m > 0 ? std::hypot(moved_x, moved_y) / a_m : 0);
+  return a_m > 0 && std::fabs(change.torque) / a_m > along ? Sliding::rotation : Sliding::translation;
+}
+
+bool SlidingDetector::settled() const noexcept {
+  if (blocks_.size() <= options_.settled_blocks) return false;
+  for (std::size_t ago = 1; ago <= options_.settled_blocks; ++ago) {
+    const Change change = change_since(ago);
+    if (change.pattern > options_.settled_pattern || std::fabs(change.log_normal) > options_.settled_normal)
+      return false;
+  }
+  return true;
+}
+
+void SlidingDetector::arm() noexcept {
+  const Change last = change_since(1);
+  if (!armed_) {
+    pattern_noise_ = last.pattern;
+    shear_noise_ = last.shear;
+  }
+  armed_ = true;
+  compared_ = options_.settled_blocks;
+  held_normal_ = normal_of(0);
+  suspicious_ = 0;
+}
+
+std::optional<Sliding> SlidingDetector::judge_loaded() noexcept {
+  if (blocks_.size() < 2) return std::nullopt;
+  if (armed_) return judge_armed();
+  if (!settled()) return Sliding::disturbed;
+  arm();
+  return Sliding::none;
+}
+
+std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
+  const double normal = normal_of(0);
+  const bool slid = slides(now_);
+  if (normal < (slid ? options_.let_go_below : options_.opened_below) * held_normal_ ||
+      (!slid && normal > options_.gripped_above * held_normal_)) {
+    armed_ = false;
+    return Sliding::disturbed;
+  }
+  if (slid) {
+    if (!settled()) return now_;
+    arm();
+    return Sliding::none;
+  }
+  compared_ = std::min({compared_ + 1, options_.compared_blocks, blocks_.size() - 1});
+  const Change change = change_since(compared_);
+  const double moved = change.pattern - options_.pattern_per_log_normal * std::fabs(change.log_normal);
+  const double limit = std::max(options_.sticking_pattern, noise_factor_ * pattern_noise_);
+  suspicious_ = moved > limit ? suspicious_ + 1 : 0;
+  if (suspicious_ >= options_.confirming_blocks || moved > 2 * limit) return kind_since(compared_);
+  if (suspicious_ == 0) {
+    const Change last = change_since(1);
+    pattern_noise_ += (last.pattern - pattern_noise_) / options_.follow_blocks;
+    shear_noise_ += (last.shear - shear_noise_) / options_.follow_blocks;
+    held_normal_ += (normal - held_normal_) / options_.follow_blocks;
+  }
+  const bool disturbed =
+      suspicious_ > 0 || std::fabs(change.log_normal) > options_.disturbed_normal ||
+      change.shear > std::max(options_.disturbed_shear, noise_factor_ * shear_noise_);
+  return disturbed ? Sliding::disturbed : Sliding::none;
+}
+
+// The straight line through each channel's blocks: its net change against the blocks' scatter about it, which
+// has vibration, jolts and noise, and against the noise alone.
+std::optional<Sliding> SlidingDetector::judge_raw() noexcept {
+  const std::size_t n = blocks_.size();
+  if (n < options_.min_trend_blocks) return std::nullopt;
+  const auto count = static_cast<double>(n);
+  const double squared_times = count * (count * count - 1) / 12;
+  const std::size_t channels = 3 * blocks_.cells();
+  double net_squares = 0, scatter_squares = 0;
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto first = static_cast<double>(blocks_.block(0)[c]);  // offsets are large: differences from one
+    double sum = 0, squares = 0, moment = 0;
+    for (std::size_t ago = 0; ago < n; ++ago) {
+      const double value = static_cast<double>(blocks_.block(ago)[c]) - first;
+      sum += value;
+      squares += value * value;
+      moment += value * ((count - 1) / 2 - static_cast<double>(ago));
+    }
+    const double slope = moment / squared_times;
+    net_squares += slope * slope * (count - 1) * (count - 1);
+    scatter_squares += std::max(0.0, squares - sum * sum / count - slope * moment);
+  }
+  const double noise_squares = static_cast<double>(channels) * blocks_.noise() * blocks_.noise();
+  if (!(noise_squares > 0)) return std::nullopt;
+  if (net_squares < options_.disturbed_noises * options_.disturbed_noises * noise_squares)
+    return Sliding::none;
+  const double scatter = std::sqrt(scatter_squares / (count - 2) + noise_squares);
+  const double limit = slides(now_) ? trend_limit_ / 2 : trend_limit_;
+  if (n < TaxelBlocks::kKept || std::sqrt(net_squares) < limit * scatter) return Sliding::disturbed;
+  return slides(now_) ? now_ : kind_since(n - 1);
+}
+
+}  // namespace slipd

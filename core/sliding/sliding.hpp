@@ -1,0 +1,132 @@
+// Whether the object slides now, along or turning. It needs no friction and no newtons, and where there is no
+// zero, none of that either: the pattern of the taxels stays put while a contact sticks and moves when it
+// slides (docs/theory.md, "Detection of sliding").
+//
+// With a zero: the pattern of pressure, each cell's share p/P, is compared with that of up to 0.4 s before. A
+// gripper's closing, its overshoot and its relaxation scale P and leave the shares, once the contact has
+// settled; so it is looked at from then on only.
+//
+// Without a zero there are no shares. There the readings' course is looked at: vibration and jolts of a held
+// object go to and fro, and a slide goes on. A steady pull at an object that sticks looks the same.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/sliding/taxel_blocks.hpp"
+
+namespace slipd {
+
+enum class Sliding : std::uint8_t {
+  none,         // nothing moves
+  disturbed,    // the load changed: pulled, pushed, moved, gripped; nothing says that it slid
+  translation,  // it slides along
+  rotation      // it turns
+};
+
+std::string_view to_string(Sliding) noexcept;  // "none", "disturbed", …
+
+// Whether it slides, in one of the two ways.
+constexpr bool slides(std::optional<Sliding> sliding) noexcept {
+  return sliding && *sliding >= Sliding::translation;
+}
+
+struct SlidingVerdict {
+  // nullopt: this sensor, or this contact, cannot tell.
+  std::optional<Sliding> sliding;
+  // How long it has been so, s; 0 where it cannot be told.
+  double for_s = 0;
+};
+
+// Checked with `tools/real`. "Share" is of P, no unit. TV is half the sum of the cells' changes in p/P: the
+// share of the load that other cells carry now.
+struct SlidingOptions {
+  // Cells below which a contact has no pattern; 2 … 16. Too small: forces alone count as a pattern. Too
+  // large: small arrays tell nothing.
+  std::size_t min_cells = 4;
+  // The longest time that the pattern is compared over, blocks, 2 … TaxelBlocks::kKept - 1. Too small: slow
+  // slides are missed. Too large: relaxation and drift of the skin add up.
+  std::size_t compared_blocks = 8;
+  // A contact has settled when this many blocks agree; blocks, 2 … 8. Too small: an overshoot counts as
+  // settled. Too large: a slide soon after the grip is missed.
+  std::size_t settled_blocks = 3;
+  // They agree up to this TV and this change of P; share, 0.01 … 0.1. Too small: shaking contacts never
+  // settle. Too large: closing counts as a hold.
+  double settled_pattern = 0.04;
+  double settled_normal = 0.05;
+  // TV that a pattern moves by without sliding: rolling, the skin's own give; share, 0.02 … 0.2. Arms that
+  // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide. Too
+  // large: slides are seen late.
+  double sticking_pattern = 0.045;
+  // TV for each e-fold of P of a contact that grows as Hertz's does, the fastest of the usual ones: a
+  // ~ P^(1/3), and TV = 2/sqrt(3) |d ln a|. 0 … 0.5; flat ends have 0. Too small: a change of grip slides.
+  double pattern_per_log_normal = 0.385;
+  // Blocks in a row above the limit; 1 … 5. Twice the limit needs one. Too small: a jolt slides. Too large:
+  // late.
+  int confirming_blocks = 2;
+  // Below this share of the held P the gripper opens, above that it grips anew; 0.5 … 0.9, 1.1 … 3. Sliding
+  // that was seen before ends below the third. Too near 1: a slide that frees the grip goes unseen. Too far:
+  // opening counts as sliding.
+  double opened_below = 0.75;
+  double gripped_above = 1.5;
+  double let_go_below = 0.3;
+  // The load changed: sum |d(q/P)|, and |d ln P|; 0.01 … 0.5.
+  double disturbed_shear = 0.05;
+  double disturbed_normal = 0.1;
+  // Blocks in which noise and the held P are followed to 1/e; 5 … 100. Too small: a slide counts as noise.
+  // Too large: shaking that begins counts as sliding.
+  double follow_blocks = 20;
+  // Without a zero: the load changed when the root mean square of all channels moved by this many times the
+  // noise of a block; 6 … 50. Too small: shaking and drift are disturbances. Too large: weak pulls are none.
+  double disturbed_noises = 16;
+  // Blocks from which on a trend shows; 5 … TaxelBlocks::kKept.
+  std::size_t min_trend_blocks = 7;
+  // Independent blocks, of all of a window: shaking is correlated in time; share, 0.2 … 1. Too small: slides
+  // are missed. Too large: shaking slides.
+  double independent_share = 0.5;
+};
+
+// Not thread-safe. Belongs to the estimate thread; allocates in its constructor only.
+class SlidingDetector {
+ public:
+  // `false_alarms_per_hour`: of noise and shaking in a held grasp, by design; above 0.
+  SlidingDetector(const TaxelLayout& layout, double false_alarms_per_hour,
+                  const SlidingOptions& options = {});
+
+  // `contact`: whether something touches the sensor; ignored where frame.zeroed is false.
+  SlidingVerdict update(const Frame& frame, bool contact) noexcept;
+
+ private:
+  struct Change {
+    double pattern = 0;     // TV
+    double shear = 0;       // sum |d(q/P)|, share
+    double log_normal = 0;  // ln of P now over P then
+  };
+  Change change_since(std::size_t ago) const noexcept;
+  double normal_of(std::size_t ago) const noexcept;
+  Sliding kind_since(std::size_t ago) const noexcept;
+  std::optional<Sliding> judge_loaded() noexcept;
+  std::optional<Sliding> judge_armed() noexcept;
+  bool settled() const noexcept;
+  void arm() noexcept;
+  std::optional<Sliding> judge_raw() noexcept;
+  void forget() noexcept;
+
+  SlidingOptions options_;
+  TaxelBlocks blocks_;
+  double noise_factor_;  // of the mean noise of TV, that noise does not pass
+  double trend_limit_;   // of a trend over its scatter
+  bool has_pattern_;
+  bool raw_ = false;           // the blocks are of frames without a zero
+  bool armed_ = false;         // the contact has settled
+  std::size_t compared_ = 0;   // blocks since it settled, at most compared_blocks
+  double held_normal_ = 0;     // P of the hold
+  double pattern_noise_ = 0;   // mean TV of neighbouring blocks
+  double shear_noise_ = 0;     // mean change of q/P of neighbouring blocks
+  int suspicious_ = 0;         // blocks in a row
+  std::optional<Sliding> now_;
+  std::int64_t since_ns_ = 0;
+};
+
+}  // namespace slipd

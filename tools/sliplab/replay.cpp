@@ -1,0 +1,81 @@
+// `sliplab replay`: recordings through the chain of the daemon, as fast as it goes. The scene is parsed and the
+// files are decoded by the same code; every row of a file gives one line of estimates.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/gnuplot.hpp"
+#include "tools/sliplab/replay/label.hpp"
+#include "tools/sliplab/replay/run.hpp"
+#include "tools/sliplab/replay/table.hpp"
+
+namespace sliplab {
+namespace {
+
+struct ReplayOptions {
+  std::string scene, sensor, estimates;
+  std::vector<std::string> files;
+  std::filesystem::path picture, label;
+};
+
+nlohmann::json summary_of(const ReplayRun& run) {
+  nlohmann::json summary = to_json(summarize(run));
+  summary["sensor"] = run.sensor;
+  summary["file"] = run.file;
+  return summary;
+}
+
+void print(const ReplayRun& run, const ReplaySummary& summary) {
+  std::cerr << run.sensor << " " << run.file << ": " << summary.rows << " rows, " << summary.contact
+            << " in contact, " << summary.with_margin << " with a margin, " << summary.slip_rows
+            << " with alert slip";
+  if (summary.first_slip_s) std::cerr << ", the first at " << *summary.first_slip_s << " s";
+  std::cerr << '\n';
+}
+
+void run_replay(const Common& common, const ReplayOptions& options) {
+  const std::vector<ReplayRun> runs = replay(options.scene, options.sensor, options.files);
+  if (!options.estimates.empty()) {
+    const std::string table = estimates_csv(runs);
+    if (options.estimates == "-") {
+      std::cout << table;
+    } else {
+      write_file(options.estimates, table);
+    }
+  }
+  nlohmann::json all = nlohmann::json::array();
+  for (const ReplayRun& run : runs) {
+    nlohmann::json summary = summary_of(run);
+    if (!common.json) print(run, summarize(run));
+    if (!options.label.empty()) {
+      const LabelScore score = score_alerts(run, read_labels(options.label, run));
+      summary["label"] = to_json(score);
+      if (!common.json) std::cerr << "  " << describe(score) << '\n';
+    }
+    all.push_back(std::move(summary));
+    if (!run.fault.empty()) std::cerr << "sliplab: " << run.fault << '\n';
+  }
+  if (common.json && options.estimates != "-") std::cout << all.dump(2) << '\n';
+  if (!options.picture.empty()) draw(runs, options.picture);
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, const Common& common) {
+  auto* command = app.add_subcommand("replay", "recordings through the daemon's chain, without a daemon");
+  auto options = std::make_shared<ReplayOptions>();
+  command->add_option("--scene", options->scene, "the configuration")->required()->check(CLI::ExistingFile);
+  command->add_option("--file", options->files,
+                      "a CSV or recording instead of the scene's; SENSOR=FILE for one sensor");
+  command->add_option("--sensor", options->sensor, "only this sensor of the scene");
+  command->add_option("--estimates", options->estimates, "the table of estimates as CSV; - for standard output");
+  command->add_option("--picture", options->picture, "margin, forces and alerts over time, as SVG");
+  command->add_option("--label", options->label,
+                      "CSV with a column slip, 0 or 1 in each row: the alerts are scored against it");
+  command->callback([&common, options] { run_replay(common, *options); });
+}
+
+}  // namespace sliplab

@@ -1,0 +1,37 @@
+// Plays files through the estimators of a scene's sensors.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/estimate/estimate.hpp"
+
+namespace sliplab {
+
+// What the chain said of one row of a file.
+struct ReplayRow {
+  // Time from the file's first row, s.
+  double time_s = 0;
+  // Number of the row, from 0.
+  std::uint64_t row = 0;
+  slipd::Estimate estimate;
+};
+
+// One file through one sensor of the scene, whose estimator began with it.
+struct ReplayRun {
+  std::string sensor;
+  std::string file;
+  std::vector<ReplayRow> rows;
+  // Where and why the file could not be read to its end; empty: it was.
+  std::string fault;
+};
+
+// Plays each file through each sensor of the scene that is called `sensor`, or through all if that is empty.
+// `files` is empty for those that the scene names. As many files as sensors, with files of their own in the
+// scene, belong to them in order; SENSOR=FILE names the sensor. Throws slipd::SettingsError, WrongUse or
+// slipd::DriverError.
+std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
+                              const std::vector<std::string>& files);
+
+}  // namespace sliplab

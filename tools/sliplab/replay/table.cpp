@@ -1,0 +1,106 @@
+#include "tools/sliplab/replay/table.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tools/sliplab/gnuplot.hpp"
+
+namespace sliplab {
+namespace {
+
+using slipd::Alert;
+using slipd::AlertCause;
+using slipd::Estimate;
+using slipd::State;
+
+constexpr double kMmPerM = 1e3;
+
+void put(std::ostringstream& out, std::optional<double> value, double factor = 1) {
+  out << ',';
+  if (value) out << factor * *value;
+}
+
+bool in_contact(const Estimate& estimate) {
+  return estimate.normal_n.has_value();
+}
+
+}  // namespace
+
+std::string estimates_csv(const std::vector<ReplayRun>& runs) {
+  std::ostringstream out;
+  out.precision(9);
+  out << "sensor,time_s,seq,state,gamma,gamma_low,sigma,friction,friction_sigma,normal_n,shear_n,torque_nmm,"
+         "sliding,alert,alert_cause\n";
+  for (const ReplayRun& run : runs) {
+    for (const ReplayRow& row : run.rows) {
+      const Estimate& e = row.estimate;
+      out << run.sensor << ',' << row.time_s << ',' << row.row << ',' << to_string(e.state);
+      for (const auto& value :
+           {e.gamma, e.gamma_low, e.sigma, e.friction, e.friction_sigma, e.normal_n, e.shear_n})
+        put(out, value);
+      put(out, e.torque_nm, kMmPerM);
+      out << ',' << (e.sliding ? to_string(*e.sliding) : "") << ',' << to_string(e.alert) << ','
+          << (e.alert_cause == AlertCause::none ? "" : to_string(e.alert_cause)) << '\n';
+    }
+  }
+  return out.str();
+}
+
+ReplaySummary summarize(const ReplayRun& run) {
+  ReplaySummary summary;
+  summary.rows = run.rows.size();
+  for (const ReplayRow& row : run.rows) {
+    const Estimate& e = row.estimate;
+    summary.contact += in_contact(e) ? 1 : 0;
+    summary.with_margin += e.gamma ? 1 : 0;
+    summary.sliding_rows += slides(e.sliding) ? 1 : 0;
+    summary.disturbed_rows += e.sliding == slipd::Sliding::disturbed ? 1 : 0;
+    if (e.gamma) summary.least_gamma = std::min(*e.gamma, summary.least_gamma.value_or(1));
+    if (e.alert != Alert::slip) continue;
+    ++summary.slip_rows;
+    if (!summary.first_slip_s) summary.first_slip_s = row.time_s;
+  }
+  return summary;
+}
+
+nlohmann::json to_json(const ReplaySummary& s) {
+  const auto known = [](std::optional<double> value) {
+    return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+  };
+  return {{"rows", s.rows},
+          {"contact_rows", s.contact},
+          {"margin_rows", s.with_margin},
+          {"slip_rows", s.slip_rows},
+          {"sliding_rows", s.sliding_rows},
+          {"disturbed_rows", s.disturbed_rows},
+          {"first_slip_s", known(s.first_slip_s)},
+          {"least_gamma", known(s.least_gamma)}};
+}
+
+void draw(const std::vector<ReplayRun>& runs, const std::filesystem::path& svg) {
+  const std::filesystem::path folder = svg.has_parent_path() ? svg.parent_path() : ".";
+  const std::string name = svg.stem().string();
+  std::ostringstream script;
+  script << "set terminal svg size 900," << 260 * runs.size() << "\nset output '" << svg.filename().string()
+         << "'\nset multiplot layout " << runs.size() << ",1\nset yrange [0:1.05]\nset xlabel 'time, s'\n"
+         << "set datafile separator ','\nset key outside\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::ostringstream csv;
+    csv << "time_s,gamma,shear_over_normal,slip\n";
+    for (const ReplayRow& row : runs[i].rows) {
+      const Estimate& e = row.estimate;
+      csv << row.time_s << ',' << e.gamma.value_or(slipd::kUnknown) << ',';
+      csv << (e.normal_n && e.shear_n && *e.normal_n > 0 ? *e.shear_n / *e.normal_n : slipd::kUnknown);
+      csv << ',' << (e.alert == Alert::slip ? 1 : 0) << '\n';
+    }
+    const std::string data = name + "-" + std::to_string(i) + ".csv";
+    write_file(folder / data, csv.str());
+    script << "set title '" << runs[i].sensor << "' noenhanced\nplot '" << data
+           << "' using 1:4 skip 1 with filledcurves y1=0 fs transparent solid 0.2 title 'alert slip', '' using "
+              "1:2 skip 1 with lines title 'margin', '' using 1:3 skip 1 with lines title 'Q/P'\n";
+  }
+  plot(folder, name, script.str());
+}
+
+}  // namespace sliplab
