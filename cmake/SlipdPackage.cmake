@@ -89,6 +89,10 @@ service must be allowed for them, and no more.")
   endif()
 endforeach()
 
+# The pages, beside the package's papers.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/slipd COMPONENT slipd
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+
 # For drivers of one's own: what a driver includes, and the one library that it may call.
 install(FILES ${PROJECT_SOURCE_DIR}/driver_api/driver.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/driver_api COMPONENT dev)
 install(FILES ${PROJECT_SOURCE_DIR}/core/frame/frame.hpp ${PROJECT_SOURCE_DIR}/core/frame/layout.hpp

@@ -66,10 +66,12 @@ class Converter {
           known.push_back(sensor["name"]);
       }
     }
+    const bool sensors_known = !has_problem_exactly_at(found, "/sensors");
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/grasps", i);
       if (has_problem_at(found, at)) continue;
       s.grasps.push_back({list[i]["name"], list[i]["sensors"]});
+      if (!sensors_known) continue;
       for (std::size_t j = 0; j < list[i]["sensors"].size(); ++j) {
         const std::string& name = s.grasps.back().sensors[j];
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -208,7 +210,13 @@ bool has_problem_at(const std::vector<Problem>& problems, const std::string& poi
   });
 }
 
+bool has_problem_exactly_at(const std::vector<Problem>& problems, const std::string& pointer) {
+  return std::any_of(problems.begin(), problems.end(),
+                     [&](const Problem& p) { return p.pointer == pointer; });
+}
+
 void check_names_differ(const json& list, const std::string& at, std::vector<Problem>& problems) {
+  if (has_problem_exactly_at(problems, at)) return;  // too long, say; each is compared with all
   const auto named = [](const json& one) { return one.is_object() && one.contains("name"); };
   for (std::size_t i = 0; i < list.size(); ++i) {
     for (std::size_t j = 0; j < i && named(list[i]); ++j) {

@@ -15,6 +15,9 @@ namespace slipd {
 // not checked).
 bool has_problem_at(const std::vector<Problem>& problems, const std::string& pointer);
 
+// Whether one of `problems` is of the value at `pointer` itself.
+bool has_problem_exactly_at(const std::vector<Problem>& problems, const std::string& pointer);
+
 // Division, not multiplication by 0.001: so 2 mm become the double nearest to 0.002.
 inline double metres_of_mm(const nlohmann::json& mm) {
   return mm.get<double>() / 1e3;

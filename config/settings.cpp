@@ -1,14 +1,12 @@
 #include "config/settings.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "config/convert.hpp"
+#include "core/storage/regular_file.hpp"
 #include "embedded/slipd_config_schema.hpp"
 #include "schema/json_text.hpp"
 #include "schema/schema.hpp"
@@ -32,6 +30,8 @@ const std::string* string_at(const json& object, const char* key) {
 // Looks up each sensor's driver and checks the sensor's options by the driver's schema.
 void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& problems) {
   if (!root.contains("sensors") || !root["sensors"].is_array()) return;
+  if (has_problem_exactly_at(problems, "/sensors"))
+    return;  // too many of them, say: looking at all takes long
   for (std::size_t i = 0; i < root["sensors"].size(); ++i) {
     json& sensor = root["sensors"][i];
     const std::string at = pointer_to("/sensors", i);
@@ -96,16 +96,15 @@ Settings parse_settings(const std::string& text, const std::string& name, Driver
 
 Settings load_settings(const std::filesystem::path& file, DriverCatalogue& drivers) {
   constexpr std::size_t kLargest = 16U << 20U;
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  std::string text(kLargest + 1, '\0');
-  if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad() || (!in && !in.eof())) {
-    throw SettingsError({file.string() + ": cannot be read: " + std::generic_category().message(errno)});
+  std::string text;
+  try {
+    text = read_regular_file(file, kLargest);
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::file_too_large)
+      throw SettingsError({file.string() + ": is larger than 16 MB, which no configuration is"});
+    if (error.code() == std::errc::not_supported) throw SettingsError({std::string(error.what())});
+    throw SettingsError({file.string() + ": cannot be read: " + error.code().message()});
   }
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kLargest)
-    throw SettingsError({file.string() + ": is larger than 16 MB, which no configuration is"});
   return parse_settings(text, file.string(), drivers);
 }
 

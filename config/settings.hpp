@@ -72,7 +72,7 @@ struct RecorderSettings {
   double seconds = 0;
   // Memory for the frames of all sensors, MB.
   double max_mb = 256;
-  // Recordings kept on disk; the oldest are removed.
+  // Recordings of slips kept on disk, and as many requested ones; the oldest are removed.
   int keep = 20;
 };
 

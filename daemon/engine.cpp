@@ -36,7 +36,10 @@ bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
   models_.stop();
   // CAN first, so that receivers learn at once that no estimate holds any more.
   const bool can_stopped = !can_ || can_->stop(deadline);
-  return pipeline_.stop(deadline) && can_stopped;
+  pipeline_.stop(deadline);
+  unfinished_ = pipeline_.unfinished();
+  if (!can_stopped) unfinished_ += (unfinished_.empty() ? "" : ", ") + std::string("the CAN output");
+  return unfinished_.empty();
 }
 
 bool Engine::all_devices_tried() const {

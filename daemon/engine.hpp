@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "daemon/can/output.hpp"
 #include "daemon/model_provider.hpp"
@@ -26,6 +27,8 @@ class Engine {
 
   // Stops all threads by about `deadline`. False: a driver hangs, and this engine must not be destroyed.
   bool stop(std::chrono::steady_clock::time_point deadline);
+  // What had not ended when stop() returned, for people; empty: all had.
+  const std::string& unfinished() const noexcept { return unfinished_; }
 
   // adopt_learned_state before start, release_learned_state after stop returned true: hand what estimators
   // have learned to the next engine.
@@ -52,6 +55,7 @@ class Engine {
   std::optional<can::Output> can_;
   Pipeline pipeline_;
   ServiceContext context_;
+  std::string unfinished_;
 };
 
 }  // namespace slipd

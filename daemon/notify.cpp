@@ -37,11 +37,11 @@ void status(const ServiceContext& context, std::string& last) {
   std::size_t connected = 0;
   std::string absent;
   for (const auto& status : context.board.sensors) {
-    if (status->link.load(std::memory_order_relaxed) == DeviceLink::open) {
+    const std::string trouble = status->facts().trouble;
+    if (status->link.load(std::memory_order_relaxed) == DeviceLink::open && trouble.empty()) {
       ++connected;
       continue;
     }
-    const std::string trouble = status->facts().trouble;
     absent += (absent.empty() ? " (" : "; ") + status->name + (trouble.empty() ? "" : ": " + trouble);
   }
   const std::string text = std::to_string(connected) + " of " + std::to_string(context.board.sensors.size()) +

@@ -129,6 +129,11 @@ class DeviceDriver {
   // Whether the source of frames can wait (a recording played as fast as frames are taken). slipd then waits
   // for the estimator before the next read instead of skipping frames. Constant after open.
   virtual bool paced_by_consumer() const noexcept { return false; }
+
+  // Called from one thread: acquire, out of real time, when an open device has completed no frame for some
+  // seconds. Why the bytes that arrive make no frame, for people: "reports of 64 bytes arrive, the profile
+  // expects 20". Empty: nothing arrives, or the driver cannot tell.
+  virtual std::string why_no_frames() const { return {}; }
 };
 
 // The table that a module exports. It is constant and lives as long as the process.
@@ -148,7 +153,7 @@ struct DriverModule {
 };
 
 // Version of this contract. A module of another version is not loaded.
-inline constexpr std::uint32_t kDriverAbi = 4;
+inline constexpr std::uint32_t kDriverAbi = 5;
 // The symbol that a module exports.
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 

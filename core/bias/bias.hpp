@@ -24,7 +24,19 @@ struct Bias {
   BiasOrigin origin = BiasOrigin::none;
   std::int64_t taken_ns = 0;      // CLOCK_MONOTONIC; below 0: before this machine was started
   std::int64_t confirmed_ns = 0;  // as above: when it was last seen to hold
+  // What the sensor read when it was last seen, as bias_pa; empty: not known. A load that is still held when
+  // the sensor is back tells that it is the same sensor.
+  std::vector<float> last_pa = {};
 };
+
+// Why a zero that is there is not used.
+enum class BiasDoubt : std::uint8_t {
+  none,       // it is used
+  elsewhere,  // the sensor was away, and now reads neither as without load nor as before
+  below       // the sensor reads far below the zero, as no contact makes it read
+};
+
+std::string_view to_string(BiasDoubt) noexcept;  // "none", "elsewhere", "below"
 
 // How it went with a zero that was asked for.
 enum class BiasResult : std::uint8_t {
@@ -47,6 +59,8 @@ struct BiasReport {
   std::uint32_t taken = 0;                        // how many zeros were taken here
   BiasOrigin origin = BiasOrigin::none;
   BiasResult answer = BiasResult::none;  // to `answered`
+  BiasDoubt doubt = BiasDoubt::none;     // anything else: frames are marked as not zeroed
+  float off_pa = 0;                      // with a doubt: mean distance of normal pressure from the zero
   bool restored = false;                 // it comes from disk
   bool free = false;                     // nothing touched the sensor a moment ago
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace slipd {
 namespace {
@@ -23,17 +24,26 @@ std::string_view to_string(BiasResult answer) noexcept {
   return kNames[static_cast<std::size_t>(answer)];
 }
 
-BiasEstimator::BiasEstimator(const TaxelLayout& layout, Steps steps, const BiasEstimatorOptions& options)
+std::string_view to_string(BiasDoubt doubt) noexcept {
+  static constexpr std::string_view kNames[] = {"none", "elsewhere", "below"};
+  return kNames[static_cast<std::size_t>(doubt)];
+}
+
+BiasEstimator::BiasEstimator(const TaxelLayout& layout, Steps steps, const BiasEstimatorOptions& options,
+                             bool exchangeable)
     : taxels_(layout.size()),
       steps_(steps),
       options_(options),
       finder_(layout),
       block_(taxels_),
+      check_(taxels_, options.check),
       taken_bias_(3 * taxels_),
       last_mean_(3 * taxels_),
       last_variance_(3 * taxels_),
       apart_(3 * taxels_),
-      sorted_(taxels_) {
+      sorted_(taxels_),
+      exchangeable_(exchangeable),
+      last_seen_(3 * taxels_) {
   zero_.bias_pa.resize(3 * taxels_);
   zero_.noise_pa.resize(3 * taxels_);
 }
@@ -49,12 +59,16 @@ void BiasEstimator::restore(const Bias& zero) {
   report_.confirmed_ns = zero.confirmed_ns;
   report_.restored = true;
   measure_noise();
+  check_.forget_pressed();
+  has_last_seen_ = zero.last_pa.size() == last_seen_.size();
+  if (has_last_seen_) last_seen_ = zero.last_pa;
+  zero_.last_pa.clear();
+  seen_frame_ = false;
+  check_next_ = true;
 }
 
 void BiasEstimator::reopened() noexcept {
-  block_.forget();
-  whole_ = false;
-  last_frames_ = 0;
+  note_absence();
   seen_free_ = report_.free = false;
   if (asked_) answer(BiasResult::gone);
 }
@@ -76,8 +90,13 @@ void BiasEstimator::ask(std::uint32_t request, bool force) noexcept {
 }
 
 void BiasEstimator::apply(FrameSlot& frame) noexcept {
+  const auto absent_ns = static_cast<std::int64_t>(options_.absent_s * 1e9);
+  if (exchangeable_ && seen_frame_ && frame.time_ns - last_frame_ns_ > absent_ns) note_absence();
+  last_frame_ns_ = frame.time_ns;
+  seen_frame_ = true;
+  if (check_next_) check_first(frame.view());
   whole_ = block_.add(frame) || whole_;
-  frame.zeroed = known();
+  frame.zeroed = trusted();
   if (!frame.zeroed) return;
   const float* bias = zero_.bias_pa.data();
   for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa}) {
@@ -88,16 +107,87 @@ void BiasEstimator::apply(FrameSlot& frame) noexcept {
   }
 }
 
-bool BiasEstimator::judge() noexcept {
-  if (!whole_) return false;
+// The sensor is away, or was. Frames from before and after make no block.
+void BiasEstimator::note_absence() noexcept {
+  // Without a frame since it was away before, what it read then still holds.
+  if (trusted() && block_.newest_mean(last_seen_)) has_last_seen_ = true;
+  block_.forget();
   whole_ = false;
+  last_frames_ = 0;
+  blocks_below_ = 0;
+  check_next_ = true;
+}
+
+// The first frame after the sensor was away. With a serial number it is the same sensor, which only may have
+// drifted.
+void BiasEstimator::check_first(const Frame& frame) noexcept {
+  check_next_ = false;
+  if (!known()) return;
+  const bool below = check_.is_below(frame, zero_, floors());
+  if (exchangeable_ && !check_.agrees(frame, zero_, last_seen(), floors())) {
+    set_doubt(below && shows_shape() ? BiasDoubt::below : BiasDoubt::elsewhere, frame);
+  } else {
+    set_doubt(below ? BiasDoubt::below : BiasDoubt::none, frame);
+  }
+}
+
+// Whether a block speaks against the zero, or no longer does.
+void BiasEstimator::review() noexcept {
+  const Frame block = block_as_frame();
+  const bool below = check_.is_below(block, zero_, floors());
+  blocks_below_ = below ? blocks_below_ + 1 : 0;
+  if (trusted()) {
+    check_.note_pressed(block.normal_pa, zero_);
+    if (blocks_below_ >= options_.below_blocks) set_doubt(BiasDoubt::below, block);
+    return;
+  }
+  if (fits_again(block, below)) set_doubt(BiasDoubt::none, block);
+  if (!trusted()) set_doubt(report_.doubt, block);
+}
+
+// A zero that was taken from a contact fits on all taxels that this contact did not touch, and seems to fit
+// when the same is held again: only a reading that agrees everywhere speaks for it. Of few taxels, a pull may
+// be the reason, and passes.
+bool BiasEstimator::fits_again(const Frame& block, bool below) const noexcept {
+  if (report_.doubt == BiasDoubt::below) return !below && (!shows_shape() || near_bias());
+  return check_.agrees(block, zero_, last_seen(), floors());
+}
+
+void BiasEstimator::set_doubt(BiasDoubt doubt, const Frame& reading) noexcept {
+  report_new_ = report_new_ || doubt != report_.doubt;
+  report_.doubt = doubt;
+  report_.off_pa = doubt == BiasDoubt::none ? 0 : ZeroCheck::mean_off_pa(reading, zero_);
+}
+
+ZeroCheck::Floors BiasEstimator::floors() const noexcept {
+  return {report_.noise_normal_pa, report_.noise_shear_pa, steps_.normal_pa, steps_.shear_pa};
+}
+
+Frame BiasEstimator::block_as_frame() const noexcept {
+  const auto now = block_.mean_pa();
+  return {.normal_pa = now.first(taxels_),
+          .shear_x_pa = now.subspan(taxels_, taxels_),
+          .shear_y_pa = now.last(taxels_)};
+}
+
+std::vector<float> BiasEstimator::last_reading() const {
+  std::vector<float> last(3 * taxels_);
+  return trusted() && block_.newest_mean(last) ? last : std::vector<float>();
+}
+
+bool BiasEstimator::judge() noexcept {
+  const bool changed = std::exchange(report_new_, false);
+  if (!whole_) return changed;
+  whole_ = false;
+  if (known()) review();
+  report_new_ = false;
   const bool has_last = last_frames_ > 0;
   const bool still = has_last && stands_still();
   report_.free = false;
   if (asked_) {
     if (has_last) answer_request(still);
-  } else if (still && (known() ? near_bias() : reads_zero()) && !stands_out()) {
-    if (known()) {
+  } else if (still && (trusted() ? near_bias() : reads_zero()) && !stands_out()) {
+    if (trusted()) {
       follow();
     } else {
       take(BiasOrigin::no_load);
@@ -186,12 +276,13 @@ bool BiasEstimator::near_bias() const noexcept {
   return true;
 }
 
-// Whether the block differs from the bias (from 0, while there is none) as a contact does: some taxels that
-// lie together, more than what the others differ by. What all have in common is drift.
+// Whether the block differs from the bias (from 0, while there is none to trust) as a contact does: some
+// taxels that lie together, more than what the others differ by. What all have in common is drift.
 bool BiasEstimator::stands_out() noexcept {
-  if (taxels_ < options_.min_shape_taxels) return false;
+  if (!shows_shape()) return false;
   const auto now = block_.mean_pa();
-  for (std::size_t i = 0; i < now.size(); ++i) apart_[i] = now[i] - zero_.bias_pa[i];
+  const float share = trusted() ? 1 : 0;
+  for (std::size_t i = 0; i < now.size(); ++i) apart_[i] = now[i] - share * zero_.bias_pa[i];
   std::copy_n(apart_.begin(), taxels_, sorted_.begin());
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(taxels_ / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
@@ -211,7 +302,7 @@ bool BiasEstimator::stands_out() noexcept {
 // What speaks against a zero that was asked for. A sensor that was seen free since it was opened, and no
 // longer is, is touched. One that was not may have drifted while it was away: then only shape tells.
 bool BiasEstimator::looks_touched() noexcept {
-  return (seen_free_ && !near_bias()) || stands_out();
+  return (trusted() && seen_free_ && !near_bias()) || stands_out();
 }
 
 void BiasEstimator::take(BiasOrigin origin) noexcept {
@@ -227,6 +318,11 @@ void BiasEstimator::take(BiasOrigin origin) noexcept {
   zero_.taken_ns = report_.taken_ns = block_.ended_ns();
   zero_.confirmed_ns = report_.confirmed_ns = block_.ended_ns();
   report_.drift_pa = 0;
+  report_.doubt = BiasDoubt::none;
+  report_.off_pa = 0;
+  has_last_seen_ = false;
+  check_.forget_pressed();
+  blocks_below_ = 0;
   report_.restored = false;
   report_.free = seen_free_ = true;
   ++report_.taken;

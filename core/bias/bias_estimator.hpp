@@ -4,7 +4,8 @@
 // occasions only: when somebody asks for it, who answers for it that nothing touches the sensor, or when the
 // sensor reads, within its noise, what it has to read without load. Before either there is none, and every
 // frame is marked so. While the sensor is seen to be free, the zero slowly follows its drift; while it is
-// touched, or may be, the zero stays.
+// touched, or may be, the zero stays. A zero that the readings contradict (core/bias/zero_check.hpp) is kept,
+// but not used: frames are marked as without a zero until they agree with it again, or a new one is taken.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +14,7 @@
 
 #include "core/bias/bias.hpp"
 #include "core/bias/frame_block.hpp"
+#include "core/bias/zero_check.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
@@ -58,6 +60,14 @@ struct BiasEstimatorOptions {
   // So many that lie together are a contact; taxels, 1 … 20. Too small: one bad taxel is a contact. Too
   // large: a fingertip is none.
   int min_together = 3;
+  // A sensor without a serial number that sent no frame for so long may have been exchanged; s, 0.3 … 2. Too
+  // small: lost frames make a check that a wide contact fails. Too large: a quick exchange goes unseen.
+  double absent_s = 1;
+  // Blocks in a row that read far below the zero before it is doubted; 1 … 10. Too small: a sensor that is
+  // pulled at for a moment is without a zero. Too large: the doubt comes late.
+  int below_blocks = 2;
+  // When a zero is doubted.
+  ZeroCheckOptions check = {};
 };
 
 class BiasEstimator {
@@ -67,15 +77,16 @@ class BiasEstimator {
     float normal_pa = 0, shear_pa = 0;
   };
 
-  // All memory there ever is.
+  // All memory there ever is. `exchangeable`: no serial number tells this sensor from another in its place,
+  // so that a zero is checked against the first frame after the sensor was away.
   explicit BiasEstimator(const TaxelLayout& layout, Steps steps = {0, 0},
-                         const BiasEstimatorOptions& options = {});
+                         const BiasEstimatorOptions& options = {}, bool exchangeable = false);
 
   // Set-up. The zero of an earlier run; of as many taxels, else std::invalid_argument.
   void restore(const Bias& zero);
 
   // Set-up or acquire thread, after the device was away: whatever was seen of contacts no longer holds. The
-  // zero does. A zero that was asked for is answered with `gone`.
+  // zero does, if the next frame agrees with it. A zero that was asked for is answered with `gone`.
   void reopened() noexcept;
 
   // Set-up. Requests up to this one were for another device in this place: answered with `gone`.
@@ -96,6 +107,10 @@ class BiasEstimator {
   const BiasReport& report() const noexcept { return report_; }
   const Bias& zero() const noexcept { return zero_; }  // acquire thread's own; changes in judge
 
+  // Acquire thread, out of real time. What the sensor last read, for Bias::last_pa; empty while there is no
+  // zero, or a doubt about it, or no frame yet.
+  std::vector<float> last_reading() const;
+
  private:
   // Of all normal pressures, and of both shears: a taxel that happens to flicker little is no better known
   // than the others.
@@ -110,6 +125,18 @@ class BiasEstimator {
   }
 
   bool known() const noexcept { return report_.origin != BiasOrigin::none; }
+  bool trusted() const noexcept { return known() && report_.doubt == BiasDoubt::none; }
+  ZeroCheck::Floors floors() const noexcept;
+  Frame block_as_frame() const noexcept;
+  void note_absence() noexcept;
+  void check_first(const Frame& frame) noexcept;
+  void review() noexcept;
+  bool fits_again(const Frame& block, bool below) const noexcept;
+  bool shows_shape() const noexcept { return taxels_ >= options_.min_shape_taxels; }
+  std::span<const float> last_seen() const noexcept {
+    return std::span(last_seen_).first(has_last_seen_ ? last_seen_.size() : 0);
+  }
+  void set_doubt(BiasDoubt doubt, const Frame& reading) noexcept;
   bool stands_still() const noexcept;
   bool reads_zero() const noexcept;
   bool near_bias() const noexcept;
@@ -127,6 +154,7 @@ class BiasEstimator {
   BiasEstimatorOptions options_;
   PatchFinder finder_;
   FrameBlock block_;
+  ZeroCheck check_;
   Bias zero_;
   BiasReport report_;
   std::vector<float> taken_bias_;                 // for the drift
@@ -138,6 +166,14 @@ class BiasEstimator {
   bool seen_free_ = false;             // since the device was opened
   bool asked_ = false, force_ = false;
   int tries_ = 0;
+  const bool exchangeable_;
+  std::int64_t last_frame_ns_ = 0;
+  bool seen_frame_ = false;     // since the zero was restored or the sensor was made
+  bool check_next_ = false;     // the next frame is the first after the sensor was away
+  bool report_new_ = false;     // the report has changed in apply
+  bool has_last_seen_ = false;  // last_seen_ is what the sensor read before it was away
+  std::vector<float> last_seen_;
+  int blocks_below_ = 0;
 };
 
 }  // namespace slipd

@@ -36,6 +36,13 @@ bool FrameBlock::add(const FrameSlot& frame) noexcept {
   return true;
 }
 
+bool FrameBlock::newest_mean(std::span<float> mean_pa) const noexcept {
+  if (count_ == 0 && frames_ == 0) return false;
+  for (std::size_t i = 0; i < mean_pa.size(); ++i)
+    mean_pa[i] = count_ > 0 ? first_[i] + sum_[i] / static_cast<float>(count_) : mean_[i];
+  return true;
+}
+
 void FrameBlock::finish() noexcept {
   const auto n = static_cast<float>(count_);
   const std::size_t size = mean_.size();

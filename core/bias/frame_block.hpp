@@ -21,7 +21,12 @@ class FrameBlock {
   // Acquire thread, as all of it. Adds a frame; true if the block is whole with it: then mean_pa and
   // variance_pa2 are set, and the next frame begins the next one.
   bool add(const FrameSlot& frame) noexcept;
-  void forget() noexcept { count_ = 0; }  // the frames of the block that is under way
+  // The frames of the block that is under way, and the last whole one.
+  void forget() noexcept { count_ = frames_ = 0; }
+
+  // Mean of the frames of the block that is under way, else of the last whole one, into `mean_pa`, which has
+  // three values a taxel. False: there is neither.
+  bool newest_mean(std::span<float> mean_pa) const noexcept;
 
   // Of the last whole block; three values a taxel, as in Bias.
   std::span<const float> mean_pa() const noexcept { return mean_; }

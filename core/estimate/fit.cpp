@@ -284,6 +284,7 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
+  out.moments_common_sigma = ratio.moments_common_sigma;
   const Vector first = start(patch, ratio);
   if (!(first[load] > 0) || count_ < kUnknowns) return out;
   const Minimum minimum = minimise(first);
@@ -307,6 +308,7 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
       std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
   const double model_sigma = std::hypot(uneven, unlike);
   out.sigma = std::hypot(out.sigma, model_sigma);
+  out.common_sigma = model_sigma;
   out.friction_sigma =
       std::hypot(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
   return out;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/estimate/moments.hpp"
+
 namespace slipd {
 namespace {
 
@@ -48,8 +50,11 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
   if (!force_only_) follow(patch);
   grasp_.surprised = false;
   grasp_.doubt_frames = std::max(0, grasp_.doubt_frames - 1);
-  if (frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
+  if (frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n) {
     weigh_frame(patch, *frame_estimate);
+  } else {
+    grasp_.slip_moment.known = false;
+  }
   if (force_only_) {
     if (const auto load = traction_ratio_.detect_slide()) weigh_slide(*load);
   }
@@ -83,14 +88,29 @@ void FrictionFilter::follow(const ContactPatch& patch) noexcept {
 void FrictionFilter::lose_history(HistoryEvent why) noexcept {
   history_.lose(why);
   grid_.reset();
-  grasp_.discount = {};
+  forget_common();
   if (!force_only_) foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
 }
 
-bool FrictionFilter::looks_monotonic(double normal_n, double load) const noexcept {
+// Gamma is read from S/Q = 5/3 - rho, so that a slip moment that is larger than a monotonic load's by dS
+// reads as a margin that is smaller by dGamma/drho dS/Q.
+MeanSigma FrictionFilter::offset_of(std::size_t friction, double load, double normal_n) const noexcept {
+  const double mu = grid_.friction(friction), limit_n = mu * normal_n, shear_n = load * normal_n;
+  const double gamma = std::clamp(1 - load / mu, 0.0, 1.0);
+  const double off_n =
+      std::fabs(foundations_.shear_moments(friction).slip_moment_n) - limit_n * monotonic_slip_moment(gamma);
+  const double resolved_n = options_.monotonic_share_of_limit * limit_n;
+  const double per_newton = gamma_per_moment_ratio(gamma) / shear_n;
+  const double clear = per_newton * std::copysign(std::max(0.0, std::fabs(off_n) - resolved_n), off_n);
+  return {clear, std::hypot(options_.offset_sigma_share * clear,
+                            grasp_.other_history ? per_newton * resolved_n : 0)};
+}
+
+bool FrictionFilter::looks_monotonic(double normal_n, double load) noexcept {
   const std::size_t j = grid_.likeliest();
   const double mu = grid_.friction(j), limit_n = mu * normal_n;
   const double monotonic_n = limit_n * monotonic_slip_moment(1 - load / mu);
+  grasp_.margin_offset = offset_of(j, load, normal_n);
   return std::fabs(std::fabs(foundations_.shear_moments(j).slip_moment_n) - monotonic_n) <
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
@@ -99,10 +119,12 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   const double load = patch.shear_n / patch.normal_n;
   history_.classify(force_only_ ? traction_ratio_.is_highest(load, patch.shear_sigma_n / patch.normal_n)
                                 : looks_monotonic(patch.normal_n, load));
+  grasp_.other_history |= !is_monotonic(history());
   const bool as_monotonic = is_monotonic(history()) && frame_estimate.in_model;
+  if (!force_only_ && is_known(history())) detect_fall(patch, frame_estimate);
   PerFriction residuals;  // the first grid_.count() of them
   if (as_monotonic) {
-    compare_margin(load, frame_estimate, residuals);
+    compare_margin(patch, frame_estimate, residuals);
     grasp_.discount.add(frame_estimate.sigma / options_.alike_sigma);
   } else if (is_known(history()) && !force_only_ &&
              std::isfinite(frame_estimate.moments_sigma.slip_moment_n)) {
@@ -110,19 +132,87 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   } else {
     return;
   }
-  take_evidence(residuals, as_monotonic);
+  part_errors(patch);
+  take_evidence(residuals, as_monotonic,
+                as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
 }
 
-void FrictionFilter::compare_margin(double load, const FrameEstimate& frame_estimate,
+// What frames have in common changes with the contact: where the forces have moved far, errors are new.
+void FrictionFilter::part_errors(const ContactPatch& patch) noexcept {
+  const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
+  const double moved = std::hypot((patch.normal_n - grasp_.evidence_normal_n) / patch.normal_n,
+                                  (patch.shear_n - grasp_.evidence_shear_n) / limit_n);
+  const double kept = std::exp(-moved / options_.parting_share);
+  grasp_.of_margins.known *= kept;
+  grasp_.of_moments.known *= kept;
+  grasp_.evidence_normal_n = patch.normal_n;
+  grasp_.evidence_shear_n = patch.shear_n;
+}
+
+// Of a frame's margin: friction's relative error is Gamma's over 1 - Gamma.
+double FrictionFilter::share_of_margin(const FrameEstimate& frame_estimate) noexcept {
+  if (frame_estimate.profile.known || !(frame_estimate.common_sigma > 0)) return 1;
+  const double mobilised = std::max(options_.min_mobilised, 1 - frame_estimate.gamma);
+  const double all = square(frame_estimate.sigma / mobilised),
+               common = square(frame_estimate.common_sigma / mobilised);
+  return grasp_.of_margins.add(common, std::max(all - common, options_.min_noise_share * all));
+}
+
+// Of a frame's slip moment, over Q.
+double FrictionFilter::share_of_moments(const ContactPatch& patch,
+                                        const FrameEstimate& frame_estimate) noexcept {
+  const double all = square(frame_estimate.moments_sigma.slip_moment_n / patch.shear_n),
+               grid = square(frame_estimate.moments_common_sigma.slip_moment_n / patch.shear_n),
+               model = square(options_.model_sigma_share * options_.uneven_share);
+  return grasp_.of_moments.add(grid + model, std::max(all - grid, options_.min_noise_share * (all + model)));
+}
+
+// Errors of the model and of the taxels' size are the same in two frames, so that the step from one to the
+// next is known much better than either: where the slip moment grows by more than the forces' step explains,
+// friction has fallen.
+void FrictionFilter::detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
+  const SlipMoment last = grasp_.slip_moment;
+  SlipMoment& now = grasp_.slip_moment;
+  if (!std::isfinite(frame_estimate.moments_sigma.slip_moment_n)) {
+    now.known = false;
+    return;
+  }
+  now = {.known = true,
+         .friction = grid_.likeliest(),
+         .seen_n = forces_.axis().cosine(patch) * frame_estimate.moments.slip_moment_n,
+         .expected_n = foundations_.shear_moments(grid_.likeliest()).slip_moment_n,
+         .sigma_n = std::sqrt(std::max(0.0, square(frame_estimate.moments_sigma.slip_moment_n) -
+                                                square(frame_estimate.moments_common_sigma.slip_moment_n))),
+         .normal_n = patch.normal_n,
+         .shear_n = forces_.axis().along_n(patch)};
+  if (!last.known || last.friction != now.friction) return;
+  const double step_n = (now.seen_n - last.seen_n) - (now.expected_n - last.expected_n);
+  const double moved_n = std::fabs(now.shear_n - last.shear_n) +
+                         grid_.friction(now.friction) * std::fabs(now.normal_n - last.normal_n);
+  const double explained_n = options_.fall_sigmas * std::hypot(now.sigma_n, last.sigma_n) +
+                             options_.fall_share_of_step * moved_n + options_.fall_share * patch.shear_n;
+  if (!(std::copysign(1.0, now.shear_n) * step_n > explained_n)) return;
+  forget_common();
+  grasp_.fallen = true;
+  grid_.open_below(options_.fallen_nats);
+  foundations_.weaken(now.friction, [](std::size_t) { return true; });
+  grasp_.doubt_frames = std::max(grasp_.doubt_frames, 1);
+}
+
+void FrictionFilter::compare_margin(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                                     PerFriction& residuals) const noexcept {
-  const double step = options_.grid_share * grid_.step();
+  const double step = options_.grid_share * grid_.step(), load = patch.shear_n / patch.normal_n;
   const double frames = options_.frame_share * grasp_.discount.share();
+  const bool followed = !force_only_ && (grasp_.other_history || grasp_.margin_offset.mean != 0);
+  const std::size_t likeliest = grid_.likeliest();
   for (std::size_t j = 0; j < grid_.count(); ++j) {
     const double mobilised = load / grid_.friction(j);
+    const bool near = j + options_.offset_reach >= likeliest && j <= likeliest + options_.offset_reach;
+    const MeanSigma offset = followed && near ? offset_of(j, load, patch.normal_n) : grasp_.margin_offset;
     residuals[j] = frame_estimate.profile.known
-                       ? frames * 2 * frame_estimate.profile.at(1 - mobilised)
-                       : square(frame_estimate.gamma - 1 + mobilised) /
-                             (square(frame_estimate.sigma) + square(step * mobilised));
+                       ? frames * 2 * frame_estimate.profile.at(1 - mobilised - offset.mean)
+                       : square(frame_estimate.gamma + offset.mean - 1 + mobilised) /
+                             (square(frame_estimate.sigma) + square(offset.sigma) + square(step * mobilised));
   }
 }
 
@@ -169,7 +259,7 @@ void FrictionFilter::doubt_likeliest(const FrameEstimate& frame_estimate, double
 
 // Bayes: half of each friction's squared residual is taken from its log weight, unless nothing explains the
 // frame.
-void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic) noexcept {
+void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept {
   const double likeliest = residuals[grid_.likeliest()];
   const double least =
       *std::min_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(grid_.count()));
@@ -183,11 +273,13 @@ void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monoton
   }
   if (grasp_.cusum.nats > options_.cusum_threshold_nats) {
     grasp_.cusum = {};
-    grasp_.discount = {};
+    forget_common();
     grid_.reset();
   }
+  if (grasp_.surprised || doubted()) forget_common();
   history_.explained(as_monotonic);
-  for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, 0.5 * (residuals[j] - least));
+  const double half = 0.5 * share;
+  for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, half * (residuals[j] - least));
 }
 
 // Friction does not change by so much between two frames, but noise may turn one peak into another: what was

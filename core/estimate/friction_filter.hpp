@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -45,11 +46,18 @@ class FrictionFilter {
   // What is known of the load before this frame.
   HistoryState history() const noexcept { return history_.state(); }
 
+  // What a frame's margin, read as one of a monotonic load, misses by the history that the likeliest
+  // friction's contact has had: to be added to it, Gamma; and its standard deviation.
+  const MeanSigma& margin_offset() const noexcept { return grasp_.margin_offset; }
+
   // This frame contradicts the friction that was likeliest before it: friction has changed, or was wrong.
   bool surprised() const noexcept { return grasp_.surprised; }
 
   // Frames of late contradict it by less: friction is less than it was, and they do not say by how much.
   bool doubted() const noexcept { return grasp_.doubt_frames > 0; }
+
+  // Friction has fallen in this grasp, as far as frames then left it open.
+  bool fallen() const noexcept { return grasp_.fallen; }
 
   // The history is known, and frames of late look as some friction would make them.
   bool understood() const noexcept {
@@ -74,37 +82,79 @@ class FrictionFilter {
     double share() const noexcept { return 1 / (1 + common); }
   };
 
+  // Frames of one contact share a part of their error (docs/theory.md §11.2): what n of them say of friction
+  // has the variance common^2 + noise^2/n, relative to friction.
+  struct CommonError {
+    double known =
+        0;  // what the frames so far said, as the inverse of that variance; faded as the contact changes
+    // Adds a frame of variances `common` and `noise` > 0. Returns how much of its evidence is new, 0 … 1.
+    double add(double common, double noise) noexcept {
+      const double open = 1 / std::max(known, kLeast) - common;
+      if (!(open > 0)) return 0;
+      const double with_it = 1 / (common + 1 / (1 / open + 1 / noise)),
+                   share = (with_it - known) * (common + noise);
+      known = with_it;
+      return std::clamp(share, 0.0, 1.0);
+    }
+    static constexpr double kLeast = 1e-9;  // of known: nothing was said
+  };
+
   // Mean residuals of the likeliest friction's foundation, N.
   struct MomentResiduals {
     double slip_moment_n = 0;
     double second_legendre_n = 0;
   };
 
+  // The slip moment of the last frame, N, signed like Q.
+  struct SlipMoment {
+    bool known = false;
+    std::size_t friction = 0;           // the likeliest then
+    double seen_n = 0, expected_n = 0;  // of the frame, of that friction's foundation
+    double sigma_n = 0;                 // of noise
+    double normal_n = 0, shear_n = 0;   // forces then
+  };
+
   // What a new grasp forgets.
   struct GraspState {
     bool surprised = false;
     int doubt_frames = 0;      // to come
+    MeanSigma margin_offset;   // see margin_offset()
     double likeliest = 0;      // friction a frame ago; 0 before the first
     double mean_residual = 1;  // of the best friction, squared
     Cusum cusum;
     EvidenceDiscount discount;
+    CommonError of_margins, of_moments;
+    SlipMoment slip_moment;
+    bool fallen = false;                                 // see fallen()
+    bool other_history = false;                          // the load was not monotonic once
+    double evidence_normal_n = 0, evidence_shear_n = 0;  // forces of the last frame that was weighed
     MomentResiduals moment_residuals;
     std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
   };
 
   void fade(std::int64_t time_ns) noexcept;
+  // The frames before say nothing of what the next ones have in common.
+  void forget_common() noexcept {
+    grasp_.discount = {};
+    grasp_.of_margins = grasp_.of_moments = {};
+  }
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
   void lose_history(HistoryEvent why) noexcept;
-  bool looks_monotonic(double normal_n, double load) const noexcept;
+  bool looks_monotonic(double normal_n, double load) noexcept;
   void weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   // Squared residuals of each friction: of the frame's margin, of its shear moments.
-  void compare_margin(double load, const FrameEstimate& frame_estimate,
+  void compare_margin(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                       PerFriction& residuals) const noexcept;
   void compare_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                        PerFriction& residuals) noexcept;
   void doubt_likeliest(const FrameEstimate& frame_estimate, double sign, double open_n) noexcept;
-  void take_evidence(const PerFriction& residuals, bool as_monotonic) noexcept;
+  void take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept;
+  void part_errors(const ContactPatch& patch) noexcept;
+  double share_of_margin(const FrameEstimate& frame_estimate) noexcept;
+  double share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
+  void detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
+  MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void doubt_jump() noexcept;
   void weigh_slide(double load) noexcept;
 

@@ -42,6 +42,14 @@ struct FrictionFilterOptions {
   // After frames of sigmas s_i the next one counts for 1/(1 + sum (s_i/alike_sigma)^2); sigma of Gamma, 0.3 …
   // 5. Too small: learns slowly. Too large: sigma is less than the error.
   double alike_sigma = 1.2;
+  // Share by which forces have to move, of the normal force and of the friction limit, for a frame's error to
+  // be another one to 1/e; 0.05 … 5. Too small: sigma is less than the error after a hold. Too large: learns
+  // slowly.
+  double parting_share = 0.5;
+  // The least share of a frame's variance that is noise, and the least 1 - Gamma that friction is read from;
+  // 1e-6 … 0.1 each. They keep quotients finite, without noise and without load.
+  double min_noise_share = 1e-4;
+  double min_mobilised = 1e-3;
   // Standard deviation of a margin that lies between two points of the grid, of its step; 0 … 1. Too small:
   // a sharp frame refutes the points on both sides of the right friction. Too large: sharp frames are wasted.
   double grid_share = 0.35;
@@ -52,6 +60,15 @@ struct FrictionFilterOptions {
   // unloading is overlooked.
   double monotonic_share_of_shear = 0.03;
   double monotonic_share_of_limit = 0.003;
+
+  // Standard deviation of what such a load adds to a frame's margin, of that; 0 … 1. Methods differ in how
+  // much of it they read. Too small: sigma is less than the error after a small regrip or unloading. Too
+  // large: frames that say much are wasted.
+  double offset_sigma_share = 0.3;
+  // Points of the grid on either side of the likeliest friction for which it is computed by their own
+  // contacts; 0 … foundations. Too few: a friction that is not known yet is learnt with the likeliest one's
+  // history. More cost time.
+  std::size_t offset_reach = 6;
 
   // What the shear moments of a real skin deviate from the model, of the shear; 0.005 … 0.1. Too small: the
   // model's error refutes the right friction. Too large: frictions are not told apart.
@@ -81,6 +98,17 @@ struct FrictionFilterOptions {
   // Jump of the likeliest friction between two frames that casts doubt as well; log mu, 0.1 … 1. Too small:
   // learning casts doubt. Too large: a jump between two peaks is given as sure.
   double jump_log = 0.4;
+
+  // The slip moment's step from one frame to the next that shows friction's fall: beyond what the likeliest
+  // friction expects, by standard deviations of noise, 3 … 10, by a share of the forces' step, 0.05 … 0.5,
+  // and of the shear, 0.002 … 0.05. Too small: noise, or a fast load, is taken for a fall, and no margin is
+  // given. Too large: a fall between two frames is learnt late.
+  double fall_sigmas = 4;
+  double fall_share_of_step = 0.02;
+  double fall_share = 0.003;
+  // What then counts against each lower friction; nats, 0 … 5. Too small: the former friction, which may have
+  // fallen by a little, is given up. Too large: the fall is learnt late.
+  double fallen_nats = 0.5;
 
   // Least squared residual of all frictions above which a frame is an outlier and takes no weight; 4 … 50.
   // Too small: frames that say something are left out. Too large: frames that contradict the model decide.

@@ -28,6 +28,11 @@ void FrictionGrid::fade(double keep) noexcept {
     log_weight_[j] = log_prior_[j] + keep * (log_weight_[j] - log_prior_[j]);
 }
 
+void FrictionGrid::open_below(double nats) noexcept {
+  const std::size_t top = likeliest();
+  for (std::size_t j = 0; j < top; ++j) log_weight_[j] = std::max(log_weight_[j], log_weight_[top] - nats);
+}
+
 std::size_t FrictionGrid::likeliest() const noexcept {
   const auto end = log_weight_.begin() + static_cast<std::ptrdiff_t>(count_);
   return static_cast<std::size_t>(std::max_element(log_weight_.begin(), end) - log_weight_.begin());
@@ -70,8 +75,8 @@ MeanSigma FrictionGrid::friction() const noexcept {
 }
 
 MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
-  constexpr double kNoLoad = 1e-9;  // |Q|/P: keeps the quotient finite without load
   const MeanSigma mu = friction();
+  load_sigma = std::hypot(load_sigma, options_.load_floor);
   if (mu.sigma < options_.sharp_sigma * mu.mean) {
     const double mobilised = load / mu.mean;
     return {std::clamp(1 - mobilised, 0.0, 1.0), std::hypot(mobilised * mu.sigma, load_sigma) / mu.mean};
@@ -80,8 +85,9 @@ MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
   for (std::size_t j = 0; j < count_; ++j)
     sums.add(std::exp(log_weight_[j]), std::clamp(1 - load / friction_[j], 0.0, 1.0));
   const double mobilised = 1 - sums.mean();
-  return {sums.mean(), std::sqrt(sums.variance() + variance_of_step(step_ * mobilised) +
-                                 square(load_sigma * mobilised / std::max(load, kNoLoad)))};
+  const double per_load = load > options_.load_floor ? mobilised / load : 1 / mu.mean;
+  return {sums.mean(),
+          std::sqrt(sums.variance() + variance_of_step(step_ * mobilised) + square(load_sigma * per_load))};
 }
 
 }  // namespace slipd

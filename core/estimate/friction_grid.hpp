@@ -41,6 +41,10 @@ struct FrictionGridOptions {
   // Floor of friction's sigma, relative, 0 … 0.1: contacts are not as even as their model. Too small: sigma
   // is less than the error. Too large: sharp frames are wasted.
   double sigma_floor = 0.02;
+  // Floor of the sigma of |Q|/P, 1e-6 … 0.01: what gains and rounding of the taxels leave of the forces'
+  // ratio, also of a sensor that shows no noise. Too small: a margin without shear is given as exact. Too
+  // large: sigma is more than the error on good sensors.
+  double load_floor = 5e-4;
   // Friction whose sigma is below this, relative, gives the margin in closed form; 0 … 0.3. Too small: costs
   // time. Too large: 1/mu is taken for linear where it is not.
   double sharp_sigma = 0.1;
@@ -69,6 +73,9 @@ class FrictionGrid {
   void take(std::size_t j, double nats) noexcept {
     log_weight_[j] -= std::min(nats, options_.max_frame_nats);
   }
+
+  // Friction has fallen, and by how much is not known: all below the likeliest are at most `nats` behind it.
+  void open_below(double nats) noexcept;
 
   // After each frame: the likeliest gets 0, all floors are applied.
   void normalise() noexcept;

@@ -39,6 +39,11 @@ struct FrameEstimate {
   contact::ShearMoments moments,
       moments_sigma{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   double gamma = 0, sigma = 0;
+  // The part of `sigma` that frames of one contact have in common, which no mean over them takes away: the
+  // method's own error and that of its model, Gamma, 0 … sigma. The rest is noise, new in each frame.
+  double common_sigma = 0;
+  // The same of `moments_sigma`, N.
+  contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
   MarginProfile profile;  // of methods that weigh every margin, where the frame leaves it open

@@ -47,6 +47,20 @@ double gamma_of_moment_ratio(double ratio) noexcept {
   return k * k * k;
 }
 
+double gamma_per_moment_ratio(double gamma) noexcept {
+  return slope(std::cbrt(gamma));
+}
+
+namespace {
+
+// What taxels make of a ring of shear at the rim. `coarse`: side/a.
+double ring_error(double coarse, double gamma, const MomentRatioOptions& options) noexcept {
+  const double widths = (1 - std::cbrt(gamma)) / (options.ring_width * coarse), widths2 = widths * widths;
+  return options.ring_error * coarse * coarse / (1 + widths2 * widths2);
+}
+
+}  // namespace
+
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options) noexcept {
   const MomentSums sums = best_kernels<DiscKernels>().moments(patch.taxels, patch.runs, patch.pose());
@@ -67,8 +81,12 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                from_p = noise_of_mean(patch.noise_normal_pa, p, mean_p, r2, r4, n);
   out.deviation = hertz_deviation(sums, patch, layout.side_m(), options.deviation);
   const double coarse = layout.side_m() / patch.radius_m;
-  const double rim = options.rim_error * coarse * coarse * coarse, grid = rim + options.moments_floor;
-  out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, rim + options.ratio_floor);
+  out.gamma = gamma_of_moment_ratio(out.value);
+  const double rim = std::hypot(options.rim_error * coarse * coarse * coarse,
+                                ring_error(coarse, out.gamma, options)),
+               grid = rim + options.moments_floor;
+  out.common_sigma = rim + options.ratio_floor;
+  out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, out.common_sigma);
 
   // In u = r^2/a^2, with a from the pressure, <r^2>_p = 2 a^2/5: the slip moment Q (5/3 - 5/2 <u>) and the
   // second Legendre moment Q <6 u^2 - 6 u + 1>, and what noise and a wrong radius make of both.
@@ -85,6 +103,7 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                                   shear_n * std::hypot(2.5 * u * radius, grid)),
                        std::hypot(taxel_n * std::sqrt(std::max(0.0, legendre_weights)),
                                   shear_n * std::hypot((12 * u2 - 6 * u) * radius, 2 * grid))};
+  out.moments_common_sigma = {shear_n * grid, 2 * shear_n * grid};
   return out;
 }
 
@@ -101,11 +120,14 @@ FrameEstimate Moments::estimate(const ContactPatch& patch, const Rings& rings) c
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
+  out.moments_common_sigma = ratio.moments_common_sigma;
   const double open = options_.range_sigmas * ratio.sigma + options_.range_slack;
   if (!std::isfinite(ratio.sigma) || ratio.value < 1 - open || ratio.value > 5.0 / 3 + open) return out;
-  out.gamma = gamma_of_moment_ratio(ratio.value);
-  out.sigma =
-      std::hypot(slope(std::cbrt(out.gamma)) * ratio.sigma, ratio.deviation.sigma(options_.ratio.deviation));
+  out.gamma = ratio.gamma;
+  const double per_ratio = slope(std::cbrt(out.gamma)),
+               deviation = ratio.deviation.sigma(options_.ratio.deviation);
+  out.sigma = std::hypot(per_ratio * ratio.sigma, deviation);
+  out.common_sigma = std::hypot(per_ratio * ratio.common_sigma, deviation);
   const double mobilised = std::max(kNoShear, 1 - out.gamma);
   out.friction = ratio.load / mobilised;
   out.friction_sigma =

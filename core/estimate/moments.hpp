@@ -15,6 +15,9 @@ namespace slipd {
 // Gamma for a moment ratio; below 1 it is 0, above 5/3 it is 1.
 double gamma_of_moment_ratio(double ratio) noexcept;
 
+// Its slope: 1 at gross slip … 9/5 without load, at gamma in 0 … 1.
+double gamma_per_moment_ratio(double gamma) noexcept;
+
 // All dimensionless. Checked with `sliplab tradeoff --no-models`, rows of moments: sigma is right where 68 %
 // of the answers are within it. side: a taxel's side; a: the contact's radius.
 struct MomentRatioOptions {
@@ -23,6 +26,12 @@ struct MomentRatioOptions {
   // Error of the ratio by square taxels on a round rim, over (side/a)^3; 0 … 2. Too small: sigma is less than
   // the error on coarse arrays. Too large: it is more.
   double rim_error = 0.3;
+  // The same of shear that lies in a ring at the rim narrower than a taxel, under a light load: over
+  // (side/a)^2, and the ring's width (1 - k) a at which half of that is left, over side; 0 … 1, 0.1 … 1.
+  // Measured by quadrature of exact tractions over side/a of 0.06 … 0.9. Too small and too large: as above,
+  // of light loads.
+  double ring_error = 0.3;
+  double ring_width = 0.45;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
   double ratio_floor = 0.0007;
   // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one
@@ -37,6 +46,8 @@ struct MomentRatio {
   // Its standard deviation, by noise of this frame and the taxels' size; infinite for a contact cut by the
   // sensor's edge, or without load.
   double sigma = std::numeric_limits<double>::infinity();
+  // The margin of a monotonic load with this ratio, 0 … 1.
+  double gamma = 0;
   // Sum q / sum p, dimensionless; 0 without load.
   double load = 0;
   // How the pressure differs from Hertz's; zero for a contact cut by the edge.
@@ -45,6 +56,10 @@ struct MomentRatio {
   contact::ShearMoments moments;
   // Their standard deviations, N; infinite as `sigma` is.
   contact::ShearMoments moments_sigma = FrameEstimate().moments_sigma;
+  // The part of `sigma` that is the same in each frame of a contact: of the taxels' size.
+  double common_sigma = 0;
+  // The same of `moments_sigma`, N.
+  contact::ShearMoments moments_common_sigma;
 };
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options = {}) noexcept;

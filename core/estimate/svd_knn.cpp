@@ -130,6 +130,7 @@ FrameEstimate SvdKnn::estimate(const Frame&, const ContactPatch& patch) noexcept
   const FrameEstimate shape = moments_.estimate(patch, sums);
   out.moments = shape.moments;
   out.moments_sigma = shape.moments_sigma;
+  out.moments_common_sigma = shape.moments_common_sigma;
   float noise = 0;
   const bool rings = model_->setup().view == View::rings;
   if (rings && patch.cut) return out;
@@ -150,7 +151,8 @@ FrameEstimate SvdKnn::estimate(const Frame&, const ContactPatch& patch) noexcept
   // What unseen contacts were off by, and what noise adds: gamma changes by its spread over the neighbours'
   // reach.
   const double by_noise = answer.reach > 0 ? answer.spread * std::min(noise / answer.reach, 10.0F) : 0.0F;
-  out.sigma = std::hypot(model_->gamma_error(answer.spread), by_noise);
+  out.common_sigma = model_->gamma_error(answer.spread);
+  out.sigma = std::hypot(out.common_sigma, by_noise);
   // On rings noise moves the frame itself, its place and its size, as much as it moves the moments.
   if (rings) out.sigma = std::hypot(out.sigma, kFrameShare * shape.sigma);
 

@@ -45,11 +45,13 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   }
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
   const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known);
-  if (!shaped) {
-    // Forces alone never show how near slip is until it has come: the lower part of the posterior is given,
-    // one sigma down, and sigma covers both.
+  const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
+  if (!shaped || fallen) {
+    // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
+    // fallen: the lower part of the posterior is given, one sigma down, and sigma covers both.
     margin.mean = std::max(0.0, margin.mean - margin.sigma);
     margin.sigma *= std::numbers::sqrt2;
+    if (shaped && friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     return margin;
   }
   if (force_only_) return margin;
@@ -58,7 +60,9 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
 
 MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate, Method method,
                            Estimate& out) const noexcept {
-  const MeanSigma own{frame_estimate.gamma, frame_estimate.sigma};
+  const auto [offset, offset_sigma] = friction_filter_.margin_offset();
+  const MeanSigma own{std::clamp(frame_estimate.gamma + offset, 0.0, 1.0),
+                      std::hypot(frame_estimate.sigma, offset_sigma)};
   if (friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
   if (friction_filter_.surprised()) {
     // A frame of a monotonic load shows friction that fell at once, the filter a few frames later.
@@ -94,7 +98,7 @@ void Tracker::update(const ContactPatch& patch, const FrameEstimate* frame_estim
   if (margin && margin->sigma <= settings_.sigma_max) {
     out.state = State::ok;
     out.gamma = margin->mean;
-    out.sigma = margin->sigma;
+    out.sigma = std::hypot(margin->sigma, options_.least_sigma);
   } else {
     out.state = margin || frame_estimate == nullptr ? State::learning : State::out_of_model;
   }

@@ -2,8 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slipd {
+namespace {
+
+constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without shear
+
+}  // namespace
 
 void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   const MeanSigma frame{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
@@ -44,8 +50,12 @@ void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
   const double n = line.frames, level_gain = 2 * (2 * n - 1) / (n * (n + 1)), slope_gain = 6 / (n * (n + 1));
   line.slope += slope_gain * residual;
   const double lag = std::max(0.0, std::fabs(line.residual) - options_.lag_sigmas);
-  state_.now = {std::max(0.0, expected + level_gain * residual),
-                std::hypot(std::sqrt(level_gain), lag) * sigma};
+  const double level = std::max(0.0, expected + level_gain * residual);
+  // Noise across a small shear makes |Q| larger, and no mean takes that away: by sigma^2/(2 |Q|), or by
+  // sqrt(pi/2) sigma without shear (Rice 1944).
+  const double rectified =
+      std::min(std::sqrt(std::numbers::pi / 2), 0.5 * sigma / std::max(level, kLeastLoad));
+  state_.now = {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
 }
 
 TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {

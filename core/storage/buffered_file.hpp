@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "core/storage/unique_fd.hpp"
+
 namespace slipd {
 
 // Not thread-safe: one thread at a time.
@@ -18,9 +20,6 @@ class BufferedFile {
   // Opens `path` with a buffer of `capacity` bytes. Throws std::system_error if the file cannot be opened or
   // is not a regular file.
   BufferedFile(const std::filesystem::path& path, std::size_t capacity);
-  ~BufferedFile();
-  BufferedFile(BufferedFile&& other) noexcept;
-  BufferedFile& operator=(BufferedFile&&) = delete;
 
   // The buffered bytes from offset() on: at least `wanted` of them, fewer at the end of the file or after an
   // error. `wanted` is limited to the capacity. Valid until the next call.
@@ -37,14 +36,22 @@ class BufferedFile {
   // Enlarges the buffer; never shrinks it. Allocates, so only while setting up. Invalidates what peek
   // returned.
   void reserve(std::size_t capacity);
+  // Continues at another position in the file and clears the error.
+  void seek(std::uint64_t offset) noexcept;
   // Starts again at the beginning of the file and clears the error.
-  void rewind() noexcept;
+  void rewind() noexcept { seek(0); }
+
+  // Size of the file now, bytes; 0 if it cannot be told.
+  std::uint64_t size() const noexcept;
+  // Fills `out` from a position, beside the buffer. False: the file has not so many bytes there, or cannot be
+  // read.
+  bool read_at(std::uint64_t offset, std::span<std::uint8_t> out) const noexcept;
 
  private:
   std::vector<std::uint8_t> memory_;
   std::size_t begin_ = 0, end_ = 0;  // the buffered bytes
   std::uint64_t offset_ = 0;
-  int fd_ = -1;
+  UniqueFd fd_;
   int error_ = 0;
 };
 

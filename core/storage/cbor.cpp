@@ -12,13 +12,14 @@ static_assert(std::endian::native == std::endian::little, "float arrays are copi
 
 namespace {
 constexpr std::size_t kDeepest = 16;
+constexpr unsigned kInfo4Bytes = 26, kInfo8Bytes = 27;  // the value of an item follows in so many bytes
 constexpr std::uint8_t kNull = 0xF6;
 constexpr std::uint8_t kFloat64 = 0xFB;
 }  // namespace
 
 void Writer::head(unsigned major, std::uint64_t value) noexcept {
   int bytes = 8;
-  unsigned info = 27;
+  unsigned info = kInfo8Bytes;
   if (value < 24) {
     bytes = 0;
     info = static_cast<unsigned>(value);
@@ -30,10 +31,32 @@ void Writer::head(unsigned major, std::uint64_t value) noexcept {
     info = 25;
   } else if (value <= 0xFFFFFFFF) {
     bytes = 4;
-    info = 26;
+    info = kInfo4Bytes;
   }
+  head_of(major, info, bytes, value);
+}
+
+void Writer::head_of(unsigned major, unsigned info, int bytes, std::uint64_t value) noexcept {
   *at_++ = static_cast<std::uint8_t>(major << 5 | info);
   for (int i = bytes - 1; i >= 0; --i) *at_++ = static_cast<std::uint8_t>(value >> (8 * i));
+}
+
+void Writer::fixed_unsigned(std::uint64_t v) noexcept {
+  head_of(0, kInfo8Bytes, 8, v);
+}
+
+void Writer::fixed_integer(std::int64_t v) noexcept {
+  if (v >= 0) return fixed_unsigned(static_cast<std::uint64_t>(v));
+  head_of(1, kInfo8Bytes, 8, static_cast<std::uint64_t>(-1 - v));
+}
+
+void Writer::fixed_bytes_head(std::size_t bytes) noexcept {
+  head_of(2, kInfo4Bytes, 4, bytes);
+}
+
+void Writer::bytes(std::span<const std::uint8_t> bytes) noexcept {
+  if (!bytes.empty()) std::memcpy(at_, bytes.data(), bytes.size());
+  at_ += bytes.size();
 }
 
 void Writer::text(std::string_view s) noexcept {
@@ -171,6 +194,19 @@ void Reader::float32_array(std::span<float> out) noexcept {
   }
   if (bytes != 0) std::memcpy(out.data(), &bytes_[position_], bytes);
   position_ += bytes;
+}
+
+std::span<const std::uint8_t> Reader::byte_string() noexcept {
+  const std::uint64_t length = head(2, "a byte string");
+  if (!ok()) return {};
+  if (bytes_.size() - position_ < length) {
+    position_ = bytes_.size();
+    fail("a byte string", true);
+    return {};
+  }
+  const auto found = bytes_.subspan(position_, length);
+  position_ += length;
+  return found;
 }
 
 void Reader::skip() noexcept {

@@ -28,11 +28,20 @@ class Writer {
   void float64_or_null(double v) noexcept;
   void null() noexcept { *at_++ = 0xF6; }
   void float32_array(std::span<const float> values) noexcept;
+  // An integer in 9 bytes, whatever its value.
+  void fixed_unsigned(std::uint64_t v) noexcept;
+  void fixed_integer(std::int64_t v) noexcept;
+  // The head of a byte string, in 5 bytes; `bytes` bytes must follow. `bytes` is below 2^32.
+  void fixed_bytes_head(std::size_t bytes) noexcept;
+  void bytes(std::span<const std::uint8_t> bytes) noexcept;
+  // Leaves so many bytes as they are.
+  void pass_over(std::size_t bytes) noexcept { at_ += bytes; }
   // The first byte that was not written.
   const std::uint8_t* at() const noexcept { return at_; }
 
  private:
   void head(unsigned major, std::uint64_t value) noexcept;
+  void head_of(unsigned major, unsigned info, int bytes, std::uint64_t value) noexcept;
   std::uint8_t* at_;
 };
 
@@ -52,6 +61,9 @@ class Reader {
   double float64_or_null() noexcept;
   // Fills `out`. An array of another length is a fault.
   void float32_array(std::span<float> out) noexcept;
+
+  // A byte string; it lies in the bytes that are read.
+  std::span<const std::uint8_t> byte_string() noexcept;
 
   bool ok() const noexcept { return fault_ == nullptr; }
   // Whether the fault is that bytes are missing, and not that they are wrong.

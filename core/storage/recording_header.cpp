@@ -6,13 +6,16 @@
 #include <string>
 #include <utility>
 
+#include "core/storage/sealed.hpp"
+
 namespace slipd {
 namespace {
 
 using nlohmann::json;
 
 constexpr const char* kFormat = "slipd-recording";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2, kFirstVersion = 1;
+const SealedKind kSealed{kFormat, kVersion, "is no recording", "is of version "};
 constexpr std::size_t kMaxScattered = 16384;
 constexpr std::size_t kMaxTextBytes = 4096;
 constexpr std::array<std::pair<SensorClass, const char*>, 3> kClasses{
@@ -100,9 +103,7 @@ std::vector<std::uint8_t> encode_header(const RecordingHeader& header) {
   for (const auto& [value, name] : kClasses) {
     if (value == header.sensor_class) sensor_class = name;
   }
-  return json::to_cbor({{"format", kFormat},
-                        {"version", kVersion},
-                        {"sensor", header.sensor.substr(0, kMaxTextBytes)},
+  return seal(kSealed, {{"sensor", header.sensor.substr(0, kMaxTextBytes)},
                         {"class", sensor_class},
                         {"layout", layout_json(header.layout)},
                         {"rate_hz", header.rate_hz},
@@ -113,7 +114,7 @@ std::vector<std::uint8_t> encode_header(const RecordingHeader& header) {
                         {"zeroed", header.zeroed}});
 }
 
-RecordingHeader decode_header(std::span<const std::uint8_t> item) {
+DecodedHeader decode_header(std::span<const std::uint8_t> item) {
   json map;
   try {
     map = json::from_cbor(item.begin(), item.end(), true, true, json::cbor_tag_handler_t::ignore);
@@ -123,23 +124,30 @@ RecordingHeader decode_header(std::span<const std::uint8_t> item) {
   if (!map.is_object() || map.value("format", json()) != kFormat) {
     refuse("expected a header map with \"format\" \"slipd-recording\"");
   }
-  if (map.value("version", json()) != kVersion) {
-    refuse("the header's \"version\" is " + shown(map.value("version", json())) +
-           ", expected 1: made by a later slipd?");
+  const json version = map.value("version", json());
+  if (version != kVersion && version != kFirstVersion) {
+    refuse("the header's \"version\" is " + shown(version) + ", expected 1 or 2: made by a later slipd?");
+  }
+  if (version == kVersion) {
+    try {
+      map = unsealed(kSealed, item);
+    } catch (const std::exception& e) {  // SealError, json::exception
+      refuse(std::string("the header ") + e.what());
+    }
+    if (!map.is_object()) refuse("the header holds no map");
   }
   const auto boolean = [](const json& v) { return v.is_boolean(); };
   const auto rate = [](const json& v) {
     return v.is_number() && std::isfinite(v.get<double>()) && v.get<double>() >= 0;
   };
-  return {text(map, "sensor"),
-          class_of(text(map, "class")),
-          layout_of(entry(map, "layout", "a map", [](const json& v) { return v.is_object(); })),
-          entry(map, "rate_hz", "a rate in Hz, 0 if unknown", rate).get<double>(),
-          entry(map, "simulated", "true or false", boolean).get<bool>(),
-          nanoseconds(map, "start_realtime_ns"),
-          nanoseconds(map, "start_monotonic_ns"),
-          text(map, "description"),
-          !map.contains("zeroed") || entry(map, "zeroed", "true or false", boolean).get<bool>()};
+  return {.header = {text(map, "sensor"), class_of(text(map, "class")),
+                     layout_of(entry(map, "layout", "a map", [](const json& v) { return v.is_object(); })),
+                     entry(map, "rate_hz", "a rate in Hz, 0 if unknown", rate).get<double>(),
+                     entry(map, "simulated", "true or false", boolean).get<bool>(),
+                     nanoseconds(map, "start_realtime_ns"), nanoseconds(map, "start_monotonic_ns"),
+                     text(map, "description"),
+                     !map.contains("zeroed") || entry(map, "zeroed", "true or false", boolean).get<bool>()},
+          .version = version.get<int>()};
 }
 
 }  // namespace slipd

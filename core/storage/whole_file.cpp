@@ -30,7 +30,7 @@ void remove_abandoned(const fs::path& file) {
   std::error_code ignored;
   for (const auto& item : fs::directory_iterator(folder, ignored)) {
     if (!item.path().filename().string().starts_with(begin)) continue;
-    const UniqueFd left(::open(item.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    const UniqueFd left(::open(item.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
     if (left && ::flock(left.get(), LOCK_EX | LOCK_NB) == 0) fs::remove(item.path(), ignored);
   }
 }

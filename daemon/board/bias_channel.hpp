@@ -35,9 +35,12 @@ class BiasChannel {
     return number;
   }
 
-  // Called from any thread. Whether frames read 0 without load: the bias is known or not needed.
+  // Called from any thread. Whether frames read 0 without load: the bias is known and not in doubt, or not
+  // needed.
   bool known() const noexcept {
-    return !needed.load(std::memory_order_relaxed) || report.load().origin != BiasOrigin::none;
+    if (!needed.load(std::memory_order_relaxed)) return true;
+    const BiasReport now = report.load();
+    return now.origin != BiasOrigin::none && now.doubt == BiasDoubt::none;
   }
 
   // Called from any thread. The newest request.

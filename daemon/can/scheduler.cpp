@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
+
+#include "drivers/can/can_interface.hpp"
 
 namespace slipd::can {
 namespace {
@@ -224,9 +225,8 @@ void CanScheduler::publish() noexcept {
   const char* const interface = can_.interface.c_str();
   switch (report_data_.bus) {
     case Bus::absent:
-      return log_.write(
-          LogLevel::warning, {{}, Cause::bus}, "CAN: %s is not there (%s); looking for it", interface,
-          report_data_.error == EMSGSIZE ? "set up without FD" : strerrordesc_np(report_data_.error));
+      return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s cannot be used: %s; tried again",
+                        interface, why_no_can(report_data_.error));
     case Bus::down:
       return log_.write(LogLevel::warning, {{}, Cause::bus}, "CAN: %s is down", interface);
     case Bus::up:

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "drivers/can/can_interface.hpp"
+
 namespace slipd::can {
 namespace {
 
@@ -34,6 +36,7 @@ void SocketPort::close() noexcept {
 int SocketPort::set_up() noexcept {
   fd_ = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
   if (fd_ < 0) return errno;
+  if (const int error = check_can_interface(fd_, settings_.interface); error != 0) return error;
   ifreq request{};
   std::copy_n(settings_.interface.begin(), std::min<std::size_t>(settings_.interface.size(), IFNAMSIZ - 1),
               request.ifr_name);

@@ -102,7 +102,10 @@ void drain_logs(std::deque<LogRing>& rings, LogLimit& limit) {
     const LogLine& last = suppressed.last;
     write_log(last.level, {static_cast<const char*>(last.sensor), last.cause},
               std::string(static_cast<const char*>(last.text)) + " (and " + std::to_string(suppressed.count) +
-                  " times more within a minute)");
+                  " times more within " +
+                  (suppressed.within.count() == 1 ? "a minute"
+                                                  : std::to_string(suppressed.within.count()) + " minutes") +
+                  ")");
   }
 }
 

@@ -1,6 +1,7 @@
 #include "daemon/log/log_limit.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace slipd {
 
@@ -9,8 +10,11 @@ bool LogLimit::admits(const LogLine& line, Clock::time_point now) {
   FormatState& kind = place->second;
   if (is_new) kind.until = now + kWindow;
   next_check_ = std::min(next_check_, kind.until);
-  if (kind.printed < kPrintedPerWindow) {
+  Budget& budget = budgets_[line.format];
+  if (now >= budget.until) budget = {now + kWindow, 0};
+  if (kind.printed < kPrintedPerWindow && budget.printed < kPrintedOfAllSensors) {
     ++kind.printed;
+    ++budget.printed;
     return true;
   }
   kind.suppressed.last = line;
@@ -28,8 +32,18 @@ std::vector<LogLimit::Suppressed> LogLimit::take_expired(Clock::time_point now) 
       ++kind;
       continue;
     }
-    if (kind->second.suppressed.count > 0) suppressed.push_back(kind->second.suppressed);
-    kind = formats_.erase(kind);
+    FormatState& state = kind->second;
+    if (state.suppressed.count == 0) {
+      kind = formats_.erase(kind);
+      continue;
+    }
+    state.suppressed.within = state.window;
+    suppressed.push_back(std::exchange(state.suppressed, {}));
+    state.window = std::min(2 * state.window, std::chrono::minutes(kLongestWindow));
+    state.until = now + state.window;
+    state.printed = kPrintedPerWindow;
+    next_check_ = std::min(next_check_, state.until);
+    ++kind;
   }
   return suppressed;
 }

@@ -17,6 +17,7 @@ constexpr auto kReadTimeout = 50ms;
 // device that is plugged in again is found later. Shorter: more load and more log while it is away.
 constexpr auto kFirstBackOff = 100ms;
 constexpr auto kLongestBackOff = 5000ms;
+constexpr auto kSilence = 2s;  // without a frame since the device was opened, before the reason is asked for
 constexpr std::size_t kAcquirerStackBytes = std::size_t{512} * 1024;
 
 // One factor a taxel; empty if all are 1. Throws DriverError if their number does not fit.
@@ -85,14 +86,13 @@ void Acquirer::open_and_read() {
       back_off = std::min<Clock::duration>(2 * back_off, kLongestBackOff);
       continue;
     }
-    delivered_ = false;
+    delivered_ = silent_ = false;
+    opened_at_ = Clock::now();
     set_link(DeviceLink::open);
-    enter_realtime(realtime_, grant_);
-    const ReadEnd end = read_until_closed();
-    leave_realtime(grant_);
+    const ReadEnd end = read_in_realtime();
     driver_->close();
     for (auto& channel : channels_) {
-      if (channel.bias) channel.bias->flush_to_store();
+      if (channel.bias) channel.bias->flush_to_store(end == ReadEnd::stopped);
     }
     if (end == ReadEnd::ended) {
       log_.write(LogLevel::info, {name_}, "%s: the recording has ended", name_.c_str());
@@ -194,6 +194,37 @@ void Acquirer::set_link(DeviceLink link) noexcept {
   estimate_.ring();
 }
 
+// Reads until the device is closed. Leaves real time for a moment to tell that no frame comes, and why, and
+// that one has come.
+Acquirer::ReadEnd Acquirer::read_in_realtime() {
+  for (;;) {
+    enter_realtime(realtime_, grant_);
+    const ReadEnd end = read_until_closed();
+    leave_realtime(grant_);
+    if (end != ReadEnd::silent && end != ReadEnd::speaking) return end;
+    set_silence(end == ReadEnd::silent);
+  }
+}
+
+void Acquirer::set_silence(bool silent) {
+  silent_ = silent;
+  std::string why;
+  if (silent) {
+    why = driver_->why_no_frames();
+    if (why.empty()) why = "it is open, but sends nothing: is it on, and is its bus set up as it needs?";
+    log_.write(LogLevel::warning, {name_, Cause::device}, "%s: no frame: %s", name_.c_str(), why.c_str());
+  } else {
+    log_.write(LogLevel::info, {name_}, "%s: frames arrive", name_.c_str());
+  }
+  for (auto& channel : channels_) {
+    channel.runtime->status.change_facts([&](DeviceFacts& facts) {
+      // An estimator that could not be made is not forgotten.
+      if (facts.trouble.empty() || facts.trouble == silence_) facts.trouble = why;
+    });
+  }
+  silence_ = why;
+}
+
 Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
   while (!stopping()) {
     const ReadResult result = driver_->read(slots_, kReadTimeout);
@@ -203,6 +234,7 @@ Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
     switch (known || result.status != ReadStatus::frame ? result.status : ReadStatus::corrupt) {
       case ReadStatus::frame:
         if (!deliver(result.sensor)) return ReadEnd::stopped;
+        if (silent_) return ReadEnd::speaking;
         break;
       case ReadStatus::timeout:
         status.timeouts.fetch_add(1, std::memory_order_relaxed);
@@ -215,6 +247,7 @@ Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
       case ReadStatus::end:
         return ReadEnd::ended;
     }
+    if (!delivered_ && !silent_ && Clock::now() - opened_at_ > kSilence) return ReadEnd::silent;
   }
   return ReadEnd::stopped;
 }

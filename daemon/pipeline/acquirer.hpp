@@ -33,6 +33,8 @@ class Acquirer {
   void start(const RealtimeSettings& settings, const RealtimeGrant& grant);
   // Returns at once; the thread ends when the driver's read returns.
   void request_stop() noexcept;
+  // The names of its sensors, for people.
+  const std::string& sensors() const noexcept { return name_; }
   // Joins the thread; see Thread::join_until.
   bool join_until(std::chrono::steady_clock::time_point deadline) { return thread_.join_until(deadline); }
 
@@ -46,14 +48,22 @@ class Acquirer {
     ArrivalCounts arrivals;
     std::optional<std::uint64_t> last_sequence;  // none: no frame since it was opened
   };
-  enum class ReadEnd : std::uint8_t { stopped, disconnected, ended };
+  enum class ReadEnd : std::uint8_t {
+    stopped,
+    disconnected,
+    ended,
+    silent,   // the device is open and has completed no frame for a while; reading goes on
+    speaking  // the first frame after `silent`; reading goes on
+  };
 
   void run();
   void open_and_read();
   bool open();
   void connect_sensors(const DeviceInfo& info);
   void connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
+  ReadEnd read_in_realtime();
   ReadEnd read_until_closed() noexcept;
+  void set_silence(bool silent);
   bool deliver(std::size_t index) noexcept;
   void set_link(DeviceLink link) noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
@@ -69,6 +79,9 @@ class Acquirer {
   std::string last_logged_trouble_;  // logged once, not at each attempt
   bool was_open_ = false;
   bool delivered_ = false;  // a frame, since it was last opened
+  bool silent_ = false;     // set_silence(true) was called since the device was last opened
+  std::string silence_;     // the trouble that set_silence wrote; empty: none
+  Doorbell::Clock::time_point opened_at_;
   RealtimeSettings realtime_;
   RealtimeGrant grant_;
   Doorbell stop_bell_;

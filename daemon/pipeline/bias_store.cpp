@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <new>
+#include <string>
+#include <utility>
 
 namespace slipd {
 namespace {
@@ -14,6 +17,25 @@ constexpr auto kLongestStoreSleep = 1h;
 
 double seconds_since(std::int64_t time_ns) {
   return 1e-9 * static_cast<double>(Now::read().monotonic_ns - time_ns);
+}
+
+// Why a zero is not used, and what to do; empty: it is used. Fits into a line of the log.
+std::string doubt_text(const BiasReport& report, const std::string& sensor) {
+  char off[32];
+  std::snprintf(off, sizeof off, "%.0f Pa", static_cast<double>(report.off_pa));
+  const std::string remedy = "; free it, then slipctl rebias " + sensor;
+  switch (report.doubt) {
+    case BiasDoubt::none:
+      break;
+    case BiasDoubt::elsewhere:
+      return std::string("its pressure is ") + off +
+             " off its zero: another sensor, drift, or a load on all of it" + remedy;
+    case BiasDoubt::below:
+      return std::string("its pressure is ") + off +
+             ", far below its zero, as under no contact: another sensor's zero, or one taken under load" +
+             remedy;
+  }
+  return {};
 }
 
 }  // namespace
@@ -86,8 +108,9 @@ void BiasStore::process(BiasWorker& worker) {
   BiasChannel& channel = worker.status().bias;
   // The report before the copy: a bias that the report contains was handed over before.
   const BiasReport report = channel.report.load();
+  report_doubt(worker, report);
   if (const Bias* zero = worker.pending_save()) {
-    save(worker, *zero);
+    save(worker, *zero, report);
     worker.save_done();
   }
   if (report.answered == channel.completed()) return;
@@ -97,9 +120,23 @@ void BiasStore::process(BiasWorker& worker) {
   io_wakeup_.notify();
 }
 
-void BiasStore::save(BiasWorker& worker, const Bias& zero) {
+// Once at its beginning and once at its end.
+void BiasStore::report_doubt(BiasWorker& worker, const BiasReport& report) {
+  if (std::exchange(worker.logged_doubt(), report.doubt) == report.doubt) return;
   const std::string& name = worker.status().name;
-  std::string trouble;
+  const std::string trouble = doubt_text(report, name);
+  if (trouble.empty()) {
+    log_.write(LogLevel::info, {name}, "%s: it agrees with its zero again, or has a new one", name.c_str());
+  } else {
+    log_.write(LogLevel::warning, {name, Cause::device}, "%s: its zero is not used: %s", name.c_str(),
+               trouble.c_str());
+  }
+  worker.status().change_facts([&](DeviceFacts& facts) { facts.zero_trouble = trouble; });
+}
+
+void BiasStore::save(BiasWorker& worker, const Bias& zero, const BiasReport& report) {
+  const std::string& name = worker.status().name;
+  std::string trouble = doubt_text(report, name);
   try {
     const auto file = bias_file_path(worker.identity());
     save_bias(file, worker.identity(), zero);

@@ -41,7 +41,8 @@ class BiasStore {
  private:
   void run();
   void process(BiasWorker& worker);
-  void save(BiasWorker& worker, const Bias& zero);
+  void report_doubt(BiasWorker& worker, const BiasReport& report);
+  void save(BiasWorker& worker, const Bias& zero, const BiasReport& report);
   std::vector<std::shared_ptr<BiasWorker>> workers() const;
 
   LogRing& log_;

@@ -30,7 +30,7 @@ BiasWorker::BiasWorker(SensorStatus& status, const SensorInfo& sensor, BiasIdent
     : status_(status),
       identity_(std::move(identity)),
       store_(store),
-      bias_estimator_(sensor.layout, steps_of(sensor)),
+      bias_estimator_(sensor.layout, steps_of(sensor), {}, identity_.exchangeable()),
       copy_(bias_estimator_.zero()) {
   bias_estimator_.skip_requests(status_.bias.newest_request().number);
   status_.bias.report.store(bias_estimator_.report());
@@ -62,9 +62,11 @@ void BiasWorker::after_publish() noexcept {
 void BiasWorker::publish_report() noexcept {
   const BiasReport& report = bias_estimator_.report();
   status_.bias.report.store(report);
+  const bool doubt_changed = std::exchange(published_doubt_, report.doubt) != report.doubt;
   // The copy is handed over before the report is published, so that the store finds both.
   // Relaxed: decides only whether to ring.
-  if (report.answered != status_.bias.completed() || filled_.load(std::memory_order_relaxed)) store_.ring();
+  if (doubt_changed || report.answered != status_.bias.completed() || filled_.load(std::memory_order_relaxed))
+    store_.ring();
 }
 
 bool BiasWorker::should_save(std::int64_t followed_ns) const noexcept {
@@ -72,26 +74,29 @@ bool BiasWorker::should_save(std::int64_t followed_ns) const noexcept {
   return report.taken != handed_taken_ || report.confirmed_ns - handed_confirmed_ns_ >= followed_ns;
 }
 
-void BiasWorker::hand_to_store() noexcept {
+void BiasWorker::hand_to_store(std::vector<float> last_pa) noexcept {
   // Acquire: pairs with the release in save_done(), so that the store has ended reading the copy.
   if (filled_.load(std::memory_order_acquire)) return;
   const Bias& zero = bias_estimator_.zero();
   std::copy(zero.bias_pa.begin(), zero.bias_pa.end(), copy_.bias_pa.begin());
   std::copy(zero.noise_pa.begin(), zero.noise_pa.end(), copy_.noise_pa.begin());
   copy_.origin = zero.origin;
+  copy_.last_pa = std::move(last_pa);
   copy_.taken_ns = zero.taken_ns;
   copy_.confirmed_ns = handed_confirmed_ns_ = zero.confirmed_ns;
   copy_taken_ = handed_taken_ = bias_estimator_.report().taken;
   filled_.store(true, std::memory_order_release);  // pairs with the acquire in pending_save()
 }
 
-void BiasWorker::flush_to_store() {
-  if (!should_save(kMinSaveIntervalNs)) return;
+void BiasWorker::flush_to_store(bool last) {
+  std::vector<float> reading;
+  if (last) reading = bias_estimator_.last_reading();
+  if (reading.empty() && !should_save(kMinSaveIntervalNs)) return;
   const auto until = std::chrono::steady_clock::now() + kStoreTimeout;
   while (filled_.load(std::memory_order_relaxed) &&
          std::chrono::steady_clock::now() < until)  // relaxed: hand_to_store acquires
     std::this_thread::sleep_for(5ms);
-  hand_to_store();
+  hand_to_store(std::move(reading));
   store_.ring();
 }
 

@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/bias/bias_estimator.hpp"
 #include "daemon/board/bias_channel.hpp"
@@ -50,8 +51,9 @@ class BiasWorker {
   void after_publish() noexcept;
 
   // Called from one thread: acquire, out of real time, when the device was closed. Hands an unsaved bias to
-  // the store; waits up to a second for the one before.
-  void flush_to_store();
+  // the store; waits up to a second for the one before. `last`: it is not opened again, so that what the
+  // sensor reads now is saved with it.
+  void flush_to_store(bool last);
 
   // Called from one thread: bias store. The bias to save, or null. Valid until save_done().
   const Bias* pending_save() const noexcept;
@@ -59,11 +61,14 @@ class BiasWorker {
   void save_done() noexcept;
   // Called from one thread: bias store. BiasReport::taken of the bias last saved; 0: none was.
   std::uint32_t saved_taken() const noexcept { return saved_taken_; }
+  // Called from one thread: bias store. The doubt that was last written to the log and to the facts.
+  BiasDoubt& logged_doubt() noexcept { return logged_doubt_; }
 
  private:
   // Whether the bias was measured anew since it was handed over, or was followed for this long.
   bool should_save(std::int64_t followed_ns) const noexcept;
-  void hand_to_store() noexcept;
+  // `last_pa`: see Bias. Allocates nothing.
+  void hand_to_store(std::vector<float> last_pa = {}) noexcept;
   void publish_report() noexcept;
 
   SensorStatus& status_;
@@ -76,7 +81,9 @@ class BiasWorker {
   std::atomic<bool> filled_{false};
   Bias copy_;
   std::uint32_t copy_taken_ = 0;
-  std::uint32_t saved_taken_ = 0;  // the store's
+  std::uint32_t saved_taken_ = 0;                // the store's
+  BiasDoubt logged_doubt_ = BiasDoubt::none;     // the store's
+  BiasDoubt published_doubt_ = BiasDoubt::none;  // acquire's
 };
 
 }  // namespace slipd

@@ -7,8 +7,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
+#include <iterator>
+#include <string_view>
 #include <system_error>
+
+#include "core/storage/regular_file.hpp"
 
 namespace slipd {
 namespace {
@@ -16,6 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kPrefix = "slipd-driver-";
 constexpr const char* kSuffix = ".so";
+// Drivers that have a Debian package of their own, which is called as the module is.
+constexpr std::string_view kPackagedApart[] = {"usb", "hid", "modbus", "can"};
 
 fs::path default_folder() {
   std::error_code error;
@@ -46,19 +51,20 @@ std::string why_untrusted_one(const fs::path& path) {
 
 // Whether all segments are within the file. The loader does not check this: a file that was cut (by a full
 // disk, say) would crash the process.
-bool is_whole(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+bool is_whole(int fd) {
+  const auto read_at = [fd](std::uint64_t offset, auto& out) {
+    return pread(fd, &out, sizeof out, static_cast<off_t>(offset)) == static_cast<ssize_t>(sizeof out);
+  };
   ElfW(Ehdr) header{};
-  std::error_code error;
-  const auto size = fs::file_size(file, error);
-  if (error || !in.read(reinterpret_cast<char*>(&header), sizeof header) ||
-      std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_phentsize != sizeof(ElfW(Phdr))) {
+  struct stat status {};
+  if (fstat(fd, &status) != 0 || !read_at(0, header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 ||
+      header.e_phentsize != sizeof(ElfW(Phdr))) {
     return false;
   }
-  in.seekg(static_cast<std::streamoff>(header.e_phoff));
-  for (int i = 0; i < header.e_phnum; ++i) {
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  for (unsigned i = 0; i < header.e_phnum; ++i) {
     ElfW(Phdr) part{};
-    if (!in.read(reinterpret_cast<char*>(&part), sizeof part)) return false;
+    if (!read_at(header.e_phoff + i * sizeof part, part)) return false;
     if (part.p_offset > size || part.p_filesz > size - part.p_offset) return false;
   }
   return true;
@@ -88,19 +94,19 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
   const fs::path file = folder_ / (kPrefix + name + kSuffix);
   std::error_code error;
   if (!fs::exists(file, error)) {
-    entry.trouble = "there is no " + file.string() + "; there are: ";
-    const auto there = names();
-    for (std::size_t i = 0; i < there.size(); ++i) entry.trouble += (i == 0 ? "" : ", ") + there[i];
-    if (there.empty()) entry.trouble += "none";
+    entry.trouble = why_absent(name);
     return entry;
   }
   const fs::path real = fs::canonical(file, error);  // the target of links: it is verified and then loaded
   entry.trouble = error ? file.string() + ": " + error.message() : why_untrusted(real);
   if (!entry.trouble.empty()) return entry;
-  if (!is_whole(real)) {
-    entry.trouble = file.string() + " is no module, or is cut short: install it anew";
-    return entry;
+  try {
+    if (!is_whole(open_regular_file(real).get()))
+      entry.trouble = file.string() + " is no module, or is cut short: install it anew";
+  } catch (const std::system_error& unfit) {
+    entry.trouble = unfit.what();
   }
+  if (!entry.trouble.empty()) return entry;
   void* library = dlopen(real.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     entry.trouble =
@@ -121,6 +127,16 @@ const DriverModules::Loaded& DriverModules::load(const std::string& name) {
     entry.module = module;
   }
   return entry;
+}
+
+std::string DriverModules::why_absent(const std::string& name) {
+  std::string there;
+  for (const std::string& each : names()) there += (there.empty() ? "" : ", ") + each;
+  const std::string installed =
+      "installed are: " + (there.empty() ? "none" : there) + ", in " + folder_.string();
+  if (std::ranges::find(kPackagedApart, name) != std::end(kPackagedApart))
+    return "it is not installed: install the package " + std::string(kPrefix) + name + "; " + installed;
+  return "there is no such driver; " + installed;
 }
 
 const DriverModule* DriverModules::find(const std::string& name) {

@@ -36,6 +36,8 @@ class DriverModules : public DriverCatalogue {
     std::string trouble;  // why module is null
   };
   const Loaded& load(const std::string& name);
+  // Why there is no module of this name, and what to install.
+  std::string why_absent(const std::string& name);
   std::filesystem::path folder_;
   std::map<std::string, Loaded> loaded_;
 };

@@ -6,6 +6,7 @@ namespace slipd {
 namespace {
 
 constexpr std::size_t kEstimateStackBytes = std::size_t{512} * 1024;
+constexpr std::chrono::milliseconds kMoreTime{500};  // for what can only end after the drivers have
 
 // Puts all sensors and grasps on the board.
 std::vector<std::unique_ptr<SensorRuntime>> make_runtimes(const Settings& settings, Board& board) {
@@ -94,16 +95,22 @@ void Pipeline::start(const RealtimeGrant& grant) {
 }
 
 bool Pipeline::stop(std::chrono::steady_clock::time_point deadline) {
+  const auto later = deadline + kMoreTime;
+  unfinished_.clear();
+  const auto note = [this](bool ended, const std::string& what) {
+    if (!ended) unfinished_ += (unfinished_.empty() ? "" : ", ") + what;
+  };
   for (auto& acquirer : acquirers_) acquirer->request_stop();
   estimator_factory_.request_stop();
-  bool all = true;
-  for (auto& acquirer : acquirers_) all = acquirer->join_until(deadline) && all;
+  for (auto& acquirer : acquirers_)
+    note(acquirer->join_until(deadline), "the driver of " + acquirer->sensors());
   bias_store_.request_stop();
-  all = bias_store_.join_until(deadline + std::chrono::milliseconds(500)) && all;
+  note(bias_store_.join_until(later), "the store of zeros");
   stop_estimate_.store(true, std::memory_order_relaxed);
   bell_.ring();
-  all = estimate_thread_.join_until(deadline + std::chrono::milliseconds(500)) && all;
-  return estimator_factory_.join_until(deadline + std::chrono::milliseconds(500)) && all;
+  note(estimate_thread_.join_until(later), "the estimate thread");
+  note(estimator_factory_.join_until(later), "the set-up of an estimator");
+  return unfinished_.empty();
 }
 
 }  // namespace slipd

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "daemon/pipeline/acquirer.hpp"
@@ -34,6 +35,8 @@ class Pipeline {
   // Stops and joins all threads, by about `deadline`. False: a driver hangs in its thread. Then nothing that
   // it may use can be destroyed, and the process can end only by _exit.
   bool stop(std::chrono::steady_clock::time_point deadline);
+  // What had not ended when stop() returned, for people: "the driver of left"; empty: all had.
+  const std::string& unfinished() const noexcept { return unfinished_; }
 
   // Called from any thread. Increases at least four times a second while the estimate thread runs.
   std::uint64_t heartbeat() const noexcept { return estimate_loop_.heartbeat(); }
@@ -51,6 +54,7 @@ class Pipeline {
   BiasStore bias_store_;                    // declared last of these: destroyed before the sensors it uses
   std::atomic<bool> stop_estimate_{false};  // relaxed: bell_ orders it
   Thread estimate_thread_;
+  std::string unfinished_;
 };
 
 }  // namespace slipd

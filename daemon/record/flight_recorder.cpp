@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <thread>
+#include <utility>
 
 #include "core/storage/recording.hpp"
 #include "daemon/log/log.hpp"
@@ -24,13 +25,14 @@ constexpr auto kFlightPollInterval = 5ms;
 constexpr double kQueueSeconds = 0.25;
 // Rate by which memory is reserved for a device of unknown rate, Hz. A faster device keeps fewer seconds.
 constexpr double kUnknownRateHz = 1000;
+constexpr auto kStopPatience = 300ms;  // at a stop, for the recordings that clients requested
 
 std::size_t frames_in(double seconds, double rate_hz) {
   return static_cast<std::size_t>(std::ceil(seconds * rate_hz)) + 16;
 }
 
-// "left-20261120T235959.123Z-slip.rec"
-std::string file_name(const std::string& sensor, const char* reason) {
+// "left-20261120T235959.123Z"
+std::string recording_name(const std::string& sensor) {
   const std::int64_t ms = Now::read().realtime_ns / 1'000'000;
   const auto seconds = static_cast<std::time_t>(ms / 1000);
   std::tm utc{};
@@ -39,7 +41,7 @@ std::string file_name(const std::string& sensor, const char* reason) {
   const std::size_t length = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%S", &utc);
   std::string fraction = std::to_string(1000 + ms % 1000);
   fraction[0] = '.';
-  return sensor + "-" + std::string(text.data(), length) + fraction + "Z-" + reason + ".rec";
+  return sensor + "-" + std::string(text.data(), length) + fraction + "Z";
 }
 
 }  // namespace
@@ -60,8 +62,30 @@ void FlightRecorder::start() {
   thread_ = Thread("flight", kFlightStackBytes, [this] { run(); });
 }
 
-void FlightRecorder::trigger(std::size_t sensor, const char* reason) noexcept {
-  tracks_[sensor]->trigger_reason.store(reason, std::memory_order_relaxed);
+void FlightRecorder::trigger(std::size_t sensor, Reason reason) noexcept {
+  std::atomic<Reason>& at = tracks_[sensor]->trigger_reason;
+  Reason before = at.load(std::memory_order_relaxed);
+  while (before < reason && !at.compare_exchange_weak(before, reason, std::memory_order_relaxed)) {
+  }
+}
+
+std::optional<std::uint64_t> FlightRecorder::request(std::size_t sensor) noexcept {
+  Track& track = *tracks_[sensor];
+  const bool one_is_coming = track.pending.load(std::memory_order_relaxed) ||
+                             track.trigger_reason.load(std::memory_order_relaxed) != Reason::none;
+  if (!one_is_coming && !track.requests.grant(Clock::now())) return std::nullopt;
+  trigger(sensor, Reason::request);
+  return track.begun.load(std::memory_order_relaxed) + 1;
+}
+
+FlightOutcome FlightRecorder::outcome(std::size_t sensor) const {
+  const std::lock_guard lock(outcomes_);
+  return tracks_[sensor]->outcome;
+}
+
+void FlightRecorder::finish(Track& track, std::string file, std::string trouble) {
+  const std::lock_guard lock(outcomes_);
+  track.outcome = {track.begun.load(std::memory_order_relaxed), std::move(file), std::move(trouble)};
 }
 
 void FlightRecorder::add_estimate(std::size_t sensor, const Estimate& estimate) noexcept {
@@ -142,20 +166,25 @@ void FlightRecorder::drain_queues(Track& track) {
 void FlightRecorder::write_if_due(Track& track, Clock::time_point now, bool last) {
   if (!track.queue) return;
   drain_queues(track);
-  if (const char* trigger_reason = track.trigger_reason.exchange(nullptr, std::memory_order_relaxed);
-      trigger_reason != nullptr && track.reason == nullptr) {
-    track.reason = trigger_reason;
+  const Reason wanted = track.trigger_reason.exchange(Reason::none, std::memory_order_relaxed);
+  if (wanted > track.reason) {
+    track.reason = wanted;
+    track.pending.store(true, std::memory_order_relaxed);
     track.due =
         now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(settings_.seconds));
   }
-  if (track.reason != nullptr && (now >= track.due || last)) write(track);
+  if (track.reason != Reason::none && (now >= track.due || last)) write(track, last);
 }
 
-void FlightRecorder::write(Track& track) {
-  const std::string name = file_name(track.status->name, track.reason);
-  track.reason = nullptr;
+void FlightRecorder::write(Track& track, bool last) {
+  const Reason reason = std::exchange(track.reason, Reason::none);
+  track.pending.store(false, std::memory_order_relaxed);
+  track.begun.fetch_add(1, std::memory_order_relaxed);
+  const std::string name = recording_name(track.status->name);
+  const char* const kind = reason == Reason::slip ? "slip" : "request";
+  const auto path = folder_.path() / RecordingsFolder::file_name(name, kind);
   const FrameHistory& history = *track.history;
-  if (history.size() == 0) return;
+  if (history.size() == 0) return finish(track, {}, "no frame has come");
   const DeviceFacts facts = track.status->facts();
   const Now now = Now::read();
   bool zeroed = true;
@@ -169,24 +198,29 @@ void FlightRecorder::write(Track& track) {
                                .start_monotonic_ns = history[0].time_ns,
                                .description = facts.description,
                                .zeroed = zeroed};
-  const std::error_code error = folder_.add(name, [&](int fd) {
+  // A stop does not wait for what a client requested; a slip's recording is evidence.
+  const auto give_up =
+      last && reason == Reason::request ? Clock::now() + kStopPatience : Clock::time_point::max();
+  const std::error_code error = folder_.add(name, kind, [&](int fd) {
     RecordingWriter writer(fd, header);
     std::error_code trouble;
-    for (std::size_t i = 0; i < history.size() && !trouble; ++i)
-      trouble = writer.append(history[i], history.estimate(i));
-    return trouble ? trouble : writer.flush();
+    for (std::size_t i = 0; i < history.size() && !trouble; ++i) {
+      trouble = Clock::now() < give_up ? writer.append(history[i], history.estimate(i))
+                                       : std::make_error_code(std::errc::operation_canceled);
+    }
+    return trouble ? trouble : writer.finish();
   });
   if (error) {
     failures_.fetch_add(1, std::memory_order_relaxed);
     write_log(LogLevel::error, {track.status->name, Cause::machine},
-              track.status->name + ": " + (folder_.path() / name).string() +
-                  " could not be kept: " + error.message());
-    return;
+              track.status->name + ": " + path.string() + " could not be kept: " + error.message());
+    return finish(track, {}, path.string() + " could not be kept: " + error.message());
   }
+  finish(track, path.string(), {});
   files_written_.fetch_add(1, std::memory_order_relaxed);
-  write_log(LogLevel::info, {track.status->name},
-            track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " +
-                (folder_.path() / name).string());
+  write_log(
+      LogLevel::info, {track.status->name},
+      track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " + path.string());
 }
 
 }  // namespace slipd

@@ -7,15 +7,29 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "config/settings.hpp"
 #include "daemon/board/board.hpp"
 #include "daemon/record/frame_history.hpp"
 #include "daemon/record/recordings_folder.hpp"
+#include "daemon/record/request_rate.hpp"
 #include "daemon/rt/thread.hpp"
 
 namespace slipd {
+
+// How a recording of one sensor ended.
+struct FlightOutcome {
+  // The recordings of this sensor that were begun to be written, with this one; 0: none was.
+  std::uint64_t number = 0;
+  // The recording; empty: there is none.
+  std::string file;
+  // Why there is none, for people; empty: there is one.
+  std::string trouble;
+};
 
 // Thread-safe; each function names its callers.
 class FlightRecorder {
@@ -32,9 +46,18 @@ class FlightRecorder {
   // Called from one thread: io. Starts the thread. Once.
   void start();
 
-  // Called from one thread: io. Requests a recording around the present moment. Without effect while one of
-  // this sensor is pending. `reason`: a literal, part of the file's name.
-  void trigger(std::size_t sensor, const char* reason) noexcept;
+  // Why a recording is made; part of its file's name, and a kind of file with a limit of its own.
+  enum class Reason : std::uint8_t { none, request, slip };
+
+  // Called from one thread: io. Demands a recording around the present moment. Without effect while one of
+  // this sensor is pending, unless that was requested and this one is of a slip: then it becomes the slip's.
+  void trigger(std::size_t sensor, Reason reason) noexcept;
+  // Called from one thread: io. As trigger, by a client. The number of the recording, as in FlightOutcome;
+  // nothing: clients have requested too many of this sensor (ten at once, one a second in the long run).
+  std::optional<std::uint64_t> request(std::size_t sensor) noexcept;
+
+  // How the sensor's last recording ended. Called from any thread but real-time ones: it locks.
+  FlightOutcome outcome(std::size_t sensor) const;
 
   // Called from one thread: io. Adds an estimate to its frame. One that does not fit into the queue is
   // missing in the recording.
@@ -49,6 +72,8 @@ class FlightRecorder {
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr double kRequestsPerSecond = 1;
+  static constexpr double kRequestsAtOnce = 10;
   struct TimedEstimate {
     std::int64_t time_ns = 0;  // of its frame
     RecordedEstimate estimate;
@@ -60,21 +85,27 @@ class FlightRecorder {
         estimates_in;  // io → this thread
     std::unique_ptr<FrameHistory> history;
     std::optional<TaxelLayout> layout;
-    std::atomic<const char*> trigger_reason{nullptr};  // io → this thread; relaxed: points to a literal
-    const char* reason = nullptr;  // of the pending recording, written at `due`; null: none is pending
+    std::atomic<Reason> trigger_reason{Reason::none};  // io → this thread; relaxed: no other memory with it
+    Reason reason = Reason::none;      // of the pending recording, written at `due`; none: none is pending
+    std::atomic<bool> pending{false};  // whether `reason` is set; this thread → io; relaxed: as above
+    RequestRate requests{kRequestsPerSecond, kRequestsAtOnce};  // used by io only
     Clock::time_point due;
-    bool failure_logged = false;  // the present failure was logged
+    bool failure_logged = false;          // the present failure was logged
+    std::atomic<std::uint64_t> begun{0};  // recordings; relaxed: a counter
+    FlightOutcome outcome;                // of the last; guarded by outcomes_
   };
   void run();
   void process(Track& track, bool last);
   void follow_device(Track& track);
   static void drain_queues(Track& track);
   void write_if_due(Track& track, Clock::time_point now, bool last);
-  void write(Track& track);
+  void write(Track& track, bool last);
+  void finish(Track& track, std::string file, std::string trouble);
 
   const RecorderSettings settings_;
   RecordingsFolder folder_;
   std::vector<std::unique_ptr<Track>> tracks_;
+  mutable std::mutex outcomes_;
   std::atomic<bool> stop_{false};  // relaxed: no other memory is read because of it
   std::atomic<std::uint64_t> files_written_{0}, failures_{0};  // relaxed: counters
   Thread thread_;

@@ -31,24 +31,25 @@ fs::path recordings_directory() {
   return state_folder() / "recordings";
 }
 
-std::error_code RecordingsFolder::add(const std::string& name,
+std::error_code RecordingsFolder::add(const std::string& name, const std::string& kind,
                                       const std::function<std::error_code(int fd)>& write) const {
   std::error_code error;
   // Independent of the umask: slipd's group may read it.
   if (fs::create_directories(path_, error)) chmod(path_.c_str(), 0750);
   if (error) return error;
-  const fs::path aside = path_ / (name + ".part");
+  const fs::path file = path_ / file_name(name, kind);
+  const fs::path aside = file.string() + ".part";
   fs::remove(aside, error);  // left by a killed process; a link there must not be followed
-  UniqueFd file(open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
-  if (!file) return last_error();
-  fchmod(file.get(), 0640);  // as above
-  error = write(file.get());
-  if (!error) date_after_the_others(file.get());
-  if (!error && fdatasync(file.get()) != 0) error = last_error();
-  if (!error) fs::rename(aside, path_ / name, error);
+  UniqueFd opened(open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
+  if (!opened) return last_error();
+  fchmod(opened.get(), 0640);  // as above
+  error = write(opened.get());
+  if (!error) date_after_the_others(opened.get());
+  if (!error && fdatasync(opened.get()) != 0) error = last_error();
+  if (!error) fs::rename(aside, file, error);
   std::error_code ignored;
   if (error) fs::remove(aside, ignored);
-  if (!error) remove_oldest();
+  if (!error) remove_oldest(kind);
   return error;
 }
 
@@ -77,16 +78,16 @@ void RecordingsFolder::date_after_the_others(int fd) const {
   futimens(fd, both);
 }
 
-void RecordingsFolder::remove_oldest() const {
+void RecordingsFolder::remove_oldest(const std::string& kind) const {
+  const std::string ending = file_name("", kind);
   std::error_code ignored;
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   const auto long_ago = fs::file_time_type::clock::now() - kLongestWrite;
   for (const auto& item : fs::directory_iterator(path_, ignored)) {
     if (item.symlink_status(ignored).type() != fs::file_type::regular) continue;
-    const auto extension = item.path().extension();
     const auto written = item.last_write_time(ignored);
-    if (extension == ".rec") found.emplace_back(written, item.path());
-    if (extension == ".part" && written < long_ago) fs::remove(item.path(), ignored);
+    if (item.path().filename().string().ends_with(ending)) found.emplace_back(written, item.path());
+    if (item.path().extension() == ".part" && written < long_ago) fs::remove(item.path(), ignored);
   }
   std::sort(found.begin(), found.end());
   for (std::size_t i = 0; i + keep_ < found.size(); ++i) fs::remove(found[i].second, ignored);

@@ -6,7 +6,6 @@
 namespace slipd {
 
 void Backlog::push_response(std::string text) {
-  response_bytes_ += text.size();
   items_.push_back({std::move(text), nullptr, 0});
 }
 
@@ -31,7 +30,6 @@ std::optional<std::string> Backlog::next() {
   Item item = std::move(items_.front());
   items_.pop_front();
   if (item.head == nullptr) {
-    response_bytes_ -= item.response.size();
     published_ns_ = 0;
     item.response += '\n';
     return std::move(item.response);

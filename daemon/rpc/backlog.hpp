@@ -38,8 +38,6 @@ class Backlog {
 
   // Whether nothing waits.
   bool empty() const noexcept { return items_.empty(); }
-  // Size of the responses that wait, bytes.
-  std::size_t response_bytes() const noexcept { return response_bytes_; }
   // Notifications dropped since the client connected.
   std::uint64_t dropped() const noexcept { return dropped_; }
 
@@ -53,7 +51,6 @@ class Backlog {
   std::size_t max_notifications_;
   std::deque<Item> items_;
   std::size_t notifications_ = 0;
-  std::size_t response_bytes_ = 0;
   std::uint64_t dropped_ = 0;
   std::int64_t published_ns_ = 0;
 };

@@ -19,8 +19,10 @@ namespace {
 
 using std::chrono::seconds;
 
-constexpr std::size_t kMaxNotifications = 256;                       // queued for one client
-constexpr std::size_t kMaxResponseBytes = std::size_t{1024} * 1024;  // queued before reading stops
+constexpr std::size_t kMaxNotifications = 256;  // queued for one client
+// Of answers that a client has requested and not read, beyond which it is not read from. One answer more may
+// follow. Less: few requests of large frames in a row. More: many clients that do not read make slipd larger.
+constexpr std::size_t kMostOwedBytes = std::size_t{512} * 1024;
 constexpr int kMaxLinesAtOnce = 4;
 constexpr int kMaxResponsesPending = 16;  // responses expected before reading stops
 constexpr std::size_t kMaxPassedFds = 4;
@@ -30,10 +32,14 @@ constexpr auto kLinger = seconds(1);
 }  // namespace
 
 Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
-    : socket_(io, socket.release()), linger_timer_(io), owner_(owner), backlog_(kMaxNotifications) {}
+    : socket_(io, socket.release()),
+      linger_timer_(io),
+      owner_(owner),
+      backlog_(kMaxNotifications),
+      owed_(std::make_shared<OwedBytes>(&owner.owed)) {}
 
 void Client::read_when_ready() {
-  if (closed_ || reading_ || input_ended_ || yielded_ || over_limit()) return;
+  if (closed_ || reading_ || input_ended_ || yielded_ || hold_back()) return;
   reading_ = true;
   socket_.async_wait(asio::posix::stream_descriptor::wait_read,
                      [self = shared_from_this()](const std::error_code& error) {
@@ -43,9 +49,20 @@ void Client::read_when_ready() {
                      });
 }
 
+bool Client::owed_too_much() const noexcept {
+  return owed_->bytes() > kMostOwedBytes;
+}
+
 // A client that requests faster than it reads responses is not read from (backpressure).
 bool Client::over_limit() const noexcept {
-  return responses_pending_ >= kMaxResponsesPending || backlog_.response_bytes() > kMaxResponseBytes;
+  return responses_pending_ >= kMaxResponsesPending || owed_too_much();
+}
+
+bool Client::hold_back() noexcept {
+  const bool owes_reading = owed_too_much();
+  if (owes_reading && !held_back_) ++owner_.held_back;
+  held_back_ = owes_reading;
+  return over_limit();
 }
 
 // Closes the connection if there is no memory, so that the client knows.
@@ -144,9 +161,11 @@ void Client::yield() {
 void Client::refuse_long_line() {
   input_.clear();
   discarding_ = true;
-  backlog_.push_response(
+  std::string text =
       rpc::error_text(rpc::kNoId, rpc::kInvalidRequest,
-                      "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long"));
+                      "a line is at most " + std::to_string(rpc::kLongestLine) + " bytes long");
+  owed_->add(text.size() + 1);
+  backlog_.push_response(std::move(text));
   subscriptions.clear();
   linger_timer_.expires_after(kLinger);
   linger_timer_.async_wait([self = shared_from_this()](const std::error_code& error) {
@@ -158,7 +177,10 @@ void Client::respond(std::string text) {
   if (responses_pending_ > 0) --responses_pending_;
   if (closed_) return;
   with_memory_or_close([&] {
-    if (!text.empty()) backlog_.push_response(std::move(text));
+    if (!text.empty()) {
+      owed_->add(text.size() + 1);  // with its end of line
+      backlog_.push_response(std::move(text));
+    }
     if (!parsing_) on_writable();  // otherwise take_lines' caller sends it
   });
 }
@@ -181,8 +203,7 @@ void Client::flush() {
                            MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent >= 0) {
       sent_ += static_cast<std::size_t>(sent);
-      if (sent_ == output_.size() && backlog_.published_ns() != 0)
-        owner_.on_notification_sent(backlog_.published_ns());
+      if (sent_ == output_.size()) sent_whole();
     } else if (errno == EAGAIN) {
       writing_ = true;
       socket_.async_wait(asio::posix::stream_descriptor::wait_write,
@@ -198,6 +219,18 @@ void Client::flush() {
   if (!closed_ && discarding_ && backlog_.empty() && sent_ == output_.size()) {
     shutdown(socket_.native_handle(), SHUT_WR);
   }
+}
+
+// After a whole line was handed to the kernel. Its memory is released, because the next one may be long in
+// coming.
+void Client::sent_whole() {
+  if (backlog_.published_ns() != 0) {
+    owner_.on_notification_sent(backlog_.published_ns());
+  } else {
+    owed_->settle(output_.size());
+  }
+  output_ = {};
+  sent_ = 0;
 }
 
 void Client::on_writable() {

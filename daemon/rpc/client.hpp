@@ -17,6 +17,7 @@
 
 #include "core/storage/unique_fd.hpp"
 #include "daemon/rpc/backlog.hpp"
+#include "daemon/rpc/owed_bytes.hpp"
 #include "daemon/rpc/subscription.hpp"
 
 namespace slipd {
@@ -24,7 +25,7 @@ namespace slipd {
 // Not thread-safe. Called from one thread: io.
 class Client : public std::enable_shared_from_this<Client> {
  public:
-  // What all clients of a server share: the callbacks, and a counter.
+  // What all clients of a server share: the callbacks, and counters.
   struct Owner {
     // Called with each whole line, without its end. Not null.
     std::function<void(const std::shared_ptr<Client>&, std::string_view line)> on_line;
@@ -34,6 +35,10 @@ class Client : public std::enable_shared_from_this<Client> {
     std::function<void(std::int64_t published_ns)> on_notification_sent;
     // How often a client of this owner had input.
     std::uint64_t input_rounds = 0;
+    // Bytes of answers that the clients have requested and not read yet.
+    OwedBytes owed;
+    // How often a client was not read from any more because it did not read its answers.
+    std::uint64_t held_back = 0;
   };
 
   // `owner` outlives it; its callbacks may be replaced.
@@ -49,6 +54,12 @@ class Client : public std::enable_shared_from_this<Client> {
   void close();
   // Whether the connection is closed.
   bool closed() const noexcept { return closed_; }
+
+  // Promises an answer of about so many bytes, until the returned part is destroyed. A client that is owed
+  // too much is not read from.
+  OwedPart promise(std::size_t bytes) { return {owed_, bytes}; }
+  // Whether it is owed so much that it gets nothing more before it has read.
+  bool owed_too_much() const noexcept;
 
   // Announces that respond will be called later. Until then a client that closed its sending side stays
   // connected.
@@ -78,8 +89,10 @@ class Client : public std::enable_shared_from_this<Client> {
   void take_lines();
   void yield();
   bool over_limit() const noexcept;
+  bool hold_back() noexcept;
   void refuse_long_line();
   void flush();
+  void sent_whole();
   void close_if_done();
   void watch_for_hang_up();
 
@@ -94,6 +107,7 @@ class Client : public std::enable_shared_from_this<Client> {
   // Written by io, read by the writer of a recording that this client requested. No other memory is read
   // because of it.
   std::shared_ptr<std::atomic<bool>> peer_closed_ = std::make_shared<std::atomic<bool>>(false);
+  std::shared_ptr<OwedBytes> owed_;  // shared with promises, which may outlive it
   int responses_pending_ = 0;
   std::uint64_t last_input_round_ = 0;  // Owner::input_rounds when it last had input
   bool reading_ = false;                // a wait for input is pending
@@ -102,6 +116,7 @@ class Client : public std::enable_shared_from_this<Client> {
   bool parsing_ = false;                // take_lines is running; a response within it must not start it again
   bool yielded_ = false;                // it has more lines, but other clients are served first
   bool input_ended_ = false;
+  bool held_back_ = false;   // it is not read from, because it owes reading
   bool discarding_ = false;  // its line was too long: input is discarded, then it is closed
   bool closed_ = false;
 };

@@ -124,17 +124,23 @@ std::string error_text(const std::string& id, int code, const std::string& messa
          dump(json{{"code", code}, {"message", message}}) + "}";
 }
 
-Responses::Responses(bool batch, std::size_t expected, std::function<void(std::string)> done)
-    : batch_(batch), missing_(expected), done_(std::move(done)) {}
+Responses::Responses(bool batch, std::size_t expected, std::function<void(std::string)> done, OwedPart owed)
+    : batch_(batch), missing_(expected), done_(std::move(done)), owed_(std::move(owed)) {}
 
 void Responses::add(std::string text) {
+  owed_.grow(text.size());
   if (collected_.empty()) {
     collected_ = std::move(text);
   } else if (!text.empty()) {
-    collected_ += "," + text;
+    collected_ += ',';
+    collected_ += text;
   }
   if (--missing_ > 0) return;
-  if (batch_ && !collected_.empty()) collected_ = "[" + collected_ + "]";
+  if (batch_ && !collected_.empty()) {
+    collected_.insert(collected_.begin(), '[');
+    collected_ += ']';
+  }
+  owed_ = {};  // from here on `done` counts it
   done_(std::move(collected_));
 }
 

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/rpc/owed_bytes.hpp"
+
 namespace slipd::rpc {
 
 // Error codes: those of JSON-RPC, and slipd's own from -32000 on.
@@ -23,6 +25,7 @@ inline constexpr int kTooManyClients = -32000;
 inline constexpr int kUnknownSensor = -32001;
 inline constexpr int kNotPermitted = -32002;
 inline constexpr int kNotPossible = -32003;
+inline constexpr int kTooMuch = -32004;
 
 // Longest line, bytes.
 inline constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
@@ -80,8 +83,8 @@ std::string error_text(const std::string& id, int code, const std::string& messa
 // array for a batch. Empty if all requests were notifications. Not thread-safe.
 class Responses {
  public:
-  // `expected`: number of requests, at least 1. `done`: called once.
-  Responses(bool batch, std::size_t expected, std::function<void(std::string)> done);
+  // `expected`: number of requests, at least 1. `done`: called once. `owed`: grows by what is collected.
+  Responses(bool batch, std::size_t expected, std::function<void(std::string)> done, OwedPart owed = {});
   // One response; empty: a notification's.
   void add(std::string text);
 
@@ -90,6 +93,7 @@ class Responses {
   std::size_t missing_;
   std::string collected_;
   std::function<void(std::string)> done_;
+  OwedPart owed_;
 };
 
 // Responds to one request, at once or later. Exactly one of its functions is to be called, once. Not

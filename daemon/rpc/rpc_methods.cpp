@@ -18,6 +18,13 @@ namespace {
 using json = nlohmann::ordered_json;  // results, in the order in which a person reads them
 using rpc::Reply;
 
+// Of the text of a frame, as measured on frames of which half the taxels are loaded.
+constexpr std::size_t kFrameBytesPerTaxel = 40;
+// Of answers that all clients together have requested and not read, beyond which there are no more frames.
+constexpr std::size_t kMostOwedToAll = std::size_t{24} * 1024 * 1024;
+constexpr double kRecordingsPerSecond = 2;  // started for one sensor, in the long run
+constexpr double kRecordingsAtOnce = 20;    // after a pause
+
 json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
   std::vector<double> x_mm(layout.x_m().begin(), layout.x_m().end());
   std::vector<double> y_mm(layout.y_m().begin(), layout.y_m().end());
@@ -66,7 +73,8 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
     : context_(context),
       recorder_(recorder),
       cached_texts_(context.board.sensors.size()),
-      pending_frames_(context.board.sensors.size()) {
+      pending_frames_(context.board.sensors.size()),
+      record_rates_(context.board.sensors.size(), RequestRate(kRecordingsPerSecond, kRecordingsAtOnce)) {
   // Registers a method that needs no client and responds at once.
   const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
     methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
@@ -105,7 +113,9 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
   methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
     rebias(client, params, reply);
   };
-  methods_["frame"] = [this](Client&, const Params& params, const Reply& reply) { frame(params, reply); };
+  methods_["frame"] = [this](Client& client, const Params& params, const Reply& reply) {
+    frame(client, params, reply);
+  };
   methods_["record"] = [this](Client& client, const Params& params, const Reply& reply) {
     record(client, params, reply);
   };
@@ -122,10 +132,15 @@ void RpcMethods::line(const std::shared_ptr<Client>& client, std::string_view te
   rpc::Line parsed = rpc::parse(text);
   if (!parsed.error_response.empty()) return client->respond(std::move(parsed.error_response));
   const auto answers = std::make_shared<rpc::Responses>(
-      parsed.batch, parsed.requests.size(), [client](std::string all) { client->respond(std::move(all)); });
+      parsed.batch, parsed.requests.size(), [client](std::string all) { client->respond(std::move(all)); },
+      client->promise(0));
   for (const rpc::Request& request : parsed.requests) {
     if (request.error_response) {
       answers->add(*request.error_response);
+    } else if (parsed.batch && client->owed_too_much()) {
+      ++refused_;
+      Reply(request, answers)
+          .error(rpc::kTooMuch, "the answers to this batch are too large; read them, and ask the rest again");
     } else {
       call(*client, request, Reply(request, answers));
     }
@@ -201,13 +216,18 @@ void RpcMethods::unsubscribe(Client& client, const Params& params, const Reply& 
   reply.result(true);
 }
 
-void RpcMethods::frame(const Params& params, const Reply& reply) {
+void RpcMethods::frame(Client& client, const Params& params, const Reply& reply) {
   refuse_unknown(params, {"sensor"});
   const std::size_t sensor = required_sensor(params, context_.board);
   SensorStatus& status = *context_.board.sensors[sensor];
   const auto layout = status.facts().layout;
   if (!layout) throw rpc::Error(rpc::kNotPossible, "no frame of this sensor has come yet");
-  pending_frames_[sensor].push_back(reply);
+  if (context_.owed_bytes() > kMostOwedToAll) {
+    ++refused_;
+    throw rpc::Error(rpc::kTooMuch,
+                     "slipd keeps too many answers that its clients do not read; ask again later");
+  }
+  pending_frames_[sensor].push_back({reply, client.promise(kFrameBytesPerTaxel * layout->size())});
   status.frame_copy.request(layout->size());
   context_.ring_estimate();
 }
@@ -222,12 +242,19 @@ json RpcMethods::flight(const Params& params) {
   const bool all = !params.contains("sensor");
   const std::size_t only = all ? 0 : required_sensor(params, board);
   json names = json::array();
+  json recordings = json::array();
   for (std::size_t i = 0; i < board.sensors.size(); ++i) {
     if (!all && i != only) continue;
-    context_.flight->trigger(i, "request");
-    names.push_back(board.sensors[i]->name);
+    if (const auto number = context_.flight->request(i)) {
+      recordings.push_back(*number);
+      names.push_back(board.sensors[i]->name);
+    }
   }
+  if (names.empty())
+    throw rpc::Error(rpc::kNotPossible,
+                     "too many recordings were requested just now; ask again in some seconds");
   return {{"sensors", std::move(names)},
+          {"recordings", std::move(recordings)},
           {"folder", context_.flight->folder().string()},
           {"written_in_s", context_.settings.recorder.seconds}};
 }
@@ -243,11 +270,19 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
   }
   if (!file)
     throw rpc::Error(rpc::kInvalidParams, "pass the file to record into along, as a descriptor (SCM_RIGHTS)");
+  RequestRate& rate = record_rates_[sensor];
+  if (!rate.grant(std::chrono::steady_clock::now())) {
+    throw rpc::Error(rpc::kNotPossible, "too many recordings of this sensor were requested; ask again in " +
+                                            std::to_string(rate.wait_s()) + " s");
+  }
   SensorStatus& status = *context_.board.sensors[sensor];
-  const auto answer = [reply, name = status.name](const RecordingResult& result) {
+  const auto answer = [reply, name = status.name,
+                       counts = context_.recordings](const RecordingResult& result) {
+    ++(result.trouble.empty() ? counts->written : counts->failed);
     if (!result.trouble.empty()) {
-      return reply.error(rpc::kInternalError,
-                         result.trouble + ", after " + std::to_string(result.frames) + " frames");
+      return reply.error(rpc::kInternalError, result.trouble + ", after " + std::to_string(result.frames) +
+                                                  " frames; " + std::to_string(result.missed) +
+                                                  " more did not fit");
     }
     reply.result({{"sensor", name},
                   {"frames", result.frames},
@@ -258,8 +293,10 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
   try {
     recorder_.start(status, std::move(file), seconds->get<double>(), client.peer_closed(), answer);
   } catch (const UnfitFile& unfit) {
+    rate.give_back();
     throw rpc::Error(rpc::kInvalidParams, unfit.what());
   } catch (const RecordingRefused& refused) {
+    rate.give_back();
     throw rpc::Error(rpc::kNotPossible, refused.what());
   }
 }
@@ -301,35 +338,42 @@ void RpcMethods::complete_rebias(bool late) {
 void RpcMethods::fail_pending() {
   constexpr const char* kWhy = "slipd has stopped or taken up another configuration; ask again";
   for (auto& waiting : pending_frames_) {
-    for (const Reply& reply : std::exchange(waiting, {})) reply.error(rpc::kNotPossible, kWhy);
+    for (const PendingFrame& wanted : std::exchange(waiting, {})) wanted.reply.error(rpc::kNotPossible, kWhy);
   }
   for (const PendingRebias& wanted : std::exchange(pending_rebias_, {}))
     wanted.reply.error(rpc::kNotPossible, kWhy);
 }
 
-void RpcMethods::complete_frames() {
-  const Now now = Now::read();
-  for (std::size_t i = 0; i < pending_frames_.size(); ++i) {
-    SensorStatus& status = *context_.board.sensors[i];
-    const FrameCopy::Content* frame = status.frame_copy.result();
-    if (frame == nullptr) continue;
-    const auto waiting = std::exchange(pending_frames_[i], {});
-    const auto layout = status.facts().layout;
-    const bool usable = frame->has_frame && layout && layout->size() == frame->normal_pa.size();
-    json result;
-    const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
-    try {
-      if (usable) result = frame_json(*frame, *layout, now);
-    } catch (const std::bad_alloc&) {
-      trouble = "slipd has not enough memory for this";
-    }
-    status.frame_copy.release();
-    for (const Reply& reply : waiting) {
-      if (trouble == nullptr) {
-        reply.result(result);
-      } else {
-        reply.error(rpc::kNotPossible, trouble);
-      }
+std::optional<std::chrono::steady_clock::time_point> RpcMethods::complete_frames() {
+  const auto begin = std::chrono::steady_clock::now();
+  if (begin < next_frames_) return next_frames_;
+  for (std::size_t i = 0; i < pending_frames_.size(); ++i) complete_frames_of(i);
+  const auto end = std::chrono::steady_clock::now();
+  next_frames_ = end + (end - begin);
+  return std::nullopt;
+}
+
+// All get the same frame. Its text is made once.
+void RpcMethods::complete_frames_of(std::size_t sensor) {
+  SensorStatus& status = *context_.board.sensors[sensor];
+  const FrameCopy::Content* frame = status.frame_copy.result();
+  if (frame == nullptr) return;
+  const auto waiting = std::exchange(pending_frames_[sensor], {});
+  const auto layout = status.facts().layout;
+  const bool usable = frame->has_frame && layout && layout->size() == frame->normal_pa.size();
+  std::string text;
+  const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
+  try {
+    if (usable) text = frame_json(*frame, *layout, Now::read()).dump();
+  } catch (const std::bad_alloc&) {
+    trouble = "slipd has not enough memory for this";
+  }
+  status.frame_copy.release();
+  for (const PendingFrame& wanted : waiting) {
+    if (trouble == nullptr) {
+      wanted.reply.text(text);
+    } else {
+      wanted.reply.error(rpc::kNotPossible, trouble);
     }
   }
 }

@@ -46,6 +46,7 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
       listener_(io, listener),
       events_ready_(io, dup(context.board.io_wakeup.fd())),
       accept_pause_(io),
+      frames_pause_(io),
       statistics_timer_(io),
       metrics_file_(context.settings.metrics),
       last_(context.board.sensors.size()),
@@ -63,6 +64,7 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
     context_.delivery_latency.record(Now::read().monotonic_ns - published_ns);
   };
   context_.clients = clients_.all.size();
+  context_.owed_bytes = [this] { return clients_.owner.owed.bytes(); };
   for (const auto& client : clients_.all) {
     for (Subscription& subscription : client->subscriptions) subscription.rebind(context.board);
   }
@@ -75,9 +77,10 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
 
 Server::~Server() {
   methods_.fail_pending();
-  clients_.owner = {.on_line = [](const auto&, const auto&) {},
-                    .on_closed = [](const auto&) {},
-                    .on_notification_sent = [](std::int64_t) {}};
+  context_.owed_bytes = [] { return std::size_t{0}; };
+  clients_.owner.on_line = [](const auto&, const auto&) {};
+  clients_.owner.on_closed = [](const auto&) {};
+  clients_.owner.on_notification_sent = [](std::int64_t) {};
 }
 
 // A handler that does nothing once the server is destroyed. Cancelling would be too late for one that is
@@ -143,8 +146,19 @@ void Server::drain_events() {
   }
   if (context_.board.events.read_available() > 0) context_.board.io_wakeup.notify();
   trigger_on_grasp_slip();
-  methods_.complete_frames();
+  complete_frames();
   methods_.complete_rebias(false);
+}
+
+void Server::complete_frames() {
+  const auto again = methods_.complete_frames();
+  if (!again || frames_pause_pending_) return;
+  frames_pause_pending_ = true;
+  frames_pause_.expires_at(*again);
+  frames_pause_.async_wait(while_alive([this] {
+    frames_pause_pending_ = false;
+    had_memory([this] { complete_frames(); });
+  }));
 }
 
 // Triggers the flight recorder when a grasp's alert becomes slip, even if no sensor's own alert does.
@@ -154,7 +168,8 @@ void Server::trigger_on_grasp_slip() {
     const GraspStatus& grasp = *context_.board.grasps[i];
     const Alert now = grasp.latest.load().alert;
     if (now == std::exchange(grasp_alerts_[i], now) || now != Alert::slip) continue;
-    for (const std::size_t sensor : grasp.sensors) context_.flight->trigger(sensor, "slip");
+    for (const std::size_t sensor : grasp.sensors)
+      context_.flight->trigger(sensor, FlightRecorder::Reason::slip);
   }
 }
 
@@ -165,7 +180,7 @@ void Server::dispatch(const Event& event) {
   if (event.estimate.alert != last.alert) {
     notify_subscribers(event, EventKind::alert);
     if (event.estimate.alert == Alert::slip && context_.flight != nullptr)
-      context_.flight->trigger(event.sensor, "slip");
+      context_.flight->trigger(event.sensor, FlightRecorder::Reason::slip);
   }
   if (event.estimate.state != last.state) notify_subscribers(event, EventKind::state);
   last = {event.estimate.state, event.estimate.alert};
@@ -223,6 +238,8 @@ void Server::update_statistics() {
   std::uint64_t dropped = clients_.dropped_by_closed;
   for (const auto& client : clients_.all) dropped += client->dropped();
   context_.notifications_dropped = dropped;
+  context_.clients_held_back = clients_.owner.held_back;
+  context_.requests_refused = methods_.refused();
   metrics_file_.write_if_due(context_, now);
   methods_.complete_rebias(true);
   // Closed clients whose on_closed was not called for lack of memory.

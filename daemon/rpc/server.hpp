@@ -53,6 +53,7 @@ class Server {
   void reject(const UniqueFd& socket);
   void wait_for_events();
   void drain_events();
+  void complete_frames();
   void dispatch(const Event& event);
   void notify_subscribers(const Event& event, EventKind kind);
   void trigger_on_grasp_slip();
@@ -65,6 +66,8 @@ class Server {
   RpcMethods methods_;
   asio::posix::stream_descriptor listener_, events_ready_;
   asio::steady_timer accept_pause_;  // before accepting again when there was no descriptor or memory
+  asio::steady_timer frames_pause_;  // before answering with frames again
+  bool frames_pause_pending_ = false;
   asio::steady_timer statistics_timer_;
   FrameHealthMonitor health_monitor_;
   MetricsFile metrics_file_;

@@ -13,6 +13,9 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
+
+#include "core/storage/unique_fd.hpp"
 
 namespace slipd {
 namespace {
@@ -30,6 +33,31 @@ std::string holder(int fd) {
   return pid.empty() ? "another slipd" : "another slipd (process " + pid + ")";
 }
 
+// "slipd (process 12)" of the process that listens, as far as the kernel says.
+std::string listener_of(int connected) {
+  ucred who{};
+  socklen_t length = sizeof who;
+  if (getsockopt(connected, SOL_SOCKET, SO_PEERCRED, &who, &length) != 0 || who.pid <= 0)
+    return "another program";
+  return "another program (process " + std::to_string(who.pid) + ")";
+}
+
+// Throws unless the socket at `address` is one that nobody listens on, as a crash leaves it.
+void require_dead_socket(const sockaddr_un& address) {
+  const std::string path = address.sun_path;
+  const UniqueFd probe(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!probe) fail("cannot make a socket", errno, "");
+  if (connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+    throw std::runtime_error(path + " is served by " + listener_of(probe.get()) +
+                             " already; stop it, or choose another socket.path");
+  }
+  if (errno == ECONNREFUSED || errno == ENOENT) return;
+  if (errno == EAGAIN || errno == EPROTOTYPE) {  // its queue is full, or it is no stream socket
+    throw std::runtime_error(path + " is in use by another program; stop it, or choose another socket.path");
+  }
+  fail("cannot tell whether " + path + " is in use", errno, "remove it, or choose another socket.path");
+}
+
 }  // namespace
 
 SocketFile::SocketFile(std::filesystem::path path, unsigned mode)
@@ -38,6 +66,7 @@ SocketFile::SocketFile(std::filesystem::path path, unsigned mode)
     lock();
     bind_and_listen(mode);
   } catch (...) {
+    if (lock_fd_ >= 0) remove_own_files();
     if (listener_ >= 0) close(listener_);
     if (lock_fd_ >= 0) close(lock_fd_);
     throw;
@@ -51,12 +80,24 @@ SocketFile::SocketFile(int listener) : listener_(listener) {
 }
 
 SocketFile::~SocketFile() {
+  if (lock_fd_ >= 0) remove_own_files();
   close(listener_);
-  if (lock_fd_ < 0) return;
-  unlink(path_.c_str());
-  unlink(
-      lock_path_.c_str());  // while it is locked: a process that opened it before sees that it was replaced
-  close(lock_fd_);
+  if (lock_fd_ >= 0) close(lock_fd_);
+}
+
+std::optional<SocketFile::Identity> SocketFile::identity_of(const std::filesystem::path& path) {
+  struct stat there {};
+  if (lstat(path.c_str(), &there) != 0) return std::nullopt;
+  return Identity{there.st_dev, there.st_ino};
+}
+
+// While the listener is open and the lock is held: the kernel cannot give their inodes to other files, and a
+// process that opened the lock before sees that it was replaced.
+void SocketFile::remove_own_files() const {
+  if (made_ && identity_of(path_) == made_) unlink(path_.c_str());
+  struct stat held {};
+  if (fstat(lock_fd_, &held) == 0 && identity_of(lock_path_) == Identity{held.st_dev, held.st_ino})
+    unlink(lock_path_.c_str());
 }
 
 void SocketFile::lock() {
@@ -68,15 +109,13 @@ void SocketFile::lock() {
     }
     if (flock(lock_fd_, LOCK_EX | LOCK_NB) != 0) {
       if (errno != EWOULDBLOCK) fail("cannot lock " + lock_path_.string(), errno, "");
-      throw std::runtime_error(path_.string() + " is served by " + holder(lock_fd_) +
+      const std::string by = holder(lock_fd_);
+      close(std::exchange(lock_fd_, -1));  // it is not this one's to remove
+      throw std::runtime_error(path_.string() + " is served by " + by +
                                " already; stop it, or give this one another socket.path");
     }
     struct stat held {};
-    struct stat named {};
-    if (fstat(lock_fd_, &held) == 0 && stat(lock_path_.c_str(), &named) == 0 && held.st_ino == named.st_ino &&
-        held.st_dev == named.st_dev) {
-      break;
-    }
+    if (fstat(lock_fd_, &held) == 0 && identity_of(lock_path_) == Identity{held.st_dev, held.st_ino}) break;
     close(lock_fd_);  // its last holder removed it between open and lock
   }
   const std::string pid = std::to_string(getpid()) + "\n";
@@ -100,7 +139,8 @@ void SocketFile::bind_and_listen(unsigned mode) {
       throw std::runtime_error(path_.string() +
                                " exists and is no socket; remove it, or choose another socket.path");
     }
-    unlink(path_.c_str());  // this process holds the lock, so no other serves it
+    require_dead_socket(address);
+    unlink(path_.c_str());
   }
   listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (listener_ < 0) fail("cannot make a socket", errno, "");
@@ -111,6 +151,7 @@ void SocketFile::bind_and_listen(unsigned mode) {
   umask(before);
   if (bound != 0)
     fail("cannot bind " + path_.string(), error, "does its folder exist and may slipd write to it?");
+  made_ = identity_of(path_);
   if (chmod(path_.c_str(), mode) != 0) fail("cannot set the mode of " + path_.string(), errno, "");
   if (listen(listener_, SOMAXCONN) != 0) fail("cannot listen on " + path_.string(), errno, "");
 }

@@ -2,14 +2,13 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "daemon/can/dbc.hpp"
 #include "daemon/record/flight_recorder.hpp"
 #include "daemon/rt/clock.hpp"
+#include "drivers/can/can_interface.hpp"
 
 namespace slipd {
 namespace {
@@ -47,13 +46,6 @@ json latency_json(const LatencyHistogram::Summary& latency) {
           {"max", known(latency.max_us)}};
 }
 
-std::string can_trouble(int error) {
-  if (error == EMSGSIZE) return "it is not set up for FD frames: set its mtu to 72, or can.fd to false";
-  if (error == EAFNOSUPPORT) return "this kernel has no CAN: load its module can-raw";
-  if (error == ENODEV) return "there is no such interface: plug it in, or correct can.interface";
-  return std::generic_category().message(error);
-}
-
 // The error of the method in use, measured on unseen contacts of this sensor's scene. Null if it is not
 // measured yet, or cannot be, because single frames of this sensor do not determine the margin.
 json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
@@ -69,6 +61,13 @@ json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
           {"us_per_frame", used->p50_us}};
 }
 
+// Whether the device is open and its frames are fresh.
+bool receiving(const SensorStatus& status, const Published& published) {
+  const State state = published.estimate.state;
+  return status.link.load(std::memory_order_relaxed) == DeviceLink::open && published.counts.received > 0 &&
+         state != State::stale && state != State::fault;
+}
+
 json sensor_status(const ServiceContext& context, std::size_t sensor) {
   const SensorStatus& status = *context.board.sensors[sensor];
   const Published published = status.latest.load();
@@ -82,6 +81,7 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"driver", status.driver},
       {"device", facts.description},
       {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
+      {"receiving", receiving(status, published)},
       {"simulated", status.simulated.load(std::memory_order_relaxed)},
       {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
       {"expected_error", expected_error(context, facts)},
@@ -103,9 +103,19 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
 
 json recorder_json(const ServiceContext& context) {
   if (context.flight == nullptr) return "off";
+  json last = json::array();
+  for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
+    const FlightOutcome outcome = context.flight->outcome(i);
+    if (outcome.number == 0) continue;
+    last.push_back({{"sensor", context.board.sensors[i]->name},
+                    {"recording", outcome.number},
+                    {"file", outcome.file.empty() ? json(nullptr) : json(outcome.file)},
+                    {"trouble", outcome.trouble.empty() ? json(nullptr) : json(outcome.trouble)}});
+  }
   return {{"folder", context.flight->folder().string()},
           {"kept", context.flight->files_written()},
-          {"failed", context.flight->failures()}};
+          {"failed", context.flight->failures()},
+          {"last", std::move(last)}};
 }
 
 json can_json(const ServiceContext& context) {
@@ -118,7 +128,7 @@ json can_json(const ServiceContext& context) {
   const bool absent = report.bus == can::Bus::absent && report.error != 0;
   return {{"interface", context.settings.can->interface},
           {"state", to_string(report.bus)},
-          {"trouble", absent ? json(can_trouble(report.error)) : json(nullptr)},
+          {"trouble", absent ? json(can::why_no_can(report.error)) : json(nullptr)},
           {"sent", report.sent},
           {"queue_full", report.full},
           {"failed", report.failed},
@@ -156,6 +166,9 @@ json status_json(const ServiceContext& context) {
   json outputs{{"socket",
                 {{"path", context.settings.socket.path.string()},
                  {"dropped", context.notifications_dropped},
+                 {"owed_bytes", context.owed_bytes()},
+                 {"held_back", context.clients_held_back},
+                 {"refused", context.requests_refused},
                  {"latency_us", latency_json(context.delivery_latency.summary())},
                  {"latency_last_minute_us",
                   latency_json(context.delivery_latency_last_minute.summary(context.delivery_latency))}}}};
@@ -166,6 +179,7 @@ json status_json(const ServiceContext& context) {
           {"sensors", std::move(sensors)},
           {"realtime", realtime_json(context)},
           {"recorder", recorder_json(context)},
+          {"recordings", {{"written", context.recordings->written}, {"failed", context.recordings->failed}}},
           {"outputs", std::move(outputs)},
           {"clients", context.clients}};
 }
@@ -187,6 +201,7 @@ json sensors_json(const ServiceContext& context) {
          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
          {"simulated", status.simulated.load(std::memory_order_relaxed)},
          {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
+         {"receiving", receiving(status, status.latest.load())},
          {"device", facts.description},
          {"serial", facts.serial.empty() ? json(nullptr) : json(facts.serial)}});
   }

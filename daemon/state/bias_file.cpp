@@ -51,6 +51,13 @@ std::vector<float> unpack(const json& from, std::size_t expected) {
   return list;
 }
 
+// Empty if the file has none: it was written before slipd kept it, or slipd did not end by itself.
+std::vector<float> last_reading(const json& body, std::size_t expected) {
+  const auto found = body.find("last_pa");
+  if (found == body.end() || found->get_binary().empty()) return {};
+  return unpack(*found, expected);
+}
+
 BiasOrigin origin_of(const std::string& name) {
   for (const BiasOrigin origin : {BiasOrigin::command, BiasOrigin::no_load}) {
     if (name == to_string(origin)) return origin;
@@ -74,7 +81,8 @@ std::vector<std::uint8_t> encode_bias(const BiasIdentity& identity, const Bias& 
                       {"taken_realtime_ns", now.realtime_of(zero.taken_ns)},
                       {"confirmed_realtime_ns", now.realtime_of(zero.confirmed_ns)},
                       {"bias_pa", pack(zero.bias_pa)},
-                      {"noise_pa", pack(zero.noise_pa)}});
+                      {"noise_pa", pack(zero.noise_pa)},
+                      {"last_pa", pack(zero.last_pa)}});
 }
 
 Bias decode_bias(std::span<const std::uint8_t> bytes, const BiasIdentity& identity, const Now& now) {
@@ -90,7 +98,8 @@ Bias decode_bias(std::span<const std::uint8_t> bytes, const BiasIdentity& identi
             .noise_pa = unpack(body.at("noise_pa"), 3 * identity.taxels),
             .origin = origin_of(body.at("origin")),
             .taken_ns = monotonic("taken_realtime_ns"),
-            .confirmed_ns = monotonic("confirmed_realtime_ns")};
+            .confirmed_ns = monotonic("confirmed_realtime_ns"),
+            .last_pa = last_reading(body, 3 * identity.taxels)};
   } catch (const SealError& error) {
     throw BiasError(error.what());
   } catch (const json::exception& error) {

@@ -28,6 +28,8 @@ struct BiasIdentity {
   std::string part;
   // Number of taxels, at least 1.
   std::size_t taxels = 0;
+  // Whether another sensor in the same place has the same identity, because the device has no serial number.
+  bool exchangeable() const { return !device.starts_with("serial "); }
   bool operator==(const BiasIdentity&) const = default;
 };
 

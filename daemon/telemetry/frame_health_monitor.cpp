@@ -52,7 +52,9 @@ std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const st
       return on + count(more, "frame") +
              " were not simulated in time: this machine is too slow for this rate";
     return on + count(more, "frame") +
-           " never came, by the device's own numbering: the device or the bus is too slow";
+           " never came whole (by the device's count, if it has one, else by messages that are missing): the "
+           "device "
+           "or the bus is too slow";
   });
   report(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
     return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <string>
 
+#include "daemon/record/flight_recorder.hpp"
+
 namespace slipd {
 namespace {
 
@@ -193,6 +195,26 @@ void add_service(Families& families, const ServiceContext& context) {
   families.add_one("slipd_clients", "gauge", "Clients on the socket.", number(context.clients));
   families.add_one("slipd_notifications_dropped", "counter", "Notifications that slow clients have lost.",
                    number(context.notifications_dropped));
+  families.add_one("slipd_answers_owed_bytes", "gauge", "Answers that clients requested and have not read.",
+                   number(context.owed_bytes()));
+  families.add_one("slipd_clients_held_back", "counter",
+                   "Times that a client was not read from because it did not read its answers.",
+                   number(context.clients_held_back));
+  families.add_one("slipd_requests_refused", "counter", "Requests refused because clients do not read.",
+                   number(context.requests_refused));
+}
+
+void add_recordings(Families& families, const ServiceContext& context) {
+  families.add_one("slipd_recordings", "counter", "Recordings that clients asked for and got.",
+                   number(context.recordings->written));
+  families.add_one("slipd_recordings_failed", "counter", "Recordings that clients asked for and that failed.",
+                   number(context.recordings->failed));
+  if (context.flight == nullptr) return;
+  families.add_one("slipd_flight_recordings", "counter", "Recordings that the flight recorder has written.",
+                   number(context.flight->files_written()));
+  families.add_one("slipd_flight_recordings_failed", "counter",
+                   "Recordings that the flight recorder could not write.",
+                   number(context.flight->failures()));
 }
 
 void add_can(Families& families, const can::Report& can) {
@@ -219,6 +241,7 @@ std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
   add_states(families, context, published);
   families.latencies();
   add_service(families, context);
+  add_recordings(families, context);
   if (context.can != nullptr) add_can(families, context.can->load());
   return families.text();
 }

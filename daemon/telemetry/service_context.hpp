@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "config/settings.hpp"
@@ -14,6 +16,14 @@
 namespace slipd {
 
 class FlightRecorder;
+
+// Recordings that clients asked for with `record`, since the start.
+struct RecordingCounts {
+  // Those that were written to their end.
+  std::uint64_t written = 0;
+  // Those that were not.
+  std::uint64_t failed = 0;
+};
 
 // Not thread-safe. Used by one thread: io.
 struct ServiceContext {
@@ -31,8 +41,16 @@ struct ServiceContext {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   // Clients connected.
   std::size_t clients = 0;
+  // Bytes of answers that clients have requested and not read yet. Never null.
+  std::function<std::size_t()> owed_bytes = [] { return std::size_t{0}; };
+  // How often a client was not read from any more because it did not read its answers.
+  std::uint64_t clients_held_back = 0;
+  // Requests refused because clients are owed too much.
+  std::uint64_t requests_refused = 0;
   // Notifications dropped because a client was too slow, over all clients.
   std::uint64_t notifications_dropped = 0;
+  // Recordings that clients asked for; kept over a reload. Shared, because a recording may end after it.
+  std::shared_ptr<RecordingCounts> recordings = std::make_shared<RecordingCounts>();
   // From an estimate's publication until its notification was handed to the kernel, over all subscribers.
   LatencyHistogram delivery_latency{};
   // The same over the last minute.

@@ -72,6 +72,15 @@ void CanDriver::close() noexcept {
   socket_.close();
 }
 
+// Frames with other ids are filtered by the kernel and not seen here.
+std::string CanDriver::why_no_frames() const {
+  for (const Board& board : boards_) {
+    std::string why = board.decoder.why_no_frames("messages");
+    if (!why.empty()) return why;
+  }
+  return {};
+}
+
 // Never waits for room in the transmit queue: a start message that was not sent is repeated after
 // keep_alive_ms.
 void CanDriver::restart_silent_boards(std::int64_t now_ns) noexcept {

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "driver_api/driver.hpp"
@@ -25,6 +26,7 @@ class CanDriver final : public DeviceDriver {
   DeviceInfo open() override;
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
   void close() noexcept override;
+  std::string why_no_frames() const override;
 
  private:
   struct Message {

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "driver_api/driver.hpp"
+#include "drivers/can/can_interface.hpp"
 #include "drivers/pacing.hpp"
 
 namespace slipd::can {
@@ -28,6 +29,10 @@ constexpr std::int64_t kOldestNs = 1'000'000'000;  // an older time stamp means 
 [[noreturn]] void fail(const std::string& interface, const std::string& what, const std::string& remedy) {
   throw DriverError("CAN interface " + interface + ": " + what + ": " +
                     std::generic_category().message(errno) + "; " + remedy);
+}
+
+[[noreturn]] void unusable(const std::string& interface, int error) {
+  throw DriverError("CAN interface " + interface + ": " + why_no_can(error));
 }
 
 std::uint32_t wire_id(std::uint32_t id) {
@@ -129,19 +134,17 @@ bool Socket::send(std::uint32_t id, std::span<const std::uint8_t> bytes) noexcep
 
 Socket open_interface(const std::string& interface, const std::vector<std::uint32_t>& ids) {
   const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
-  if (fd < 0) fail(interface, "no CAN socket", "load the kernel module can-raw");
+  if (fd < 0) unusable(interface, errno);
   Socket socket(fd);
+  if (const int error = check_can_interface(fd, interface); error != 0) unusable(interface, error);
   ifreq request{};
   interface.copy(request.ifr_name, IFNAMSIZ - 1);
-  if (::ioctl(fd, SIOCGIFINDEX, &request) != 0)
-    fail(interface, "cannot be found", "plug its adapter in, or correct device.interface");
+  if (::ioctl(fd, SIOCGIFINDEX, &request) != 0) unusable(interface, errno);
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;
-  if (::ioctl(fd, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0) {
-    errno = ENETDOWN;
-    fail(interface, "is down", "bring it up: ip link set " + interface + " up type can bitrate …");
-  }
+  if (::ioctl(fd, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0)
+    unusable(interface, ENETDOWN);
   filter(fd, ids, interface);
   set(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, can_err_mask_t{CAN_ERR_MASK}, interface);
   set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, int{1}, interface);
@@ -150,7 +153,7 @@ Socket open_interface(const std::string& interface, const std::vector<std::uint3
   if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &kReceiveBytes, sizeof kReceiveBytes) != 0)
     set(fd, SOL_SOCKET, SO_RCVBUF, kReceiveBytes, interface);
   if (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    fail(interface, "cannot be listened to", "is it a CAN interface?");
+    fail(interface, "cannot be listened to", "is it still there?");
   return socket;
 }
 

@@ -28,6 +28,30 @@ bool Decoder::matches(const PacketRule& rule, std::uint32_t id,
                                   (bytes[rule.match.offset] & rule.match.mask) == rule.match.value);
 }
 
+bool Decoder::fits_some_rule(std::uint32_t id, std::size_t bytes) const noexcept {
+  return std::any_of(rules_.begin(), rules_.end(),
+                     [&](const PacketRule& rule) { return rule.id == id && rule.length == bytes; });
+}
+
+std::string Decoder::why_no_frames(const std::string& packets) const {
+  if (!misfit_) return {};
+  const bool numbered =
+      std::any_of(rules_.begin(), rules_.end(), [](const auto& rule) { return rule.id != 0; });
+  std::string expected;
+  for (std::size_t i = 0; i < rules_.size(); ++i) {
+    const auto same = [&](const PacketRule& rule) {
+      return rule.length == rules_[i].length && rule.id == rules_[i].id;
+    };
+    if (std::find_if(rules_.begin(), rules_.end(), same) != rules_.begin() + static_cast<std::ptrdiff_t>(i))
+      continue;
+    expected += (expected.empty() ? "" : ", ") + std::to_string(rules_[i].length);
+    if (numbered) expected += " with id " + std::to_string(rules_[i].id);
+  }
+  return packets + " of " + std::to_string(misfit_->bytes) + " bytes" +
+         (numbered ? " with id " + std::to_string(misfit_->id) : "") + " arrive, the profile expects " +
+         expected + ": choose or correct the profile";
+}
+
 bool Decoder::of_another_scan(std::span<const std::uint8_t> bytes) const noexcept {
   return key_offset_ && *key_offset_ < bytes.size() && bytes[*key_offset_] != key_;
 }
@@ -39,6 +63,13 @@ void Decoder::drop() noexcept {
   ++sequence_;
 }
 
+Outcome Decoder::drop_malformed() noexcept {
+  ++counts_.malformed;
+  if (next_ == 0) ++sequence_;  // the packet would have begun a scan
+  drop();
+  return Outcome::dropped;
+}
+
 void Decoder::mark_packet_lost() noexcept {
   if (next_ == 0 && rules_.size() == 1) ++sequence_;
   drop();
@@ -46,6 +77,7 @@ void Decoder::mark_packet_lost() noexcept {
 
 void Decoder::reset() noexcept {
   next_ = 0;
+  misfit_.reset();
   clock_ = counter_ = {};
   clock_ns_ = 0;
 }
@@ -108,8 +140,15 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
                       FrameSlot& slot) noexcept {
   const auto of_id = [&](const PacketRule& rule) { return rule.id == id; };
   const bool expected = matches(rules_[next_], id, bytes);
-  if (!expected && std::none_of(rules_.begin(), rules_.end(), of_id)) return Outcome::foreign;
+  if (!expected && std::none_of(rules_.begin(), rules_.end(), of_id)) {
+    misfit_ = {id, bytes.size()};
+    return Outcome::foreign;
+  }
   ++counts_.packets;
+  if (!fits_some_rule(id, bytes.size())) {
+    misfit_ = {id, bytes.size()};
+    return drop_malformed();
+  }
 
   const bool was_begun = next_ != 0;
   const bool late = was_begun && time_ns - begun_ns_ > timeout_ns_;
@@ -123,12 +162,7 @@ Outcome Decoder::take(std::uint32_t id, std::span<const std::uint8_t> bytes, std
     }
   }
   const PacketRule& rule = rules_[next_];
-  if (bytes.size() != rule.length || !fill(rule, bytes, slot)) {
-    ++counts_.malformed;
-    if (next_ == 0) ++sequence_;  // the packet would have begun a scan
-    drop();
-    return Outcome::dropped;
-  }
+  if (bytes.size() != rule.length || !fill(rule, bytes, slot)) return drop_malformed();
   if (next_ == 0) {
     begun_ns_ = time_ns;
     if (key_offset_) key_ = bytes[*key_offset_];

@@ -8,7 +8,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "drivers/decode/profile.hpp"
@@ -30,6 +32,12 @@ struct DecoderCounts {
   std::uint64_t repeated = 0;    // scans whose device count had come before, or went back
 };
 
+// A packet that no rule of a profile describes.
+struct Misfit {
+  std::uint32_t id = 0;
+  std::size_t bytes = 0;
+};
+
 class Decoder {
  public:
   // `sensor`: index among the device's sensors, from 0. `board`: the number that the ids contain where a rule
@@ -49,10 +57,19 @@ class Decoder {
   const DecoderCounts& counts() const noexcept { return counts_; }
   const std::vector<PacketRule>& rules() const noexcept { return rules_; }  // with the board in the ids
 
+  // The last packet whose id, or whose length, is no rule's; none: there was none. After construction or
+  // reset.
+  const std::optional<Misfit>& misfit() const noexcept { return misfit_; }
+  // How misfit() differs from the rules, for people; empty: there is none. `packets`: what the bus calls
+  // them.
+  std::string why_no_frames(const std::string& packets) const;
+
  private:
   bool matches(const PacketRule& rule, std::uint32_t id, std::span<const std::uint8_t> bytes) const noexcept;
+  bool fits_some_rule(std::uint32_t id, std::size_t bytes) const noexcept;
   bool of_another_scan(std::span<const std::uint8_t> bytes) const noexcept;
   void drop() noexcept;
+  Outcome drop_malformed() noexcept;
   bool follow_counter() noexcept;
   std::int64_t device_time_ns() noexcept;
   static bool fill(const PacketRule& rule, std::span<const std::uint8_t> bytes, FrameSlot& slot) noexcept;
@@ -79,6 +96,7 @@ class Decoder {
   double clock_ns_ = 0;
   std::uint64_t last_sequence_ = 0;  // the last frame's sequence
   DecoderCounts counts_;
+  std::optional<Misfit> misfit_;
 };
 
 // The id of a board: the board's number shifted left is added. Without board_shift, the id itself.

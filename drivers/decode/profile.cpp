@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
+#include <system_error>
 
+#include "core/storage/regular_file.hpp"
 #include "drivers/decode/profile_parts.hpp"
 #include "embedded/profile_schema.hpp"
 #include "schema/json_text.hpp"
@@ -19,6 +19,8 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestProfile = std::size_t{16} << 20;  // bytes
 
 [[noreturn]] void refuse(const std::string& name, const std::vector<Problem>& problems) {
   std::string lines = "profile \"" + name + "\" cannot work:";
@@ -62,14 +64,16 @@ Profile find_profile(const std::string& name) {
   std::string looked;
   for (const fs::path& folder : folders()) {
     const fs::path path = folder / (name + ".json");
-    std::ifstream file(path);
-    if (!file) {
+    std::string text;
+    try {
+      text = read_regular_file(path, kLargestProfile);
+    } catch (const std::system_error& error) {
+      if (error.code() != std::errc::no_such_file_or_directory)
+        throw DriverError(std::string("profile ") + error.what());
       looked += (looked.empty() ? "" : ", ") + path.string();
       continue;
     }
-    std::ostringstream text;
-    text << file.rdbuf();
-    return parse_profile(text.str(), name);
+    return parse_profile(text, name);
   }
   throw DriverError("there is no profile \"" + name + "\"; looked for " + looked);
 }

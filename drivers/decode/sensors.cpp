@@ -46,6 +46,14 @@ void Sensors::mark_packet_lost() noexcept {
   for (Decoder& decoder : decoders_) decoder.mark_packet_lost();
 }
 
+std::string Sensors::why_no_frames(const std::string& packets) const {
+  for (const Decoder& decoder : decoders_) {
+    std::string why = decoder.why_no_frames(packets);
+    if (!why.empty()) return why;
+  }
+  return {};
+}
+
 void Sensors::reset() noexcept {
   for (Decoder& decoder : decoders_) decoder.reset();
   std::fill(ready_.begin(), ready_.end(), false);

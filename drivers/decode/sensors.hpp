@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "drivers/decode/decoder.hpp"
@@ -26,6 +27,9 @@ class Sensors {
 
   void mark_packet_lost() noexcept;  // of an unknown sensor: applies to all
   void reset() noexcept;
+
+  // See DeviceDriver::why_no_frames. `packets`: what the bus calls them.
+  std::string why_no_frames(const std::string& packets) const;
   const std::vector<SensorInfo>& info() const noexcept { return info_; }
 
  private:

@@ -1,12 +1,16 @@
 #include "drivers/hid/hid_driver.hpp"
 
+#include <fcntl.h>
 #include <hidapi/hidapi.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
+#include "core/storage/unique_fd.hpp"
 #include "drivers/hid/descriptor.hpp"
 #include "drivers/pacing.hpp"
 
@@ -35,6 +39,23 @@ std::string text_of(const decode::HidMatch& match) {
 
 bool has_numbers(const decode::Profile& profile) {
   return std::ranges::any_of(profile.scan, [](const decode::PacketRule& rule) { return rule.id != 0; });
+}
+
+// A udev rule decides on the file's owner and mode (EACCES), the service's unit on kinds of devices (EPERM).
+std::string why_not_opened(const std::string& path) {
+  std::string why = path + " cannot be opened: ";
+  const UniqueFd file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
+  if (file) return why + narrow(hid_error(nullptr));
+  const int error = errno;
+  why += std::generic_category().message(error);
+  if (error == EPERM) {
+    return why +
+           ": the service's unit does not permit it: install slipd-driver-hid; if it is installed, restart "
+           "slipd, which started before the kernel had any HID device";
+  }
+  if (error == EACCES)
+    return why + ": no udev rule gives it to slipd: add a line for it as in 60-slipd-hid.rules";
+  return why;
 }
 
 struct Found {
@@ -92,10 +113,7 @@ DeviceInfo HidDriver::open() {
   if (found.size() > 1)
     throw DriverError(id + ": there are several: " + there + "; name one by device.serial or device.path");
   device_.reset(hid_open_path(found.front().path.c_str()));
-  if (!device_) {
-    throw DriverError(id + ": " + found.front().path + " cannot be opened: " + narrow(hid_error(nullptr)) +
-                      "; may slipd read it? See 60-slipd-hid.rules");
-  }
+  if (!device_) throw DriverError(id + ": " + why_not_opened(found.front().path));
   if (!send(profile_.start)) throw DriverError(id + ": does not take its start message");
   resolve_places(found.front().path);
   sensors_.reset();

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "driver_api/driver.hpp"
@@ -22,6 +23,7 @@ class HidDriver final : public DeviceDriver {
   DeviceInfo open() override;
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
   void close() noexcept override;
+  std::string why_no_frames() const override { return sensors_.why_no_frames("reports"); }
 
  private:
   struct Closes {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "drivers/modbus/unreachable.hpp"
 #include "drivers/pacing.hpp"
 
 namespace slipd::modbus {
@@ -75,9 +76,11 @@ DeviceInfo ModbusDriver::open() {
   modbus_set_slave(context_.get(), endpoint_.unit);
   set_time(modbus_set_response_timeout, context_.get(), kConnectPatience);
   if (modbus_connect(context_.get()) != 0) {
-    throw DriverError(endpoint_.text + ": " + modbus_strerror(errno) +
-                      (tcp ? ": is the device on and its network reachable?"
-                           : ": is the adapter plugged in, and may slipd open it?"));
+    const int error = errno;
+    throw DriverError(
+        endpoint_.text + ": " +
+        (tcp ? why_unreachable(endpoint_.host, endpoint_.port, error)
+             : modbus_strerror(error) + std::string(": is the adapter plugged in, and may slipd open it?")));
   }
   modbus_flush(context_.get());
   sensors_.reset();

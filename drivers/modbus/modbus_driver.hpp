@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "driver_api/driver.hpp"
@@ -24,6 +25,7 @@ class ModbusDriver final : public DeviceDriver {
   DeviceInfo open() override;
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
   void close() noexcept override;
+  std::string why_no_frames() const override { return sensors_.why_no_frames("answers"); }
 
  private:
   struct Closes {

@@ -14,7 +14,9 @@ namespace {
 
 constexpr std::size_t kBytesPerNumber = 32;
 constexpr std::size_t kLongestLine = std::size_t{1} << 16;  // bytes
-constexpr double kLatestSeconds = 9e9;                      // 64 bits hold so many seconds in nanoseconds
+constexpr std::size_t kMostBlankBytes = std::size_t{1}
+                                        << 16;  // of empty lines in a row; limits what one read takes
+constexpr double kLatestSeconds = 9e9;          // 64 bits hold so many seconds in nanoseconds
 
 std::string_view trimmed(std::string_view s) noexcept {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -176,7 +178,11 @@ bool CsvSource::store(const Column& column, std::string_view field, FrameSlot& o
 ReadOutcome CsvSource::next(FrameSlot& out) noexcept {
   if (fault_ != nullptr) return ReadOutcome::damaged;
   std::string_view line;
+  std::size_t blank_bytes = 0;
   do {
+    blank_bytes += line.size() + 1;
+    if (blank_bytes > kMostBlankBytes)
+      return fail(0, "the lines up to here are empty: no table of frames", {});
     switch (next_line(line)) {
       case Line::whole:
         break;

@@ -23,6 +23,7 @@ class CsvSource final : public FrameSource {
 
   ReadOutcome next(FrameSlot& out) noexcept override;
   void rewind() noexcept override;
+  bool has_fault() const noexcept override { return fault_ != nullptr; }
   std::string fault() const override;  // `FILE: line L, column C (name): …`
   double rate_hz() const noexcept override { return rate_hz_; }
   SensorClass sensor_class() const noexcept override { return class_; }

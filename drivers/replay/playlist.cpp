@@ -56,9 +56,21 @@ bool Playlist::next_file() noexcept {
   return true;
 }
 
+bool Playlist::any_damage() const noexcept {
+  return std::any_of(sources_.begin(), sources_.end(),
+                     [](const auto& source) { return source->has_fault(); });
+}
+
+std::string Playlist::fault() const {
+  const auto found =
+      std::find_if(sources_.begin(), sources_.end(), [](const auto& source) { return source->has_fault(); });
+  return found == sources_.end() ? std::string() : (*found)->fault();
+}
+
 ReadOutcome Playlist::next(FrameSlot& out) noexcept {
   ReadOutcome status = sources_[current_]->next(out);
   while (status == ReadOutcome::end && next_file()) status = sources_[current_]->next(out);
+  if (status == ReadOutcome::end && any_damage()) return ReadOutcome::damaged;
   if (status != ReadOutcome::frame) return status;
   // Unsigned differences cannot overflow, whatever a damaged file holds; the casts restore the sign.
   const auto step_ns = first_of_file_ ? period_ns_

@@ -20,9 +20,11 @@ class Playlist {
   // Acquire thread; allocates nothing. In `out`, sequence and time_ns rise strictly. Gaps in the recorded
   // sequence are kept, and so are pauses up to an hour; where the recorded clock stood or went back, time
   // advances by 1 ns. device_time_ns is the recorded one, or else recorded time. Values are in Pa. corrupt: a
-  // frame with a value that is not finite was skipped.
+  // frame with a value that is not finite was skipped, or a damaged block of a recording. damaged: the
+  // present file cannot be read on, or it is the end and a file had damaged blocks; see fault().
   ReadOutcome next(FrameSlot& out) noexcept;
-  std::string fault() const { return sources_[current_]->fault(); }
+  // What is damaged in the first damaged file, and where; empty: nothing that was met so far.
+  std::string fault() const;
 
   std::size_t files() const noexcept { return sources_.size(); }
   double rate_hz() const noexcept { return sources_.front()->rate_hz(); }
@@ -31,6 +33,7 @@ class Playlist {
 
  private:
   bool next_file() noexcept;  // false: there is none
+  bool any_damage() const noexcept;
 
   std::vector<std::unique_ptr<FrameSource>> sources_;
   Options options_;

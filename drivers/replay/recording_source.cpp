@@ -55,6 +55,10 @@ ReadOutcome RecordingSource::next(FrameSlot& out) noexcept {
   switch (reader_.next(out)) {
     case RecordingReader::Status::frame:
       return ReadOutcome::frame;
+    case RecordingReader::Status::skipped:
+      return ReadOutcome::corrupt;
+    case RecordingReader::Status::searching:
+      return ReadOutcome::none;
     case RecordingReader::Status::end:
       return ReadOutcome::end;
     case RecordingReader::Status::damaged:

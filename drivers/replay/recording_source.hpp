@@ -13,6 +13,7 @@ class RecordingSource final : public FrameSource {
 
   ReadOutcome next(FrameSlot& out) noexcept override;
   void rewind() noexcept override { reader_.rewind(); }
+  bool has_fault() const noexcept override { return reader_.has_fault(); }
   std::string fault() const override { return reader_.fault(); }
   double rate_hz() const noexcept override { return reader_.header().rate_hz; }
   SensorClass sensor_class() const noexcept override { return reader_.header().sensor_class; }

@@ -39,7 +39,7 @@ ReplayDriver::ReplayDriver(const std::vector<SensorSetup>& sensors) {
 void ReplayDriver::open_playback(Playback& playback) {
   const auto changed = change_time(playback.options.file);
   if (playback.damaged && playback.list && changed == playback.changed) {
-    throw DriverError(playback.list->fault() + " (played up to there; repair the file or leave it out)");
+    throw DriverError(playback.list->fault() + " (the rest was played; repair the file or leave it out)");
   }
   playback.list.emplace(playback.setup, playback.options);
   playback.changed = changed;
@@ -77,6 +77,8 @@ std::optional<ReadResult> ReplayDriver::stage(std::uint16_t sensor) noexcept {
       break;
     case ReadOutcome::corrupt:
       return ReadResult{ReadStatus::corrupt, sensor};
+    case ReadOutcome::none:
+      return ReadResult{ReadStatus::timeout, sensor};
     case ReadOutcome::damaged:
       playback.damaged = true;
       [[fallthrough]];

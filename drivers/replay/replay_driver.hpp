@@ -1,5 +1,7 @@
-// Plays recorded frames as a device. A damaged file is played up to the damage. Then read() returns
-// `disconnected`, and open() throws the fault and its place until the file has changed.
+// Plays recorded frames as a device. Of a damaged file what is whole is played: a recording without its
+// damaged blocks, which count as corrupt; CSV and recordings of version 1 up to the damage. Then read()
+// returns `disconnected`, and open() throws the fault and its place until the file has changed. With the
+// option `loop` a recording with damaged blocks is played again.
 #pragma once
 
 #include <chrono>

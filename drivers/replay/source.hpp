@@ -13,9 +13,10 @@ namespace slipd::replay {
 
 enum class ReadOutcome : std::uint8_t {
   frame,    // a frame was read
-  corrupt,  // a frame was skipped
-  end,      // the file is at its end
-  damaged   // the file is damaged, see fault()
+  corrupt,  // a frame or a block of frames was skipped
+  none,     // nothing yet: one call reads no more than so much
+  end,      // the file is at its end; fault() says what of it was damaged
+  damaged   // the file cannot be read on, see fault()
 };
 
 class FrameSource {
@@ -26,7 +27,8 @@ class FrameSource {
   // Allocates nothing, does not throw, can wait for the disk.
   virtual ReadOutcome next(FrameSlot& out) noexcept = 0;
   virtual void rewind() noexcept = 0;
-  virtual std::string fault() const = 0;  // what is damaged and where
+  virtual bool has_fault() const noexcept = 0;  // whether anything damaged was met since rewind
+  virtual std::string fault() const = 0;        // what is damaged and where; empty: nothing
 
   // Set-up thread.
   virtual double rate_hz() const noexcept = 0;  // 0: unknown

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "driver_api/driver.hpp"
@@ -22,6 +23,7 @@ class UsbDriver final : public DeviceDriver {
   DeviceInfo open() override;
   ReadResult read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept override;
   void close() noexcept override { transport_.reset(); }
+  std::string why_no_frames() const override { return sensors_.why_no_frames("packets"); }
 
  private:
   ReadResult decode_held(std::span<FrameSlot> slots) noexcept;

@@ -22,15 +22,16 @@ TEST(DefaultConfiguration, has_the_default_values_only) {
   EXPECT_EQ(written, minimal);
 }
 
-TEST(DefaultConfiguration, has_one_simulated_sensor_as_a_minimal_one_has) {
+// Its simulated sensor takes a tenth of the taxels and a fifth of the rate, so that it runs on any machine.
+TEST(DefaultConfiguration, has_one_simulated_sensor_as_a_minimal_one_has_but_smaller) {
   const Settings written = parse(text_of("config/slipd.json"));
   const Settings minimal = parse(std::string(R"({"sensors": [{"name": "left", "driver": "sim"}]})"));
   ASSERT_EQ(written.sensors.size(), 1U);
   const SensorSettings &a = written.sensors[0], &b = minimal.sensors[0];
   EXPECT_EQ(a.driver, b.driver);
-  EXPECT_EQ(a.setup.rate_hz, b.setup.rate_hz);
+  EXPECT_LE(a.setup.rate_hz, b.setup.rate_hz / 5);
   EXPECT_EQ(a.stale_after, b.stale_after);
-  EXPECT_EQ(a.setup.layout, b.setup.layout);
+  EXPECT_LE(a.setup.layout.size(), b.setup.layout.size() / 9);
   EXPECT_EQ(written.scene_of(a), minimal.scene_of(b));
   EXPECT_EQ(a.setup.options, b.setup.options);
 }

@@ -24,6 +24,30 @@ json with(const std::string& pointer, const json& value) {
   return document;
 }
 
+// Looking at each of so many sensors would take seconds; their number is judged first.
+TEST(Settings, with_far_too_many_sensors_look_at_none_of_them) {
+  class Counting : public FakeCatalogue {
+   public:
+    const DriverModule* find(const std::string& name) override {
+      ++asked;
+      return FakeCatalogue::find(name);
+    }
+    int asked = 0;
+  } drivers;
+  json document = json::parse(kMinimal);
+  for (int i = 0; i < 10'000; ++i) document["sensors"].push_back(document["sensors"][0]);
+  document["grasps"] = {{{"name", "g"}, {"sensors", {"nobody"}}}};
+  try {
+    parse_settings(document.dump(), "t.json", drivers);
+    FAIL() << "accepted";
+  } catch (const SettingsError& error) {
+    ASSERT_EQ(error.problems().size(), 1U);
+    EXPECT_THAT(error.problems().front(), HasSubstr("/sensors"));
+    EXPECT_THAT(error.problems().front(), HasSubstr("too many items"));
+  }
+  EXPECT_EQ(drivers.asked, 0);
+}
+
 TEST(Settings, of_a_minimal_document_are_the_defaults_of_the_structs) {
   const Settings s = parse(std::string(kMinimal)), d;
   EXPECT_EQ(s.estimator, d.estimator);

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "daemon/rpc/owed_bytes.hpp"
 
 namespace slipd {
 namespace {
@@ -36,12 +40,31 @@ TEST(Backlog, NeverLosesAnAnswerAndKeepsTheOrder) {
   backlog.push_notification(head(1), 0);
   backlog.push_response("b");
   backlog.push_notification(head(2), 0);
-  EXPECT_EQ(backlog.response_bytes(), 2U);
   EXPECT_EQ(backlog.next(), "a\n");
   EXPECT_EQ(backlog.next(), "b\n");
   EXPECT_EQ(params(backlog.next())["seq"], 2);
   EXPECT_TRUE(backlog.empty());
-  EXPECT_EQ(backlog.response_bytes(), 0U);
+}
+
+TEST(OwedBytes, AreOwedToOneAndToAllUntilTheyAreSettled) {
+  OwedBytes all;
+  {
+    const auto one = std::make_shared<OwedBytes>(&all);
+    OwedBytes other(&all);
+    other.add(5);
+    OwedPart promised(one, 100);
+    promised.grow(10);
+    OwedPart moved = std::move(promised);
+    EXPECT_EQ(one->bytes(), 110U);
+    EXPECT_EQ(all.bytes(), 115U);
+    moved = {};
+    EXPECT_EQ(one->bytes(), 0U);
+    EXPECT_EQ(all.bytes(), 5U);
+    one->add(7);
+    one->settle(3);
+    EXPECT_EQ(all.bytes(), 9U);
+  }
+  EXPECT_EQ(all.bytes(), 0U) << "of clients that are gone nothing is owed";
 }
 
 TEST(Backlog, SentPlusDroppedIsTheTotal) {

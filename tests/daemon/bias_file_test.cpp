@@ -21,7 +21,8 @@ Bias some_zero() {
           .noise_pa = {0, 1, 2, 3, 4, 5},
           .origin = BiasOrigin::command,
           .taken_ns = 1'000,
-          .confirmed_ns = 2'000};
+          .confirmed_ns = 2'000,
+          .last_pa = {1, 2, 3, 4, 5, 6}};
 }
 
 std::string refusal_of(const std::vector<std::uint8_t>& bytes, const BiasIdentity& sensor = kBiasedSensor) {
@@ -40,8 +41,16 @@ TEST(BiasFileTest, ReadsBackWhatWasWrittenWithTheWallClocksTime) {
   EXPECT_EQ(read.bias_pa, some_zero().bias_pa);
   EXPECT_EQ(read.noise_pa, some_zero().noise_pa);
   EXPECT_EQ(read.origin, BiasOrigin::command);
+  EXPECT_EQ(read.last_pa, some_zero().last_pa);
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.taken_ns, 1'000'000 + 4'000) << "its age: before this boot";
   EXPECT_EQ(kAfterReboot.monotonic_ns - read.confirmed_ns, 1'000'000 + 3'000);
+}
+
+TEST(BiasFileTest, NeedNotHoldWhatTheSensorReadLast) {
+  Bias zero = some_zero();
+  zero.last_pa.clear();
+  EXPECT_TRUE(
+      decode_bias(encode_bias(kBiasedSensor, zero, kWritten), kBiasedSensor, kWritten).last_pa.empty());
 }
 
 TEST(BiasFileTest, RefusesEveryByteThatIsChangedAndEveryCut) {

@@ -36,7 +36,7 @@ class Acquiring {
             worker.apply(slot);
             worker.after_publish();
           }
-          worker.flush_to_store();
+          worker.flush_to_store(true);
         }) {}
 
  private:

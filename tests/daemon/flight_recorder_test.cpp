@@ -9,6 +9,7 @@
 #include <set>
 
 #include "daemon/record/frame_history.hpp"
+#include "daemon/record/request_rate.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd {
@@ -80,27 +81,57 @@ TEST(RecordingsFolder, KeepsTheNewestAndLeavesOtherFilesAlone) {
   temp.write("notes.txt", "mine");
   const RecordingsFolder folder(temp.path(), 3);
   for (int i = 0; i < 7; ++i) {
-    const std::string name = "f" + std::to_string(i) + ".rec";
-    EXPECT_FALSE(folder.add(name, [](int) { return std::error_code(); }));
-    fs::last_write_time(temp.path() / name, fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
+    const std::string name = "f" + std::to_string(i);
+    EXPECT_FALSE(folder.add(name, "slip", [](int) { return std::error_code(); }));
+    fs::last_write_time(temp.path() / (name + "-slip.rec"),
+                        fs::file_time_type::clock::now() - std::chrono::hours(10 - i));
   }
-  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f4.rec", "f5.rec", "f6.rec", "notes.txt"}));
+  EXPECT_EQ(names_in(temp.path()),
+            (std::set<std::string>{"f4-slip.rec", "f5-slip.rec", "f6-slip.rec", "notes.txt"}));
 }
 
 TEST(RecordingsFolder, TheLastWrittenIsTheNewestAlsoWhereTheClockWasSetBack) {
   const testing::TempFolder temp;
   const RecordingsFolder folder(temp.path(), 2);
   const auto add = [&](const std::string& name) {
-    return folder.add(name, [](int) { return std::error_code(); });
+    return folder.add(name, "slip", [](int) { return std::error_code(); });
   };
-  ASSERT_FALSE(add("a.rec"));
+  ASSERT_FALSE(add("a"));
   const auto tomorrow = std::filesystem::file_time_type::clock::now() + std::chrono::hours(24);
-  std::filesystem::last_write_time(temp.file("a.rec"), tomorrow);
-  for (const char* name : {"b.rec", "c.rec", "d.rec"}) ASSERT_FALSE(add(name));
-  EXPECT_FALSE(std::filesystem::exists(temp.file("a.rec")));
-  EXPECT_FALSE(std::filesystem::exists(temp.file("b.rec")));
-  EXPECT_TRUE(std::filesystem::exists(temp.file("c.rec")));
-  EXPECT_TRUE(std::filesystem::exists(temp.file("d.rec")));
+  std::filesystem::last_write_time(temp.file("a-slip.rec"), tomorrow);
+  for (const char* name : {"b", "c", "d"}) ASSERT_FALSE(add(name));
+  EXPECT_FALSE(std::filesystem::exists(temp.file("a-slip.rec")));
+  EXPECT_FALSE(std::filesystem::exists(temp.file("b-slip.rec")));
+  EXPECT_TRUE(std::filesystem::exists(temp.file("c-slip.rec")));
+  EXPECT_TRUE(std::filesystem::exists(temp.file("d-slip.rec")));
+}
+
+TEST(RecordingsFolder, HasALimitForEachKindOfItsOwn) {
+  const TempFolder temp;
+  temp.write("copied.rec", "mine");
+  const RecordingsFolder folder(temp.path(), 2);
+  const auto add = [&](const std::string& name, const char* kind) {
+    ASSERT_FALSE(folder.add(name, kind, [](int) { return std::error_code(); }));
+  };
+  add("a", "slip");
+  for (const char* name : {"b", "c", "d", "e"}) add(name, "request");
+  EXPECT_EQ(names_in(temp.path()),
+            (std::set<std::string>{"a-slip.rec", "copied.rec", "d-request.rec", "e-request.rec"}));
+  for (const char* name : {"f", "g"}) add(name, "slip");
+  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"copied.rec", "d-request.rec", "e-request.rec",
+                                                          "f-slip.rec", "g-slip.rec"}));
+}
+
+TEST(RequestRate, GrantsABurstAndThenSoManyASecond) {
+  RequestRate rate(2, 3);
+  const auto begin = RequestRate::Clock::now();
+  int granted = 0;
+  for (int i = 0; i < 10; ++i) granted += rate.grant(begin) ? 1 : 0;
+  EXPECT_EQ(granted, 3);
+  EXPECT_EQ(rate.wait_s(), 1);
+  granted = 0;
+  for (int i = 0; i < 100; ++i) granted += rate.grant(begin + std::chrono::milliseconds(100 * i)) ? 1 : 0;
+  EXPECT_NEAR(granted, 20, 1);
 }
 
 TEST(RecordingsFolder, PartialFilesOfACrashAreRemoved) {
@@ -109,41 +140,41 @@ TEST(RecordingsFolder, PartialFilesOfACrashAreRemoved) {
   fs::last_write_time(temp.path() / "crashed.rec.part",
                       fs::file_time_type::clock::now() - std::chrono::hours(1));
   temp.write("under-way.rec.part", "half");
-  EXPECT_FALSE(RecordingsFolder(temp.path(), 3).add("f.rec", [](int) { return std::error_code(); }));
-  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f.rec", "under-way.rec.part"}));
+  EXPECT_FALSE(RecordingsFolder(temp.path(), 3).add("f", "slip", [](int) { return std::error_code(); }));
+  EXPECT_EQ(names_in(temp.path()), (std::set<std::string>{"f-slip.rec", "under-way.rec.part"}));
 }
 
 TEST(RecordingsFolder, DoesNotWriteThroughALinkInItsPlace) {
   const TempFolder temp;
   const fs::path precious = temp.write("precious", "mine");
   const TempFolder kept;
-  for (const char* name : {"a.rec.part", "a.rec"}) fs::create_symlink(precious, kept.path() / name);
+  for (const char* name : {"a-slip.rec.part", "a-slip.rec"}) fs::create_symlink(precious, kept.path() / name);
   const RecordingsFolder folder(kept.path(), 3);
-  EXPECT_FALSE(folder.add("a.rec", [](int fd) {
+  EXPECT_FALSE(folder.add("a", "slip", [](int fd) {
     return write(fd, "frames", 6) == 6 ? std::error_code() : std::make_error_code(std::errc::io_error);
   }));
   EXPECT_EQ(fs::file_size(precious), 4U);
-  EXPECT_FALSE(fs::is_symlink(kept.path() / "a.rec"));
-  EXPECT_EQ(names_in(kept.path()), std::set<std::string>{"a.rec"});
+  EXPECT_FALSE(fs::is_symlink(kept.path() / "a-slip.rec"));
+  EXPECT_EQ(names_in(kept.path()), std::set<std::string>{"a-slip.rec"});
 }
 
 TEST(RecordingsFolder, ItsGroupMayReadWhateverTheUmask) {
   const TempFolder temp;
   const mode_t before = umask(0077);
   const RecordingsFolder folder(temp.file("recordings"), 1);
-  EXPECT_FALSE(folder.add("a.rec", [](int) { return std::error_code(); }));
+  EXPECT_FALSE(folder.add("a", "slip", [](int) { return std::error_code(); }));
   umask(before);
   EXPECT_EQ(fs::status(folder.path()).permissions(), fs::perms(0750));
-  EXPECT_EQ(fs::status(folder.path() / "a.rec").permissions(), fs::perms(0640));
+  EXPECT_EQ(fs::status(folder.path() / "a-slip.rec").permissions(), fs::perms(0640));
 }
 
 TEST(RecordingsFolder, AFileThatCannotBeWrittenLeavesNothingAndCostsNoOther) {
   const TempFolder temp;
   const RecordingsFolder folder(temp.path(), 1);
-  ASSERT_FALSE(folder.add("first.rec", [](int) { return std::error_code(); }));
+  ASSERT_FALSE(folder.add("first", "slip", [](int) { return std::error_code(); }));
   const auto full = std::make_error_code(std::errc::no_space_on_device);
-  EXPECT_EQ(folder.add("second.rec", [&](int) { return full; }), full);
-  EXPECT_EQ(names_in(temp.path()), std::set<std::string>{"first.rec"});
+  EXPECT_EQ(folder.add("second", "slip", [&](int) { return full; }), full);
+  EXPECT_EQ(names_in(temp.path()), std::set<std::string>{"first-slip.rec"});
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST_F(FrameHealthMonitorTest, TheDeviceIsNamedForWhatItDid) {
   EXPECT_THAT(after(1s, {.received = 1000, .corrupt = 1}),
               ElementsAre(HasSubstr("left (XELA on can0): 1 damaged packet thrown away")));
   EXPECT_THAT(after(2s, {.received = 2000, .corrupt = 1, .lost = 7}),
-              ElementsAre(HasSubstr("7 frames never came")));
+              ElementsAre(HasSubstr("7 frames never came whole (by the device's count, if it has one")));
 }
 
 TEST_F(FrameHealthMonitorTest, ASimulationThatIsLateIsTheMachinesFault) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <string>
 
 namespace slipd {
 namespace {
@@ -44,8 +45,36 @@ TEST_F(Limit, AFewPassAndTheRestIsCountedUntilTheMinuteIsOver) {
   EXPECT_STREQ(held.front().last.text, kStale);
   EXPECT_STREQ(held.front().last.sensor, "left");
   EXPECT_EQ(held.front().last.cause, Cause::device);
+  EXPECT_EQ(held.front().within, 1min);
   EXPECT_THAT(limit_.take_expired(begin_ + 62s), IsEmpty());
-  EXPECT_EQ(admitted(kStale, "left", 100, 62s), LogLimit::kPrintedPerWindow) << "a new minute";
+}
+
+TEST_F(Limit, WhatGoesOnIsOnlyCountedInLongerAndLongerWindowsUntilItStops) {
+  EXPECT_EQ(admitted(kStale, "left", 100, 0s), LogLimit::kPrintedPerWindow);
+  EXPECT_THAT(limit_.take_expired(begin_ + 61s), SizeIs(1));
+  EXPECT_EQ(admitted(kStale, "left", 100, 62s), 0);
+  EXPECT_THAT(limit_.take_expired(begin_ + 122s), IsEmpty());
+  const auto held = limit_.take_expired(begin_ + 182s);
+  ASSERT_THAT(held, SizeIs(1));
+  EXPECT_EQ(held.front().count, 100U);
+  EXPECT_EQ(held.front().within, 2min);
+  int summaries = 0;
+  for (int minute = 4; minute < 24 * 60; ++minute) {
+    EXPECT_EQ(admitted(kStale, "left", 100, minute * 60s), 0);
+    summaries += static_cast<int>(limit_.take_expired(begin_ + minute * 60s).size());
+  }
+  EXPECT_LT(summaries, 30) << "in a day";
+  EXPECT_THAT(limit_.take_expired(begin_ + 48h), SizeIs(1));
+  EXPECT_THAT(limit_.take_expired(begin_ + 50h), IsEmpty());
+  EXPECT_EQ(admitted(kStale, "left", 100, 51h), LogLimit::kPrintedPerWindow) << "after a window without any";
+}
+
+TEST_F(Limit, ManySensorsOfOneBusDoNotFillTheLog) {
+  int printed = 0;
+  for (int sensor = 0; sensor < 100; ++sensor)
+    printed += admitted(kStale, ("board " + std::to_string(sensor)).c_str(), 1, 0s);
+  EXPECT_EQ(printed, LogLimit::kPrintedOfAllSensors);
+  EXPECT_EQ(admitted(kGone, "board 7", 1, 0s), 1) << "of another kind";
 }
 
 TEST_F(Limit, OneSensorsFlapsHideNeitherAnothersNorAnotherTrouble) {

@@ -87,7 +87,7 @@ class Replays : public ::testing::Test {
       slot.slot.truth.gamma = 0.5;
       EXPECT_FALSE(writer.append(slot.slot));
     }
-    EXPECT_FALSE(writer.flush());
+    EXPECT_FALSE(writer.finish());
     ::close(fd);
     return folder_ / name;
   }
@@ -185,15 +185,49 @@ TEST_F(Replays, OfARepairedFilePlayAgain) {
   EXPECT_EQ(play(driver, 2).last, ReadStatus::end);
 }
 
-TEST_F(Replays, OfTruncatedRecordingsGiveAllBeforeTheCut) {
+TEST_F(Replays, OfTruncatedRecordingsGiveAllBlocksBeforeTheCut) {
   const auto path = record("a.cbor", 10);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 5);
   ReplayDriver driver({setup(path)});
   driver.open();
   const auto played = play(driver, 2);
-  EXPECT_EQ(played.frames.size(), 9U);
+  EXPECT_EQ(played.frames.size(), 10U) << "the cut is in the index";
   EXPECT_EQ(played.last, ReadStatus::disconnected);
-  EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("the recording ends within the frame"));
+  EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("the recording ends within"));
+}
+
+TEST_F(Replays, OfDamagedRecordingsLeaveTheDamagedBlocksOutAndCountThem) {
+  constexpr std::size_t kFrames = 5000;  // in blocks of 64 KiB
+  const auto path = record("a.cbor", kFrames);
+  {
+    std::fstream content(path, std::ios::in | std::ios::out | std::ios::binary);
+    content.seekp(200'000);
+    const float wrong = 1e30F;
+    content.write(reinterpret_cast<const char*>(&wrong), sizeof wrong);
+  }
+  ReplayDriver driver({setup(path)});
+  driver.open();
+  const auto played = play(driver, 2);
+  EXPECT_LT(played.frames.size(), kFrames);
+  EXPECT_GT(played.frames.size(), kFrames - 600);
+  EXPECT_EQ(played.corrupt, 1);
+  for (std::size_t i = 0; i < played.frames.size(); ++i)
+    EXPECT_EQ(played.values[i][0], static_cast<float>(played.frames[i].sequence - 1));
+  EXPECT_EQ(played.last, ReadStatus::disconnected);
+  EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("damaged; 1 block with"));
+  ReplayDriver looping({setup(path, {{"loop", true}})});
+  looping.open();
+  EXPECT_EQ(play(looping, 2, 3 * kFrames).last, ReadStatus::frame) << "a loop goes on";
+}
+
+TEST_F(Replays, OfEmptyLinesWithoutEndSayThatTheyAreNoFrames) {
+  const auto path = file("a.csv", std::string(kTwoTaxels) + "\n1,2,3,4,5,6\n" + std::string(1'000'000, '\n'));
+  ReplayDriver driver({setup(path, {{"loop", true}})});
+  driver.open();
+  const auto played = play(driver, 2);
+  EXPECT_EQ(played.frames.size(), 1U);
+  EXPECT_EQ(played.last, ReadStatus::disconnected);
+  EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("are empty: no table of frames"));
 }
 
 TEST_F(Replays, AtSpeedZeroLoseNothingAndArePacedByTheConsumer) {

@@ -21,7 +21,7 @@ void play(replay::Playlist& playlist, FrameSlot& slot) {
     const replay::ReadOutcome next = playlist.next(slot);
     if (next == replay::ReadOutcome::damaged) return demand(!playlist.fault().empty());
     if (next == replay::ReadOutcome::end) return;
-    if (next == replay::ReadOutcome::corrupt) continue;
+    if (next == replay::ReadOutcome::corrupt || next == replay::ReadOutcome::none) continue;
     for (const auto& axis : {slot.normal_pa, slot.shear_x_pa, slot.shear_y_pa}) {
       for (const float value : axis) demand(std::isfinite(value));
     }

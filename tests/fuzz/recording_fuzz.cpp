@@ -18,9 +18,12 @@ std::uint64_t play(RecordingReader& reader, FrameSlot& slot) {
   std::uint64_t frames = 0;
   std::optional<RecordedEstimate> estimate;
   Status status = reader.next(slot, &estimate);
-  for (; status == Status::frame; status = reader.next(slot, &estimate)) ++frames;
+  for (; status != Status::end && status != Status::damaged; status = reader.next(slot, &estimate)) {
+    if (status == Status::frame) ++frames;
+  }
   demand(reader.next(slot) == status);  // and does not change
-  demand(reader.fault().empty() == (status == Status::end));
+  demand(reader.fault().empty() != reader.has_fault());
+  demand(status != Status::damaged || reader.has_fault());
   return frames;
 }
 

@@ -16,7 +16,7 @@ Replayed replay(const std::filesystem::path& file) try {
   slot.normal_pa = all.subspan(0, taxels);
   slot.shear_x_pa = all.subspan(taxels, taxels);
   slot.shear_y_pa = all.subspan(2 * taxels, taxels);
-  while (reader.next(slot) == RecordingReader::Status::frame) {
+  while (reader.next_frame(slot) == RecordingReader::Status::frame) {
     found.in_order = found.in_order && (found.frames == 0 || slot.sequence > found.last_sequence);
     ++found.frames;
     found.last_sequence = slot.sequence;

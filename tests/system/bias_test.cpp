@@ -15,6 +15,7 @@ namespace slipd::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -139,6 +140,30 @@ TEST_F(BiasTest, ThatIsDamagedOrOfAnotherSensorIsRefusedWithItsReason) {
   std::ofstream(file, std::ios::binary) << bytes;
   const Daemon daemon = start(kHeld);
   await(daemon, "ok");
+}
+
+// The simulated sensor has no serial number; another spread of its offsets makes another sensor of it.
+TEST_F(BiasTest, OfASensorThatWasExchangedIsNotUsedUntilTheNewOneHasItsOwn) {
+  start(kFree).client().result("rebias", {{"sensor", "left"}});
+  const json other{{"zero_spread_kpa", 60}};
+  for (const json& cycle : {kFree, kHeld}) {
+    const Daemon daemon = start(cycle, other);
+    const json told = daemon.wait_for("status", [](const json& status) {
+      const json& left = status["sensors"][0];
+      EXPECT_NE(left["state"], "no_contact");
+      EXPECT_NE(left["state"], "ok");
+      return left["zero"]["trouble"].is_string();
+    });
+    EXPECT_THAT(told["sensors"][0]["zero"]["trouble"].get<std::string>(),
+                AllOf(HasSubstr("zero"), HasSubstr("another sensor"), HasSubstr("slipctl rebias left")));
+    EXPECT_EQ(await(daemon, "unzeroed")["gamma"], nullptr);
+    EXPECT_THAT(daemon.client().result("metrics").get<std::string>(),
+                HasSubstr("slipd_zeroed{sensor=\"left\"} 0"));
+  }
+  const Daemon daemon = start(kFree, other);
+  await(daemon, "unzeroed");
+  EXPECT_EQ(daemon.client().result("rebias", {{"sensor", "left"}})["trouble"], nullptr);
+  await(daemon, "no_contact");
 }
 
 TEST_F(BiasTest, ThatCannotBeWrittenIsUsedAndReported) {

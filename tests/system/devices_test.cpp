@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {
@@ -62,6 +64,21 @@ TEST(Devices, ADeviceThatIsNotThereIsAFaultWithItsReasonAndTheOthersGoOn) {
   EXPECT_EQ(sensor_of(status, "stuck")["state"], "stale");
   EXPECT_EQ(sensor_of(daemon.client().result("sensors"), "gone")["connected"], false);
   EXPECT_EQ(daemon.client().call("frame", {{"sensor", "gone"}})["error"]["code"], -32003);
+}
+
+TEST(Devices, OneThatIsOpenAndSendsNothingIsSaidToBeSilentUntilItSends) {
+  const TempFolder folder;
+  const auto gate = folder.file("gate");
+  Daemon daemon(config_with(folder, sensors({trial("left", {{"gate", gate.string()}})})), trial_drivers());
+  const auto silent = [](const json& s) { return sensor_of(s, "left")["trouble"].is_string(); };
+  const json told = sensor_of(daemon.wait_for("status", silent), "left");
+  EXPECT_THAT(told["trouble"].get<std::string>(), ::testing::HasSubstr("sends nothing"));
+  EXPECT_EQ(told["connected"], true);
+  EXPECT_EQ(told["receiving"], false);
+  std::ofstream(gate) << "open";
+  daemon.wait_for("status", [](const json& s) {
+    return sensor_of(s, "left")["receiving"] == true && sensor_of(s, "left")["trouble"].is_null();
+  });
 }
 
 TEST(Devices, ADeviceThatVanishesIsReopened) {

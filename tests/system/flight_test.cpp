@@ -35,9 +35,11 @@ TEST(Flight, KeepsTheSecondsAroundARequest) {
   daemon.wait_for("status",
                   [](const json& s) { return s["sensors"][0]["received"] >= 2 * kSeconds * kRateHz; });
   EXPECT_EQ(daemon.client().result("flight")["sensors"], json({"left"}));
-  daemon.wait_for("status", [](const json& s) { return s["recorder"]["kept"] == 1; });
+  const json status = daemon.wait_for("status", [](const json& s) { return s["recorder"]["kept"] == 1; });
   const auto files = recordings(state);
   ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(status["recorder"]["last"][0]["file"], files.front().string());
+  EXPECT_EQ(status["recorder"]["last"][0]["recording"], 1);
   RecordingReader reader(files.front());
   EXPECT_EQ(reader.header().sensor, "left");
   const std::size_t taxels = reader.header().layout.size();
@@ -82,8 +84,16 @@ TEST(Flight, ADiskThatTakesNothingLosesOnlyTheRecording) {
                 {{"STATE_DIRECTORY", "/dev/full"}});
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
   daemon.client().result("flight");
-  daemon.wait_for("status", [](const json& s) { return s["recorder"]["failed"] == 1; });
+  const json status = daemon.wait_for("status", [](const json& s) { return s["recorder"]["failed"] == 1; });
+  EXPECT_THAT(status["recorder"]["last"][0]["trouble"].get<std::string>(),
+              ::testing::HasSubstr("could not be kept"));
   EXPECT_THAT(daemon.program().errors(), ::testing::HasSubstr("could not be kept"));
+  EXPECT_THAT(daemon.client().result("metrics").get<std::string>(),
+              ::testing::HasSubstr("slipd_flight_recordings_failed_total 1\n"));
+  const Ran ran =
+      run({(program_folder() / "slipctl").string(), "--socket", daemon.socket().string(), "flight"});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_THAT(ran.errors, ::testing::HasSubstr("could not be kept"));
   daemon.wait_for("gamma", [](const json& r) { return r["sensors"][0]["state"] == "ok"; });
 }
 

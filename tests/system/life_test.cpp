@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cstring>
+
+#include "core/storage/unique_fd.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {
@@ -57,7 +62,7 @@ TEST(Life, EndsWhileADriverHangs) {
     EXPECT_EQ(daemon.stop(), 0) << behaviour;
     EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
     if (reads) {
-      EXPECT_THAT(daemon.program().errors(), HasSubstr("hangs"));
+      EXPECT_THAT(daemon.program().errors(), HasSubstr("the driver of ill does not end"));
     }
   }
 }
@@ -91,6 +96,117 @@ TEST(Life, AFileInTheSocketsPlaceIsLeftAlone) {
   EXPECT_EQ(ran.code, 1);
   EXPECT_THAT(ran.errors, HasSubstr("is no socket"));
   EXPECT_EQ(std::filesystem::file_size(folder.file("s.sock")), 16U);
+}
+
+// Accepts nothing, as a program that is busy.
+class ForeignListener {
+ public:
+  ForeignListener(const std::filesystem::path& path, int type)
+      : fd_(socket(AF_UNIX, type | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    if (bind(fd_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("bind");
+    if (type == SOCK_STREAM && listen(fd_.get(), 0) != 0) throw std::runtime_error("listen");
+  }
+
+ private:
+  UniqueFd fd_;
+};
+
+ino_t inode_of(const std::filesystem::path& path) {
+  struct stat status {};
+  return lstat(path.c_str(), &status) == 0 ? status.st_ino : 0;
+}
+
+TEST(Life, ASocketThatAnotherProgramServesIsLeftAlone) {
+  for (const int type : {SOCK_STREAM, SOCK_DGRAM}) {
+    const TempFolder folder;
+    const ForeignListener other(folder.file("s.sock"), type);
+    const ino_t before = inode_of(folder.file("s.sock"));
+    for (int i = 0; i < 3; ++i) {  // its queue is full then
+      const Ran ran = start_with(folder, well(folder).dump());
+      EXPECT_EQ(ran.code, 1);
+      EXPECT_THAT(ran.errors, HasSubstr("another program"));
+      EXPECT_THAT(ran.errors, HasSubstr("choose another socket.path"));
+    }
+    EXPECT_EQ(inode_of(folder.file("s.sock")), before);
+  }
+}
+
+TEST(Life, WithItsLockFileGoneASecondInstanceIsRefusedStill) {
+  const TempFolder folder;
+  Daemon daemon(well(folder), trial_drivers());
+  std::filesystem::remove(daemon.socket().string() + ".lock");
+  const Ran second = start_with(folder, well(folder).dump());
+  EXPECT_EQ(second.code, 1);
+  EXPECT_THAT(second.errors, HasSubstr("process " + std::to_string(daemon.program().pid())));
+  EXPECT_EQ(daemon.client().result("version")["name"], "slipd");
+}
+
+TEST(Life, ItRemovesItsOwnSocketAndNoOtherOfThatName) {
+  const TempFolder folder;
+  Daemon first(well(folder), trial_drivers());
+  std::filesystem::remove(first.socket().string() + ".lock");
+  std::filesystem::remove(first.socket());
+  Daemon second(well(folder), trial_drivers());
+  EXPECT_EQ(first.stop(), 0);
+  EXPECT_EQ(second.client().result("version")["name"], "slipd");
+  EXPECT_TRUE(std::filesystem::exists(second.socket().string() + ".lock"));
+  EXPECT_EQ(second.stop(), 0);
+  EXPECT_FALSE(std::filesystem::exists(second.socket()));
+}
+
+// Opening a pipe waits for its other end.
+TEST(Life, APipeInTheConfigurationsPlaceIsRefused) {
+  const TempFolder folder;
+  const auto fifo = folder.file("fifo.json");
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  for (const char* more : {"--check-config", "--config"}) {
+    std::vector<std::string> command{kSlipd, "--driver-dir", trial_drivers().string()};
+    if (std::string(more) == "--check-config") command.emplace_back(more);
+    command.insert(command.end(), {"--config", fifo.string()});
+    const Ran ran = run(command);
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_THAT(ran.errors, HasSubstr("is a pipe, not a regular file"));
+  }
+  Daemon daemon(well(folder), trial_drivers());
+  std::filesystem::rename(fifo, daemon.config());
+  daemon.program().signal(SIGHUP);
+  daemon.wait_for_log("is a pipe, not a regular file");
+  daemon.wait_for_log("the configuration in force stays");
+  EXPECT_EQ(daemon.stop(), 0);
+}
+
+TEST(Life, APipeInADriversPlaceIsRefused) {
+  const TempFolder folder;
+  ASSERT_EQ(mkfifo(folder.file("slipd-driver-trial.so").c_str(), 0600), 0);
+  const Ran ran = run({kSlipd, "--driver-dir", folder.path().string(), "--list-drivers"});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_THAT(ran.output, HasSubstr("is a pipe, not a regular file"));
+}
+
+TEST(Life, AMetricsFileThatSlipdDidNotMakeIsRefused) {
+  const TempFolder folder;
+  const auto refusal_of = [&](const std::filesystem::path& file) {
+    json config = well(folder);
+    config["metrics"] = {{"file", file.string()}};
+    const Ran ran = start_with(folder, config.dump(), "--check-config");
+    EXPECT_EQ(ran.code, 2) << file;
+    EXPECT_THAT(ran.errors, HasSubstr("/metrics/file"));
+    return ran.errors;
+  };
+  EXPECT_THAT(refusal_of("/etc/passwd"), HasSubstr("ends in .prom"));
+  EXPECT_THAT(refusal_of(folder.write("notes.prom", "mine")), HasSubstr("slipd did not make it"));
+  std::filesystem::create_symlink("/etc/passwd", folder.file("link.prom"));
+  EXPECT_THAT(refusal_of(folder.file("link.prom")), HasSubstr("slipd did not make it"));
+  ASSERT_EQ(mkfifo(folder.file("pipe.prom").c_str(), 0600), 0);
+  EXPECT_THAT(refusal_of(folder.file("pipe.prom")), HasSubstr("slipd did not make it"));
+  json config = well(folder);
+  config["metrics"] = {{"file", folder.file("slipd.prom").string()}};
+  folder.write("slipd.prom", "# TYPE slipd_gamma gauge\n# HELP slipd_gamma left by a crash\n");
+  EXPECT_EQ(start_with(folder, config.dump(), "--check-config").code, 0);
 }
 
 TEST(Life, ASocketWhereNoneCanBeSaysWhy) {

@@ -111,6 +111,20 @@ TEST(Observability, AMetricsFileThatCannotBeWrittenIsLoggedOnceAndStopsNothingEl
   EXPECT_EQ(errors.find("/nowhere/slipd.prom", first + 1), std::string::npos) << errors;
 }
 
+TEST(Observability, AFileThatSomebodyPutsInTheMetricsPlaceIsLeftAlone) {
+  const TempFolder folder;
+  const auto file = folder.file("slipd.prom");
+  Daemon daemon(
+      config_with(folder, json::array({left()}), {{"metrics", {{"file", file.string()}, {"period_s", 1}}}}),
+      trial_drivers());
+  daemon.wait_for("version", [&](const json&) { return std::filesystem::exists(file); });
+  folder.write("other", "mine");
+  std::filesystem::rename(folder.file("other"), file);
+  daemon.wait_for_log("slipd did not make it");
+  EXPECT_EQ(daemon.stop(), 0);
+  EXPECT_EQ(text_of(file), "mine");
+}
+
 TEST(Observability, ADeviceThatFlapsIsLoggedAFewTimesOnly) {
   const TempFolder folder;
   const Daemon daemon(config_with(folder, json::array({left({{"behaviour", "vanish"}, {"after", 1}})})),

@@ -94,6 +94,66 @@ TEST(Program, EndsWithOneWithoutADaemonAndSaysWhatToDo) {
   }
 }
 
+TEST(Program, NamesTheCommandThatThereIsNotAndThoseThatThereAre) {
+  const Ran ran = slipctl_with({"wacth"});
+  EXPECT_EQ(ran.exit_code, 2);
+  EXPECT_THAT(ran.err, AllOf(StartsWith("slipctl: no such command: wacth; did you mean \"watch\"?"),
+                             HasSubstr("commands are status, "), HasSubstr("rebias")));
+  EXPECT_THAT(slipctl_with({"--json", "nonsense"}).err,
+              StartsWith("slipctl: no such command: nonsense; commands are"));
+  const Ran bare = slipctl_with({});
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_THAT(bare.err, HasSubstr("commands are"));
+}
+
+TEST(Program, RebiasAdvisesItsOwnOption) {
+  const FakeDaemon touched([](const Asked& asked) {
+    return error_line(asked.line, -32003, "left looks touched; let go of it, or ask with \"force\": true");
+  });
+  const Ran ran = slipctl_with({"--socket", touched.path(), "rebias", "left"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, HasSubstr("or say slipctl rebias --force left"));
+}
+
+TEST(Program, FlightWaitsForTheRecordingAndFailsWithIt) {
+  for (const bool full : {false, true}) {
+    int looks = 0;
+    const FakeDaemon recording(by_method({
+        {"flight",
+         [](const json&) {
+           return json{{"sensors", {"left"}}, {"recordings", {3}}, {"folder", "/r"}, {"written_in_s", 0.0}};
+         }},
+        {"status",
+         [&](const json&) {
+           const bool now = ++looks > 2;
+           const json one{{"sensor", "left"},
+                          {"recording", now ? 3 : 2},
+                          {"file", now && full ? json() : json("/r/left.rec")},
+                          {"trouble", now && full ? json("No space left on device") : json()}};
+           return json{{"recorder", {{"last", {one}}}}};
+         }},
+    }));
+    const Ran ran = slipctl_with({"--socket", recording.path(), "flight"});
+    EXPECT_EQ(ran.exit_code, full ? 1 : 0);
+    EXPECT_THAT(full ? ran.err : ran.out, full ? "left: No space left on device\n" : "left: /r/left.rec\n");
+    EXPECT_EQ(looks, 3);
+  }
+}
+
+TEST_F(SlipctlWithADaemon, WatchComesBackWithTheDaemon) {
+  std::atomic<int> looks{0}, subscriptions{0};
+  const FakeDaemon restarting([&](const Asked& asked) -> std::optional<std::string> {
+    const auto method = json::parse(asked.line)["method"];
+    if (method == "subscribe") ++subscriptions;
+    if (method == "status" && ++looks == 2) return std::nullopt;  // in the midst of watching
+    return answer(asked);
+  });
+  const Ran ran = slipctl_with({"--socket", restarting.path(), "watch", "--seconds", "3"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("; trying again\n"), HasSubstr("slipd is back\n")));
+  EXPECT_EQ(subscriptions, 2);
+}
+
 TEST(Program, TellsItsVersionAndHelpOnStdout) {
   EXPECT_THAT(slipctl_with({"--version"}).out, StartsWith("slipctl "));
   const Ran help = slipctl_with({"--help"});

@@ -57,7 +57,7 @@ Recorded read_recorded(const std::filesystem::path& file, std::optional<double> 
   std::optional<RecordedEstimate> estimate;
   std::optional<std::int64_t> first_ns;
   double best = 0;
-  while (reader.next(slot, &estimate) == RecordingReader::Status::frame) {
+  while (reader.next_frame(slot, &estimate) == RecordingReader::Status::frame) {
     if (!first_ns) first_ns = slot.time_ns;
     recorded.frames.push_back(summary_of(slot, estimate, *first_ns, recorded.header.layout.area_m2()));
     const double rank = rank_of(recorded.frames.back(), at_s);

@@ -27,7 +27,7 @@ struct Recorded {
   std::vector<float> normal_pa;      // pressure, Pa, one element per taxel
   std::vector<float> shear_x_pa;     // traction along x, Pa
   std::vector<float> shear_y_pa;     // traction along y, Pa
-  std::string fault;                 // why the recording ends early; empty: it is complete
+  std::string fault;                 // what is missing of the recording; empty: it is complete
 
   bool has_estimates() const noexcept;
   double seconds() const noexcept { return frames.empty() ? 0 : frames.back().time_s; }

@@ -1,6 +1,10 @@
 #include "tools/slipctl/commands.hpp"
 
+#include <chrono>
 #include <iostream>
+#include <string_view>
+#include <thread>
+#include <vector>
 
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/number_text.hpp"
@@ -25,12 +29,17 @@ void print_status(const CommonOptions& common) {
 
 void print_sensors(const CommonOptions& common) {
   const json result = ask(common, "sensors");
-  if (common.json)
+  if (common.json) {
     std::cout << result.dump() << '\n';
-  else
-    std::cout << table_of(
-        result.value("sensors", json::array()),
-        {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
+    return;
+  }
+  json sensors = result.value("sensors", json::array());
+  for (json& sensor : sensors) {
+    if (sensor.value("connected", false) && !sensor.value("receiving", true))
+      sensor["connected"] = "open, no frames";
+  }
+  std::cout << table_of(sensors,
+                        {"name", "driver", "class", "taxels", "rate_hz", "method", "simulated", "connected"});
 }
 
 void print_gamma(const CommonOptions& common, const std::string& sensor) {
@@ -64,12 +73,45 @@ void print_metrics(const CommonOptions& common) {
   std::cout << (common.json ? metrics.dump() + "\n" : metrics.get<std::string>());
 }
 
-void keep_flight(const CommonOptions& common, const std::string& sensor) {
-  const json result = ask(common, "flight", sensor.empty() ? json::object() : json{{"sensor", sensor}});
-  if (common.json)
-    std::cout << result.dump() << '\n';
-  else
-    std::cout << "in " << result.value("written_in_s", 0.0) << " s in " << result.value("folder", "") << '\n';
+// Waits until all recordings are written, or have failed.
+int keep_flight(const CommonOptions& common, const std::string& sensor) {
+  constexpr auto kLook = std::chrono::milliseconds(50);
+  constexpr std::chrono::seconds kWriting{60};  // the longest that writing all of them may take
+  RpcClient client(common.socket);
+  const json asked = client.call("flight", sensor.empty() ? json::object() : json{{"sensor", sensor}});
+  const json names = asked.value("sensors", json::array()),
+             numbers = asked.value("recordings", json::array());
+  const auto last_moment = std::chrono::steady_clock::now() + kWriting +
+                           std::chrono::ceil<std::chrono::milliseconds>(
+                               std::chrono::duration<double>(asked.value("written_in_s", 0.0)));
+  json ended = json::array();
+  std::vector<bool> done(names.size(), false);
+  while (ended.size() < names.size()) {
+    if (std::chrono::steady_clock::now() > last_moment)
+      throw ClientError("the recording is not written yet; see recorder in slipctl status");
+    std::this_thread::sleep_for(kLook);
+    const json recorder = client.call("status").value("recorder", json());
+    if (!recorder.is_object()) throw ClientError("the flight recorder was switched off meanwhile");
+    for (const json& one : recorder.value("last", json::array())) {
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (done[i] || one.value("sensor", "") != names[i] ||
+            one.value("recording", std::uint64_t{0}) < numbers.at(i).get<std::uint64_t>())
+          continue;
+        done[i] = true;
+        ended.push_back(one);
+      }
+    }
+  }
+  bool all_well = true;
+  for (const json& one : ended) {
+    const bool well = one["trouble"].is_null();
+    all_well = all_well && well;
+    if (!common.json)
+      (well ? std::cout : std::cerr) << one.value("sensor", "") << ": "
+                                     << (well ? one["file"] : one["trouble"]).get<std::string>() << '\n';
+  }
+  if (common.json) std::cout << json{{"recordings", ended}}.dump() << '\n';
+  return all_well ? 0 : 1;
 }
 
 void print_dbc(const CommonOptions& common) {
@@ -77,11 +119,25 @@ void print_dbc(const CommonOptions& common) {
   std::cout << (common.json ? dbc.dump() + "\n" : dbc.get<std::string>());
 }
 
+// The daemon names the parameter of its method; here it is an option.
+std::string in_words_of_slipctl(std::string text, const std::string& sensor) {
+  constexpr std::string_view kParameter = "ask with \"force\": true";
+  if (const auto at = text.find(kParameter); at != std::string::npos)
+    text.replace(at, kParameter.size(), "say slipctl rebias --force " + sensor);
+  return text;
+}
+
 void rebias(const CommonOptions& common, const std::string& sensor, bool force) {
   // Longer than the daemon collects frames for.
   json params{{"sensor", sensor}};
   if (force) params["force"] = true;
-  const json result = RpcClient(common.socket).call("rebias", params, std::chrono::seconds(35));
+  const json result = [&] {
+    try {
+      return RpcClient(common.socket).call("rebias", params, std::chrono::seconds(35));
+    } catch (const RpcError& refused) {
+      throw RpcError(refused.code(), in_words_of_slipctl(refused.what(), sensor));
+    }
+  }();
   if (common.json) {
     std::cout << result.dump() << '\n';
     return;

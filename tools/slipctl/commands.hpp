@@ -24,7 +24,8 @@ void print_gamma(const CommonOptions& common, const std::string& sensor);  // em
 void print_frame(const CommonOptions& common, const std::string& sensor);  // CSV, one taxel a line
 void print_metrics(const CommonOptions& common);                           // OpenMetrics text
 // Makes the flight recorder write the last seconds to a file; empty: of all sensors.
-void keep_flight(const CommonOptions& common, const std::string& sensor);
+// 0: all recordings are written; 1: one has failed; the reason is on stderr.
+int keep_flight(const CommonOptions& common, const std::string& sensor);
 void print_dbc(const CommonOptions& common);  // the CAN messages as a DBC file
 void rebias(const CommonOptions& common, const std::string& sensor, bool force);
 

@@ -3,7 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
+#include <string>
+#include <vector>
 
+#include "schema/schema.hpp"
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/commands.hpp"
 #include "tools/slipctl/decode.hpp"
@@ -44,9 +47,10 @@ void add_questions(CLI::App& app, Choices& choices) {
   CLI::App* frame = app.add_subcommand("frame", "the latest frame, one taxel a line (CSV)");
   frame->add_option("sensor", choices.sensor)->required();
   frame->callback([&] { print_frame(choices.common, choices.sensor); });
-  CLI::App* flight = app.add_subcommand("flight", "write the flight recorder's last seconds to a recording");
+  CLI::App* flight = app.add_subcommand(
+      "flight", "write the flight recorder's last seconds to a recording, and wait for it");
   flight->add_option("sensor", choices.sensor, "only this sensor");
-  flight->callback([&] { keep_flight(choices.common, choices.sensor); });
+  flight->callback([&] { choices.exit_code = keep_flight(choices.common, choices.sensor); });
   CLI::App* zero = app.add_subcommand("rebias", "take the unloaded sensor's values as its zero");
   zero->add_option("sensor", choices.sensor)->required();
   zero->add_flag("--force", choices.force, "even if it seems to be in contact");
@@ -114,6 +118,24 @@ void add_devices(CLI::App& app, Choices& choices) {
   });
 }
 
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
+std::string commands_are(const std::vector<std::string>& names) {
+  std::string text = "commands are ";
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return text;
+}
+
+int wrong_usage(const std::string& what) {
+  std::fprintf(stderr, "slipctl: %s\n", what.c_str());
+  return 2;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -123,8 +145,8 @@ int main(int argc, char** argv) try {
   app.set_version_flag("--version", "slipctl " SLIPD_VERSION);
   app.add_option("--socket", choices.common.socket, "the daemon's socket")->capture_default_str();
   app.add_flag("--json", choices.common.json, "the daemon's own answers, one JSON object a line");
-  app.require_subcommand(1);
   app.fallthrough();
+  app.require_subcommand(0, 1);
   add_questions(app, choices);
   add_record(app, choices);
   add_plot(app, choices);
@@ -132,6 +154,15 @@ int main(int argc, char** argv) try {
   add_devices(app, choices);
   try {
     app.parse(argc, argv);
+    if (app.get_subcommands().empty())
+      return wrong_usage("no command; " + commands_are(names_of_commands(app)));
+  } catch (const CLI::ExtrasError& wrong) {
+    const std::vector<std::string> words = app.remaining();
+    if (!app.get_subcommands().empty() || words.empty() || words.front().starts_with('-'))
+      return app.exit(wrong) == 0 ? 0 : 2;
+    const std::vector<std::string> names = names_of_commands(app);
+    return wrong_usage("no such command: " + words.front() + slipd::did_you_mean(words.front(), names) +
+                       "; " + commands_are(names));
   } catch (const CLI::ParseError& wrong) {
     return app.exit(wrong) == 0 ? 0 : 2;
   }

@@ -226,7 +226,7 @@ Canvas draw_recorded(const Recorded& recorded, const std::string& title, int col
 
 void plot(const PlotOptions& options) {
   const Recorded recorded = read(options);
-  if (!recorded.fault.empty()) std::cerr << "slipctl: " << recorded.fault << "; shown up to there\n";
+  if (!recorded.fault.empty()) std::cerr << "slipctl: " << recorded.fault << "; the rest is shown\n";
   if (options.json) return print_lines(recorded);
   const bool on_terminal = ::isatty(STDOUT_FILENO) == 1;
   const int columns = options.columns > 0 ? options.columns : on_terminal ? terminal_columns() : 80;

@@ -161,7 +161,8 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
   for (int column = 0; column < canvas.columns(); ++column) canvas.put(column, 0, U' ', kHeader);
   const std::string right = fixed(state.elapsed_s, 1, "s") + "  q quits ";
   const int end = text_up_to(canvas, canvas.columns(), 0, right, kHeader);
-  canvas.text(1, 0, "slipd  " + state.socket, kHeader, std::max(0, end - 2));
+  canvas.text(1, 0, (state.connected ? "slipd  " : "slipd is gone, waiting for it  ") + state.socket, kHeader,
+              std::max(0, end - 2));
 
   const int sensors = static_cast<int>(state.sensors.size());
   if (sensors == 0) canvas.text(1, 2, "the daemon has no sensors");

@@ -8,6 +8,8 @@
 #include <csignal>
 #include <fstream>
 #include <iostream>
+#include <optional>
+#include <utility>
 
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/terminal.hpp"
@@ -28,15 +30,15 @@ constexpr milliseconds kDrawEvery{100};
 constexpr milliseconds kCountEvery{1000};
 // Notifications read after the end of the watch; more than a socket holds.
 constexpr int kMostWaiting = 4096;
+// Time between two attempts to connect to a slipd that has gone.
+constexpr milliseconds kConnectEvery{500};
 
 class Watcher {
  public:
-  explicit Watcher(const WatchOptions& options) : options_(options), client_(options.socket) {
+  explicit Watcher(const WatchOptions& options) : options_(options) {
     state_.socket = options.socket;
-    choose_sensors();
-    subscribe();
-    before_ = after_ = counts_from(client_.call("status"));
-    take_counts();
+    connect();
+    before_ = after_;
     if (!options.json && !options.plain && ::isatty(STDOUT_FILENO) == 1) terminal_.emplace();
   }
 
@@ -45,12 +47,16 @@ class Watcher {
       wait();
       take_signals();
       take_keys();
-      take_notifications();
-      if (options_.seconds && elapsed_s() >= *options_.seconds) {
-        over_ = true;
-        take_the_rest();
+      if (options_.seconds && elapsed_s() >= *options_.seconds) over_ = true;
+      state_.elapsed_s = elapsed_s();
+      try {
+        if (!client_ && Clock::now() >= next_attempt_) reconnect();
+        if (client_) take_notifications();
+        if (client_ && over_) take_the_rest();
+        tick();
+      } catch (const ClientError& lost) {
+        lose(lost.what());
       }
-      tick();
     }
     return finish();
   }
@@ -58,12 +64,46 @@ class Watcher {
  private:
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  void choose_sensors() {
-    const std::vector<SensorInfo> known = sensors_from(client_.call("sensors"));
+  void connect() {
+    client_.emplace(options_.socket);
+    std::vector<SensorWatch> chosen = chosen_sensors();
+    for (SensorWatch& sensor : chosen)
+      for (SensorWatch& before : state_.sensors)
+        if (before.info.name == sensor.info.name) sensor.history = std::move(before.history);
+    state_.sensors = std::move(chosen);
+    subscribe();
+    after_ = counts_from(client_->call("status"));
+    take_counts();
+    state_.connected = true;
+  }
+
+  // slipd was stopped or restarts. The watch tries to connect again without end. Earlier estimates are no
+  // longer shown.
+  void lose(const std::string& why) {
+    client_.reset();
+    next_attempt_ = Clock::now() + kConnectEvery;
+    state_.grasps.clear();
+    for (SensorWatch& sensor : state_.sensors) {
+      sensor.latest.reset();
+      sensor.frame = {};
+    }
+    if (std::exchange(state_.connected, false) && !terminal_)
+      std::cerr << "slipctl: " << why << "; trying again" << std::endl;
+  }
+
+  void reconnect() {
+    connect();
+    before_ = after_;  // a new daemon counts from 0
+    if (!terminal_) std::cerr << "slipctl: slipd is back" << std::endl;
+  }
+
+  std::vector<SensorWatch> chosen_sensors() {
+    std::vector<SensorWatch> chosen;
+    const std::vector<SensorInfo> known = sensors_from(client_->call("sensors"));
     for (const SensorInfo& sensor : known)
       if (options_.sensors.empty() ||
           std::find(options_.sensors.begin(), options_.sensors.end(), sensor.name) != options_.sensors.end())
-        state_.sensors.push_back({sensor, {}, {}, {}, 0, {}});
+        chosen.push_back({sensor, {}, {}, {}, 0, {}});
     for (const std::string& name : options_.sensors)
       if (std::none_of(known.begin(), known.end(),
                        [&](const SensorInfo& each) { return each.name == name; })) {
@@ -72,13 +112,14 @@ class Watcher {
         throw ClientError("no sensor is called " + name +
                           "; the daemon has: " + (names.empty() ? "none" : names));
       }
+    return chosen;
   }
 
   void subscribe() {
     nlohmann::ordered_json params{{"events", {"estimate", "alert"}}};
     if (!options_.sensors.empty()) params["sensors"] = options_.sensors;
     if (!options_.summary) params["max_rate_hz"] = options_.json ? options_.lines_per_s : kViewRateHz;
-    client_.call("subscribe", std::move(params));
+    client_->call("subscribe", std::move(params));
   }
 
   void wait() {
@@ -87,7 +128,7 @@ class Watcher {
       until = std::min(until, start_ + std::chrono::ceil<Clock::duration>(
                                            std::chrono::duration<double>(*options_.seconds)));
     const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
-    pollfd wanted[] = {{client_.fd(), POLLIN, 0},
+    pollfd wanted[] = {{client_ ? client_->fd() : -1, POLLIN, 0},
                        {signals_.fd(), POLLIN, 0},
                        {terminal_ && terminal_->has_keys() ? STDIN_FILENO : -1, POLLIN, 0}};
     ::poll(wanted, std::size(wanted), static_cast<int>(std::max<std::int64_t>(0, left.count())));
@@ -117,7 +158,6 @@ class Watcher {
   }
 
   void take_notifications() {
-    state_.elapsed_s = elapsed_s();
     // For one tick at most, so that a flood of notifications cannot block keys.
     const auto until = std::max(Clock::now(), next_tick_) + kDrawEvery;
     while (Clock::now() < until && take_notification()) {
@@ -132,7 +172,7 @@ class Watcher {
 
   // False: none has arrived.
   bool take_notification() {
-    const auto notification = client_.next(milliseconds(0));
+    const auto notification = client_->next(milliseconds(0));
     if (!notification) return false;
     const bool is_estimate = notification->method == "estimate";
     if (!is_estimate && notification->method != "alert") return true;
@@ -152,18 +192,20 @@ class Watcher {
             ? Clock::duration(kDrawEvery)
             : std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(1 / options_.lines_per_s));
     next_tick_ = std::max(next_tick_ + period, now);
-    if (now >= next_count_) {
-      after_ = counts_from(client_.call("status"));
+    if (client_ && now >= next_count_) {
+      after_ = counts_from(client_->call("status"));
       take_counts();
       take_facts();
       next_count_ = now + kCountEvery;
     }
     if (terminal_) {
-      take_frames();
-      state_.grasps = grasps_from(client_.call("gamma"));
+      if (client_) {
+        take_frames();
+        state_.grasps = grasps_from(client_->call("gamma"));
+      }
       const auto [columns, rows] = terminal_->size();
       terminal_->show(draw_watch(state_, columns, rows, terminal_->depth()));
-    } else if (!options_.json) {
+    } else if (!options_.json && client_) {
       for (const SensorWatch& sensor : state_.sensors)
         std::cout << plain_line(sensor, state_.elapsed_s) << '\n';
     }
@@ -178,14 +220,14 @@ class Watcher {
 
   // A sensor's properties change when a device comes back or a model is ready.
   void take_facts() {
-    for (const SensorInfo& info : sensors_from(client_.call("sensors")))
+    for (const SensorInfo& info : sensors_from(client_->call("sensors")))
       for (SensorWatch& sensor : state_.sensors)
         if (sensor.info.name == info.name) sensor.info = info;
   }
 
   void take_frames() {
     for (SensorWatch& sensor : state_.sensors) try {
-        take_frame(sensor, frame_from(client_.call("frame", {{"sensor", sensor.info.name}})));
+        take_frame(sensor, frame_from(client_->call("frame", {{"sensor", sensor.info.name}})));
       } catch (const RpcError&) {
         sensor.frame = {};  // no frame yet, or the device is disconnected
       }
@@ -193,9 +235,10 @@ class Watcher {
 
   int finish() {
     state_.elapsed_s = elapsed_s();
-    after_ = counts_from(client_.call("status"));
+    if (client_) after_ = counts_from(client_->call("status"));
     if (!options_.picture.empty()) take_picture();
     terminal_.reset();
+    if (!client_) std::cerr << "slipctl: slipd was gone at the end\n";
     if (options_.summary && options_.json)
       std::cout
           << nlohmann::ordered_json{{"summary", statistics_.json(before_, after_, state_.elapsed_s)}}.dump()
@@ -207,12 +250,14 @@ class Watcher {
       std::cerr << "slipctl: no slip was seen in " << state_.elapsed_s << " s\n";
       return 1;
     }
-    return 0;
+    return client_ ? 0 : 1;
   }
 
   void take_picture() {
-    take_frames();
-    state_.grasps = grasps_from(client_.call("gamma"));
+    if (client_) {
+      take_frames();
+      state_.grasps = grasps_from(client_->call("gamma"));
+    }
     std::ofstream file(options_.picture);
     file << to_svg(draw_watch(state_, 80, 24, ColourDepth::rgb), "slipctl watch");
     if (!file.flush()) throw ClientError("cannot write " + options_.picture);
@@ -220,7 +265,8 @@ class Watcher {
 
   const WatchOptions& options_;
   SignalWatch signals_;
-  RpcClient client_;
+  std::optional<RpcClient> client_;  // none: slipd is gone, and is tried again at next_attempt_
+  Clock::time_point next_attempt_;
   WatchState state_;
   WatchStatistics statistics_;
   std::vector<SensorCounts> before_, after_;

@@ -29,6 +29,7 @@ struct SensorWatch {
 
 struct WatchState {
   std::string socket;                // path of the daemon's socket
+  bool connected = true;             // false: slipd is gone; the watch waits for it
   double elapsed_s = 0;              // since the watch began
   std::vector<SensorWatch> sensors;  // those that are watched
   std::vector<EstimateView> grasps;  // `sensor` is the grasp's name

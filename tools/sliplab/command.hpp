@@ -30,6 +30,7 @@ void add_train(CLI::App& app, const Common& common);
 void add_tradeoff(CLI::App& app, const Common& common);
 void add_stability(CLI::App& app, const Common& common);
 void add_histories(CLI::App& app, const Common& common);
+void add_coverage(CLI::App& app, const Common& common);
 void add_paper(CLI::App& app, const Common& common);
 void add_overload(CLI::App& app, const Common& common);
 void add_replay(CLI::App& app, const Common& common);

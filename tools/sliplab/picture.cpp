@@ -115,7 +115,7 @@ std::string script_of(const Recorded& recorded, const std::string& name, const P
 void run(const Common& common, const PictureOptions& options) {
   const std::filesystem::path folder = common.out.empty() ? "." : common.out;
   const Recorded recorded = slipd::read_recorded(options.file, options.at_s);
-  if (!recorded.fault.empty()) std::cerr << "sliplab: " << recorded.fault << "; drawn up to there\n";
+  if (!recorded.fault.empty()) std::cerr << "sliplab: " << recorded.fault << "; the rest is drawn\n";
   std::filesystem::create_directories(folder);
   const std::string name = options.file.stem().string();
   write_file(folder / (name + ".csv"), course_csv(recorded));

@@ -15,6 +15,8 @@
 #include <random>
 #include <sstream>
 
+#include "core/storage/recording_frame.hpp"
+
 namespace slipd {
 namespace {
 
@@ -73,14 +75,29 @@ class Recordings : public ::testing::Test {
   }
   void write(const std::string& content) const { std::ofstream(path_, std::ios::binary) << content; }
 
-  // Writes a recording of this many frames of four taxels; returns where its header and each of its frames
-  // end.
+  // Writes a recording of version 1 of this many frames of four taxels; returns where its header and each of
+  // its frames end.
   std::vector<std::size_t> ends_of_header_and_frames(std::uint64_t frames) {
-    std::vector<std::size_t> ends;
-    for (std::uint64_t i = 0; i <= frames; ++i) {
-      record(header_for(TaxelLayout::grid(2, 2, 0.001)), i);
-      ends.push_back(bytes().size());
+    const auto header = nlohmann::json::to_cbor({{"format", "slipd-recording"},
+                                                 {"version", 1},
+                                                 {"sensor", "left"},
+                                                 {"class", "array3"},
+                                                 {"layout", {{"grid", {2, 2}}, {"pitch_m", 0.001}}},
+                                                 {"rate_hz", 1000},
+                                                 {"simulated", true},
+                                                 {"start_realtime_ns", 1790000000000000000},
+                                                 {"start_monotonic_ns", 12345},
+                                                 {"description", "a test"}});
+    std::string content(header.begin(), header.end());
+    std::vector<std::size_t> ends{content.size()};
+    for (std::uint64_t i = 0; i < frames; ++i) {
+      std::vector<std::uint8_t> memory(largest_frame_bytes(4));
+      cbor::Writer out(memory.data());
+      put_frame(out, some_frame(4, i).slot, nullptr);
+      content.append(memory.begin(), memory.begin() + (out.at() - memory.data()));
+      ends.push_back(content.size());
     }
+    write(content);
     return ends;
   }
 
@@ -136,14 +153,17 @@ TEST_F(Recordings, GiveBackEveryBitOfEveryFrameForAnyLayout) {
 TEST_F(Recordings, AreReadByAnyCborLibrary) {
   record(header_for(TaxelLayout::grid(2, 1, 0.001)), 1);
   const auto content = bytes();
-  const auto begin = reinterpret_cast<const std::uint8_t*>(content.data());
-  const auto header =
-      nlohmann::json::from_cbor(std::vector<std::uint8_t>(begin, begin + content.size()), false);
+  const std::vector<std::uint8_t> all(content.begin(), content.end());
+  const auto header = nlohmann::json::from_cbor(all, false);
   EXPECT_EQ(header.at("format"), "slipd-recording");
-  const std::size_t header_size = nlohmann::json::to_cbor(header).size();
-  const auto frame =
-      nlohmann::json::from_cbor(std::vector<std::uint8_t>(begin + header_size, begin + content.size()), true,
-                                true, nlohmann::json::cbor_tag_handler_t::store);
+  EXPECT_EQ(header.at("version"), 2);
+  EXPECT_EQ(nlohmann::json::from_cbor(header.at("body").get_binary()).at("sensor"), "left");
+  const auto header_end = all.begin() + static_cast<std::ptrdiff_t>(nlohmann::json::to_cbor(header).size());
+  const auto block = nlohmann::json::from_cbor(std::vector<std::uint8_t>(header_end, all.end()), false);
+  EXPECT_EQ(block.at("block"), 0);
+  EXPECT_EQ(block.at("frames"), 1);
+  const auto frame = nlohmann::json::from_cbor(block.at("body").get_binary(), true, true,
+                                               nlohmann::json::cbor_tag_handler_t::store);
   EXPECT_EQ(frame.at("seq"), 10);
   EXPECT_TRUE(frame.at("device_time_ns").is_null());
   EXPECT_EQ(frame.at("truth_gamma"), 0.25);
@@ -185,15 +205,9 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
   EXPECT_FALSE(estimate);
   reader.rewind();
   EXPECT_EQ(count_frames(reader), 6U) << "who wants no estimates gets the frames alone";
-  for (const std::size_t cut : {1U, 20U, 60U, 100U}) {
-    write(whole.substr(0, whole.size() - cut));
-    RecordingReader cut_short(path_);
-    EXPECT_EQ(count_frames(cut_short), 5U);
-    EXPECT_NE(cut_short.fault(), "");
-  }
 }
 
-TEST_F(Recordings, CutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {
+TEST_F(Recordings, OfVersionOneCutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {
   const auto ends = ends_of_header_and_frames(3);
   const auto whole = bytes();
   for (std::size_t cut = 0; cut < whole.size(); ++cut) {
@@ -218,7 +232,7 @@ TEST_F(Recordings, CutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {
   }
 }
 
-TEST_F(Recordings, DamagedInOneByteGiveAllFramesBeforeIt) {
+TEST_F(Recordings, OfVersionOneDamagedInOneByteGiveAllFramesBeforeIt) {
   const auto ends = ends_of_header_and_frames(3);
   auto damaged = bytes();
   damaged[ends[1] + 2] = '!';  // in the name of the second frame's first entry
@@ -255,7 +269,7 @@ TEST_F(Recordings, OfSomethingElseAreRefusedWithWhatWasExpected) {
     return changed;
   };
   EXPECT_THAT(refusal_of(with("format", "other")), HasSubstr("slipd-recording"));
-  EXPECT_THAT(refusal_of(with("version", 2)), HasSubstr("\"version\" is 2, expected 1"));
+  EXPECT_THAT(refusal_of(with("version", 3)), HasSubstr("\"version\" is 3, expected 1 or 2"));
   EXPECT_THAT(refusal_of(with("class", "x")), HasSubstr("array3, wrench or normal"));
   EXPECT_THAT(refusal_of(with("rate_hz", "fast")), HasSubstr("\"rate_hz\" is \"fast\""));
   EXPECT_THAT(refusal_of(with("layout", {{"grid", {4096, 4096}}, {"pitch_m", 1}})), HasSubstr("1048576"));
@@ -285,7 +299,7 @@ TEST_F(Recordings, NeverCrashOnBytesAtRandom) {
       RecordingReader reader(path_);
       OwnedFrame frame(reader.header().layout.size());
       int frames = 0;
-      while (reader.next(frame.slot) == Status::frame) ++frames;
+      while (reader.next_frame(frame.slot) == Status::frame) ++frames;
       EXPECT_LE(frames, 3);
     } catch (const RecordingError& e) {
       EXPECT_THAT(e.what(), HasSubstr("byte "));
@@ -310,7 +324,7 @@ TEST_F(Recordings, KeepTheFirstErrorOfTheDiskAndRefuseFramesOfAnotherSize) {
 TEST_F(Recordings, ThatAreNoFilesAreRefused) {
   EXPECT_THAT(refusal(), HasSubstr("No such file"));
   path_ = "/tmp";
-  EXPECT_THAT(refusal(), HasSubstr("not a regular file"));
+  EXPECT_THAT(refusal(), HasSubstr("is a folder, not a regular file"));
   path_ = "";
 }
 

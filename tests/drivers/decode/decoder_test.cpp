@@ -206,6 +206,25 @@ TEST(Decoder, drops_the_scan_whole_if_a_packet_is_too_short_or_too_long) {
   }
 }
 
+TEST(Decoder, tells_how_packets_that_no_rule_describes_differ) {
+  DecoderRig hid("vendor-hid-8x8");
+  EXPECT_EQ(hid.decoder.why_no_frames("reports"), "") << "nothing has come";
+  const std::vector<std::uint8_t> bytes(64);
+  EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped);
+  EXPECT_EQ(hid.decoder.take(0, std::span(bytes).first(20), 0, hid.out.slot), Outcome::dropped)
+      << "each counts";
+  EXPECT_EQ(hid.decoder.why_no_frames("reports"),
+            "reports of 20 bytes arrive, the profile expects 64: choose or correct the profile");
+  EXPECT_EQ(hid.decoder.take(9, bytes, 0, hid.out.slot), Outcome::foreign);
+  DecoderRig can("icub-mtb");
+  EXPECT_EQ(can.decoder.take(1, std::span(bytes).first(8), 0, can.out.slot), Outcome::foreign);
+  EXPECT_THAT(can.decoder.why_no_frames("messages"),
+              testing::AllOf(testing::HasSubstr("messages of 8 bytes with id 1 arrive, the profile expects "),
+                             testing::HasSubstr(" with id ")));
+  can.decoder.reset();
+  EXPECT_EQ(can.decoder.why_no_frames("messages"), "");
+}
+
 TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
   DecoderRig rig("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());

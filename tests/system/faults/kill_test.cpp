@@ -105,7 +105,7 @@ class Killed : public ::testing::Test {
     if (kept.frames == 0) return;
     ++recordings_;
     if (!kept.fault.empty()) {
-      EXPECT_THAT(kept.fault, ::testing::HasSubstr("ends within"));
+      EXPECT_THAT(kept.fault, ::testing::HasSubstr("the recording ends with"));
       ++cut_;
     }
     EXPECT_TRUE(kept.in_order);

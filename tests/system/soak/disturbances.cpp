@@ -68,7 +68,7 @@ void Disturbances::act(std::size_t kind) {
       for (int i = up_to(20); i > 0; --i) client.call("frame", {{"sensor", sensor()}});
       break;
     case 9:
-      client.result("flight", {{"sensor", sensor()}});
+      client.call("flight", {{"sensor", sensor()}});
       break;
     default:
       client.result("status");

@@ -98,14 +98,15 @@ date -s "@$((right + 60))" >/dev/null
 
 # A disk that is full, one that is read-only.
 head -c 1M /dev/zero >$STATE_DIRECTORY/filler 2>/dev/null || true
-slipctl --socket /tmp/slipd.sock flight steady >/dev/null
-awaits "a full disk costs the flight recording" recorder_is failed 1
+refused "a flight recording onto a full disk fails" slipctl --socket /tmp/slipd.sock flight steady 2>flight.log
+grep -q "No space left on device" flight.log || fail "slipctl does not say why: $(cat flight.log)"
+awaits "it is counted" recorder_is failed 1
 awaits "and the log says why" grep -q "No space left on device" slipd.log
 more_frames "and nothing else"
 refused "a recording onto it ends with its reason" slipctl --socket /tmp/slipd.sock record --sensor steady --seconds 1 --out $STATE_DIRECTORY/r.rec 2>record.log
 grep -q "No space left on device" record.log || fail "slipctl does not say why: $(cat record.log)"
 mount -o remount,ro $STATE_DIRECTORY
-slipctl --socket /tmp/slipd.sock flight steady >/dev/null
+refused "onto a read-only one, too" slipctl --socket /tmp/slipd.sock flight steady
 awaits "a read-only disk does, too, and the log says why" grep -q "Read-only file system" slipd.log
 more_frames "and nothing else"
 mount -o remount,rw $STATE_DIRECTORY

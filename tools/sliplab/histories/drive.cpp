@@ -1,11 +1,25 @@
 #include "tools/sliplab/histories/drive.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/contact/history.hpp"
 #include "core/estimate/thread_clock.hpp"
+#include "tools/sliplab/histories/friction_trace.hpp"
 
 namespace sliplab {
+namespace {
+
+// Standard deviation of one taxel's shear; uniform noise of half-width w has w/sqrt 3.
+double shear_sigma_pa(slipd::TrialFrames& frames, const Sampling& sensing) {
+  constexpr double kLeastNoise = 1e-6;  // of the largest value: a sensor without noise rounds
+  const auto values = sensing.kind == slipd::NoiseKind::sensor ? frames.normal_pa() : frames.shear_pa();
+  float most_pa = 0;
+  for (const float value : values) most_pa = std::max(most_pa, std::fabs(value));
+  return std::max(sensing.noise, kLeastNoise) * static_cast<double>(most_pa) / std::sqrt(3.0);
+}
+
+}  // namespace
 
 slipd::ChainSetup paper_chain(std::size_t side, slipd::MethodChoice method, double noise) {
   const double pitch_m = side == 4 ? 0.0047 : 0.016 / static_cast<double>(side);
@@ -28,6 +42,7 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
   contact::LoadHistory contact(
       contact::make_body_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
   TrialFrames frames(layout, sensing.kind, sensing.noise);
+  FrictionTrace trace(layout, object.x_m, object.y_m);
   StatisticsByMove tallies;
   Estimate estimate;
   std::uint64_t sequence = 0;
@@ -42,8 +57,10 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
       const double time_s = static_cast<double>(sequence) * sensing.frame_s;
       const Truth truth{contact.safety_margin(), contact.friction()};
       double taken_us = 0;
+      bool traced = true;
       if (!sensing.comes || sensing.comes(sequence)) {
         frames.feel(contact, object.x_m, object.y_m);
+        if (sensing.trace) traced = trace.update(contact, shear_sigma_pa(frames, sensing));
         const Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
                                          static_cast<std::int64_t>(1e9 * time_s));
         const double start_us = thread_us();
@@ -52,7 +69,8 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
         tallies[static_cast<std::size_t>(segment.move)].add(estimate, truth.gamma);
       }
       if (watch)
-        watch({time_s, segment.move, contact.normal_n(), contact.shear_n(), truth, estimate, taken_us});
+        watch(
+            {time_s, segment.move, contact.normal_n(), contact.shear_n(), truth, estimate, traced, taken_us});
     }
   }
   return tallies;

@@ -18,6 +18,8 @@ struct Sampling {
   double frame_s = 0.005;                            // time from frame to frame, s
   // Whether the estimator receives the frame of this number, from 1; empty: it receives all.
   std::function<bool(std::uint64_t)> comes = {};
+  // Whether to find out for each frame if a change of friction shows in it (GraspSample::traced).
+  bool trace = false;
 };
 
 struct GraspSample {
@@ -27,7 +29,8 @@ struct GraspSample {
   double shear_n;            // tangential force, N, signed
   slipd::Truth truth;        // of the contact
   slipd::Estimate estimate;  // of this frame, or of the last one that the estimator received
-  double taken_us;           // processor time of the estimate, us; 0: the estimator did not receive the frame
+  bool traced;      // false while friction has changed and no frame has shown it; see Sampling::trace
+  double taken_us;  // processor time of the estimate, us; 0: the estimator did not receive the frame
 };
 using StatisticsByMove = std::array<ErrorStatistics, kMoves>;
 
