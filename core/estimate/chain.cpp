@@ -37,6 +37,10 @@ constexpr double kTorqueSigmas = 3;
 constexpr double kMinNormalN = 0.1;
 constexpr double kKeptShare = 0.5;
 
+// Shear of a contact without pressure, on all taxels, N; 0.05 … 2. Too small: drift and jitter of the zero are a
+// pull. Too large: a pulled contact is no contact.
+constexpr double kPulledN = 0.3;
+
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
@@ -129,6 +133,27 @@ struct EstimatorChain::Impl {
     return touching;
   }
 
+  // A contact that pulls at some taxels can have no pressure to speak of and still carry shear: a hooked cable. It
+  // has no margin, and is not no contact. True, with the forces in `out`, if this is one. Both forces are those
+  // of all taxels.
+  bool pulled(const Frame& frame, Estimate& out) const noexcept {
+    if (setup.sensor_class != SensorClass::array3 || setup.layout.size() == 1 ||
+        setup.layout.size() > Fit::kFewTaxels)
+      return false;
+    double p = 0, x = 0, y = 0;
+    for (std::size_t i = 0; i < setup.layout.size(); ++i) {
+      p += static_cast<double>(frame.normal_pa[i]);
+      x += static_cast<double>(frame.shear_x_pa[i]);
+      y += static_cast<double>(frame.shear_y_pa[i]);
+    }
+    const double shear_n = std::hypot(x, y) * setup.layout.area_m2();
+    if (!(shear_n > kPulledN)) return false;
+    out.normal_n = p * setup.layout.area_m2();
+    out.shear_n = shear_n;
+    out.state = State::out_of_model;
+    return true;
+  }
+
   // Whether the object slides; `contact` is ignored for frames without a zero.
   void detect_sliding(const Frame& frame, bool contact, Estimate& out) noexcept {
     const SlidingVerdict verdict = sliding.update(frame, contact);
@@ -213,7 +238,9 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   const bool touches = in.touches(patch);
   if (!touches) {
     in.forget();
-    out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
+    const bool pulled = in.pulled(frame, out);
+    if (!pulled)
+      out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   } else {
     out.normal_n = patch.normal_n;
     if (in.setup.layout.size() > 1) {

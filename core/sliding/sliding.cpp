@@ -184,7 +184,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
   const double normal = normal_of(0);
   const bool slid = slides(now_);
   if (normal < (slid ? options_.let_go_below : options_.opened_below) * held_normal_ ||
-      (!slid && normal > options_.gripped_above * held_normal_)) {
+      normal > options_.gripped_above * held_normal_) {
     armed_ = false;
     return Sliding::disturbed;
   }

@@ -90,7 +90,7 @@ CsvSource::Column CsvSource::column_of(std::string_view name, const SensorSetup&
   const std::string_view taxel = name.substr(0, name.size() - 2);
   const auto found = std::find(names_.begin(), names_.end(), taxel);
   if (found == names_.end()) {
-    if (!sensor.options.contains("taxels")) refuse_beyond_layout(taxel, sensor);
+    if (!sensor.options.contains("taxels")) refuse_beyond_layout(name, sensor);
     return column;
   }
   const char axis = name.back();
@@ -100,14 +100,16 @@ CsvSource::Column CsvSource::column_of(std::string_view name, const SensorSetup&
 }
 
 // txl17 in a layout of 16 taxels is a mistake, unless the sensor says which taxels are its own.
-void CsvSource::refuse_beyond_layout(std::string_view taxel, const SensorSetup& sensor) const {
-  if (!taxel.starts_with("txl")) return;
+void CsvSource::refuse_beyond_layout(std::string_view column, const SensorSetup& sensor) const {
+  if (!column.starts_with("txl")) return;
+  const std::string_view taxel = column.substr(0, column.size() - 2);
   const std::string_view digits = taxel.substr(3);
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   if (error != std::errc() || end != digits.data() + digits.size()) return;
+  if (number >= 1 && number <= taxels_) return;  // such as txl01, which names no taxel
   throw DriverError(path_.string() + ": line 1, column " + std::to_string(columns_.size() + 1) + ": " +
-                    std::string(taxel.substr(0, 24)) + " is beyond the " + std::to_string(taxels_) +
+                    std::string(column.substr(0, 24)) + " is beyond the " + std::to_string(taxels_) +
                     " taxels in the layout of sensor \"" + sensor.name +
                     "\": give the sensor the file's layout, or name its taxels with the option taxels");
 }

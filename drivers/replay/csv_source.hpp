@@ -41,7 +41,7 @@ class CsvSource final : public FrameSource {
   Line next_line(std::string_view& line) noexcept;
   void read_header(const SensorSetup& sensor);
   Column column_of(std::string_view name, const SensorSetup& sensor) const;
-  void refuse_beyond_layout(std::string_view taxel, const SensorSetup& sensor) const;
+  void refuse_beyond_layout(std::string_view column, const SensorSetup& sensor) const;
   bool store(const Column& column, std::string_view field, FrameSlot& out) const noexcept;
   ReadOutcome fail(std::size_t column, const char* what, std::string_view field) noexcept;
 
