@@ -27,18 +27,18 @@ constexpr std::size_t kFewInside = 12;
 // Standard deviations below a mean that 95 % of a Gaussian lie above.
 constexpr double kOneSided95 = 1.645;
 
-// A torque of so many standard deviations is one; 2 … 5. Too small: noise takes the bound away. Too large: the
-// bound stands though the contact turns.
+// A torque of so many standard deviations is one; 2 … 5. Too small: noise takes the bound away. Too large:
+// the bound stands though the contact turns.
 constexpr double kTorqueSigmas = 3;
 
 // Of a sensor of few taxels: below this P, N, there is no contact, and once in contact below
-// this share of it; 0.01 … 1, 0.2 … 0.9. Too small: drift and jitter of the zero are a contact. Too large: light
-// contacts are missed.
+// this share of it; 0.01 … 1, 0.2 … 0.9. Too small: drift and jitter of the zero are a contact. Too large:
+// light contacts are missed.
 constexpr double kMinNormalN = 0.1;
 constexpr double kKeptShare = 0.5;
 
-// Shear of a contact without pressure, on all taxels, N; 0.05 … 2. Too small: drift and jitter of the zero are a
-// pull. Too large: a pulled contact is no contact.
+// Shear of a contact without pressure, on all taxels, N; 0.05 … 2. Too small: drift and jitter of the zero
+// are a pull. Too large: a pulled contact is no contact.
 constexpr double kPulledN = 0.3;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
@@ -133,9 +133,9 @@ struct EstimatorChain::Impl {
     return touching;
   }
 
-  // A contact that pulls at some taxels can have no pressure to speak of and still carry shear: a hooked cable. It
-  // has no margin, and is not no contact. True, with the forces in `out`, if this is one. Both forces are those
-  // of all taxels.
+  // A contact that pulls at some taxels can have no pressure to speak of and still carry shear: a hooked
+  // cable. It has no margin, and is not no contact. True, with the forces in `out`, if this is one. Both
+  // forces are those of all taxels.
   bool pulled(const Frame& frame, Estimate& out) const noexcept {
     if (setup.sensor_class != SensorClass::array3 || setup.layout.size() == 1 ||
         setup.layout.size() > Fit::kFewTaxels)
@@ -165,15 +165,17 @@ struct EstimatorChain::Impl {
   void bound_margin(const ContactPatch& patch, Estimate& out) const noexcept {
     double torque_nm = 0;
     patch.for_each_inside([&](std::uint32_t i) {
-      torque_nm += (setup.layout.x_m()[i] - patch.center_x_m) * static_cast<double>(patch.taxels.shear_y_pa[i]) -
-                   (setup.layout.y_m()[i] - patch.center_y_m) * static_cast<double>(patch.taxels.shear_x_pa[i]);
+      torque_nm +=
+          (setup.layout.x_m()[i] - patch.center_x_m) * static_cast<double>(patch.taxels.shear_y_pa[i]) -
+          (setup.layout.y_m()[i] - patch.center_y_m) * static_cast<double>(patch.taxels.shear_x_pa[i]);
     });
     torque_nm *= setup.layout.area_m2();
     if (setup.layout.size() > 1) out.torque_nm = torque_nm;
     const double torque_sigma_nm = patch.shear_sigma_n * patch.radius_m / std::numbers::sqrt2;
     if (std::fabs(torque_nm) > kTorqueSigmas * torque_sigma_nm) return;
     const double prior_low = setup.friction.value_or(expected_friction(setup.scene).low);
-    const double friction = out.friction ? *out.friction - kOneSided95 * out.friction_sigma.value_or(0) : prior_low;
+    const double friction =
+        out.friction ? *out.friction - kOneSided95 * out.friction_sigma.value_or(0) : prior_low;
     const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
     const double shear_n = patch.shear_n + kOneSided95 * patch.shear_sigma_n;
     if (!(friction > 0) || !(normal_n > 0)) return;

@@ -30,10 +30,10 @@ enum class Method : std::uint8_t {
   friction
 };  // friction: 1 - (Q/P)/mu
 
-std::string_view to_string(State) noexcept;   // as on the socket: "ok", "no_contact", …
-std::string_view to_string(Alert) noexcept;   // "none", "warn", "slip"
+std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …
+std::string_view to_string(Alert) noexcept;       // "none", "warn", "slip"
 std::string_view to_string(AlertCause) noexcept;  // "none", "margin", "sliding"
-std::string_view to_string(Method) noexcept;  // "svd-knn", "registered", …
+std::string_view to_string(Method) noexcept;      // "svd-knn", "registered", …
 
 // Lengths in metres, forces in newtons, an absent value is unknown.
 struct Estimate {

@@ -12,8 +12,8 @@ FrictionPrior prior_of(Range expected, std::optional<double> friction, const Fri
   return {.expected = expected, .spread = options.scene_spread};
 }
 
-// The scene's range, and a friction that was given, bound what is learnt from forces alone: a grip that relaxes
-// looks like a slide at a friction that no object of the scene has.
+// The scene's range, and a friction that was given, bound what is learnt from forces alone: a grip that
+// relaxes looks like a slide at a friction that no object of the scene has.
 FrictionFilterOptions bounded(FrictionFilterOptions filter, const FrictionPrior& prior, bool force_only,
                               double slack) {
   if (!force_only) return filter;

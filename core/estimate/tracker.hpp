@@ -18,8 +18,8 @@ struct TrackerOptions {
   FrictionPriorOptions prior;
   FrictionFilterOptions filter;
 
-  // How far beyond the scene's range, or a given friction, a force-only sensor may learn; of log mu, 0.02 … 0.5.
-  // Real slides scatter by 4 to 7 %. Too small: a friction at the range's end has no room for noise. Too
+  // How far beyond the scene's range, or a given friction, a force-only sensor may learn; of log mu, 0.02 …
+  // 0.5. Real slides scatter by 4 to 7 %. Too small: a friction at the range's end has no room for noise. Too
   // large: a relaxing grip passes for a slide.
   double bound_slack = 0.1;
 

@@ -117,8 +117,7 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
   const double normal_now = raw_ ? 1 : normal_of(0), normal_then = raw_ ? 1 : normal_of(ago);
   double weight = 0, x_m = 0, y_m = 0, square = 0, moved_x = 0, moved_y = 0;
   const auto share = [&](std::size_t i) {
-    return raw_ ? 1 / static_cast<double>(cells)
-                : std::max(0.0, static_cast<double>(now[i]) / normal_now);
+    return raw_ ? 1 / static_cast<double>(cells) : std::max(0.0, static_cast<double>(now[i]) / normal_now);
   };
   for (std::size_t i = 0; i < cells; ++i) {
     const double w = share(i);
@@ -126,8 +125,7 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
     x_m += w * blocks_.x_m(i);
     y_m += w * blocks_.y_m(i);
     if (raw_) continue;
-    const double d =
-        static_cast<double>(now[i]) / normal_now - static_cast<double>(then[i]) / normal_then;
+    const double d = static_cast<double>(now[i]) / normal_now - static_cast<double>(then[i]) / normal_then;
     moved_x += d * blocks_.x_m(i);
     moved_y += d * blocks_.y_m(i);
   }
@@ -137,8 +135,8 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
   for (std::size_t i = 0; i < cells; ++i) {
     const double rx = blocks_.x_m(i) - x_m, ry = blocks_.y_m(i) - y_m;
     square += share(i) * (rx * rx + ry * ry) / weight;
-    const double qx = static_cast<double>(now[cells + i]) / normal_now -
-                      static_cast<double>(then[cells + i]) / normal_then;
+    const double qx =
+        static_cast<double>(now[cells + i]) / normal_now - static_cast<double>(then[cells + i]) / normal_then;
     const double qy = static_cast<double>(now[2 * cells + i]) / normal_now -
                       static_cast<double>(then[2 * cells + i]) / normal_then;
     change.x += qx;
@@ -205,9 +203,8 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     shear_noise_ += (last.shear - shear_noise_) / options_.follow_blocks;
     held_normal_ += (normal - held_normal_) / options_.follow_blocks;
   }
-  const bool disturbed =
-      suspicious_ > 0 || std::fabs(change.log_normal) > options_.disturbed_normal ||
-      change.shear > std::max(options_.disturbed_shear, noise_factor_ * shear_noise_);
+  const bool disturbed = suspicious_ > 0 || std::fabs(change.log_normal) > options_.disturbed_normal ||
+                         change.shear > std::max(options_.disturbed_shear, noise_factor_ * shear_noise_);
   return disturbed ? Sliding::disturbed : Sliding::none;
 }
 

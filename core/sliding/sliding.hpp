@@ -118,13 +118,13 @@ class SlidingDetector {
   double noise_factor_;  // of the mean noise of TV, that noise does not pass
   double trend_limit_;   // of a trend over its scatter
   bool has_pattern_;
-  bool raw_ = false;           // the blocks are of frames without a zero
-  bool armed_ = false;         // the contact has settled
-  std::size_t compared_ = 0;   // blocks since it settled, at most compared_blocks
-  double held_normal_ = 0;     // P of the hold
-  double pattern_noise_ = 0;   // mean TV of neighbouring blocks
-  double shear_noise_ = 0;     // mean change of q/P of neighbouring blocks
-  int suspicious_ = 0;         // blocks in a row
+  bool raw_ = false;          // the blocks are of frames without a zero
+  bool armed_ = false;        // the contact has settled
+  std::size_t compared_ = 0;  // blocks since it settled, at most compared_blocks
+  double held_normal_ = 0;    // P of the hold
+  double pattern_noise_ = 0;  // mean TV of neighbouring blocks
+  double shear_noise_ = 0;    // mean change of q/P of neighbouring blocks
+  int suspicious_ = 0;        // blocks in a row
   std::optional<Sliding> now_;
   std::int64_t since_ns_ = 0;
 };

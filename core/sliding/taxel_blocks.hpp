@@ -1,5 +1,6 @@
-// A sensor's frames as blocks of equal time: means of some tens of cells, each a few neighbouring taxels. What
-// is looked for in the course of a grasp (core/sliding/sliding.hpp) is slow against a frame, and less noisy so.
+// A sensor's frames as blocks of equal time: means of some tens of cells, each a few neighbouring taxels.
+// What is looked for in the course of a grasp (core/sliding/sliding.hpp) is slow against a frame, and less
+// noisy so.
 #pragma once
 
 #include <array>
@@ -14,11 +15,11 @@ namespace slipd {
 
 // Checked with `tools/real`.
 struct TaxelBlockOptions {
-  // Time of a block, s, 0.01 … 0.2; a slower sensor's block is one frame. Too small: noise. Too large: a slide
-  // is seen late.
+  // Time of a block, s, 0.01 … 0.2; a slower sensor's block is one frame. Too small: noise. Too large: a
+  // slide is seen late.
   double block_s = 0.05;
-  // Cells along each side of a layout with more taxels than cells; 4 … 16. Too small: a movement within a cell
-  // goes unseen. Too large: noise.
+  // Cells along each side of a layout with more taxels than cells; 4 … 16. Too small: a movement within a
+  // cell goes unseen. Too large: noise.
   std::size_t cells_per_side = 8;
   // Frames of a block that are looked at where cells have several taxels; 1 … 50. Too small: noise. Too
   // large: costs time.
@@ -71,7 +72,7 @@ class TaxelBlocks {
   std::size_t size_ = 0, newest_ = 0;
   std::int64_t started_ns_ = 0, last_ns_ = 0, pooled_ns_ = 0;
   std::size_t frames_ = 0, differences_ = 0;
-  double squares_ = 0;        // of differences of frames in the block so far
+  double squares_ = 0;         // of differences of frames in the block so far
   double frame_variance_ = 0;  // of one frame, of the quietest block; 0: not known
   double step_ = 0;            // the smallest difference seen
   double block_frames_ = 1;    // in the newest block

@@ -30,8 +30,7 @@ void add_name(ObjectText& object, std::string_view key, std::optional<std::strin
 
 void add_sliding(ObjectText& object, const Estimate& estimate) {
   const bool caused = estimate.alert_cause != AlertCause::none;
-  add_name(object, "alert_cause",
-           caused ? std::optional(to_string(estimate.alert_cause)) : std::nullopt);
+  add_name(object, "alert_cause", caused ? std::optional(to_string(estimate.alert_cause)) : std::nullopt);
   add_name(object, "sliding", estimate.sliding ? std::optional(to_string(*estimate.sliding)) : std::nullopt);
   object.number("sliding_for_ms", estimate.sliding_for_s, 1e3);
 }

@@ -86,7 +86,8 @@ CsvSource::Column CsvSource::column_of(std::string_view name, const SensorSetup&
     column.channel = Channel::time;
     return column;
   }
-  if (name.size() < 3 || name[name.size() - 2] != '_' || name.back() < 'x' || name.back() > 'z') return column;
+  if (name.size() < 3 || name[name.size() - 2] != '_' || name.back() < 'x' || name.back() > 'z')
+    return column;
   const std::string_view taxel = name.substr(0, name.size() - 2);
   const auto found = std::find(names_.begin(), names_.end(), taxel);
   if (found == names_.end()) {
@@ -142,9 +143,8 @@ void CsvSource::read_header(const SensorSetup& sensor) {
   const auto missing = std::find(seen.begin(), seen.end() - 1, false);
   if (missing != seen.end() - 1) {
     const auto place = static_cast<std::size_t>(missing - seen.begin());
-    throw DriverError(path_.string() + ": line 1: no column " + names_[place / 3] + "_" +
-                      "xyz"[place % 3] + ", but the layout of sensor \"" + sensor.name + "\" has " +
-                      std::to_string(taxels_) +
+    throw DriverError(path_.string() + ": line 1: no column " + names_[place / 3] + "_" + "xyz"[place % 3] +
+                      ", but the layout of sensor \"" + sensor.name + "\" has " + std::to_string(taxels_) +
                       " taxels: give the sensor the file's layout, or name the file of the tactile sensor");
   }
   if (!has_time_ && !(rate_hz_ > 0)) {

@@ -1,5 +1,5 @@
-// `sliplab replay`: recordings through the chain of the daemon, as fast as it goes. The scene is parsed and the
-// files are decoded by the same code; every row of a file gives one line of estimates.
+// `sliplab replay`: recordings through the chain of the daemon, as fast as it goes. The scene is parsed and
+// the files are decoded by the same code; every row of a file gives one line of estimates.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
@@ -71,7 +71,8 @@ void add_replay(CLI::App& app, const Common& common) {
   command->add_option("--file", options->files,
                       "a CSV or recording instead of the scene's; SENSOR=FILE for one sensor");
   command->add_option("--sensor", options->sensor, "only this sensor of the scene");
-  command->add_option("--estimates", options->estimates, "the table of estimates as CSV; - for standard output");
+  command->add_option("--estimates", options->estimates,
+                      "the table of estimates as CSV; - for standard output");
   command->add_option("--picture", options->picture, "margin, forces and alerts over time, as SVG");
   command->add_option("--label", options->label,
                       "CSV with a column slip, 0 or 1 in each row: the alerts are scored against it");

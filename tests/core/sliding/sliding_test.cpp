@@ -26,7 +26,8 @@ struct Contact {
 
 class Pad {
  public:
-  explicit Pad(std::size_t side, double noise) : layout_(TaxelLayout::grid(side, side, 0.012 / static_cast<double>(side))), noise_(noise) {
+  explicit Pad(std::size_t side, double noise)
+      : layout_(TaxelLayout::grid(side, side, 0.012 / static_cast<double>(side))), noise_(noise) {
     normal_.resize(layout_.size());
     shear_x_.resize(layout_.size());
     shear_y_.resize(layout_.size());
@@ -45,8 +46,12 @@ class Pad {
       shear_x_[i] = static_cast<float>(contact.shear * p + offset + noise_ * gauss_(random_));
       shear_y_[i] = static_cast<float>(offset + noise_ * gauss_(random_));
     }
-    return {.sequence = ++sequence_, .time_ns = static_cast<std::int64_t>(time_s * 1e9), .normal_pa = normal_,
-            .shear_x_pa = shear_x_, .shear_y_pa = shear_y_, .zeroed = offset == 0};
+    return {.sequence = ++sequence_,
+            .time_ns = static_cast<std::int64_t>(time_s * 1e9),
+            .normal_pa = normal_,
+            .shear_x_pa = shear_x_,
+            .shear_y_pa = shear_y_,
+            .zeroed = offset == 0};
   }
 
  private:
@@ -125,10 +130,13 @@ TEST(Sliding, OfManyTaxelsIsSeenInCells) {
 TEST(Sliding, NeedsNoZero) {
   constexpr double kOffset = 3e4;
   Pad pad(4, 50);
-  EXPECT_FALSE(watch(pad, 30, [](double) { return Contact{}; }, kOffset).slid);
-  EXPECT_TRUE(watch(
-                  pad, 3, [](double t) { return Contact{.shear = t < 2 ? 0.1 : 0.1 + 0.5 * (t - 2)}; }, kOffset)
-                  .slid);
+  EXPECT_FALSE(watch(
+                   pad, 30, [](double) { return Contact{}; }, kOffset)
+                   .slid);
+  EXPECT_TRUE(
+      watch(
+          pad, 3, [](double t) { return Contact{.shear = t < 2 ? 0.1 : 0.1 + 0.5 * (t - 2)}; }, kOffset)
+          .slid);
 }
 
 TEST(Sliding, IsNotToldByAForceAlone) {
@@ -136,10 +144,11 @@ TEST(Sliding, IsNotToldByAForceAlone) {
   std::vector<float> one{1};
   for (int i = 0; i < 1000; ++i) {
     one[0] = static_cast<float>(i);
-    EXPECT_FALSE(detector
-                     .update({.time_ns = i * 5'000'000LL, .normal_pa = one, .shear_x_pa = one, .shear_y_pa = one},
-                             true)
-                     .sliding);
+    EXPECT_FALSE(
+        detector
+            .update({.time_ns = i * 5'000'000LL, .normal_pa = one, .shear_x_pa = one, .shear_y_pa = one},
+                    true)
+            .sliding);
   }
 }
 

@@ -10,8 +10,8 @@
 namespace sliplab {
 namespace {
 
-// An alert so long before a label still belongs to it, s; 0.1 … 2. Too small: early alerts are false ones. Too
-// large: false ones are early.
+// An alert so long before a label still belongs to it, s; 0.1 … 2. Too small: early alerts are false ones.
+// Too large: false ones are early.
 constexpr double kEarliest_s = 0.5;
 constexpr double kSecondsPerHour = 3600;
 
@@ -78,15 +78,15 @@ nlohmann::json to_json(const LabelScore& score) {
   return {{"lead_s", score.lead_s ? nlohmann::json(*score.lead_s) : nlohmann::json(nullptr)},
           {"missed", score.missed},
           {"false_alerts", score.false_alerts},
-          {"false_per_hour",
-           hours > 0 ? nlohmann::json(static_cast<double>(score.false_alerts) / hours) : nlohmann::json(nullptr)}};
+          {"false_per_hour", hours > 0 ? nlohmann::json(static_cast<double>(score.false_alerts) / hours)
+                                       : nlohmann::json(nullptr)}};
 }
 
 std::string describe(const LabelScore& score) {
   std::ostringstream out;
   if (score.lead_s) {
-    out << "the alert came " << std::abs(*score.lead_s) << " s "
-        << (*score.lead_s < 0 ? "after" : "before") << " the label";
+    out << "the alert came " << std::abs(*score.lead_s) << " s " << (*score.lead_s < 0 ? "after" : "before")
+        << " the label";
   } else {
     out << (score.missed ? "the labelled slip was missed" : "no slip is labelled");
   }

@@ -96,9 +96,10 @@ void draw(const std::vector<ReplayRun>& runs, const std::filesystem::path& svg) 
     }
     const std::string data = name + "-" + std::to_string(i) + ".csv";
     write_file(folder / data, csv.str());
-    script << "set title '" << runs[i].sensor << "' noenhanced\nplot '" << data
-           << "' using 1:4 skip 1 with filledcurves y1=0 fs transparent solid 0.2 title 'alert slip', '' using "
-              "1:2 skip 1 with lines title 'margin', '' using 1:3 skip 1 with lines title 'Q/P'\n";
+    script
+        << "set title '" << runs[i].sensor << "' noenhanced\nplot '" << data
+        << "' using 1:4 skip 1 with filledcurves y1=0 fs transparent solid 0.2 title 'alert slip', '' using "
+           "1:2 skip 1 with lines title 'margin', '' using 1:3 skip 1 with lines title 'Q/P'\n";
   }
   plot(folder, name, script.str());
 }
