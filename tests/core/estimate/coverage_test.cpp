@@ -23,6 +23,7 @@ sliplab::Coverage cycle_of(std::size_t side, MethodChoice method, double rate_hz
 }
 
 // Few grasps scatter more than many: the limits are a little wider than what `sliplab coverage` is asked for.
+// 4 x 4 taxels fall short of 90 % within two sigmas (docs/accuracy.md), which their limit admits.
 TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
   for (const auto& [side, method] :
        {std::pair{4U, MethodChoice::automatic}, std::pair{16U, MethodChoice::moments},
@@ -31,7 +32,7 @@ TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
     SCOPED_TRACE(side);
     ASSERT_GT(all.answers(), 1000);
     EXPECT_GT(all.answered(), 0.7);
-    EXPECT_GT(all.within_two_sigma(), 0.88);
+    EXPECT_GT(all.within_two_sigma(), side == 4 ? 0.85 : 0.88);
     EXPECT_GT(all.within_three_sigma(), 0.98);
   }
 }
