@@ -18,7 +18,7 @@ constexpr std::size_t kPillars = 9, kOffset = 2;
 constexpr float kMmPerNewton = 0.5F, kUnknownFriction = -1;
 
 const TaxelLayout& layout() {
-  static const TaxelLayout it = TaxelLayout::grid(3, 3, 0.004);
+  static const TaxelLayout it = TaxelLayout::grid(3, 3, 0.007);
   return it;
 }
 
