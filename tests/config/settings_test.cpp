@@ -121,7 +121,7 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(s.estimator, (EstimatorSettings{MethodChoice::fit, 60, 9, 6, false, 0.2}));
   EXPECT_EQ(s.noise, 0.02);
   EXPECT_EQ(s.offset_m, 0.003);
-  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 2, 0.6}));
+  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 2, 0.6, 2}));
   EXPECT_EQ(s.socket.path, "/tmp/s");
   EXPECT_EQ(s.socket.mode, 0600U);
   EXPECT_EQ(s.socket.max_clients, 10U);
