@@ -142,9 +142,10 @@ TEST(PapillArray, FramesTheSameOffsetsAsARecordedStream) {
 
 TEST(PapillArray, GivesEachPillarItsForceInNewton) {
   const Bytes bytes = scan_of(papillarray())[0].bytes;
-  // Pillar 0 of sensor 0 at 0x41 after the marker: u16 2, then 1000 Pa on 16 mm²: x 8 mN, y -4 mN, z 16 mN.
+  // Pillar 0 of sensor 0 at 0x41 after the marker: u16 2, then 1000 Pa on 49 mm²: x 24.5 mN, y -12.25 mN,
+  // z 49 mN.
   EXPECT_THAT(part(bytes, 4 + 0x41, 2), ElementsAre(2, 0));
-  const std::vector<float> expected{0.008F, -0.004F, 0.016F, 0.004F, -0.002F, 0.008F};
+  const std::vector<float> expected{0.0245F, -0.01225F, 0.049F, 0.01225F, -0.006125F, 0.0245F};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     float value = 0;
     std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(4 + 0x41 + 2 + 4 * i), 4,
