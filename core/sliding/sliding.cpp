@@ -1,7 +1,6 @@
 #include "core/sliding/sliding.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -47,9 +46,8 @@ struct Resultant {
 }  // namespace
 
 std::string_view to_string(Sliding sliding) noexcept {
-  static constexpr std::array<std::string_view, 4> kNames{"none", "disturbed", "translation", "rotation"};
-  const auto i = static_cast<std::size_t>(sliding);
-  return i < kNames.size() ? kNames[i] : "unknown";
+  static constexpr std::string_view kNames[] = {"none", "disturbed", "translation", "rotation"};
+  return kNames[static_cast<std::size_t>(sliding)];
 }
 
 SlidingDetector::SlidingDetector(const TaxelLayout& layout, double false_alarms_per_hour,
