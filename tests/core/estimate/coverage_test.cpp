@@ -25,9 +25,8 @@ sliplab::Coverage cycle_of(std::size_t side, MethodChoice method, double rate_hz
 // Few grasps scatter more than many: the limits are a little wider than what `sliplab coverage` is asked for.
 // 4 x 4 taxels fall short of 90 % within two sigmas (docs/accuracy.md), which their limit admits.
 TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
-  for (const auto& [side, method] :
-       {std::pair{4U, MethodChoice::automatic}, std::pair{16U, MethodChoice::moments},
-        std::pair{16U, MethodChoice::fit}}) {
+  for (const auto& [side, method] : {std::pair{4U, MethodChoice::fit}, std::pair{16U, MethodChoice::moments},
+                                     std::pair{16U, MethodChoice::fit}}) {
     const sliplab::CoverageTally all = cycle_of(side, method, 500, 2).all;
     SCOPED_TRACE(side);
     ASSERT_GT(all.answers(), 1000);
@@ -41,7 +40,8 @@ TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
 TEST(SigmaOverAGrasp, FrictionThatFallsBetweenTwoFramesIsNotToldTooSafeForLong) {
   constexpr std::size_t kGrasps = 8;
   constexpr double kFewFrames = 3;
-  const sliplab::CoverageTally all = cycle_of(10, MethodChoice::automatic, 50, kGrasps).all;
+  // Not `automatic`, whose choice depends on how fast this machine is.
+  const sliplab::CoverageTally all = cycle_of(10, MethodChoice::fit, 50, kGrasps).all;
   ASSERT_GT(all.answers(), 300);
   EXPECT_LE(all.too_safe(), kFewFrames * kGrasps);
 }
@@ -49,7 +49,7 @@ TEST(SigmaOverAGrasp, FrictionThatFallsBetweenTwoFramesIsNotToldTooSafeForLong) 
 TEST(SigmaOverAGrasp, IsNeverZero) {
   for (const std::size_t side : {4U, 16U}) {
     for (const std::optional<double> friction : {std::optional<double>(), std::optional(0.6)}) {
-      const sliplab::CoverageTally all = cycle_of(side, MethodChoice::automatic, 100, 1, friction).all;
+      const sliplab::CoverageTally all = cycle_of(side, MethodChoice::fit, 100, 1, friction).all;
       ASSERT_GT(all.answers(), 50);
       EXPECT_GT(all.least_sigma(), 0);
     }
