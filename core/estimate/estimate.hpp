@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/frame/frame.hpp"
+#include "core/plausibility/health.hpp"
 
 namespace slipd {
 
@@ -45,6 +46,9 @@ struct Estimate {
   State state = State::stale;
   Alert alert = Alert::none;
   Method method = Method::none;
+  // What speaks against this frame; a gamma beside another health than `good` is of what is left of the
+  // frame.
+  Health health = Health::good;
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);
 

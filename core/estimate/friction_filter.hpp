@@ -51,6 +51,13 @@ class FrictionFilter {
   // Frames of late contradict it by less: friction is less than it was, and they do not say by how much.
   bool doubted() const noexcept { return grasp_.doubt_frames > 0; }
 
+  // The course of the forces explains why frames say nothing of friction, if they say nothing: friction
+  // learnt before may answer for them. Not so when shear was lost in one step, or when frames with a clear
+  // shear have said nothing for long.
+  bool explained() const noexcept {
+    return !grasp_.shear_lost && grasp_.unverified_frames <= options_.max_unverified_frames;
+  }
+
   // The history is known, and frames of late look as some friction would make them.
   bool understood() const noexcept {
     return is_known(history()) && grasp_.mean_residual < options_.max_mean_residual;
@@ -89,7 +96,10 @@ class FrictionFilter {
     Cusum cusum;
     EvidenceDiscount discount;
     MomentResiduals moment_residuals;
-    std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
+    std::int64_t last_ns = 0;                       // time of the frame before; 0 before the first
+    double last_shear_x_n = 0, last_shear_y_n = 0;  // of the frame before
+    bool shear_lost = false;                        // shear fell to noise in one step
+    int unverified_frames = 0;  // frames in a row with a clear shear that said nothing of friction
   };
 
   void fade(std::int64_t time_ns) noexcept;
@@ -97,15 +107,18 @@ class FrictionFilter {
   void follow(const ContactPatch& patch) noexcept;
   void lose_history(HistoryEvent why) noexcept;
   bool looks_monotonic(double normal_n, double load) const noexcept;
-  void weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
+  // True if the frame said something of friction.
+  bool weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   // Squared residuals of each friction: of the frame's margin, of its shear moments.
   void compare_margin(double load, const FrameEstimate& frame_estimate,
                       PerFriction& residuals) const noexcept;
   void compare_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                        PerFriction& residuals) noexcept;
   void doubt_likeliest(const FrameEstimate& frame_estimate, double sign, double open_n) noexcept;
-  void take_evidence(const PerFriction& residuals, bool as_monotonic) noexcept;
+  // False if no friction explains the frame.
+  bool take_evidence(const PerFriction& residuals, bool as_monotonic) noexcept;
   void doubt_jump() noexcept;
+  void verify(const ContactPatch& patch, bool clear) noexcept;
   void weigh_slide(double load) noexcept;
 
   FrictionFilterOptions options_;

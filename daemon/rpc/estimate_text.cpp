@@ -59,6 +59,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("grip_increase_sigma_n", estimate.grip_increase_sigma_n)
       .text("alert", to_string(estimate.alert))
       .text("method", to_string(estimate.method))
+      .text("health", to_string(estimate.health))
       .boolean("simulated", simulated)
       .number("latency_us",
               answered ? std::optional<double>(passed_ns(time_ns_, published_ns_)) : std::nullopt, 1e-3);
