@@ -63,6 +63,7 @@ class SensorConverter {
                                .options = in["options"]},
                      .driver = in["driver"],
                      .friction = std::nullopt,
+                     .full_scale = std::nullopt,
                      .gain = {}};
     gain(in, at, s);
     if (in.contains("friction")) s.friction = in["friction"].get<double>();

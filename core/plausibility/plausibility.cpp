@@ -43,6 +43,7 @@ bool PlausibilityMonitor::screen(const Frame& frame, const ContactPatch& patch) 
 
 const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPatch& patch) noexcept {
   now_ = {};
+  repeats_ *= 1 - 1 / options_.repeats_memory_frames;
   probes_.update(frame);
   judge_values(patch);
   judge_size(patch);
@@ -131,11 +132,7 @@ bool PlausibilityMonitor::judge_frozen() noexcept {
     return false;
   }
   if (frame_stillness_.update(all, options_.stillness)) {
-    if (frame_stillness_.run() >= options_.frozen_frames) {
-      blame(Verdict::sensor_fault, Health::frozen);
-    } else {
-      blame(Verdict::plausible, Health::repeated);
-    }
+    blame_repeated(frame_stillness_.run());
   }
   return all.changed == 0;
 }
@@ -152,9 +149,15 @@ void PlausibilityMonitor::judge_past() noexcept {
   const bool sure = frame_stillness_.noisy(options_.stillness) &&
                     static_cast<double>(probes_.size()) * frame_stillness_.changing() > kSureProbes;
   past_run_ = seen && sure ? past_run_ + 1 : 0;
-  if (past_run_ >= options_.frozen_frames) {
+  if (past_run_ > 0) blame_repeated(past_run_);
+}
+
+// A frame that was there before, the last one of so many in a row.
+void PlausibilityMonitor::blame_repeated(std::uint32_t run) noexcept {
+  repeats_ += 1;
+  if (run >= options_.frozen_frames) {
     blame(Verdict::sensor_fault, Health::frozen);
-  } else if (past_run_ > 0) {
+  } else if (repeats_ > options_.repeats) {
     blame(Verdict::plausible, Health::repeated);
   }
 }
@@ -194,28 +197,39 @@ void PlausibilityMonitor::judge_rows() noexcept {
   }
 }
 
-// A saturated channel's greatest value is the rail, frame for frame, while the others change.
+// A saturated channel's greatest value is the rail, frame for frame, while others change. How often it
+// repeats by itself is learnt, since values may be quantised; each taxel at the rail is evidence.
 void PlausibilityMonitor::judge_rail(std::size_t channel, const Frame& frame,
                                      const ContactPatch& patch) noexcept {
   Channel& is = channels_[channel];
   const std::array extremes{patch.peak_pa, patch.shear_x_extreme_pa, patch.shear_y_extreme_pa};
   const float extreme_pa = patch.in_contact ? extremes[channel] : 0;
-  const bool same = extreme_pa > 0 && extreme_pa == is.last_extreme_pa;
+  const float step_pa = extreme_pa - is.last_extreme_pa;
+  const bool comparable = extreme_pa > 0 && is.last_extreme_pa > 0;
   is.last_extreme_pa = extreme_pa;
-  is.rail_run = same && probes_.channels()[channel].change.changed > 0 ? is.rail_run + 1 : 0;
-  if (extreme_pa <= 0 || (is.rail_run < options_.rail_frames && extreme_pa != is.rail_pa)) return;
-  const bool fine = is.stillness.noisy(options_.stillness) && is.stillness.changing() > options_.fine_grained;
-  if (!fine) {
-    const std::array values{frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa};
-    std::size_t at_rail = 0;
-    patch.for_each_inside([&](std::uint32_t i) {
-      if (std::fabs(values[channel][i]) == extreme_pa) ++at_rail;
-    });
-    const auto least = static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count));
-    if (at_rail < std::max(options_.rail_taxels, least)) return;
+  if (!comparable || probes_.channels()[channel].change.changed == 0) return is.extreme.skip();
+  if (step_pa != 0) {
+    is.extreme.update({1, 1, step_pa * is.extreme_step_pa < 0 ? 1U : 0U}, options_.stillness);
+    is.extreme_step_pa = step_pa;
+  } else {
+    const std::size_t at_rail = count_at(channel, extreme_pa, frame, patch);
+    const bool many =
+        at_rail >= std::max(options_.rail_taxels,
+                            static_cast<std::size_t>(options_.rail_share * static_cast<double>(patch.count)));
+    const bool still = is.extreme.update({std::max<std::size_t>(at_rail, 1), 0, 0}, options_.stillness);
+    if (is.extreme.run() >= options_.rail_frames && (still || many)) is.rail_pa = extreme_pa;
   }
-  is.rail_pa = extreme_pa;
-  blame(Verdict::frame_refused, Health::saturated);
+  if (extreme_pa == is.rail_pa) blame(Verdict::frame_refused, Health::saturated);
+}
+
+// Taxels of the contact whose value has this magnitude.
+std::size_t PlausibilityMonitor::count_at(std::size_t channel, float magnitude_pa, const Frame& frame,
+                                          const ContactPatch& patch) noexcept {
+  const std::array values{frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa};
+  std::size_t count = 0;
+  patch.for_each_inside(
+      [&](std::uint32_t i) { count += std::fabs(values[channel][i]) == magnitude_pa ? 1 : 0; });
+  return count;
 }
 
 void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch) noexcept {

@@ -54,6 +54,11 @@ struct PlausibilityOptions {
   // Frames that repeat before the sensor counts as frozen; frames, 2 … 20. Fewer are told and used. Too
   // small: a repeated frame takes the margin away. Too large: a margin is given from the past.
   std::uint32_t frozen_frames = 3;
+  // A frame that repeats counts as told only if another did within about so many frames: drivers and
+  // recordings have a frame twice now and then; frames, 1 … 100.
+  double repeats_memory_frames = 20;
+  // Repeated frames within it; 1 … 5.
+  double repeats = 1.2;
   // Earlier frames that a frame is compared with; frames, 2 … kPast. Too small: a device that plays a long
   // block again and again is believed.
   std::size_t past_frames = kPast;
@@ -63,9 +68,6 @@ struct PlausibilityOptions {
   // Frames in a row whose greatest value is the same before it counts as a rail; frames, 2 … 10. Too small:
   // chance. Too large: late.
   std::uint32_t rail_frames = 2;
-  // A sensor whose values change in at least this share of frames does not repeat its greatest value by
-  // chance; 0.9 … 1. Of others, taxels at the rail are counted.
-  double fine_grained = 0.95;
   // Taxels that read the same greatest value, of the contact's; 0.05 … 0.5, and at least so many. Too small:
   // quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
   double rail_share = 0.15;
@@ -110,9 +112,10 @@ class PlausibilityMonitor {
     bool alive_in_contact = false;  // it was not 0 since the contact began
     std::uint32_t alive_free = 0;   // frames without contact in which it was not 0
     bool dead = false;
-    float last_extreme_pa = 0;   // of the last frame
-    std::uint32_t rail_run = 0;  // frames in a row with the same extreme
-    float rail_pa = 0;           // where it saturates; 0: not known
+    float last_extreme_pa = 0;  // of the last frame
+    float extreme_step_pa = 0;  // its last change
+    Stillness extreme;          // whether it repeats
+    float rail_pa = 0;          // where it saturates; 0: not known
   };
 
   void blame(Verdict verdict, Health health) noexcept;
@@ -122,9 +125,12 @@ class PlausibilityMonitor {
   void judge_course(const ContactPatch& patch) noexcept;
   bool judge_frozen() noexcept;
   void judge_past() noexcept;
+  void blame_repeated(std::uint32_t run) noexcept;
   void judge_channel(std::size_t channel, const ContactPatch& patch) noexcept;
   void judge_rows() noexcept;
   void judge_rail(std::size_t channel, const Frame& frame, const ContactPatch& patch) noexcept;
+  static std::size_t count_at(std::size_t channel, float magnitude_pa, const Frame& frame,
+                              const ContactPatch& patch) noexcept;
   void remember(const Frame& frame, const ContactPatch& patch) noexcept;
   void hold() noexcept;
 
@@ -142,6 +148,7 @@ class PlausibilityMonitor {
   std::size_t spikes_found_ = 0;
   std::array<std::uint64_t, PlausibilityOptions::kPast> past_{};  // fingerprints of the last frames, a ring
   std::size_t next_past_ = 0;
+  double repeats_ = 0;          // frames that repeated of late, faded
   std::uint32_t past_run_ = 0;  // frames in a row that were there before
   bool felt_ = false;           // a probe of this frame is not 0
   std::int64_t last_ns_ = 0;

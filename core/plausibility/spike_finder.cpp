@@ -99,14 +99,16 @@ SpikeFinder::Neighbourhood SpikeFinder::around(std::uint32_t taxel) const noexce
   return sums;
 }
 
+// Hertz: under this pressure on one taxel the stiffest contact would reach its neighbours.
+bool SpikeFinder::spreads(double pressure_pa, double least_sides) const noexcept {
+  return std::cbrt(limits_.least_m3_per_n * pressure_pa * layout_.area_m2()) > least_sides * layout_.side_m();
+}
+
 bool SpikeFinder::alone(std::uint32_t taxel, const Neighbourhood& around) const noexcept {
   const double normal_pa = size_of(normal_[taxel]);
   if (around.greatest_normal_pa > options_.support_share * normal_pa) return false;
-  // Hertz: the radius under this force, of the stiffest contact.
-  const double radius_m = std::cbrt(limits_.least_m3_per_n * normal_pa * layout_.area_m2());
   const bool jumped = touched_ && last_peak_pa_ > 0 && normal_pa > options_.jump_factor * last_peak_pa_;
-  const double least_sides = jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides;
-  return radius_m > least_sides * layout_.side_m();
+  return spreads(normal_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
 }
 
 void SpikeFinder::replace(std::uint32_t taxel, const Neighbourhood& around) noexcept {
@@ -132,7 +134,8 @@ std::size_t SpikeFinder::find(const Frame& frame, const ContactPatch& patch) noe
         last_shear_pa_ = shear_pa;
         last_peak_pa_ = peak_pa;
         const bool alone = shear_pa > options_.shear_factor * peak_pa &&
-                           shear_pa > options_.shear_factor * near.greatest_shear_pa && patch.in_contact;
+                           shear_pa > options_.shear_factor * near.greatest_shear_pa && patch.in_contact &&
+                           spreads(shear_pa, options_.least_radius_sides);
         if (!beyond(taxel) && !alone) break;
       }
       replace(taxel, near);

@@ -70,6 +70,7 @@ class SpikeFinder {
   std::uint32_t worst_normal() const noexcept;
   std::uint32_t worst_shear() const noexcept;
   bool beyond(std::uint32_t taxel) const noexcept;
+  bool spreads(double pressure_pa, double least_sides) const noexcept;
   bool alone(std::uint32_t taxel, const Neighbourhood& around) const noexcept;
   Neighbourhood around(std::uint32_t taxel) const noexcept;
   void replace(std::uint32_t taxel, const Neighbourhood& around) noexcept;
