@@ -25,7 +25,7 @@ constexpr std::array<HealthText, kHealths> kHealthTexts{{
     {"dead_shear_y", "implausible: shear y is dead"},
     {"dead_row", "implausible: a row of taxels is dead"},
     {"time", "implausible: the time does not rise"},
-    {"jump", "implausible: the contact has jumped"},
+    {"jump", "implausible: the contact or all pressures have jumped"},
     {"unexplained", "implausible: frames fit no contact, and the forces do not say why"},
 }};
 

@@ -16,6 +16,9 @@ constexpr std::uint32_t kFreeFrames = 32;
 // Probes that change in each frame, from which on two frames are not alike by chance.
 constexpr double kSureProbes = 6;
 
+// Taxels of which no contact presses all at once; a pad of fewer may be smaller than a contact.
+constexpr std::size_t kManyTaxels = 9;
+
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;
 
@@ -47,6 +50,7 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   probes_.update(frame);
   judge_values(patch);
   judge_size(patch);
+  judge_offset(patch);
   judge_course(patch);
   if (!judge_frozen()) {
     for (std::size_t c = 0; c < kChannels; ++c) judge_channel(c, patch);
@@ -92,6 +96,17 @@ void PlausibilityMonitor::judge_size(const ContactPatch& patch) noexcept {
 
 void PlausibilityMonitor::judge_time(const Frame& frame) noexcept {
   if (any_ && frame.time_ns <= last_ns_) blame(Verdict::plausible, Health::time);
+}
+
+// An offset of all taxels: what was next to nothing everywhere is suddenly not.
+void PlausibilityMonitor::judge_offset(const ContactPatch& patch) noexcept {
+  const float rise_pa = patch.frame_least_pa - last_least_pa_;
+  const bool small_before = std::fabs(last_least_pa_) < kUnloading * last_peak_pa_;
+  if (lifted_pa_ > 0 && patch.frame_least_pa < lifted_pa_) lifted_pa_ = 0;
+  if (any_ && layout_.size() >= kManyTaxels && last_in_contact_ && small_before &&
+      rise_pa > options_.least_rise_share * last_peak_pa_)
+    lifted_pa_ = patch.frame_least_pa / 2;
+  if (lifted_pa_ > 0) blame(Verdict::frame_refused, Health::jump);
 }
 
 // What the contact did since the last frame.
@@ -240,6 +255,8 @@ void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch
   last_center_x_m_ = patch.center_x_m;
   last_center_y_m_ = patch.center_y_m;
   last_radius_m_ = patch.radius_m;
+  last_peak_pa_ = patch.frame_peak_pa;
+  last_least_pa_ = patch.frame_least_pa;
   last_clear_ = patch.in_contact && patch.normal_n > options_.clear_sigmas * patch.normal_sigma_n;
 }
 

@@ -87,6 +87,9 @@ struct PlausibilityOptions {
   // The contact's centre does not move by more than the contact's radius and this in one frame; sides, 1
   // … 10. Too small: rolling contacts at low rates jump. Too large: another sensor's frames are believed.
   double jump_sides = 3;
+  // The least pressure of all taxels does not rise in one frame by this share of the greatest; 0.2 … 1. Too
+  // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
+  double least_rise_share = 0.5;
 };
 
 class PlausibilityMonitor {
@@ -122,6 +125,7 @@ class PlausibilityMonitor {
   void judge_values(const ContactPatch& patch) noexcept;
   void judge_size(const ContactPatch& patch) noexcept;
   void judge_time(const Frame& frame) noexcept;
+  void judge_offset(const ContactPatch& patch) noexcept;
   void judge_course(const ContactPatch& patch) noexcept;
   bool judge_frozen() noexcept;
   void judge_past() noexcept;
@@ -155,6 +159,8 @@ class PlausibilityMonitor {
   bool any_ = false;  // a frame was judged before
   bool last_in_contact_ = false;
   double last_normal_n_ = 0, last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
+  float last_peak_pa_ = 0, last_least_pa_ = 0;  // of the last frame
+  float lifted_pa_ = 0;       // half of what all taxels have risen to at once; 0: they have not
   bool last_clear_ = false;   // its force was far above the noise
   double fallen_from_n_ = 0;  // the normal force fell from this to nothing in one frame; 0: it did not
 };

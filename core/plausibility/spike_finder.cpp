@@ -106,8 +106,9 @@ bool SpikeFinder::spreads(double pressure_pa, double least_sides) const noexcept
 
 bool SpikeFinder::alone(std::uint32_t taxel, const Neighbourhood& around) const noexcept {
   const double normal_pa = size_of(normal_[taxel]);
-  if (around.greatest_normal_pa > options_.support_share * normal_pa) return false;
   const bool jumped = touched_ && last_peak_pa_ > 0 && normal_pa > options_.jump_factor * last_peak_pa_;
+  const double share = jumped ? options_.jumped_support_share : options_.support_share;
+  if (around.greatest_normal_pa > share * normal_pa) return false;
   return spreads(normal_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
 }
 

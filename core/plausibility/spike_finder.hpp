@@ -23,14 +23,15 @@ struct SpikeOptions {
   // The contact that carries the taxel's force alone would have at least this radius, sides; 1 … 3. Too
   // small: contacts smaller than a taxel are called spikes. Too large: spikes are believed.
   double least_radius_sides = 1.5;
-  // The same of a peak that jumped; 0.2 … 1.5.
+  // The same two of a peak that jumped; 0.1 … 0.6 and 0.2 … 1.5.
+  double jumped_support_share = 0.4;
   double least_jumped_radius_sides = 0.5;
   // A peak is looked at if it is above the last frame's by this factor; 1.05 … 2. Too small: costs time. Too
   // large: spikes little above the contact's peak stay until the next look.
   double grown_factor = 1.25;
   // A peak above the last frame's by this factor that stands alone is a spike whatever the scene expects; 2 …
   // 20. Too small: taps of sharp things are called spikes. Too large: spikes are believed.
-  double jump_factor = 4;
+  double jump_factor = 2.5;
   // Every so many frames the peak is looked at whether it grew or not; frames, 1 … 100. Too large: a spike
   // that came with the contact is believed for longer.
   std::uint32_t look_frames = 16;
