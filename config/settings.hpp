@@ -29,7 +29,7 @@ struct SensorSettings {
   // Known coefficient of friction, 0.01 to 10; none: it is estimated.
   std::optional<double> friction;
   // The largest values that its taxels can read, Pa; none: those of its class.
-  std::optional<FullScale> full_scale;
+  std::optional<FullScale> full_scale = std::nullopt;
   // Factors of the taxels' values: one for each taxel, or one for all.
   std::vector<float> gain;
   bool operator==(const SensorSettings&) const = default;

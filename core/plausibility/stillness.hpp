@@ -43,7 +43,10 @@ class Stillness {
   bool update(const GroupChange& now, const StillnessOptions& options) noexcept;
 
   // The group stood still, or was empty, for a reason that is known: nothing is learnt from this frame.
-  void skip() noexcept { run_ = 0; }
+  void skip() noexcept {
+    run_ = 0;
+    called_ = false;
+  }
 
   // The values have noise.
   bool noisy(const StillnessOptions& options) const noexcept {
@@ -60,6 +63,7 @@ class Stillness {
   std::uint32_t frames_ = 0;   // that changed, up to memory_frames
   std::uint32_t run_ = 0;      // frames without a change, up to now
   std::uint32_t longest_ = 0;  // run before that was taken for chance
+  bool called_ = false;        // this run was called out
   double changing_ = 0;        // mean share of values that change in a frame
   double turning_ = 0;         // mean share of changes that turn
 };
