@@ -12,7 +12,7 @@ namespace {
 
 // An alert so long before a label still belongs to it, s; 0.1 … 2. Too small: early alerts are false ones.
 // Too large: false ones are early.
-constexpr double kEarliest_s = 0.5;
+constexpr double kEarliestS = 0.5;
 constexpr double kSecondsPerHour = 3600;
 
 std::vector<std::string> fields_of(const std::string& line) {
@@ -62,7 +62,7 @@ LabelScore score_alerts(const ReplayRun& run, const std::vector<bool>& labels) {
     if (!labels[i] && i > 0) score.unlabelled_s += row.time_s - run.rows[i - 1].time_s;
     const bool slip = row.estimate.alert == slipd::Alert::slip;
     if (slip && !was) {
-      const bool early = !label_s || row.time_s < *label_s - kEarliest_s;
+      const bool early = !label_s || row.time_s < *label_s - kEarliestS;
       if (early) ++score.false_alerts;
       if (!early && !alert_s) alert_s = row.time_s;
     }

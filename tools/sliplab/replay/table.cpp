@@ -12,7 +12,6 @@ namespace {
 using slipd::Alert;
 using slipd::AlertCause;
 using slipd::Estimate;
-using slipd::State;
 
 constexpr double kMmPerM = 1e3;
 
