@@ -15,7 +15,7 @@ namespace {
 
 using slipd::sim::Phase;
 
-constexpr double kLargestOffset_m = 1e-3;
+constexpr double kLargestOffsetM = 1e-3;
 constexpr std::uint64_t kOffsetStream = 0x6F6666;
 
 // What a phase of the script does, after the load that the phase before left.
@@ -73,8 +73,8 @@ Coverage play_cycle(const slipd::ChainSetup& chain, const std::shared_ptr<const 
   const slipd::RandomStream random = slipd::RandomStream(setup.seed).stream(kOffsetStream).stream(grasp);
   settings.imperfections.seed = setup.seed * 1000 + grasp;
   if (grasp > 0) {
-    settings.offset_x_m = kLargestOffset_m * (2 * random.uniform(0) - 1);
-    settings.offset_y_m = kLargestOffset_m * (2 * random.uniform(1) - 1);
+    settings.offset_x_m = kLargestOffsetM * (2 * random.uniform(0) - 1);
+    settings.offset_y_m = kLargestOffsetM * (2 * random.uniform(1) - 1);
   }
   const PhaseNames phases(settings.cycle);
   const double shear_sigma_pa =
