@@ -25,7 +25,7 @@ class AlertLogic {
   void judge(Estimate& out) noexcept;
 
  private:
-  // How long a condition has held; only time between samples that told of it counts.
+  // How long a condition has held; only time between samples that show it counts.
   class Stopwatch {
    public:
     void restart() noexcept { since_ns_ = -1; }

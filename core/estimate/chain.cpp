@@ -47,7 +47,7 @@ bool only_forces(const ChainSetup& setup) {
          std::isinf(setup.scene.skin.radius_m);
 }
 
-// Friction is weighed over a grasp's frames because no single one tells it.
+// Friction is weighed over a grasp's frames because no single one determines it.
 bool weighed_over_time(const ChainSetup& setup) {
   return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
 }

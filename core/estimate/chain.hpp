@@ -28,7 +28,7 @@ struct ChainSetup {
 };
 
 // Whether the chain uses `fit` whatever method is configured: with tracking and at most Fit::kFewTaxels
-// taxels, whose margin no single frame tells; fit reads the whole pad for what FrictionFilter weighs over
+// taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs over
 // time.
 bool always_fits(const ChainSetup& setup);
 

@@ -55,7 +55,7 @@ struct Estimate {
   std::optional<double> gamma_low;
   // Torque about the contact's normal, through its centre, on the sensor, N m; none for one force vector.
   std::optional<double> torque_nm;
-  // Whether the object slides now; none: this sensor or contact cannot tell.
+  // Whether the object slides now; none: this sensor or contact cannot show it.
   std::optional<Sliding> sliding;
   // How long `sliding` has been what it is, s; none if it is.
   std::optional<double> sliding_for_s;

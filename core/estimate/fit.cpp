@@ -52,7 +52,7 @@ void Fit::collect(const ContactPatch& patch) noexcept {
     q_[count_] = patch.shear_along_pa(i);
     ++count_;
   };
-  if (layout_.size() <= kFewTaxels) {  // where so little is felt, what is not felt tells as well
+  if (layout_.size() <= kFewTaxels) {  // with so few loaded taxels, the unloaded ones count as well
     for (std::uint32_t i = 0; i < layout_.size(); ++i) take(i);
   } else {
     patch.for_each_inside(take);

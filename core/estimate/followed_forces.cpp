@@ -51,7 +51,7 @@ bool FollowedForces::follow(const ContactPatch& patch) noexcept {
   return true;
 }
 
-bool FollowedForces::met_under_load(const ContactPatch& patch) noexcept {
+bool FollowedForces::loaded_at_onset(const ContactPatch& patch) noexcept {
   if (frames_ >= options_.onset_frames) return false;
   if (frames_++ == 0) first_normal_n_ = patch.normal_n;
   const bool loaded = patch.shear_n > options_.clear_sigmas * patch.shear_sigma_n;

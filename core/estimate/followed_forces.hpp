@@ -34,9 +34,9 @@ struct FollowedForcesOptions {
   // a small shear ends a history that is known. Too large: a history along the old axis is believed in vain.
   double turned_share = 0.35;
   // Frames over which a grasp that begins has to grow; frames, 2 … 50. Too small: noise decides. Too large: a
-  // slow grip is taken for one that was met under load.
+  // slow grip is taken for one that was loaded before.
   int onset_frames = 5;
-  // Growth of the normal force over them; ratio, 1 … 3. Too small: a grasp met under load passes for one that
+  // Growth of the normal force over them; ratio, 1 … 3. Too small: a grasp loaded before passes for one that
   // begins. Too large: a slow grip does not.
   double onset_growth = 1.2;
 };
@@ -75,7 +75,7 @@ class FollowedForces {
 
   // Third call for each frame. True for the one frame, if any, at which it is clear that the grasp began
   // before its first frame.
-  bool met_under_load(const ContactPatch& patch) noexcept;
+  bool loaded_at_onset(const ContactPatch& patch) noexcept;
 
   double normal_n() const noexcept { return normal_n_; }  // P, >= 0; 0 before the first frame
   double shear_n() const noexcept { return shear_n_; }    // Q, signed along the axis

@@ -82,7 +82,7 @@ void FrictionFilter::bound_below() noexcept {
 void FrictionFilter::follow(const ContactPatch& patch) noexcept {
   if (forces_.aim(patch)) lose_history(HistoryEvent::shear_turned);
   if (forces_.follow(patch)) foundations_.follow(forces_.normal_n(), forces_.shear_n());
-  if (forces_.met_under_load(patch)) lose_history(HistoryEvent::met_under_load);
+  if (forces_.loaded_at_onset(patch)) lose_history(HistoryEvent::loaded_at_onset);
 }
 
 void FrictionFilter::lose_history(HistoryEvent why) noexcept {
@@ -220,7 +220,7 @@ void FrictionFilter::compare_moments(const ContactPatch& patch, const FrameEstim
                                      PerFriction& residuals) noexcept {
   const contact::ShearMoments &seen = frame_estimate.moments, &noise = frame_estimate.moments_sigma;
   const double sign = forces_.axis().cosine(patch);
-  // The model's error is the same in every frame: within it a frame tells nothing.
+  // The model's error is the same in every frame: within it a frame distinguishes nothing.
   const double locked_in_n = std::max(std::fabs(seen.slip_moment_n), std::fabs(seen.second_legendre_n));
   const double open_n =
       std::hypot(options_.uneven_share * patch.shear_n, options_.locked_in_share * locked_in_n);

@@ -1,7 +1,7 @@
 // Friction of one grasp: a Bayes filter on a grid of log mu (docs/theory.md §11). Each
 // friction of the grid follows the grasp's forces with a Winkler foundation of its own. A frame takes weight
 // from those whose contact would look otherwise by now, after a regrip, an unloading or a reversal just as
-// after a monotonic load. What no frame tells apart stays open: a contact that sticks all over looks the same
+// after a monotonic load. What no frame distinguishes stays open: a contact that sticks all over looks the same
 // for every friction that holds it.
 //
 // A change of friction is learnt within a few frames, and sooner if it fell than if it rose. Estimate thread;

@@ -71,7 +71,7 @@ struct FrictionFilterOptions {
   std::size_t offset_reach = 2;
 
   // What the shear moments of a real skin deviate from the model, of the shear; 0.005 … 0.1. Too small: the
-  // model's error refutes the right friction. Too large: frictions are not told apart.
+  // model's error refutes the right friction. Too large: frictions are not distinguished.
   double uneven_share = 0.02;
   // How well noisy forces reproduce the locked-in traction, of the larger shear moment; 0 … 0.2. Too small
   // and too large: as above, after an unloading.

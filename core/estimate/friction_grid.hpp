@@ -17,7 +17,7 @@ namespace slipd {
 // 224). A nat is a unit of a natural logarithm of likelihood.
 struct FrictionGridOptions {
   // The grid's ends, mu; 0.01 … 0.1 and 1 … 5. Too narrow: frictions outside come out as the end. Too wide:
-  // the step grows, and with it what no frame can tell apart.
+  // the step grows, and with it what no frame can distinguish.
   double min_friction = 0.04;
   double max_friction = 2.2;
   // The most that one frame counts against one friction; nats, 5 … 50. Too small: gross slip is learnt

@@ -1,6 +1,6 @@
 // How a contact's pressure differs from Hertz's: tilted, elliptic, or with its load farther out, as under a
 // skin that spreads stress (docs/theory.md §7). It is computed from a few sums over the disc, so that
-// each frame tells how far to trust it. Estimate thread; nothing allocates.
+// each frame shows how far to trust it. Estimate thread; nothing allocates.
 #pragma once
 
 #include "core/patch/patch.hpp"

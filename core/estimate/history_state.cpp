@@ -7,7 +7,7 @@ HistoryState next_state(HistoryState state, HistoryEvent event) noexcept {
   switch (event) {
     case HistoryEvent::contact_lost:
       return monotonic;  // without a load there is no past: the next one rises from nothing
-    case HistoryEvent::met_under_load:
+    case HistoryEvent::loaded_at_onset:
     case HistoryEvent::shear_turned:
     case HistoryEvent::outlier_run:
       return assumed_monotonic;  // the commonest history, and the one that single frames can confirm

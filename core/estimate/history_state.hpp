@@ -1,5 +1,5 @@
 // What is known of the load history of a contact, and how frames change that (docs/theory.md §4). Traction
-// depends on the path of the load: only after a monotonic load does one frame tell its margin by itself.
+// depends on the path of the load: only after a monotonic load does one frame determine its margin by itself.
 // Estimate thread; plain state, nothing allocates.
 #pragma once
 
@@ -9,7 +9,7 @@ namespace slipd {
 
 enum class HistoryState : std::uint8_t {
   // The load was followed since the grasp began. The likeliest friction's contact looks as under a shear that
-  // only rose (Cattaneo 1938, Mindlin 1949): one frame tells its margin.
+  // only rose (Cattaneo 1938, Mindlin 1949): one frame determines its margin.
   monotonic,
   // The load was followed since the grasp began, and a regrip, an unloading or a reversal has left traction
   // of
@@ -25,7 +25,7 @@ enum class HistoryState : std::uint8_t {
 
 enum class HistoryEvent : std::uint8_t {
   contact_lost,          // the next frame in contact begins a grasp
-  met_under_load,        // the first frames of a grasp already carried shear, and their force did not grow
+  loaded_at_onset,       // the first frames of a grasp already carried shear, and their force did not grow
   shear_turned,          // shear left its axis; the foundations follow the load along one axis only
   outlier_run,           // no friction explained several frames in a row
   frame_monotonic,       // the likeliest friction's contact looks as under a monotonic load
@@ -65,7 +65,7 @@ class HistoryMonitor {
 
   void contact_lost() noexcept;
 
-  // The history is not, or no longer, known: `why` is met_under_load, shear_turned or outlier_run.
+  // The history is not, or no longer, known: `why` is loaded_at_onset, shear_turned or outlier_run.
   void lose(HistoryEvent why) noexcept;
 
   // Whether the likeliest friction's contact looks monotonic at this frame.

@@ -31,7 +31,7 @@ struct MarginProfile {
 
 // One frame's word. `in_model` false: the frame is no contact whose load has only risen (or whatever else
 // the method covers), and the numbers mean nothing. Sigmas are standard deviations; friction_sigma is
-// infinite where the frame does not tell friction (no load).
+// infinite where the frame does not determine friction (no load).
 struct FrameEstimate {
   bool in_model = false;
   // How the shear lies along the resultant, whatever the contact went through: see ShearMoments.

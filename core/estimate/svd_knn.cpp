@@ -156,7 +156,7 @@ FrameEstimate SvdKnn::estimate(const Frame&, const ContactPatch& patch) noexcept
   // On rings noise moves the frame itself, its place and its size, as much as it moves the moments.
   if (rings) out.sigma = std::hypot(out.sigma, kFrameShare * shape.sigma);
 
-  // Friction from the margin, where the load is heavy enough for that: a margin near 1 tells little of it,
+  // Friction from the margin, where the load is heavy enough for that: a margin near 1 says little of it,
   // and the neighbours' own friction is spread too wide to be remembered.
   const double load = 1 - out.gamma;
   out.friction = load > 0 ? patch.shear_n / patch.normal_n / load : static_cast<double>(answer.friction);

@@ -1,4 +1,4 @@
-// Friction over time. After a monotonic load a frame tells its margin by itself; after a regrip, an unloading
+// Friction over time. After a monotonic load a frame determines its margin by itself; after a regrip, an unloading
 // or a reversal only together with the friction and the forces of the frames before it, and the margin is
 // 1 - |Q|/(mu P) (docs/theory.md §11).
 #pragma once
@@ -46,7 +46,7 @@ struct TrackerOptions {
 class Tracker {
  public:
   // friction_expected: the scene's range. friction: known beforehand. force_only: no single frame of this
-  // sensor tells its margin.
+  // sensor determines its margin.
   Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
           bool force_only, const TrackerOptions& options = {});
 

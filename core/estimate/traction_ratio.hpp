@@ -1,6 +1,6 @@
 // |Q|/P over the frames of a grasp, the share of the normal force that a contact carries as shear: each
 // frame's own where frames have a shape, that of a straight line through the last frames where a sensor gives
-// forces only. There it also tells gross slip (docs/theory.md §11). Estimate thread; fixed
+// forces only. There it also detects gross slip (docs/theory.md §11). Estimate thread; fixed
 // memory, nothing allocates.
 #pragma once
 

@@ -30,7 +30,7 @@ WorkPrecision measure_work_precision(const std::vector<std::shared_ptr<const Mod
                                      std::size_t contacts, std::uint64_t seed);
 
 // What a method that needs no training is worth on a sensor's scene. Without rows for others, and for few
-// taxels, of which no single frame tells its margin.
+// taxels, of which no single frame determines its margin.
 WorkPrecision measure_work_precision(const ChainSetup& setup, Method method);
 
 std::string processor_name();  // of this machine, as its kernel says

@@ -18,7 +18,7 @@ class UnseenMotion {
   // gap lie outside of their sigma more often than others. More: fewer frames are answered (`sliplab
   // overload`).
   static constexpr double kSigmaOfMotion = 0.05;
-  // Frames after which it counts for 1/e: so long the shape of frames tells the contact anew.
+  // Frames after which it counts for 1/e: so long the shape of frames determines the contact anew.
   static constexpr double kFadeFrames = 100;
 
   void reset() noexcept { *this = UnseenMotion(); }
@@ -30,7 +30,7 @@ class UnseenMotion {
   // Of the margin, standard deviation.
   double sigma() const noexcept { return kSigmaOfMotion * moved_; }
 
-  // Adds it to the sigma of `out`. A margin whose sigma is above `sigma_max` then is not told: state
+  // Adds it to the sigma of `out`. A margin whose sigma is above `sigma_max` then is not published: state
   // learning.
   void widen(Estimate& out, double sigma_max) const noexcept;
 

@@ -35,7 +35,7 @@ constexpr bool slides(std::optional<Sliding> sliding) noexcept {
 struct SlidingVerdict {
   // nullopt: this sensor, or this contact, cannot tell.
   std::optional<Sliding> sliding;
-  // How long it has been so, s; 0 where it cannot be told.
+  // How long it has been so, s; 0 where it is not known.
   double for_s = 0;
 };
 
@@ -43,7 +43,7 @@ struct SlidingVerdict {
 // share of the load that other cells carry now.
 struct SlidingOptions {
   // Cells below which a contact has no pattern; 2 … 16. Too small: forces alone count as a pattern. Too
-  // large: small arrays tell nothing.
+  // large: small arrays show nothing.
   std::size_t min_cells = 4;
   // The longest time that the pattern is compared over, blocks, 2 … TaxelBlocks::kKept - 1. Too small: slow
   // slides are missed. Too large: relaxation and drift of the skin add up.

@@ -57,7 +57,7 @@ std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const st
            "or the bus is too slow";
   });
   report(Cause::slipd, totals.events_lost, [&](std::uint64_t more) {
-    return ": " + count(more, "estimate") + " not told to subscribers: slipd's own io thread was held up";
+    return ": " + count(more, "estimate") + " not sent to subscribers: slipd's own io thread was held up";
   });
   if (seconds_behind >= kSecondsBehind) {
     report(Cause::machine, totals.skipped, [&](std::uint64_t more) {

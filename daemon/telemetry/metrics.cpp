@@ -91,12 +91,12 @@ class Families {
                 context_.latency_last_minute[i].summary(context_.board.sensors[i]->latency));
     }
     const auto delivery = context_.delivery_latency.summary();
-    seconds("slipd_telling_seconds", "summary",
+    seconds("slipd_delivery_seconds", "summary",
             "From an estimate being published to its last byte sent to a subscriber.");
-    quantiles("slipd_telling_seconds", "", delivery);
-    if (delivery.count > 0) out_ << "slipd_telling_seconds_count " << delivery.count << '\n';
-    seconds("slipd_telling_last_minute_seconds", "gauge", "The same over the last minute.");
-    quantiles("slipd_telling_last_minute_seconds", "",
+    quantiles("slipd_delivery_seconds", "", delivery);
+    if (delivery.count > 0) out_ << "slipd_delivery_seconds_count " << delivery.count << '\n';
+    seconds("slipd_delivery_last_minute_seconds", "gauge", "The same over the last minute.");
+    quantiles("slipd_delivery_last_minute_seconds", "",
               context_.delivery_latency_last_minute.summary(context_.delivery_latency));
   }
 
@@ -147,7 +147,7 @@ void add_counts(Families& families, const ServiceContext& context, const Publish
                [&](std::size_t i) { return loaded(status(i).reconnects); });
   families.add("slipd_read_timeouts", "counter", "Reads of the device that brought nothing in time.",
                [&](std::size_t i) { return loaded(status(i).timeouts); });
-  families.add("slipd_events_lost", "counter", "Estimates that io was too slow to tell subscribers of.",
+  families.add("slipd_events_lost", "counter", "Estimates that io was too slow to send to subscribers.",
                [&](std::size_t i) { return loaded(status(i).events_lost); });
   families.add("slipd_estimates_per_second", "gauge", "Estimates a second, over the last second.",
                [&](std::size_t i) { return context.rates_hz[i]; });
@@ -170,7 +170,7 @@ void add_states(Families& families, const ServiceContext& context, const Publish
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
                [&](std::size_t i) { return static_cast<double>(published[i].estimate.alert); });
   families.add("slipd_sliding", "gauge",
-               "0 none, 1 disturbed, 2 translation, 3 rotation; only where the sensor can tell.",
+               "0 none, 1 disturbed, 2 translation, 3 rotation; only where the sensor can show it.",
                [&](std::size_t i) {
                  const auto& sliding = published[i].estimate.sliding;
                  return sliding ? static_cast<double>(*sliding) : kUnknown;

@@ -60,7 +60,7 @@ TEST(Observability, StatusTellsLatenciesAndWhatTheEstimatorIsWorthOnThisScene) {
       EXPECT_THAT(metrics,
                   HasSubstr(std::string(family) + "{sensor=\"left\",quantile=\"" + quantile + "\"} "));
   }
-  EXPECT_THAT(metrics, HasSubstr("slipd_telling_seconds{quantile=\"0.999\"} "));
+  EXPECT_THAT(metrics, HasSubstr("slipd_delivery_seconds{quantile=\"0.999\"} "));
 }
 
 // Prometheus' text format, as node_exporter reads it: a TYPE line precedes the samples of each family, names

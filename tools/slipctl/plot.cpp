@@ -63,16 +63,16 @@ Columns in_columns(const Recorded& recorded, int columns, bool highest, Value va
 }
 
 void draw_margin(Canvas& canvas, const Box& box, const Recorded& recorded) {
-  const bool told = recorded.has_estimates();
-  canvas.text(0, box.row, told ? "margin" : "truth", kFaint, kLabelColumns - 2);
+  const bool has_margin = recorded.has_estimates();
+  canvas.text(0, box.row, has_margin ? "margin" : "truth", kFaint, kLabelColumns - 2);
   canvas.text(kLabelColumns - 2, box.row, "1", kFaint);
   canvas.text(kLabelColumns - 2, box.row + box.rows - 1, "0", kFaint);
   const Columns lowest = in_columns(recorded, 2 * box.columns, false, [&](const FrameSummary& frame) {
-    return told ? gamma_of(frame) : known(frame.truth_gamma);
+    return has_margin ? gamma_of(frame) : known(frame.truth_gamma);
   });
   if (std::none_of(lowest.begin(), lowest.end(), [](const auto& column) { return column.has_value(); })) {
     canvas.text(box.column, box.row + box.rows / 2,
-                told ? "no margin was known" : "no estimates in it: the flight recorder keeps them", kFaint);
+                has_margin ? "no margin was known" : "no estimates in it: the flight recorder keeps them", kFaint);
   }
   draw_line(canvas, box, lowest, [](std::optional<double> worst) { return margin_colour(worst); });
 }

@@ -81,22 +81,22 @@ TEST(FollowedForces, ShearWithoutAClearDirectionMayTurn) {
 
 TEST(FollowedForces, AGraspThatGrowsBeganWithItsFirstFrame) {
   FollowedForces forces;
-  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(forces.met_under_load(patch_of(0.2 * i, 0.1 * i)));
+  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(forces.loaded_at_onset(patch_of(0.2 * i, 0.1 * i)));
 }
 
 TEST(FollowedForces, AGraspWithoutShearBeganWithItsFirstFrame) {
   FollowedForces forces;
-  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(forces.met_under_load(patch_of(2, 0)));
+  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(forces.loaded_at_onset(patch_of(2, 0)));
 }
 
 TEST(FollowedForces, AGraspThatIsLoadedAndDoesNotGrowWasMetUnderLoad) {
   const FollowedForcesOptions options;
   FollowedForces forces(options);
   for (int i = 1; i <= 20; ++i)
-    EXPECT_EQ(forces.met_under_load(patch_of(2, 0.5)), i == options.onset_frames) << "frame " << i;
+    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == options.onset_frames) << "frame " << i;
   forces.reset();
   for (int i = 1; i <= 20; ++i)
-    EXPECT_EQ(forces.met_under_load(patch_of(2, 0.5)), i == options.onset_frames) << "after a reset";
+    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == options.onset_frames) << "after a reset";
 }
 
 }  // namespace

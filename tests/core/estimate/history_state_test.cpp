@@ -19,7 +19,7 @@ TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
   };
   const Row rows[] = {
       {Event::contact_lost, {monotonic, monotonic, monotonic, monotonic}},
-      {Event::met_under_load, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
+      {Event::loaded_at_onset, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::shear_turned, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::outlier_run, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::frame_monotonic, {monotonic, monotonic, assumed_monotonic, assumed_monotonic}},
@@ -36,7 +36,7 @@ TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
 
 TEST(HistoryState, OnlyAConfirmationOrANewGraspMakesALostHistoryKnown) {
   for (const auto from : {assumed_monotonic, unknown}) {
-    for (const auto event : {Event::met_under_load, Event::shear_turned, Event::outlier_run,
+    for (const auto event : {Event::loaded_at_onset, Event::shear_turned, Event::outlier_run,
                              Event::frame_monotonic, Event::frame_not_monotonic})
       EXPECT_FALSE(is_known(next_state(from, event)));
   }
@@ -65,7 +65,7 @@ TEST(HistoryMonitor, AFrameThatIsExplainedEndsARunOfOutliers) {
 
 TEST(HistoryMonitor, ConfirmingFramesMakeAnAssumedHistoryKnown) {
   HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 3});
-  monitor.lose(Event::met_under_load);
+  monitor.lose(Event::loaded_at_onset);
   EXPECT_EQ(monitor.state(), assumed_monotonic);
   monitor.explained(true);
   monitor.explained(true);
@@ -94,7 +94,7 @@ TEST(HistoryMonitor, AHistoryThatIsLostAgainIsConfirmedAllOver) {
 
 TEST(HistoryMonitor, UnloadingAfterALostHistoryLeavesItUnknownUntilTheLoadIsMonotonicAgain) {
   HistoryMonitor monitor;
-  monitor.lose(Event::met_under_load);
+  monitor.lose(Event::loaded_at_onset);
   monitor.classify(false);
   EXPECT_EQ(monitor.state(), unknown);
   monitor.classify(true);
@@ -104,13 +104,13 @@ TEST(HistoryMonitor, UnloadingAfterALostHistoryLeavesItUnknownUntilTheLoadIsMono
 TEST(HistoryMonitor, ALostContactForgetsBothCounts) {
   HistoryMonitor monitor({.outlier_frames = 2, .confirming_frames = 2});
   monitor.outlier();
-  monitor.lose(Event::met_under_load);
+  monitor.lose(Event::loaded_at_onset);
   monitor.explained(true);
   monitor.outlier();
   monitor.contact_lost();
   EXPECT_EQ(monitor.state(), monotonic);
   EXPECT_FALSE(monitor.outlier());
-  monitor.lose(Event::met_under_load);
+  monitor.lose(Event::loaded_at_onset);
   monitor.explained(true);
   EXPECT_EQ(monitor.state(), assumed_monotonic);
 }
