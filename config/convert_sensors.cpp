@@ -13,6 +13,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kPascalPerKilopascal = 1e3;
+
 class SensorConverter {
  public:
   explicit SensorConverter(std::vector<Problem>& problems) : found_(problems), problems_(problems) {}
@@ -61,9 +63,17 @@ class SensorConverter {
                                .options = in["options"]},
                      .driver = in["driver"],
                      .friction = std::nullopt,
+                     .full_scale = std::nullopt,
                      .gain = {}};
     gain(in, at, s);
     if (in.contains("friction")) s.friction = in["friction"].get<double>();
+    if (in.contains("full_scale_kpa")) {
+      const json& most = in["full_scale_kpa"];
+      const auto pa = [&most](std::size_t channel) {
+        return kPascalPerKilopascal * most[channel].get<double>();
+      };
+      s.full_scale = FullScale{pa(0), pa(1), pa(2)};
+    }
     if (in.contains("skin")) skin(in["skin"], s.setup);
     if (in.contains("profile")) {
       for (const char* key : {"layout", "skin"}) {

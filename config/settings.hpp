@@ -11,6 +11,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/settings.hpp"
+#include "core/plausibility/limits.hpp"
 #include "driver_api/driver.hpp"
 
 namespace slipd {
@@ -27,6 +28,8 @@ struct SensorSettings {
   bool stale_after_configured = false;
   // Known coefficient of friction, 0.01 to 10; none: it is estimated.
   std::optional<double> friction;
+  // The largest values that its taxels can read, Pa; none: those of its class.
+  std::optional<FullScale> full_scale = std::nullopt;
   // Factors of the taxels' values: one for each taxel, or one for all.
   std::vector<float> gain;
   bool operator==(const SensorSettings&) const = default;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
@@ -15,9 +17,14 @@
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
+#include "core/plausibility/plausibility.hpp"
 
 namespace slipd {
 namespace {
+
+// Refused frames in a row after which what was learnt of the grasp is forgotten: the object may have moved
+// meanwhile.
+constexpr int kFramesRemembered = 5;
 
 // Taxels within the contact's disc below which a frame's shape is not used, 4 to 30, except by Fit, which
 // uses the whole pad. Too small: the shape is noise. Too large: small contacts get no margin from their
@@ -98,6 +105,30 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   throw std::invalid_argument("there is no such estimator");
 }
 
+// Bounds of a^3/P = 3 R/(4 E*) over the contacts that the scene expects; for the stiffest one against the
+// sharpest object, for the softest one against the flattest.
+PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
+  PlausibilityLimits limits{
+      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout))};
+  if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
+  const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
+  const contact::Body skin = contact::body_of(setup.scene.skin);
+  const auto m3_per_n = [&](double radius_m, double modulus_pa, double poisson) {
+    const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
+    return std::pow(pair.contact_radius_m(1), 3);
+  };
+  limits.least_m3_per_n = std::numeric_limits<double>::infinity();
+  for (const ObjectFamily& family : objects) {
+    const double flattest_m =
+        family.flat_share > 0 ? std::numeric_limits<double>::infinity() : family.radius_m.high;
+    limits.least_m3_per_n = std::min(
+        limits.least_m3_per_n, m3_per_n(family.radius_m.low, family.modulus_pa.high, family.poisson.high));
+    limits.greatest_m3_per_n =
+        std::max(limits.greatest_m3_per_n, m3_per_n(flattest_m, family.modulus_pa.low, family.poisson.low));
+  }
+  return limits;
+}
+
 }  // namespace
 
 struct EstimatorChain::Impl {
@@ -105,6 +136,7 @@ struct EstimatorChain::Impl {
       : setup(s),
         model(std::move(m)),
         finder(s.layout),
+        plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
@@ -184,10 +216,70 @@ struct EstimatorChain::Impl {
     out.gamma_low = low;
   }
 
+  // A frame that is not used. Memory of the grasp outlives a few of them.
+  void refuse(const Judgement& judgement, Estimate& out) noexcept {
+    if (judgement.health == Health::jump || ++refused > kFramesRemembered) forget();
+    touching = false;
+    if (judgement.verdict == Verdict::sensor_fault) {
+      out.state = State::fault;
+    } else {
+      out.state = setup.sensor_class == SensorClass::normal ? State::no_shear : State::out_of_model;
+    }
+  }
+
+  // A frame with a contact or without one.
+  void estimate_frame(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
+    if (!touches(patch)) {
+      forget();
+      if (!pulled(frame, out))
+        out.state = setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
+      return;
+    }
+    out.normal_n = patch.normal_n;
+    if (setup.layout.size() > 1) {
+      out.center_x_m = patch.center_x_m;
+      out.center_y_m = patch.center_y_m;
+      out.radius_m = patch.radius_m;
+    }
+    if (setup.sensor_class == SensorClass::normal) {
+      out.state = State::no_shear;
+      return;
+    }
+    out.shear_n = patch.shear_n;
+    estimate_margin(frame, patch, out);
+    bound_margin(patch, out);
+    advise(out, patch.shear_sigma_n, setup.alerts.target_margin);
+  }
+
+  void estimate_margin(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
+    const bool shaped = method && (patch.count >= kFewInside || weighed_over_time(setup)) &&
+                        patch.shear_n > 3 * patch.shear_sigma_n;
+    const FrameEstimate frame_estimate = shaped ? method->estimate(frame, patch) : FrameEstimate{};
+    tracker.update(patch, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
+                   out);
+    if (setup.estimator.tracking) own_up(patch, out);
+    if (!frame_estimate.in_model) return;
+    out.center_x_m = frame_estimate.center_x_m;
+    out.center_y_m = frame_estimate.center_y_m;
+    out.radius_m = frame_estimate.radius_m;
+  }
+
+  // Adds the share of the force that neighbours stand for to the margin's sigma.
+  void widen(double left_out_share, Estimate& out) const noexcept {
+    if (!out.sigma || left_out_share <= 0) return;
+    out.sigma = std::hypot(*out.sigma, left_out_share);
+    if (*out.sigma <= setup.estimator.sigma_max) return;
+    out.state = State::learning;
+    out.gamma.reset();
+    out.sigma.reset();
+  }
+
   ChainSetup setup;
   std::shared_ptr<const Model> model;
   WorkPrecision work_precision;
   PatchFinder finder;
+  PlausibilityMonitor plausibility;
+  int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
   Tracker tracker;
   UnseenMotion unseen;
@@ -236,41 +328,24 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
     out.time_to_slip_s = in.forecast.update(frame.time_ns, std::nullopt, 0);
     return out;
   }
-  const ContactPatch& patch = in.finder.find(frame);
-  const bool touches = in.touches(patch);
-  if (!touches) {
-    in.forget();
-    const bool pulled = in.pulled(frame, out);
-    if (!pulled)
-      out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
+  const ContactPatch* patch = &in.finder.find(frame);
+  Frame used = frame;
+  if (in.plausibility.screen(frame, *patch)) {
+    used = in.plausibility.mended(frame);
+    patch = &in.finder.find(used);
+  }
+  const Judgement& judgement = in.plausibility.judge(frame, *patch);
+  out.health = judgement.health;
+  if (judgement.verdict >= Verdict::frame_refused) {
+    in.refuse(judgement, out);
   } else {
-    out.normal_n = patch.normal_n;
-    if (in.setup.layout.size() > 1) {
-      out.center_x_m = patch.center_x_m;
-      out.center_y_m = patch.center_y_m;
-      out.radius_m = patch.radius_m;
-    }
-    if (in.setup.sensor_class == SensorClass::normal) {
-      out.state = State::no_shear;
-    } else {
-      out.shear_n = patch.shear_n;
-      const bool shaped = in.method && (patch.count >= kFewInside || weighed_over_time(in.setup)) &&
-                          patch.shear_n > 3 * patch.shear_sigma_n;
-      const FrameEstimate frame_estimate = shaped ? in.method->estimate(frame, patch) : FrameEstimate{};
-      in.tracker.update(patch, shaped ? &frame_estimate : nullptr, method(), out);
-      if (in.setup.estimator.tracking) in.own_up(patch, out);
-      if (frame_estimate.in_model) {
-        out.center_x_m = frame_estimate.center_x_m;
-        out.center_y_m = frame_estimate.center_y_m;
-        out.radius_m = frame_estimate.radius_m;
-      }
-      in.bound_margin(patch, out);
-      advise(out, patch.shear_sigma_n, in.setup.alerts.target_margin);
-    }
+    in.refused = 0;
+    in.estimate_frame(used, *patch, out);
+    in.widen(judgement.left_out_share, out);
   }
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
-  in.detect_sliding(frame, touches, out);
+  in.detect_sliding(used, in.touching, out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;

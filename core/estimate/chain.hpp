@@ -11,6 +11,7 @@
 #include "core/estimate/settings.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
+#include "core/plausibility/limits.hpp"
 
 namespace slipd {
 
@@ -24,6 +25,8 @@ struct ChainSetup {
   EstimatorSettings estimator;
   AlertSettings alerts;
   std::optional<double> friction;  // known beforehand
+  // Of the sensor, as configured; none: that of its class.
+  std::optional<FullScale> full_scale = std::nullopt;
   bool operator==(const ChainSetup&) const = default;
 };
 

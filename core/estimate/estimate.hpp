@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/frame/frame.hpp"
+#include "core/plausibility/health.hpp"
 #include "core/sliding/sliding.hpp"
 
 namespace slipd {
@@ -64,6 +65,9 @@ struct Estimate {
   Alert alert = Alert::none;
   AlertCause alert_cause = AlertCause::none;
   Method method = Method::none;
+  // What speaks against this frame; a gamma beside another health than `good` is of what is left of the
+  // frame.
+  Health health = Health::good;
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);
 

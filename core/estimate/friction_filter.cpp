@@ -50,10 +50,13 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
   if (!force_only_) follow(patch);
   grasp_.surprised = false;
   grasp_.doubt_frames = std::max(0, grasp_.doubt_frames - 1);
-  if (frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n) {
-    weigh_frame(patch, *frame_estimate);
-  } else {
+  const bool clear =
+      frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n;
+  if (!force_only_) verify(patch, clear);
+  if (!clear) {
     grasp_.slip_moment.known = false;
+  } else if (weigh_frame(patch, *frame_estimate)) {
+    grasp_.unverified_frames = 0;
   }
   if (force_only_) {
     if (const auto load = traction_ratio_.detect_slide()) weigh_slide(*load);
@@ -115,7 +118,7 @@ bool FrictionFilter::looks_monotonic(double normal_n, double load) noexcept {
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
 
-void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
+bool FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
   const double load = patch.shear_n / patch.normal_n;
   history_.classify(force_only_ ? traction_ratio_.is_highest(load, patch.shear_sigma_n / patch.normal_n)
                                 : looks_monotonic(patch.normal_n, load));
@@ -130,11 +133,12 @@ void FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
              std::isfinite(frame_estimate.moments_sigma.slip_moment_n)) {
     compare_moments(patch, frame_estimate, residuals);
   } else {
-    return;
+    return false;
   }
   part_errors(patch);
-  take_evidence(residuals, as_monotonic,
-                as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
+  return take_evidence(
+      residuals, as_monotonic,
+      as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
 }
 
 // What frames have in common changes with the contact: where the forces have moved far, errors are new.
@@ -259,7 +263,7 @@ void FrictionFilter::doubt_likeliest(const FrameEstimate& frame_estimate, double
 
 // Bayes: half of each friction's squared residual is taken from its log weight, unless nothing explains the
 // frame.
-void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept {
+bool FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept {
   const double likeliest = residuals[grid_.likeliest()];
   const double least =
       *std::min_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(grid_.count()));
@@ -269,7 +273,7 @@ void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monoton
   grasp_.cusum.add(0.5 * likeliest, options_.cusum_drift_nats);
   if (least > options_.outlier_residual) {
     if (history_.outlier()) lose_history(HistoryEvent::outlier_run);
-    return;
+    return false;
   }
   if (grasp_.cusum.nats > options_.cusum_threshold_nats) {
     grasp_.cusum = {};
@@ -280,6 +284,22 @@ void FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monoton
   history_.explained(as_monotonic);
   const double half = 0.5 * share;
   for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, half * (residuals[j] - least));
+  return true;
+}
+
+// Whether memory may answer. `clear`: the frame's shear is far above the noise.
+void FrictionFilter::verify(const ContactPatch& patch, bool clear) noexcept {
+  const double step_n =
+      std::hypot(patch.shear_x_n - grasp_.last_shear_x_n, patch.shear_y_n - grasp_.last_shear_y_n);
+  grasp_.last_shear_x_n = patch.shear_x_n;
+  grasp_.last_shear_y_n = patch.shear_y_n;
+  if (clear) {
+    grasp_.shear_lost = false;
+    ++grasp_.unverified_frames;
+    return;
+  }
+  const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
+  if (patch.shear_n < step_n && step_n > options_.max_lost_step * limit_n) grasp_.shear_lost = true;
 }
 
 // Friction does not change by so much between two frames, but noise may turn one peak into another: what was

@@ -56,6 +56,12 @@ class FrictionFilter {
   // Frames of late contradict it by less: friction is less than it was, and they do not say by how much.
   bool doubted() const noexcept { return grasp_.doubt_frames > 0; }
 
+  // The course of the forces explains why frames say nothing of friction, if they say nothing: friction
+  // learnt before may answer for them. Not so when shear was lost in one step, or when frames with a clear
+  // shear have said nothing for long.
+  bool explained() const noexcept {
+    return !grasp_.shear_lost && grasp_.unverified_frames <= options_.max_unverified_frames;
+  }
   // Friction has fallen in this grasp, as far as frames then left it open.
   bool fallen() const noexcept { return grasp_.fallen; }
 
@@ -129,7 +135,10 @@ class FrictionFilter {
     bool other_history = false;                          // the load was not monotonic once
     double evidence_normal_n = 0, evidence_shear_n = 0;  // forces of the last frame that was weighed
     MomentResiduals moment_residuals;
-    std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
+    std::int64_t last_ns = 0;                       // time of the frame before; 0 before the first
+    double last_shear_x_n = 0, last_shear_y_n = 0;  // of the frame before
+    bool shear_lost = false;                        // shear fell to noise in one step
+    int unverified_frames = 0;  // frames in a row with a clear shear that said nothing of friction
   };
 
   void fade(std::int64_t time_ns) noexcept;
@@ -142,20 +151,23 @@ class FrictionFilter {
   void follow(const ContactPatch& patch) noexcept;
   void lose_history(HistoryEvent why) noexcept;
   bool looks_monotonic(double normal_n, double load) noexcept;
-  void weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
+  // True if the frame said something of friction.
+  bool weigh_frame(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   // Squared residuals of each friction: of the frame's margin, of its shear moments.
   void compare_margin(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                       PerFriction& residuals) const noexcept;
   void compare_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                        PerFriction& residuals) noexcept;
   void doubt_likeliest(const FrameEstimate& frame_estimate, double sign, double open_n) noexcept;
-  void take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept;
+  // False if no friction explains the frame.
+  bool take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept;
   void part_errors(const ContactPatch& patch) noexcept;
   double share_of_margin(const FrameEstimate& frame_estimate) noexcept;
   double share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   void detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void doubt_jump() noexcept;
+  void verify(const ContactPatch& patch, bool clear) noexcept;
   void weigh_slide(double load) noexcept;
 
   FrictionFilterOptions options_;

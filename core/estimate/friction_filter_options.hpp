@@ -130,6 +130,14 @@ struct FrictionFilterOptions {
   double cusum_drift_nats = 4;
   double cusum_threshold_nats = 8;
 
+  // A shear that ends below min_shear_sigmas got there in steps of less than this from frame to frame, of mu
+  // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
+  // unloadings get no margin. Too large: a channel that died unseen comes out as a grip without load.
+  double max_lost_step = 0.45;
+  // Frames with a clear shear in a row that may say nothing of friction before memory alone gives no margin;
+  // frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for longer.
+  int max_unverified_frames = 25;
+
   // Standard deviation of log mu in a slide of a force-only sensor, in plateaus of its traction ratio; 1
   // … 10. Too small: the slide's noise is taken for friction. Too large: a slide says little.
   double slide_sigma_plateaus = 3;

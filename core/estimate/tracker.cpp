@@ -37,6 +37,10 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
                                         Method method, Estimate& out) noexcept {
   friction_filter_.update(out.time_ns, patch, frame_estimate);
   if (!friction_filter_.understood()) return std::nullopt;
+  if (!friction_filter_.explained()) {
+    if (out.health == Health::good) out.health = Health::unexplained;
+    return std::nullopt;
+  }
   const auto [load, load_sigma] = friction_filter_.traction_ratio();
   const MeanSigma friction = friction_filter_.grid().friction();
   if (friction.sigma < options_.known_sigma * friction.mean) {

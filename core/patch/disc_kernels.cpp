@@ -14,6 +14,17 @@ SLIPD_INLINE float greatest(const Floats& of) noexcept {
   return most;
 }
 
+SLIPD_INLINE float least_of(const Floats& of) noexcept {
+  float least = of[0];
+  for (std::size_t lane = 1; lane < kLanes; ++lane) least = of[lane] < least ? of[lane] : least;
+  return least;
+}
+
+// |value| of each lane: its bits without the sign.
+SLIPD_INLINE Floats magnitude(const Floats& of) noexcept {
+  return reinterpret_cast<Floats>(reinterpret_cast<Ints>(of) & 0x7FFFFFFF);
+}
+
 SLIPD_INLINE std::size_t counted(const Ints& lanes) noexcept {
   std::size_t count = 0;
   for (std::size_t lane = 0; lane < kLanes; ++lane) count += static_cast<std::size_t>(lanes[lane]);
@@ -23,11 +34,12 @@ SLIPD_INLINE std::size_t counted(const Ints& lanes) noexcept {
 NoiseSums noise(const TaxelView& at) noexcept {
   Sums<1> sums;
   Ints below{};
-  Floats peak{};
+  Floats peak{}, least = Floats{} + __builtin_inff();
   const TaxelRun all{0, static_cast<std::uint32_t>(at.size)};
   for_blocks(
       &all, 1, at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
-        const Floats p = where(mask, load(at.normal_pa + i));
+        const Floats given = load(at.normal_pa + i), p = where(mask, given);
+        least = (mask & (given < least)) != 0 ? given : least;
         const Ints under = p < 0;
         const Floats negative = where(under, p);
         sums.part[0] += negative * negative;
@@ -36,7 +48,7 @@ NoiseSums noise(const TaxelView& at) noexcept {
         sums.next();
       });
   sums.flush();
-  return {sums.total(0), counted(below), greatest(peak)};
+  return {sums.total(0), counted(below), greatest(peak), least_of(least)};
 }
 
 // One more block's pressures and places.
@@ -80,18 +92,22 @@ PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_
 
 ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
   Sums<3> sums;
-  Floats peak{};
+  Floats peak{}, x_extreme{}, y_extreme{};
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
         const Floats p = where(mask, load(at.normal_pa + i));
         sums.part[0] += p;
-        sums.part[1] += where(mask, load(at.shear_x_pa + i));
-        sums.part[2] += where(mask, load(at.shear_y_pa + i));
+        const Floats x = where(mask, load(at.shear_x_pa + i)), y = where(mask, load(at.shear_y_pa + i));
+        sums.part[1] += x;
+        sums.part[2] += y;
         peak = p > peak ? p : peak;
+        x_extreme = magnitude(x) > x_extreme ? magnitude(x) : x_extreme;
+        y_extreme = magnitude(y) > y_extreme ? magnitude(y) : y_extreme;
         sums.next();
       });
   sums.flush();
-  return {sums.total(0), sums.total(1), sums.total(2), greatest(peak)};
+  return {sums.total(0),  sums.total(1),       sums.total(2),
+          greatest(peak), greatest(x_extreme), greatest(y_extreme)};
 }
 
 double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const ContactPose& from) noexcept {

@@ -24,6 +24,7 @@ struct NoiseSums {
   double squares = 0;     // of pressures below zero
   std::size_t below = 0;  // how many
   float peak = 0;         // the greatest pressure, 0 if none is above
+  float least = 0;        // the least pressure, infinite if none is below infinity
 };
 
 // A taxel that feels less than this nearer to the centre than that.
@@ -39,7 +40,8 @@ struct PlaceSums {
 
 struct ForceSums {
   double p = 0, x = 0, y = 0;
-  float peak = 0;  // of p, at least 0
+  float peak = 0;                      // of p, at least 0
+  float x_extreme = 0, y_extreme = 0;  // the greatest |shear| along x, along y
 };
 
 // Powers of s = r^2/a^2, alone and weighted by pressure p and by the shear along a direction q. Then how p

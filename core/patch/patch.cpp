@@ -74,6 +74,8 @@ void PatchFinder::copy_channels() noexcept {
 void PatchFinder::measure_normal_noise() noexcept {
   const NoiseSums sums = kernels_.noise(patch_.taxels);
   peak_pa_ = sums.peak;
+  patch_.frame_peak_pa = sums.peak;
+  patch_.frame_least_pa = sums.least;
   if (sums.below > 0) patch_.noise_normal_pa = std::sqrt(sums.squares / static_cast<double>(sums.below));
 }
 
@@ -95,7 +97,7 @@ bool PatchFinder::locate() noexcept {
   const double spread =
       sums.prr / sums.p - patch_.center_x_m * patch_.center_x_m - patch_.center_y_m * patch_.center_y_m;
   patch_.radius_m = radius_of(spread);
-  return true;
+  return patch_.finite = std::isfinite(patch_.radius_m);
 }
 
 // The same from all taxels of the disc found so far, those that noise left below the threshold included.
@@ -113,6 +115,10 @@ std::size_t PatchFinder::refine() noexcept {
     dead_taxels = sums.dead_taxels;
     const double dx = sums.px / sums.p, dy = sums.py / sums.p;
     const double radius_m = radius_of(sums.prr / sums.p - dx * dx - dy * dy);
+    if (!std::isfinite(radius_m)) {
+      patch_.in_contact = patch_.finite = false;
+      return 0;
+    }
     const double moved_m = std::max(std::hypot(dx, dy), std::fabs(radius_m - patch_.radius_m));
     patch_.center_x_m += dx;
     patch_.center_y_m += dy;
@@ -257,7 +263,10 @@ void PatchFinder::sum_forces() noexcept {
   patch_.shear_x_n = sums.x * area;
   patch_.shear_y_n = sums.y * area;
   patch_.peak_pa = sums.peak;
+  patch_.shear_x_extreme_pa = sums.x_extreme;
+  patch_.shear_y_extreme_pa = sums.y_extreme;
   patch_.shear_n = std::hypot(patch_.shear_x_n, patch_.shear_y_n);
+  patch_.finite = std::isfinite(patch_.shear_n) && std::isfinite(patch_.normal_n);
   if (patch_.shear_n > 0) {
     patch_.direction_x = patch_.shear_x_n / patch_.shear_n;
     patch_.direction_y = patch_.shear_y_n / patch_.shear_n;

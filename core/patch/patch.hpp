@@ -29,6 +29,11 @@ struct ContactPatch {
   double noise_shear_pa = 0;
   double normal_sigma_n = 0, shear_sigma_n = 0;  // standard deviations of P and Q
   float peak_pa = 0;                             // the greatest pressure in the disc
+  float frame_peak_pa = 0;                       // the greatest pressure of the whole frame, at least 0
+  float frame_least_pa = 0;                      // the least pressure of the whole frame
+  float shear_x_extreme_pa = 0;                  // the greatest |shear| along x in the disc
+  float shear_y_extreme_pa = 0;                  // the same along y
+  bool finite = true;                            // false: values that are not numbers, or beyond all sense
   std::size_t count = 0;                         // of the disc's taxels
   std::size_t interpolated = 0;                  // of these, dead ones that neighbours stand for
   std::span<const TaxelRun> runs;  // the disc's taxels, by their numbers; valid until the next frame

@@ -3,6 +3,7 @@
 // change afterwards.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <deque>
@@ -15,6 +16,7 @@
 #include "core/estimate/estimate.hpp"
 #include "core/frame/layout.hpp"
 #include "core/model/work_precision.hpp"
+#include "core/plausibility/health.hpp"
 #include "daemon/board/bias_channel.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
@@ -108,6 +110,9 @@ class SensorStatus {
   std::atomic<std::uint64_t> timeouts{0};
   // Times that the device was opened again. Written by one thread: acquire. Relaxed: a counter.
   std::atomic<std::uint64_t> reconnects{0};
+  // Frames of each health, by its number; frames of health good are not counted. Written by one thread:
+  // estimate. Relaxed: counters.
+  std::array<std::atomic<std::uint64_t>, kHealths> implausible{};
   // Events that did not fit into Board::events. Written by one thread: estimate. Relaxed: a counter.
   std::atomic<std::uint64_t> events_lost{0};
 

@@ -34,8 +34,10 @@ inline constexpr Signal kFriction{"Friction", 16, 16, 1e-4};
 inline constexpr Signal kState{"State", 32, 4, 1};
 inline constexpr Signal kAlert{"Alert", 36, 2, 1};
 inline constexpr Signal kSimulated{"Simulated", 38, 1, 1};
+inline constexpr Signal kImplausible{"Implausible", 39, 1, 1};
 inline constexpr Signal kSequence{"Sequence", 40, 12, 1};
-inline constexpr std::array kAll{kGamma, kFriction, kState, kAlert, kSimulated, kSequence, kCounter, kCrc8};
+inline constexpr std::array kAll{kGamma,       kFriction, kState,   kAlert, kSimulated,
+                                 kImplausible, kSequence, kCounter, kCrc8};
 }  // namespace estimate
 
 namespace alert {

@@ -1,6 +1,7 @@
 #include "daemon/pipeline/estimate_loop.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace slipd {
 namespace {
@@ -82,6 +83,7 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
   published.estimate.sequence = slot.sequence;
   published.estimate.time_ns = slot.time_ns;
   published.estimate.truth = slot.truth;
+  count_health(state);
   const ArrivalCounts& arrivals = feed.mailbox.arrivals();
   published.counts.skipped += arrivals.received - published.counts.received - 1;
   published.counts.received = arrivals.received;
@@ -90,6 +92,18 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
   ++published.counts.estimated;
   publish(state);
   state.runtime->status.latency.record(published.estimate.published_ns - slot.time_ns);
+}
+
+// Counts an implausible frame, and writes a line when a new reason takes a margin away.
+void EstimateLoop::count_health(SensorState& state) noexcept {
+  const Estimate& estimate = state.published.estimate;
+  const Health before = std::exchange(state.last_health, estimate.health);
+  if (estimate.health == Health::good) return;
+  SensorStatus& status = state.runtime->status;
+  status.implausible[static_cast<std::size_t>(estimate.health)].fetch_add(1, std::memory_order_relaxed);
+  if (estimate.health == before || estimate.state != State::fault) return;
+  log_.write(LogLevel::warning, {status.name, Cause::device}, "%s: %s", status.name.c_str(),
+             describe(estimate.health));
 }
 
 // There is no new frame. Publishes the state stale, fault or learning once, when it begins.

@@ -42,11 +42,13 @@ class EstimateLoop {
     bool event_pending = false;              // the latest estimate did not fit into the queue
     State last_output_state = State::stale;  // when the output was last rung
     Alert last_output_alert = Alert::none;
+    Health last_health = Health::good;  // of the frame before
   };
 
   bool process(SensorState& state) noexcept;
   void estimate_frame(SensorState& state, const FrameSlot& slot, std::int64_t now_ns) noexcept;
   void publish_no_data(SensorState& state, DeviceLink link, std::int64_t now_ns) noexcept;
+  void count_health(SensorState& state) noexcept;
   void publish(SensorState& state) noexcept;
   void push_event(SensorState& state) noexcept;
   void adopt_instance(SensorState& state, EstimatorInstance* instance) noexcept;

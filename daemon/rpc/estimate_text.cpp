@@ -77,6 +77,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .text("alert", to_string(estimate.alert));
   add_sliding(object, estimate);
   object.text("method", to_string(estimate.method))
+      .text("health", to_string(estimate.health))
       .boolean("simulated", simulated)
       .number("latency_us",
               answered ? std::optional<double>(passed_ns(time_ns_, published_ns_)) : std::nullopt, 1e-3);

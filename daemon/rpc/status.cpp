@@ -61,6 +61,23 @@ json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
           {"us_per_frame", used->p50_us}};
 }
 
+// Frames by what spoke against them; only what occurred.
+json implausible_json(const SensorStatus& status) {
+  json counts = json::object();
+  for (std::size_t i = 1; i < kHealths; ++i) {
+    const std::uint64_t frames = status.implausible[i].load(std::memory_order_relaxed);
+    if (frames > 0) counts[std::string(to_string(static_cast<Health>(i)))] = frames;
+  }
+  return counts;
+}
+
+// Why there is no device, no estimator, or no plausible frame; null: there is.
+json trouble(const DeviceFacts& facts, const Estimate& latest) {
+  if (!facts.trouble.empty()) return facts.trouble;
+  if (latest.health != Health::good) return describe(latest.health);
+  return nullptr;
+}
+
 // Whether the device is open and its frames are fresh.
 bool receiving(const SensorStatus& status, const Published& published) {
   const State state = published.estimate.state;
@@ -86,7 +103,9 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
       {"expected_error", expected_error(context, facts)},
       {"zero", zero_json(status)},
-      {"trouble", facts.trouble.empty() ? json(nullptr) : json(facts.trouble)},
+      {"trouble", trouble(facts, published.estimate)},
+      {"health", to_string(published.estimate.health)},
+      {"implausible", implausible_json(status)},
       {"received", counts.received},
       {"estimated", counts.estimated},
       {"skipped", counts.skipped},

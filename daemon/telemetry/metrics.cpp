@@ -43,6 +43,19 @@ class Families {
     }
   }
 
+  // A counter for each sensor and each health but good.
+  void implausible() {
+    const std::string name = "slipd_frames_implausible";
+    head(name, "counter", "Frames by what spoke against them.");
+    for (const auto& status : context_.board.sensors) {
+      for (std::size_t i = 1; i < kHealths; ++i) {
+        out_ << sample(name, "counter") << "{sensor=\"" << label_text(status->name) << "\",health=\""
+             << to_string(static_cast<Health>(i)) << "\"} "
+             << status->implausible[i].load(std::memory_order_relaxed) << '\n';
+      }
+    }
+  }
+
   void add_one(const std::string& name, const char* type, const char* help, double value) {
     head(name, type, help);
     out_ << sample(name, type) << ' ' << value << '\n';
@@ -238,6 +251,7 @@ std::string metrics_text(const ServiceContext& context, MetricsFormat format) {
   for (const auto& status : context.board.sensors) published.push_back(status->latest.load());
   Families families(context, format);
   add_counts(families, context, published);
+  families.implausible();
   add_states(families, context, published);
   families.latencies();
   add_service(families, context);

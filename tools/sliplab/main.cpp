@@ -19,6 +19,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   add_train(app, common);
   add_tradeoff(app, common);
   add_histories(app, common);
+  add_faults(app, common);
   add_coverage(app, common);
   add_overload(app, common);
   add_paper(app, common);

@@ -61,8 +61,18 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
       if (!sensing.comes || sensing.comes(sequence)) {
         frames.feel(contact, object.x_m, object.y_m);
         if (sensing.trace) traced = trace.update(contact, shear_sigma_pa(frames, sensing));
-        const Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
-                                         static_cast<std::int64_t>(1e9 * time_s));
+        Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
+                                   static_cast<std::int64_t>(1e9 * time_s));
+        if (sensing.spoil) {
+          FrameSlot spoilt;
+          spoilt.sequence = frame.sequence;
+          spoilt.time_ns = frame.time_ns;
+          spoilt.normal_pa = frames.sensed_normal_pa();
+          spoilt.shear_x_pa = frames.sensed_shear_x_pa();
+          spoilt.shear_y_pa = frames.sensed_shear_y_pa();
+          sensing.spoil(spoilt);
+          frame = spoilt.view();
+        }
         const double start_us = thread_us();
         estimate = chain.estimate(frame);
         taken_us = thread_us() - start_us;

@@ -18,6 +18,8 @@ struct Sampling {
   double frame_s = 0.005;                            // time from frame to frame, s
   // Whether the estimator receives the frame of this number, from 1; empty: it receives all.
   std::function<bool(std::uint64_t)> comes = {};
+  // Changes a frame before the estimator receives it; empty: frames are as sensed.
+  std::function<void(slipd::FrameSlot&)> spoil = {};
   // Whether to find out for each frame if a change of friction shows in it (GraspSample::traced).
   bool trace = false;
 };

@@ -1,0 +1,42 @@
+#include "core/plausibility/health.hpp"
+
+#include <array>
+
+namespace slipd {
+namespace {
+
+struct HealthText {
+  std::string_view name;
+  const char* description;
+};
+
+constexpr std::array<HealthText, kHealths> kHealthTexts{{
+    {"good", "plausible"},
+    {"not_finite", "implausible: values are not numbers"},
+    {"full_scale", "implausible: taxels beyond full scale"},
+    {"spike", "implausible: a taxel that no neighbour supports is left out"},
+    {"uniform", "implausible: all taxels read the same pressure"},
+    {"wrong_scale", "implausible: the force does not fit the size of the contact"},
+    {"saturated", "implausible: taxels are saturated"},
+    {"repeated", "implausible: the frame repeats the one before"},
+    {"frozen", "implausible: frames are frozen"},
+    {"dead_normal", "implausible: the normal channel is dead"},
+    {"dead_shear_x", "implausible: shear x is dead"},
+    {"dead_shear_y", "implausible: shear y is dead"},
+    {"dead_row", "implausible: a row of taxels is dead"},
+    {"time", "implausible: the time does not rise"},
+    {"jump", "implausible: the contact or all pressures have jumped"},
+    {"unexplained", "implausible: frames fit no contact, and the forces do not say why"},
+}};
+
+}  // namespace
+
+std::string_view to_string(Health health) noexcept {
+  return kHealthTexts[static_cast<std::size_t>(health)].name;
+}
+
+const char* describe(Health health) noexcept {
+  return kHealthTexts[static_cast<std::size_t>(health)].description;
+}
+
+}  // namespace slipd

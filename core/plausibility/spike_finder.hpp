@@ -1,0 +1,92 @@
+// Single taxels that no neighbour supports: a bit that is stuck, a broken wire, a value that is not a number.
+// An elastic skin spreads a force over its neighbours, the further the larger the force is, so that one taxel
+// cannot carry much alone. Such taxels are replaced by the mean of their neighbours. Estimate thread; nothing
+// allocates after construction.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+#include "core/plausibility/limits.hpp"
+
+namespace slipd {
+
+struct SpikeOptions {
+  // A taxel stands alone if no neighbour reads more than this share of it; 0.05 … 0.4. Too small: spikes
+  // beside a contact are believed. Too large: the middle of a small contact is called a spike.
+  double support_share = 0.25;
+  // The contact that carries the taxel's force alone would have at least this radius, sides; 1 … 3. Too
+  // small: contacts smaller than a taxel are called spikes. Too large: spikes are believed.
+  double least_radius_sides = 1.5;
+  // The same two of a peak that jumped; 0.1 … 0.6 and 0.2 … 1.5.
+  double jumped_support_share = 0.4;
+  double least_jumped_radius_sides = 0.5;
+  // A peak is looked at if it is above the last frame's by this factor; 1.05 … 2. Too small: costs time. Too
+  // large: spikes little above the contact's peak stay until the next look.
+  double grown_factor = 1.25;
+  // A peak above the last frame's by this factor that stands alone is a spike whatever the scene expects; 2 …
+  // 20. Too small: taps of sharp things are called spikes. Too large: spikes are believed.
+  double jump_factor = 2.5;
+  // Every so many frames the peak is looked at whether it grew or not; frames, 1 … 100. Too large: a spike
+  // that came with the contact is believed for longer.
+  std::uint32_t look_frames = 16;
+  // At most one taxel in so many is left out, at least one; 8 … 100. Too small: margins from what is left.
+  // Too large: sensors with several bad taxels give no margin.
+  std::size_t one_in = 32;
+  // Nor more than this many; taxels.
+  std::size_t most = 8;
+  // Shear above the frame's greatest pressure by this factor that stands alone is a spike; 1 … 10. Friction
+  // coefficients are below 2.
+  double shear_factor = 3;
+};
+
+class SpikeFinder {
+ public:
+  SpikeFinder(const TaxelLayout& layout, const PlausibilityLimits& limits, const SpikeOptions& options = {});
+
+  // Looks for spikes in the frame that `patch` is of. Returns how many are left out, or more than may_leave()
+  // if there are too many to leave out.
+  std::size_t find(const Frame& frame, const ContactPatch& patch) noexcept;
+
+  std::size_t may_leave() const noexcept { return may_leave_; }
+
+  // `frame` with the spikes that were found replaced; valid until the next call of find.
+  Frame mended(const Frame& frame) const noexcept;
+
+  // Force that the replaced taxels stand for, N.
+  double left_out_n() const noexcept { return left_out_n_; }
+
+ private:
+  struct Neighbourhood {
+    float greatest_normal_pa = 0, greatest_shear_pa = 0;
+    std::array<float, 3> mean_pa{};
+  };
+  bool needs_look(const ContactPatch& patch) noexcept;
+  void copy(const Frame& frame) noexcept;
+  std::uint32_t worst_normal() const noexcept;
+  std::uint32_t worst_shear() const noexcept;
+  bool beyond(std::uint32_t taxel) const noexcept;
+  bool spreads(double pressure_pa, double least_sides) const noexcept;
+  bool alone(std::uint32_t taxel, const Neighbourhood& around) const noexcept;
+  Neighbourhood around(std::uint32_t taxel) const noexcept;
+  void replace(std::uint32_t taxel, const Neighbourhood& around) noexcept;
+
+  TaxelLayout layout_;
+  PlausibilityLimits limits_;
+  SpikeOptions options_;
+  std::size_t may_leave_;
+  std::vector<float> normal_, shear_x_, shear_y_;  // the mended frame
+  double left_out_n_ = 0;
+  float last_peak_pa_ = 0;  // of the last frame without its spikes
+  float last_shear_pa_ = 0;
+  bool touched_ = false;  // the last frame was in contact
+  bool found_ = false;    // the last frame had a spike
+  std::uint32_t frames_ = 0;
+};
+
+}  // namespace slipd

@@ -1,0 +1,71 @@
+// Whether values that change from frame to frame have stopped to: a frozen sensor, a dead channel, a dead
+// row. It is judged by what the same values did before. Values that never had noise, and quantised values
+// that often repeat, may stand still. Estimate thread; plain state, nothing allocates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace slipd {
+
+// What a group of values did from one frame to the next.
+struct GroupChange {
+  std::size_t values = 0;   // of the group
+  std::size_t changed = 0;  // values that are not what they were
+  std::size_t turned = 0;   // of these, those that changed the other way than the last time
+};
+
+struct StillnessOptions {
+  // Frames before anything is said; frames, 8 … 1000. Too small: a slow start is taken for the sensor's way.
+  // Too large: a sensor that freezes early is believed.
+  std::uint32_t learning_frames = 32;
+  // Frames over which shares are averaged; frames, 16 … 10000. Too small: they scatter. Too large: a sensor
+  // whose rate was changed is misjudged for longer.
+  double memory_frames = 128;
+  // Share of changes that turn, from which the values have noise; 0.1 … 0.5. Independent noise turns in 2 of
+  // 3 frames, a load without noise hardly ever. Too small: a trembling load without noise passes for noise.
+  // Too large: noise under a fast load is not seen.
+  double noise_turns = 0.25;
+  // The most that is believed of how often a value changes; 0.5 … 0.99. Too small: dead groups of few values
+  // are noticed late. Too large: few values that repeat by chance are called dead.
+  double most_changing = 0.9;
+  // Evidence that it is not chance; nats, 12 … 40. Chance makes e^-20 = 2e-9 of it. Too small: false alarms.
+  // Too large: dead groups of few values are noticed late.
+  double sure_nats = 20;
+  // A stillness has to last longer than any before by this factor; 1 … 5. Too small: devices that repeat
+  // frames now and then are called frozen. Too large: late.
+  double longer_than_before = 2;
+};
+
+class Stillness {
+ public:
+  // One frame. Returns whether the group stands still though it should not.
+  bool update(const GroupChange& now, const StillnessOptions& options) noexcept;
+
+  // The group stood still, or was empty, for a reason that is known: nothing is learnt from this frame.
+  void skip() noexcept {
+    run_ = 0;
+    called_ = false;
+  }
+
+  // The values have noise.
+  bool noisy(const StillnessOptions& options) const noexcept {
+    return frames_ >= options.learning_frames && turning_ >= options.noise_turns;
+  }
+
+  // Mean share of values that change in a frame, 0 … 1.
+  double changing() const noexcept { return changing_; }
+
+  // Frames in a row in which nothing changed.
+  std::uint32_t run() const noexcept { return run_; }
+
+ private:
+  std::uint32_t frames_ = 0;   // that changed, up to memory_frames
+  std::uint32_t run_ = 0;      // frames without a change, up to now
+  std::uint32_t longest_ = 0;  // run before that was taken for chance
+  bool called_ = false;        // this run was called out
+  double changing_ = 0;        // mean share of values that change in a frame
+  double turning_ = 0;         // mean share of changes that turn
+};
+
+}  // namespace slipd

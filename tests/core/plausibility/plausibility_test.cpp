@@ -1,0 +1,237 @@
+// A device that breaks in mid-grasp never comes out as a safe grip, and a sound one is never called broken.
+#include "core/plausibility/plausibility.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "core/estimate/chain.hpp"
+#include "tests/support/heap_count.hpp"
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr double kFriction = 0.5, kNormal_n = 3;
+constexpr double kGross = 0.2;   // an error of the margin that lets objects fall
+constexpr float kClip_pa = 5e3F;
+constexpr int kGraceFrames = 5;  // after the fault began
+
+struct Case {
+  std::size_t side;
+  MethodChoice method;
+  synthetic::Noise noise;
+};
+
+// Frames of one grasp at 1 kHz, each of which may be spoilt before the chain gets it.
+class GraspWithFault {
+ public:
+  explicit GraspWithFault(const Case& of)
+      : setup_{.layout = TaxelLayout::grid(of.side, of.side,
+                                           of.side == 4 ? 4.7e-3 : 16e-3 / static_cast<double>(of.side)),
+               .scene = {},
+               .estimator = {.method = of.method},
+               .alerts = {},
+               .friction = {}},
+        noise_(of.noise),
+        chain_(with_objects(setup_), nullptr),
+        maker_(setup_.layout) {}
+
+  using Spoil = std::function<void(FrameSlot&)>;
+
+  // To the forces within so many frames; returns what the chain says of each.
+  std::vector<Estimate> go(int frames, double normal_n, double shear_n, const Spoil& spoil = {}) {
+    std::vector<Estimate> told;
+    const double from_normal_n = contact_.normal_n(), from_shear_n = contact_.shear_n();
+    for (int i = 1; i <= frames; ++i) {
+      const double part = static_cast<double>(i) / frames;
+      contact_.move_to(from_normal_n + part * (normal_n - from_normal_n),
+                       from_shear_n + part * (shear_n - from_shear_n), kFriction);
+      const Frame frame = maker_.make(contact_, 0.2e-3, -0.1e-3, 0.3, 0.01, noise_);
+      x_.assign(frame.shear_x_pa.begin(), frame.shear_x_pa.end());
+      y_.assign(frame.shear_y_pa.begin(), frame.shear_y_pa.end());
+      p_.assign(frame.normal_pa.begin(), frame.normal_pa.end());
+      FrameSlot slot;
+      slot.sequence = frame.sequence;
+      slot.time_ns = frame.time_ns;
+      slot.normal_pa = p_;
+      slot.shear_x_pa = x_;
+      slot.shear_y_pa = y_;
+      if (spoil) spoil(slot);
+      told.push_back(chain_.estimate(slot.view()));
+    }
+    return told;
+  }
+
+  double margin() const { return contact_.safety_margin(); }
+
+  // Grips and loads to 0.6 of what friction holds, and stays there.
+  void load() {
+    for (const auto& phase :
+         {go(80, kNormal_n, 0), go(120, kNormal_n, kLoaded_n), go(60, kNormal_n, kLoaded_n)}) {
+      for (const Estimate& at : phase) {
+        ASSERT_EQ(at.health, Health::good) << to_string(at.health) << " of frame " << at.sequence;
+        last_ = at;
+      }
+    }
+  }
+  const Estimate& last() const { return last_; }
+
+  static constexpr double kLoaded_n = 0.6 * kFriction * kNormal_n;
+
+ private:
+  static const ChainSetup& with_objects(ChainSetup& setup) {
+    setup.scene.objects = paper_objects();
+    return setup;
+  }
+  ChainSetup setup_;
+  synthetic::Noise noise_;
+  EstimatorChain chain_;
+  synthetic::FrameMaker maker_;
+  contact::LoadHistory contact_{synthetic::paper_pair()};
+  std::vector<float> p_, x_, y_;
+  Estimate last_;
+};
+
+class Faults : public ::testing::TestWithParam<Case> {
+ protected:
+  // No margin is far above the truth, and the fault is named.
+  static void expect_told(GraspWithFault& grasp, const GraspWithFault::Spoil& spoil,
+                          std::initializer_list<Health> names) {
+    grasp.load();
+    if (HasFatalFailure()) return;
+    const auto told = grasp.go(100, kNormal_n, 1.2 * GraspWithFault::kLoaded_n, spoil);
+    const double truth = grasp.margin();
+    std::string seen;
+    bool named = false;
+    for (std::size_t i = 0; i < told.size(); ++i) {
+      const bool known = std::find(names.begin(), names.end(), told[i].health) != names.end();
+      named = named || known;
+      if (i < 30)
+        seen += std::string(to_string(told[i].state)) + "/" + std::string(to_string(told[i].health)) + " ";
+      if (i >= kGraceFrames && told[i].state == State::ok) {
+        EXPECT_LT(*told[i].gamma, truth + kGross) << "frame " << i;
+        if (*told[i].gamma >= truth + kGross) break;
+      }
+    }
+    EXPECT_TRUE(named) << seen;
+  }
+
+  GraspWithFault grasp_{GetParam()};
+};
+
+void zero(std::span<float> values) {
+  std::fill(values.begin(), values.end(), 0.0F);
+}
+
+TEST_P(Faults, AShearChannelThatDiesIsAFaultAndNoMargin) {
+  expect_told(grasp_, [](FrameSlot& f) { zero(f.shear_x_pa); }, {Health::dead_shear_x});
+}
+
+TEST_P(Faults, BothShearChannelsThatDieAreAFaultAndNoMargin) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                zero(f.shear_x_pa);
+                zero(f.shear_y_pa);
+              },
+              {Health::dead_shear_x, Health::dead_shear_y});
+}
+
+TEST_P(Faults, FrozenFramesAreAFault) {
+  std::vector<float> p, x, y;
+  expect_told(grasp_,
+              [&](FrameSlot& f) {
+                if (p.empty()) {
+                  p.assign(f.normal_pa.begin(), f.normal_pa.end());
+                  x.assign(f.shear_x_pa.begin(), f.shear_x_pa.end());
+                  y.assign(f.shear_y_pa.begin(), f.shear_y_pa.end());
+                }
+                std::copy(p.begin(), p.end(), f.normal_pa.begin());
+                std::copy(x.begin(), x.end(), f.shear_x_pa.begin());
+                std::copy(y.begin(), y.end(), f.shear_y_pa.begin());
+              },
+              {Health::frozen});
+}
+
+TEST_P(Faults, AFewMillionthsOfThePressureAreNoContact) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                  for (float& value : values) value *= 1e-6F;
+                }
+              },
+              {Health::wrong_scale});
+}
+
+TEST_P(Faults, ValuesBeyondAllSenseAreRefused) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                  for (float& value : values) value *= 1e25F;
+                }
+              },
+              {Health::full_scale, Health::not_finite});
+}
+
+TEST_P(Faults, OnePressureOnAllTaxelsIsNoContact) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa})
+                  std::fill(values.begin(), values.end(), values[values.size() / 2]);
+              },
+              {Health::uniform});
+}
+
+TEST_P(Faults, ShearThatIsClippedGivesNoMargin) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                for (auto values : {f.shear_x_pa, f.shear_y_pa}) {
+                  for (float& value : values) value = std::clamp(value, -kClip_pa, kClip_pa);
+                }
+              },
+              {Health::saturated});
+}
+
+TEST_P(Faults, AreOverSoonAfterTheSensorIsSoundAgain) {
+  grasp_.load();
+  grasp_.go(20, kNormal_n, GraspWithFault::kLoaded_n, [](FrameSlot& f) { zero(f.shear_x_pa); });
+  const auto told = grasp_.go(100, kNormal_n, 1.2 * GraspWithFault::kLoaded_n);
+  EXPECT_EQ(told.back().health, Health::good);
+  EXPECT_NE(told.back().state, State::fault);
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, Faults,
+                         ::testing::Values(Case{4, MethodChoice::fit, synthetic::Noise::sensor},
+                                           Case{16, MethodChoice::moments, synthetic::Noise::sensor},
+                                           Case{16, MethodChoice::fit, synthetic::Noise::relative},
+                                           Case{100, MethodChoice::moments, synthetic::Noise::sensor}),
+                         [](const auto& of) {
+                           return std::to_string(of.param.side) +
+                                  (of.param.method == MethodChoice::fit ? "fit" : "moments") +
+                                  (of.param.noise == synthetic::Noise::sensor ? "sensor" : "relative");
+                         });
+
+TEST(Plausibility, CostsNoMemory) {
+  const TaxelLayout layout = TaxelLayout::grid(16, 16, 1e-3);
+  PatchFinder finder(layout);
+  PlausibilityMonitor monitor(layout, {.full_scale = default_full_scale(SensorClass::array3, layout)});
+  synthetic::FrameMaker maker(layout);
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0.3, kFriction);
+  const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
+  const ContactPatch& patch = finder.find(frame);
+  const std::uint64_t before = test::allocations();
+  for (int i = 0; i < 100; ++i) {
+    monitor.screen(frame, patch);
+    monitor.judge(frame, patch);
+  }
+  EXPECT_EQ(test::allocations(), before);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,120 @@
+// `sliplab faults`: what slipd says of random grasps whose sensor breaks in mid-grasp.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/estimate/model_setup.hpp"
+#include "core/model/train.hpp"
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/faults/report.hpp"
+#include "tools/sliplab/progress.hpp"
+
+namespace sliplab {
+namespace {
+
+using namespace slipd;
+
+struct FaultsOptions {
+  FaultSetup setup;
+  std::vector<std::size_t> sides{4, 16, 100};
+  std::vector<std::string> methods{"moments", "fit", "registered"};
+  std::vector<std::string> faults;
+  std::string noise_kind = "sensor";
+};
+
+const std::map<std::string, std::pair<MethodChoice, Method>> kFaultsMethods{
+    {"svd-knn", {MethodChoice::svd_knn, Method::svd_knn}},
+    {"registered", {MethodChoice::registered, Method::registered}},
+    {"moments", {MethodChoice::moments, Method::moments}},
+    {"fit", {MethodChoice::fit, Method::fit}}};
+
+std::map<std::string, Fault> faults_by_name() {
+  std::map<std::string, Fault> all;
+  for (std::size_t i = 1; i < kFaults; ++i) {
+    const auto fault = static_cast<Fault>(i);
+    all.emplace(name_of(fault), fault);
+  }
+  return all;
+}
+
+std::vector<Fault> chosen(const FaultsOptions& options) {
+  std::vector<Fault> faults;
+  if (options.faults.empty()) {
+    for (std::size_t i = 1; i < kFaults; ++i) faults.push_back(static_cast<Fault>(i));
+  }
+  const auto known = faults_by_name();
+  for (const auto& name : options.faults) faults.push_back(known.at(name));
+  return faults;
+}
+
+// The lines of one layout and method; none where slipd takes another method for this layout.
+void measure_layout(std::size_t side, const std::string& name, const FaultsOptions& options,
+                    std::vector<FaultLine>& lines) {
+  const auto& [choice, method] = kFaultsMethods.at(name);
+  const ChainSetup chain = paper_chain(side, choice, options.setup.sensing.noise);
+  ProgressBar bar(std::to_string(side) + "x" + std::to_string(side) + " " + name);
+  std::shared_ptr<const Model> model;
+  if (needs_model(chain)) {
+    bar.show(0, "training");
+    model = std::make_shared<const Model>(train(model_setup_of(chain), options.setup.threads));
+  }
+  if (EstimatorChain(chain, model).method() != method) return;
+  for (FaultLine& line : measure_faults(chain, model, chosen(options), options.setup,
+                                        [&](double share) { bar.show(share, "grasps"); })) {
+    line.columns = side;
+    line.method = name;
+    lines.push_back(std::move(line));
+  }
+}
+
+void run_faults(const Common& common, FaultsOptions options) {
+  options.setup.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
+  options.setup.seed = common.seed;
+  std::vector<FaultLine> lines;
+  for (const std::size_t side : options.sides) {
+    for (const auto& method : options.methods) measure_layout(side, method, options, lines);
+  }
+  if (common.json) {
+    std::cout << to_json(lines, options.setup).dump(2) << '\n';
+  } else {
+    print_table(lines, options.setup);
+  }
+}
+
+}  // namespace
+
+void add_faults(CLI::App& app, const Common& common) {
+  auto* command = app.add_subcommand("faults", "random grasps whose sensor breaks in mid-grasp");
+  auto options = std::make_shared<FaultsOptions>();
+  options->setup.sensing.frame_s = 0.001;
+  command->add_option("--grasps", options->setup.grasps, "of each line")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--sides", options->sides, "taxels along each side of the pad")
+      ->delimiter(',')
+      ->check(CLI::Range(2, 200))
+      ->capture_default_str();
+  command->add_option("--methods", options->methods, "moments, fit, registered, svd-knn")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kFaultsMethods))
+      ->capture_default_str();
+  command->add_option("--faults", options->faults, "all if none is named")
+      ->delimiter(',')
+      ->check(CLI::IsMember(faults_by_name()));
+  command->add_option("--noise", options->setup.sensing.noise, "half-width, a fraction")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
+      ->check(CLI::IsMember({"sensor", "relative"}))
+      ->capture_default_str();
+  command->add_option("--frame-s", options->setup.sensing.frame_s, "between frames of the sensor")
+      ->check(CLI::Range(1e-4, 0.1))
+      ->capture_default_str();
+  command->add_option("--threads", options->setup.threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->callback([&common, options] { run_faults(common, *options); });
+}
+
+}  // namespace sliplab

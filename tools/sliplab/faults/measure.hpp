@@ -1,0 +1,60 @@
+// What slipd says of random grasps whose sensor breaks in mid-grasp: whether the fault is told, after how
+// long, and how many margins are too safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/estimate/chain.hpp"
+#include "core/model/model.hpp"
+#include "tools/sliplab/faults/fault.hpp"
+#include "tools/sliplab/histories/drive.hpp"
+
+namespace sliplab {
+
+struct FaultLine {
+  std::size_t columns = 0;  // taxels along each side of the pad
+  std::string method;
+  Fault fault = Fault::none;
+  std::size_t grasps = 0;
+  // Grasps whose fault was told: an estimate with another health than good, or without the margin that the
+  // sound sensor's estimator gave at that frame.
+  std::size_t told = 0;
+  // Of these, with another health than good.
+  std::size_t named = 0;
+  // Frames from the fault's first to the first that told it: the middle one and the latest; -1: none told.
+  long median_frames = -1;
+  long last_frames = -1;
+  // Frames with the fault, later than kGraceFrames after it began, in state ok.
+  std::uint64_t answered = 0;
+  // Of these, with a margin more than kGrossError above the truth.
+  std::uint64_t too_safe = 0;
+  // Of the same frames of the sound sensor, those in state ok, and the margins too safe among them.
+  std::uint64_t sound_answered = 0;
+  std::uint64_t sound_too_safe = 0;
+  // Frames of the sound sensor with another health than good, and all its frames.
+  std::uint64_t false_alarms = 0;
+  std::uint64_t sound_frames = 0;
+};
+
+// Frames after a fault's begin in which a margin may still be wrong.
+inline constexpr std::uint64_t kGraceFrames = 5;
+
+struct FaultSetup {
+  std::size_t grasps = 20;  // of each line
+  Sampling sensing;
+  std::uint64_t seed = 1;
+  unsigned threads = 2;
+};
+
+// `model` may be null where needs_model says no. Every fault of `faults` on the same grasps.
+std::vector<FaultLine> measure_faults(const slipd::ChainSetup& chain,
+                                      const std::shared_ptr<const slipd::Model>& model,
+                                      const std::vector<Fault>& faults, const FaultSetup& setup,
+                                      const std::function<void(double)>& done = {});
+
+}  // namespace sliplab

@@ -1,0 +1,71 @@
+#include "tools/sliplab/faults/report.hpp"
+
+#include <cstdio>
+#include <string>
+
+namespace sliplab {
+namespace {
+
+constexpr double kPercent = 100;
+
+double share(std::size_t of, std::size_t all) {
+  return all > 0 ? kPercent * static_cast<double>(of) / static_cast<double>(all) : 0;
+}
+
+std::string frames(long count) {
+  return count < 0 ? "–" : std::to_string(count);
+}
+
+}  // namespace
+
+void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
+  std::printf("%zu random grasps a line, frames %g ms apart, noise %g.\n\n", setup.grasps,
+              1e3 * setup.sensing.frame_s, setup.sensing.noise);
+  std::printf(
+      "| fault | taxels | method | told, %% | named, %% | frames until told: middle, last | in state ok | "
+      "too safe | too safe without the fault |\n|---|---|---|---:|---:|---:|---:|---:|---:|\n");
+  for (const FaultLine& line : lines) {
+    std::printf(
+        "| `%s` | %zu x %zu | %s | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
+        std::string(name_of(line.fault)).c_str(), line.columns, line.columns, line.method.c_str(),
+        share(line.told, line.grasps), share(line.named, line.grasps), frames(line.median_frames).c_str(),
+        frames(line.last_frames).c_str(), static_cast<unsigned long long>(line.answered),
+        static_cast<unsigned long long>(line.too_safe), static_cast<unsigned long long>(line.sound_too_safe),
+        static_cast<unsigned long long>(line.sound_answered));
+  }
+  std::uint64_t alarms = 0, sound = 0;
+  std::size_t columns = 0;
+  std::string method;
+  for (const FaultLine& line : lines) {  // each layout and method once: all faults share the sound frames
+    if (line.columns == columns && line.method == method) continue;
+    columns = line.columns;
+    method = line.method;
+    alarms += line.false_alarms;
+    sound += line.sound_frames;
+  }
+  std::printf("\nFalse alarms: %llu of %llu frames of the sound sensor.\n",
+              static_cast<unsigned long long>(alarms), static_cast<unsigned long long>(sound));
+}
+
+nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
+  auto rows = nlohmann::ordered_json::array();
+  for (const FaultLine& line : lines) {
+    rows.push_back({{"fault", name_of(line.fault)},
+                    {"columns", line.columns},
+                    {"method", line.method},
+                    {"grasps", line.grasps},
+                    {"told", line.told},
+                    {"named", line.named},
+                    {"median_frames", line.median_frames},
+                    {"last_frames", line.last_frames},
+                    {"answered", line.answered},
+                    {"too_safe", line.too_safe},
+                    {"sound_answered", line.sound_answered},
+                    {"sound_too_safe", line.sound_too_safe},
+                    {"false_alarms", line.false_alarms},
+                    {"sound_frames", line.sound_frames}});
+  }
+  return {{"grasps", setup.grasps}, {"seed", setup.seed}, {"lines", std::move(rows)}};
+}
+
+}  // namespace sliplab
