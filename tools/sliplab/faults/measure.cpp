@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "core/contact/history.hpp"
+#include "core/estimate/trial_frames.hpp"
+#include "core/frame/frame.hpp"
+#include "core/numeric/random.hpp"
 #include "tools/sliplab/parallel.hpp"
 
 namespace sliplab {
@@ -56,31 +59,39 @@ struct OtherFinger {
   RandomStream random;
 };
 
-std::vector<Said> say(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
-                      const FaultSetup& setup, std::size_t grasp, Fault fault, std::uint64_t first) {
-  EstimatorChain estimator(chain, model);
-  const RandomStream draws = RandomStream(setup.seed).stream(grasp);
-  FaultInjector injector(fault, chain.layout, first, draws.stream(kFaultStream));
-  OtherFinger other(chain, setup, grasp);
-  Sampling sensing = setup.sensing;
-  sensing.spoil = [&](FrameSlot& frame) {
-    if (fault == Fault::none) return;
-    injector.spoil(frame, fault == Fault::other_finger && frame.sequence >= first
-                              ? other.sense(frame.sequence)
-                              : Frame{});
-  };
+// One fault's estimator, beside that of the sound sensor.
+struct Runner {
+  Runner(const ChainSetup& chain, const std::shared_ptr<const Model>& model, Fault f, std::uint64_t first,
+         const RandomStream& random)
+      : fault(f),
+        estimator(chain, model),
+        injector(f, chain.layout, first, random),
+        normal_pa(chain.layout.size()),
+        shear_x_pa(chain.layout.size()),
+        shear_y_pa(chain.layout.size()) {}
+
+  // Frame by frame: spoils a copy of what the sound sensor gives.
+  void receive(const FrameSlot& sound, const Frame& other) {
+    FrameSlot spoilt;
+    spoilt.normal_pa = normal_pa;
+    spoilt.shear_x_pa = shear_x_pa;
+    spoilt.shear_y_pa = shear_y_pa;
+    copy_frame(sound, spoilt);
+    injector.spoil(spoilt, other);
+    estimate = estimator.estimate(spoilt.view());
+  }
+
+  Fault fault;
+  EstimatorChain estimator;
+  FaultInjector injector;
+  std::vector<float> normal_pa, shear_x_pa, shear_y_pa;  // of the spoilt frame
+  Estimate estimate;
   std::vector<Said> said;
-  drive(
-      draw_grasp(chain.scene, setup.seed, grasp), chain.layout, chain.scene.skin, sensing, draws, estimator,
-      [&](const GraspSample& at) {
-        if (at.move == Move::unseen) return;
-        const double truth = fault == Fault::other_finger && said.size() + 1 >= first
-                                 ? other.contact.safety_margin()
-                                 : at.truth.gamma;
-        said.push_back({at.estimate.state, at.estimate.health,
-                        static_cast<float>(at.estimate.gamma.value_or(kUnknown)), static_cast<float>(truth)});
-      });
-  return said;
+};
+
+Said said_of(const Estimate& estimate, double truth) {
+  return {estimate.state, estimate.health, static_cast<float>(estimate.gamma.value_or(kUnknown)),
+          static_cast<float>(truth)};
 }
 
 bool ok(const Said& at) {
@@ -118,12 +129,53 @@ Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, s
   return found;
 }
 
-FaultLine together(Fault fault, const std::vector<Found>& grasps) {
+// One grasp, simulated once for all faults. Returns what was found of each.
+std::vector<Found> play(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
+                        const FaultSetup& setup, std::size_t number, const std::vector<Fault>& faults) {
+  const Grasp grasp = draw_grasp(chain.scene, setup.seed, number);
+  const std::uint64_t frames = frames_of(grasp, setup.sensing.frame_s);
+  const double begins = RandomStream(setup.seed).stream(kFaultStream).uniform(number, kEarliest, kLatest);
+  const auto first = static_cast<std::uint64_t>(begins * static_cast<double>(frames)) + 1;
+  const RandomStream draws = RandomStream(setup.seed).stream(number);
+  OtherFinger other(chain, setup, number);
+  std::vector<std::unique_ptr<Runner>> runners;
+  runners.reserve(faults.size());
+  for (const Fault fault : faults)
+    runners.push_back(std::make_unique<Runner>(chain, model, fault, first, draws.stream(kFaultStream)));
+  const auto exchanged = [&](const Runner& runner, std::uint64_t sequence) {
+    return runner.fault == Fault::other_finger && sequence >= first;
+  };
+  Sampling sensing = setup.sensing;
+  sensing.spoil = [&](const FrameSlot& sound) {
+    if (sound.sequence > frames) return;
+    for (const auto& runner : runners)
+      runner->receive(sound, exchanged(*runner, sound.sequence) ? other.sense(sound.sequence) : Frame{});
+  };
+  EstimatorChain estimator(chain, model);
+  std::vector<Said> sound;
+  drive(grasp, chain.layout, chain.scene.skin, sensing, draws, estimator, [&](const GraspSample& at) {
+    if (at.move == Move::unseen) return;
+    sound.push_back(said_of(at.estimate, at.truth.gamma));
+    for (const auto& runner : runners) {
+      const bool other_holds = exchanged(*runner, sound.size());
+      runner->said.push_back(
+          said_of(runner->estimate, other_holds ? other.contact.safety_margin() : at.truth.gamma));
+    }
+  });
+  std::vector<Found> found;
+  found.reserve(runners.size());
+  for (const auto& runner : runners) found.push_back(compare(sound, runner->said, first));
+  return found;
+}
+
+// Of one fault, the one of this place in each grasp's findings.
+FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, std::size_t place) {
   FaultLine line;
   line.fault = fault;
   line.grasps = grasps.size();
   std::vector<long> after;
-  for (const Found& grasp : grasps) {
+  for (const auto& findings : grasps) {
+    const Found& grasp = findings[place];
     line.told += grasp.sums.told;
     line.named += grasp.sums.named;
     line.answered += grasp.sums.answered;
@@ -147,23 +199,15 @@ FaultLine together(Fault fault, const std::vector<Found>& grasps) {
 std::vector<FaultLine> measure_faults(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
                                       const std::vector<Fault>& faults, const FaultSetup& setup,
                                       const std::function<void(double)>& done) {
-  std::vector<std::vector<Found>> found(faults.size(), std::vector<Found>(setup.grasps));
+  std::vector<std::vector<Found>> found(setup.grasps);
   for_each_index(
       setup.grasps, setup.threads,
-      [&](std::size_t i) {
-        const auto frames =
-            static_cast<double>(frames_of(draw_grasp(chain.scene, setup.seed, i), setup.sensing.frame_s));
-        const double at = RandomStream(setup.seed).stream(kFaultStream).uniform(i, kEarliest, kLatest);
-        const auto first = static_cast<std::uint64_t>(at * frames) + 1;
-        const auto sound = say(chain, model, setup, i, Fault::none, first);
-        for (std::size_t f = 0; f < faults.size(); ++f)
-          found[f][i] = compare(sound, say(chain, model, setup, i, faults[f], first), first);
-      },
+      [&](std::size_t i) { found[i] = play(chain, model, setup, i, faults); },
       [&](double share) {
         if (done) done(share);
       });
   std::vector<FaultLine> lines;
-  for (std::size_t f = 0; f < faults.size(); ++f) lines.push_back(together(faults[f], found[f]));
+  for (std::size_t f = 0; f < faults.size(); ++f) lines.push_back(together(faults[f], found, f));
   return lines;
 }
 
