@@ -26,6 +26,9 @@ struct TurningLoadOptions {
   // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
   // friction of pulls are given for fields that torque has changed.
   double bending_share = 0.1;
+  // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3, measured on
+  // contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too large: too low.
+  double within_taxels = 0.13;
   // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
   double kept_share = 0.8;
 };
@@ -60,6 +63,7 @@ class TurningLoad {
   TurningLoadOptions options_;
   PressureCells cells_;
   contact::LimitSurface unit_hertz_;
+  double side_m_;
   bool one_taxel_;
   bool bent_ = false;  // the last frame's field was
 };
