@@ -13,9 +13,11 @@ TurningLoad::TurningLoad(const TaxelLayout& layout, const TurningLoadOptions& op
       one_taxel_(layout.size() == 1) {}
 
 bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
-  const double torque_nm = std::fabs(patch.torque_nm);
-  return patch.radius_m > 0 && torque_nm > options_.clear_sigmas * patch.torque_sigma_nm &&
-         torque_nm > options_.least_share * patch.shear_n * patch.radius_m;
+  if (!(patch.radius_m > 0)) return false;
+  const double torque_nm = std::fabs(patch.torque_nm), coarse = one_taxel_ ? 0 : side_m_ / patch.radius_m;
+  const double least_share = options_.least_share + options_.coarse_share * coarse * coarse;
+  return torque_nm > options_.clear_sigmas * patch.torque_sigma_nm &&
+         torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
 TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
