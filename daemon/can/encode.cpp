@@ -84,6 +84,20 @@ Message encode_alert(std::uint32_t id, const Estimate& estimate, bool simulated,
   payload.put(alert::kTimeToSlip_ms, time_to_slip ? std::optional(*time_to_slip * 1e3) : std::nullopt);
   payload.put(alert::kAlert, static_cast<std::uint64_t>(estimate.alert));
   payload.put(alert::kSimulated, std::uint64_t{simulated});
+  payload.put(alert::kCause, std::uint64_t{estimate.alert_cause == AlertCause::sliding});
+  return payload.seal(id, counter);
+}
+
+Message encode_sliding(std::uint32_t id, const Estimate& estimate, bool simulated,
+                       unsigned counter) noexcept {
+  Payload payload;
+  const auto for_s = estimate.sliding ? estimate.sliding_for_s : std::nullopt;
+  payload.put(sliding::kSlidingFor_ms, for_s ? std::optional(*for_s * 1e3) : std::nullopt);
+  payload.put(sliding::kSliding, estimate.sliding ? static_cast<std::uint64_t>(*estimate.sliding)
+                                                  : sliding::kSlidingNotAvailable);
+  payload.put(sliding::kAlert, static_cast<std::uint64_t>(estimate.alert));
+  payload.put(sliding::kSimulated, std::uint64_t{simulated});
+  payload.put(sliding::kSequence, estimate.sequence);
   return payload.seal(id, counter);
 }
 

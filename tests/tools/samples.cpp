@@ -29,6 +29,9 @@ json estimate_sample(const std::string& sensor, std::uint64_t sequence, double g
           {"alert", gamma < 0.2   ? "slip"
                     : gamma < 0.4 ? "warn"
                                   : "none"},
+          {"alert_cause", gamma < 0.4 ? json("margin") : json(nullptr)},
+          {"sliding", "none"},
+          {"sliding_for_ms", 2500.0},
           {"method", "moments"},
           {"simulated", true},
           {"latency_us", 35.2},

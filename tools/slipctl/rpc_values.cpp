@@ -64,6 +64,9 @@ EstimateView estimate_from(const json& in) {
   out.sensor = text(in, "sensor");
   out.state = text(in, "state", "stale");
   out.alert = text(in, "alert", "none");
+  out.alert_cause = text(in, "alert_cause");
+  out.sliding = text(in, "sliding");
+  out.sliding_for_ms = number(in, "sliding_for_ms");
   out.method = text(in, "method");
   out.sequence = count(in, "seq");
   out.time_ns = integer(in, "time_ns");
