@@ -10,6 +10,7 @@
 #include "core/estimate/alert.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/estimate/slipping_taxels.hpp"
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
@@ -139,6 +140,7 @@ struct EstimatorChain::Impl {
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         turning_load(s.layout),
+        slipping(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         alert(s.alerts) {
@@ -255,11 +257,9 @@ struct EstimatorChain::Impl {
   }
 
   // One frame by itself: by the method, or by taxels that slip where torque has bent the field.
-  FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, Turning turning) noexcept {
-    if (turning != Turning::bending) return method->estimate(frame, patch);
-    FrameEstimate out;
-    out.turning = true;
-    return out;
+  FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                               Turning turning) noexcept {
+    return turning == Turning::bending ? slipping.estimate(loaded) : method->estimate(frame, patch);
   }
 
   void estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
@@ -268,7 +268,7 @@ struct EstimatorChain::Impl {
     // So few taxels have no shape under torque.
     const bool shaped = method && (patch.count >= kFewInside || few) &&
                         (turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
-    const FrameEstimate frame_estimate = shaped ? estimate_shape(frame, patch, turning) : FrameEstimate{};
+    const FrameEstimate frame_estimate = shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
     tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out);
     if (setup.estimator.tracking) own_up(patch, out);
@@ -296,6 +296,7 @@ struct EstimatorChain::Impl {
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
   TurningLoad turning_load;
+  SlippingTaxels slipping;
   Tracker tracker;
   UnseenMotion unseen;
   double usual_friction = 0;  // while that of the grasp is not known

@@ -9,12 +9,15 @@ TurningLoad::TurningLoad(const TaxelLayout& layout, const TurningLoadOptions& op
     : options_(options),
       cells_(layout),
       unit_hertz_(contact::unit_hertz_surface()),
+      side_m_(layout.side_m()),
       one_taxel_(layout.size() == 1) {}
 
 bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
-  const double torque_nm = std::fabs(patch.torque_nm);
-  return patch.radius_m > 0 && torque_nm > options_.clear_sigmas * patch.torque_sigma_nm &&
-         torque_nm > options_.least_share * patch.shear_n * patch.radius_m;
+  if (!(patch.radius_m > 0)) return false;
+  const double torque_nm = std::fabs(patch.torque_nm), coarse = one_taxel_ ? 0 : side_m_ / patch.radius_m;
+  const double least_share = options_.least_share + options_.coarse_share * coarse * coarse;
+  return torque_nm > options_.clear_sigmas * patch.torque_sigma_nm &&
+         torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
 TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
@@ -31,7 +34,10 @@ TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
     least.per_shear_n /= patch.normal_n;
     least.per_torque_nm /= patch.normal_n * lever_m;
   } else {
-    least = cells_.pool(patch).least_friction(patch.shear_x_n, patch.shear_y_n, patch.torque_nm);
+    const contact::LimitSurface& surface = cells_.pool(patch);
+    const double coarse = side_m_ / patch.radius_m;
+    const double felt = cells_.are_taxels() ? 1 + options_.within_taxels * coarse * coarse : 1;
+    least = surface.least_friction(patch.shear_x_n, patch.shear_y_n, felt * patch.torque_nm);
   }
   const double share = (bent_ ? options_.kept_share : 1) * options_.bending_share;
   bent_ = std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m;

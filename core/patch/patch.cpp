@@ -278,7 +278,7 @@ void PatchFinder::sum_forces() noexcept {
   }
 }
 
-// docs/theory.md §13.1. The centre is that of the pressure, so that its noise moves the lever of Q: by half of the
+// docs/theory.md §6.5. The centre is that of the pressure, so that its noise moves the lever of Q: by half of the
 // squared distances, as only those across Q count.
 void PatchFinder::measure_torque() noexcept {
   const double area = layout_.area_m2(), levers_m = std::sqrt(squares_m2_);

@@ -15,6 +15,14 @@ PressureCells::PressureCells(const TaxelLayout& layout)
   }
 }
 
+// The torque that is felt lacks what turns within each taxel: of a taxel with lever r, h^2/(24 r) of friction,
+// as much as its spread adds to what it can hold. So the cell's spread counts without twice the taxel's. A single
+// taxel keeps a little, which rounds the kink over the instantaneous centre.
+double PressureCells::spread_side(double across) const noexcept {
+  constexpr double kLeast = 0.1;
+  return layout_.side_m() * std::sqrt(std::max(kLeast, across * across - 2));
+}
+
 const contact::LimitSurface& PressureCells::pool(const ContactPatch& patch) noexcept {
   if (layout_.regular()) {
     pool_grid(patch);
@@ -40,13 +48,14 @@ PressureCells::Box PressureCells::box_of(const ContactPatch& patch) const noexce
 }
 
 void PressureCells::pool_grid(const ContactPatch& patch) noexcept {
-  surface_.clear(layout_.side_m());
+  surface_.clear(spread_side(1));
   if (patch.runs.empty()) return;
   const Box box = box_of(patch);
   const std::size_t columns = layout_.regular()->columns, width = box.end_column - box.first_column;
   const std::size_t longest = std::max(box.end_row - box.first_row, width);
   const std::size_t across = (longest + kAcross - 1) / kAcross;  // taxels of a cell along each side
-  surface_.clear(static_cast<double>(across) * layout_.side_m());
+  surface_.clear(spread_side(static_cast<double>(across)));
+  taxels_ = across == 1;
   auto run = patch.runs.begin();
   for (std::size_t first = box.first_row; first < box.end_row; first += across) {
     const std::size_t rows = std::min(across, box.end_row - first);
@@ -88,11 +97,12 @@ void PressureCells::end_band(const ContactPatch& patch, const Box& box, std::siz
 }
 
 void PressureCells::pool_scattered(const ContactPatch& patch) noexcept {
-  surface_.clear(layout_.side_m());
+  surface_.clear(spread_side(1));
   const auto x_m = layout_.x_m(), y_m = layout_.y_m();
   const float* const p = patch.taxels.normal_pa;
   const double area_m2 = layout_.area_m2();
-  if (patch.count <= cells_.size()) {
+  taxels_ = patch.count <= cells_.size();
+  if (taxels_) {
     patch.for_each_inside([&](std::uint32_t i) {
       surface_.add(x_m[i] - patch.center_x_m, y_m[i] - patch.center_y_m, static_cast<double>(p[i]) * area_m2);
     });
@@ -116,7 +126,7 @@ void PressureCells::pool_scattered(const ContactPatch& patch) noexcept {
     cell.x += normal * x;
     cell.y += normal * y;
   });
-  surface_.clear(cell_m);
+  surface_.clear(spread_side(cell_m / layout_.side_m()));
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const Cell& cell = cells_[i];
     if (cell.normal == 0) continue;

@@ -18,6 +18,8 @@ class PressureCells {
 
   // Of this contact, about its centre; valid until the next call.
   const contact::LimitSurface& pool(const ContactPatch& patch) noexcept;
+  // Whether each cell of the last call is one taxel.
+  bool are_taxels() const noexcept { return taxels_; }
 
  private:
   // Cells across the disc at most. Error of T_max by pooling, of Hertz: 4e-4 with 12, 1e-2 with 4 (each cell's
@@ -33,6 +35,7 @@ class PressureCells {
     double normal = 0, x = 0, y = 0;
   };
 
+  double spread_side(double across) const noexcept;
   Box box_of(const ContactPatch& patch) const noexcept;
   void pool_grid(const ContactPatch& patch) noexcept;
   void end_band(const ContactPatch& patch, const Box& box, std::size_t first_row, std::size_t rows,
@@ -43,6 +46,7 @@ class PressureCells {
   const DiscKernels& kernels_;
   contact::LimitSurface surface_;
   std::vector<float> sums_, moments_;  // of each column of a band of rows: p, and p times the row in the band
+  bool taxels_ = false;
   std::array<Cell, kAcross * kAcross> cells_{};
 };
 

@@ -30,8 +30,7 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
   std::ostringstream out;
   out.precision(9);
   out << "sensor,time_s,seq,state,gamma,gamma_low,sigma,friction,friction_sigma,normal_n,shear_n,torque_nmm,"
-         "torque_sigma_nmm,
-         "sliding,alert,alert_cause\n";
+         "torque_sigma_nmm,sliding,alert,alert_cause\n";
   for (const ReplayRun& run : runs) {
     for (const ReplayRow& row : run.rows) {
       const Estimate& e = row.estimate;
