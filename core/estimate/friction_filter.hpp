@@ -34,8 +34,10 @@ class FrictionFilter {
   // A new grasp: back to the prior.
   void reset() noexcept;
 
-  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape.
-  void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate) noexcept;
+  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape. `course`:
+  // what is known of sliding, at most a frame old.
+  void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate,
+              const SlidingVerdict& course = {}) noexcept;
 
   // The posterior of friction.
   const FrictionGrid& grid() const noexcept { return grid_; }
@@ -122,6 +124,7 @@ class FrictionFilter {
 
   // What a new grasp forgets.
   struct GraspState {
+    double lighter_n = 0;  // P that the evidence of forces alone stands for; 0: none yet
     bool surprised = false;
     int doubt_frames = 0;      // to come
     MeanSigma margin_offset;   // see margin_offset()
@@ -168,7 +171,8 @@ class FrictionFilter {
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void doubt_jump() noexcept;
   void verify(const ContactPatch& patch, bool clear) noexcept;
-  void weigh_slide(double load) noexcept;
+  void weigh_slide(const TractionRatioFilter::Slide& slide) noexcept;
+  void forget_lighter(const ContactPatch& patch) noexcept;
 
   FrictionFilterOptions options_;
   bool force_only_;

@@ -47,6 +47,7 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
     const double per_noise = layout_.area_m2() * std::sqrt(static_cast<double>(patch_.count));
     patch_.normal_sigma_n = per_noise * patch_.noise_normal_pa;
     patch_.shear_sigma_n = per_noise * patch_.noise_shear_pa;
+    if (noise_) add_shared_noise();
   }
   return patch_;
 }
@@ -76,6 +77,10 @@ void PatchFinder::measure_normal_noise() noexcept {
   peak_pa_ = sums.peak;
   patch_.frame_peak_pa = sums.peak;
   patch_.frame_least_pa = sums.least;
+  if (noise_) {
+    patch_.noise_normal_pa = noise_->normal_pa;
+    return;
+  }
   if (sums.below > 0) patch_.noise_normal_pa = std::sqrt(sums.squares / static_cast<double>(sums.below));
 }
 
@@ -273,8 +278,19 @@ void PatchFinder::sum_forces() noexcept {
   }
 }
 
+// Noise that taxels share does not average out over the disc.
+void PatchFinder::add_shared_noise() noexcept {
+  const double share = static_cast<double>(patch_.count) / static_cast<double>(layout_.size());
+  patch_.normal_sigma_n = std::max(patch_.normal_sigma_n, share * noise_->normal_n);
+  patch_.shear_sigma_n = std::max(patch_.shear_sigma_n, share * noise_->shear_n);
+}
+
 // Off the contact there is no shear: what is read there along the resultant is noise.
 void PatchFinder::measure_shear_noise() noexcept {
+  if (noise_) {
+    patch_.noise_shear_pa = noise_->shear_pa;
+    return;
+  }
   const std::size_t off = layout_.size() - patch_.count;
   if (off < options_.min_free_taxels) {  // hardly a taxel is free: taken as noisy as the pressure
     patch_.noise_shear_pa = patch_.noise_normal_pa;

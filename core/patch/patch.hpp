@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/disc_kernels.hpp"
+#include "core/patch/unloaded_noise.hpp"
 
 namespace slipd {
 
@@ -25,7 +27,7 @@ struct ContactPatch {
          direction_y = 0;  // unit vector along Q; shear is signed by it, so noise does not rectify
   double center_x_m = 0, center_y_m = 0;  // pressure centroid
   double radius_m = 0;                    // a, from the pressure's second moment: <r^2> = 2 a^2 / 5
-  double noise_normal_pa = 0;             // standard deviation of one taxel, measured in this frame
+  double noise_normal_pa = 0;             // standard deviation of one taxel
   double noise_shear_pa = 0;
   double normal_sigma_n = 0, shear_sigma_n = 0;  // standard deviations of P and Q
   float peak_pa = 0;                             // the greatest pressure in the disc
@@ -119,6 +121,10 @@ class PatchFinder {
   // Estimate thread. Allocates nothing. `frame` has the layout's size.
   const ContactPatch& find(const Frame& frame) noexcept;
 
+  // Estimate thread. The sensor's noise without load, for the frames to come; none: each frame's own is
+  // measured, by its negative pressures and its free taxels.
+  void set_noise(const std::optional<SensorNoise>& noise) noexcept { noise_ = noise; }
+
  private:
   void view(const Frame& frame) noexcept;
   void copy_channels() noexcept;
@@ -137,6 +143,7 @@ class PatchFinder {
   void gather(double reach_m) noexcept;
   void sum_forces() noexcept;
   void measure_shear_noise() noexcept;
+  void add_shared_noise() noexcept;
 
   // a by the pressure's second moment about its centroid.
   double radius_of(double second_moment_m2) const noexcept;
@@ -150,6 +157,7 @@ class PatchFinder {
   std::vector<DeadTaxel> dead_;
   std::vector<TaxelRun> runs_, rest_;  // the disc, and all that is not of it
   double peak_pa_ = 0;
+  std::optional<SensorNoise> noise_;
   ContactPatch patch_;
 };
 
