@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/estimate/slipping_taxels.hpp"
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
+#include "core/estimate/turning_load.hpp"
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
@@ -34,19 +36,9 @@ constexpr std::size_t kFewInside = 12;
 // Standard deviations below a mean that 95 % of a Gaussian lie above.
 constexpr double kOneSided95 = 1.645;
 
-// A torque of so many standard deviations is one; 2 … 5. Too small: noise takes the bound away. Too large:
-// the bound stands though the contact turns.
-constexpr double kTorqueSigmas = 3;
-
-// Of a sensor of few taxels: below this P, N, there is no contact, and once in contact below
-// this share of it; 0.01 … 1, 0.2 … 0.9. Too small: drift and jitter of the zero are a contact. Too large:
-// light contacts are missed.
-constexpr double kMinNormalN = 0.1;
-constexpr double kKeptShare = 0.5;
-
-// Shear of a contact without pressure, on all taxels, N; 0.05 … 2. Too small: drift and jitter of the zero
-// are a pull. Too large: a pulled contact is no contact.
-constexpr double kPulledN = 0.3;
+// Shear from which on a frame has a shape, in standard deviations; 2 … 6. Too small: methods read noise. Too
+// large: light pulls get no margin from their shape.
+constexpr double kClearSigmas = 3;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
@@ -129,6 +121,12 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   return limits;
 }
 
+// Of a sensor whose taxels' shear means nothing by itself (flat skin): taxels that carry more than this of P
+// against each other, share, 0.05 … 0.5, take the margin away: the object is turned, hooked, or pulled at in
+// several places, and what the sum says of it is too safe. Quiet grasps of real pillars reach 0.066. Too
+// small: margins come and go. Too large: such a grip is called safe.
+constexpr double kMaxInternalShare = 0.1;
+
 }  // namespace
 
 struct EstimatorChain::Impl {
@@ -138,17 +136,22 @@ struct EstimatorChain::Impl {
         finder(s.layout),
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
+        turning_load(s.layout),
+        slipping(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
+        gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
-    usual_friction = s.friction.value_or(std::sqrt(expected.low * expected.high));
+    known = s.friction.value_or(expected);
+    usual_friction = std::sqrt(known.range.low * known.range.high);
   }
 
   // The contact was lost.
   void forget() noexcept {
     tracker.forget();
     unseen.reset();
+    turning_load.reset();
   }
 
   // What the forces did since the last frame nobody has seen.
@@ -157,70 +160,59 @@ struct EstimatorChain::Impl {
     unseen.widen(out, setup.estimator.sigma_max);
   }
 
-  // Whether the patch is a contact, with hysteresis where noise cannot be measured in a single frame.
-  bool touches(const ContactPatch& patch) noexcept {
-    const double least_n = touching ? kKeptShare * kMinNormalN : kMinNormalN;
-    touching = patch.in_contact && (setup.layout.size() > Fit::kFewTaxels || setup.layout.size() == 1 ||
-                                    patch.normal_n >= least_n);
-    return touching;
-  }
-
-  // A contact that pulls at some taxels can have no pressure to speak of and still carry shear: a hooked
-  // cable. It has no margin, and is not no contact. True, with the forces in `out`, if this is one. Both
-  // forces are those of all taxels.
-  bool pulled(const Frame& frame, Estimate& out) const noexcept {
-    if (setup.sensor_class != SensorClass::array3 || setup.layout.size() == 1 ||
-        setup.layout.size() > Fit::kFewTaxels)
-      return false;
-    double p = 0, x = 0, y = 0;
-    for (std::size_t i = 0; i < setup.layout.size(); ++i) {
-      p += static_cast<double>(frame.normal_pa[i]);
-      x += static_cast<double>(frame.shear_x_pa[i]);
-      y += static_cast<double>(frame.shear_y_pa[i]);
+  // Without pressure to speak of. A contact that pulls at some taxels can still carry shear: a hooked cable.
+  // It has no margin, and is not no contact.
+  void leave_contact(Estimate& out) noexcept {
+    forget();
+    if (const auto& pulled = gate.pulled()) {
+      out.normal_n = pulled->normal_n;
+      out.shear_n = pulled->shear_n;
+      out.state = State::out_of_model;
+      out.gamma_low = 0;
+      return;
     }
-    const double shear_n = std::hypot(x, y) * setup.layout.area_m2();
-    if (!(shear_n > kPulledN)) return false;
-    out.normal_n = p * setup.layout.area_m2();
-    out.shear_n = shear_n;
-    out.state = State::out_of_model;
-    return true;
+    out.state = setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   }
 
   // Whether the object slides; `contact` is ignored for frames without a zero.
   void detect_sliding(const Frame& frame, bool contact, Estimate& out) noexcept {
-    const SlidingVerdict verdict = sliding.update(frame, contact);
-    out.sliding = verdict.sliding;
-    if (verdict.sliding) out.sliding_for_s = verdict.for_s;
+    course = sliding.update(frame, contact);
+    out.sliding = course.sliding;
+    if (course.sliding) out.sliding_for_s = course.for_s;
   }
 
-  // The margin on the safe side of all that is not known, and the torque that it does not know of.
-  void bound_margin(const ContactPatch& patch, Estimate& out) const noexcept {
-    double torque_nm = 0;
-    patch.for_each_inside([&](std::uint32_t i) {
-      torque_nm +=
-          (setup.layout.x_m()[i] - patch.center_x_m) * static_cast<double>(patch.taxels.shear_y_pa[i]) -
-          (setup.layout.y_m()[i] - patch.center_y_m) * static_cast<double>(patch.taxels.shear_x_pa[i]);
-    });
-    torque_nm *= setup.layout.area_m2();
-    if (setup.layout.size() > 1) out.torque_nm = torque_nm;
-    const double torque_sigma_nm = patch.shear_sigma_n * patch.radius_m / std::numbers::sqrt2;
-    if (std::fabs(torque_nm) > kTorqueSigmas * torque_sigma_nm) return;
-    const double prior_low = setup.friction.value_or(expected_friction(setup.scene).low);
-    const double friction =
-        out.friction ? *out.friction - kOneSided95 * out.friction_sigma.value_or(0) : prior_low;
+  // What friction is not below, with 95 % confidence.
+  double least_friction(const Estimate& out) const noexcept {
+    if (!out.friction) return known.range.low;
+    return std::max(known.range.low, *out.friction - kOneSided95 * out.friction_sigma.value_or(0));
+  }
+
+  // The margin on the safe side of all that is not known. `loaded`: `patch` with the pull that asks for as
+  // much of friction as force and torque together.
+  void bound_margin(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
+    const double friction = least_friction(out);
     const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
-    const double shear_n = patch.shear_n + kOneSided95 * patch.shear_sigma_n;
-    if (!(friction > 0) || !(normal_n > 0)) return;
-    double low = std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0);
+    out.limit_low_n = std::max(0.0, friction * normal_n);
+    // As if what taxels carry against each other came on top: no more than that is used up of friction.
+    // Torque is a part of it.
+    const double internal_n = method ? 0 : course.field.internal_share * patch.normal_n;
+    const double shear_n = std::max(loaded.shear_n + kOneSided95 * loaded.shear_sigma_n,
+                                    patch.shear_n + kOneSided95 * patch.shear_sigma_n + internal_n);
+    double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
     out.gamma_low = low;
   }
 
   // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
   // all the same.
-  void refuse(const Judgement& judgement, const ContactPatch& patch, Estimate& out) noexcept {
+  void refuse(const Judgement& judgement, const Frame& frame, const ContactPatch& patch,
+              Estimate& out) noexcept {
     if (judgement.health == Health::jump || ++refused > kFramesRemembered) forget();
-    touching = judgement.health == Health::jump && patch.in_contact;
+    if (judgement.health == Health::jump) {
+      gate.judge(frame, patch);
+    } else {
+      gate.leave();
+    }
     if (judgement.verdict == Verdict::sensor_fault) {
       out.state = State::fault;
     } else {
@@ -230,12 +222,9 @@ struct EstimatorChain::Impl {
 
   // A frame with a contact or without one.
   void estimate_frame(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
-    if (!touches(patch)) {
-      forget();
-      if (!pulled(frame, out))
-        out.state = setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
-      return;
-    }
+    const bool touches = gate.judge(frame, patch);
+    finder.set_noise(gate.noise());
+    if (!touches) return leave_contact(out);
     out.normal_n = patch.normal_n;
     if (setup.layout.size() > 1) {
       out.center_x_m = patch.center_x_m;
@@ -247,19 +236,45 @@ struct EstimatorChain::Impl {
       return;
     }
     out.shear_n = patch.shear_n;
-    estimate_margin(frame, patch, out);
-    bound_margin(patch, out);
-    advise(out, patch.shear_sigma_n, setup.alerts.target_margin);
+    const TurningLoadResult load = turning_load.of(patch);
+    // What friction has to carry, with torque, as a pull.
+    ContactPatch loaded = patch;
+    loaded.shear_n = load.pull_n;
+    loaded.shear_sigma_n = load.pull_sigma_n;
+    out.pull_n = load.pull_n;
+    if (setup.layout.size() > 1) {
+      out.torque_nm = patch.torque_nm;
+      out.torque_sigma_nm = patch.torque_sigma_nm;
+    }
+    estimate_margin(frame, patch, loaded, load.turning, out);
+    bound_margin(patch, loaded, out);
+    advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  void estimate_margin(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
-    const bool shaped = method && (patch.count >= kFewInside || weighed_over_time(setup)) &&
-                        patch.shear_n > 3 * patch.shear_sigma_n;
-    const FrameEstimate frame_estimate = shaped ? method->estimate(frame, patch) : FrameEstimate{};
-    tracker.update(patch, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
-                   out);
+  // One frame by itself: by the method, or by taxels that slip where torque has bent the field.
+  FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                               Turning turning) noexcept {
+    return turning == Turning::bending ? slipping.estimate(loaded) : method->estimate(frame, patch);
+  }
+
+  void estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                       Turning turning, Estimate& out) noexcept {
+    const bool few = weighed_over_time(setup);
+    // So few taxels have no shape under torque.
+    const bool shaped =
+        method && (patch.count >= kFewInside || few) &&
+        (turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    const FrameEstimate frame_estimate =
+        shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
+    tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
+                   out, course);
     if (setup.estimator.tracking) own_up(patch, out);
-    if (!frame_estimate.in_model) return;
+    if (!method && course.field.internal_share > kMaxInternalShare) {
+      out.gamma.reset();
+      out.sigma.reset();
+      out.state = State::out_of_model;
+    }
+    if (!frame_estimate.in_model || frame_estimate.turning) return;
     out.center_x_m = frame_estimate.center_x_m;
     out.center_y_m = frame_estimate.center_y_m;
     out.radius_m = frame_estimate.radius_m;
@@ -267,6 +282,7 @@ struct EstimatorChain::Impl {
 
   // Adds the share of the force that neighbours stand for to the margin's sigma.
   void widen(double left_out_share, Estimate& out) const noexcept {
+    if (out.gamma_low) *out.gamma_low = std::max(0.0, *out.gamma_low - kOneSided95 * left_out_share);
     if (!out.sigma || left_out_share <= 0) return;
     out.sigma = std::hypot(*out.sigma, left_out_share);
     if (*out.sigma <= setup.estimator.sigma_max) return;
@@ -282,11 +298,15 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
+  TurningLoad turning_load;
+  SlippingTaxels slipping;
   Tracker tracker;
   UnseenMotion unseen;
-  double usual_friction = 0;  // while that of the grasp is not known
+  KnownFriction known = Range{};  // given, else what the scene expects
+  double usual_friction = 0;      // while that of the grasp is not known
   SlidingDetector sliding;
-  bool touching = false;  // the last frame was of a contact
+  SlidingVerdict course;  // of the last frame
+  ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;
 };
@@ -338,7 +358,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   const Judgement& judgement = in.plausibility.judge(frame, *patch);
   out.health = judgement.health;
   if (judgement.verdict >= Verdict::frame_refused) {
-    in.refuse(judgement, *patch, out);
+    in.refuse(judgement, used, *patch, out);
   } else {
     in.refused = 0;
     in.estimate_frame(used, *patch, out);
@@ -346,7 +366,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   }
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
-  in.detect_sliding(used, in.touching, out);
+  in.detect_sliding(used, in.gate.touching(), out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;

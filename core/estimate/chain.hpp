@@ -24,9 +24,10 @@ struct ChainSetup {
   Scene scene;
   EstimatorSettings estimator;
   AlertSettings alerts;
-  std::optional<double> friction;  // known beforehand
+  std::optional<KnownFriction> friction;  // known beforehand
   // Of the sensor, as configured; none: that of its class.
   std::optional<FullScale> full_scale = std::nullopt;
+  ContactSettings contact = {};
   bool operator==(const ChainSetup&) const = default;
 };
 

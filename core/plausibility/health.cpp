@@ -27,6 +27,7 @@ constexpr std::array<HealthText, kHealths> kHealthTexts{{
     {"time", "implausible: the time does not rise"},
     {"jump", "implausible: the contact or all pressures have jumped"},
     {"unexplained", "implausible: frames fit no contact, and the forces do not say why"},
+    {"noisy", "implausible: a channel has become noisy"},
 }};
 
 }  // namespace

@@ -26,9 +26,10 @@ enum class Health : std::uint8_t {
   time,          // n: the frame's time is not after the last one's
   jump,          // n: the contact is somewhere else than a frame ago, or all pressures rose at once
   unexplained,   // n: the method refuses frames, and the forces' course does not say why
+  noisy,         // n: one channel has become much noisier than it was
 };
 
-inline constexpr std::size_t kHealths = 16;
+inline constexpr std::size_t kHealths = 17;
 
 // As on the socket: "good", "not_finite", …
 std::string_view to_string(Health health) noexcept;

@@ -58,7 +58,9 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("friction", estimate.friction)
       .number("friction_sigma", estimate.friction_sigma)
       .number("normal_n", estimate.normal_n)
-      .number("shear_n", estimate.shear_n);
+      .number("shear_n", estimate.shear_n)
+      .number("torque_nmm", estimate.torque_nm, 1e3)
+      .number("torque_sigma_nmm", estimate.torque_sigma_nm, 1e3);
   std::string& center = object.begin("center_mm");
   if (estimate.center_x_m && estimate.center_y_m) {
     center += '[';
@@ -122,6 +124,7 @@ void append_grasp(std::string& out, const Estimate& together, const std::string&
       .number("gamma", together.gamma)
       .number("sigma", together.sigma)
       .integer("class", class_of(together.gamma))
+      .number("gamma_low", together.gamma_low)
       .number("friction", together.friction)
       .number("friction_sigma", together.friction_sigma)
       .number("normal_n", together.normal_n)
@@ -131,6 +134,13 @@ void append_grasp(std::string& out, const Estimate& together, const std::string&
       .number("grip_increase_sigma_n", together.grip_increase_sigma_n)
       .text("alert", to_string(together.alert));
   add_sliding(object, together);
+  std::string& first = object.begin("first");
+  if (together.first_gamma && together.first_member < sensors.size()) {
+    ObjectText finger(first);
+    finger.text("sensor", sensors[together.first_member]).number("gamma", together.first_gamma).end();
+  } else {
+    first += "null";
+  }
   object.end();
 }
 
