@@ -54,8 +54,12 @@ struct Estimate {
   // what the scene expects; 0 to 1. None without contact, without known forces, and where forces and
   // friction contradict each other.
   std::optional<double> gamma_low;
-  // Torque about the contact's normal, through its centre, on the sensor, N m; none for one force vector.
-  std::optional<double> torque_nm;
+  // Torque about the contact's normal, through its centre, on the sensor, N m, positive from x to y; and its
+  // standard deviation, N m. None where the sensor measures none.
+  std::optional<double> torque_nm, torque_sigma_nm;
+  // The pull without torque that is as near to slip as shear_n and torque_nm together, N; shear_n where noise
+  // may be all of the torque. gamma = 1 - pull_n/(friction normal_n).
+  std::optional<double> pull_n;
   // Whether the object slides now; none: this sensor or contact cannot show it.
   std::optional<Sliding> sliding;
   // How long `sliding` has been what it is, s; none if it is.

@@ -34,7 +34,9 @@ class FrictionFilter {
   // A new grasp: back to the prior.
   void reset() noexcept;
 
-  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape.
+  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape. Where a
+  // torque has bent the field (frame_estimate->turning) shear_n of `patch` is the pull that asks for as much of
+  // friction; the foundations, which know pulls only, rest meanwhile, and start anew afterwards.
   void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate) noexcept;
 
   // The posterior of friction.
@@ -67,7 +69,7 @@ class FrictionFilter {
 
   // The history is known, and frames of late look as some friction would make them.
   bool understood() const noexcept {
-    return is_known(history()) && grasp_.mean_residual < options_.max_mean_residual;
+    return (grasp_.turning || is_known(history())) && grasp_.mean_residual < options_.max_mean_residual;
   }
 
  private:
@@ -123,6 +125,7 @@ class FrictionFilter {
   // What a new grasp forgets.
   struct GraspState {
     bool surprised = false;
+    bool turning = false;              // the last frame's shear was bent by a torque
     int doubt_frames = 0;      // to come
     MeanSigma margin_offset;   // see margin_offset()
     double likeliest = 0;      // friction a frame ago; 0 before the first
@@ -149,6 +152,7 @@ class FrictionFilter {
   }
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
+  bool weigh_turning(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   void lose_history(HistoryEvent why) noexcept;
   bool looks_monotonic(double normal_n, double load) noexcept;
   // True if the frame said something of friction.

@@ -10,7 +10,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
   if (members.empty()) return result;
   State gravest = State::ok;
   bool contact = false;
-  double normal_n = 0, shear_n = 0;
+  double normal_n = 0, shear_n = 0, pull_n = 0;
   double limit_n = 0, limit_variance = 0;  // sum of mu P
   for (const Estimate& member : members) {
     result.sequence += member.sequence;
@@ -23,6 +23,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
       if (member.friction && member.normal_n && member.shear_n) {
         normal_n += *member.normal_n;
         shear_n += std::abs(*member.shear_n);
+        pull_n += member.pull_n.value_or(std::abs(*member.shear_n));
         limit_n += *member.friction * *member.normal_n;
         const double error_n = member.friction_sigma.value_or(0) * *member.normal_n;
         limit_variance += error_n * error_n;
@@ -37,10 +38,11 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
   if (result.state != State::ok) return result;
 
   const double limit_sigma_n = std::sqrt(limit_variance);
-  result.gamma = std::clamp(1 - shear_n / limit_n, 0.0, 1.0);
-  result.sigma = shear_n / limit_n * limit_sigma_n / limit_n;
+  result.gamma = std::clamp(1 - pull_n / limit_n, 0.0, 1.0);
+  result.sigma = pull_n / limit_n * limit_sigma_n / limit_n;
   result.normal_n = normal_n;
   result.shear_n = shear_n;
+  result.pull_n = pull_n;
   result.friction = limit_n / normal_n;
   result.friction_sigma = limit_sigma_n / normal_n;
   advise(result, 0, target_margin);

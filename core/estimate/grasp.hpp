@@ -10,7 +10,8 @@
 
 namespace slipd {
 
-// `members`: the newest estimates of the grasp's sensors. gamma = 1 - sum|Q| / sum(mu P), 0 … 1; forces are
+// `members`: the newest estimates of the grasp's sensors. gamma = 1 - sum|Q| / sum(mu P), 0 … 1, with
+// Estimate::pull_n for |Q|; forces are
 // sums, friction is sum(mu P) / sum P, the advice is on top of the sum of P. All only in state ok, which it
 // is if every member is ok or without contact; else it is the gravest member's. A member without contact
 // carries nothing. A member in contact whose forces or friction are unknown leaves the whole grasp

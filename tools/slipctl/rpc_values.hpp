@@ -38,6 +38,8 @@ struct EstimateView {
   std::optional<int> slip_class;          // 1 (slip) … 5
   std::optional<double> normal_n;         // normal force, N
   std::optional<double> shear_n;          // tangential force, N
+  std::optional<double> torque_nmm;       // torque about the contact's normal, N mm
+  std::optional<double> torque_sigma_nmm;  // its standard deviation, N mm
   std::optional<double> center_x_mm;      // contact centre, mm
   std::optional<double> center_y_mm;      // contact centre, mm
   std::optional<double> radius_mm;        // contact radius, mm

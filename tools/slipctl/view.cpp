@@ -85,6 +85,7 @@ std::vector<Figure> figures_of(const SensorWatch& sensor) {
   std::vector<Figure> figures{
       {"normal", fixed(r.normal_n, 2, "N")},
       {"shear", fixed(r.shear_n, 2, "N")},
+      {"torque", r.torque_nmm ? signed_fixed(*r.torque_nmm, 2) + " Nmm" : "–"},
       {"friction", with_sigma(r.friction, r.friction_sigma)},
       {"slides", sliding_text(r)},
       {"centre", r.center_x_mm ? fixed(r.center_x_mm, 1) + ", " + fixed(r.center_y_mm, 1, "mm") : "–"},
@@ -93,7 +94,7 @@ std::vector<Figure> figures_of(const SensorWatch& sensor) {
       {"slips in", fixed(r.time_to_slip_ms, 0, "ms")},
       {"grip by", r.grip_increase_n ? signed_fixed(*r.grip_increase_n, 2) + " N" : "–"},
       {"age", fixed(r.age_ms, 1, "ms")}};
-  if (sensor.info.simulated) figures.insert(figures.begin() + 3, {" true", fixed(r.true_friction, 2)});
+  if (sensor.info.simulated) figures.insert(figures.begin() + 4, {" true", fixed(r.true_friction, 2)});
   if (!sensor.counts) return figures;
   const SensorCounts& counts = *sensor.counts;
   figures.emplace_back("skipped", std::to_string(counts.skipped));
@@ -205,8 +206,9 @@ std::string plain_line(const SensorWatch& sensor, double elapsed_s) {
   if (estimate.true_gamma) line += "  true " + fixed(estimate.true_gamma, 2);
   if (estimate.slip_class) line += "  class " + std::to_string(*estimate.slip_class);
   line += "  normal " + fixed(estimate.normal_n, 2, "N") + "  shear " + fixed(estimate.shear_n, 2, "N") +
-          "  friction " + with_sigma(estimate.friction, estimate.friction_sigma) + "  slides " +
-          sliding_text(estimate) + "  alert " + alert_text(estimate) + "  " + pace(sensor);
+          "  torque " + fixed(estimate.torque_nmm, 2, "Nmm") + "  friction " +
+          with_sigma(estimate.friction, estimate.friction_sigma) + "  slides " + sliding_text(estimate) +
+          "  alert " + alert_text(estimate) + "  " + pace(sensor);
   return line + (estimate.simulated || sensor.info.simulated ? "  simulated" : "");
 }
 

@@ -36,7 +36,7 @@ void expect_same(const testing::DbcMessage& message, const std::array<Signal, N>
     EXPECT_TRUE(defined.little_endian);
     EXPECT_FALSE(defined.is_signed);
     EXPECT_DOUBLE_EQ(defined.scale, signal.scale);
-    EXPECT_EQ(defined.offset, 0);
+    EXPECT_DOUBLE_EQ(defined.offset, signal.offset);
     EXPECT_FALSE(defined.comment.empty());
     const std::uint64_t bits = ((std::uint64_t{1} << signal.length) - 1) << signal.start;
     EXPECT_EQ(used & bits, 0U) << "lies over another signal";
@@ -68,6 +68,21 @@ TEST(CanEncode, TheValueTablesAreTheWordsOfTheSocket) {
   const auto& cause = shipped().at(kBase + kAlertOffset).signals.at("Cause").values;
   EXPECT_EQ(cause.at(0), to_string(AlertCause::margin));
   EXPECT_EQ(cause.at(1), to_string(AlertCause::sliding));
+}
+
+TEST(CanEncode, TorqueIsSentWithItsSignAndUnknownIsNotZero) {
+  const testing::DbcSignal& torque = shipped().at(kBase + kSlidingOffset).signals.at("Torque");
+  Estimate e;
+  EXPECT_EQ(torque.raw(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), kNotAvailable);
+  for (const double torque_nm : {0.0, 0.0125, -0.3, 3.2}) {
+    e.torque_nm = torque_nm;
+    EXPECT_NEAR(torque.physical(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), 1e3 * torque_nm, 0.051);
+  }
+  for (const double torque_nm : {50.0, -50.0}) {
+    e.torque_nm = torque_nm;
+    EXPECT_NEAR(torque.physical(encode_sliding(kBase + kSlidingOffset, e, false, 0).data),
+                std::copysign(3276.7, torque_nm), 0.051);
+  }
 }
 
 TEST(CanEncode, SlidingIsSentAsItIsAndUnknownIsNotNone) {
