@@ -39,6 +39,9 @@ constexpr double kOneSided95 = 1.645;
 // the bound stands though the contact turns.
 constexpr double kTorqueSigmas = 3;
 
+// Least noise of the torque, of P times the contact's radius: errors of gain and place; share, 0.001 … 0.05.
+constexpr double kTorqueFloor = 0.01;
+
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
@@ -100,7 +103,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
 // sharpest object, for the softest one against the flattest.
 PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   PlausibilityLimits limits{
-      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout))};
+      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),
+      .flat = std::isinf(setup.scene.skin.radius_m)};
   if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
   const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
   const contact::Body skin = contact::body_of(setup.scene.skin);
@@ -194,7 +198,9 @@ struct EstimatorChain::Impl {
     torque_nm *= setup.layout.area_m2();
     if (setup.layout.size() > 1) out.torque_nm = torque_nm;
     const double torque_sigma_nm = patch.shear_sigma_n * patch.radius_m / std::numbers::sqrt2;
-    if (std::fabs(torque_nm) > kTorqueSigmas * torque_sigma_nm) return;
+    const double noise_nm =
+        std::max(kTorqueSigmas * torque_sigma_nm, kTorqueFloor * patch.normal_n * patch.radius_m);
+    if (std::fabs(torque_nm) > noise_nm) return;
     const double friction = least_friction(out);
     const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
     out.limit_low_n = std::max(0.0, friction * normal_n);
