@@ -2,6 +2,7 @@
 #   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-realtime               a drop-in that allows real-time scheduling
+#   python3-slipd                the client for Python
 #   slipd-dev                    headers and CMake files for drivers of one's own
 set(slipd_packaging ${PROJECT_SOURCE_DIR}/packaging)
 
@@ -110,5 +111,12 @@ slipd_package(dev slipd-dev COMPONENTS dev SECTION libdevel DEPENDS "nlohmann-js
   SUMMARY "headers for drivers of slipd"
   TEXT "What a driver for a sensor of one's own is compiled with: the contract\n\
 between slipd and a driver, and CMake files.")
+
+slipd_package(python python3-slipd COMPONENTS python SECTION python DEPENDS "python3 (>= 3.10)"
+  SUMMARY "client of slipd for Python"
+  TEXT "The slip margin of tactile sensors in Python programs: estimates as\n\
+they come, requests, and recordings. Uses python3-numpy for taxels and\n\
+python3-xxhash to check recordings if they are installed.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 
 include(CPack)

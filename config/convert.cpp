@@ -164,12 +164,17 @@ class Converter {
     c.fd = in["fd"];
     c.period = std::chrono::milliseconds(in["period_ms"].get<int>());
     c.allow_simulated = in["allow_simulated"];
-    constexpr std::uint64_t kLastOffset = 0x3F, kLargest = 0x7FF, kLargestExtended = 0x1FFFFFFF;
-    if (c.base_id + kLastOffset > (c.extended ? kLargestExtended : kLargest)) {
+    c.sliding = in["sliding"];
+    constexpr std::uint64_t kLastOffset = 0x3F, kLastOfSliding = 0x5F;
+    constexpr std::uint64_t kLargest = 0x7FF, kLargestExtended = 0x1FFFFFFF;
+    const std::uint64_t last = c.sliding ? kLastOfSliding : kLastOffset;
+    if (c.base_id + last > (c.extended ? kLargestExtended : kLargest)) {
+      const std::string room = "leaves no room for slipd's " + std::to_string(last + 1) + " identifiers";
+      const bool sliding = c.sliding;
       add("/can/base_id", in["base_id"],
           c.extended
-              ? "leaves no room for slipd's 64 identifiers; expected up to 0x1FFFFFC0"
-              : "leaves no room for slipd's 64 identifiers of 11 bits; expected up to 0x7C0, or extended");
+              ? room + "; expected up to " + (sliding ? "0x1FFFFFA0" : "0x1FFFFFC0")
+              : room + " of 11 bits; expected up to " + (sliding ? "0x7A0" : "0x7C0") + ", or extended");
     }
     s.can = std::move(c);
   }

@@ -69,6 +69,8 @@ struct CanSettings {
   std::chrono::milliseconds period{10};
   // Whether estimates of simulated sensors are sent.
   bool allow_simulated = false;
+  // Whether a message beside each estimate says if the object slides; it has 32 more identifiers.
+  bool sliding = false;
 };
 
 // The flight recorder.

@@ -111,10 +111,10 @@ GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, st
   return {std::max(0.0, shear_n * per_shear - normal_n), std::hypot(of_friction, shear_sigma_n * per_shear)};
 }
 
-void advise(Estimate& out, double shear_sigma_n, double target_margin) noexcept {
+void advise(Estimate& out, double pull_sigma_n, double target_margin) noexcept {
   if (!out.normal_n || !out.shear_n) return;
-  const GripAdvice advice = grip_advice(*out.normal_n, *out.shear_n, shear_sigma_n, out.friction,
-                                        out.friction_sigma, target_margin);
+  const GripAdvice advice = grip_advice(*out.normal_n, out.pull_n.value_or(*out.shear_n), pull_sigma_n,
+                                        out.friction, out.friction_sigma, target_margin);
   out.grip_increase_n = advice.increase_n;
   out.grip_increase_sigma_n = advice.sigma_n;
 }

@@ -92,7 +92,8 @@ struct GripAdvice {
 GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, std::optional<double> friction,
                        std::optional<double> friction_sigma, double target_margin) noexcept;
 
-// Writes it into `out`, whose forces and friction are set.
-void advise(Estimate& out, double shear_sigma_n, double target_margin) noexcept;
+// Writes it into `out`, whose forces and friction are set, for the pull that is as near to slip as force and
+// torque together. A torque that grows with the grip's radius is held at the present one: the safe side.
+void advise(Estimate& out, double pull_sigma_n, double target_margin) noexcept;
 
 }  // namespace slipd

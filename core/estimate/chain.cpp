@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -12,9 +11,11 @@
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/estimate/slipping_taxels.hpp"
 #include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
+#include "core/estimate/turning_load.hpp"
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
@@ -35,12 +36,9 @@ constexpr std::size_t kFewInside = 12;
 // Standard deviations below a mean that 95 % of a Gaussian lie above.
 constexpr double kOneSided95 = 1.645;
 
-// A torque of so many standard deviations is one; 2 … 5. Too small: noise takes the bound away. Too large:
-// the bound stands though the contact turns.
-constexpr double kTorqueSigmas = 3;
-
-// Least noise of the torque, of P times the contact's radius: errors of gain and place; share, 0.001 … 0.05.
-constexpr double kTorqueFloor = 0.01;
+// Shear from which on a frame has a shape, in standard deviations; 2 … 6. Too small: methods read noise. Too
+// large: light pulls get no margin from their shape.
+constexpr double kClearSigmas = 3;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
@@ -139,6 +137,8 @@ struct EstimatorChain::Impl {
         finder(s.layout),
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
+        turning_load(s.layout),
+        slipping(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
@@ -152,6 +152,7 @@ struct EstimatorChain::Impl {
   void forget() noexcept {
     tracker.forget();
     unseen.reset();
+    turning_load.reset();
   }
 
   // What the forces did since the last frame nobody has seen.
@@ -187,26 +188,17 @@ struct EstimatorChain::Impl {
     return std::max(known.range.low, *out.friction - kOneSided95 * out.friction_sigma.value_or(0));
   }
 
-  // The margin on the safe side of all that is not known, and the torque that it does not know of.
-  void bound_margin(const ContactPatch& patch, Estimate& out) const noexcept {
-    double torque_nm = 0;
-    patch.for_each_inside([&](std::uint32_t i) {
-      torque_nm +=
-          (setup.layout.x_m()[i] - patch.center_x_m) * static_cast<double>(patch.taxels.shear_y_pa[i]) -
-          (setup.layout.y_m()[i] - patch.center_y_m) * static_cast<double>(patch.taxels.shear_x_pa[i]);
-    });
-    torque_nm *= setup.layout.area_m2();
-    if (setup.layout.size() > 1) out.torque_nm = torque_nm;
-    const double torque_sigma_nm = patch.shear_sigma_n * patch.radius_m / std::numbers::sqrt2;
-    const double noise_nm =
-        std::max(kTorqueSigmas * torque_sigma_nm, kTorqueFloor * patch.normal_n * patch.radius_m);
-    if (std::fabs(torque_nm) > noise_nm) return;
+  // The margin on the safe side of all that is not known. `loaded`: `patch` with the pull that asks for as
+  // much of friction as force and torque together.
+  void bound_margin(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
     const double friction = least_friction(out);
     const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
     out.limit_low_n = std::max(0.0, friction * normal_n);
     // As if what taxels carry against each other came on top: no more than that is used up of friction.
-    const double shear_n = patch.shear_n + kOneSided95 * patch.shear_sigma_n +
-                           (method ? 0 : course.field.internal_share * patch.normal_n);
+    // Torque is a part of it.
+    const double internal_n = method ? 0 : course.field.internal_share * patch.normal_n;
+    const double shear_n = std::max(loaded.shear_n + kOneSided95 * loaded.shear_sigma_n,
+                                    patch.shear_n + kOneSided95 * patch.shear_sigma_n + internal_n);
     double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
     out.gamma_low = low;
@@ -239,16 +231,37 @@ struct EstimatorChain::Impl {
       return;
     }
     out.shear_n = patch.shear_n;
-    estimate_margin(frame, patch, out);
-    bound_margin(patch, out);
-    advise(out, patch.shear_sigma_n, setup.alerts.target_margin);
+    const TurningLoadResult load = turning_load.of(patch);
+    // What friction has to carry, with torque, as a pull.
+    ContactPatch loaded = patch;
+    loaded.shear_n = load.pull_n;
+    loaded.shear_sigma_n = load.pull_sigma_n;
+    out.pull_n = load.pull_n;
+    if (setup.layout.size() > 1) {
+      out.torque_nm = patch.torque_nm;
+      out.torque_sigma_nm = patch.torque_sigma_nm;
+    }
+    estimate_margin(frame, patch, loaded, load.turning, out);
+    bound_margin(patch, loaded, out);
+    advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  void estimate_margin(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
-    const bool shaped = method && (patch.count >= kFewInside || weighed_over_time(setup)) &&
-                        patch.shear_n > 3 * patch.shear_sigma_n;
-    const FrameEstimate frame_estimate = shaped ? method->estimate(frame, patch) : FrameEstimate{};
-    tracker.update(patch, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
+  // One frame by itself: by the method, or by taxels that slip where torque has bent the field.
+  FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                               Turning turning) noexcept {
+    return turning == Turning::bending ? slipping.estimate(loaded) : method->estimate(frame, patch);
+  }
+
+  void estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                       Turning turning, Estimate& out) noexcept {
+    const bool few = weighed_over_time(setup);
+    // So few taxels have no shape under torque.
+    const bool shaped =
+        method && (patch.count >= kFewInside || few) &&
+        (turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    const FrameEstimate frame_estimate =
+        shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
+    tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out, course);
     if (setup.estimator.tracking) own_up(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
@@ -256,7 +269,7 @@ struct EstimatorChain::Impl {
       out.sigma.reset();
       out.state = State::out_of_model;
     }
-    if (!frame_estimate.in_model) return;
+    if (!frame_estimate.in_model || frame_estimate.turning) return;
     out.center_x_m = frame_estimate.center_x_m;
     out.center_y_m = frame_estimate.center_y_m;
     out.radius_m = frame_estimate.radius_m;
@@ -280,6 +293,8 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
+  TurningLoad turning_load;
+  SlippingTaxels slipping;
   Tracker tracker;
   UnseenMotion unseen;
   KnownFriction known = Range{};  // given, else what the scene expects

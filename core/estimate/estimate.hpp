@@ -54,7 +54,7 @@ struct Estimate {
   std::optional<double> grip_increase_n, grip_increase_sigma_n;
   // The margin that holds with 95 % confidence, 0 to 1: with what was learnt of friction, else with the low
   // end of the range that was given or that the scene expects. Also in learning and out_of_model. None
-  // without contact, without known forces, and where there is a torque, which margins do not cover.
+  // without contact and without known forces.
   std::optional<double> gamma_low;
   // The tangential force that the contact can carry, mu P, by what is known of friction: with its standard
   // deviation, in state ok; and what it is not below with 95 % confidence, in every state with contact and
@@ -64,8 +64,12 @@ struct Estimate {
   // order of its sensors. None in a sensor's estimate.
   std::optional<double> first_gamma;
   std::uint8_t first_member = 0;
-  // Torque about the contact's normal, through its centre, on the sensor, N m; none for one force vector.
-  std::optional<double> torque_nm;
+  // Torque about the contact's normal, through its centre, on the sensor, N m, positive from x to y; and its
+  // standard deviation, N m. None where the sensor measures none.
+  std::optional<double> torque_nm, torque_sigma_nm;
+  // The pull without torque that is as near to slip as shear_n and torque_nm together, N; shear_n where noise
+  // may be all of the torque. gamma = 1 - pull_n/(friction normal_n).
+  std::optional<double> pull_n;
   // Whether the object slides now; none: this sensor or contact cannot show it.
   std::optional<Sliding> sliding;
   // How long `sliding` has been what it is, s; none if it is.

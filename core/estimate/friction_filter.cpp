@@ -49,15 +49,16 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
   if (force_only_) forget_lighter(patch);
   const bool tangled = force_only_ && course.field.internal_share > options_.max_internal_share;
   if (!tangled) bound_below();
-  if (!force_only_) follow(patch);
+  const bool turning = frame_estimate != nullptr && frame_estimate->turning;
+  if (!force_only_ && !turning) follow(patch);
+  grasp_.turning = turning;
   grasp_.surprised = false;
   grasp_.doubt_frames = std::max(0, grasp_.doubt_frames - 1);
   const bool clear =
       frame_estimate != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n;
   if (!force_only_) verify(patch, clear);
-  if (!clear) {
-    grasp_.slip_moment.known = false;
-  } else if (weigh_frame(patch, *frame_estimate)) {
+  if (!clear || turning) grasp_.slip_moment.known = false;
+  if (clear && (turning ? weigh_turning(patch, *frame_estimate) : weigh_frame(patch, *frame_estimate))) {
     grasp_.unverified_frames = 0;
   }
   if (force_only_) {
@@ -93,6 +94,11 @@ void FrictionFilter::bound_below() noexcept {
 void FrictionFilter::follow(const ContactPatch& patch) noexcept {
   if (forces_.aim(patch)) lose_history(HistoryEvent::shear_turned);
   if (forces_.follow(patch)) foundations_.follow(forces_.normal_n(), forces_.shear_n());
+  if (grasp_.turning) {  // what a torque left in the contact is not known; friction is
+    history_.lose(HistoryEvent::shear_turned);
+    grasp_.margin_offset = {};
+    foundations_.assume_monotonic(forces_.normal_n(), forces_.shear_n());
+  }
   if (forces_.loaded_at_onset(patch)) lose_history(HistoryEvent::loaded_at_onset);
 }
 
@@ -147,6 +153,21 @@ bool FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   return take_evidence(
       residuals, as_monotonic,
       as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
+}
+
+// A frame whose torque has bent the field shows friction itself, by taxels that slip, whatever the history.
+bool FrictionFilter::weigh_turning(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept {
+  grasp_.margin_offset = {};
+  if (!frame_estimate.in_model || !std::isfinite(frame_estimate.friction_sigma)) return false;
+  part_errors(patch);
+  const double all = frame_estimate.friction_sigma / frame_estimate.friction;
+  const double common = std::min(all, frame_estimate.common_sigma / std::max(options_.min_mobilised, 1 - frame_estimate.gamma));
+  const double step = options_.grid_share * grid_.step();
+  PerFriction residuals;  // the first grid_.count() of them
+  for (std::size_t j = 0; j < grid_.count(); ++j)
+    residuals[j] = square(std::log(grid_.friction(j) / frame_estimate.friction)) / (square(all) + square(step));
+  const double noise = std::max(square(all) - square(common), options_.min_noise_share * square(all));
+  return take_evidence(residuals, false, grasp_.of_margins.add(square(common), noise));
 }
 
 // What frames have in common changes with the contact: where the forces have moved far, errors are new.

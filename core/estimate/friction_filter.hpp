@@ -1,8 +1,8 @@
 // Friction of one grasp: a Bayes filter on a grid of log mu (docs/theory.md §11). Each
 // friction of the grid follows the grasp's forces with a Winkler foundation of its own. A frame takes weight
 // from those whose contact would look otherwise by now, after a regrip, an unloading or a reversal just as
-// after a monotonic load. What no frame distinguishes stays open: a contact that sticks all over looks the same
-// for every friction that holds it.
+// after a monotonic load. What no frame distinguishes stays open: a contact that sticks all over looks the
+// same for every friction that holds it.
 //
 // A change of friction is learnt within a few frames, and sooner if it fell than if it rose. Estimate thread;
 // fixed memory, nothing allocates.
@@ -34,7 +34,9 @@ class FrictionFilter {
   // A new grasp: back to the prior.
   void reset() noexcept;
 
-  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape. `course`:
+  // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape. Where a
+  // torque has bent the field (frame_estimate->turning) shear_n of `patch` is the pull that asks for as much
+  // of friction; the foundations, which know pulls only, rest meanwhile, and start anew afterwards. `course`:
   // what is known of sliding, at most a frame old.
   void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate,
               const SlidingVerdict& course = {}) noexcept;
@@ -69,7 +71,7 @@ class FrictionFilter {
 
   // The history is known, and frames of late look as some friction would make them.
   bool understood() const noexcept {
-    return is_known(history()) && grasp_.mean_residual < options_.max_mean_residual;
+    return (grasp_.turning || is_known(history())) && grasp_.mean_residual < options_.max_mean_residual;
   }
 
  private:
@@ -126,6 +128,7 @@ class FrictionFilter {
   struct GraspState {
     double lighter_n = 0;  // P that the evidence of forces alone stands for; 0: none yet
     bool surprised = false;
+    bool turning = false;      // the last frame's shear was bent by a torque
     int doubt_frames = 0;      // to come
     MeanSigma margin_offset;   // see margin_offset()
     double likeliest = 0;      // friction a frame ago; 0 before the first
@@ -152,6 +155,7 @@ class FrictionFilter {
   }
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
+  bool weigh_turning(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   void lose_history(HistoryEvent why) noexcept;
   bool looks_monotonic(double normal_n, double load) noexcept;
   // True if the frame said something of friction.

@@ -8,7 +8,7 @@ namespace {
 
 // What the fingers carry together, and can carry; N.
 struct Sums {
-  double normal_n = 0, shear_n = 0;
+  double normal_n = 0, shear_n = 0, pull_n = 0;
   double limit_n = 0, limit_variance = 0;  // of sum of mu P
   double limit_low_n = 0;
   bool contact = false;
@@ -44,14 +44,16 @@ void add_forces(const Estimate& member, Sums& sums) noexcept {
   }
   sums.normal_n += *member.normal_n;
   sums.shear_n += std::abs(*member.shear_n);
+  sums.pull_n += member.pull_n.value_or(std::abs(*member.shear_n));
 }
 
 void give_margin(const Sums& sums, double target_margin, Estimate& result) noexcept {
   const double limit_sigma_n = std::sqrt(sums.limit_variance);
-  result.gamma = std::clamp(1 - sums.shear_n / sums.limit_n, 0.0, 1.0);
-  result.sigma = sums.shear_n / sums.limit_n * limit_sigma_n / sums.limit_n;
+  result.gamma = std::clamp(1 - sums.pull_n / sums.limit_n, 0.0, 1.0);
+  result.sigma = sums.pull_n / sums.limit_n * limit_sigma_n / sums.limit_n;
   result.normal_n = sums.normal_n;
   result.shear_n = sums.shear_n;
+  result.pull_n = sums.pull_n;
   result.limit_n = sums.limit_n;
   result.limit_sigma_n = limit_sigma_n;
   if (!sums.friction_known) return;
@@ -86,7 +88,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
   if (sums.contact && sums.low_known && gravest <= State::out_of_model) {
     result.limit_low_n = sums.limit_low_n;
     result.gamma_low =
-        sums.limit_low_n > 0 ? std::clamp(1 - sums.shear_n / sums.limit_low_n, 0.0, 1.0) : 0;
+        sums.limit_low_n > 0 ? std::clamp(1 - sums.pull_n / sums.limit_low_n, 0.0, 1.0) : 0;
   }
   if (result.state == State::ok) give_margin(sums, target_margin, result);
   return result;

@@ -34,6 +34,9 @@ struct MarginProfile {
 // infinite where the frame does not determine friction (no load).
 struct FrameEstimate {
   bool in_model = false;
+  // The contact carries a torque that makes its shear no sum of disc terms: gamma and friction are of that
+  // load, by taxels that slip; there are no moments and no profile.
+  bool turning = false;
   // How the shear lies along the resultant, whatever the contact went through: see ShearMoments.
   // Deviations are infinite where it is not known.
   contact::ShearMoments moments,

@@ -89,7 +89,8 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   const MeanSigma friction = friction_filter_.grid().friction();
   give_friction(out);
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
-  const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known);
+  const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known) &&
+                      (!frame_estimate->turning || frame_estimate->in_model);
   const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
@@ -118,7 +119,7 @@ MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate
     }
     return margin;
   }
-  if (!frame_estimate.in_model || !is_monotonic(friction_filter_.history())) return margin;
+  if (frame_estimate.turning || !frame_estimate.in_model || !is_monotonic(friction_filter_.history())) return margin;
   const double sigma = std::hypot(own.sigma, margin.sigma);
   if (!(std::fabs(own.mean - margin.mean) < options_.agreement_sigmas * sigma)) return margin;
   out.method = method;

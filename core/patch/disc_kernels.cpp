@@ -90,8 +90,8 @@ PlaceSums weigh(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_
   return ended(sums, counted(dead_taxels));
 }
 
-ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
-  Sums<3> sums;
+ForceSums force(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_m) noexcept {
+  Sums<5> sums;
   Floats peak{}, x_extreme{}, y_extreme{};
   for_blocks(
       runs.data(), runs.size(), at.size, [&](std::size_t i, const Ints& mask) __attribute__((always_inline)) {
@@ -100,14 +100,17 @@ ForceSums force(const TaxelView& at, DiscKernels::Runs runs) noexcept {
         const Floats x = where(mask, load(at.shear_x_pa + i)), y = where(mask, load(at.shear_y_pa + i));
         sums.part[1] += x;
         sums.part[2] += y;
+        const Floats rx = load(at.x_m + i) - x_m, ry = load(at.y_m + i) - y_m;
+        sums.part[3] += rx * y - ry * x;
+        sums.part[4] += where(mask, rx * rx + ry * ry);
         peak = p > peak ? p : peak;
         x_extreme = magnitude(x) > x_extreme ? magnitude(x) : x_extreme;
         y_extreme = magnitude(y) > y_extreme ? magnitude(y) : y_extreme;
         sums.next();
       });
   sums.flush();
-  return {sums.total(0),  sums.total(1),       sums.total(2),
-          greatest(peak), greatest(x_extreme), greatest(y_extreme)};
+  return {sums.total(0), sums.total(1),    sums.total(2),       sums.total(3),
+          sums.total(4), greatest(peak), greatest(x_extreme), greatest(y_extreme)};
 }
 
 double shear_squares(const TaxelView& at, DiscKernels::Runs runs, const ContactPose& from) noexcept {
@@ -194,8 +197,21 @@ void rings(const TaxelView& at, DiscKernels::Runs runs, const ContactPose& from,
   }
 }
 
+void add_row(const float* values, std::size_t count, float lever, float* sums, float* moments) noexcept {
+  const auto add = [&](std::size_t i, const Floats& value) __attribute__((always_inline)) {
+    store(sums + i, load(sums + i) + value);
+    store(moments + i, load(moments + i) + value * lever);
+  };
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) add(i, load(values + i));
+  for (; i < count; ++i) {
+    sums[i] += values[i];
+    moments[i] += values[i] * lever;
+  }
+}
+
 constexpr DiscKernels kLoops{
-    SLIPD_INSTRUCTION_SET_NAME, noise, place, weigh, force, shear_squares, moments, rings};
+    SLIPD_INSTRUCTION_SET_NAME, noise, place, weigh, force, shear_squares, moments, rings, add_row};
 
 }  // namespace
 

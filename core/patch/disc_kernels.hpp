@@ -38,8 +38,11 @@ struct PlaceSums {
   std::size_t dead_taxels = 0;
 };
 
+// Of pressure p and shear (x, y) in a disc; moments are about a centre.
 struct ForceSums {
   double p = 0, x = 0, y = 0;
+  double moment = 0;                   // of the shear about the centre: r_x y - r_y x
+  double rr = 0;                       // squared distances from the centre, alone
   float peak = 0;                      // of p, at least 0
   float x_extreme = 0, y_extreme = 0;  // the greatest |shear| along x, along y
 };
@@ -70,12 +73,14 @@ struct DiscKernels {
   PlaceSums (*place)(const TaxelView&,
                      float least_pa) noexcept;  // of all taxels with at least this, about the origin
   PlaceSums (*weigh)(const TaxelView&, Runs, float x_m, float y_m, const DeadTaxelTest&) noexcept;
-  ForceSums (*force)(const TaxelView&, Runs) noexcept;
+  ForceSums (*force)(const TaxelView&, Runs, float x_m, float y_m) noexcept;  // about this centre
   double (*shear_squares)(const TaxelView&, Runs,
                           const ContactPose&) noexcept;  // of the shear along the direction
   MomentSums (*moments)(const TaxelView&, Runs, const ContactPose&) noexcept;
   // Adds to `count` rings of equal width, of which the last also takes what lies beyond.
   void (*rings)(const TaxelView&, Runs, const ContactPose&, std::size_t count, RingSums* rings) noexcept;
+  // Adds `count` values, and the same times `lever`, to two lists.
+  void (*add_row)(const float* values, std::size_t count, float lever, float* sums, float* moments) noexcept;
   static const DiscKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/simd/instruction_sets.hpp"
 
@@ -48,6 +49,7 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
     patch_.normal_sigma_n = per_noise * patch_.noise_normal_pa;
     patch_.shear_sigma_n = per_noise * patch_.noise_shear_pa;
     if (noise_) add_shared_noise();
+    if (layout_.size() > 1) measure_torque();
   }
   return patch_;
 }
@@ -262,11 +264,14 @@ void PatchFinder::gather(double reach_m) noexcept {
 }
 
 void PatchFinder::sum_forces() noexcept {
-  const ForceSums sums = kernels_.force(patch_.taxels, runs_);
+  const ForceSums sums = kernels_.force(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m),
+                                        static_cast<float>(patch_.center_y_m));
   const double area = layout_.area_m2();
   patch_.normal_n = sums.p * area;
   patch_.shear_x_n = sums.x * area;
   patch_.shear_y_n = sums.y * area;
+  moment_pa_m_ = sums.moment;
+  squares_m2_ = sums.rr;
   patch_.peak_pa = sums.peak;
   patch_.shear_x_extreme_pa = sums.x_extreme;
   patch_.shear_y_extreme_pa = sums.y_extreme;
@@ -276,6 +281,20 @@ void PatchFinder::sum_forces() noexcept {
     patch_.direction_x = patch_.shear_x_n / patch_.shear_n;
     patch_.direction_y = patch_.shear_y_n / patch_.shear_n;
   }
+}
+
+// docs/theory.md §6.5. The centre is that of the pressure, so that its noise moves the lever of Q: by half of
+// the squared distances, as only those across Q count.
+void PatchFinder::measure_torque() noexcept {
+  const double area = layout_.area_m2(), levers_m = std::sqrt(squares_m2_);
+  patch_.torque_nm = moment_pa_m_ * area;
+  const double place_m = patch_.normal_n > 0 ? patch_.noise_normal_pa * area * levers_m *
+                                                   std::numbers::sqrt2 / 2 / patch_.normal_n
+                                             : 0;
+  patch_.torque_sigma_nm = std::hypot(patch_.noise_shear_pa * area * levers_m, place_m * patch_.shear_n);
+  if (patch_.cut)
+    patch_.torque_sigma_nm =
+        std::hypot(patch_.torque_sigma_nm, options_.cut_torque_share * patch_.shear_n * patch_.radius_m);
 }
 
 // Noise that taxels share does not average out over the disc.

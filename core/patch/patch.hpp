@@ -30,14 +30,20 @@ struct ContactPatch {
   double noise_normal_pa = 0;             // standard deviation of one taxel
   double noise_shear_pa = 0;
   double normal_sigma_n = 0, shear_sigma_n = 0;  // standard deviations of P and Q
-  float peak_pa = 0;                             // the greatest pressure in the disc
-  float frame_peak_pa = 0;                       // the greatest pressure of the whole frame, at least 0
-  float frame_least_pa = 0;                      // the least pressure of the whole frame
-  float shear_x_extreme_pa = 0;                  // the greatest |shear| along x in the disc
-  float shear_y_extreme_pa = 0;                  // the same along y
-  bool finite = true;                            // false: values that are not numbers, or beyond all sense
-  std::size_t count = 0;                         // of the disc's taxels
-  std::size_t interpolated = 0;                  // of these, dead ones that neighbours stand for
+  // T: torque of the shear about the contact's centre and normal, N m, on the sensor; positive turns x to y.
+  // Shear that pressing alone makes points outwards and has none. 0 of one force vector.
+  double torque_nm = 0;
+  // Its standard deviation, N m, by noise of shear and of the centre's place. Of a contact that is cut it
+  // covers what the part beyond the edge may have.
+  double torque_sigma_nm = 0;
+  float peak_pa = 0;               // the greatest pressure in the disc
+  float frame_peak_pa = 0;         // the greatest pressure of the whole frame, at least 0
+  float frame_least_pa = 0;        // the least pressure of the whole frame
+  float shear_x_extreme_pa = 0;    // the greatest |shear| along x in the disc
+  float shear_y_extreme_pa = 0;    // the same along y
+  bool finite = true;              // false: values that are not numbers, or beyond all sense
+  std::size_t count = 0;           // of the disc's taxels
+  std::size_t interpolated = 0;    // of these, dead ones that neighbours stand for
   std::span<const TaxelRun> runs;  // the disc's taxels, by their numbers; valid until the next frame
   TaxelView taxels;                // the frame's channels, mended
 
@@ -83,6 +89,9 @@ struct PatchOptions {
   // Floor of the pressure's second moment, over side^2; 0.005 … 0.5. Too small: a contact on one taxel has no
   // radius. Too large: small contacts come out larger.
   double min_second_moment = 0.05;
+  // Standard deviation of the torque of a contact that is cut, of Q a; 0.05 … 1. Too small: the part that is
+  // not felt passes for a torque. Too large: a real torque goes unnoticed.
+  double cut_torque_share = 0.3;
   // The disc is found anew until a round moves it by less than this, in sides, at most so many rounds; 0.001
   // … 0.1, 1 … 10. Too small, too many: costs time. Too large, too few: place and radius lag behind.
   double settled_sides = 0.01;
@@ -142,6 +151,7 @@ class PatchFinder {
   DeadTaxel in_place_of(std::uint32_t taxel, float least_pa) const noexcept;
   void gather(double reach_m) noexcept;
   void sum_forces() noexcept;
+  void measure_torque() noexcept;
   void measure_shear_noise() noexcept;
   void add_shared_noise() noexcept;
 
@@ -157,6 +167,7 @@ class PatchFinder {
   std::vector<DeadTaxel> dead_;
   std::vector<TaxelRun> runs_, rest_;  // the disc, and all that is not of it
   double peak_pa_ = 0;
+  double moment_pa_m_ = 0, squares_m2_ = 0;  // of the disc: ForceSums::moment and rr
   std::optional<SensorNoise> noise_;
   ContactPatch patch_;
 };

@@ -58,6 +58,7 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
     judge_rows();
     judge_past();
   }
+  judge_continuity(frame, patch);
   judge_time(frame);
   remember(frame, patch);
   hold();
@@ -69,7 +70,8 @@ void PlausibilityMonitor::judge_values(const ContactPatch& patch) noexcept {
     now_.taxels_left_out = static_cast<std::uint32_t>(spikes_found_);
     if (patch.normal_n > 0) now_.left_out_share = std::min(1.0, spikes_.left_out_n() / patch.normal_n);
     if (spikes_found_ <= spikes_.may_leave()) {
-      blame(Verdict::taxels_left_out, Health::spike);
+      const bool enough = now_.left_out_share <= options_.most_left_out_share;
+      blame(enough ? Verdict::taxels_left_out : Verdict::frame_refused, Health::spike);
     } else {
       blame(Verdict::frame_refused, patch.finite ? Health::full_scale : Health::not_finite);
     }
@@ -129,6 +131,13 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
   const double most_m = std::max(patch.radius_m, last_radius_m_) + options_.jump_sides * layout_.side_m();
   if (layout_.size() > 1 && clear && last_clear_ && moved_m > most_m)
     blame(Verdict::frame_refused, Health::jump);
+}
+
+void PlausibilityMonitor::judge_continuity(const Frame& frame, const ContactPatch& patch) noexcept {
+  if (now_.verdict != Verdict::plausible || layout_.size() == 1) return continuity_.skip(frame.time_ns);
+  const Health health =
+      continuity_.update(frame.time_ns, patch, probes_.pattern(), probes_.size(), options_.continuity);
+  if (health != Health::good) blame(Verdict::frame_refused, health);
 }
 
 // True if this frame is the one before.

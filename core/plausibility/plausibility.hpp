@@ -14,6 +14,7 @@
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
+#include "core/plausibility/continuity.hpp"
 #include "core/plausibility/health.hpp"
 #include "core/plausibility/limits.hpp"
 #include "core/plausibility/probes.hpp"
@@ -46,7 +47,11 @@ struct PlausibilityOptions {
   static constexpr std::size_t kPast = 64;
 
   SpikeOptions spikes;
+  // Share of the force that neighbours may stand for; 0.02 … 0.3. Too small: a frame with a spike gives no
+  // margin. Too large: on few taxels the margin is that of another contact.
+  double most_left_out_share = 0.1;
   StillnessOptions stillness;
+  ContinuityOptions continuity;
 
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
   // judged by few values. More cost time in proportion.
@@ -127,6 +132,7 @@ class PlausibilityMonitor {
   void judge_time(const Frame& frame) noexcept;
   void judge_offset(const ContactPatch& patch) noexcept;
   void judge_course(const ContactPatch& patch) noexcept;
+  void judge_continuity(const Frame& frame, const ContactPatch& patch) noexcept;
   bool judge_frozen() noexcept;
   void judge_past() noexcept;
   void blame_repeated(std::uint32_t run) noexcept;
@@ -143,6 +149,7 @@ class PlausibilityMonitor {
   PlausibilityOptions options_;
   SpikeFinder spikes_;
   Probes probes_;
+  Continuity continuity_;
   Stillness frame_stillness_;
   std::array<Channel, kChannels> channels_;
   std::vector<Stillness> rows_;

@@ -65,11 +65,23 @@ ChannelChange Probes::compare(std::span<const float> values, std::size_t channel
   return sums;
 }
 
+// Before compare(), which replaces the last frame's values.
+void Probes::compare_pattern(std::span<const float> normal_pa) noexcept {
+  float square = 0, product = 0;
+  for (std::size_t i = 0; i < taxels_.size(); ++i) {
+    const float now = normal_pa[taxels_[i]];
+    square += now * now;
+    product += now * last_[i];
+  }
+  pattern_ = {square, pattern_.square_pa2, product};
+}
+
 void Probes::update(const Frame& frame) noexcept {
   const std::array<std::span<const float>, kChannels> values{frame.normal_pa, frame.shear_x_pa,
                                                              frame.shear_y_pa};
   std::fill(rows_.begin(), rows_.end(), GroupChange{});
   fingerprint_ = 0;
+  compare_pattern(frame.normal_pa);
   for (std::size_t channel = 0; channel < kChannels; ++channel) {
     channels_[channel] = compare(values[channel], channel);
     std::uint32_t probe = 0;

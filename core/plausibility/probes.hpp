@@ -24,6 +24,19 @@ struct ChannelChange {
   std::size_t nonzero_before = 0;  // the same a frame ago
 };
 
+// The pressures of a frame beside those of the frame before.
+struct PatternChange {
+  double square_pa2 = 0;         // sum of squares
+  double square_before_pa2 = 0;  // the same a frame ago
+  double product_pa2 = 0;        // sum of products of both
+
+  // 1 - cos^2 between both: 0 where one is a multiple of the other, 1 where they share no taxel.
+  double unlikeness() const noexcept {
+    const double squares = square_pa2 * square_before_pa2;
+    return squares > 0 ? 1 - product_pa2 * product_pa2 / squares : 0;
+  }
+};
+
 class Probes {
  public:
   // `most`: taxels that are compared, if the layout has more; at least two of each row of a grid.
@@ -34,12 +47,14 @@ class Probes {
 
   std::size_t size() const noexcept { return taxels_.size(); }
   const std::array<ChannelChange, kChannels>& channels() const noexcept { return channels_; }
+  const PatternChange& pattern() const noexcept { return pattern_; }
   // Of all values of this frame: equal for equal frames, and hardly for others.
   std::uint64_t fingerprint() const noexcept { return fingerprint_; }
   // Of all three channels of each row of a grid; none for other layouts.
   std::span<const GroupChange> rows() const noexcept { return rows_; }
 
  private:
+  void compare_pattern(std::span<const float> normal_pa) noexcept;
   ChannelChange compare(std::span<const float> values, std::size_t channel) noexcept;
 
   std::vector<std::uint32_t> taxels_;    // row by row
@@ -48,6 +63,7 @@ class Probes {
   std::vector<std::uint8_t> changed_, turned_;  // of one channel
   std::array<ChannelChange, kChannels> channels_;
   std::vector<GroupChange> rows_;
+  PatternChange pattern_;
   std::uint64_t fingerprint_ = 0;
 };
 

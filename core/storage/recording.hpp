@@ -37,7 +37,9 @@
 //   "shear_y_pa"          the same
 //   "estimate"            present if the frame's estimate is known (flight recorder): map of "state" and
 //                         "alert" (uint, numbered as State and Alert of core/estimate/estimate.hpp), "gamma",
-//                         "sigma", "friction", "normal_n" and "shear_n" (float64 or null)
+//                         "sigma", "friction", "normal_n" and "shear_n" (float64 or null), and, absent in
+//                         older recordings, "sliding" (int or null) and "alert_cause" (uint), numbered as
+//                         Sliding and AlertCause there
 // The last item of a recording that was finished is the index, a map of these entries in this order, with
 // widths as above:
 //   "index"     byte string: of some blocks, the first one among them, position in the file and "first_ns",
@@ -113,6 +115,11 @@ struct RecordedEstimate {
   double normal_n = kUnknown;
   // Tangential force, N.
   double shear_n = kUnknown;
+  // Sliding of core/sliding/sliding.hpp, as a number; kNoSliding: unknown, or not in the recording.
+  std::uint8_t sliding = kNoSliding;
+  // AlertCause of core/estimate/estimate.hpp, as a number; 0: no alert, or not in the recording.
+  std::uint8_t alert_cause = 0;
+  static constexpr std::uint8_t kNoSliding = 255;
 };
 
 // what() is `FILE: byte N: what is wrong, what was expected`.

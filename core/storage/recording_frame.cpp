@@ -4,7 +4,8 @@ namespace slipd {
 namespace {
 
 constexpr std::uint64_t kEntries = 8;  // of a frame without estimate
-constexpr std::uint64_t kEstimateEntries = 7;
+constexpr std::uint64_t kEstimateEntries = 9;
+constexpr std::uint64_t kEstimateEntriesBefore = 7;  // before there was sliding
 constexpr std::size_t kMostBesideTaxels = 384;  // bytes of a frame beside its taxels' values; it takes less
 
 // Calls `body` with the name and the value of each number. Writing and reading use the same list.
@@ -28,12 +29,21 @@ void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept 
     out.text(name);
     out.float64_or_null(value);
   });
+  out.text("sliding");
+  if (estimate.sliding == RecordedEstimate::kNoSliding) {
+    out.null();
+  } else {
+    out.integer(estimate.sliding);
+  }
+  out.text("alert_cause");
+  out.unsigned_integer(estimate.alert_cause);
 }
 
 // False: the estimate's map has another number of entries.
 bool take_estimate(cbor::Reader& in, RecordedEstimate& estimate) noexcept {
   in.text("estimate");
-  if (in.map() != kEstimateEntries && in.ok()) return false;
+  const std::uint64_t entries = in.map();
+  if (in.ok() && entries != kEstimateEntries && entries != kEstimateEntriesBefore) return false;
   in.text("state");
   estimate.state = static_cast<std::uint8_t>(in.unsigned_integer());
   in.text("alert");
@@ -42,6 +52,11 @@ bool take_estimate(cbor::Reader& in, RecordedEstimate& estimate) noexcept {
     in.text(name);
     value = in.float64_or_null();
   });
+  if (entries != kEstimateEntries) return true;
+  in.text("sliding");
+  estimate.sliding = static_cast<std::uint8_t>(in.integer_or_null().value_or(RecordedEstimate::kNoSliding));
+  in.text("alert_cause");
+  estimate.alert_cause = static_cast<std::uint8_t>(in.unsigned_integer());
   return true;
 }
 

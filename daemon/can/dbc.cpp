@@ -53,6 +53,11 @@ class Instance {
  public:
   Instance(const CanSettings& can, std::uint32_t shipped_id) : can_(can), shipped_id_(shipped_id) {}
 
+  // Whether a statement is about a message of this kind.
+  bool about(const std::string& statement) const {
+    return find_word(statement, std::to_string(shipped_id_)) != std::string::npos;
+  }
+
   // The statement for message `index`; empty: it is about another message.
   std::string of(const std::string& statement, std::size_t index, const std::string& source) const {
     const std::string shipped = std::to_string(shipped_id_);
@@ -65,12 +70,16 @@ class Instance {
     text = replaced(text, kShippedSubject, source);
     if (text.starts_with("BA_ \"VFrameFormat\""))
       text = replaced(text, " 0;", " " + frame_format(can_) + ";");
-    if (shipped_id_ == kShippedBase && text.starts_with("BA_ \"GenMsgCycleTime\""))
+    if (has_period() && text.starts_with("BA_ \"GenMsgCycleTime\""))
       text = replaced(text, " 10;", " " + std::to_string(can_.period.count()) + ";");
     return text;
   }
 
  private:
+  bool has_period() const {
+    return shipped_id_ == kShippedBase || shipped_id_ == kShippedBase + kSlidingOffset;
+  }
+
   const CanSettings& can_;
   std::uint32_t shipped_id_;
 };
@@ -91,13 +100,16 @@ std::vector<std::string> source_names(const Settings& settings) {
 std::string dbc_text(const CanSettings& can, const std::vector<std::string>& sources) {
   const Instance estimate(can, kShippedBase);
   const Instance alert(can, kShippedBase + kAlertOffset);
+  const Instance sliding(can, kShippedBase + kSlidingOffset);
   const Instance heartbeat(can, kShippedBase + kHeartbeatOffset);
   std::string text;
   for (const std::string& statement : statements(slipd_dbc)) {
+    if (!can.sliding && sliding.about(statement)) continue;
     std::string made = heartbeat.of(statement, 0, "");
     for (std::size_t i = 0; i < sources.size(); ++i) {
       made += estimate.of(statement, i, sources[i]);
       made += alert.of(statement, i, sources[i]);
+      made += sliding.of(statement, i, sources[i]);
     }
     text += made.empty() ? statement : made;
   }

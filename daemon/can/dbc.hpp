@@ -1,5 +1,5 @@
-// The DBC file of a configuration: config/slipd.dbc with its identifiers, its period, and a pair of messages
-// for each sensor and grasp. Called from any thread; allocates.
+// The DBC file of a configuration: config/slipd.dbc with its identifiers, its period, and the messages of
+// each sensor and grasp. Called from any thread; allocates.
 #pragma once
 
 #include <string>

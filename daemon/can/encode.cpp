@@ -23,10 +23,10 @@ class Payload {
     bits_ |= (count & mask) << signal.start;
   }
 
-  // A value of at least 0, limited to the largest count that does not mean not available.
+  // A value of at least the signal's offset, limited to the largest count that does not mean not available.
   void put(const Signal& signal, std::optional<double> value) noexcept {
     if (!value || std::isnan(*value)) return put(signal, kNotAvailable);
-    const double counts = std::round(*value / signal.scale);
+    const double counts = std::round((*value - signal.offset) / signal.scale);
     put(signal, static_cast<std::uint64_t>(std::clamp(counts, 0.0, static_cast<double>(kNotAvailable - 1))));
   }
 
@@ -84,6 +84,23 @@ Message encode_alert(std::uint32_t id, const Estimate& estimate, bool simulated,
   payload.put(alert::kTimeToSlip_ms, time_to_slip ? std::optional(*time_to_slip * 1e3) : std::nullopt);
   payload.put(alert::kAlert, static_cast<std::uint64_t>(estimate.alert));
   payload.put(alert::kSimulated, std::uint64_t{simulated});
+  payload.put(alert::kCause, std::uint64_t{estimate.alert_cause == AlertCause::sliding});
+  return payload.seal(id, counter);
+}
+
+Message encode_sliding(std::uint32_t id, const Estimate& estimate, bool simulated,
+                       unsigned counter) noexcept {
+  Payload payload;
+  const auto for_s = estimate.sliding ? estimate.sliding_for_s : std::nullopt;
+  payload.put(sliding::kSlidingFor_ms, for_s ? std::optional(*for_s * 1e3) : std::nullopt);
+  constexpr double kMmPerM = 1e3;
+  const auto torque_nm = estimate.torque_nm;
+  payload.put(sliding::kTorque_nmm, torque_nm ? std::optional(*torque_nm * kMmPerM) : std::nullopt);
+  payload.put(sliding::kSliding, estimate.sliding ? static_cast<std::uint64_t>(*estimate.sliding)
+                                                  : sliding::kSlidingNotAvailable);
+  payload.put(sliding::kAlert, static_cast<std::uint64_t>(estimate.alert));
+  payload.put(sliding::kSimulated, std::uint64_t{simulated});
+  payload.put(sliding::kSequence, estimate.sequence);
   return payload.seal(id, counter);
 }
 

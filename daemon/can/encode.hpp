@@ -10,9 +10,9 @@
 
 namespace slipd::can {
 
-// Offsets of identifiers from base_id. Estimate i has base_id + i, alert i has base_id + kAlertOffset + i.
-// Sensors come first, then grasps.
-inline constexpr std::uint32_t kAlertOffset = 0x20, kHeartbeatOffset = 0x3F;
+// Offsets of identifiers from base_id. Estimate i has base_id + i, alert i has base_id + kAlertOffset + i,
+// sliding i has base_id + kSlidingOffset + i. Sensors come first, then grasps.
+inline constexpr std::uint32_t kAlertOffset = 0x20, kHeartbeatOffset = 0x3F, kSlidingOffset = 0x40;
 // Most sensors and grasps together.
 inline constexpr std::size_t kMaxMessages = 31;
 
@@ -34,6 +34,7 @@ std::uint8_t crc8(std::span<const std::uint8_t> data) noexcept;
 Message encode_estimate(std::uint32_t id, const Estimate& estimate, bool simulated,
                         unsigned counter) noexcept;
 Message encode_alert(std::uint32_t id, const Estimate& estimate, bool simulated, unsigned counter) noexcept;
+Message encode_sliding(std::uint32_t id, const Estimate& estimate, bool simulated, unsigned counter) noexcept;
 
 // What the heartbeat says.
 struct Heartbeat {

@@ -6,7 +6,8 @@ namespace {
 constexpr std::size_t kStackBytes = std::size_t{128} * 1024;
 
 std::size_t messages_of_a_period(const Settings& settings) {
-  return 2 * (settings.sensors.size() + settings.grasps.size()) + 1;
+  const std::size_t of_a_source = settings.can->sliding ? 3 : 2;
+  return of_a_source * (settings.sensors.size() + settings.grasps.size()) + 1;
 }
 
 }  // namespace

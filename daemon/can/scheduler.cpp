@@ -54,7 +54,8 @@ CanScheduler::Time CanScheduler::step(Time now) noexcept {
   update_views(now);
   mark_due(now);
   if (ensure_open(now) && now >= retry_) {
-    const bool all = send_alerts(now) && send_estimates(now) && send_heartbeat(now, false);
+    const bool all =
+        send_alerts(now) && send_estimates(now) && send_sliding(now) && send_heartbeat(now, false);
     if (!all) retry_ = now + (up_ ? kRetryInterval : kDownInterval);
   }
   publish();
@@ -73,14 +74,17 @@ void CanScheduler::send_final(Time now) noexcept {
     Estimate stale;
     stale.sequence = slot.view.estimate.sequence;
     stale.alert = slot.view.estimate.alert;
+    stale.alert_cause = slot.view.estimate.alert_cause;
     slot.view.estimate = stale;
     slot.due = true;
+    slot.sliding_due = can_.sliding;
     ++slot.estimate_counter;
     slot.alert_due = now;
   }
   next_heartbeat_ = now;
   // The heartbeat first: it alone says that no estimate holds any more.
-  static_cast<void>(send_heartbeat(now, true) && send_estimates(now) && send_alerts(now));
+  static_cast<void>(send_heartbeat(now, true) && send_estimates(now) && send_alerts(now) &&
+                    send_sliding(now));
   publish();
 }
 
@@ -138,6 +142,7 @@ void CanScheduler::mark_due(Time now) noexcept {
   advance(next_period_, can_.period, now);
   for (MessageSlot& slot : slots_) {
     slot.due = true;
+    slot.sliding_due = can_.sliding;
     ++slot.estimate_counter;  // even if it cannot be sent: receivers see the jump
   }
 }
@@ -171,6 +176,21 @@ bool CanScheduler::send_estimates(Time now) noexcept {
     }
     slot.due = false;
     first_slot_ = (first_slot_ + 1) % slots_.size();
+  }
+  return true;
+}
+
+// Beside the estimates of the same period, with their counter.
+bool CanScheduler::send_sliding(Time now) noexcept {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    MessageSlot& slot = slots_[i];
+    if (slot.sliding_due && !withheld(i, now)) {
+      const std::uint32_t id = can_.base_id + kSlidingOffset + static_cast<std::uint32_t>(i);
+      if (send(encode_sliding(id, slot.view.estimate, slot.view.simulated, slot.estimate_counter), now) !=
+          Outcome::sent)
+        return false;
+    }
+    slot.sliding_due = false;
   }
   return true;
 }

@@ -1,6 +1,6 @@
-// Decides what is sent on the bus and when: an estimate of each source every period, alerts at once, a
-// heartbeat every second. Handles an interface that is down, full or gone. A message that found no room is
-// encoded anew later, so that the newest value is sent.
+// Decides what is sent on the bus and when: an estimate of each source every period and, if configured,
+// whether its object slides, alerts at once, a heartbeat every second. Handles an interface that is down,
+// full or gone. A message that found no room is encoded anew later, so that the newest value is sent.
 //
 // It has no thread: step() does all that is due at a given time, so that tests need neither a clock nor a
 // bus. After construction nothing allocates, locks, throws or blocks.
@@ -43,6 +43,7 @@ class CanScheduler {
     CanSource source;
     unsigned estimate_counter = 0, alert_counter = 0;  // of the messages
     bool due = false;                                  // this period's estimate was not sent yet
+    bool sliding_due = false;                          // nor was this period's message of sliding
     Alert last_sent_alert = Alert::none;               // the alert last sent
     Time alert_due{};                                  // when it is sent again
     CanSource::View view;
@@ -56,6 +57,7 @@ class CanScheduler {
   void mark_due(Time now) noexcept;
   bool send_alerts(Time now) noexcept;
   bool send_estimates(Time now) noexcept;
+  bool send_sliding(Time now) noexcept;
   bool send_heartbeat(Time now, bool stopping) noexcept;
   Outcome send(const Message& message, Time now) noexcept;
   void handle_send_error(int error, Time now) noexcept;

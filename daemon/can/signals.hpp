@@ -1,5 +1,5 @@
 // Position and scale of each signal in slipd's CAN messages. config/slipd.dbc is the definition; a test
-// compares both. All signals are unsigned, little-endian (Intel), with offset 0.
+// compares both. All signals are unsigned, little-endian (Intel).
 #pragma once
 
 #include <array>
@@ -17,6 +17,8 @@ struct Signal {
   unsigned length;
   // Value of one count, in the unit of the DBC file.
   double scale;
+  // Value of count 0, in the same unit.
+  double offset = 0;
 };
 
 // Count of a 16 bit signal that is not available.
@@ -46,9 +48,24 @@ inline constexpr Signal kGripIncrease_n{"GripIncrease", 16, 16, 0.01};
 inline constexpr Signal kTimeToSlip_ms{"TimeToSlip", 32, 16, 1};
 inline constexpr Signal kAlert{"Alert", 48, 2, 1};
 inline constexpr Signal kSimulated{"Simulated", 50, 1, 1};
+inline constexpr Signal kCause{"Cause", 51, 1, 1};
 inline constexpr std::array kAll{kGamma,     kGripIncrease_n, kTimeToSlip_ms, kAlert,
-                                 kSimulated, kCounter,        kCrc8};
+                                 kSimulated, kCause,          kCounter,       kCrc8};
 }  // namespace alert
+
+namespace sliding {
+inline constexpr Signal kSlidingFor_ms{"SlidingFor", 0, 16, 1};
+// A count of 32767 is no torque.
+inline constexpr Signal kTorque_nmm{"Torque", 16, 16, 0.1, -3276.7};
+inline constexpr Signal kSliding{"Sliding", 32, 3, 1};
+inline constexpr Signal kAlert{"Alert", 36, 2, 1};
+inline constexpr Signal kSimulated{"Simulated", 38, 1, 1};
+inline constexpr Signal kSequence{"Sequence", 40, 12, 1};
+inline constexpr std::array kAll{kSlidingFor_ms, kTorque_nmm, kSliding, kAlert,
+                                 kSimulated,     kSequence,   kCounter, kCrc8};
+// Count of kSliding where it is not known whether the object slides.
+inline constexpr std::uint64_t kSlidingNotAvailable = 7;
+}  // namespace sliding
 
 namespace heartbeat {
 inline constexpr Signal kProtocolVersion{"Protocol", 0, 8, 1};

@@ -44,6 +44,10 @@ std::string recording_name(const std::string& sensor) {
   return sensor + "-" + std::string(text.data(), length) + fraction + "Z";
 }
 
+std::uint8_t recorded_sliding(const Estimate& estimate) noexcept {
+  return estimate.sliding ? static_cast<std::uint8_t>(*estimate.sliding) : RecordedEstimate::kNoSliding;
+}
+
 }  // namespace
 
 FlightRecorder::FlightRecorder(const RecorderSettings& settings, Board& board)
@@ -89,14 +93,17 @@ void FlightRecorder::finish(Track& track, std::string file, std::string trouble)
 }
 
 void FlightRecorder::add_estimate(std::size_t sensor, const Estimate& estimate) noexcept {
-  tracks_[sensor]->estimates_in.push({.time_ns = estimate.time_ns,
-                                      .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
-                                                   .alert = static_cast<std::uint8_t>(estimate.alert),
-                                                   .gamma = estimate.gamma.value_or(kUnknown),
-                                                   .sigma = estimate.sigma.value_or(kUnknown),
-                                                   .friction = estimate.friction.value_or(kUnknown),
-                                                   .normal_n = estimate.normal_n.value_or(kUnknown),
-                                                   .shear_n = estimate.shear_n.value_or(kUnknown)}});
+  tracks_[sensor]->estimates_in.push(
+      {.time_ns = estimate.time_ns,
+       .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
+                    .alert = static_cast<std::uint8_t>(estimate.alert),
+                    .gamma = estimate.gamma.value_or(kUnknown),
+                    .sigma = estimate.sigma.value_or(kUnknown),
+                    .friction = estimate.friction.value_or(kUnknown),
+                    .normal_n = estimate.normal_n.value_or(kUnknown),
+                    .shear_n = estimate.shear_n.value_or(kUnknown),
+                    .sliding = recorded_sliding(estimate),
+                    .alert_cause = static_cast<std::uint8_t>(estimate.alert_cause)}});
 }
 
 void FlightRecorder::run() {

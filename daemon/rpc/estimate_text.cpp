@@ -58,7 +58,9 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("friction", estimate.friction)
       .number("friction_sigma", estimate.friction_sigma)
       .number("normal_n", estimate.normal_n)
-      .number("shear_n", estimate.shear_n);
+      .number("shear_n", estimate.shear_n)
+      .number("torque_nmm", estimate.torque_nm, 1e3)
+      .number("torque_sigma_nmm", estimate.torque_sigma_nm, 1e3);
   std::string& center = object.begin("center_mm");
   if (estimate.center_x_m && estimate.center_y_m) {
     center += '[';

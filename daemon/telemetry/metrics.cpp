@@ -12,6 +12,8 @@
 namespace slipd {
 namespace {
 
+constexpr double kMmPerM = 1e3;
+
 std::string label_text(const std::string& value) {
   std::string text;
   for (const char c : value) {
@@ -179,6 +181,12 @@ void add_states(Families& families, const ServiceContext& context, const Publish
                [&](std::size_t i) {
                  const Estimate& estimate = published[i].estimate;
                  return estimate.state == State::ok ? known(estimate.gamma) : kUnknown;
+               });
+  families.add("slipd_torque_newton_millimetres", "gauge",
+               "Torque about the contact's normal, positive from x to y; where the sensor shows one.",
+               [&](std::size_t i) {
+                 const auto& torque_nm = published[i].estimate.torque_nm;
+                 return torque_nm ? kMmPerM * *torque_nm : kUnknown;
                });
   families.add("slipd_alert", "gauge", "0 none, 1 warn, 2 slip.",
                [&](std::size_t i) { return static_cast<double>(published[i].estimate.alert); });

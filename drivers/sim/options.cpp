@@ -52,6 +52,7 @@ Options options_of(const SensorSetup& sensor) {
   s.object.poisson = object.at("poisson").get<double>();
   s.offset_x_m = 1e-3 * options.at("offset_mm").at(0).get<double>();
   s.offset_y_m = 1e-3 * options.at("offset_mm").at(1).get<double>();
+  s.preset = preset_of(options.at("preset").get<std::string>()).value();
   for (const auto& phase : options.at("cycle")) s.cycle.push_back(phase_of(phase));
   auto& i = s.imperfections;
   i.seed = options.at("seed").get<std::uint64_t>();
@@ -80,7 +81,11 @@ Options parse_options(const SensorSetup& sensor) {
       throw DriverError(who +
                         "grip_input needs speed 1: at speed 0 no frame waits for the controller's answer");
     static_cast<void>(Script(options.sensor.cycle));
-    static_cast<void>(contact::make_body_pair(options.sensor.skin, options.sensor.object));
+    if (options.sensor.preset == Preset::ideal)
+      static_cast<void>(contact::make_body_pair(options.sensor.skin, options.sensor.object));
+    else if (sensor.layout.size() == 1)
+      throw DriverError(who + "preset " + std::string(to_string(options.sensor.preset)) +
+                        " needs a layout of several taxels; one force vector has preset ideal");
     return options;
   } catch (const contact::ContactError& e) {
     throw DriverError(

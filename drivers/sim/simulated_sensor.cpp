@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "core/contact/averages.hpp"
@@ -9,7 +10,30 @@
 namespace slipd::sim {
 namespace {
 constexpr double kStrongestGripN = 1000;
+
+bool is_ideal(const SensorSettings& settings) {
+  return settings.preset == Preset::ideal;
 }
+
+// The pair of bodies of the ideal contact; of any other, one that is not used.
+contact::BodyPair body_pair_of(const SensorSettings& settings) {
+  return is_ideal(settings) ? contact::make_body_pair(settings.skin, settings.object)
+                            : contact::make_body_pair(SensorSettings{}.skin, SensorSettings{}.object);
+}
+
+std::unique_ptr<RealisticSensor> realistic_of(const TaxelLayout& layout, const SensorSettings& settings) {
+  auto effects = effects_of(settings.preset);
+  if (!effects) return nullptr;
+  if (layout.size() == 1) throw std::invalid_argument("preset: one force vector has preset ideal only");
+  RoughContactSettings& contact = effects->contact;
+  contact.modulus_pa = settings.skin.modulus_pa;
+  contact.curvature_per_m = 1 / settings.skin.radius_m + 1 / settings.object.radius_m;
+  contact.apex_x_m = settings.offset_x_m;
+  contact.apex_y_m = settings.offset_y_m;
+  return std::make_unique<RealisticSensor>(*effects, layout, settings.imperfections.seed);
+}
+
+}  // namespace
 
 SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& settings)
     : layout_(std::move(layout)),
@@ -17,17 +41,30 @@ SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& setti
       offset_x_m_(settings.offset_x_m),
       offset_y_m_(settings.offset_y_m),
       script_(settings.cycle),
-      load_(contact::make_body_pair(settings.skin, settings.object)),
+      load_(body_pair_of(settings)),
+      realistic_(realistic_of(layout_, settings)),
       imperfections_(settings.imperfections, layout_.size()),
       normal_pa_(layout_.size()),
       shear_pa_(layout_.size()) {
-  script_.walk(0, 0, [this](const LoadTarget& target) { apply_target(target); });
+  if (!realistic_) script_.walk(0, 0, [this](const LoadTarget& target) { apply_target(target); });
 }
 
 void SimulatedSensor::advance(std::chrono::nanoseconds by) noexcept {
   const std::int64_t from_ns =
       std::exchange(elapsed_ns_, elapsed_ns_ + std::max<std::int64_t>(0, by.count()));
+  if (realistic_) return advance_realistic(from_ns);
   script_.walk(from_ns, elapsed_ns_, [this](const LoadTarget& target) { apply_target(target); });
+}
+
+void SimulatedSensor::advance_realistic(std::int64_t from_ns) noexcept {
+  while (from_ns < elapsed_ns_) {
+    const std::int64_t to_ns = std::min(elapsed_ns_, from_ns + RealisticSensor::kLongestStepNs);
+    LoadTarget target;
+    script_.walk(from_ns, to_ns, [&target](const LoadTarget& last) { target = last; });
+    if (grip_n_) target.normal_n = *grip_n_;
+    realistic_->update(target, to_ns);
+    from_ns = to_ns;
+  }
 }
 
 void SimulatedSensor::grip(std::optional<double> normal_n) noexcept {
@@ -58,19 +95,25 @@ void SimulatedSensor::compute_taxels() noexcept {
 bool SimulatedSensor::sample(FrameSlot& out) noexcept {
   const std::uint64_t number = number_++;
   if (imperfections_.lost(number)) return false;
-  compute_taxels();
+  if (!realistic_) compute_taxels();
   out.sequence = number;
   out.time_ns = elapsed_ns_;
   out.device_time_ns = elapsed_ns_;
   out.truth = truth();
-  std::copy(normal_pa_.begin(), normal_pa_.end(), out.normal_pa.begin());
-  std::copy(shear_pa_.begin(), shear_pa_.end(), out.shear_x_pa.begin());
-  std::fill(out.shear_y_pa.begin(), out.shear_y_pa.end(), 0.0F);
+  if (realistic_) {
+    realistic_->feel(out, number, elapsed_ns_);
+  } else {
+    std::copy(normal_pa_.begin(), normal_pa_.end(), out.normal_pa.begin());
+    std::copy(shear_pa_.begin(), shear_pa_.end(), out.shear_x_pa.begin());
+    std::fill(out.shear_y_pa.begin(), out.shear_y_pa.end(), 0.0F);
+  }
   imperfections_.apply(out, number, 1e-9 * static_cast<double>(elapsed_ns_));
+  if (realistic_) realistic_->limit(out);
   return true;
 }
 
 Truth SimulatedSensor::truth() const noexcept {
+  if (realistic_) return realistic_->truth();
   if (load_.normal_n() == 0) return {};
   return {load_.safety_margin(), load_.friction()};
 }

@@ -1,10 +1,12 @@
 // A simulated tactile sensor: script → contact with its load history → tractions on the taxels →
-// imperfections of a real sensor; the contact's truth is given beside each frame. It has no clock, thread or
-// socket: the driver, device simulators and tests advance its time.
+// imperfections of a real sensor; the contact's truth is given beside each frame. With a preset other than
+// `ideal` the contact is that of effects/realistic_sensor.hpp. It has no clock, thread or socket: the driver,
+// device simulators and tests advance its time.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "core/contact/history.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
+#include "drivers/sim/effects/realistic_sensor.hpp"
 #include "drivers/sim/imperfections.hpp"
 #include "drivers/sim/script.hpp"
 
@@ -24,12 +27,14 @@ struct SensorSettings {
   double offset_y_m = 0;                                                      // of the contact's centre, m
   std::vector<Phase> cycle;                                                   // the load, at least one phase
   ImperfectionSettings imperfections;                                         // default: none
+  Preset preset = Preset::ideal;  // others: effects/presets.hpp; for layouts of several taxels
 };
 
 class SimulatedSensor {
  public:
-  // Throws contact::ContactError for bodies without a Hertzian contact (both flat), std::invalid_argument as
-  // Script does. A layout of one taxel is one force vector for the whole pad, wherever the contact is.
+  // Throws std::invalid_argument as Script does, and for a preset other than `ideal` on one taxel; with
+  // preset `ideal`, contact::ContactError for bodies without a Hertzian contact (both flat). A layout of one
+  // taxel is one force vector for the whole pad, wherever the contact is.
   SimulatedSensor(TaxelLayout layout, const SensorSettings& settings);
 
   // All functions below are called from one thread, allocate nothing and do not throw.
@@ -53,12 +58,16 @@ class SimulatedSensor {
 
   std::chrono::nanoseconds elapsed() const noexcept { return std::chrono::nanoseconds(elapsed_ns_); }
   Truth truth() const noexcept;  // NaN without contact
+  // Of preset `ideal`; with any other it has no load.
   const contact::LoadHistory& load() const noexcept { return load_; }
+  // Null with preset `ideal`.
+  const RealisticSensor* realistic() const noexcept { return realistic_.get(); }
   const Imperfections& imperfections() const noexcept { return imperfections_; }
   const TaxelLayout& layout() const noexcept { return layout_; }
 
  private:
   void apply_target(const LoadTarget& target) noexcept;
+  void advance_realistic(std::int64_t from_ns) noexcept;
   void compute_taxels() noexcept;
 
   TaxelLayout layout_;
@@ -66,6 +75,7 @@ class SimulatedSensor {
   double offset_x_m_, offset_y_m_;
   Script script_;
   contact::LoadHistory load_;
+  std::unique_ptr<RealisticSensor> realistic_;
   Imperfections imperfections_;
   std::optional<double> grip_n_;
   std::int64_t elapsed_ns_ = 0;

@@ -106,6 +106,7 @@ TEST(Settings, of_a_minimal_can_section_are_the_defaults_of_the_struct) {
   EXPECT_EQ(can.fd, d.fd);
   EXPECT_EQ(can.period, d.period);
   EXPECT_EQ(can.allow_simulated, d.allow_simulated);
+  EXPECT_EQ(can.sliding, d.sliding);
 }
 
 TEST(Settings, carry_every_key_in_SI_units) {
@@ -137,7 +138,7 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(s.socket.max_clients, 10U);
   EXPECT_EQ(s.can->interface, "can1");
   EXPECT_EQ(s.can->base_id, 0x100U);
-  EXPECT_TRUE(s.can->extended && s.can->fd && s.can->allow_simulated);
+  EXPECT_TRUE(s.can->extended && s.can->fd && s.can->allow_simulated && s.can->sliding);
   EXPECT_EQ(s.can->period, std::chrono::milliseconds(20));
   EXPECT_EQ(s.recorder.seconds, 5);
   EXPECT_EQ(s.recorder.max_mb, 10);
@@ -274,6 +275,11 @@ TEST(Settings, keep_all_of_slipds_identifiers_within_CANs) {
   EXPECT_THAT(base("0x7C1", true), testing::IsEmpty());
   EXPECT_THAT(base("0x1FFFFFC0", true), testing::IsEmpty());
   EXPECT_THAT(base("0xFFFFFFFF", true), ElementsAre(HasSubstr("leaves no room")));
+  const auto with_sliding = [](const json& id) {
+    return problems_of(with("/can", {{"interface", "can0"}, {"base_id", id}, {"sliding", true}}));
+  };
+  EXPECT_THAT(with_sliding("0x7A0"), testing::IsEmpty());
+  EXPECT_THAT(with_sliding("0x7A1"), ElementsAre(HasSubstr("leaves no room for slipd's 96 identifiers")));
 }
 
 TEST(Settings, count_a_sockets_path_in_bytes) {

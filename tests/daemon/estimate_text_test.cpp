@@ -22,6 +22,8 @@ Estimate known() {
   estimate.center_x_m = 1e-4;
   estimate.center_y_m = -4e-4;
   estimate.radius_m = 3.1e-3;
+  estimate.torque_nm = -1.5e-3;
+  estimate.torque_sigma_nm = 2e-5;
   estimate.time_to_slip_s = 0.05;
   estimate.time_ns = 4'999'000'000;
   estimate.published_ns = 4'999'035'200;
@@ -97,6 +99,8 @@ TEST(EstimateText, UnitsAreThoseOfTheSocket) {
   const auto json = read_estimate(known(), "left", true, kNow);
   EXPECT_EQ(json["time_ns"], 1'790'000'004'999'000'000);
   EXPECT_DOUBLE_EQ(json["radius_mm"], 3.1);
+  EXPECT_DOUBLE_EQ(json["torque_nmm"], -1.5);
+  EXPECT_DOUBLE_EQ(json["torque_sigma_nmm"], 0.02);
   EXPECT_DOUBLE_EQ(json["center_mm"][1], -0.4);
   EXPECT_DOUBLE_EQ(json["time_to_slip_ms"], 50);
   EXPECT_DOUBLE_EQ(json["age_ms"], 1);
@@ -121,7 +125,7 @@ TEST(EstimateText, WhatIsUnknownIsNull) {
   estimate.gamma = std::nan("");
   const auto json = read_estimate(estimate, "left", true, kNow);
   for (const char* key :
-       {"gamma", "class", "sigma", "friction", "normal_n", "center_mm", "time_ns", "age_ms", "latency_us"}) {
+       {"gamma", "class", "sigma", "friction", "normal_n", "torque_nmm", "center_mm", "time_ns", "age_ms", "latency_us"}) {
     EXPECT_TRUE(json[key].is_null()) << key;
   }
   EXPECT_TRUE(json["truth"]["gamma"].is_null());

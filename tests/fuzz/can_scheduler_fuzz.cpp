@@ -20,6 +20,13 @@ constexpr std::size_t kSensors = 2;
 void check(const Message& message) {
   demand(message.data.back() == crc8(message.id, std::span(message.data).first<7>()));
   if (message.id == kBase + kHeartbeatOffset) return;
+  if (message.id >= kBase + kSlidingOffset) {
+    demand(message.id - kBase - kSlidingOffset < kSensors);
+    const std::uint64_t sliding = raw(message, "Sliding");
+    demand(sliding <= static_cast<std::uint64_t>(Sliding::rotation) ||
+           sliding == sliding::kSlidingNotAvailable);
+    return;
+  }
   const bool is_alert = message.id >= kBase + kAlertOffset;
   demand((message.id - kBase - (is_alert ? kAlertOffset : 0)) < kSensors);
   if (is_alert) return;
@@ -34,6 +41,7 @@ class Script {
     Settings& settings = settings_;
     settings.can.emplace();
     settings.can->interface = "can7";
+    settings.can->sliding = true;
     for (std::size_t i = 0; i < kSensors; ++i) {
       board_.sensors.push_back(std::make_unique<SensorStatus>("s" + std::to_string(i), "none"));
       board_.sensors.back()->link = DeviceLink::open;

@@ -25,7 +25,7 @@ std::size_t entries(const fs::path& path) {
 std::size_t resident_kb(pid_t process) {
   std::ifstream status(folder(process) / "status");
   for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmRSS:")) return std::stoul(line.substr(6));
+    if (line.starts_with("RssAnon:")) return std::stoul(line.substr(8));
   }
   return 0;
 }

@@ -7,6 +7,7 @@
 
 namespace slipd::testing {
 
+// Of its own memory, without pages of files, which the kernel drops and reads again.
 std::size_t resident_kb(pid_t process);
 std::size_t open_descriptors(pid_t process);
 std::size_t threads(pid_t process);

@@ -42,6 +42,21 @@ TEST_F(Plot, ShowsMarginAlertsForcesAndTheTaxelsOfTheLeastMargin) {
             HasSubstr("margin   0.00 ±0.02"), HasSubstr("pressure ≤ 100.0 kPa"), HasSubstr("→")));
 }
 
+TEST_F(Plot, ShowsWhetherTheObjectSlidAndWhatAnAlertCameFrom) {
+  EXPECT_THAT(drawn(read_recorded(sample(true), std::nullopt)),
+              AllOf(HasSubstr("slides"), HasSubstr("───"), HasSubstr("ddd"), HasSubstr("ttt"),
+                    HasSubstr("slides   translation")));
+  PlotOptions options;
+  options.file = sample(true);
+  options.json = true;
+  ::testing::internal::CaptureStdout();
+  plot(options);
+  const std::string lines = ::testing::internal::GetCapturedStdout();
+  EXPECT_THAT(lines, AllOf(HasSubstr(R"("sliding":"none","alert_cause":null)"),
+                           HasSubstr(R"("sliding":"disturbed","alert_cause":"margin")"),
+                           HasSubstr(R"("sliding":"translation","alert_cause":"sliding")")));
+}
+
 TEST_F(Plot, ShowsTheTaxelsOfTheMomentAskedFor) {
   EXPECT_THAT(drawn(read_recorded(sample(true), 1.0)),
               AllOf(HasSubstr("at 1.000 s"), HasSubstr("ok, alert none"), HasSubstr("margin   0.50 ±0.02")));

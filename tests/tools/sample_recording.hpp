@@ -44,7 +44,14 @@ inline void write_sample_recording(const std::filesystem::path& file, bool estim
                                     .sigma = 0.02,
                                     .friction = 0.5,
                                     .normal_n = 1.6,
-                                    .shear_n = 0.8 * load};
+                                    .shear_n = 0.8 * load,
+                                    // disturbed from 0.7 on, and then seen to slide
+                                    .sliding = static_cast<std::uint8_t>(load > 0.9   ? 2
+                                                                         : load > 0.7 ? 1
+                                                                                      : 0),
+                                    .alert_cause = static_cast<std::uint8_t>(load > 0.9   ? 2
+                                                                             : load > 0.6 ? 1
+                                                                                          : 0)};
     if (writer.append(slot, estimates ? &estimate : nullptr)) throw std::runtime_error("cannot write");
   }
 }

@@ -22,11 +22,16 @@ json estimate_sample(const std::string& sensor, std::uint64_t sequence, double g
           {"center_mm", {0.1, -0.4}},
           {"radius_mm", 3.1},
           {"a_over_r", 0.31},
+          {"torque_nmm", -1.2},
+          {"torque_sigma_nmm", 0.05},
           {"time_to_slip_ms", nullptr},
           {"grip_increase_n", 0.5},
           {"alert", gamma < 0.2   ? "slip"
                     : gamma < 0.4 ? "warn"
                                   : "none"},
+          {"alert_cause", gamma < 0.4 ? json("margin") : json(nullptr)},
+          {"sliding", "none"},
+          {"sliding_for_ms", 2500.0},
           {"method", "moments"},
           {"simulated", true},
           {"latency_us", 35.2},

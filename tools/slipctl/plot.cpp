@@ -25,7 +25,7 @@ using slipd::Recorded;
 using json = nlohmann::ordered_json;
 
 constexpr int kLabelColumns = 12;
-constexpr int kRows = 26;
+constexpr int kRows = 27;
 
 std::optional<double> known(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
@@ -39,6 +39,19 @@ slipd::State state_of(const FrameSummary& frame) {
   constexpr auto kLast = slipd::State::fault;
   const std::uint8_t number = frame.estimate->state;
   return number <= static_cast<std::uint8_t>(kLast) ? static_cast<slipd::State>(number) : kLast;
+}
+
+std::optional<slipd::Sliding> sliding_of(const FrameSummary& frame) {
+  constexpr auto kLast = static_cast<std::uint8_t>(slipd::Sliding::rotation);
+  if (!frame.estimate || frame.estimate->sliding > kLast) return std::nullopt;
+  return static_cast<slipd::Sliding>(frame.estimate->sliding);
+}
+
+std::optional<slipd::AlertCause> cause_of(const FrameSummary& frame) {
+  constexpr auto kLast = static_cast<std::uint8_t>(slipd::AlertCause::sliding);
+  if (!frame.estimate || frame.estimate->alert_cause == 0 || frame.estimate->alert_cause > kLast)
+    return std::nullopt;
+  return static_cast<slipd::AlertCause>(frame.estimate->alert_cause);
 }
 
 slipd::Alert alert_of(const FrameSummary& frame) {
@@ -72,7 +85,8 @@ void draw_margin(Canvas& canvas, const Box& box, const Recorded& recorded) {
   });
   if (std::none_of(lowest.begin(), lowest.end(), [](const auto& column) { return column.has_value(); })) {
     canvas.text(box.column, box.row + box.rows / 2,
-                has_margin ? "no margin was known" : "no estimates in it: the flight recorder keeps them", kFaint);
+                has_margin ? "no margin was known" : "no estimates in it: the flight recorder keeps them",
+                kFaint);
   }
   draw_line(canvas, box, lowest, [](std::optional<double> worst) { return margin_colour(worst); });
 }
@@ -95,6 +109,26 @@ void draw_states(Canvas& canvas, const Box& box, const Recorded& recorded) {
       canvas.put(box.column + i, box.row, U'w', alert_style("warn"));
     } else {
       canvas.put(box.column + i, box.row, *ok[at] > 0 ? U'─' : U'·', kFaint);
+    }
+  }
+}
+
+// One character a column: what the object does at most, by the first letter of its name.
+void draw_sliding(Canvas& canvas, const Box& box, const Recorded& recorded) {
+  canvas.text(0, box.row, "slides", kFaint);
+  const Columns most = in_columns(recorded, box.columns, true, [](const FrameSummary& frame) {
+    const auto sliding = sliding_of(frame);
+    return sliding ? std::optional(static_cast<double>(*sliding)) : std::nullopt;
+  });
+  for (int i = 0; i < box.columns; ++i) {
+    const auto& column = most[static_cast<std::size_t>(i)];
+    if (!column) continue;
+    const auto sliding = static_cast<slipd::Sliding>(*column);
+    if (sliding == slipd::Sliding::none) {
+      canvas.put(box.column + i, box.row, U'─', kFaint);
+    } else {
+      canvas.put(box.column + i, box.row, static_cast<char32_t>(to_string(sliding).front()),
+                 alert_style(slides(sliding) ? "slip" : "warn"));
     }
   }
 }
@@ -131,6 +165,8 @@ std::vector<std::string> words_of(const FrameSummary& frame) {
     const auto& estimate = *frame.estimate;
     words.push_back(std::string(to_string(state_of(frame))) + ", alert " +
                     std::string(to_string(alert_of(frame))));
+    if (const auto sliding = sliding_of(frame))
+      words.push_back("slides   " + std::string(to_string(*sliding)));
     words.push_back("margin   " + with_sigma(known(estimate.gamma), known(estimate.sigma)));
     words.push_back("friction " + fixed(known(estimate.friction), 2));
   }
@@ -182,10 +218,17 @@ void print_lines(const Recorded& recorded) {
               {"estimate", nullptr}};
     if (frame.estimate) {
       const auto& estimate = *frame.estimate;
-      line["estimate"] = {{"state", to_string(state_of(frame))},   {"alert", to_string(alert_of(frame))},
-                          {"gamma", number(estimate.gamma)},       {"sigma", number(estimate.sigma)},
-                          {"friction", number(estimate.friction)}, {"normal_n", number(estimate.normal_n)},
-                          {"shear_n", number(estimate.shear_n)}};
+      line["estimate"] = {{"state", to_string(state_of(frame))},
+                          {"alert", to_string(alert_of(frame))},
+                          {"gamma", number(estimate.gamma)},
+                          {"sigma", number(estimate.sigma)},
+                          {"friction", number(estimate.friction)},
+                          {"normal_n", number(estimate.normal_n)},
+                          {"shear_n", number(estimate.shear_n)},
+                          {"sliding", nullptr},
+                          {"alert_cause", nullptr}};
+      if (const auto sliding = sliding_of(frame)) line["estimate"]["sliding"] = to_string(*sliding);
+      if (const auto cause = cause_of(frame)) line["estimate"]["alert_cause"] = to_string(*cause);
     }
     std::cout << line.dump() << '\n';
   }
@@ -210,17 +253,18 @@ Canvas draw_recorded(const Recorded& recorded, const std::string& title, int col
   const int width = std::max(1, columns - kLabelColumns);
   draw_margin(canvas, {kLabelColumns, 1, width, 5}, recorded);
   draw_states(canvas, {kLabelColumns, 6, width, 1}, recorded);
-  draw_force(canvas, {kLabelColumns, 7, width, 3}, recorded, "normal", kCyan,
+  draw_sliding(canvas, {kLabelColumns, 7, width, 1}, recorded);
+  draw_force(canvas, {kLabelColumns, 8, width, 3}, recorded, "normal", kCyan,
              [](const FrameSummary& frame) { return frame.normal_n; });
-  draw_force(canvas, {kLabelColumns, 10, width, 3}, recorded, "shear", kViolet,
+  draw_force(canvas, {kLabelColumns, 11, width, 3}, recorded, "shear", kViolet,
              [](const FrameSummary& frame) { return frame.shear_n; });
   const std::string end = fixed(recorded.seconds(), 2, "s");
-  canvas.text(kLabelColumns, 13, "0", kFaint);
-  canvas.text(std::max(kLabelColumns, columns - static_cast<int>(end.size())), 13, end, kFaint);
+  canvas.text(kLabelColumns, 14, "0", kFaint);
+  canvas.text(std::max(kLabelColumns, columns - static_cast<int>(end.size())), 14, end, kFaint);
   const double span = std::max(recorded.seconds(), 1e-9);
   const int mark = static_cast<int>(recorded.frames[recorded.shown].time_s / span * (width - 1));
-  canvas.put(kLabelColumns + std::clamp(mark, 0, width - 1), 14, U'▲', kFaint);
-  draw_moment(canvas, {0, 15, columns, rows - 15}, recorded, depth);
+  canvas.put(kLabelColumns + std::clamp(mark, 0, width - 1), 15, U'▲', kFaint);
+  draw_moment(canvas, {0, 16, columns, rows - 16}, recorded, depth);
   return canvas;
 }
 

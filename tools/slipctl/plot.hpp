@@ -1,5 +1,5 @@
-// `slipctl plot`: draws a recording on the terminal, without a daemon: its margin, alerts and forces over
-// time, and the taxels of one frame. The drawing is a pure function.
+// `slipctl plot`: draws a recording on the terminal, without a daemon: its margin, alerts, sliding and forces
+// over time, and the taxels of one frame. The drawing is a pure function.
 #pragma once
 
 #include <optional>

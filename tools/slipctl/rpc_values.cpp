@@ -64,6 +64,9 @@ EstimateView estimate_from(const json& in) {
   out.sensor = text(in, "sensor");
   out.state = text(in, "state", "stale");
   out.alert = text(in, "alert", "none");
+  out.alert_cause = text(in, "alert_cause");
+  out.sliding = text(in, "sliding");
+  out.sliding_for_ms = number(in, "sliding_for_ms");
   out.method = text(in, "method");
   out.sequence = count(in, "seq");
   out.time_ns = integer(in, "time_ns");
@@ -74,6 +77,8 @@ EstimateView estimate_from(const json& in) {
   if (const auto value = number(in, "class")) out.slip_class = static_cast<int>(*value);
   out.normal_n = number(in, "normal_n");
   out.shear_n = number(in, "shear_n");
+  out.torque_nmm = number(in, "torque_nmm");
+  out.torque_sigma_nmm = number(in, "torque_sigma_nmm");
   if (const json& center = member(in, "center_mm");
       center.is_array() && center.size() == 2 && center[0].is_number() && center[1].is_number()) {
     out.center_x_mm = center[0].get<double>();

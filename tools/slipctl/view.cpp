@@ -32,10 +32,22 @@ std::string pace(const SensorWatch& sensor) {
          fixed(estimate_of(sensor).latency_us, 1, "µs");
 }
 
+// An alert that does not come from the margin says so.
+std::string alert_text(const EstimateView& estimate) {
+  return estimate.alert_cause == "sliding" ? estimate.alert + ": slides" : estimate.alert;
+}
+
+std::string sliding_text(const EstimateView& estimate) {
+  if (estimate.sliding.empty()) return "–";
+  if (!estimate.sliding_for_ms) return estimate.sliding;
+  return estimate.sliding + " " + fixed(*estimate.sliding_for_ms / 1000, 1, "s");
+}
+
 void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
   const EstimateView& estimate = estimate_of(sensor);
-  int right =
-      text_up_to(canvas, box.columns, box.row, " " + estimate.alert + " ", alert_style(estimate.alert)) - 1;
+  int right = text_up_to(canvas, box.columns, box.row, " " + alert_text(estimate) + " ",
+                         alert_style(estimate.alert)) -
+              1;
   right = text_up_to(canvas, right, box.row, pace(sensor), kPlain) - 1;
   int at = canvas.text(0, box.row, sensor.info.name, kStrong, right) + 2;
   if (sensor.info.simulated)
@@ -73,14 +85,16 @@ std::vector<Figure> figures_of(const SensorWatch& sensor) {
   std::vector<Figure> figures{
       {"normal", fixed(r.normal_n, 2, "N")},
       {"shear", fixed(r.shear_n, 2, "N")},
+      {"torque", r.torque_nmm ? signed_fixed(*r.torque_nmm, 2) + " Nmm" : "–"},
       {"friction", with_sigma(r.friction, r.friction_sigma)},
+      {"slides", sliding_text(r)},
       {"centre", r.center_x_mm ? fixed(r.center_x_mm, 1) + ", " + fixed(r.center_y_mm, 1, "mm") : "–"},
       {"radius", fixed(r.radius_mm, 2, "mm")},
       {"a/R", fixed(r.a_over_r, 2)},
       {"slips in", fixed(r.time_to_slip_ms, 0, "ms")},
       {"grip by", r.grip_increase_n ? signed_fixed(*r.grip_increase_n, 2) + " N" : "–"},
       {"age", fixed(r.age_ms, 1, "ms")}};
-  if (sensor.info.simulated) figures.insert(figures.begin() + 3, {" true", fixed(r.true_friction, 2)});
+  if (sensor.info.simulated) figures.insert(figures.begin() + 4, {" true", fixed(r.true_friction, 2)});
   if (!sensor.counts) return figures;
   const SensorCounts& counts = *sensor.counts;
   figures.emplace_back("skipped", std::to_string(counts.skipped));
@@ -150,7 +164,7 @@ void draw_grasp(Canvas& canvas, int row, const EstimateView& grasp) {
   draw_bar(canvas, {kNameColumns, row, bar_columns, 1}, grasp.gamma, std::nullopt);
   canvas.text(kNameColumns + bar_columns + 2, row, grasp.gamma ? fixed(grasp.gamma, 2) : grasp.state, kPlain,
               16);
-  text_up_to(canvas, canvas.columns(), row, " " + grasp.alert + " ", alert_style(grasp.alert));
+  text_up_to(canvas, canvas.columns(), row, " " + alert_text(grasp) + " ", alert_style(grasp.alert));
 }
 
 }  // namespace
@@ -192,8 +206,9 @@ std::string plain_line(const SensorWatch& sensor, double elapsed_s) {
   if (estimate.true_gamma) line += "  true " + fixed(estimate.true_gamma, 2);
   if (estimate.slip_class) line += "  class " + std::to_string(*estimate.slip_class);
   line += "  normal " + fixed(estimate.normal_n, 2, "N") + "  shear " + fixed(estimate.shear_n, 2, "N") +
-          "  friction " + with_sigma(estimate.friction, estimate.friction_sigma) + "  alert " +
-          estimate.alert + "  " + pace(sensor);
+          "  torque " + fixed(estimate.torque_nmm, 2, "Nmm") + "  friction " +
+          with_sigma(estimate.friction, estimate.friction_sigma) + "  slides " + sliding_text(estimate) +
+          "  alert " + alert_text(estimate) + "  " + pace(sensor);
   return line + (estimate.simulated || sensor.info.simulated ? "  simulated" : "");
 }
 

@@ -33,6 +33,7 @@ void add_histories(CLI::App& app, const Common& common);
 void add_coverage(CLI::App& app, const Common& common);
 void add_paper(CLI::App& app, const Common& common);
 void add_faults(CLI::App& app, const Common& common);
+void add_alerts(CLI::App& app, const Common& common);
 void add_overload(CLI::App& app, const Common& common);
 void add_replay(CLI::App& app, const Common& common);
 void add_picture(CLI::App& app, const Common& common);

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   add_faults(app, common);
   add_coverage(app, common);
   add_overload(app, common);
+  add_alerts(app, common);
   add_paper(app, common);
   add_picture(app, common);
   add_replay(app, common);

@@ -75,7 +75,8 @@ struct PlainSums {
   std::size_t below = 0, dead_taxels = 0;
   float peak = 0, inner_peak = 0;
   std::array<Near, 4> placed, weighed;
-  std::array<Near, 3> force;
+  std::array<Near, 4> force;
+  Near distances;
   std::array<Near, 14> moments;
 };
 
@@ -108,7 +109,9 @@ void add_taxel_of_disc(const TaxelView& view, std::size_t i, PlainSums& sums) {
   const double a2 = static_cast<double>(kFrom.radius_m) * kFrom.radius_m, s = rr / a2;
   sums.inner_peak = std::max(sums.inner_peak, view.normal_pa[i]);
   add(sums.weighed, {p, p * x, p * y, p * rr});
-  add(sums.force, {p, sx, sy});
+  add(sums.force, {p, sx, sy, 0});
+  sums.force[3].add(x * sy - y * sx, std::fabs(x * sy) + std::fabs(y * sx));
+  sums.distances.add(rr);
   add(sums.moments, {p, q, p * s, q * s, q * s * s, s, s * s, s * s * s, s * s * s * s, p * s * s, p * s * x,
                      p * s * y, p * (x * x - y * y) / a2, p * x * y / a2});
   sums.squares.add(q * q);
@@ -136,8 +139,9 @@ void expect_agreement(const DiscKernels& kernels, const TaxelView& view, std::sp
   const PlaceSums weighed = kernels.weigh(view, runs, kFrom.x_m, kFrom.y_m, kDeadTaxel);
   expect(plain.weighed, {weighed.p, weighed.px, weighed.py, weighed.prr}, "weigh", name);
   EXPECT_EQ(weighed.dead_taxels, plain.dead_taxels) << name;
-  const ForceSums force = kernels.force(view, runs);
-  expect(plain.force, {force.p, force.x, force.y}, "force", name);
+  const ForceSums force = kernels.force(view, runs, kFrom.x_m, kFrom.y_m);
+  expect(plain.force, {force.p, force.x, force.y, force.moment}, "force", name);
+  plain.distances.expect(force.rr, "distances", name);
   EXPECT_EQ(force.peak, plain.inner_peak) << name;
   plain.squares.expect(kernels.shear_squares(view, runs, kFrom), "squares of shear", name);
   const MomentSums m = kernels.moments(view, runs, kFrom);
@@ -190,6 +194,20 @@ TEST_P(DiscKernelsOf, LeaveNoTaxelOutOfTheRings) {
     }
     p.expect(all_p, "pressure", kernels->name);
     q.expect(all_q, "shear", kernels->name);
+  }
+}
+
+TEST_P(DiscKernelsOf, AddRowsOfValuesAndOfTheirMoments) {
+  const Taxels taxels(GetParam(), 12);
+  for (const DiscKernels* kernels : kernels_at_hand<DiscKernels>()) {
+    std::vector<float> sums(GetParam() + 1, 1.0F), moments(GetParam() + 1, 2.0F);
+    kernels->add_row(taxels.normal.data(), GetParam(), 3, sums.data(), moments.data());
+    for (std::size_t i = 0; i < GetParam(); ++i) {
+      EXPECT_FLOAT_EQ(sums[i], 1 + taxels.normal[i]) << kernels->name;
+      EXPECT_FLOAT_EQ(moments[i], 2 + 3 * taxels.normal[i]) << kernels->name;
+    }
+    EXPECT_EQ(sums.back(), 1) << kernels->name << ": beyond the row";
+    EXPECT_EQ(moments.back(), 2) << kernels->name << ": beyond the row";
   }
 }
 

@@ -177,7 +177,13 @@ TEST_F(Recordings, AreReadByAnyCborLibrary) {
 
 TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
   const int fd = ::open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
-  const RecordedEstimate known{.state = 2, .alert = 1, .gamma = 0.625, .sigma = 0.125, .normal_n = 2.5};
+  const RecordedEstimate known{.state = 2,
+                               .alert = 1,
+                               .gamma = 0.625,
+                               .sigma = 0.125,
+                               .normal_n = 2.5,
+                               .sliding = 3,
+                               .alert_cause = 2};
   {
     RecordingWriter writer(fd, header_for(TaxelLayout::grid(2, 2, 0.001)));
     for (std::uint64_t i = 0; i < 6; ++i)
@@ -200,11 +206,48 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
     EXPECT_TRUE(std::isnan(estimate->friction));
     EXPECT_EQ(estimate->normal_n, 2.5);
     EXPECT_TRUE(std::isnan(estimate->shear_n));
+    EXPECT_EQ(estimate->sliding, 3);
+    EXPECT_EQ(estimate->alert_cause, 2);
   }
   EXPECT_EQ(reader.next(got.slot, &estimate), Status::end);
   EXPECT_FALSE(estimate);
   reader.rewind();
   EXPECT_EQ(count_frames(reader), 6U) << "who wants no estimates gets the frames alone";
+}
+
+// A frame with an estimate, without sliding where `older`.
+std::vector<std::uint8_t> encoded(const RecordedEstimate& estimate, bool older) {
+  std::vector<std::uint8_t> memory(largest_frame_bytes(1));
+  cbor::Writer out(memory.data());
+  const OwnedFrame frame = some_frame(1, 0);
+  put_frame(out, frame.slot, &estimate);
+  memory.resize(static_cast<std::size_t>(out.at() - memory.data()));
+  if (!older) return memory;
+  // The estimate is the last entry: its map's head becomes that of seven entries, and the text ends earlier.
+  const std::string_view bytes(reinterpret_cast<const char*>(memory.data()), memory.size());
+  memory[bytes.find("estimate") + 8] = 0xA7;
+  memory.resize(bytes.find("sliding") - 1);
+  return memory;
+}
+
+TEST_F(Recordings, ThatAreOlderThanSlidingAreReadWithoutIt) {
+  for (const bool older : {false, true}) {
+    const auto bytes = encoded({.state = 1, .gamma = 0.5, .sliding = 2, .alert_cause = 1}, older);
+    cbor::Reader in(bytes);
+    OwnedFrame got(1);
+    std::optional<RecordedEstimate> estimate;
+    EXPECT_EQ(take_frame(in, got.slot, &estimate), nullptr);
+    ASSERT_TRUE(estimate);
+    EXPECT_EQ(estimate->gamma, 0.5);
+    EXPECT_EQ(estimate->sliding, older ? RecordedEstimate::kNoSliding : 2);
+    EXPECT_EQ(estimate->alert_cause, older ? 0 : 1);
+  }
+  const auto unknown = encoded({.state = 1}, false);
+  cbor::Reader in(unknown);
+  OwnedFrame got(1);
+  std::optional<RecordedEstimate> estimate;
+  EXPECT_EQ(take_frame(in, got.slot, &estimate), nullptr);
+  EXPECT_EQ(estimate.value().sliding, RecordedEstimate::kNoSliding);
 }
 
 TEST_F(Recordings, OfVersionOneCutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {

@@ -41,6 +41,20 @@ TEST(CanDbc, EverySubjectHasItsMessages) {
   EXPECT_EQ(messages.at(0x13F).name, "SLIP_HEARTBEAT");
 }
 
+TEST(CanDbc, SlidingHasMessagesWhereItIsConfigured) {
+  CanSettings can = can_at(0x100, true, true);
+  can.sliding = true;
+  const auto messages = testing::read_dbc(dbc_text(can, {"sensor left", "grasp both"}));
+  ASSERT_EQ(messages.size(), 7U);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    const auto& sliding = messages.at(0x140 + i);
+    EXPECT_EQ(sliding.name, "SLIP_SLIDING_" + std::to_string(i));
+    EXPECT_NE(sliding.comment.find(i == 0 ? "sensor left" : "grasp both"), std::string::npos);
+    EXPECT_EQ(sliding.attributes.at("GenMsgCycleTime"), 4);
+    EXPECT_EQ(sliding.attributes.at("VFrameFormat"), 15);
+  }
+}
+
 TEST(CanDbc, LongIdentifiersAndFdFramesAreMarked) {
   const auto format = [](bool extended, bool fd) {
     const auto messages = testing::read_dbc(dbc_text(can_at(0x12300, extended, fd), {"sensor left"}));
@@ -54,8 +68,9 @@ TEST(CanDbc, LongIdentifiersAndFdFramesAreMarked) {
   EXPECT_EQ(format(true, true), 15);
 }
 
-TEST(CanDbc, TheDefaultConfigurationHasTheDbcAsShipped) {
+TEST(CanDbc, TheDefaultIdentifiersHaveTheDbcAsShipped) {
   CanSettings can = can_at(0x5A0, false, false);
+  can.sliding = true;
   can.period = std::chrono::milliseconds(10);
   const auto made = testing::read_dbc(dbc_text(can, {"sensor 0 of the configuration"}));
   const auto shipped = testing::read_dbc(std::string(slipd_dbc));

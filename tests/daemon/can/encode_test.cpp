@@ -36,7 +36,7 @@ void expect_same(const testing::DbcMessage& message, const std::array<Signal, N>
     EXPECT_TRUE(defined.little_endian);
     EXPECT_FALSE(defined.is_signed);
     EXPECT_DOUBLE_EQ(defined.scale, signal.scale);
-    EXPECT_EQ(defined.offset, 0);
+    EXPECT_DOUBLE_EQ(defined.offset, signal.offset);
     EXPECT_FALSE(defined.comment.empty());
     const std::uint64_t bits = ((std::uint64_t{1} << signal.length) - 1) << signal.start;
     EXPECT_EQ(used & bits, 0U) << "lies over another signal";
@@ -45,9 +45,10 @@ void expect_same(const testing::DbcMessage& message, const std::array<Signal, N>
 }
 
 TEST(CanEncode, EverySignalLiesWhereTheDbcSays) {
-  ASSERT_EQ(shipped().size(), 3U);
+  ASSERT_EQ(shipped().size(), 4U);
   expect_same(shipped().at(kBase), estimate::kAll);
   expect_same(shipped().at(kBase + kAlertOffset), alert::kAll);
+  expect_same(shipped().at(kBase + kSlidingOffset), sliding::kAll);
   expect_same(shipped().at(kBase + kHeartbeatOffset), heartbeat::kAll);
 }
 
@@ -57,9 +58,69 @@ TEST(CanEncode, TheValueTablesAreTheWordsOfTheSocket) {
     EXPECT_EQ(signals.at("State").values.at(static_cast<std::uint64_t>(state)),
               to_string(static_cast<State>(state)));
   for (int level = 0; level <= static_cast<int>(Alert::slip); ++level)
-    for (const auto id : {kBase, kBase + kAlertOffset})
+    for (const auto id : {kBase, kBase + kAlertOffset, kBase + kSlidingOffset})
       EXPECT_EQ(shipped().at(id).signals.at("Alert").values.at(static_cast<std::uint64_t>(level)),
                 to_string(static_cast<Alert>(level)));
+  const auto& sliding = shipped().at(kBase + kSlidingOffset).signals.at("Sliding").values;
+  for (int kind = 0; kind <= static_cast<int>(Sliding::rotation); ++kind)
+    EXPECT_EQ(sliding.at(static_cast<std::uint64_t>(kind)), to_string(static_cast<Sliding>(kind)));
+  EXPECT_TRUE(sliding.contains(sliding::kSlidingNotAvailable));
+  const auto& cause = shipped().at(kBase + kAlertOffset).signals.at("Cause").values;
+  EXPECT_EQ(cause.at(0), to_string(AlertCause::margin));
+  EXPECT_EQ(cause.at(1), to_string(AlertCause::sliding));
+}
+
+TEST(CanEncode, TorqueIsSentWithItsSignAndUnknownIsNotZero) {
+  const testing::DbcSignal& torque = shipped().at(kBase + kSlidingOffset).signals.at("Torque");
+  Estimate e;
+  EXPECT_EQ(torque.raw(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), kNotAvailable);
+  for (const double torque_nm : {0.0, 0.0125, -0.3, 3.2}) {
+    e.torque_nm = torque_nm;
+    EXPECT_NEAR(torque.physical(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), 1e3 * torque_nm, 0.051);
+  }
+  for (const double torque_nm : {50.0, -50.0}) {
+    e.torque_nm = torque_nm;
+    EXPECT_NEAR(torque.physical(encode_sliding(kBase + kSlidingOffset, e, false, 0).data),
+                std::copysign(3276.7, torque_nm), 0.051);
+  }
+}
+
+TEST(CanEncode, SlidingIsSentAsItIsAndUnknownIsNotNone) {
+  const auto& signals = shipped().at(kBase + kSlidingOffset).signals;
+  const auto raw = [&](const Message& message, const char* name) {
+    return signals.at(name).raw(message.data);
+  };
+  Estimate e;
+  e.sequence = 5000;
+  e.alert = Alert::slip;
+  e.alert_cause = AlertCause::sliding;
+  for (const Sliding kind : {Sliding::none, Sliding::disturbed, Sliding::translation, Sliding::rotation}) {
+    e.sliding = kind;
+    e.sliding_for_s = 1.25;
+    const Message message = encode_sliding(kBase + kSlidingOffset, e, true, 3);
+    EXPECT_EQ(raw(message, "Sliding"), static_cast<std::uint64_t>(kind));
+    EXPECT_EQ(raw(message, "SlidingFor"), 1250U);
+    EXPECT_EQ(raw(message, "Alert"), 2U);
+    EXPECT_EQ(raw(message, "Simulated"), 1U);
+    EXPECT_EQ(raw(message, "Sequence"), 5000U % 4096);
+    EXPECT_EQ(raw(message, "Counter"), 3U);
+    EXPECT_EQ(raw(message, "Crc8"), crc8(message.id, std::span(message.data).first<7>()));
+  }
+  e.sliding_for_s = 1e9;
+  EXPECT_EQ(raw(encode_sliding(kBase + kSlidingOffset, e, true, 3), "SlidingFor"), 0xFFFEU);
+  e.sliding.reset();
+  const Message unknown = encode_sliding(kBase + kSlidingOffset, e, true, 3);
+  EXPECT_EQ(raw(unknown, "Sliding"), sliding::kSlidingNotAvailable);
+  EXPECT_EQ(raw(unknown, "SlidingFor"), kNotAvailable);
+  const auto cause = [&] {
+    return shipped()
+        .at(kBase + kAlertOffset)
+        .signals.at("Cause")
+        .raw(encode_alert(kBase + kAlertOffset, e, true, 0).data);
+  };
+  EXPECT_EQ(cause(), 1U);
+  e.alert_cause = AlertCause::margin;
+  EXPECT_EQ(cause(), 0U);
 }
 
 TEST(CanEncode, TheChecksumIsSaeJ1850OverIdAndData) {

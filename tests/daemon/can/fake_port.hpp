@@ -54,7 +54,10 @@ class FakePort : public Port {
 // Of a message of the default base_id.
 inline std::uint64_t raw(const Message& message, const char* signal) {
   static const auto messages = testing::read_dbc(std::string(slipd_dbc));
-  const std::uint32_t shipped = message.id == 0x5DF ? 0x5DF : message.id < 0x5C0 ? 0x5A0 : 0x5C0;
+  const std::uint32_t shipped = message.id >= 0x5E0   ? 0x5E0
+                                : message.id == 0x5DF ? 0x5DF
+                                : message.id < 0x5C0  ? 0x5A0
+                                                      : 0x5C0;
   return messages.at(shipped).signals.at(signal).raw(message.data);
 }
 

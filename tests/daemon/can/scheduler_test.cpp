@@ -100,6 +100,41 @@ TEST_F(CanSchedulerTest, SendsEachEstimateEachPeriodAndAHeartbeatASecond) {
   EXPECT_EQ(report().bus, Bus::up);
 }
 
+TEST_F(CanSchedulerTest, SendsSlidingBesideEachEstimateWhereItIsConfigured) {
+  constexpr std::uint32_t kSlidingMessage = 0x5E0;
+  for (const bool wanted : {false, true}) {
+    Settings settings = settings_for({"left", "right"});
+    settings.can->sliding = wanted;
+    board_.sensors.clear();
+    port_.sent.clear();
+    begin(std::move(settings));
+    pass(100ms);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      const auto estimates = port_.take(kEstimate + i), sliding = port_.take(kSlidingMessage + i);
+      ASSERT_EQ(sliding.size(), wanted ? estimates.size() : 0U);
+      for (std::size_t k = 0; k < sliding.size(); ++k) {
+        EXPECT_EQ(raw(sliding[k], "Counter"), raw(estimates[k], "Counter"));
+        EXPECT_EQ(raw(sliding[k], "Sequence"), raw(estimates[k], "Sequence"));
+        EXPECT_EQ(raw(sliding[k], "Sliding"), 7U) << "nothing was published about it";
+      }
+    }
+  }
+}
+
+TEST_F(CanSchedulerTest, AFullQueueRepeatsNoEstimateForTheSakeOfSliding) {
+  Settings settings = settings_for({"left"});
+  settings.can->sliding = true;
+  begin(std::move(settings));
+  port_.room = 1;
+  step();
+  EXPECT_EQ(port_.take(kEstimate).size(), 1U);
+  port_.room = 1000;
+  now_ += 2ms;
+  step();
+  EXPECT_EQ(port_.take(kEstimate).size(), 0U);
+  EXPECT_EQ(port_.take(0x5E0).size(), 1U);
+}
+
 TEST_F(CanSchedulerTest, KeepsItsPeriodAfterADelay) {
   begin(settings_for({"left"}));
   step();

@@ -1,0 +1,647 @@
+"""Client of slipd, the daemon that says how close the object in a robotic gripper is to slipping.
+
+    import slipd
+
+    with slipd.Client() as client:
+        for estimate in client.estimates("left", max_age_s=0.05):
+            if estimate.gamma is None:
+                stop(estimate.state)  # says why there is no margin
+            elif estimate.gamma < 0.3:
+                grip_harder(estimate.grip_increase_n)
+
+    for frame in slipd.open("grasp.rec"):
+        print(frame.time_s, sum(frame.normal_pa))
+
+A margin is a number in state "ok" only, and only while it is younger than the age that the caller allows. When slipd stops, an
+iterator yields estimates of state "disconnected", connects again by itself, and goes on.
+
+AsyncClient has the same for asyncio. A client belongs to one thread. This file needs the standard library only, may be copied, and
+uses numpy for taxels if numpy is installed.
+"""
+from __future__ import annotations
+
+import argparse
+import array
+import asyncio
+import json
+import os
+import select
+import socket
+import struct
+import sys
+import time
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from io import open as io_open
+from typing import Any
+
+try:
+    import numpy
+except ImportError:
+    numpy = None  # type: ignore[assignment]
+try:
+    import xxhash
+except ImportError:
+    xxhash = None  # type: ignore[assignment]
+
+SOCKET = "/run/slipd/slipd.sock"
+_RETRY_FIRST_S, _RETRY_LAST_S = 0.05, 2.0  # pauses between attempts to connect
+_READ_BYTES = 1 << 16
+
+
+class SlipdError(Exception):
+    """slipd refused a request; the text says what to do. `code`: of docs/socket.md."""
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+class Disconnected(ConnectionError):
+    """slipd does not run, or the socket may not be used; the text says which."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What slipd knows of one sensor or of one grasp. None: unknown."""
+
+    name: str  # of the sensor or grasp
+    max_age_s: float  # older ones have state "stale"
+    at_state: str  # the state when it was sent: "ok", "no_contact", "learning", "out_of_model", …, "disconnected"
+    at_gamma: float | None = field(repr=False, default=None)
+    at_gamma_low: float | None = field(repr=False, default=None)
+    sent_age_s: float = field(repr=False, default=0.0)  # age of its frame when it was sent, s
+    taken_ns: int = field(repr=False, default_factory=time.monotonic_ns)  # when it was read; CLOCK_MONOTONIC
+    time_ns: int | None = None  # of its frame; CLOCK_REALTIME
+    seq: int | None = None  # of its frame
+    sigma: float | None = None  # standard deviation of the margin
+    friction: float | None = None  # coefficient
+    friction_sigma: float | None = None
+    normal_n: float | None = None  # normal force, N
+    shear_n: float | None = None  # tangential force, N
+    torque_nmm: float | None = None  # about the contact's normal, N mm
+    grip_increase_n: float | None = None  # to add for the configured target margin, N
+    time_to_slip_ms: float | None = None
+    alert: str = "none"  # "none", "warn", "slip"
+    alert_cause: str | None = None  # "margin", "sliding"
+    sliding: str | None = None  # "none", "disturbed", "translation", "rotation"
+    health: str = "good"  # or what speaks against the frame
+    simulated: bool = False
+    dropped: int = 0  # estimates lost just before this one because they were read too slowly
+    event: str = "estimate"  # "estimate", "alert", "state"; of subscriptions
+    values: Mapping[str, Any] = field(repr=False, default_factory=dict)  # all that slipd sent
+
+    @property
+    def age_s(self) -> float:
+        """Age of its frame now, s. Two clocks count: one may be set, the other does not see what waited in the socket."""
+        since_read = self.sent_age_s + 1e-9 * (time.monotonic_ns() - self.taken_ns)
+        return since_read if self.time_ns is None else max(since_read, 1e-9 * (time.time_ns() - self.time_ns))
+
+    @property
+    def state(self) -> str:
+        """The state now: at_state, or "stale" once it is too old."""
+        return "stale" if self.at_state != "disconnected" and self.age_s > self.max_age_s else self.at_state
+
+    @property
+    def gamma(self) -> float | None:
+        """The safety margin, 0 (slips) … 1 (no tangential load), in state "ok"; else None."""
+        return self.at_gamma if self.state == "ok" else None
+
+    @property
+    def gamma_low(self) -> float | None:
+        """A margin that holds with 95 % confidence, also while friction is learnt; None if too old."""
+        return self.at_gamma_low if self.state not in ("stale", "disconnected") else None
+
+
+_TAKEN = ("time_ns", "seq", "sigma", "friction", "friction_sigma", "normal_n", "shear_n", "torque_nmm", "grip_increase_n",
+          "time_to_slip_ms", "alert_cause", "sliding", "simulated", "dropped")
+
+
+def _estimate(values: Mapping[str, Any], max_age_s: float, event: str = "estimate") -> Estimate:
+    age_ms = values.get("age_ms")
+    return Estimate(
+        name=values.get("sensor") or values.get("grasp") or "", max_age_s=max_age_s, at_state=values.get("state") or "fault",
+        at_gamma=values.get("gamma"), at_gamma_low=values.get("gamma_low"), alert=values.get("alert") or "none",
+        health=values.get("health") or "good", event=event, values=values,
+        # An estimate without an age is of no frame.
+        sent_age_s=float("inf") if age_ms is None else age_ms * 1e-3, **{key: values[key] for key in _TAKEN if key in values})
+
+
+def _without(name: str, state: str, max_age_s: float) -> Estimate:
+    return Estimate(name=name, max_age_s=max_age_s, at_state=state, sent_age_s=float("inf"))
+
+
+class _Lines:
+    """Requests and answers as lines, without a socket."""
+
+    def __init__(self) -> None:
+        self.last_id = 0
+        self.rest = b""
+        self.answers: dict[int, Any] = {}
+        self.notifications: list[tuple[str, Mapping[str, Any]]] = []
+
+    def request(self, method: str, params: Mapping[str, Any]) -> tuple[int, bytes]:
+        self.last_id += 1
+        message = {"jsonrpc": "2.0", "id": self.last_id, "method": method, "params": params}
+        return self.last_id, json.dumps(message).encode() + b"\n"
+
+    def take(self, received: bytes) -> None:
+        *lines, self.rest = (self.rest + received).split(b"\n")
+        for line in lines:
+            message = json.loads(line)
+            if "method" in message:
+                self.notifications.append((message["method"], message["params"]))
+            elif message.get("id") is None:  # slipd says why it closes the connection
+                raise Disconnected(message["error"]["message"])
+            else:
+                self.answers[message["id"]] = message
+
+    def result(self, number: int) -> Any:
+        answer = self.answers.pop(number)
+        if "error" in answer:
+            raise SlipdError(answer["error"]["code"], answer["error"]["message"])
+        return answer["result"]
+
+
+def _why(path: str, error: OSError) -> Disconnected:
+    if isinstance(error, Disconnected):
+        return error
+    if isinstance(error, PermissionError):
+        return Disconnected(f"{path}: not permitted: become a member of the group slipd, and log in again")
+    if isinstance(error, (FileNotFoundError, ConnectionRefusedError)):
+        return Disconnected(f"{path}: slipd does not run here: start it, or give the path of its socket")
+    if isinstance(error, (BrokenPipeError, ConnectionResetError)):
+        return Disconnected(f"{path}: slipd has closed the connection: it was stopped or restarted")
+    return Disconnected(f"{path}: {error.strerror or error}")
+
+
+def _grasp(reply: Mapping[str, Any], name: str, max_age_s: float) -> Estimate:
+    """A grasp is as old as the oldest of its fingers."""
+    ages = {sensor["sensor"]: sensor["age_ms"] for sensor in reply["sensors"]}
+    for grasp in reply["grasps"]:
+        if grasp["grasp"] == name:
+            fingers = [ages.get(sensor) for sensor in grasp["sensors"]]
+            return _estimate({**grasp, "age_ms": None if None in fingers else max(fingers)}, max_age_s)
+    raise SlipdError(-32001, f"there is no grasp {name!r}; there are: " + ", ".join(g["grasp"] for g in reply["grasps"]))
+
+
+class _Watch:
+    """What a subscriber has to be told besides what arrives: sensors that are silent."""
+
+    def __init__(self, names: Sequence[str], max_age_s: float, events: Sequence[str]) -> None:
+        self.max_age_s, self.names = max_age_s, names
+        # Whoever wants changes only is not told of silence.
+        self.due = dict.fromkeys(names if "estimate" in events else (), time.monotonic() + max_age_s)
+        self.pause_s = _RETRY_FIRST_S
+
+    def fresh(self, event: str, values: Mapping[str, Any]) -> Estimate:
+        estimate = _estimate(values, self.max_age_s, event)
+        if estimate.name in self.due:
+            self.due[estimate.name] = time.monotonic() + self.max_age_s
+        return estimate
+
+    def wait_s(self) -> float:
+        return max(0.0, min(self.due.values(), default=time.monotonic() + 1) - time.monotonic())
+
+    def silent(self) -> list[Estimate]:
+        now = time.monotonic()
+        late = [name for name, due in self.due.items() if due <= now]
+        for name in late:
+            self.due[name] = now + self.max_age_s
+        return [_without(name, "stale", self.max_age_s) for name in late]
+
+    def lost(self) -> list[Estimate]:
+        return [_without(name, "disconnected", self.max_age_s) for name in self.names]
+
+    def next_pause(self) -> float:
+        pause, self.pause_s = self.pause_s, min(2 * self.pause_s, _RETRY_LAST_S)
+        return pause
+
+
+def _subscription(names: Sequence[str], max_rate_hz: float | None, events: Sequence[str]) -> dict[str, Any]:
+    params: dict[str, Any] = {"events": list(events)}
+    if names:
+        params["sensors"] = list(names)
+    if max_rate_hz is not None:
+        params["max_rate_hz"] = max_rate_hz
+    return params
+
+
+class Client:
+    """A connection to slipd. It is made at the first request and again after it was lost.
+
+    Requests raise SlipdError if slipd refuses them, Disconnected if there is no slipd, TimeoutError after timeout_s.
+    """
+
+    def __init__(self, path: str = SOCKET, timeout_s: float = 5.0) -> None:
+        self.path, self.timeout_s = path, timeout_s
+        self._socket: socket.socket | None = None
+        self._lines = _Lines()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the connection; a later request makes a new one."""
+        if self._socket is not None:
+            self._socket.close()
+        self._socket, self._lines = None, _Lines()
+
+    def _connected(self) -> socket.socket:
+        if self._socket is None:
+            made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            try:
+                made.settimeout(self.timeout_s)
+                made.connect(self.path)
+            except OSError as error:
+                made.close()
+                raise _why(self.path, error) from error
+            self._socket = made
+        return self._socket
+
+    def _read(self, timeout_s: float) -> bool:
+        """Takes what has arrived; False after timeout_s without anything."""
+        connection = self._connected()
+        if not select.select([connection], [], [], max(0.0, timeout_s))[0]:
+            return False
+        received = connection.recv(_READ_BYTES)
+        if not received:
+            raise Disconnected(f"{self.path}: slipd has closed the connection")
+        self._lines.take(received)
+        return True
+
+    def call(self, method: str, params: Mapping[str, Any] | None = None, *, timeout_s: float | None = None,
+             descriptor: int | None = None) -> Any:
+        """The result of any method of docs/socket.md. `descriptor` is passed along, as `record` wants it."""
+        deadline = time.monotonic() + (self.timeout_s if timeout_s is None else timeout_s)
+        try:
+            number = self._send(method, params or {}, descriptor)
+            while number not in self._lines.answers:
+                if not self._read(deadline - time.monotonic()):
+                    raise TimeoutError(f"no answer to {method}")
+        except OSError as error:
+            self.close()  # a late answer must not be taken for another one's
+            if isinstance(error, TimeoutError):
+                raise
+            raise _why(self.path, error) from error
+        return self._lines.result(number)
+
+    def _send(self, method: str, params: Mapping[str, Any], descriptor: int | None) -> int:
+        """Sends a request, on a new connection if slipd has left the one that there is; the request's number."""
+        if self._socket is not None and select.select([self._socket], [], [], 0)[0]:
+            try:
+                self._read(0)
+            except OSError:
+                self.close()
+        connection = self._connected()
+        number, line = self._lines.request(method, params)
+        if descriptor is None:
+            connection.sendall(line)
+        else:
+            socket.send_fds(connection, [line], [descriptor])
+        return number
+
+    def gamma(self, sensor: str, max_age_s: float) -> Estimate:
+        """The latest estimate of a sensor."""
+        return _estimate(self.call("gamma", {"sensor": sensor})["sensors"][0], max_age_s)
+
+    def grasp(self, name: str, max_age_s: float) -> Estimate:
+        """The latest estimate of a grasp of several sensors."""
+        return _grasp(self.call("gamma"), name, max_age_s)
+
+    def sensors(self) -> list[dict[str, Any]]:
+        """What sensors there are, and how they are."""
+        return self.call("sensors")["sensors"]
+
+    def status(self) -> dict[str, Any]:
+        """Counts, rates, latencies, outputs, clients."""
+        return self.call("status")
+
+    def frame(self, sensor: str) -> dict[str, Any]:
+        """A frame: normal_pa, shear_x_pa, shear_y_pa, and the taxels' places x_mm, y_mm; one value a taxel."""
+        return {key: _taxels(value) if isinstance(value, list) else value
+                for key, value in self.call("frame", {"sensor": sensor}).items()}
+
+    def record(self, sensor: str, seconds: float, path: str) -> dict[str, Any]:
+        """Records frames into a new file, until it is complete; slipd's own answer."""
+        with io_open(path, "xb") as file:
+            return self.call("record", {"sensor": sensor, "seconds": seconds}, descriptor=file.fileno(),
+                             timeout_s=seconds + self.timeout_s)
+
+    def estimates(self, *sensors: str, max_age_s: float, max_rate_hz: float | None = None,
+                  events: Sequence[str] = ("estimate",)) -> Iterator[Estimate]:
+        """Estimates as they come, of all sensors unless some are named, without end. Among them, of each sensor: one of state
+        "stale" whenever it was silent for max_age_s, which is to be longer than the estimates' period; one of state
+        "disconnected" when slipd is gone, and at each vain attempt to reach it.
+
+        Raises SlipdError if there is no such sensor, and Disconnected if slipd cannot be reached at first."""
+        watch: _Watch | None = None
+        own = Client(self.path, self.timeout_s)
+        with own:
+            while True:
+                try:
+                    if own._socket is None:
+                        names = sensors or [sensor["name"] for sensor in own.sensors()]
+                        own.call("subscribe", _subscription(sensors, max_rate_hz, events))
+                        watch = _Watch(names, max_age_s, events)
+                    assert watch is not None
+                    if not own._lines.notifications and not own._read(watch.wait_s()):
+                        yield from watch.silent()
+                    arrived, own._lines.notifications = own._lines.notifications, []
+                    for event, values in arrived:
+                        yield watch.fresh(event, values)
+                except OSError as error:
+                    own.close()
+                    if watch is None:
+                        raise _why(self.path, error) from error
+                    yield from watch.lost()
+                    time.sleep(watch.next_pause())
+
+
+class AsyncClient:
+    """Client for asyncio: `async with slipd.AsyncClient() as client: async for estimate in client.estimates(…)`. One task at a time
+    may wait for a client's answer; an iterator has a connection of its own."""
+
+    def __init__(self, path: str = SOCKET, timeout_s: float = 5.0) -> None:
+        self.path, self.timeout_s = path, timeout_s
+        self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
+        self._lines = _Lines()
+
+    async def __aenter__(self) -> AsyncClient:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the connection; a later request makes a new one."""
+        if self._streams is not None:
+            self._streams[1].close()
+        self._streams, self._lines = None, _Lines()
+
+    async def _connected(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        if self._streams is not None and self._streams[0].at_eof():  # slipd has left
+            self.close()
+        if self._streams is None:
+            self._streams = await asyncio.open_unix_connection(self.path)
+        return self._streams
+
+    async def _read(self, timeout_s: float) -> bool:
+        reader, _ = await self._connected()
+        try:
+            received = await asyncio.wait_for(reader.read(_READ_BYTES), timeout_s)
+        except asyncio.TimeoutError:
+            return False
+        if not received:
+            raise Disconnected(f"{self.path}: slipd has closed the connection")
+        self._lines.take(received)
+        return True
+
+    async def call(self, method: str, params: Mapping[str, Any] | None = None) -> Any:
+        """As Client.call."""
+        deadline = time.monotonic() + self.timeout_s
+        try:
+            _, writer = await self._connected()
+            number, line = self._lines.request(method, params or {})
+            writer.write(line)
+            await writer.drain()
+            while number not in self._lines.answers:
+                if not await self._read(max(0.0, deadline - time.monotonic())):
+                    raise TimeoutError(f"no answer to {method}")
+        except OSError as error:
+            self.close()
+            if isinstance(error, TimeoutError):
+                raise
+            raise _why(self.path, error) from error
+        return self._lines.result(number)
+
+    async def gamma(self, sensor: str, max_age_s: float) -> Estimate:
+        """As Client.gamma."""
+        return _estimate((await self.call("gamma", {"sensor": sensor}))["sensors"][0], max_age_s)
+
+    async def grasp(self, name: str, max_age_s: float) -> Estimate:
+        """As Client.grasp."""
+        return _grasp(await self.call("gamma"), name, max_age_s)
+
+    async def estimates(self, *sensors: str, max_age_s: float, max_rate_hz: float | None = None,
+                        events: Sequence[str] = ("estimate",)) -> AsyncIterator[Estimate]:
+        """As Client.estimates."""
+        watch: _Watch | None = None
+        own = AsyncClient(self.path, self.timeout_s)
+        async with own:
+            while True:
+                try:
+                    if own._streams is None:
+                        names = sensors or [sensor["name"] for sensor in (await own.call("sensors"))["sensors"]]
+                        await own.call("subscribe", _subscription(sensors, max_rate_hz, events))
+                        watch = _Watch(names, max_age_s, events)
+                    assert watch is not None
+                    if not own._lines.notifications and not await own._read(watch.wait_s()):
+                        for estimate in watch.silent():
+                            yield estimate
+                    arrived, own._lines.notifications = own._lines.notifications, []
+                    for event, values in arrived:
+                        yield watch.fresh(event, values)
+                except OSError as error:
+                    own.close()
+                    if watch is None:
+                        raise _why(self.path, error) from error
+                    for estimate in watch.lost():
+                        yield estimate
+                    await asyncio.sleep(watch.next_pause())
+
+
+# Recordings: a CBOR sequence (RFC 8742); core/storage/recording.hpp describes it.
+
+_STATES = ("ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault")
+_ALERTS = ("none", "warn", "slip")
+_BLOCK = bytes.fromhex("A865626C6F636B1B")  # what each block begins with
+_FLOATS = 85  # RFC 8746: little-endian float32
+
+
+class RecordingError(ValueError):
+    """The file is no recording; the text says where it is none."""
+
+
+class _Cut(Exception):
+    """An item ends after the last byte."""
+
+
+def _item(data: bytes, at: int) -> tuple[Any, int]:
+    """The CBOR item (RFC 8949) at a place, and the place behind it."""
+    if at >= len(data):
+        raise _Cut
+    kind, short = data[at] >> 5, data[at] & 31
+    at += 1
+    argument = short
+    if 24 <= short <= 27:
+        width = 1 << (short - 24)
+        if at + width > len(data):
+            raise _Cut
+        argument, at = int.from_bytes(data[at:at + width], "big"), at + width
+    elif short > 27:
+        raise RecordingError(f"byte {at - 1}: lengths must be given")
+    if kind == 0:
+        return argument, at
+    if kind == 1:
+        return -1 - argument, at
+    if kind in (2, 3):
+        if at + argument > len(data):
+            raise _Cut
+        content = data[at:at + argument]
+        return content if kind == 2 else content.decode(), at + argument
+    if kind == 4:
+        values = []
+        for _ in range(argument):
+            value, at = _item(data, at)
+            values.append(value)
+        return values, at
+    if kind == 5:
+        entries = {}
+        for _ in range(argument):
+            key, at = _item(data, at)
+            entries[key], at = _item(data, at)
+        return entries, at
+    if kind == 6:
+        value, at = _item(data, at)
+        return _floats(value) if argument == _FLOATS else value, at
+    if short == 26:
+        return struct.unpack(">f", data[at - 4:at])[0], at
+    if short == 27:
+        return struct.unpack(">d", data[at - 8:at])[0], at
+    return {20: False, 21: True}.get(short), at
+
+
+def _floats(content: bytes) -> Sequence[float]:
+    if numpy is not None:
+        return numpy.frombuffer(content, dtype="<f4")
+    values = array.array("f", content)
+    if sys.byteorder == "big":
+        values.byteswap()
+    return values
+
+
+def _taxels(values: Sequence[float]) -> Sequence[float]:
+    return array.array("f", values) if numpy is None else numpy.array(values, dtype="<f4")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame of a recording. Taxels are float32, one value each: arrays of numpy, else array.array."""
+
+    seq: int
+    time_ns: int  # CLOCK_MONOTONIC
+    time_s: float  # since the recording began
+    device_time_ns: int | None
+    normal_pa: Sequence[float]
+    shear_x_pa: Sequence[float]
+    shear_y_pa: Sequence[float]
+    truth_gamma: float | None  # of simulated sensors
+    truth_friction: float | None
+    estimate: Mapping[str, Any] | None  # of the flight recorder: state, alert, gamma, sigma, friction, normal_n, shear_n
+
+
+class Recording:
+    """A recording of one sensor. Iterating gives its frames; blocks that are damaged are left out and counted in `damaged`.
+
+    Blocks are checked by their checksum if the module xxhash is installed (`checked`), else by their form only.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        with io_open(path, "rb") as file:
+            self._data = file.read()
+        try:
+            head, self._begin = _item(self._data, 0)
+        except (_Cut, RecordingError, UnicodeDecodeError):
+            head = None
+        if not isinstance(head, dict) or head.get("format") != "slipd-recording":
+            raise RecordingError(f"{os.fspath(path)} is no recording of slipd")
+        if head["version"] not in (1, 2):
+            raise RecordingError(f"{os.fspath(path)} is of version {head['version']}; a newer slipd reads it")
+        self._blocks = head["version"] == 2
+        self.checked = self._blocks and xxhash is not None
+        self.damaged = 0  # blocks, of the last time that all frames were read
+        about = _item(head["body"], 0)[0] if self._blocks else head
+        self.sensor: str = about["sensor"]
+        self.sensor_class: str = about["class"]  # "array3", "wrench", "normal"
+        self.layout: Mapping[str, Any] = about["layout"]  # {"grid": [columns, rows], "pitch_m"}, {"x_m", "y_m"} or {"side_m"}
+        self.rate_hz: float = about["rate_hz"]  # 0: unknown
+        self.simulated: bool = about["simulated"]
+        self.start_realtime_ns: int = about["start_realtime_ns"]
+        self.start_monotonic_ns: int = about["start_monotonic_ns"]
+        self.description: str = about["description"]
+        self.zeroed: bool = about.get("zeroed", True)
+
+    def __iter__(self) -> Iterator[Frame]:
+        if not self._blocks:
+            yield from self._frames(self._data, self._begin)
+            return
+        self.damaged = 0
+        at, number = self._data.find(_BLOCK, self._begin), 0
+        while at >= 0:
+            end = self._end_of_block(at)
+            if end is None:
+                at = self._data.find(_BLOCK, at + 1)
+                continue
+            block = _item(self._data, at)[0]
+            self.damaged += block["block"] - number
+            number = block["block"] + 1
+            yield from self._frames(block["body"], 0)
+            at = self._data.find(_BLOCK, end)
+
+    def _end_of_block(self, at: int) -> int | None:
+        """The place behind the block at a place; None if it is damaged or cut."""
+        try:
+            block, end = _item(self._data, at)
+            known = block.keys() >= {"block", "body", "xxh3"}
+        except (_Cut, RecordingError, UnicodeDecodeError, TypeError, AttributeError):
+            return None
+        if not known:
+            return None
+        sealed = self._data[at:end - len(b"\x64xxh3") - 9]  # all before the checksum's entry
+        return end if xxhash is None or xxhash.xxh3_64_intdigest(sealed) == block["xxh3"] else None
+
+    def _frames(self, data: bytes, at: int) -> Iterator[Frame]:
+        while at < len(data):
+            try:
+                values, at = _item(data, at)
+            except _Cut:  # the recording was cut here
+                return
+            estimate = values.get("estimate")
+            if estimate is not None:
+                estimate = {**estimate, "state": _STATES[estimate["state"]], "alert": _ALERTS[estimate["alert"]]}
+            yield Frame(time_s=1e-9 * (values["time_ns"] - self.start_monotonic_ns), estimate=estimate,
+                        **{key: values[key] for key in ("seq", "time_ns", "device_time_ns", "normal_pa", "shear_x_pa", "shear_y_pa",
+                                                        "truth_gamma", "truth_friction")})
+
+
+def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001: slipd.open() is what people look for
+    """A recording, read whole. Raises OSError, or RecordingError if it is none."""
+    return Recording(path)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """python3 -m slipd [--socket PATH] [SENSOR …]: a line for each sensor, ten times a second, until it is interrupted."""
+    parser = argparse.ArgumentParser(prog="python3 -m slipd", description="Prints the safety margin of slipd's sensors as it changes.")
+    parser.add_argument("--socket", default=SOCKET)
+    parser.add_argument("sensors", nargs="*", metavar="SENSOR")
+    options = parser.parse_args(arguments)
+    try:
+        with Client(options.socket) as client:
+            for estimate in client.estimates(*options.sensors, max_age_s=0.5, max_rate_hz=10):
+                gamma = "     " if estimate.gamma is None else f"{estimate.gamma:5.3f}"
+                bar = "#" * round(40 * (estimate.gamma or 0))
+                print(f"{estimate.name:12.12} {gamma} |{bar:40}| {estimate.state:12} {estimate.alert}", flush=True)
+    except (SlipdError, OSError) as error:
+        print(f"slipd: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 0
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,5 @@
+import sys
+
+from slipd import main
+
+sys.exit(main())

@@ -1,0 +1,73 @@
+// What force and torque of a contact ask of friction together (docs/theory.md §6.6), as the pull without torque
+// that asks for as much: all that compares |Q|/P with friction then holds for a contact that turns, too.
+// Without a torque above noise it is Q itself. Estimate thread; allocates in its constructor only.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/contact/limit_surface.hpp"
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+#include "core/patch/pressure_cells.hpp"
+
+namespace slipd {
+
+// T: torque, Q: shear force, a: contact radius. Checked with tests/core/estimate/turning_load_test.cpp.
+struct TurningLoadOptions {
+  // A torque above this many standard deviations is one; 2 … 5. Too small: noise lowers margins. Too large:
+  // small torques are left out of margins.
+  double clear_sigmas = 3;
+  // And above this share of Q a; 0.001 … 0.05. Below, it changes the margin by less than 2.5 of its squares
+  // (§6.6), and square taxels may be all of it. Too small: pure pulls get torques. Too large: as above.
+  double least_share = 0.02;
+  // What coarse taxels add to that share, over (side/a)^2; 0 … 0.3. Too small and too large: as above, on few taxels.
+  double coarse_share = 0.1;
+  // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it; 0.02 … 0.3.
+  // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
+  // friction of pulls are given for fields that torque has changed.
+  double bending_share = 0.1;
+  // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3, measured on
+  // contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too large: too low.
+  double within_taxels = 0.13;
+  // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
+  double kept_share = 0.8;
+};
+
+enum class Turning : std::uint8_t {
+  none,     // noise may be all of the torque
+  light,    // it counts for the margin, and leaves the field as it is under a pull
+  bending,  // the field is no longer that of a pull
+};
+
+struct TurningLoadResult {
+  Turning turning = Turning::none;
+  // The pull without torque that is as near to slip, N, and its standard deviation; |Q| and its own where
+  // turning is none.
+  double pull_n = 0, pull_sigma_n = 0;
+};
+
+class TurningLoad {
+ public:
+  explicit TurningLoad(const TaxelLayout& layout, const TurningLoadOptions& options = {});
+
+  // A new grasp.
+  void reset() noexcept { bent_ = false; }
+
+  // `patch` is in contact. A sensor of one taxel has the torque in patch.torque_nm and the contact's radius in
+  // patch.radius_m, if both are known; its pressure is taken for Hertz's.
+  TurningLoadResult of(const ContactPatch& patch) noexcept;
+
+ private:
+  bool clear(const ContactPatch& patch) const noexcept;
+
+  TurningLoadOptions options_;
+  PressureCells cells_;
+  contact::LimitSurface unit_hertz_;
+  double side_m_;
+  bool one_taxel_;
+  bool bent_ = false;  // the last frame's field was
+};
+
+}  // namespace slipd

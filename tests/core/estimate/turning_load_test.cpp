@@ -1,0 +1,178 @@
+// Force and torque of a frame become the pull that asks for as much of friction; friction is read where taxels slip.
+#include "core/estimate/turning_load.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/estimate/slipping_taxels.hpp"
+#include "tests/support/heap_count.hpp"
+#include "tests/support/synthetic.hpp"
+#include "tests/support/turning_frames.hpp"
+
+namespace slipd {
+namespace {
+
+using synthetic::Turned;
+using synthetic::TurningFrames;
+
+const TaxelLayout kFine = TaxelLayout::grid(32, 32, 0.00045);
+const TaxelLayout kLarge = TaxelLayout::grid(100, 100, 0.000144);
+
+TaxelLayout scattered(std::size_t across, double pitch_m) {
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < across * across; ++i) {
+    const double shift = 0.25 * static_cast<double>(i / across % 2);
+    x.push_back(pitch_m * (static_cast<double>(i % across) + shift - static_cast<double>(across) / 2));
+    y.push_back(pitch_m * (static_cast<double>(i / across) - static_cast<double>(across) / 2));
+  }
+  return TaxelLayout::scattered(x, y);
+}
+
+TEST(TurningLoad, ItsTorqueIsThatOfTheShearAboutTheCentreWithAnHonestSigma) {
+  for (const TaxelLayout& layout : {kFine, scattered(32, 0.00045)}) {
+    TurningFrames frames(layout);
+    PatchFinder finder(layout);
+    double squares = 0;
+    constexpr int kFrames = 60;
+    for (int i = 0; i < kFrames; ++i) {
+      const Turned contact{.center_x_m = 3e-4, .center_y_m = -2e-4, .shift_x = 0.5, .turn = -0.8, .noise = 0.01};
+      const ContactPatch& patch = finder.find(frames.make(contact));
+      const double off = (patch.torque_nm - frames.torque_nm()) / patch.torque_sigma_nm;
+      EXPECT_LT(std::fabs(off), 6);
+      squares += off * off;
+    }
+    EXPECT_GT(std::sqrt(squares / kFrames), 0.7) << layout.size();
+    EXPECT_LT(std::sqrt(squares / kFrames), 1.4) << layout.size();
+  }
+}
+
+// Pressing alone makes shear that points outwards.
+TEST(TurningLoad, ShearByPressingHasNoTorque) {
+  TurningFrames frames(kFine);
+  PatchFinder finder(kFine);
+  const Frame pressed = frames.make({.center_x_m = 1e-4});
+  std::vector<float> x(kFine.size()), y(kFine.size());
+  for (std::size_t i = 0; i < kFine.size(); ++i) {
+    x[i] = 0.2F * pressed.normal_pa[i] * static_cast<float>((kFine.x_m()[i] - 1e-4) / 4e-3);
+    y[i] = 0.2F * pressed.normal_pa[i] * static_cast<float>(kFine.y_m()[i] / 4e-3);
+  }
+  const ContactPatch& patch = finder.find({1, 1, pressed.normal_pa, x, y});
+  EXPECT_LT(std::fabs(patch.torque_nm), 1e-4 * patch.normal_n * patch.radius_m);
+}
+
+TEST(TurningLoad, IsThePullItselfWhereNoiseMayBeAllOfTheTorque) {
+  synthetic::FrameMaker maker(kFine);
+  PatchFinder finder(kFine);
+  TurningLoad load(kFine);
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0, 0.5);
+  contact.move_to(2, 0.6, 0.5);
+  for (const double noise : {0.0, 0.01, 0.05}) {
+    for (int i = 0; i < 50; ++i) {
+      const auto& patch = finder.find(maker.make(contact, 3e-4, 1e-4, 0.1 * i, noise, synthetic::Noise::sensor));
+      const TurningLoadResult now = load.of(patch);
+      EXPECT_EQ(now.turning, Turning::none);
+      EXPECT_EQ(now.pull_n, patch.shear_n);
+      EXPECT_EQ(now.pull_sigma_n, patch.shear_sigma_n);
+    }
+  }
+}
+
+// An object that slides about any centre carries all that friction holds: mu P. On any layout, 4 x 4 included.
+TEST(TurningLoad, AnObjectThatSlidesAboutAnyCentreAsksForAllOfFriction) {
+  struct Case {
+    TaxelLayout layout;
+    double tolerance;
+  };
+  for (const Case& at : {Case{kLarge, 3e-3}, Case{kFine, 3e-3}, Case{scattered(32, 0.00045), 4e-3},
+                         Case{TaxelLayout::grid(16, 16, 0.0009), 8e-3},
+                         Case{TaxelLayout::grid(6, 6, 0.0024), 3e-2}}) {
+    TurningFrames frames(at.layout);
+    PatchFinder finder(at.layout);
+    TurningLoad load(at.layout);
+    for (const double shift : {0.0, 10.0, 40.0, 200.0}) {
+      const ContactPatch& patch =
+          finder.find(frames.make({.center_x_m = 2e-4, .shift_x = 0.6 * shift, .shift_y = -0.8 * shift, .turn = 60}));
+      const TurningLoadResult now = load.of(patch);
+      EXPECT_EQ(now.turning, shift < 100 ? Turning::bending : now.turning);
+      EXPECT_NEAR(now.pull_n / (0.5 * patch.normal_n), 1, at.tolerance) << at.layout.size() << ' ' << shift;
+    }
+  }
+}
+
+TEST(TurningLoad, ForceVectorsWithATorqueUseTheRadiusThatIsGiven) {
+  const TaxelLayout layout = TaxelLayout::wrench(0.02);
+  TurningLoad load(layout);
+  ContactPatch patch;
+  patch.in_contact = true;
+  patch.normal_n = 10;
+  patch.shear_x_n = patch.shear_n = 1.7;
+  patch.radius_m = 4e-3;
+  patch.torque_nm = 0.236 * 10 * 4e-3 / 2;
+  patch.torque_sigma_nm = 1e-5;
+  // With mu = 0.5: Q/(mu P) = 0.34 and T/(mu P a) = 0.236, so a little more than by an ellipsoid.
+  const double ellipsoid = std::hypot(0.34, 0.236 * 16 / (3 * std::numbers::pi));
+  const double share = load.of(patch).pull_n / (0.5 * patch.normal_n);
+  EXPECT_GT(share, ellipsoid);
+  EXPECT_LT(share, 1.06 * ellipsoid);
+}
+
+TEST(TurningLoad, AllocatesNothing) {
+  TurningFrames frames(kLarge);
+  PatchFinder finder(kLarge);
+  TurningLoad load(kLarge);
+  SlippingTaxels slipping(kLarge);
+  const ContactPatch& patch = finder.find(frames.make({.shift_x = 0.5, .turn = 0.9}));
+  const std::uint64_t before = test::allocations();
+  ContactPatch loaded = patch;
+  loaded.shear_n = load.of(patch).pull_n;
+  const FrameEstimate estimate = slipping.estimate(loaded);
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_TRUE(estimate.in_model);
+}
+
+class SlippingTaxelsUnderNoise : public ::testing::TestWithParam<double> {};
+
+TEST_P(SlippingTaxelsUnderNoise, TellFrictionFromForceAndTorqueOrNothing) {
+  const double noise = GetParam();
+  TurningFrames frames(kFine);
+  PatchFinder finder(kFine);
+  TurningLoad load(kFine);
+  SlippingTaxels slipping(kFine);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int answered = 0, heavy = 0;
+  for (int i = 0; i < 150; ++i) {
+    const double toward = 2 * std::numbers::pi * unit(random), mix = std::numbers::pi / 2 * unit(random);
+    const double size = 0.2 + 2.5 * unit(random), friction = 0.2 + 0.7 * unit(random);
+    const Turned contact{.center_x_m = 4e-4 * unit(random),
+                         .center_y_m = -4e-4 * unit(random),
+                         .radius_m = 3e-3 + 2e-3 * unit(random),
+                         .friction = friction,
+                         .shift_x = size * std::cos(mix) * std::cos(toward),
+                         .shift_y = size * std::cos(mix) * std::sin(toward),
+                         .turn = (i % 2 == 0 ? 1.5 : -1.5) * size * std::sin(mix),
+                         .noise = noise};
+    const ContactPatch& patch = finder.find(frames.make(contact));
+    ContactPatch loaded = patch;
+    const TurningLoadResult now = load.of(patch);
+    loaded.shear_n = now.pull_n;
+    loaded.shear_sigma_n = now.pull_sigma_n;
+    const FrameEstimate out = slipping.estimate(loaded);
+    const double gamma = 1 - now.pull_n / (friction * patch.normal_n);
+    EXPECT_TRUE(out.turning);
+    heavy += gamma < 0.6 ? 1 : 0;
+    answered += out.in_model && gamma < 0.6 ? 1 : 0;
+    if (!out.in_model) continue;
+    EXPECT_NEAR(out.friction / friction, 1, std::max(0.02, 4 * out.friction_sigma / friction)) << i;
+    EXPECT_LT(out.gamma - gamma, 0.05) << "too safe, " << i;
+  }
+  EXPECT_GT(answered, (noise > 0.02 ? 0.5 : 0.85) * heavy);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, SlippingTaxelsUnderNoise, ::testing::Values(0.0, 0.01, 0.03));
+
+}  // namespace
+}  // namespace slipd

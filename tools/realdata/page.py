@@ -1,0 +1,132 @@
+"""docs/real-sensors.md."""
+from . import eflesh, pillars, plots, rivals, uskin
+from .scores import area, balanced, best_balanced
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def per_cent(share):
+    return f"{100 * share:.0f} %"
+
+
+def lead(run, name):
+    if run.false[name]:
+        return "too early"
+    if run.leads[name] is None:
+        return "none"
+    seconds = run.leads[name]
+    return f"{abs(seconds):.2f} s {'before' if seconds >= 0 else 'after'}"
+
+
+def pillars_section(result):
+    rows = []
+    for name in ("slipd", *rivals.RIVALS):
+        limit = "defaults" if name == "slipd" else f"{pillars.LIMITS[name]:g}"
+        turned = result.turned.get(name)
+        rows.append([name, limit, f"{result.false[name]} of {result.quiet}", result.closing[name],
+                     "no" if turned is None else f"{turned:.2f} s after"])
+    return f"""## Finger of 3 x 3 pillars, newtons
+
+38 recordings of 3 x 3 pillars (PapillArray) at up to 500 rows a second, from a public repository without a licence; only sums over them are
+here. In {result.quiet} grasps a parallel gripper closes on an object, holds it for about 3 s and releases it, and nobody pulls: each alarm
+from contact to release is false. In one an object is turned in the grip; {result.cables} are of a cable that hooks on the pillars and is
+pulled. Scene `pillars-3x3`; slipd has the range of friction of the scene (0.3–1) and no other knowledge.
+
+{table(["detector", "threshold", "quiet grasps with an alarm", "of these while closing", "turned object: alarm"], rows)}
+
+* A margin (state `ok`) comes in {per_cent(result.with_margin / max(1, result.held))} of the rows of the middle half of the holds.
+* Cables: `no_contact` with more than {pillars.SHEAR_N:g} N of shear in {result.lost_contact} rows; a margin above {pillars.SAFE_MARGIN:g}
+  while pulled in {result.safe} rows.
+
+The plain detectors at every threshold; the dashed line is slipd at its defaults:
+
+![share of quiet grasps with an alarm over the threshold of each plain detector](real-sensors/pillars-false.svg)
+"""
+
+
+def uskin_section(runs):
+    head = ["detector", *(f"{run.trial[:10]} {run.trial[11:16].replace('-', ':')}, fingertip {run.sensor[-1]}{', slip' if run.label_s is not None else ''}" for run in runs)]
+    rows = [[name, *("silent" if run.label_s is None and not run.false[name] else lead(run, name) for run in runs)]
+            for name in ("slipd", *rivals.RIVALS)]
+    with_margin = [sum(r["state"] == "ok" for r in run.rows) / len(run.rows) for run in runs]
+    return f"""## Two magnetic fingertips of 4 x 4 taxels, counts with a zero
+
+Three grasps with two XELA uSkin fingertips at 60 rows a second (github.com/imanlab/proactive-slip-control, MIT): an arm lifts and moves an
+object; in one grasp it slips, labelled by a camera at about 5 mm of motion. Scene `uskin-4x4`. slipd has its defaults. The plain detectors
+have the best threshold that hindsight gives: the least one, of each fingertip, that stays silent in both grasps without a slip. *too early*:
+more than {uskin.EARLY_S:g} s before the label.
+
+{table(head, rows)}
+
+slipd gives a margin in {per_cent(min(with_margin))} to {per_cent(max(with_margin))} of the rows. Counts are no newtons, so a margin is right
+only in as far as x, y and z have equal scales.
+
+![both fingertips in the grasp that slips](real-sensors/uskin-slip.svg)
+"""
+
+
+def eflesh_section(result):
+    rows = [["slipd: slides", "defaults", f"{balanced(result.slid, result.labels):.3f}", ""],
+            ["slipd: slides or is disturbed", "defaults", f"{balanced(result.told, result.labels):.3f}", ""]]
+    for name in eflesh.PLAIN:
+        points = result.curve(name)
+        rows.append([name, "the best of all", f"{best_balanced(points):.3f}", f"{area(points):.3f}"])
+    slips = sum(result.labels)
+    return f"""## Ten magnetometers under a printed skin, raw
+
+{len(result.labels)} sequences of 3 s, {slips} of them with a slip (github.com/notvenky/eFlesh, MIT): an object is held, and in some pulled
+until it slips. Raw microtesla without zero and layout, about 100 rows a second. Scene `eflesh`. There are no forces, so there is no
+margin and no Q/P; slipd's detection of sliding works on the readings' course ([theory.md](theory.md) 13.1). The authors of the data report 95 %
+with a classifier that was trained on it. The plain detectors have the threshold that is best for exactly these sequences.
+
+{table(["detector", "threshold", "balanced accuracy", "area under the ROC"], rows)}
+
+*moved since the hold* asks whether somebody pulled; it has no way to tell a pull that holds from a slip.
+
+![receiver operating characteristic of each detector](real-sensors/eflesh-roc.svg)
+"""
+
+
+FAILS = """## Where it fails
+
+* **What slides with an unchanged pattern is not seen.** A flat, even object that slides without a change of P shows neither in the pattern nor
+  in the forces; then only the margin warns, and for that friction has to be known.
+* **Raw counts have no margin**, and a steady pull at an object that sticks looks like the beginning of a slide. Give the sensor a zero where
+  this matters.
+* **Friction that is only known as a range** gives a margin of that range (`gamma_low` is its safe end). It warns early, and an alert does not
+  say that the object slides; `alert_cause` tells both apart.
+* **Labels are late.** The camera of the second data set labels a slip at 5 mm of motion; motion above 1 mm began 0.1–0.2 s earlier.
+* **Few slides.** All data together have four slides with forces. The table of [alerts.md](alerts.md) has thousands, of simulated sensors.
+"""
+
+
+def write(found, docs):
+    """`found`: the results by data set; a data set that is missing leaves its section out."""
+    pictures = docs / "real-sensors"
+    pictures.mkdir(parents=True, exist_ok=True)
+    sections = []
+    if "pillars" in found:
+        plots.pillars_false(found["pillars"], pictures)
+        sections.append(pillars_section(found["pillars"]))
+    if "uskin" in found:
+        plots.uskin_course(found["uskin"], pictures)
+        sections.append(uskin_section(found["uskin"]))
+    if "eflesh" in found:
+        plots.eflesh_roc(found["eflesh"], pictures)
+        sections.append(eflesh_section(found["eflesh"]))
+    (docs / "real-sensors.md").write_text(f"""# Real sensors
+
+Generated by `tools/real`. What slipd says of recordings of three kinds of sensors that it did not make, each through `sliplab replay`, which is
+the chain of the daemon, and beside it three detectors that are common with such sensors, in the same run and on the same rows:
+
+* **Q/P over a given friction**: alarm when the tangential over the normal force exceeds a friction that somebody gave.
+* **P drops**: alarm when the normal force falls below its mean of the last {rivals.DROP_S:g} s by a share.
+* **vibration**: alarm on the root mean square of fast changes of shear, over {1000 * rivals.RMS_S:.0f} ms.
+
+slipd has one set of defaults for all of them. Nothing is trained on any of them.
+
+{chr(10).join(sections)}
+{FAILS}""")
