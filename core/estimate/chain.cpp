@@ -101,7 +101,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
 // sharpest object, for the softest one against the flattest.
 PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   PlausibilityLimits limits{
-      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout))};
+      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),
+      .flat = std::isinf(setup.scene.skin.radius_m)};
   if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
   const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
   const contact::Body skin = contact::body_of(setup.scene.skin);

@@ -28,7 +28,7 @@ ContactGate::ContactGate(const TaxelLayout& layout, SensorClass sensor_class,
       shows_shear_(sensor_class != SensorClass::normal),
       min_normal_n_(min_normal_n.value_or(default_min_normal_n(layout))),
       unloaded_n_(std::max(min_normal_n_, kFewTaxelsMinNormalN)),
-      noise_(layout) {}
+      noise_(layout, unloaded_n_) {}
 
 double ContactGate::threshold_n() const noexcept {
   const double noise_n = noise_.now() ? noise_.now()->normal_n : 0;
@@ -47,8 +47,7 @@ bool ContactGate::judge(const Frame& frame, const ContactPatch& patch) noexcept 
   if (taxels_ > Fit::kFewTaxels) return touching_;  // it shows pressure where anything hooks
   const PulledForces all = forces_on(frame);
   if (!touching_ && shows_shear_ && all.shear_n > pull_threshold_n()) pulled_ = all;
-  // A load just below the threshold may be held for long, and is no noise.
-  noise_.update(frame, !touching_ && !pulled_ && std::fabs(all.normal_n) <= unloaded_n_);
+  noise_.update(frame);
   return touching_;
 }
 

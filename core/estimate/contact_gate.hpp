@@ -15,7 +15,7 @@ namespace slipd {
 struct ContactGateOptions {
   // P from which on there is a contact, standard deviations of its noise without load; 3 … 10. Too small:
   // drift and jitter of the zero are a contact. Too large: light contacts are missed.
-  double contact_sigmas = 4;
+  double contact_sigmas = 5;
   // Once in contact, it lasts down to this share of the threshold; 0.2 … 0.9. Too near 1: a light contact
   // comes and goes. Too small: a released object is a contact for longer.
   double kept_share = 0.5;
@@ -64,7 +64,7 @@ class ContactGate {
   double area_m2_;
   bool shows_shear_;
   double min_normal_n_;
-  double unloaded_n_;  // |P| up to which the sensor is not loaded
+  double unloaded_n_;  // |P| and |Q| up to which the sensor is not loaded
   UnloadedNoise noise_;
   bool touching_ = false;
   std::optional<PulledForces> pulled_;

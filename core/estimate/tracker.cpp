@@ -12,12 +12,20 @@ FrictionPrior prior_of(Range expected, const std::optional<KnownFriction>& frict
   return {.expected = expected, .spread = options.scene_spread};
 }
 
-// The range bounds what is learnt: a grip that relaxes, or a pattern that a model does not have, looks like
-// sliding at a friction that no object of the scene has.
-FrictionFilterOptions bounded(FrictionFilterOptions filter, Range range, double slack) {
-  filter.grid.min_friction = range.low * std::exp(-slack);
-  filter.grid.max_friction = range.high * std::exp(slack);
+// The range bounds what is learnt: a grip that relaxes looks like sliding at a friction that no object of the
+// scene has.
+FrictionFilterOptions bounded(FrictionFilterOptions filter, const std::optional<Range>& range, double slack) {
+  if (!range) return filter;
+  filter.grid.min_friction = range->low * std::exp(-slack);
+  filter.grid.max_friction = range->high * std::exp(slack);
   return filter;
+}
+
+// Frames with a shape show friction by themselves: only what was given for this very sensor bounds them.
+std::optional<Range> bounds_of(Range expected, const std::optional<KnownFriction>& friction,
+                               bool force_only) {
+  if (friction) return friction->range;
+  return force_only ? std::optional(expected) : std::nullopt;
 }
 
 }  // namespace
@@ -28,10 +36,11 @@ Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected,
       force_only_(force_only),
       friction_(friction.value_or(friction_expected)),
       given_value_(friction && friction->is_value()),
+      bounds_(bounds_of(friction_expected, friction, force_only)),
       options_(options),
       friction_filter_(prior_of(friction_expected, friction, options.prior), force_only,
-                       bounded(options.filter, friction_.range,
-                               force_only || given_value_ ? options.force_only_slack : options.shaped_slack)) {
+                       bounded(options.filter, bounds_,
+                               force_only ? options.force_only_slack : options.shaped_slack)) {
   const MeanSigma prior = friction_filter_.grid().friction();
   prior_sigma_ = prior.sigma / prior.mean;
 }
@@ -41,7 +50,7 @@ void Tracker::give_friction(Estimate& out) const noexcept {
   const double relative = friction.sigma / friction.mean;
   const bool learnt = relative < options_.learnt_share * prior_sigma_;
   if (!given_value_ && !(learnt && relative < options_.known_sigma)) return;
-  out.friction = std::clamp(friction.mean, friction_.range.low, friction_.range.high);
+  out.friction = bounds_ ? std::clamp(friction.mean, bounds_->low, bounds_->high) : friction.mean;
   out.friction_sigma = friction.sigma;
 }
 

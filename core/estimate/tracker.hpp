@@ -54,8 +54,9 @@ struct TrackerOptions {
 
 class Tracker {
  public:
-  // friction_expected: the scene's range. friction: known beforehand, instead of it. Both are hard bounds.
-  // force_only: no single frame of this sensor determines its margin.
+  // friction_expected: the scene's range. friction: known beforehand, instead of it, and a hard bound; so is
+  // the scene's range where frames show no friction by themselves. force_only: no single frame of this sensor
+  // determines its margin.
   Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<KnownFriction> friction,
           bool force_only, const TrackerOptions& options = {});
 
@@ -85,6 +86,7 @@ class Tracker {
   bool force_only_;
   KnownFriction friction_;  // given, else expected
   bool given_value_;
+  std::optional<Range> bounds_;  // of what is learnt
   TrackerOptions options_;
   FrictionFilter friction_filter_;
   double prior_sigma_;  // of friction, relative

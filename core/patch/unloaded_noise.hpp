@@ -24,8 +24,9 @@ struct SensorNoise {
 
 // Checked with `tools/real`.
 struct UnloadedNoiseOptions {
-  // Frames are counted in blocks of this time, s, 0.02 … 1, and a block only if the next one is unloaded too.
-  // Too small: an approaching contact counts as noise. Too large: short pauses between grasps are not used.
+  // Frames are counted in blocks of this time, s, 0.02 … 1, and a block only if it and the next one are
+  // unloaded in the mean. Too small: an approaching contact counts as noise. Too large: short pauses between
+  // grasps are not used.
   double block_s = 0.1;
   // Time in which older blocks are forgotten to 1/e, s, 1 … 100. Too small: chance. Too large: a sensor that
   // warms up is taken for a quiet one.
@@ -36,27 +37,32 @@ struct UnloadedNoiseOptions {
 
 class UnloadedNoise {
  public:
-  explicit UnloadedNoise(const TaxelLayout& layout, const UnloadedNoiseOptions& options = {});
+  // unloaded_n: |P| and |Q| of a block's mean up to which nothing touches the sensor, N, > 0. Single frames of
+  // a noisy sensor exceed it.
+  UnloadedNoise(const TaxelLayout& layout, double unloaded_n, const UnloadedNoiseOptions& options = {});
 
-  // Every frame with a zero, in order of time. `unloaded`: nothing touches the sensor.
-  void update(const Frame& frame, bool unloaded) noexcept;
+  // Every frame with a zero, in order of time.
+  void update(const Frame& frame) noexcept;
 
   // None until the sensor was unloaded for long enough, and for one whose pressure does not flicker at all,
   // which says nothing of its noise under load.
   const std::optional<SensorNoise>& now() const noexcept { return noise_; }
 
  private:
-  // Mean squares.
-  struct Squares {
+  // Mean squares, and means of the sums.
+  struct Means {
     double normal_pa2 = 0, shear_pa2 = 0, normal_n2 = 0, shear_n2 = 0;
-    void move(const Squares& to, double gain) noexcept;
+    double normal_n = 0, shear_x_n = 0, shear_y_n = 0;
+    void move(const Means& to, double gain) noexcept;
   };
-  Squares squares_of(const Frame& frame) const noexcept;
-  void count(const Squares& block) noexcept;
+  Means means_of(const Frame& frame) const noexcept;
+  void finish_block() noexcept;
+  void count(const Means& block) noexcept;
 
   double area_m2_;
+  double unloaded_n_;
   UnloadedNoiseOptions options_;
-  Squares block_, waiting_, mean_;  // of the block under way, of the one before it, of all before
+  Means block_, waiting_, mean_;  // of the block under way, of the one before it, of all before
   std::int64_t began_ns_ = 0;
   int frames_ = 0;  // of the block under way
   bool has_waiting_ = false;

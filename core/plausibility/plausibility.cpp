@@ -110,7 +110,7 @@ void PlausibilityMonitor::judge_offset(const ContactPatch& patch) noexcept {
   const float rise_pa = patch.frame_least_pa - last_least_pa_;
   const bool small_before = std::fabs(last_least_pa_) < kUnloading * last_peak_pa_;
   if (lifted_pa_ > 0 && patch.frame_least_pa < lifted_pa_) lifted_pa_ = 0;
-  if (any_ && layout_.size() >= kManyTaxels && last_in_contact_ && small_before &&
+  if (any_ && !limits_.flat && layout_.size() >= kManyTaxels && last_in_contact_ && small_before &&
       rise_pa > options_.least_rise_share * last_peak_pa_)
     lifted_pa_ = patch.frame_least_pa / 2;
   if (lifted_pa_ > 0) blame(Verdict::frame_refused, Health::jump);

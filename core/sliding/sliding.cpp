@@ -93,8 +93,10 @@ SlidingVerdict SlidingDetector::update(const Frame& frame, bool contact) noexcep
 
 void SlidingDetector::follow_field() noexcept {
   field_.known = true;
+  const FieldChange change = field_change();
+  field_.internal_share = std::max(0.0, change.all - change.along);
   field_.coherence = coherence();
-  field_.internal_share = internal_share();
+  if (change.all > options_.clear_change) field_.coherence = std::max(field_.coherence, change.along / change.all);
   ++field_.block;
 }
 
@@ -112,10 +114,10 @@ double SlidingDetector::coherence() const noexcept {
   return all > 0 ? std::min(1.0, sum.along() / all) : 1;
 }
 
-double SlidingDetector::internal_share() const noexcept {
-  if (!(settled_normal_ > 0)) return 0;
+SlidingDetector::FieldChange SlidingDetector::field_change() const noexcept {
+  if (!(settled_normal_ > 0)) return {};
   const double normal = normal_of(0);
-  if (!(normal > 0)) return 1;
+  if (!(normal > 0)) return {.all = 1, .along = 0};
   const std::size_t cells = blocks_.cells();
   const float* const now = blocks_.block(0);
   const double scale = normal / settled_normal_, noise = blocks_.noise() * std::hypot(1, scale);
@@ -128,7 +130,7 @@ double SlidingDetector::internal_share() const noexcept {
     change.y += y;
     all += without_noise(x, y, noise);
   }
-  return std::max(0.0, all - change.along()) / normal;
+  return {.all = all / normal, .along = std::min(all, change.along()) / normal};
 }
 
 double SlidingDetector::normal_of(std::size_t ago) const noexcept {

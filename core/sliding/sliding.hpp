@@ -38,7 +38,7 @@ struct FieldCourse {
   // Whether there is a field: enough cells, a zero, a contact and a block of it. Else nothing below counts.
   bool known = false;
   // |sum q|/sum|q|, noise taken off; 0 … 1: 1 where all cells are sheared one way, as by an object that
-  // slides.
+  // slides. Of what changed since the contact settled, if that is more: the rest is from pressing.
   double coherence = 1;
   // What cells carry against each other, over P, >= 0: of the change of shear since the contact settled, the
   // part that cancels in the sum. Shear that pressing alone makes grows with P and is not in it. 0 before the
@@ -94,6 +94,9 @@ struct SlidingOptions {
   // Blocks in which noise and the held P are followed to 1/e; 5 … 100. Too small: a slide counts as noise.
   // Too large: shaking that begins counts as sliding.
   double follow_blocks = 20;
+  // Change of shear over P, summed over cells, that has a coherence of its own; 0.02 … 0.5. Too small: noise
+  // and relaxation. Too large: shear of pressing hides a slide at a low friction.
+  double clear_change = 0.1;
   // Without a zero: the load changed when the root mean square of all channels moved by this many times the
   // noise of a block; 6 … 50. Too small: shaking and drift are disturbances. Too large: weak pulls are none.
   double disturbed_noises = 16;
@@ -129,7 +132,11 @@ class SlidingDetector {
   void arm() noexcept;
   void follow_field() noexcept;
   double coherence() const noexcept;
-  double internal_share() const noexcept;
+  // Of shear since the contact settled, less what pressing makes: summed over cells, and of its sum; over P.
+  struct FieldChange {
+    double all = 0, along = 0;
+  };
+  FieldChange field_change() const noexcept;
   std::optional<Sliding> judge_raw() noexcept;
   void forget() noexcept;
 

@@ -50,13 +50,19 @@ class Finger {
     constexpr double kShares[9] = {0.08, 0.12, 0.09, 0.13, 0.16, 0.12, 0.1, 0.13, 0.07};
     constexpr double kOutward = 0.3;
     std::normal_distribution<double> noise(0, 0.004);
-    double normals[9], sum = 0;
+    double shares[9], sum = 0, middle_x = 0, middle_y = 0;
     for (std::size_t i = 0; i < 9; ++i)
-      sum += normals[i] = kShares[i] * (1 + 0.4 * std::sin(load.texture + 2.3 * static_cast<double>(i)));
+      sum += shares[i] = kShares[i] * (1 + 0.4 * std::sin(load.texture + 2.3 * static_cast<double>(i)));
     for (std::size_t i = 0; i < 9; ++i) {
-      const double column = static_cast<double>(i % 3) - 1, row = static_cast<double>(i / 3) - 1;
-      const double normal_n = load.normal_n * normals[i] / sum;
-      const double x_n = kOutward * normal_n * column + load.pull_n * normals[i] / sum + column * load.apart_n / 3;
+      shares[i] /= sum;
+      middle_x += shares[i] * column_of(i);
+      middle_y += shares[i] * row_of(i);
+    }
+    for (std::size_t i = 0; i < 9; ++i) {
+      const double column = column_of(i) - middle_x, row = row_of(i) - middle_y;
+      const double normal_n = load.normal_n * shares[i];
+      const double x_n =
+          kOutward * normal_n * column + load.pull_n * shares[i] + column_of(i) * load.apart_n / 3;
       set(p_, i, normal_n + noise(random_));
       set(x_, i, x_n + noise(random_));
       set(y_, i, kOutward * normal_n * row + noise(random_));
@@ -65,7 +71,7 @@ class Finger {
   }
 
   // Rows of a recording: x, y, z of each pillar, N.
-  Estimate feel(const std::vector<double>& row) {
+  Estimate feel_row(const std::vector<double>& row) {
     for (std::size_t i = 0; i < 9; ++i) {
       set(x_, i, row[3 * i]);
       set(y_, i, row[3 * i + 1]);
@@ -75,6 +81,8 @@ class Finger {
   }
 
  private:
+  static double column_of(std::size_t i) { return static_cast<double>(i % 3) - 1; }
+  static double row_of(std::size_t i) { return std::floor(static_cast<double>(i) / 3) - 1; }
   void set(std::vector<float>& channel, std::size_t i, double force_n) const {
     channel[i] = static_cast<float>(force_n / (kPitch_m * kPitch_m));
   }
@@ -264,7 +272,7 @@ Hold held(const std::filesystem::path& file) {
     std::vector<double> row;
     for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
     row.erase(row.begin());  // time
-    said.push_back(finger.feel(row));
+    said.push_back(finger.feel_row(row));
   }
   std::vector<double> margins, loads;
   Hold hold;

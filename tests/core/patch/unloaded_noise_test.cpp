@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSide_m = 0.007;
 constexpr double kPerFrame_s = 0.002;
+constexpr double kUnloaded_n = 0.1;
 
 // Nine taxels. Each flickers on its own, and all share a part.
 class Sensor {
@@ -45,9 +46,9 @@ class Sensor {
 
 TEST(UnloadedNoise, IsThatOfTheTaxelsAndOfTheirSums) {
   Sensor sensor(100, 50);
-  UnloadedNoise noise(sensor.layout());
+  UnloadedNoise noise(sensor.layout(), kUnloaded_n);
   EXPECT_FALSE(noise.now());
-  for (int i = 0; i < 2000; ++i) noise.update(sensor.frame(0), true);
+  for (int i = 0; i < 2000; ++i) noise.update(sensor.frame(0));
   ASSERT_TRUE(noise.now());
   EXPECT_NEAR(noise.now()->normal_pa, std::hypot(100, 50), 5);
   EXPECT_NEAR(noise.now()->shear_pa, 100, 4);
@@ -59,18 +60,18 @@ TEST(UnloadedNoise, IsThatOfTheTaxelsAndOfTheirSums) {
 
 TEST(UnloadedNoise, LeavesOutLoadsAndWhatComesJustBeforeThem) {
   Sensor sensor(100, 0);
-  UnloadedNoise noise(sensor.layout());
+  UnloadedNoise noise(sensor.layout(), kUnloaded_n);
   for (int grasp = 0; grasp < 20; ++grasp) {
-    for (int i = 0; i < 500; ++i) noise.update(sensor.frame(i < 470 ? 0 : 2000), true);  // it approaches
-    for (int i = 0; i < 500; ++i) noise.update(sensor.frame(1e5), false);
+    for (int i = 0; i < 500; ++i) noise.update(sensor.frame(i < 470 ? 0 : 200));  // it approaches
+    for (int i = 0; i < 500; ++i) noise.update(sensor.frame(1e5));
   }
   EXPECT_NEAR(noise.now()->normal_pa, 100, 5);
 }
 
 TEST(UnloadedNoise, IsNotKnownOfASensorThatReadsExactlyZero) {
   Sensor sensor(0, 0);
-  UnloadedNoise noise(sensor.layout());
-  for (int i = 0; i < 2000; ++i) noise.update(sensor.frame(0), true);
+  UnloadedNoise noise(sensor.layout(), kUnloaded_n);
+  for (int i = 0; i < 2000; ++i) noise.update(sensor.frame(0));
   EXPECT_FALSE(noise.now());
 }
 
