@@ -92,7 +92,9 @@ TEST(TurningChain, MarginAndFrictionAreThoseOfForceAndTorqueOrUnknown) {
       if (gamma < 0.6) ++answered;
       EXPECT_LT(*estimate.gamma - gamma, 0.15) << "too safe, mix " << mix << ", Gamma " << gamma;
       EXPECT_NEAR(*estimate.gamma, gamma, std::max(0.08, 4 * *estimate.sigma)) << mix;
-      if (gamma < 0.5 && estimate.friction) EXPECT_NEAR(*estimate.friction / kFriction, 1, 0.1) << mix << ' ' << gamma;
+      if (gamma < 0.5 && estimate.friction) {
+        EXPECT_NEAR(*estimate.friction / kFriction, 1, 0.1) << mix << ' ' << gamma;
+      }
     }
   }
   EXPECT_GT(answered, 0.6 * heavy);
@@ -145,8 +147,10 @@ TEST(TurningChain, ATorqueThatCameAndWentLeavesNoMarginThatIsTooSafe) {
   OffCentre grasp(kFine, std::nullopt);
   grasp.close(40);
   grasp.hang(80, 0.6, 2.5);
-  for (const auto& [estimate, gamma] : grasp.hang(100, 1.2, 0.02))
-    if (estimate.gamma) EXPECT_LT(*estimate.gamma - gamma, 0.15) << gamma;
+  for (const auto& [estimate, gamma] : grasp.hang(100, 1.2, 0.02)) {
+    if (!estimate.gamma) continue;
+    EXPECT_LT(*estimate.gamma - gamma, 0.15) << gamma;
+  }
 }
 
 }  // namespace
