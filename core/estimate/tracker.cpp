@@ -38,9 +38,9 @@ Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected,
       given_value_(friction && friction->is_value()),
       bounds_(bounds_of(friction_expected, friction, force_only)),
       options_(options),
-      friction_filter_(prior_of(friction_expected, friction, options.prior), force_only,
-                       bounded(options.filter, bounds_,
-                               force_only ? options.force_only_slack : options.shaped_slack)) {
+      friction_filter_(
+          prior_of(friction_expected, friction, options.prior), force_only,
+          bounded(options.filter, bounds_, force_only ? options.force_only_slack : options.shaped_slack)) {
   const MeanSigma prior = friction_filter_.grid().friction();
   prior_sigma_ = prior.sigma / prior.mean;
 }
@@ -77,8 +77,7 @@ MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
 }
 
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
-                                        Method method, const SlidingVerdict& course,
-                                        Estimate& out) noexcept {
+                                        Method method, const SlidingVerdict& course, Estimate& out) noexcept {
   friction_filter_.update(out.time_ns, patch, frame_estimate, course);
   if (!friction_filter_.understood()) return std::nullopt;
   if (!friction_filter_.explained()) {
