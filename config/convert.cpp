@@ -132,7 +132,8 @@ class Converter {
          .min_ms = in["min_ms"],
          .sigmas = in["sigmas"],
          .target_margin = in["target_margin"],
-         .false_alarms_per_hour = in["false_alarms_per_hour"]};
+         .false_alarms_per_hour = in["false_alarms_per_hour"],
+         .use = in["use"] == "low" ? AlertUse::low : AlertUse::margin};
     if (a.slip_below <= a.warn_below) return;
     add("/alerts/slip_below", in["slip_below"],
         "is above warn_below = " + in["warn_below"].dump() + "; expected slip_below <= warn_below");

@@ -64,9 +64,11 @@ class SensorConverter {
                      .driver = in["driver"],
                      .friction = std::nullopt,
                      .full_scale = std::nullopt,
+                     .contact = {},
                      .gain = {}};
     gain(in, at, s);
-    if (in.contains("friction")) s.friction = in["friction"].get<double>();
+    if (in.contains("friction")) friction(in["friction"], at + "/friction", s);
+    if (in["contact"].contains("min_normal_n")) s.contact.min_normal_n = in["contact"]["min_normal_n"];
     if (in.contains("full_scale_kpa")) {
       const json& most = in["full_scale_kpa"];
       const auto pa = [&most](std::size_t channel) {
@@ -83,6 +85,16 @@ class SensorConverter {
     }
     stale_after(in, at, s);
     return s;
+  }
+
+  void friction(const json& in, const std::string& at, SensorSettings& s) {
+    if (in.is_number()) {
+      s.friction = in.get<double>();
+      return;
+    }
+    const Range range{in[0], in[1]};
+    if (range.low > range.high) add(at, in, "falls; expected [low, high] with low not above high");
+    s.friction = range;
   }
 
   // With a profile the number of taxels is checked when the device is opened.

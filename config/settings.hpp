@@ -26,10 +26,12 @@ struct SensorSettings {
   std::chrono::milliseconds stale_after{20};
   // Whether stale_after was in the configuration. If not, three frames of a slower device are allowed.
   bool stale_after_configured = false;
-  // Known coefficient of friction, 0.01 to 10; none: it is estimated.
-  std::optional<double> friction;
+  // Coefficient of friction, a value or a range within 0.01 to 10; none: as the expected objects have it.
+  std::optional<KnownFriction> friction;
   // The largest values that its taxels can read, Pa; none: those of its class.
   std::optional<FullScale> full_scale = std::nullopt;
+  // When there is a contact.
+  ContactSettings contact = {};
   // Factors of the taxels' values: one for each taxel, or one for all.
   std::vector<float> gain;
   bool operator==(const SensorSettings&) const = default;

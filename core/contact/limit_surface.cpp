@@ -10,13 +10,13 @@
 namespace slipd::contact {
 namespace {
 
-// The mean distance from the centre over its root mean square: 3 pi/16 over sqrt(2/5) for Hertz; 0.94 for an even
-// pressure. It only scales the search, which starts on the ellipsoid of this T_max.
+// The mean distance from the centre over its root mean square: 3 pi/16 over sqrt(2/5) for Hertz; 0.94 for an
+// even pressure. It only scales the search, which starts on the ellipsoid of this T_max.
 constexpr double kMeanOverRms = 0.931;
 
 // A rigid velocity in units of the pull's speed: along the pull, across it and w times the unit of length.
 struct Motion {
-  float along_x, along_y, spin;  // at the present point
+  float along_x, along_y, spin;        // at the present point
   float slope_x, slope_y, slope_spin;  // of it by the first unknown
   float across_x, across_y;            // of it by the second unknown
 };
@@ -52,7 +52,8 @@ using Kernel = Dissipation (*)(const Cells&, const Motion&) noexcept;
     const float ux = along_x - spin * y, uy = along_y + spin * x;
     const float ux_1 = slope_x - slope_spin * y, uy_1 = slope_y + slope_spin * x;
     const float speed = std::sqrt(ux * ux + uy * uy + still), over = 1 / speed, share = p * over;
-    const float by_1 = (ux * ux_1 + uy * uy_1 + still_1) * over, by_2 = (ux * across_x + uy * across_y) * over;
+    const float by_1 = (ux * ux_1 + uy * uy_1 + still_1) * over,
+                by_2 = (ux * across_x + uy * across_y) * over;
     value += p * speed;
     d_1 += p * by_1;
     d_2 += p * by_2;
@@ -87,8 +88,8 @@ const DissipationKernels DissipationKernels::avx512{on_avx512};
 #endif
 
 // The search. With the load as a unit vector (cosine, sine) of Q and of T over the unit of length, all
-// velocities that do one unit of work are (cosine - b sine, c, sine + b cosine): along the pull, across it, and
-// the spin. The dissipation is convex in b and c, and on an ellipsoid its least value is at 0.
+// velocities that do one unit of work are (cosine - b sine, c, sine + b cosine): along the pull, across it,
+// and the spin. The dissipation is convex in b and c, and on an ellipsoid its least value is at 0.
 class Search {
  public:
   Search(const Cells& cells, double pull_x, double pull_y, double cosine, double sine)
@@ -167,7 +168,8 @@ void LimitSurface::add(double x_m, double y_m, double normal_n) noexcept {
   squares_n_m2_ += normal_n * (x_m * x_m + y_m * y_m + side_m_ * side_m_ / 6);
 }
 
-LeastFriction LimitSurface::least_friction(double shear_x_n, double shear_y_n, double torque_nm) const noexcept {
+LeastFriction LimitSurface::least_friction(double shear_x_n, double shear_y_n,
+                                           double torque_nm) const noexcept {
   const double shear_n = std::hypot(shear_x_n, shear_y_n);
   if (!(normal_n_ > 0) || !(squares_n_m2_ > 0)) return {};
   const double unit_m = kMeanOverRms * std::sqrt(squares_n_m2_ / normal_n_);

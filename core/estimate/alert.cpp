@@ -26,16 +26,20 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
     above_.restart();
     return level_ = Alert::none;
   }
-  if (!now.gamma) {
+  std::optional<double> margin = now.gamma_low;
+  if (settings_.use == AlertUse::margin) {
+    margin = now.gamma;
+    if (margin) *margin -= settings_.sigmas * now.sigma.value_or(0);
+  }
+  if (!margin) {
     below_warn_.pause(passed_ns);
     below_slip_.pause(passed_ns);
     above_.restart();
     return level_;
   }
-  const double margin = *now.gamma - settings_.sigmas * now.sigma.value_or(0);
   const auto least_ns = static_cast<std::int64_t>(settings_.min_ms * 1e6);
-  const bool slip = below_slip_.has_run(margin < settings_.slip_below, time_ns, least_ns);
-  const bool warn = below_warn_.has_run(margin < settings_.warn_below, time_ns, least_ns);
+  const bool slip = below_slip_.has_run(*margin < settings_.slip_below, time_ns, least_ns);
+  const bool warn = below_warn_.has_run(*margin < settings_.warn_below, time_ns, least_ns);
   if (slip) {
     level_ = Alert::slip;
   } else if (warn && level_ == Alert::none) {
@@ -44,8 +48,8 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
   if (level_ == Alert::none) return level_;
   const double leave =
       (level_ == Alert::slip ? settings_.slip_below : settings_.warn_below) + settings_.hysteresis;
-  if (above_.has_run(margin >= leave, time_ns, least_ns)) {
-    level_ = margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
+  if (above_.has_run(*margin >= leave, time_ns, least_ns)) {
+    level_ = *margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
     above_.restart();
   }
   return level_;
@@ -53,6 +57,7 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
 
 void AlertLogic::judge(Estimate& out) noexcept {
   const bool sliding = slides(out.sliding);
+  if (sliding && out.gamma_low) out.gamma_low = 0;
   if (sliding && out.gamma && *out.gamma > settings_.slip_below) {
     out.gamma.reset();
     out.sigma.reset();

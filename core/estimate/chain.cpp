@@ -8,6 +8,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
 #include "core/estimate/slipping_taxels.hpp"
@@ -38,16 +39,6 @@ constexpr double kOneSided95 = 1.645;
 // Shear from which on a frame has a shape, in standard deviations; 2 … 6. Too small: methods read noise. Too
 // large: light pulls get no margin from their shape.
 constexpr double kClearSigmas = 3;
-
-// Of a sensor of few taxels: below this P, N, there is no contact, and once in contact below
-// this share of it; 0.01 … 1, 0.2 … 0.9. Too small: drift and jitter of the zero are a contact. Too large:
-// light contacts are missed.
-constexpr double kMinNormalN = 0.1;
-constexpr double kKeptShare = 0.5;
-
-// Shear of a contact without pressure, on all taxels, N; 0.05 … 2. Too small: drift and jitter of the zero
-// are a pull. Too large: a pulled contact is no contact.
-constexpr double kPulledN = 0.3;
 
 // One force vector, or a skin without the curvature that makes a contact Hertzian.
 bool only_forces(const ChainSetup& setup) {
@@ -110,7 +101,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
 // sharpest object, for the softest one against the flattest.
 PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   PlausibilityLimits limits{
-      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout))};
+      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),
+      .flat = std::isinf(setup.scene.skin.radius_m)};
   if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
   const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
   const contact::Body skin = contact::body_of(setup.scene.skin);
@@ -130,6 +122,12 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   return limits;
 }
 
+// Of a sensor whose taxels' shear means nothing by itself (flat skin): taxels that carry more than this of P
+// against each other, share, 0.05 … 0.5, take the margin away: the object is turned, hooked, or pulled at in
+// several places, and what the sum says of it is too safe. Quiet grasps of real pillars reach 0.066. Too
+// small: margins come and go. Too large: such a grip is called safe.
+constexpr double kMaxInternalShare = 0.1;
+
 }  // namespace
 
 struct EstimatorChain::Impl {
@@ -143,9 +141,11 @@ struct EstimatorChain::Impl {
         slipping(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
+        gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
-    usual_friction = s.friction.value_or(std::sqrt(expected.low * expected.high));
+    known = s.friction.value_or(expected);
+    usual_friction = std::sqrt(known.range.low * known.range.high);
   }
 
   // The contact was lost.
@@ -161,60 +161,59 @@ struct EstimatorChain::Impl {
     unseen.widen(out, setup.estimator.sigma_max);
   }
 
-  // Whether the patch is a contact, with hysteresis where noise cannot be measured in a single frame.
-  bool touches(const ContactPatch& patch) noexcept {
-    const double least_n = touching ? kKeptShare * kMinNormalN : kMinNormalN;
-    touching = patch.in_contact && (setup.layout.size() > Fit::kFewTaxels || setup.layout.size() == 1 ||
-                                    patch.normal_n >= least_n);
-    return touching;
-  }
-
-  // A contact that pulls at some taxels can have no pressure to speak of and still carry shear: a hooked
-  // cable. It has no margin, and is not no contact. True, with the forces in `out`, if this is one. Both
-  // forces are those of all taxels.
-  bool pulled(const Frame& frame, Estimate& out) const noexcept {
-    if (setup.sensor_class != SensorClass::array3 || setup.layout.size() == 1 ||
-        setup.layout.size() > Fit::kFewTaxels)
-      return false;
-    double p = 0, x = 0, y = 0;
-    for (std::size_t i = 0; i < setup.layout.size(); ++i) {
-      p += static_cast<double>(frame.normal_pa[i]);
-      x += static_cast<double>(frame.shear_x_pa[i]);
-      y += static_cast<double>(frame.shear_y_pa[i]);
+  // Without pressure to speak of. A contact that pulls at some taxels can still carry shear: a hooked cable.
+  // It has no margin, and is not no contact.
+  void leave_contact(Estimate& out) noexcept {
+    forget();
+    if (const auto& pulled = gate.pulled()) {
+      out.normal_n = pulled->normal_n;
+      out.shear_n = pulled->shear_n;
+      out.state = State::out_of_model;
+      out.gamma_low = 0;
+      return;
     }
-    const double shear_n = std::hypot(x, y) * setup.layout.area_m2();
-    if (!(shear_n > kPulledN)) return false;
-    out.normal_n = p * setup.layout.area_m2();
-    out.shear_n = shear_n;
-    out.state = State::out_of_model;
-    return true;
+    out.state = setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
   }
 
   // Whether the object slides; `contact` is ignored for frames without a zero.
   void detect_sliding(const Frame& frame, bool contact, Estimate& out) noexcept {
-    const SlidingVerdict verdict = sliding.update(frame, contact);
-    out.sliding = verdict.sliding;
-    if (verdict.sliding) out.sliding_for_s = verdict.for_s;
+    course = sliding.update(frame, contact);
+    out.sliding = course.sliding;
+    if (course.sliding) out.sliding_for_s = course.for_s;
   }
 
-  // The margin on the safe side of all that is not known. `loaded`: with the pull that asks for as much of
-  // friction as force and torque together.
-  void bound_margin(const ContactPatch& loaded, Estimate& out) const noexcept {
-    const double prior_low = setup.friction.value_or(expected_friction(setup.scene).low);
-    const double friction =
-        out.friction ? *out.friction - kOneSided95 * out.friction_sigma.value_or(0) : prior_low;
-    const double normal_n = loaded.normal_n - kOneSided95 * loaded.normal_sigma_n;
-    const double shear_n = loaded.shear_n + kOneSided95 * loaded.shear_sigma_n;
-    if (!(friction > 0) || !(normal_n > 0)) return;
-    double low = std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0);
+  // What friction is not below, with 95 % confidence.
+  double least_friction(const Estimate& out) const noexcept {
+    if (!out.friction) return known.range.low;
+    return std::max(known.range.low, *out.friction - kOneSided95 * out.friction_sigma.value_or(0));
+  }
+
+  // The margin on the safe side of all that is not known. `loaded`: `patch` with the pull that asks for as
+  // much of friction as force and torque together.
+  void bound_margin(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
+    const double friction = least_friction(out);
+    const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
+    out.limit_low_n = std::max(0.0, friction * normal_n);
+    // As if what taxels carry against each other came on top: no more than that is used up of friction.
+    // Torque is a part of it.
+    const double internal_n = method ? 0 : course.field.internal_share * patch.normal_n;
+    const double shear_n = std::max(loaded.shear_n + kOneSided95 * loaded.shear_sigma_n,
+                                    patch.shear_n + kOneSided95 * patch.shear_sigma_n + internal_n);
+    double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
     out.gamma_low = low;
   }
 
-  // A frame that is not used. Memory of the grasp outlives a few of them.
-  void refuse(const Judgement& judgement, Estimate& out) noexcept {
+  // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
+  // all the same.
+  void refuse(const Judgement& judgement, const Frame& frame, const ContactPatch& patch,
+              Estimate& out) noexcept {
     if (judgement.health == Health::jump || ++refused > kFramesRemembered) forget();
-    touching = false;
+    if (judgement.health == Health::jump) {
+      gate.judge(frame, patch);
+    } else {
+      gate.leave();
+    }
     if (judgement.verdict == Verdict::sensor_fault) {
       out.state = State::fault;
     } else {
@@ -224,12 +223,9 @@ struct EstimatorChain::Impl {
 
   // A frame with a contact or without one.
   void estimate_frame(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
-    if (!touches(patch)) {
-      forget();
-      if (!pulled(frame, out))
-        out.state = setup.sensor_class == SensorClass::normal ? State::no_shear : State::no_contact;
-      return;
-    }
+    const bool touches = gate.judge(frame, patch);
+    finder.set_noise(gate.noise());
+    if (!touches) return leave_contact(out);
     out.normal_n = patch.normal_n;
     if (setup.layout.size() > 1) {
       out.center_x_m = patch.center_x_m;
@@ -252,7 +248,7 @@ struct EstimatorChain::Impl {
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
     estimate_margin(frame, patch, loaded, load.turning, out);
-    bound_margin(loaded, out);
+    bound_margin(patch, loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
@@ -266,12 +262,19 @@ struct EstimatorChain::Impl {
                        Turning turning, Estimate& out) noexcept {
     const bool few = weighed_over_time(setup);
     // So few taxels have no shape under torque.
-    const bool shaped = method && (patch.count >= kFewInside || few) &&
-                        (turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
-    const FrameEstimate frame_estimate = shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
+    const bool shaped =
+        method && (patch.count >= kFewInside || few) &&
+        (turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    const FrameEstimate frame_estimate =
+        shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
     tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
-                   out);
+                   out, course);
     if (setup.estimator.tracking) own_up(patch, out);
+    if (!method && course.field.internal_share > kMaxInternalShare) {
+      out.gamma.reset();
+      out.sigma.reset();
+      out.state = State::out_of_model;
+    }
     if (!frame_estimate.in_model || frame_estimate.turning) return;
     out.center_x_m = frame_estimate.center_x_m;
     out.center_y_m = frame_estimate.center_y_m;
@@ -280,6 +283,7 @@ struct EstimatorChain::Impl {
 
   // Adds the share of the force that neighbours stand for to the margin's sigma.
   void widen(double left_out_share, Estimate& out) const noexcept {
+    if (out.gamma_low) *out.gamma_low = std::max(0.0, *out.gamma_low - kOneSided95 * left_out_share);
     if (!out.sigma || left_out_share <= 0) return;
     out.sigma = std::hypot(*out.sigma, left_out_share);
     if (*out.sigma <= setup.estimator.sigma_max) return;
@@ -299,9 +303,11 @@ struct EstimatorChain::Impl {
   SlippingTaxels slipping;
   Tracker tracker;
   UnseenMotion unseen;
-  double usual_friction = 0;  // while that of the grasp is not known
+  KnownFriction known = Range{};  // given, else what the scene expects
+  double usual_friction = 0;      // while that of the grasp is not known
   SlidingDetector sliding;
-  bool touching = false;  // the last frame was of a contact
+  SlidingVerdict course;  // of the last frame
+  ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;
 };
@@ -353,7 +359,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   const Judgement& judgement = in.plausibility.judge(frame, *patch);
   out.health = judgement.health;
   if (judgement.verdict >= Verdict::frame_refused) {
-    in.refuse(judgement, out);
+    in.refuse(judgement, used, *patch, out);
   } else {
     in.refused = 0;
     in.estimate_frame(used, *patch, out);
@@ -361,7 +367,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   }
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
-  in.detect_sliding(used, in.touching, out);
+  in.detect_sliding(used, in.gate.touching(), out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;

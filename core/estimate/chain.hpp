@@ -24,15 +24,16 @@ struct ChainSetup {
   Scene scene;
   EstimatorSettings estimator;
   AlertSettings alerts;
-  std::optional<double> friction;  // known beforehand
+  std::optional<KnownFriction> friction;  // known beforehand
   // Of the sensor, as configured; none: that of its class.
   std::optional<FullScale> full_scale = std::nullopt;
+  ContactSettings contact = {};
   bool operator==(const ChainSetup&) const = default;
 };
 
 // Whether the chain uses `fit` whatever method is configured: with tracking and at most Fit::kFewTaxels
-// taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs over
-// time.
+// taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs
+// over time.
 bool always_fits(const ChainSetup& setup);
 
 // Whether a trained model is needed, so that a scene that needs none never makes one.

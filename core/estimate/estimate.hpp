@@ -43,6 +43,8 @@ struct Estimate {
   std::int64_t published_ns = 0;  // when the board got it, CLOCK_MONOTONIC
   std::optional<double> gamma;    // safety margin, 1 no tangential load … 0 gross slip
   std::optional<double> sigma;    // standard deviation of gamma
+  // Coefficient of friction and its standard deviation; none until it was learnt from frames, unless a value
+  // was given.
   std::optional<double> friction, friction_sigma;
   std::optional<double> normal_n, shear_n;
   std::optional<double> center_x_m, center_y_m, radius_m;
@@ -50,10 +52,18 @@ struct Estimate {
       a_over_r;  // radius over the skin's: contact models hold where it is small; flat: none
   std::optional<double> time_to_slip_s;
   std::optional<double> grip_increase_n, grip_increase_sigma_n;
-  // The margin that holds with 95 % confidence: with the friction that is known, else with the low end of
-  // what the scene expects; 0 to 1. None without contact, without known forces, and where forces and
-  // friction contradict each other.
+  // The margin that holds with 95 % confidence, 0 to 1: with what was learnt of friction, else with the low
+  // end of the range that was given or that the scene expects. Also in learning and out_of_model. None
+  // without contact and without known forces.
   std::optional<double> gamma_low;
+  // The tangential force that the contact can carry, mu P, by what is known of friction: with its standard
+  // deviation, in state ok; and what it is not below with 95 % confidence, in every state with contact and
+  // known forces. N. A margin before friction is learnt needs it as well. For grasps; clients do not get it.
+  std::optional<double> limit_n, limit_sigma_n, limit_low_n;
+  // Of a grasp: the least margin of its fingers, that of the one that slides first, and which that is, in the
+  // order of its sensors. None in a sensor's estimate.
+  std::optional<double> first_gamma;
+  std::uint8_t first_member = 0;
   // Torque about the contact's normal, through its centre, on the sensor, N m, positive from x to y; and its
   // standard deviation, N m. None where the sensor measures none.
   std::optional<double> torque_nm, torque_sigma_nm;

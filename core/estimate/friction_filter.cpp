@@ -43,10 +43,12 @@ void FrictionFilter::reset() noexcept {
 }
 
 void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
-                            const FrameEstimate* frame_estimate) noexcept {
+                            const FrameEstimate* frame_estimate, const SlidingVerdict& course) noexcept {
   traction_ratio_.update(patch);
   fade(time_ns);
-  bound_below();
+  if (force_only_) forget_lighter(patch);
+  const bool tangled = force_only_ && course.field.internal_share > options_.max_internal_share;
+  if (!tangled) bound_below();
   const bool turning = frame_estimate != nullptr && frame_estimate->turning;
   if (!force_only_ && !turning) follow(patch);
   grasp_.turning = turning;
@@ -60,7 +62,7 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
     grasp_.unverified_frames = 0;
   }
   if (force_only_) {
-    if (const auto load = traction_ratio_.detect_slide()) weigh_slide(*load);
+    if (const auto slide = traction_ratio_.detect_slide(course); slide && !tangled) weigh_slide(*slide);
   }
   grid_.normalise();
   if (!force_only_) doubt_jump();
@@ -72,6 +74,12 @@ void FrictionFilter::fade(std::int64_t time_ns) noexcept {
       grasp_.last_ns > 0 ? static_cast<double>(time_ns - grasp_.last_ns) * kSecondsPerNs : 0;
   grasp_.last_ns = time_ns;
   if (force_only_) grid_.fade(std::exp(-std::max(0.0, passed_s) / options_.forget_s));
+}
+
+void FrictionFilter::forget_lighter(const ContactPatch& patch) noexcept {
+  if (patch.normal_n <= options_.grown * grasp_.lighter_n) return;
+  if (grasp_.lighter_n > 0) grid_.fade(options_.kept_when_grown);
+  grasp_.lighter_n = patch.normal_n;
 }
 
 // Coulomb: friction is at least the |Q|/P that it holds.
@@ -153,11 +161,13 @@ bool FrictionFilter::weigh_turning(const ContactPatch& patch, const FrameEstimat
   if (!frame_estimate.in_model || !std::isfinite(frame_estimate.friction_sigma)) return false;
   part_errors(patch);
   const double all = frame_estimate.friction_sigma / frame_estimate.friction;
-  const double common = std::min(all, frame_estimate.common_sigma / std::max(options_.min_mobilised, 1 - frame_estimate.gamma));
+  const double common =
+      std::min(all, frame_estimate.common_sigma / std::max(options_.min_mobilised, 1 - frame_estimate.gamma));
   const double step = options_.grid_share * grid_.step();
   PerFriction residuals;  // the first grid_.count() of them
   for (std::size_t j = 0; j < grid_.count(); ++j)
-    residuals[j] = square(std::log(grid_.friction(j) / frame_estimate.friction)) / (square(all) + square(step));
+    residuals[j] =
+        square(std::log(grid_.friction(j) / frame_estimate.friction)) / (square(all) + square(step));
   const double noise = std::max(square(all) - square(common), options_.min_noise_share * square(all));
   return take_evidence(residuals, false, grasp_.of_margins.add(square(common), noise));
 }
@@ -333,10 +343,9 @@ void FrictionFilter::doubt_jump() noexcept {
 }
 
 // Coulomb: friction is the |Q|/P of a slide.
-void FrictionFilter::weigh_slide(double load) noexcept {
-  const double sigma = options_.slide_sigma_plateaus * options_.traction_ratio.plateau;
+void FrictionFilter::weigh_slide(const TractionRatioFilter::Slide& slide) noexcept {
   for (std::size_t j = 0; j < grid_.count(); ++j) {
-    const double off = std::log(grid_.friction(j) / load) / sigma;
+    const double off = std::log(grid_.friction(j) / slide.load) / slide.sigma;
     grid_.take(j, options_.frame_share * 0.5 * std::min(off * off, options_.max_slide_residual));
   }
 }

@@ -1,8 +1,8 @@
 // Friction of one grasp: a Bayes filter on a grid of log mu (docs/theory.md §11). Each
 // friction of the grid follows the grasp's forces with a Winkler foundation of its own. A frame takes weight
 // from those whose contact would look otherwise by now, after a regrip, an unloading or a reversal just as
-// after a monotonic load. What no frame distinguishes stays open: a contact that sticks all over looks the same
-// for every friction that holds it.
+// after a monotonic load. What no frame distinguishes stays open: a contact that sticks all over looks the
+// same for every friction that holds it.
 //
 // A change of friction is learnt within a few frames, and sooner if it fell than if it rose. Estimate thread;
 // fixed memory, nothing allocates.
@@ -35,9 +35,11 @@ class FrictionFilter {
   void reset() noexcept;
 
   // One frame in contact, in order of time. `frame_estimate` is null where the frame has no shape. Where a
-  // torque has bent the field (frame_estimate->turning) shear_n of `patch` is the pull that asks for as much of
-  // friction; the foundations, which know pulls only, rest meanwhile, and start anew afterwards.
-  void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate) noexcept;
+  // torque has bent the field (frame_estimate->turning) shear_n of `patch` is the pull that asks for as much
+  // of friction; the foundations, which know pulls only, rest meanwhile, and start anew afterwards. `course`:
+  // what is known of sliding, at most a frame old.
+  void update(std::int64_t time_ns, const ContactPatch& patch, const FrameEstimate* frame_estimate,
+              const SlidingVerdict& course = {}) noexcept;
 
   // The posterior of friction.
   const FrictionGrid& grid() const noexcept { return grid_; }
@@ -124,8 +126,9 @@ class FrictionFilter {
 
   // What a new grasp forgets.
   struct GraspState {
+    double lighter_n = 0;  // P that the evidence of forces alone stands for; 0: none yet
     bool surprised = false;
-    bool turning = false;              // the last frame's shear was bent by a torque
+    bool turning = false;      // the last frame's shear was bent by a torque
     int doubt_frames = 0;      // to come
     MeanSigma margin_offset;   // see margin_offset()
     double likeliest = 0;      // friction a frame ago; 0 before the first
@@ -172,7 +175,8 @@ class FrictionFilter {
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void doubt_jump() noexcept;
   void verify(const ContactPatch& patch, bool clear) noexcept;
-  void weigh_slide(double load) noexcept;
+  void weigh_slide(const TractionRatioFilter::Slide& slide) noexcept;
+  void forget_lighter(const ContactPatch& patch) noexcept;
 
   FrictionFilterOptions options_;
   bool force_only_;

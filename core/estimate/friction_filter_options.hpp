@@ -138,9 +138,16 @@ struct FrictionFilterOptions {
   // frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for longer.
   int max_unverified_frames = 25;
 
-  // Standard deviation of log mu in a slide of a force-only sensor, in plateaus of its traction ratio; 1
-  // … 10. Too small: the slide's noise is taken for friction. Too large: a slide says little.
-  double slide_sigma_plateaus = 3;
+  // P that grows by more than this factor leaves what a lighter contact of a force-only sensor showed; 1.2 …
+  // 10: a touch may hook, and its zero is a larger part of it. Too small: a regrip forgets friction. Too
+  // large: the first touch bounds friction for long.
+  double grown = 2;
+  // What is kept of that evidence; share, 0 … 1.
+  double kept_when_grown = 0.25;
+  // Taxels that carry more than this of P against each other say nothing of friction
+  // (FieldCourse::internal_share); share, 0.05 … 0.5. Quiet grasps of real pillars reach 0.066. Too small:
+  // slides of a real skin say nothing. Too large: a hooked or turned contact is taken for friction.
+  double max_internal_share = 0.1;
   // The most that one frame of a slide counts against a friction, as a squared residual; 4 … 100. Too small:
   // a slide does not refute what contradicts it. Too large: one false slide refutes the right friction.
   double max_slide_residual = 25;

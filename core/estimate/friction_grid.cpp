@@ -74,6 +74,14 @@ MeanSigma FrictionGrid::friction() const noexcept {
   return mu;
 }
 
+MeanSigma FrictionGrid::inverse_friction() const noexcept {
+  const MeanSigma mu = friction();
+  if (mu.sigma < options_.sharp_sigma * mu.mean) return {1 / mu.mean, mu.sigma / (mu.mean * mu.mean)};
+  PosteriorSums sums;
+  for (std::size_t j = 0; j < count_; ++j) sums.add(std::exp(log_weight_[j]), 1 / friction_[j]);
+  return {sums.mean(), std::sqrt(sums.variance())};
+}
+
 MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
   const MeanSigma mu = friction();
   load_sigma = std::hypot(load_sigma, options_.load_floor);

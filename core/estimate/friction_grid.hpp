@@ -89,6 +89,9 @@ class FrictionGrid {
   // mu, with its floor of sigma.
   MeanSigma friction() const noexcept;
 
+  // 1/mu, and its standard deviation.
+  MeanSigma inverse_friction() const noexcept;
+
   // Gamma = 1 - load/mu, within 0 … 1, for load = |Q|/P >= 0 with its sigma.
   MeanSigma margin(double load, double load_sigma) const noexcept;
 

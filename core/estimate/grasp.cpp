@@ -4,59 +4,109 @@
 #include <cmath>
 
 namespace slipd {
+namespace {
+
+// What the fingers carry together, and can carry; N.
+struct Sums {
+  double normal_n = 0, shear_n = 0, pull_n = 0;
+  double limit_n = 0, limit_variance = 0;  // of sum of mu P
+  double limit_low_n = 0;
+  bool contact = false;
+  bool friction_known = true;  // of all fingers in contact
+  bool low_known = true;       // the same
+};
+
+// mu P of a finger whose margin is known, and its variance; false: it is not known.
+bool add_limit(const Estimate& member, Sums& sums) noexcept {
+  if (!member.normal_n || !member.shear_n) return false;
+  if (member.limit_n) {
+    const double sigma_n = member.limit_sigma_n.value_or(0);
+    sums.limit_n += *member.limit_n;
+    sums.limit_variance += sigma_n * sigma_n;
+  } else if (member.friction) {
+    const double sigma_n = member.friction_sigma.value_or(0) * *member.normal_n;
+    sums.limit_n += *member.friction * *member.normal_n;
+    sums.limit_variance += sigma_n * sigma_n;
+  } else {
+    return false;
+  }
+  sums.friction_known = sums.friction_known && member.friction;
+  return true;
+}
+
+void add_forces(const Estimate& member, Sums& sums) noexcept {
+  sums.contact = true;
+  sums.low_known = sums.low_known && member.gamma_low && member.limit_low_n;
+  sums.limit_low_n += member.limit_low_n.value_or(0);
+  if (!member.normal_n || !member.shear_n) {
+    sums.low_known = false;
+    return;
+  }
+  sums.normal_n += *member.normal_n;
+  sums.shear_n += std::abs(*member.shear_n);
+  sums.pull_n += member.pull_n.value_or(std::abs(*member.shear_n));
+}
+
+void give_margin(const Sums& sums, double target_margin, Estimate& result) noexcept {
+  const double limit_sigma_n = std::sqrt(sums.limit_variance);
+  result.gamma = std::clamp(1 - sums.pull_n / sums.limit_n, 0.0, 1.0);
+  result.sigma = sums.pull_n / sums.limit_n * limit_sigma_n / sums.limit_n;
+  result.normal_n = sums.normal_n;
+  result.shear_n = sums.shear_n;
+  result.pull_n = sums.pull_n;
+  result.limit_n = sums.limit_n;
+  result.limit_sigma_n = limit_sigma_n;
+  if (!sums.friction_known) return;
+  result.friction = sums.limit_n / sums.normal_n;
+  result.friction_sigma = limit_sigma_n / sums.normal_n;
+  advise(result, 0, target_margin);
+}
+
+}  // namespace
 
 Estimate grasp_estimate(std::span<const Estimate> members, double target_margin) noexcept {
   Estimate result;
   if (members.empty()) return result;
   State gravest = State::ok;
-  bool contact = false;
-  double normal_n = 0, shear_n = 0, pull_n = 0;
-  double limit_n = 0, limit_variance = 0;  // sum of mu P
-  for (const Estimate& member : members) {
+  Sums sums;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const Estimate& member = members[i];
     result.sequence += member.sequence;
     result.time_ns = std::max(result.time_ns, member.time_ns);
     result.published_ns = std::max(result.published_ns, member.published_ns);
     if (member.state == State::no_contact) continue;
+    add_forces(member, sums);
     State state = member.state;
-    if (state == State::ok) {
-      contact = true;
-      if (member.friction && member.normal_n && member.shear_n) {
-        normal_n += *member.normal_n;
-        shear_n += std::abs(*member.shear_n);
-        pull_n += member.pull_n.value_or(std::abs(*member.shear_n));
-        limit_n += *member.friction * *member.normal_n;
-        const double error_n = member.friction_sigma.value_or(0) * *member.normal_n;
-        limit_variance += error_n * error_n;
-      } else {
-        state = State::learning;
-      }
-    }
+    if (state == State::ok && !add_limit(member, sums)) state = State::learning;
     gravest = std::max(gravest, state);
+    if (!member.gamma || (result.first_gamma && *member.gamma >= *result.first_gamma)) continue;
+    result.first_gamma = member.gamma;
+    result.first_member = static_cast<std::uint8_t>(i);
   }
-  result.state = gravest == State::ok && !contact ? State::no_contact : gravest;
-  if (result.state == State::ok && !(limit_n > 0)) result.state = State::learning;
-  if (result.state != State::ok) return result;
-
-  const double limit_sigma_n = std::sqrt(limit_variance);
-  result.gamma = std::clamp(1 - pull_n / limit_n, 0.0, 1.0);
-  result.sigma = pull_n / limit_n * limit_sigma_n / limit_n;
-  result.normal_n = normal_n;
-  result.shear_n = shear_n;
-  result.pull_n = pull_n;
-  result.friction = limit_n / normal_n;
-  result.friction_sigma = limit_sigma_n / normal_n;
-  advise(result, 0, target_margin);
+  result.state = gravest == State::ok && !sums.contact ? State::no_contact : gravest;
+  if (result.state == State::ok && !(sums.limit_n > 0)) result.state = State::learning;
+  if (sums.contact && sums.low_known && gravest <= State::out_of_model) {
+    result.limit_low_n = sums.limit_low_n;
+    result.gamma_low = sums.limit_low_n > 0 ? std::clamp(1 - sums.pull_n / sums.limit_low_n, 0.0, 1.0) : 0;
+  }
+  if (result.state == State::ok) give_margin(sums, target_margin, result);
   return result;
 }
 
 Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
   Estimate now = grasp_estimate(members, target_margin_);
   now.alert = alert_.update(now.published_ns, now);
+  for (const Estimate& member : members) {
+    // A finger that slides leaves the load to the others: no slip yet of what they hold, if they can.
+    if (member.alert == Alert::slip && member.state != State::no_contact)
+      now.alert = std::max(now.alert, Alert::warn);
+  }
   now.alert_cause = now.alert == Alert::none ? AlertCause::none : AlertCause::margin;
   for (const Estimate& member : members) {
     if (!slides(member.sliding)) continue;
     now.sliding = member.sliding;
     now.sliding_for_s = std::max(now.sliding_for_s.value_or(0), member.sliding_for_s.value_or(0));
+    if (now.gamma_low) now.gamma_low = 0;
     if (now.alert == Alert::slip) continue;
     now.alert = Alert::slip;
     now.alert_cause = AlertCause::sliding;

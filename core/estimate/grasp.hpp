@@ -10,16 +10,20 @@
 
 namespace slipd {
 
-// `members`: the newest estimates of the grasp's sensors. gamma = 1 - sum|Q| / sum(mu P), 0 … 1, with
-// Estimate::pull_n for |Q|; forces are
-// sums, friction is sum(mu P) / sum P, the advice is on top of the sum of P. All only in state ok, which it
-// is if every member is ok or without contact; else it is the gravest member's. A member without contact
-// carries nothing. A member in contact whose forces or friction are unknown leaves the whole grasp
-// `learning`. No members: stale. Sigmas take the members' errors as independent. sequence is the sum of the
-// members', times are the newest. There is no alert and no forecast yet.
+// `members`: the newest estimates of the grasp's sensors, each with its own friction. What they can carry
+// together: gamma = 1 - sum|Q| / sum(mu P), 0 … 1, with Estimate::pull_n for |Q|; forces are sums, friction
+// is sum(mu P) / sum P where it was learnt of every finger in contact, the advice is on top of the sum of P.
+// All only in state ok, which it is if every member is ok or without contact; else it is the gravest
+// member's. A member without contact carries nothing. A member in contact whose forces or limit are unknown
+// leaves the whole grasp `learning`. Which slides first: first_gamma and first_member. gamma_low is that of
+// the sums as well, and known where every finger's in contact is. No members: stale. Sigmas take the members'
+// errors as independent. sequence is the sum of the members', times are the newest. There is no alert and no
+// forecast yet.
 Estimate grasp_estimate(std::span<const Estimate> members, double target_margin) noexcept;
 
-// The same over time: with the alert logic and the forecast of a sensor.
+// The same over time: with the alert logic and the forecast of a sensor. The alert is slip where the fingers
+// together are near it, or one is seen to slide; at least warn while the alert of a finger is slip, which
+// slides first and leaves its load to the others.
 class GraspTracker {
  public:
   explicit GraspTracker(const AlertSettings& alerts) : target_margin_(alerts.target_margin), alert_(alerts) {}

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+
+#include "core/contact/scene.hpp"
 
 namespace slipd {
 
@@ -17,6 +20,32 @@ struct EstimatorSettings {
   bool operator==(const EstimatorSettings&) const = default;
 };
 
+// Friction of one sensor's contact, known beforehand: a value, or a range that it lies in.
+struct KnownFriction {
+  // A value; > 0.
+  KnownFriction(double value) : range{value, value} {}  // NOLINT(google-explicit-constructor)
+  // 0 < low <= high.
+  KnownFriction(Range between) : range(between) {}  // NOLINT(google-explicit-constructor)
+  // mu; both ends are equal if it is a value.
+  Range range;
+  // Whether it is a value.
+  bool is_value() const noexcept { return range.low == range.high; }
+  bool operator==(const KnownFriction&) const = default;
+};
+
+// What alerts are judged by.
+enum class AlertUse : std::uint8_t {
+  margin,  // Gamma less `sigmas` times its sigma; nothing while Gamma is not known
+  low      // gamma_low: also before friction is known
+};
+
+struct ContactSettings {
+  // P below which the sensor is not in contact, N, >= 0; none: default_min_normal_n of its layout
+  // (core/estimate/contact_gate.hpp).
+  std::optional<double> min_normal_n;
+  bool operator==(const ContactSettings&) const = default;
+};
+
 struct AlertSettings {
   double warn_below = 0.4;
   double slip_below = 0.2;
@@ -25,6 +54,7 @@ struct AlertSettings {
   double sigmas = 1;  // how many sigma are taken off gamma before it is compared
   double target_margin = 0.5;
   double false_alarms_per_hour = 1;  // of the detection of sliding in a held grasp, by design
+  AlertUse use = AlertUse::margin;
   bool operator==(const AlertSettings&) const = default;
 };
 

@@ -28,7 +28,8 @@ void SlippingTaxels::collect(const ContactPatch& patch) noexcept {
   const double least_pa = std::max(options_.least_sigmas * noise_normal_pa_,
                                    options_.least_share * static_cast<double>(patch.peak_pa));
   const double rectified = 2 * noise_shear_pa_ * noise_shear_pa_;
-  const auto every = static_cast<std::uint32_t>((patch.count + options_.most_taxels - 1) / options_.most_taxels);
+  const auto every =
+      static_cast<std::uint32_t>((patch.count + options_.most_taxels - 1) / options_.most_taxels);
   patch.for_each_inside([&](std::uint32_t i) {
     if (i % every != 0) return;
     const auto p = static_cast<double>(patch.taxels.normal_pa[i]);
@@ -49,7 +50,8 @@ double SlippingTaxels::start() const noexcept {
   double below_pa = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     below_pa += bins_[bin];
-    if (below_pa > options_.start_share * normal_pa_) return (static_cast<double>(bin) + 0.5) * kMostRatio / kBins;
+    if (below_pa > options_.start_share * normal_pa_)
+      return (static_cast<double>(bin) + 0.5) * kMostRatio / kBins;
   }
   return kMostRatio;
 }
@@ -57,7 +59,8 @@ double SlippingTaxels::start() const noexcept {
 // The weighted mean of the taxels within plateau_sigmas of it.
 SlippingTaxels::Plateau SlippingTaxels::about(double ratio) const noexcept {
   // A ratio's variance is (sigma_q^2 + ratio^2 sigma_p^2)/p^2, and that of gains.
-  const double noise = noise_shear_pa_ * noise_shear_pa_ + ratio * ratio * noise_normal_pa_ * noise_normal_pa_;
+  const double noise =
+      noise_shear_pa_ * noise_shear_pa_ + ratio * ratio * noise_normal_pa_ * noise_normal_pa_;
   const double gain = options_.gain_share * options_.gain_share * ratio * ratio;
   const double within = options_.plateau_sigmas * options_.plateau_sigmas;
   Plateau sums;
@@ -114,7 +117,8 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
       plateau.slope < -options_.falling_sigmas * plateau.slope_sigma)
     return out;
-  if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma)) return out;
+  if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma))
+    return out;
   out.in_model = true;
   out.friction_sigma = sigma * plateau.ratio;
   out.sigma = mobilised * std::hypot(sigma, loaded.shear_sigma_n / loaded.shear_n);

@@ -2,40 +2,83 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace slipd {
 namespace {
 
-FrictionPrior prior_of(Range expected, std::optional<double> friction, const FrictionPriorOptions& options) {
-  if (friction) return {.expected = {*friction, *friction}, .spread = options.given_spread};
+FrictionPrior prior_of(Range expected, const std::optional<KnownFriction>& friction,
+                       const FrictionPriorOptions& options) {
+  if (friction) return {.expected = friction->range, .spread = options.given_spread};
   return {.expected = expected, .spread = options.scene_spread};
 }
 
-// The scene's range, and a friction that was given, bound what is learnt from forces alone: a grip that
-// relaxes looks like a slide at a friction that no object of the scene has.
-FrictionFilterOptions bounded(FrictionFilterOptions filter, const FrictionPrior& prior, bool force_only,
-                              double slack) {
-  if (!force_only) return filter;
-  filter.grid.min_friction = std::max(filter.grid.min_friction, prior.expected.low * std::exp(-slack));
-  filter.grid.max_friction = std::min(filter.grid.max_friction, prior.expected.high * std::exp(slack));
+// The range bounds what is learnt: a grip that relaxes looks like sliding at a friction that no object of the
+// scene has.
+FrictionFilterOptions bounded(FrictionFilterOptions filter, const std::optional<Range>& range, double slack) {
+  if (!range) return filter;
+  filter.grid.min_friction = range->low * std::exp(-slack);
+  filter.grid.max_friction = range->high * std::exp(slack);
   return filter;
+}
+
+// Frames with a shape show friction by themselves: only what was given for this very sensor bounds them.
+std::optional<Range> bounds_of(Range expected, const std::optional<KnownFriction>& friction,
+                               bool force_only) {
+  if (friction) return friction->range;
+  return force_only ? std::optional(expected) : std::nullopt;
 }
 
 }  // namespace
 
-Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
-                 bool force_only, const TrackerOptions& options)
+Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected,
+                 std::optional<KnownFriction> friction, bool force_only, const TrackerOptions& options)
     : settings_(settings),
       force_only_(force_only),
+      friction_(friction.value_or(friction_expected)),
+      given_value_(friction && friction->is_value()),
+      bounds_(bounds_of(friction_expected, friction, force_only)),
       options_(options),
-      friction_filter_(prior_of(friction_expected, friction, options.prior), force_only,
-                       bounded(options.filter, prior_of(friction_expected, friction, options.prior),
-                               force_only, options.bound_slack)) {}
+      friction_filter_(
+          prior_of(friction_expected, friction, options.prior), force_only,
+          bounded(options.filter, bounds_, force_only ? options.force_only_slack : options.shaped_slack)) {
+  const MeanSigma prior = friction_filter_.grid().friction();
+  prior_sigma_ = prior.sigma / prior.mean;
+}
+
+void Tracker::give_friction(Estimate& out) const noexcept {
+  const MeanSigma friction = friction_filter_.grid().friction();
+  const double relative = friction.sigma / friction.mean;
+  const bool learnt = relative < options_.learnt_share * prior_sigma_;
+  if (!given_value_ && !(learnt && relative < options_.known_sigma)) return;
+  out.friction = bounds_ ? std::clamp(friction.mean, bounds_->low, bounds_->high) : friction.mean;
+  out.friction_sigma = friction.sigma;
+}
+
+void Tracker::give_limit(const ContactPatch& patch, Estimate& out) const noexcept {
+  if (out.friction) {
+    out.limit_n = *out.friction * patch.normal_n;
+    out.limit_sigma_n = out.friction_sigma.value_or(0) * patch.normal_n;
+    return;
+  }
+  const MeanSigma inverse = friction_filter_.grid().inverse_friction();
+  out.limit_n = patch.normal_n / inverse.mean;
+  out.limit_sigma_n = *out.limit_n * inverse.sigma / inverse.mean;
+}
+
+// One sigma down, and sigma covers both; of a known range, as far down as sigma_max permits.
+MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
+  constexpr double kBelow = 0.95;  // leaves room for what else widens sigma
+  double down = margin.sigma;
+  if (std::log(friction_.range.high / friction_.range.low) <= options_.narrow_range) {
+    const double most = kBelow * settings_.sigma_max;
+    if (margin.sigma < most) down = std::min(down, std::sqrt(most * most - margin.sigma * margin.sigma));
+  }
+  return {std::max(0.0, margin.mean - down), std::hypot(margin.sigma, down)};
+}
 
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
-                                        Method method, Estimate& out) noexcept {
-  friction_filter_.update(out.time_ns, patch, frame_estimate);
+                                        Method method, const SlidingVerdict& course, Estimate& out) noexcept {
+  friction_filter_.update(out.time_ns, patch, frame_estimate, course);
   if (!friction_filter_.understood()) return std::nullopt;
   if (!friction_filter_.explained()) {
     if (out.health == Health::good) out.health = Health::unexplained;
@@ -43,10 +86,7 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   }
   const auto [load, load_sigma] = friction_filter_.traction_ratio();
   const MeanSigma friction = friction_filter_.grid().friction();
-  if (friction.sigma < options_.known_sigma * friction.mean) {
-    out.friction = friction.mean;
-    out.friction_sigma = friction.sigma;
-  }
+  give_friction(out);
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
   if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
     // A frame that shows friction by itself knows it better than the lighter ones before it, whose taxels
@@ -60,9 +100,8 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
-    // fallen: the lower part of the posterior is given, one sigma down, and sigma covers both.
-    margin.mean = std::max(0.0, margin.mean - margin.sigma);
-    margin.sigma *= std::numbers::sqrt2;
+    // fallen: the lower part of the posterior is given.
+    margin = lowered(margin);
     if (shaped && friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     return margin;
   }
@@ -94,11 +133,11 @@ MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate
 }
 
 void Tracker::update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
-                     Estimate& out) noexcept {
+                     Estimate& out, const SlidingVerdict& course) noexcept {
   std::optional<MeanSigma> margin;
   out.method = Method::friction;
   if (settings_.tracking) {
-    margin = track(patch, frame_estimate, method, out);
+    margin = track(patch, frame_estimate, method, course, out);
   } else if (frame_estimate != nullptr && frame_estimate->in_model) {
     out.method = method;
     margin = MeanSigma{frame_estimate->gamma, frame_estimate->sigma};
@@ -111,6 +150,7 @@ void Tracker::update(const ContactPatch& patch, const FrameEstimate* frame_estim
     out.state = State::ok;
     out.gamma = margin->mean;
     out.sigma = std::hypot(margin->sigma, options_.least_sigma);
+    if (settings_.tracking) give_limit(patch, out);
   } else {
     out.state = margin || frame_estimate == nullptr ? State::learning : State::out_of_model;
   }

@@ -1,6 +1,6 @@
-// Friction over time. After a monotonic load a frame determines its margin by itself; after a regrip, an unloading
-// or a reversal only together with the friction and the forces of the frames before it, and the margin is
-// 1 - |Q|/(mu P) (docs/theory.md §11).
+// Friction over time. After a monotonic load a frame determines its margin by itself; after a regrip, an
+// unloading or a reversal only together with the friction and the forces of the frames before it, and the
+// margin is 1 - |Q|/(mu P) (docs/theory.md §11).
 #pragma once
 
 #include <optional>
@@ -18,14 +18,23 @@ struct TrackerOptions {
   FrictionPriorOptions prior;
   FrictionFilterOptions filter;
 
-  // How far beyond the scene's range, or a given friction, a force-only sensor may learn; of log mu, 0.02 …
-  // 0.5. Real slides scatter by 4 to 7 %. Too small: a friction at the range's end has no room for noise. Too
-  // large: a relaxing grip passes for a slide.
-  double bound_slack = 0.1;
+  // How far the grid reaches beyond the range that was given, or that the scene expects: of sensors whose
+  // frames have a shape, and of force-only ones; of log mu, 0.01 … 0.3. Friction itself is given within the
+  // range. Too small: a friction at the range's end has no room for noise. Too large: the range is no bound.
+  double shaped_slack = 0.1;
+  double force_only_slack = 0.02;
 
   // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
   // comes late. Too large: it is advice from a guess.
   double known_sigma = 0.3;
+  // Friction is learnt when frames have left less than this of the prior's relative sigma; 0.1 … 0.95. Too
+  // small: friction is given late. Too large: the prior is given for friction.
+  double learnt_share = 0.6;
+  // Forces alone leave the margin anywhere between what both ends of friction's range make of them. Of a
+  // range up to this wide, log of its ends' ratio, 0 … 3, less than a sigma is taken off its mean where
+  // sigma_max demands it. Too small: a known range is of no use. Too large: margins of objects of any kind
+  // are given from next to nothing.
+  double narrow_range = 1.5;
   // Friction that has fallen is open until its sigma is below this; relative, 0.02 … 0.3. Until then the
   // lower part of its posterior is given, one sigma down. Too small: margins after a fall stay low. Too
   // large: they are too safe.
@@ -45,16 +54,17 @@ struct TrackerOptions {
 
 class Tracker {
  public:
-  // friction_expected: the scene's range. friction: known beforehand. force_only: no single frame of this
-  // sensor determines its margin.
-  Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<double> friction,
+  // friction_expected: the scene's range. friction: known beforehand, instead of it, and a hard bound; so is
+  // the scene's range where frames show no friction by themselves. force_only: no single frame of this sensor
+  // determines its margin.
+  Tracker(const EstimatorSettings& settings, Range friction_expected, std::optional<KnownFriction> friction,
           bool force_only, const TrackerOptions& options = {});
 
   // Estimate thread. Fills in state, gamma, sigma, friction and method of `out`, whose forces and sequence
   // are set. `frame_estimate` is null where the sensor has no method of its own (one force vector, flat
-  // skin), or the frame no shear.
-  void update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
-              Estimate& out) noexcept;
+  // skin), or the frame no shear. `course`: what is known of sliding, at most a frame old.
+  void update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method, Estimate& out,
+              const SlidingVerdict& course = {}) noexcept;
 
   // The contact was lost: what was learnt of this object is forgotten.
   void forget() noexcept { friction_filter_.reset(); }
@@ -62,15 +72,24 @@ class Tracker {
  private:
   // The margin by all frames up to this one; nullopt if they contradict every friction.
   std::optional<MeanSigma> track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
-                                 Method method, Estimate& out) noexcept;
+                                 Method method, const SlidingVerdict& course, Estimate& out) noexcept;
   // The filter's margin, or the frame's own where that is the better one.
   MeanSigma combine(MeanSigma margin, const FrameEstimate& frame_estimate, Method method,
                     Estimate& out) const noexcept;
 
+  // What forces alone leave of the margin, on the safe side of its middle.
+  MeanSigma lowered(MeanSigma margin) const noexcept;
+  void give_friction(Estimate& out) const noexcept;
+  void give_limit(const ContactPatch& patch, Estimate& out) const noexcept;
+
   EstimatorSettings settings_;
   bool force_only_;
+  KnownFriction friction_;  // given, else expected
+  bool given_value_;
+  std::optional<Range> bounds_;  // of what is learnt
   TrackerOptions options_;
   FrictionFilter friction_filter_;
+  double prior_sigma_;  // of friction, relative
 };
 
 }  // namespace slipd

@@ -19,6 +19,8 @@ void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   state_.normal_n = {state_.normal_n.mean + gain * (patch.normal_n - state_.normal_n.mean),
                      options_.mean_sigma * patch.normal_sigma_n};
   state_.frame_sigma = frame.sigma;
+  state_.shear_x_n += gain * (patch.shear_x_n - state_.shear_x_n);
+  state_.shear_y_n += gain * (patch.shear_y_n - state_.shear_y_n);
   const double residual = frame.mean - (state_.now.mean + state_.line.slope);
   if (!force_only_ || first || !(std::fabs(residual) < options_.jump_sigmas * frame.sigma)) {
     restart_line(frame);
@@ -70,21 +72,56 @@ bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
   return load > state_.highest - options_.highest_sigmas * sigma;
 }
 
-std::optional<double> TractionRatioFilter::detect_slide() noexcept {
+// Whether the resultant points as it did then.
+bool TractionRatioFilter::is_steady(const Plateau& since) const noexcept {
+  const double along = since.shear_x_n * state_.shear_x_n + since.shear_y_n * state_.shear_y_n;
+  const double across = since.shear_x_n * state_.shear_y_n - since.shear_y_n * state_.shear_x_n;
+  if (along == 0 && across == 0) return true;  // no direction
+  const double noise_rad = options_.plateau_sigmas * state_.frame_sigma / std::max(state_.mean, kLeastLoad);
+  return std::fabs(std::atan2(across, along)) < options_.steady_rad + noise_rad;
+}
+
+std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
+    const SlidingVerdict& course) noexcept {
+  const double load = state_.now.mean, normal_n = state_.normal_n.mean;
+  state_.highest = std::max(state_.highest, load - state_.now.sigma);
+  if (normal_n > (1 + options_.normal_rise) * state_.crest.normal_n +
+                     options_.plateau_fall_sigmas * state_.normal_n.sigma)
+    state_.crest = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
+  const std::optional<Slide> even = read_plateau();
+  if (course.field.known && course.field.coherence < options_.min_coherence) return std::nullopt;
+  if (course.sliding == Sliding::rotation) return std::nullopt;
+  if (course.field.known && course.sliding == Sliding::translation) return read_moving(course);
+  state_.moving = {};
+  return even;
+}
+
+std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
+    const SlidingVerdict& course) noexcept {
+  if (state_.block == course.field.block) return std::nullopt;
+  state_.block = course.field.block;
+  if (state_.moving.load == 0 || !is_steady(state_.moving)) {
+    state_.moving = {state_.mean, state_.normal_n.mean, state_.shear_x_n, state_.shear_y_n};
+    return std::nullopt;
+  }
+  return Slide{state_.mean, options_.moving_sigma};
+}
+
+std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
   const auto [load, sigma] = state_.now;
   Plateau& plateau = state_.plateau;
   const double normal_n = state_.normal_n.mean;
-  state_.highest = std::max(state_.highest, load - sigma);
   const bool even =
       std::fabs(load - plateau.load) < options_.plateau * plateau.load + options_.plateau_sigmas * sigma;
-  if (!even || plateau.load == 0 || normal_n > plateau.normal_n) {
-    plateau = {load, normal_n};
+  if (!even || plateau.load == 0 || normal_n > plateau.normal_n || !is_steady(plateau)) {
+    plateau = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
     return std::nullopt;
   }
   const double fallen_n = plateau.normal_n - normal_n - options_.plateau_fall_sigmas * state_.normal_n.sigma;
   if (fallen_n < options_.plateau_fall * plateau.normal_n) return std::nullopt;
   if (load < options_.min_of_highest * state_.highest) return std::nullopt;
-  return load;
+  if (load < options_.risen * state_.crest.load + options_.plateau_sigmas * sigma) return std::nullopt;
+  return Slide{load, options_.plateau_sigma};
 }
 
 }  // namespace slipd

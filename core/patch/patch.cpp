@@ -48,6 +48,7 @@ const ContactPatch& PatchFinder::find(const Frame& frame) noexcept {
     const double per_noise = layout_.area_m2() * std::sqrt(static_cast<double>(patch_.count));
     patch_.normal_sigma_n = per_noise * patch_.noise_normal_pa;
     patch_.shear_sigma_n = per_noise * patch_.noise_shear_pa;
+    if (noise_) add_shared_noise();
     if (layout_.size() > 1) measure_torque();
   }
   return patch_;
@@ -78,6 +79,10 @@ void PatchFinder::measure_normal_noise() noexcept {
   peak_pa_ = sums.peak;
   patch_.frame_peak_pa = sums.peak;
   patch_.frame_least_pa = sums.least;
+  if (noise_) {
+    patch_.noise_normal_pa = noise_->normal_pa;
+    return;
+  }
   if (sums.below > 0) patch_.noise_normal_pa = std::sqrt(sums.squares / static_cast<double>(sums.below));
 }
 
@@ -259,8 +264,8 @@ void PatchFinder::gather(double reach_m) noexcept {
 }
 
 void PatchFinder::sum_forces() noexcept {
-  const ForceSums sums =
-      kernels_.force(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m), static_cast<float>(patch_.center_y_m));
+  const ForceSums sums = kernels_.force(patch_.taxels, runs_, static_cast<float>(patch_.center_x_m),
+                                        static_cast<float>(patch_.center_y_m));
   const double area = layout_.area_m2();
   patch_.normal_n = sums.p * area;
   patch_.shear_x_n = sums.x * area;
@@ -278,21 +283,33 @@ void PatchFinder::sum_forces() noexcept {
   }
 }
 
-// docs/theory.md §6.5. The centre is that of the pressure, so that its noise moves the lever of Q: by half of the
-// squared distances, as only those across Q count.
+// docs/theory.md §6.5. The centre is that of the pressure, so that its noise moves the lever of Q: by half of
+// the squared distances, as only those across Q count.
 void PatchFinder::measure_torque() noexcept {
   const double area = layout_.area_m2(), levers_m = std::sqrt(squares_m2_);
   patch_.torque_nm = moment_pa_m_ * area;
-  const double place_m =
-      patch_.normal_n > 0 ? patch_.noise_normal_pa * area * levers_m * std::numbers::sqrt2 / 2 / patch_.normal_n : 0;
+  const double place_m = patch_.normal_n > 0 ? patch_.noise_normal_pa * area * levers_m *
+                                                   std::numbers::sqrt2 / 2 / patch_.normal_n
+                                             : 0;
   patch_.torque_sigma_nm = std::hypot(patch_.noise_shear_pa * area * levers_m, place_m * patch_.shear_n);
   if (patch_.cut)
     patch_.torque_sigma_nm =
         std::hypot(patch_.torque_sigma_nm, options_.cut_torque_share * patch_.shear_n * patch_.radius_m);
 }
 
+// Noise that taxels share does not average out over the disc.
+void PatchFinder::add_shared_noise() noexcept {
+  const double share = static_cast<double>(patch_.count) / static_cast<double>(layout_.size());
+  patch_.normal_sigma_n = std::max(patch_.normal_sigma_n, share * noise_->normal_n);
+  patch_.shear_sigma_n = std::max(patch_.shear_sigma_n, share * noise_->shear_n);
+}
+
 // Off the contact there is no shear: what is read there along the resultant is noise.
 void PatchFinder::measure_shear_noise() noexcept {
+  if (noise_) {
+    patch_.noise_shear_pa = noise_->shear_pa;
+    return;
+  }
   const std::size_t off = layout_.size() - patch_.count;
   if (off < options_.min_free_taxels) {  // hardly a taxel is free: taken as noisy as the pressure
     patch_.noise_shear_pa = patch_.noise_normal_pa;

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/disc_kernels.hpp"
+#include "core/patch/unloaded_noise.hpp"
 
 namespace slipd {
 
@@ -25,7 +27,7 @@ struct ContactPatch {
          direction_y = 0;  // unit vector along Q; shear is signed by it, so noise does not rectify
   double center_x_m = 0, center_y_m = 0;  // pressure centroid
   double radius_m = 0;                    // a, from the pressure's second moment: <r^2> = 2 a^2 / 5
-  double noise_normal_pa = 0;             // standard deviation of one taxel, measured in this frame
+  double noise_normal_pa = 0;             // standard deviation of one taxel
   double noise_shear_pa = 0;
   double normal_sigma_n = 0, shear_sigma_n = 0;  // standard deviations of P and Q
   // T: torque of the shear about the contact's centre and normal, N m, on the sensor; positive turns x to y.
@@ -34,14 +36,14 @@ struct ContactPatch {
   // Its standard deviation, N m, by noise of shear and of the centre's place. Of a contact that is cut it
   // covers what the part beyond the edge may have.
   double torque_sigma_nm = 0;
-  float peak_pa = 0;                             // the greatest pressure in the disc
-  float frame_peak_pa = 0;                       // the greatest pressure of the whole frame, at least 0
-  float frame_least_pa = 0;                      // the least pressure of the whole frame
-  float shear_x_extreme_pa = 0;                  // the greatest |shear| along x in the disc
-  float shear_y_extreme_pa = 0;                  // the same along y
-  bool finite = true;                            // false: values that are not numbers, or beyond all sense
-  std::size_t count = 0;                         // of the disc's taxels
-  std::size_t interpolated = 0;                  // of these, dead ones that neighbours stand for
+  float peak_pa = 0;               // the greatest pressure in the disc
+  float frame_peak_pa = 0;         // the greatest pressure of the whole frame, at least 0
+  float frame_least_pa = 0;        // the least pressure of the whole frame
+  float shear_x_extreme_pa = 0;    // the greatest |shear| along x in the disc
+  float shear_y_extreme_pa = 0;    // the same along y
+  bool finite = true;              // false: values that are not numbers, or beyond all sense
+  std::size_t count = 0;           // of the disc's taxels
+  std::size_t interpolated = 0;    // of these, dead ones that neighbours stand for
   std::span<const TaxelRun> runs;  // the disc's taxels, by their numbers; valid until the next frame
   TaxelView taxels;                // the frame's channels, mended
 
@@ -128,6 +130,10 @@ class PatchFinder {
   // Estimate thread. Allocates nothing. `frame` has the layout's size.
   const ContactPatch& find(const Frame& frame) noexcept;
 
+  // Estimate thread. The sensor's noise without load, for the frames to come; none: each frame's own is
+  // measured, by its negative pressures and its free taxels.
+  void set_noise(const std::optional<SensorNoise>& noise) noexcept { noise_ = noise; }
+
  private:
   void view(const Frame& frame) noexcept;
   void copy_channels() noexcept;
@@ -147,6 +153,7 @@ class PatchFinder {
   void sum_forces() noexcept;
   void measure_torque() noexcept;
   void measure_shear_noise() noexcept;
+  void add_shared_noise() noexcept;
 
   // a by the pressure's second moment about its centroid.
   double radius_of(double second_moment_m2) const noexcept;
@@ -161,6 +168,7 @@ class PatchFinder {
   std::vector<TaxelRun> runs_, rest_;  // the disc, and all that is not of it
   double peak_pa_ = 0;
   double moment_pa_m_ = 0, squares_m2_ = 0;  // of the disc: ForceSums::moment and rr
+  std::optional<SensorNoise> noise_;
   ContactPatch patch_;
 };
 

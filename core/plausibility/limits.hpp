@@ -23,6 +23,8 @@ struct PlausibilityLimits {
   // §2); 0: not known, and sizes are not compared with forces.
   double least_m3_per_n = 0;
   double greatest_m3_per_n = 0;
+  // A skin without curvature: a contact may press all taxels in one frame.
+  bool flat = false;
 };
 
 }  // namespace slipd

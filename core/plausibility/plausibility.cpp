@@ -19,6 +19,9 @@ constexpr double kSureProbes = 6;
 // Taxels of which no contact presses all at once; a pad of fewer may be smaller than a contact.
 constexpr std::size_t kManyTaxels = 9;
 
+// Rows and columns that are learnt from in a frame.
+constexpr std::size_t kLinesLearnt = 8;
+
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;
 
@@ -31,7 +34,7 @@ PlausibilityMonitor::PlausibilityMonitor(const TaxelLayout& layout, const Plausi
       options_(options),
       spikes_(layout, limits, options.spikes),
       probes_(layout, options.probes),
-      rows_(probes_.rows().size()) {}
+      lines_(probes_.lines()) {}
 
 void PlausibilityMonitor::blame(Verdict verdict, Health health) noexcept {
   if (verdict < now_.verdict || (verdict == now_.verdict && now_.health != Health::good)) return;
@@ -55,9 +58,12 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   if (!judge_frozen()) {
     for (std::size_t c = 0; c < kChannels; ++c) judge_channel(c, patch);
     for (std::size_t c = 0; c < kChannels; ++c) judge_rail(c, frame, patch);
-    judge_rows();
+    judge_lines();
     judge_past();
   }
+  if (noise_jump_.update(probes_.channels(), patch.in_contact, options_.noise_jump))
+    blame(Verdict::frame_refused, Health::noisy);
+  judge_continuity(frame, patch);
   judge_time(frame);
   remember(frame, patch);
   hold();
@@ -69,7 +75,8 @@ void PlausibilityMonitor::judge_values(const ContactPatch& patch) noexcept {
     now_.taxels_left_out = static_cast<std::uint32_t>(spikes_found_);
     if (patch.normal_n > 0) now_.left_out_share = std::min(1.0, spikes_.left_out_n() / patch.normal_n);
     if (spikes_found_ <= spikes_.may_leave()) {
-      blame(Verdict::taxels_left_out, Health::spike);
+      const bool enough = now_.left_out_share <= options_.most_left_out_share;
+      blame(enough ? Verdict::taxels_left_out : Verdict::frame_refused, Health::spike);
     } else {
       blame(Verdict::frame_refused, patch.finite ? Health::full_scale : Health::not_finite);
     }
@@ -103,7 +110,7 @@ void PlausibilityMonitor::judge_offset(const ContactPatch& patch) noexcept {
   const float rise_pa = patch.frame_least_pa - last_least_pa_;
   const bool small_before = std::fabs(last_least_pa_) < kUnloading * last_peak_pa_;
   if (lifted_pa_ > 0 && patch.frame_least_pa < lifted_pa_) lifted_pa_ = 0;
-  if (any_ && layout_.size() >= kManyTaxels && last_in_contact_ && small_before &&
+  if (any_ && !limits_.flat && layout_.size() >= kManyTaxels && last_in_contact_ && small_before &&
       rise_pa > options_.least_rise_share * last_peak_pa_)
     lifted_pa_ = patch.frame_least_pa / 2;
   if (lifted_pa_ > 0) blame(Verdict::frame_refused, Health::jump);
@@ -129,6 +136,13 @@ void PlausibilityMonitor::judge_course(const ContactPatch& patch) noexcept {
   const double most_m = std::max(patch.radius_m, last_radius_m_) + options_.jump_sides * layout_.side_m();
   if (layout_.size() > 1 && clear && last_clear_ && moved_m > most_m)
     blame(Verdict::frame_refused, Health::jump);
+}
+
+void PlausibilityMonitor::judge_continuity(const Frame& frame, const ContactPatch& patch) noexcept {
+  if (now_.verdict != Verdict::plausible || layout_.size() == 1) return continuity_.skip(frame.time_ns);
+  const Health health =
+      continuity_.update(frame.time_ns, patch, probes_.pattern(), probes_.size(), options_.continuity);
+  if (health != Health::good) blame(Verdict::frame_refused, health);
 }
 
 // True if this frame is the one before.
@@ -201,14 +215,19 @@ void PlausibilityMonitor::judge_channel(std::size_t channel, const ContactPatch&
   if (is.dead) blame(Verdict::sensor_fault, kDeadChannel[channel]);
 }
 
-void PlausibilityMonitor::judge_rows() noexcept {
+// A line that does not stand still is learnt from now and then only, if there are many.
+void PlausibilityMonitor::judge_lines() noexcept {
   if (!felt_) return;
-  const auto rows = probes_.rows();
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    if (!rows_[row].update(rows[row], options_.stillness)) continue;
-    if (rows_[row].run() < options_.frozen_frames) continue;
-    now_.row = static_cast<std::uint32_t>(row);
-    blame(Verdict::sensor_fault, Health::dead_row);
+  const std::size_t turns = 1 + lines_.size() / kLinesLearnt;
+  turn_ = (turn_ + 1) % turns;
+  const bool all_move = !probes_.any_still() && !lines_stand_;
+  lines_stand_ = false;
+  for (std::size_t line = all_move ? turn_ : 0; line < lines_.size(); line += all_move ? turns : 1) {
+    Stillness& stillness = lines_[line];
+    if (line % turns != turn_ && stillness.run() == 0 && probes_.line_moved(line)) continue;
+    const bool still = stillness.update(probes_.line(line), options_.stillness);
+    lines_stand_ = lines_stand_ || stillness.run() > 0;
+    if (still && stillness.run() >= options_.frozen_frames) blame(Verdict::sensor_fault, Health::dead_row);
   }
 }
 

@@ -43,6 +43,11 @@ struct Resultant {
   double along() const noexcept { return std::hypot(x, y); }
 };
 
+// The length of (x, y), whose components have noise of this standard deviation, without what noise adds.
+double without_noise(double x, double y, double sigma) noexcept {
+  return std::sqrt(std::max(0.0, x * x + y * y - 2 * sigma * sigma));
+}
+
 }  // namespace
 
 std::string_view to_string(Sliding sliding) noexcept {
@@ -57,6 +62,7 @@ SlidingDetector::SlidingDetector(const TaxelLayout& layout, double false_alarms_
   noise_factor_ =
       1 + kFoldedScatter * gaussian_limit(std::min(0.01, false_alarms_per_hour / blocks_per_hour));
   trend_limit_ = trend_limit_of(false_alarms_per_hour, blocks_.block_s(), options);
+  settled_.resize(3 * blocks_.cells());
 }
 
 void SlidingDetector::forget() noexcept {
@@ -64,6 +70,8 @@ void SlidingDetector::forget() noexcept {
   armed_ = false;
   suspicious_ = 0;
   now_.reset();
+  settled_normal_ = 0;
+  field_ = {};
 }
 
 SlidingVerdict SlidingDetector::update(const Frame& frame, bool contact) noexcept {
@@ -77,9 +85,53 @@ SlidingVerdict SlidingDetector::update(const Frame& frame, bool contact) noexcep
     const auto judged = raw_ ? judge_raw() : judge_loaded();
     if (judged != now_) since_ns_ = frame.time_ns;
     now_ = judged;
+    if (!raw_) follow_field();
   }
-  if (!now_) return {};
-  return {now_, static_cast<double>(frame.time_ns - since_ns_) * 1e-9};
+  if (!now_) return {.sliding = {}, .for_s = 0, .field = field_};
+  return {now_, static_cast<double>(frame.time_ns - since_ns_) * 1e-9, field_};
+}
+
+void SlidingDetector::follow_field() noexcept {
+  field_.known = true;
+  const FieldChange change = field_change();
+  field_.internal_share = std::max(0.0, change.all - change.along);
+  field_.coherence = coherence();
+  if (change.all > options_.clear_change)
+    field_.coherence = std::max(field_.coherence, change.along / change.all);
+  ++field_.block;
+}
+
+double SlidingDetector::coherence() const noexcept {
+  const std::size_t cells = blocks_.cells();
+  const float* const now = blocks_.block(0);
+  Resultant sum;
+  double all = 0;
+  for (std::size_t i = 0; i < cells; ++i) {
+    const auto x = static_cast<double>(now[cells + i]), y = static_cast<double>(now[2 * cells + i]);
+    sum.x += x;
+    sum.y += y;
+    all += without_noise(x, y, blocks_.noise());
+  }
+  return all > 0 ? std::min(1.0, sum.along() / all) : 1;
+}
+
+SlidingDetector::FieldChange SlidingDetector::field_change() const noexcept {
+  if (!(settled_normal_ > 0)) return {};
+  const double normal = normal_of(0);
+  if (!(normal > 0)) return {.all = 1, .along = 0};
+  const std::size_t cells = blocks_.cells();
+  const float* const now = blocks_.block(0);
+  const double scale = normal / settled_normal_, noise = blocks_.noise() * std::hypot(1, scale);
+  Resultant change;
+  double all = 0;
+  for (std::size_t i = cells; i < 2 * cells; ++i) {
+    const double x = static_cast<double>(now[i]) - scale * static_cast<double>(settled_[i]);
+    const double y = static_cast<double>(now[cells + i]) - scale * static_cast<double>(settled_[cells + i]);
+    change.x += x;
+    change.y += y;
+    all += without_noise(x, y, noise);
+  }
+  return {.all = all / normal, .along = std::min(all, change.along()) / normal};
 }
 
 double SlidingDetector::normal_of(std::size_t ago) const noexcept {
@@ -158,6 +210,10 @@ bool SlidingDetector::settled() const noexcept {
 
 void SlidingDetector::arm() noexcept {
   const Change last = change_since(1);
+  if (settled_normal_ == 0) {
+    std::copy_n(blocks_.block(0), settled_.size(), settled_.begin());
+    settled_normal_ = normal_of(0);
+  }
   if (!armed_) {
     pattern_noise_ = last.pattern;
     shear_noise_ = last.shear;
@@ -181,6 +237,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
   const bool slid = slides(now_);
   if (normal < (slid ? options_.let_go_below : options_.opened_below) * held_normal_ ||
       normal > options_.gripped_above * held_normal_) {
+    if (normal > options_.gripped_above * settled_normal_) settled_normal_ = 0;  // gripped anew
     armed_ = false;
     return Sliding::disturbed;
   }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "core/sliding/taxel_blocks.hpp"
 
@@ -32,11 +33,27 @@ constexpr bool slides(std::optional<Sliding> sliding) noexcept {
   return sliding && *sliding >= Sliding::translation;
 }
 
+// How the field of shear has gone since the contact settled. Of blocks (core/sliding/taxel_blocks.hpp).
+struct FieldCourse {
+  // Whether there is a field: enough cells, a zero, a contact and a block of it. Else nothing below counts.
+  bool known = false;
+  // |sum q|/sum|q|, noise taken off; 0 … 1: 1 where all cells are sheared one way, as by an object that
+  // slides. Of what changed since the contact settled, if that is more: the rest is from pressing.
+  double coherence = 1;
+  // What cells carry against each other, over P, >= 0: of the change of shear since the contact settled, the
+  // part that cancels in the sum. Shear that pressing alone makes grows with P and is not in it. 0 before the
+  // contact has settled.
+  double internal_share = 0;
+  // Number of the block, from 1 in each contact.
+  std::uint32_t block = 0;
+};
+
 struct SlidingVerdict {
   // nullopt: this sensor, or this contact, cannot tell.
   std::optional<Sliding> sliding;
   // How long it has been so, s; 0 where it is not known.
   double for_s = 0;
+  FieldCourse field;
 };
 
 // Checked with `tools/real`. "Share" is of P, no unit. TV is half the sum of the cells' changes in p/P: the
@@ -77,6 +94,9 @@ struct SlidingOptions {
   // Blocks in which noise and the held P are followed to 1/e; 5 … 100. Too small: a slide counts as noise.
   // Too large: shaking that begins counts as sliding.
   double follow_blocks = 20;
+  // Change of shear over P, summed over cells, that has a coherence of its own; 0.02 … 0.5. Too small: noise
+  // and relaxation. Too large: shear of pressing hides a slide at a low friction.
+  double clear_change = 0.1;
   // Without a zero: the load changed when the root mean square of all channels moved by this many times the
   // noise of a block; 6 … 50. Too small: shaking and drift are disturbances. Too large: weak pulls are none.
   double disturbed_noises = 16;
@@ -110,6 +130,13 @@ class SlidingDetector {
   std::optional<Sliding> judge_armed() noexcept;
   bool settled() const noexcept;
   void arm() noexcept;
+  void follow_field() noexcept;
+  double coherence() const noexcept;
+  // Of shear since the contact settled, less what pressing makes: summed over cells, and of its sum; over P.
+  struct FieldChange {
+    double all = 0, along = 0;
+  };
+  FieldChange field_change() const noexcept;
   std::optional<Sliding> judge_raw() noexcept;
   void forget() noexcept;
 
@@ -127,6 +154,9 @@ class SlidingDetector {
   int suspicious_ = 0;        // blocks in a row
   std::optional<Sliding> now_;
   std::int64_t since_ns_ = 0;
+  std::vector<float> settled_;  // the block in which the contact settled
+  double settled_normal_ = 0;   // its P; 0: there is none
+  FieldCourse field_;
 };
 
 }  // namespace slipd

@@ -99,7 +99,8 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
                          .estimator = settings_.estimator,
                          .alerts = settings_.alerts,
                          .friction = runtime.settings.friction,
-                         .full_scale = runtime.settings.full_scale};
+                         .full_scale = runtime.settings.full_scale,
+                         .contact = runtime.settings.contact};
   std::optional<EstimatorChain> chain = take_learned_state(runtime, setup);
   const char* const past = chain ? ", with what it had learnt before the reload" : "";
   if (!chain) {

@@ -124,6 +124,7 @@ void append_grasp(std::string& out, const Estimate& together, const std::string&
       .number("gamma", together.gamma)
       .number("sigma", together.sigma)
       .integer("class", class_of(together.gamma))
+      .number("gamma_low", together.gamma_low)
       .number("friction", together.friction)
       .number("friction_sigma", together.friction_sigma)
       .number("normal_n", together.normal_n)
@@ -133,6 +134,13 @@ void append_grasp(std::string& out, const Estimate& together, const std::string&
       .number("grip_increase_sigma_n", together.grip_increase_sigma_n)
       .text("alert", to_string(together.alert));
   add_sliding(object, together);
+  std::string& first = object.begin("first");
+  if (together.first_gamma && together.first_member < sensors.size()) {
+    ObjectText finger(first);
+    finger.text("sensor", sensors[together.first_member]).number("gamma", together.first_gamma).end();
+  } else {
+    first += "null";
+  }
   object.end();
 }
 

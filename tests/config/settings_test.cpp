@@ -79,6 +79,7 @@ TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
   EXPECT_EQ(sensor.driver, "sim");
   EXPECT_EQ(sensor.stale_after, std::chrono::milliseconds(20));
   EXPECT_FALSE(sensor.friction);
+  EXPECT_FALSE(sensor.contact.min_normal_n);
   EXPECT_THAT(sensor.gain, ElementsAre(1));
   EXPECT_EQ(sensor.setup.name, "left");
   EXPECT_EQ(sensor.setup.rate_hz, 1000);
@@ -86,6 +87,14 @@ TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
   EXPECT_EQ(sensor.setup.device, json::object());
   EXPECT_EQ(sensor.setup.options, json::parse(R"({"seed": 1, "noise": 0.01})"));
   EXPECT_EQ(s.scene_of(sensor), (Scene{Skin{}, paper_objects(), 0.002, 0.01}));
+}
+
+TEST(Settings, friction_is_a_value_or_a_range_that_does_not_fall) {
+  EXPECT_EQ(parse(with("/sensors/0/friction", {0.3, 0.8})).sensors.at(0).friction,
+            KnownFriction(Range{0.3, 0.8}));
+  EXPECT_THAT(problems_of(with("/sensors/0/friction", {0.8, 0.3})), ElementsAre(HasSubstr("falls")));
+  EXPECT_EQ(problems_of(with("/sensors/0/friction", json::array({0.8}))).size(), 1U);
+  EXPECT_EQ(problems_of(with("/sensors/0/friction", "slippery")).size(), 1U);
 }
 
 TEST(Settings, of_a_minimal_can_section_are_the_defaults_of_the_struct) {
@@ -111,7 +120,8 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(left.setup.skin_poisson, 0.4);
   EXPECT_EQ(left.setup.device, json::parse(R"({"index": 1})"));
   EXPECT_EQ(left.setup.options, json::parse(R"({"seed": 3, "noise": 0.1})"));
-  EXPECT_EQ(left.friction, 0.5);
+  EXPECT_EQ(left.friction, KnownFriction(0.5));
+  EXPECT_EQ(left.contact.min_normal_n, 0.2);
   EXPECT_THAT(s.sensors.at(1).gain, ElementsAre(0.5));
   EXPECT_EQ(s.sensors.at(1).setup.layout, TaxelLayout::scattered({0, 0.001, 0}, {0, 0, 0.001}));
   EXPECT_EQ(s.sensors.at(2).setup.profile, "xela-xr1944");
@@ -122,7 +132,7 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(s.estimator, (EstimatorSettings{MethodChoice::fit, 60, 9, 6, false, 0.2}));
   EXPECT_EQ(s.noise, 0.02);
   EXPECT_EQ(s.offset_m, 0.003);
-  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 2, 0.6, 2}));
+  EXPECT_EQ(s.alerts, (AlertSettings{0.5, 0.3, 0.06, 3, 2, 0.6, 2, AlertUse::low}));
   EXPECT_EQ(s.socket.path, "/tmp/s");
   EXPECT_EQ(s.socket.mode, 0600U);
   EXPECT_EQ(s.socket.max_clients, 10U);

@@ -116,6 +116,35 @@ TEST_F(Replays, TurnCountsIntoPascalByBiasAndScale) {
   EXPECT_THAT(opening(setup(path, {{"bias", {1, 2, 3, 4}}})), HasSubstr("bias has 4 values"));
 }
 
+TEST_F(Replays, OfNewtonsAreDividedByATaxelsArea) {
+  const auto path = file("a.csv", std::string(kTwoTaxels) + "\n1,2,3,-1,0,0.5\n");
+  const float area_m2 = 16e-6F;  // of 4 mm by 4 mm
+  const auto played = play_whole(setup(path, {{"unit", "N"}})).values[0];
+  const std::vector<float> forces{3, 0.5, 1, -1, 2, 0};
+  for (std::size_t i = 0; i < forces.size(); ++i) EXPECT_FLOAT_EQ(played[i], forces[i] / area_m2) << i;
+  const auto scaled = play_whole(setup(path, {{"unit", "N"}, {"bias", 1}, {"scale", 2}})).values[0];
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    EXPECT_FLOAT_EQ(scaled[i], 2 * (forces[i] - 1) / area_m2) << "bias and scale come first, " << i;
+}
+
+TEST_F(Replays, OfRawCountsKeepThemAndHaveNoZero) {
+  const auto path = file("a.csv", std::string(kTwoTaxels) + "\n1,2,3,4,5,6\n");
+  ReplayDriver raw({setup(path, {{"unit", "raw"}})}), pascal({setup(path)});
+  EXPECT_FALSE(raw.open().sensors.at(0).zeroed);
+  EXPECT_TRUE(pascal.open().sensors.at(0).zeroed);
+  EXPECT_EQ(play(raw, 2).values.at(0), (std::vector<float>{3, 6, 1, 4, 2, 5}));
+}
+
+TEST_F(Replays, TakeTheColumnsOfTheTaxelsThatAreNamedInThatOrder) {
+  const auto path =
+      file("a.csv", "txl1_x,txl1_y,txl1_z,txl7_x,txl7_y,txl7_z,thumb_x,thumb_y,thumb_z\n1,2,3,4,5,6,7,8,9\n");
+  EXPECT_EQ(play_whole(setup(path, {{"taxels", {"thumb", "txl7"}}})).values.at(0),
+            (std::vector<float>{9, 6, 7, 4, 8, 5}));
+  EXPECT_THAT(opening(setup(path, {{"taxels", {"thumb"}}})), HasSubstr("taxels"));
+  EXPECT_THAT(opening(setup(path, {{"taxels", {"thumb", "thumb"}}})), HasSubstr("thumb"));
+  EXPECT_THAT(opening(setup(path, {{"taxels", {"thumb", "index"}}})), HasSubstr("index"));
+}
+
 TEST_F(Replays, KeepTheTimesOfTheFileOrTheRateOfTheSensor) {
   const auto timed =
       play_whole(setup(file("a.csv", "time," + std::string(kTwoTaxels) +

@@ -1,5 +1,5 @@
 """docs/real-sensors.md."""
-from . import eflesh, pillars, plots, rivals
+from . import eflesh, pillars, plots, rivals, uskin
 from .scores import area, balanced, best_balanced
 
 
@@ -14,7 +14,7 @@ def per_cent(share):
 
 def lead(run, name):
     if run.false[name]:
-        return "false"
+        return "too early"
     if run.leads[name] is None:
         return "none"
     seconds = run.leads[name]
@@ -48,7 +48,7 @@ The plain detectors at every threshold; the dashed line is slipd at its defaults
 
 
 def uskin_section(runs):
-    head = ["detector", *(f"{run.trial[:10]}, fingertip {run.sensor[-1]}{', slip' if run.label_s is not None else ''}" for run in runs)]
+    head = ["detector", *(f"{run.trial[:10]} {run.trial[11:16].replace('-', ':')}, fingertip {run.sensor[-1]}{', slip' if run.label_s is not None else ''}" for run in runs)]
     rows = [[name, *("silent" if run.label_s is None and not run.false[name] else lead(run, name) for run in runs)]
             for name in ("slipd", *rivals.RIVALS)]
     with_margin = [sum(r["state"] == "ok" for r in run.rows) / len(run.rows) for run in runs]
@@ -56,11 +56,12 @@ def uskin_section(runs):
 
 Three grasps with two XELA uSkin fingertips at 60 rows a second (github.com/imanlab/proactive-slip-control, MIT): an arm lifts and moves an
 object; in one grasp it slips, labelled by a camera at about 5 mm of motion. Scene `uskin-4x4`. slipd has its defaults. The plain detectors
-have the best threshold that hindsight gives: the least one, of each fingertip, that stays silent in both grasps without a slip.
+have the best threshold that hindsight gives: the least one, of each fingertip, that stays silent in both grasps without a slip. *too early*:
+more than {uskin.EARLY_S:g} s before the label.
 
 {table(head, rows)}
 
-slipd tells a margin in {per_cent(min(with_margin))} to {per_cent(max(with_margin))} of the rows. Counts are no newtons, so a margin is right
+slipd gives a margin in {per_cent(min(with_margin))} to {per_cent(max(with_margin))} of the rows. Counts are no newtons, so a margin is right
 only in as far as x, y and z have equal scales.
 
 ![both fingertips in the grasp that slips](real-sensors/uskin-slip.svg)

@@ -1,10 +1,12 @@
 """The pictures of docs/real-sensors.md, by gnuplot. None is of a single recording of the pillars: these have no licence."""
+import math
 import shutil
 import subprocess
 
 from . import recordings as rec
 
 HEAD = "set terminal svg size 900,{height} font 'sans,12' background 'white'\nset output '{name}.svg'\nset grid\n"
+SHOWN_S = 1.5  # after the label
 COLOURS = ["#1f4e8c", "#c8553d", "#588b3a", "#8c5fa8"]
 
 
@@ -18,6 +20,12 @@ def draw(folder, name, script):
 def block(rows):
     lines = "\n".join(" ".join("NaN" if v is None else f"{v:.6g}" for v in row) for row in rows)
     return f"{lines}\ne\n"
+
+
+def tick_step(top):
+    """About four ticks up to `top`, a round number apart."""
+    exponent = 10 ** math.floor(math.log10(top / 4))
+    return next(step * exponent for step in (1, 2, 5, 10) if step * exponent >= top / 5)
 
 
 def eflesh_roc(result, folder):
@@ -40,7 +48,7 @@ def uskin_course(runs, folder):
     script = HEAD.format(height=280 * len(slip), name="uskin-slip")
     script += f"set multiplot layout {len(slip)},1\nset key outside right\nset yrange [0:1.05]\nset xlabel 'time, s'\n"
     for run in slip:
-        script += f"set title 'fingertip {run.sensor[-1]}' noenhanced\n"
+        script += f"set title 'fingertip {run.sensor[-1]}' noenhanced\nset xrange [0:{run.label_s + SHOWN_S}]\n"
         most = max(run.recording.normal())
         drop = run.values["P drops"]
         course = [[float(r["time_s"]), rec.number(r["gamma"]), p / most, ratio, max(0.0, fall), 1 if rec.slips(r) else 0,
@@ -61,7 +69,7 @@ def pillars_false(result, folder):
     """Share of quiet grasps with an alarm over the threshold, all grasps together."""
     names = list(result.statistics)
     script = HEAD.format(height=300, name="pillars-false")
-    script += f"set multiplot layout 1,{len(names)}\nset yrange [0:105]\nunset key\nset ylabel 'quiet grasps with an alarm, %'\n"
+    script += f"set multiplot layout 1,{len(names)}\nset yrange [-5:105]\nunset key\nset ylabel 'quiet grasps with an alarm, %'\n"
     labels = {"Q/P over a given friction": "friction given", "P drops": "fall of P, share", "vibration": "vibration over P"}
     slipd = 100 * result.false["slipd"] / result.quiet
     for name, colour in zip(names, COLOURS[1:]):
@@ -72,7 +80,7 @@ def pillars_false(result, folder):
             left = 100 * (len(values) - i) / len(values)
             steps += [[value, left], [value, 100 * (len(values) - i - 1) / len(values)]]
         steps.append([top, 0.0])
-        script += (f"set title '{name}'\nset xlabel '{labels[name]}'\nset xrange [0:{top:.4g}]\n"
+        script += (f"set title '{name}'\nset xlabel '{labels[name]}'\nset xrange [0:{top:.4g}]\nset xtics {tick_step(top):.4g}\n"
                    f"plot '-' using 1:2 with lines lw 2 lc rgb '{colour}', {slipd:.4g} with lines dt 2 lw 2 lc rgb '{COLOURS[0]}'\n")
         script += block(steps)
     draw(folder, "pillars-false", script + "unset multiplot\n")

@@ -245,7 +245,7 @@ TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterward
   options.forget_s = 0.5;
   FrictionFilter filter(kPrior, true, options);
   std::int64_t time_ns = 0;
-  for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.4), nullptr);
+  for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.008 * i), nullptr);
   for (int i = 0; i < 200; ++i) {
     const double normal_n = 3 - 0.005 * i;
     filter.update(time_ns += 1'000'000, forces(normal_n, 0.4 * normal_n), nullptr);
@@ -255,6 +255,54 @@ TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterward
   EXPECT_LT(sigma, 0.04);
   for (int i = 0; i < 200; ++i) filter.update(time_ns += 10'000'000, forces(2, 0.2), nullptr);
   EXPECT_GT(filter.grid().friction().sigma, 3 * sigma);
+}
+
+TEST(FrictionFilter, ForcesOfALightTouchBoundNoStrongGrip) {
+  FrictionFilter filter(kPrior, true);
+  const double prior = filter.grid().friction().mean;
+  std::int64_t time_ns = 0;
+  for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(0.15, 0.12), nullptr);
+  EXPECT_GT(filter.grid().friction().mean, 0.75);
+  for (int i = 0; i < 100; ++i) {
+    const double normal_n = 0.15 + 0.1 * i;
+    filter.update(time_ns += 1'000'000, forces(normal_n, 0.05 * normal_n), nullptr);
+  }
+  EXPECT_LT(filter.grid().friction().mean, prior + 0.1);
+}
+
+TEST(FrictionFilter, AWrongFrictionIsCorrectedWithinASecondOfSliding) {
+  for (const double hz : {60.0, 500.0}) {
+    FrictionFilter filter({.expected = {0.1, 1}, .spread = 0.15}, true);
+    std::int64_t time_ns = 0;
+    std::uint32_t block = 0;
+    const auto slide_for = [&](double seconds, double friction) {
+      const std::int64_t end_ns = time_ns + static_cast<std::int64_t>(seconds * 1e9);
+      for (; time_ns < end_ns; time_ns += static_cast<std::int64_t>(1e9 / hz)) {
+        block = static_cast<std::uint32_t>(1 + time_ns / 50'000'000);
+        filter.update(time_ns, forces(2, 2 * friction), nullptr,
+                      {.sliding = Sliding::translation,
+                       .for_s = 1,
+                       .field = {.known = true, .coherence = 0.95, .block = block}});
+      }
+    };
+    slide_for(3, 0.3);
+    EXPECT_NEAR(filter.grid().friction().mean, 0.3, 0.03) << hz << " Hz";
+    slide_for(1, 0.7);
+    EXPECT_NEAR(filter.grid().friction().mean, 0.7, 0.07) << hz << " Hz";
+    slide_for(1, 0.3);
+    EXPECT_NEAR(filter.grid().friction().mean, 0.3, 0.04) << hz << " Hz";
+  }
+}
+
+TEST(FrictionFilter, TaxelsThatCarryAgainstEachOtherSayNothingOfFriction) {
+  FrictionFilter filter(kPrior, true);
+  const double prior = filter.grid().friction().mean;
+  for (int i = 1; i <= 200; ++i)
+    filter.update(i * 1'000'000, forces(2, 1.6), nullptr,
+                  {.sliding = Sliding::disturbed,
+                   .for_s = 1,
+                   .field = {.known = true, .coherence = 0.95, .internal_share = 0.3, .block = 1}});
+  EXPECT_EQ(filter.grid().friction().mean, prior);
 }
 
 TEST(FrictionFilter, AllocatesNothing) {

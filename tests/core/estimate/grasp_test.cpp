@@ -80,6 +80,39 @@ TEST(Grasp, ErrorsOfTheFingersAreIndependent) {
   EXPECT_NEAR(both.grip_increase_sigma_n.value(), 4 * 0.02 / std::sqrt(2), 1e-12);
 }
 
+TEST(Grasp, AFingerWhoseFrictionIsARangeCountsWithWhatItCanCarry) {
+  std::array members{finger(2, 0.3, 0.5), finger(4, 0.5, 0.25)};
+  members[1].friction.reset();
+  members[1].limit_n = 1;
+  members[1].limit_sigma_n = 0.3;
+  const Estimate both = grasp_estimate(members, 0.5);
+  EXPECT_EQ(both.state, State::ok);
+  EXPECT_DOUBLE_EQ(both.gamma.value(), 1 - 0.8 / 2.0);
+  EXPECT_DOUBLE_EQ(both.sigma.value(), 0.8 / 2.0 * 0.3 / 2.0);
+  EXPECT_FALSE(both.friction) << "it was learnt of one finger only";
+}
+
+TEST(Grasp, TheFingerWithTheLeastMarginSlidesFirst) {
+  const std::array members{finger(2, 0.1, 0.5), finger(2, 0.4, 0.25), in_state(State::no_contact)};
+  const Estimate all = grasp_estimate(members, 0.5);
+  EXPECT_EQ(all.first_member, 1);
+  EXPECT_DOUBLE_EQ(all.first_gamma.value(), 1 - 0.4 / 0.5);
+  EXPECT_GT(all.gamma.value(), all.first_gamma.value()) << "the other one still holds";
+}
+
+TEST(Grasp, TheSafeMarginNeedsThatOfEveryFingerAndNoneOfThemHasToBeKnown) {
+  std::array members{finger(2, 0.3, 0.5), finger(4, 0.5, 0.25)};
+  members[0].limit_low_n = 0.8;
+  members[0].gamma_low = 1 - 0.3 / 0.8;
+  EXPECT_FALSE(grasp_estimate(members, 0.5).gamma_low);
+  members[1].limit_low_n = 0.8;
+  members[1].gamma_low = 1 - 0.5 / 0.8;
+  members[1].state = State::learning;
+  members[1].gamma.reset();
+  EXPECT_DOUBLE_EQ(grasp_estimate(members, 0.5).gamma_low.value(), 1 - 0.8 / 1.6);
+  EXPECT_FALSE(grasp_estimate(members, 0.5).gamma);
+}
+
 constexpr std::int64_t kMs = 1'000'000;
 
 std::array<Estimate, 1> at(std::int64_t time_ns, double gamma, double friction_sigma = 0) {
@@ -107,6 +140,17 @@ TEST(GraspTracker, SigmaLowersTheMarginThatIsCompared) {
   }
   EXPECT_EQ(sure.judge(at(5 * kMs, 0.45)).alert, Alert::none);
   EXPECT_EQ(unsure.judge(at(5 * kMs, 0.45, 0.1)).alert, Alert::warn);
+}
+
+TEST(GraspTracker, WarnsOfAFingerThatSlidesWhileTheOthersHold) {
+  std::array members{finger(4, 0.1, 0.6), finger(1, 0.3, 0.31)};
+  GraspTracker judge({});
+  EXPECT_EQ(judge.judge(members).alert, Alert::none);
+  members[1].alert = Alert::slip;
+  const Estimate now = judge.judge(members);
+  EXPECT_GT(now.gamma.value(), 0.8);
+  EXPECT_EQ(now.alert, Alert::warn);
+  EXPECT_EQ(now.alert_cause, AlertCause::margin);
 }
 
 TEST(GraspTracker, ForeseesTheSlipOfAMarginThatFalls) {

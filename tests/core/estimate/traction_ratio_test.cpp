@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace slipd {
@@ -83,17 +85,91 @@ TEST(TractionRatioFilter, NoiseInTheNormalForceIsNotTakenForSliding) {
   }
 }
 
-TEST(TractionRatioFilter, AnEvenRatioWhileTheGripFallsIsSliding) {
+// Load rises to `load` in 50 frames, then P falls for 150 while it stays.
+std::optional<TractionRatioFilter::Slide> slide_of(double load, const SlidingVerdict& course) {
   TractionRatioFilter carried(true);
   Readings readings;
-  std::optional<double> slides;
-  for (int i = 0; i < 200 && !slides; ++i) {
+  std::optional<TractionRatioFilter::Slide> slide;
+  for (int i = 0; i < 200 && !slide; ++i) {
     const double normal_n = i < 50 ? 3 : 3 - 0.01 * (i - 50);
-    carried.update(readings.of(normal_n, 0.4 * normal_n));
-    slides = carried.detect_slide();
+    carried.update(readings.of(normal_n, load * std::min(1.0, i / 50.0) * normal_n));
+    slide = carried.detect_slide(course);
   }
-  ASSERT_TRUE(slides);
-  EXPECT_NEAR(*slides, 0.4, 0.03);
+  return slide;
+}
+
+SlidingVerdict coherent(double coherence) {
+  return {.sliding = Sliding::none, .for_s = 1, .field = {.known = true, .coherence = coherence, .block = 1}};
+}
+
+TEST(TractionRatioFilter, ARatioThatRoseAndIsEvenWhileTheGripFallsIsSliding) {
+  const auto slide = slide_of(0.4, {});
+  ASSERT_TRUE(slide);
+  EXPECT_NEAR(slide->load, 0.4, 0.03);
+}
+
+TEST(TractionRatioFilter, ASlideOfTaxelsThatAreNotShearedOneWayIsNone) {
+  EXPECT_TRUE(slide_of(0.4, coherent(0.95)));
+  EXPECT_FALSE(slide_of(0.4, coherent(0.5)));
+}
+
+// Rubber and controller let P overshoot and relax while |Q|/P stays.
+TEST(TractionRatioFilter, AGripThatOvershootsAndRelaxesDoesNotSlide) {
+  for (const double load : {0.05, 0.1, 0.3}) {
+    TractionRatioFilter carried(true);
+    Readings readings;
+    for (int i = 0; i < 1000; ++i) {
+      const double normal_n = i < 50 ? 0.2 * (i + 1) : 4 + 6 * std::exp(-(i - 50) / 100.0);
+      carried.update(readings.of(normal_n, load * normal_n));
+      ASSERT_FALSE(carried.detect_slide()) << load << ", frame " << i;
+    }
+  }
+}
+
+TEST(TractionRatioFilter, ALoadThatTurnsWhileTheGripFallsDoesNotSlide) {
+  for (const double turned_rad : {0.0, 1.0}) {
+    TractionRatioFilter carried(true);
+    bool slid = false;
+    for (int i = 0; i < 200; ++i) {
+      const double normal_n = i < 50 ? 3 : 3 - 0.01 * (i - 50), load = 0.4 * std::min(1.0, i / 50.0);
+      const double angle = i < 50 ? 0 : turned_rad * (i - 50) / 20.0;
+      ContactPatch patch;
+      patch.normal_n = normal_n;
+      patch.shear_n = load * normal_n;
+      patch.shear_x_n = patch.shear_n * std::cos(angle);
+      patch.shear_y_n = patch.shear_n * std::sin(angle);
+      patch.normal_sigma_n = patch.shear_sigma_n = 0.001;
+      carried.update(patch);
+      slid = slid || carried.detect_slide();
+    }
+    EXPECT_EQ(slid, turned_rad == 0) << turned_rad << " rad";
+  }
+}
+
+// Real slides scatter by 4 to 7 %, far more than a plateau may.
+TEST(TractionRatioFilter, ASlideWhosePatternMovesIsReadOnceABlockHoweverItScatters) {
+  TractionRatioFilter carried(true);
+  std::mt19937 random(3);
+  std::normal_distribution<double> scatter(0, 0.07);
+  int readings = 0;
+  double sum = 0, rough = 0;
+  for (int i = 0; i < 500; ++i) {
+    if (i % 10 == 0) rough = scatter(random);
+    ContactPatch patch;
+    patch.normal_n = 3;
+    patch.shear_n = patch.shear_x_n = 0.4 * (1 + rough) * 3;
+    patch.normal_sigma_n = patch.shear_sigma_n = 0.003;
+    carried.update(patch);
+    SlidingVerdict course = coherent(0.95);
+    course.sliding = Sliding::translation;
+    course.field.block = static_cast<std::uint32_t>(1 + i / 25);
+    const auto slide = carried.detect_slide(course);
+    if (!slide) continue;
+    ++readings;
+    sum += slide->load;
+  }
+  EXPECT_EQ(readings, 19);  // all blocks but the first
+  EXPECT_NEAR(sum / readings, 0.4, 0.02);
 }
 
 // Without noise, as one force vector gives them.

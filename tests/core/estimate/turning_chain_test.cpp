@@ -1,5 +1,5 @@
-// The whole chain on objects that turn in the grip: margin, friction, advice and the bound are those of force and
-// torque together.
+// The whole chain on objects that turn in the grip: margin, friction, advice and the bound are those of force
+// and torque together.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,8 @@ constexpr double kFriction = 0.5;
 // turned at once.
 class OffCentre {
  public:
-  OffCentre(TaxelLayout layout, std::optional<double> friction) : frames_(layout, 3), chain_(setup(layout, friction), nullptr) {}
+  OffCentre(TaxelLayout layout, std::optional<double> friction)
+      : frames_(layout, 3), chain_(setup(layout, friction), nullptr) {}
 
   struct Seen {
     Estimate estimate;
@@ -68,7 +69,8 @@ class OffCentre {
     const double normal_n = frames_.normal_n();
     seen.gamma = 1 - hertz_.least_friction(frames_.shear_x_n() / normal_n, frames_.shear_y_n() / normal_n,
                                            frames_.torque_nm() / (normal_n * contact_.radius_m))
-                             .ratio / contact_.friction;
+                             .ratio /
+                         contact_.friction;
     return seen;
   }
 
@@ -127,7 +129,8 @@ TEST(TurningChain, TheBoundAndTheAdviceCountTheTorque) {
   ASSERT_TRUE(estimate.grip_increase_n && estimate.friction);
   const double target = AlertSettings().target_margin;
   EXPECT_NEAR(*estimate.grip_increase_n,
-              std::max(0.0, *estimate.pull_n / (*estimate.friction * (1 - target)) - *estimate.normal_n), 1e-9);
+              std::max(0.0, *estimate.pull_n / (*estimate.friction * (1 - target)) - *estimate.normal_n),
+              1e-9);
 }
 
 TEST(TurningChain, AGraspAddsUpWhatItsFingersAskOfFriction) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace slipd {
 namespace {
 
 constexpr double kFriction = 0.5, kNormal_n = 3;
-constexpr double kGross = 0.2;   // an error of the margin that lets objects fall
+constexpr double kGross = 0.2;  // an error of the margin that lets objects fall
 constexpr float kClip_pa = 5e3F;
 constexpr int kGraceFrames = 5;  // after the fault began
 
@@ -105,8 +106,10 @@ class Faults : public ::testing::TestWithParam<Case> {
                           std::initializer_list<Health> names) {
     grasp.load();
     if (HasFatalFailure()) return;
-    const auto told = grasp.go(100, kNormal_n, 1.2 * GraspWithFault::kLoaded_n, spoil);
-    const double truth = grasp.margin();
+    constexpr int kFrames = 100;
+    const double before = grasp.margin();
+    const auto told = grasp.go(kFrames, kNormal_n, 1.2 * GraspWithFault::kLoaded_n, spoil);
+    const double after = grasp.margin();
     std::string seen;
     bool named = false;
     for (std::size_t i = 0; i < told.size(); ++i) {
@@ -114,6 +117,7 @@ class Faults : public ::testing::TestWithParam<Case> {
       named = named || known;
       if (i < 30)
         seen += std::string(to_string(told[i].state)) + "/" + std::string(to_string(told[i].health)) + " ";
+      const double truth = before + (after - before) * static_cast<double>(i + 1) / kFrames;
       if (i >= kGraceFrames && told[i].state == State::ok) {
         EXPECT_LT(*told[i].gamma, truth + kGross) << "frame " << i;
         if (*told[i].gamma >= truth + kGross) break;
@@ -195,6 +199,44 @@ TEST_P(Faults, ShearThatIsClippedGivesNoMargin) {
                 }
               },
               {Health::saturated});
+}
+
+// Where it is left out the margin is of the other taxels.
+TEST_P(Faults, ASingleTaxelThatReadsWhatNoContactMakesIsLeftOut) {
+  const std::size_t side = GetParam().side, middle = side / 2 * side + side / 2, corner = side * side - 1;
+  constexpr float kValues_pa[] = {5e6F, 1e8F, 1e30F, std::numeric_limits<float>::quiet_NaN()};
+  for (const std::size_t taxel : {middle, corner}) {
+    for (const float value_pa : kValues_pa) {
+      SCOPED_TRACE(std::to_string(value_pa) + " at " + std::to_string(taxel));
+      GraspWithFault grasp{GetParam()};
+      expect_told(grasp, [=](FrameSlot& f) { f.normal_pa[taxel] = value_pa; }, {Health::spike});
+    }
+  }
+}
+
+TEST_P(Faults, ATenthOfTheShearAlongXIsNoSaferGrip) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                for (float& value : f.shear_x_pa) value *= 0.1F;
+              },
+              {Health::jump});
+}
+
+TEST_P(Faults, ExchangedAxesAreNoGraspThatGoesOn) {
+  expect_told(
+      grasp_,
+      [](FrameSlot& f) { std::swap_ranges(f.shear_x_pa.begin(), f.shear_x_pa.end(), f.shear_y_pa.begin()); },
+      {Health::jump});
+}
+
+TEST_P(Faults, AThousandfoldUnitIsRefused) {
+  expect_told(grasp_,
+              [](FrameSlot& f) {
+                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                  for (float& value : values) value *= 1e3F;
+                }
+              },
+              {Health::wrong_scale, Health::full_scale});
 }
 
 TEST_P(Faults, AreOverSoonAfterTheSensorIsSoundAgain) {

@@ -12,6 +12,7 @@ using slipd::FrameSlot;
 
 constexpr float kSpike_pa = 5e6F, kFarSpike_pa = 1e8F, kAbsurd_pa = 1e30F, kStuckBit_pa = 4e5F;
 constexpr float kClip_pa = 5e3F, kDrift_pa_s = 2e3F, kWeak = 0.1F;
+constexpr float kNoise_pa = 2e4F, kLostGain = 0.3F, kLostZero_pa = 2e4F;
 constexpr std::size_t kBlockFrames = 20, kDelayFrames = 10;
 constexpr double kSecondsPerNs = 1e-9;
 
@@ -67,7 +68,13 @@ std::string_view name_of(Fault fault) noexcept {
                                                                 "transposed",
                                                                 "other_finger",
                                                                 "drift",
-                                                                "weak_shear"};
+                                                                "weak_shear",
+                                                                "turned_shear_x",
+                                                                "dead_column",
+                                                                "stuck_shear_bit",
+                                                                "noisy_shear_x",
+                                                                "lost_gains",
+                                                                "lost_zeros"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 
@@ -95,12 +102,6 @@ void FaultInjector::spoil_taxels(FrameSlot& frame) const {
       grid ? grid->rows / 2 * grid->columns + grid->columns / 2 : frame.normal_pa.size() / 2;
   float& at_middle = frame.normal_pa[middle];
   switch (fault_) {
-    case Fault::dead_row: {
-      const std::size_t columns = grid ? grid->columns : 1;
-      for (const auto values : channels_of(frame))
-        fill(values.subspan(middle - middle % columns, columns), 0);
-      break;
-    }
     case Fault::spike_5mpa:
       at_middle = kSpike_pa;
       break;
@@ -110,6 +111,9 @@ void FaultInjector::spoil_taxels(FrameSlot& frame) const {
     case Fault::far_100mpa:
       frame.normal_pa.back() = kFarSpike_pa;
       break;
+    case Fault::stuck_shear_bit:
+      frame.shear_x_pa[middle] += kStuckBit_pa;
+      break;
     case Fault::stuck_bit:
       at_middle += kStuckBit_pa;
       break;
@@ -118,6 +122,30 @@ void FaultInjector::spoil_taxels(FrameSlot& frame) const {
       break;
     default:
       break;
+  }
+}
+
+// A row or a column of the grid; of another layout nothing.
+void FaultInjector::spoil_line(FrameSlot& frame) const {
+  const auto& grid = layout_.regular();
+  if (!grid) return;
+  for (const auto values : channels_of(frame)) {
+    if (fault_ == Fault::dead_row) fill(values.subspan(grid->rows / 2 * grid->columns, grid->columns), 0);
+    if (fault_ != Fault::dead_column) continue;
+    for (std::size_t i = grid->columns / 2; i < values.size(); i += grid->columns) values[i] = 0;
+  }
+}
+
+void FaultInjector::spoil_calibration(FrameSlot& frame) const {
+  const std::size_t taxels = frame.normal_pa.size();
+  for (std::size_t i = 0; i < taxels; ++i) {
+    if (fault_ == Fault::lost_zeros) frame.normal_pa[i] += kLostZero_pa * random_.noise(i);
+    if (fault_ == Fault::noisy_shear_x) {
+      frame.shear_x_pa[i] += kNoise_pa * random_.noise(taxels * since_ + i);
+    } else if (fault_ == Fault::lost_gains) {
+      const float gain = 1 + kLostGain * random_.noise(i);
+      for (const auto values : channels_of(frame)) values[i] *= gain;
+    }
   }
 }
 
@@ -158,6 +186,9 @@ void FaultInjector::spoil_channels(FrameSlot& frame) {
       return;
     case Fault::weak_shear:
       for (float& value : frame.shear_x_pa) value *= kWeak;
+      return;
+    case Fault::turned_shear_x:
+      for (float& value : frame.shear_x_pa) value = -value;
       return;
     default:
       return;
@@ -223,6 +254,8 @@ void FaultInjector::spoil(FrameSlot& frame, const Frame& other) {
   }
   if (kept_.empty()) keep(frame, 1);
   spoil_taxels(frame);
+  spoil_line(frame);
+  spoil_calibration(frame);
   spoil_channels(frame);
   spoil_course(frame, other);
   ++since_;

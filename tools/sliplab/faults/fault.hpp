@@ -42,9 +42,15 @@ enum class Fault : std::uint8_t {
   transposed,         // rows and columns are exchanged
   other_finger,       // another contact's frames
   drift,              // pressure drifts by up to 2 kPa a second, another way for each taxel
-  weak_shear          // shear x reads a tenth of what it should
+  weak_shear,         // shear x reads a tenth of what it should
+  turned_shear_x,     // shear x has the other sign
+  dead_column,        // a column of taxels reads 0 in all channels, that of the contact's middle
+  stuck_shear_bit,    // a bit of a taxel's shear x is stuck: 400 kPa more
+  noisy_shear_x,      // shear x has noise of 20 kPa
+  lost_gains,         // each taxel reads by up to 30 % too much or too little, another one each
+  lost_zeros          // each taxel's pressure has an offset of up to 20 kPa, another one each
 };
-inline constexpr std::size_t kFaults = 28;
+inline constexpr std::size_t kFaults = 34;
 std::string_view name_of(Fault fault) noexcept;
 
 // Puts one fault into the frames of one grasp. Not thread-safe.
@@ -65,6 +71,8 @@ class FaultInjector {
   void keep(const slipd::FrameSlot& frame, std::size_t most);
   static void put(const Kept& kept, slipd::FrameSlot& frame);
   void spoil_taxels(slipd::FrameSlot& frame) const;
+  void spoil_line(slipd::FrameSlot& frame) const;
+  void spoil_calibration(slipd::FrameSlot& frame) const;
   void spoil_channels(slipd::FrameSlot& frame);
   void spoil_course(slipd::FrameSlot& frame, const slipd::Frame& other);
 

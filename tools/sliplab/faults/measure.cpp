@@ -1,6 +1,7 @@
 #include "tools/sliplab/faults/measure.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/contact/history.hpp"
@@ -109,23 +110,27 @@ struct Found {
 
 Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, std::uint64_t first) {
   Found found;
-  bool named = false;
+  bool named = false, changed = false;
   for (std::size_t i = 0; i < spoilt.size(); ++i) {
     found.sums.false_alarms += sound[i].health != Health::good ? 1 : 0;
     if (i + 1 < first) continue;
     const auto since = static_cast<long>(i + 1 - first);
     const bool bad = spoilt[i].health != Health::good;
     if (found.after < 0 && (bad || (ok(sound[i]) && !ok(spoilt[i])))) found.after = since;
+    if (bad && !named) found.sums.as = spoilt[i].health;
     named = named || bad;
+    changed = changed || (ok(spoilt[i]) && ok(sound[i]) &&
+                          std::fabs(static_cast<double>(spoilt[i].gamma - sound[i].gamma)) > kNoEffect);
     if (since <= static_cast<long>(kGraceFrames)) continue;
     found.sums.answered += ok(spoilt[i]) ? 1 : 0;
-    found.sums.too_safe += too_safe(spoilt[i]) ? 1 : 0;
+    found.sums.too_safe += too_safe(spoilt[i]) && !too_safe(sound[i]) ? 1 : 0;
     found.sums.sound_answered += ok(sound[i]) ? 1 : 0;
     found.sums.sound_too_safe += too_safe(sound[i]) ? 1 : 0;
   }
   found.sums.sound_frames = sound.size();
   found.sums.told = found.after >= 0 ? 1 : 0;
   found.sums.named = named ? 1 : 0;
+  found.sums.without_effect = found.after < 0 && !changed ? 1 : 0;
   return found;
 }
 
@@ -174,10 +179,13 @@ FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, s
   line.fault = fault;
   line.grasps = grasps.size();
   std::vector<long> after;
+  std::array<std::size_t, kHealths> as{};
   for (const auto& findings : grasps) {
     const Found& grasp = findings[place];
     line.told += grasp.sums.told;
     line.named += grasp.sums.named;
+    as[static_cast<std::size_t>(grasp.sums.as)] += grasp.sums.named;
+    line.without_effect += grasp.sums.without_effect;
     line.answered += grasp.sums.answered;
     line.too_safe += grasp.sums.too_safe;
     line.sound_answered += grasp.sums.sound_answered;
@@ -186,6 +194,7 @@ FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, s
     line.sound_frames += grasp.sums.sound_frames;
     if (grasp.after >= 0) after.push_back(grasp.after);
   }
+  line.as = static_cast<Health>(std::max_element(as.begin(), as.end()) - as.begin());
   std::sort(after.begin(), after.end());
   if (!after.empty()) {
     line.median_frames = after[after.size() / 2];
@@ -201,8 +210,7 @@ std::vector<FaultLine> measure_faults(const ChainSetup& chain, const std::shared
                                       const std::function<void(double)>& done) {
   std::vector<std::vector<Found>> found(setup.grasps);
   for_each_index(
-      setup.grasps, setup.threads,
-      [&](std::size_t i) { found[i] = play(chain, model, setup, i, faults); },
+      setup.grasps, setup.threads, [&](std::size_t i) { found[i] = play(chain, model, setup, i, faults); },
       [&](double share) {
         if (done) done(share);
       });

@@ -26,12 +26,16 @@ struct FaultLine {
   std::size_t told = 0;
   // Of these, with another health than good.
   std::size_t named = 0;
+  // The health that most of these have first, good if there are none.
+  slipd::Health as = slipd::Health::good;
+  // Grasps whose fault was not told, and changed no margin that was given by more than kNoEffect.
+  std::size_t without_effect = 0;
   // Frames from the fault's first to the first that told it: the middle one and the latest; -1: none told.
   long median_frames = -1;
   long last_frames = -1;
   // Frames with the fault, later than kGraceFrames after it began, in state ok.
   std::uint64_t answered = 0;
-  // Of these, with a margin more than kGrossError above the truth.
+  // Of these, with a margin more than kGrossError above the truth where the sound sensor's is not.
   std::uint64_t too_safe = 0;
   // Of the same frames of the sound sensor, those in state ok, and the margins too safe among them.
   std::uint64_t sound_answered = 0;
@@ -43,6 +47,9 @@ struct FaultLine {
 
 // Frames after a fault's begin in which a margin may still be wrong.
 inline constexpr std::uint64_t kGraceFrames = 5;
+
+// Margin of the fault's estimator less that of the sound sensor's, up to which a fault had no effect.
+inline constexpr double kNoEffect = 0.1;
 
 struct FaultSetup {
   std::size_t grasps = 20;  // of each line

@@ -12,6 +12,12 @@ double share(std::size_t of, std::size_t all) {
   return all > 0 ? kPercent * static_cast<double>(of) / static_cast<double>(all) : 0;
 }
 
+// What most grasps say of the fault: a health, or that there is no margin.
+std::string told_as(const FaultLine& line) {
+  if (line.named > 0) return "`" + std::string(slipd::to_string(line.as)) + "`";
+  return line.told > 0 ? "no margin" : "–";
+}
+
 std::string frames(long count) {
   return count < 0 ? "–" : std::to_string(count);
 }
@@ -22,16 +28,19 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
   std::printf("%zu random grasps a line, frames %g ms apart, noise %g.\n\n", setup.grasps,
               1e3 * setup.sensing.frame_s, setup.sensing.noise);
   std::printf(
-      "| fault | taxels | method | told, %% | named, %% | frames until told: middle, last | in state ok | "
-      "too safe | too safe without the fault |\n|---|---|---|---:|---:|---:|---:|---:|---:|\n");
+      "| fault | taxels | method | most often | told, %% | of these named, %% | without effect, %% | frames "
+      "until told: middle, last | in state ok | "
+      "too safe by the fault | too safe without it "
+      "|\n|---|---|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const FaultLine& line : lines) {
-    std::printf(
-        "| `%s` | %zu x %zu | %s | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
-        std::string(name_of(line.fault)).c_str(), line.columns, line.columns, line.method.c_str(),
-        share(line.told, line.grasps), share(line.named, line.grasps), frames(line.median_frames).c_str(),
-        frames(line.last_frames).c_str(), static_cast<unsigned long long>(line.answered),
-        static_cast<unsigned long long>(line.too_safe), static_cast<unsigned long long>(line.sound_too_safe),
-        static_cast<unsigned long long>(line.sound_answered));
+    std::printf("| `%s` | %zu x %zu | %s | %s | %.1f | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
+                std::string(name_of(line.fault)).c_str(), line.columns, line.columns, line.method.c_str(),
+                told_as(line).c_str(), share(line.told, line.grasps), share(line.named, line.grasps),
+                share(line.without_effect, line.grasps), frames(line.median_frames).c_str(),
+                frames(line.last_frames).c_str(), static_cast<unsigned long long>(line.answered),
+                static_cast<unsigned long long>(line.too_safe),
+                static_cast<unsigned long long>(line.sound_too_safe),
+                static_cast<unsigned long long>(line.sound_answered));
   }
   std::uint64_t alarms = 0, sound = 0;
   std::size_t columns = 0;
@@ -56,6 +65,8 @@ nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultS
                     {"grasps", line.grasps},
                     {"told", line.told},
                     {"named", line.named},
+                    {"as", slipd::to_string(line.as)},
+                    {"without_effect", line.without_effect},
                     {"median_frames", line.median_frames},
                     {"last_frames", line.last_frames},
                     {"answered", line.answered},

@@ -105,7 +105,9 @@ ReplayRun play(const Settings& settings, const Job& job) {
                                .scene = settings.scene_of(sensor),
                                .estimator = settings.estimator,
                                .alerts = settings.alerts,
-                               .friction = sensor.friction};
+                               .friction = sensor.friction,
+                               .full_scale = sensor.full_scale,
+                               .contact = sensor.contact};
   if (needs_model(chain_setup))
     throw WrongUse("sensor " + setup.name + " needs a trained model: choose another estimator.method");
   EstimatorChain chain(chain_setup, nullptr);

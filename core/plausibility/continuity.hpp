@@ -1,0 +1,82 @@
+// Whether a clear contact goes on from one frame to the next: another sensor's frames, exchanged or turned
+// axes and a wrong unit that begin in mid-grasp change in one frame what a contact changes over many.
+// Estimate thread; plain state, nothing allocates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/patch/patch.hpp"
+#include "core/plausibility/health.hpp"
+#include "core/plausibility/probes.hpp"
+
+namespace slipd {
+
+// Checked with `sliplab faults` and on recordings of real sensors.
+struct ContinuityOptions {
+  // Contacts are compared if both frames' forces are above so many standard deviations; 5 … 100. Too small:
+  // noise is taken for a jump. Too large: light contacts are not compared.
+  double clear_sigmas = 20;
+  // Frames are compared if the time between them is at most so many usual ones; 1 … 10. Too small: nothing is
+  // compared on a busy machine. Too large: what a contact did while frames were lost is called a jump.
+  double regular_steps = 2;
+  // Memory of what is usual, and clear frames before anything is said; frames, 16 … 1000 and 4 … 100. Too
+  // small: chance. Too large: the beginning of a quick motion is called a jump.
+  double memory_frames = 32;
+  std::uint32_t learning_frames = 16;
+  // Unlikeness of two frames' pressures (PatternChange) that no contact makes: at least this, 0.05 … 0.5,
+  // beyond the usual and beyond what noise makes by a factor, 2 … 100 each. Too small: rolling contacts jump.
+  // Too large: another contact's frames are believed.
+  double least_unlike = 0.15;
+  // The same of frames at most fast_step_s apart; 0.01 … 0.2: less happens in a shorter time.
+  double least_unlike_fast = 0.02;
+  double usual_factor = 8;
+  double noise_factor = 4;
+  // All pressures changed by this factor, though less unlike than this; 5 … 100 and 0.01 … 0.2. A contact
+  // that carries more grows. Too small: quick grips of flat skins. Too large: a wrong unit is believed.
+  double scale_factor = 30;
+  double same_pattern = 0.05;
+  // Turn of the shear in one frame; rad, 0.2 … 1.5, by which it changes by at least this share of the normal
+  // force, 0.02 … 0.3, in frames at most so long apart; s, 1e-3 … 0.01: what is held has mass. Too small:
+  // knocks are called faults. Too large: exchanged axes are believed.
+  double least_turn_rad = 0.25;
+  double least_turn_share = 0.05;
+  double fast_step_s = 3e-3;
+  // Shears below this have no direction; standard deviations, 5 … 50.
+  double directed_sigmas = 8;
+};
+
+class Continuity {
+ public:
+  // A frame that is not believed for another reason: the next one is not compared with it.
+  void skip(std::int64_t time_ns) noexcept;
+
+  // Any other frame. A jump lasts until the contact is lost. `probes`: taxels in `pattern`. Returns good,
+  // jump or wrong_scale.
+  Health update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
+                std::size_t probes, const ContinuityOptions& options) noexcept;
+
+ private:
+  // Mean of a quantity that is small while a contact goes on.
+  struct Usual {
+    double mean = 0;
+    std::uint32_t frames = 0;
+    void learn(double value, double memory_frames) noexcept;
+  };
+  bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes, bool fast,
+              const ContinuityOptions& options) noexcept;
+  bool turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept;
+  bool scaled(const ContactPatch& patch, const PatternChange& pattern,
+              const ContinuityOptions& options) noexcept;
+
+  std::int64_t last_ns_ = 0;  // 0: no frame yet
+  double usual_step_s_ = 0;   // between frames; 0: not known
+  Usual unlikeness_, turn_;
+  bool last_clear_ = false, last_directed_ = false;
+  double last_normal_n_ = 0, last_noise_pa_ = 0;
+  double last_shear_x_n_ = 0, last_shear_y_n_ = 0, last_shear_sigma_n_ = 0;
+  bool broken_ = false;       // since the contact began
+  double scaled_from_n_ = 0;  // the normal force before all pressures were scaled; 0: they were not
+};
+
+}  // namespace slipd

@@ -1,0 +1,89 @@
+// Another contact's frames are a jump, and motions of one contact are not.
+#include "core/plausibility/continuity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr ContinuityOptions kOptions;
+constexpr double kFriction = 0.5, kNoise = 0.01;
+
+class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
+ protected:
+  // One frame of a contact with these forces at this place.
+  Health feel(double normal_n, double shear_n, double x_m, double direction_rad) {
+    contact_.move_to(normal_n, shear_n, kFriction);
+    const Frame frame = maker_.make(contact_, x_m, 0, direction_rad, kNoise, synthetic::Noise::sensor);
+    return judge(frame);
+  }
+  Health judge(const Frame& frame) {
+    probes_.update(frame);
+    return continuity_.update(frame.time_ns, finder_.find(frame), probes_.pattern(), probes_.size(),
+                              kOptions);
+  }
+  void hold() {
+    for (int i = 0; i < 50; ++i) ASSERT_EQ(feel(3, 0.6, 0, 0.3), Health::good) << i;
+  }
+
+  TaxelLayout layout_ = TaxelLayout::grid(GetParam(), GetParam(),
+                                          GetParam() == 4 ? 4.7e-3 : 16e-3 / static_cast<double>(GetParam()));
+  Probes probes_{layout_, 192};
+  PatchFinder finder_{layout_};
+  synthetic::FrameMaker maker_{layout_};
+  contact::LoadHistory contact_{synthetic::paper_pair()};
+  Continuity continuity_;
+};
+
+TEST_P(ContactThatGoesOn, MayGrowByATenthOfItsForceEachFrame) {
+  hold();
+  for (double normal_n = 3; normal_n < 12; normal_n *= 1.1)
+    EXPECT_EQ(feel(normal_n, 0.6, 0, 0.3), Health::good) << normal_n << " N";
+}
+
+TEST_P(ContactThatGoesOn, MayMoveByATenthOfATaxelEachFrame) {
+  hold();
+  for (int i = 1; i <= 20; ++i) EXPECT_EQ(feel(3, 0.6, 1e-5 * i, 0.3), Health::good) << i;
+}
+
+TEST_P(ContactThatGoesOn, MayTurnItsShearSlowly) {
+  hold();
+  for (int i = 1; i <= 60; ++i) EXPECT_EQ(feel(3, 0.6, 0, 0.3 + 0.05 * i), Health::good) << i;
+}
+
+TEST_P(ContactThatGoesOn, IsNotTheSameElsewhere) {
+  hold();
+  EXPECT_EQ(feel(3, 0.6, 3e-3, 0.3), Health::jump);
+}
+
+TEST_P(ContactThatGoesOn, DoesNotTurnItsShearAtOnce) {
+  hold();
+  EXPECT_EQ(feel(3, 0.6, 0, 1.3), Health::jump);
+}
+
+TEST_P(ContactThatGoesOn, DoesNotCarryATwentiethOrFiftyTimesAsMuchOnTheSamePatch) {
+  for (const float by : {0.02F, 50.0F}) {
+    continuity_ = {};
+    hold();
+    const Frame frame = maker_.make(contact_, 0, 0, 0.3, kNoise, synthetic::Noise::sensor);
+    const std::array channels{frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa};
+    std::array<std::vector<float>, 3> scaled;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      for (const float value : channels[c]) scaled[c].push_back(by * value);
+    }
+    const Frame wrong{frame.sequence, frame.time_ns, scaled[0], scaled[1], scaled[2]};
+    EXPECT_EQ(judge(wrong), Health::wrong_scale) << by;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sides, ContactThatGoesOn, ::testing::Values(4, 16, 100));
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,104 @@
+// Each scene as shipped passes `slipd --check-config`, and plays: every sensor of it gives estimates. Where a
+// scene replays a file, a file of its columns is put in its place.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "schema/json_text.hpp"
+#include "tests/support/daemon.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::filesystem::path> shipped_scenes() {
+  std::vector<std::filesystem::path> scenes;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(SLIPD_SOURCE_DIR) + "/config/scenes"))
+    scenes.push_back(entry.path());
+  std::sort(scenes.begin(), scenes.end());
+  return scenes;
+}
+
+json scene_of(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  json scene = parse_json_text(text);
+  scene.erase("$schema");
+  return scene;
+}
+
+std::size_t taxels_of(const json& layout) {
+  return layout.contains("taxels")
+             ? layout["taxels"].size()
+             : layout["grid"][0].get<std::size_t>() * layout["grid"][1].get<std::size_t>();
+}
+
+// The taxels of all sensors that share the file, one column each, and a few rows of counts.
+std::string csv_for(const json& scene, const std::string& file) {
+  std::vector<std::string> names;
+  for (const json& sensor : scene["sensors"]) {
+    if (sensor["driver"] != "replay" || sensor["options"]["file"] != file) continue;
+    if (sensor["options"].contains("taxels")) {
+      for (const auto& name : sensor["options"]["taxels"]) names.push_back(name);
+    } else {
+      for (std::size_t k = 1; k <= taxels_of(sensor["layout"]); ++k)
+        names.push_back("txl" + std::to_string(k));
+    }
+  }
+  std::string header, row;
+  for (const std::string& name : names) {
+    header += (header.empty() ? "" : ",") + name + "_x," + name + "_y," + name + "_z";
+    row += (row.empty() ? "" : ",") + std::string("0.1,0.2,0.3");
+  }
+  std::string text = header + "\n";
+  for (int i = 0; i < 200; ++i) text += row + "\n";
+  return text;
+}
+
+// The scene with its socket and its files in the folder.
+json playable(const std::filesystem::path& path, const TempFolder& folder) {
+  json scene = scene_of(path);
+  scene["socket"]["path"] = folder.file("s").string();
+  const json shipped = scene;
+  for (json& sensor : scene["sensors"]) {
+    if (sensor["driver"] != "replay") continue;
+    const std::string name = sensor["options"]["file"];
+    sensor["options"]["file"] = folder.write(name, csv_for(shipped, name)).string();
+  }
+  return scene;
+}
+
+std::string name_of(const ::testing::TestParamInfo<std::filesystem::path>& scene) {
+  std::string name = scene.param.stem().string();
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+class Scene : public ::testing::TestWithParam<std::filesystem::path> {};
+INSTANTIATE_TEST_SUITE_P(, Scene, ::testing::ValuesIn(shipped_scenes()), name_of);
+
+TEST_P(Scene, PassesTheCheckOfItsConfiguration) {
+  const TempFolder folder;
+  const json scene = playable(GetParam(), folder);
+  const auto file = folder.write("scene.json", scene.dump());
+  const Ran ran = run({SLIPD_BINARY_DIR "/bin/slipd", "--check-config", "--config", file.string(),
+                       "--driver-dir", real_drivers().string()});
+  EXPECT_EQ(ran.code, 0) << ran.errors;
+}
+
+TEST_P(Scene, PlaysEverySensor) {
+  const TempFolder folder;
+  const json scene = playable(GetParam(), folder);
+  const Daemon daemon(scene, real_drivers());
+  const json status = daemon.wait_for("status", [&](const json& s) {
+    return std::all_of(s["sensors"].begin(), s["sensors"].end(),
+                       [](const json& sensor) { return sensor["estimated"] > 0; });
+  });
+  EXPECT_EQ(status["sensors"].size(), scene["sensors"].size());
+}
+
+}  // namespace
+}  // namespace slipd::testing
