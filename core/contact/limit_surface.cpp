@@ -10,13 +10,13 @@
 namespace slipd::contact {
 namespace {
 
-// The mean distance from the centre over its root mean square: 3 pi/16 over sqrt(2/5) for Hertz; 0.94 for an even
-// pressure. It only scales the search, which starts on the ellipsoid of this T_max.
+// The mean distance from the centre over its root mean square: 3 pi/16 over sqrt(2/5) for Hertz; 0.94 for an
+// even pressure. It only scales the search, which starts on the ellipsoid of this T_max.
 constexpr double kMeanOverRms = 0.931;
 
 // A rigid velocity in units of the pull's speed: along the pull, across it and w times the unit of length.
 struct Motion {
-  float along_x, along_y, spin;  // at the present point
+  float along_x, along_y, spin;        // at the present point
   float slope_x, slope_y, slope_spin;  // of it by the first unknown
   float across_x, across_y;            // of it by the second unknown
 };
@@ -36,7 +36,8 @@ using Kernel = Dissipation (*)(const Cells&, const Motion&) noexcept;
 
 [[gnu::always_inline]] inline Dissipation dissipation(const Cells& at, const Motion& motion) noexcept {
   float value = 0, d_1 = 0, d_2 = 0, d_11 = 0, d_12 = 0, d_22 = 0;
-  const float still = motion.spin * motion.spin * at.spread, still_1 = motion.spin * motion.slope_spin * at.spread,
+  const float still = motion.spin * motion.spin * at.spread,
+              still_1 = motion.spin * motion.slope_spin * at.spread,
               still_11 = motion.slope_spin * motion.slope_spin * at.spread + 1e-30F;
 #pragma omp simd reduction(+ : value, d_1, d_2, d_11, d_12, d_22)
   for (std::size_t i = 0; i < at.count; ++i) {
@@ -80,8 +81,8 @@ const DissipationKernels DissipationKernels::avx512{on_avx512};
 #endif
 
 // The search. With the load as a unit vector (cosine, sine) of Q and of T over the unit of length, all
-// velocities that do one unit of work are (cosine - b sine, c, sine + b cosine): along the pull, across it, and
-// the spin. The dissipation is convex in b and c, and on an ellipsoid its least value is at 0.
+// velocities that do one unit of work are (cosine - b sine, c, sine + b cosine): along the pull, across it,
+// and the spin. The dissipation is convex in b and c, and on an ellipsoid its least value is at 0.
 class Search {
  public:
   Search(const Cells& cells, double pull_x, double pull_y, double cosine, double sine)
@@ -160,7 +161,8 @@ void LimitSurface::add(double x_m, double y_m, double normal_n) noexcept {
   squares_n_m2_ += normal_n * (x_m * x_m + y_m * y_m + side_m_ * side_m_ / 6);
 }
 
-LeastFriction LimitSurface::least_friction(double shear_x_n, double shear_y_n, double torque_nm) const noexcept {
+LeastFriction LimitSurface::least_friction(double shear_x_n, double shear_y_n,
+                                           double torque_nm) const noexcept {
   const double shear_n = std::hypot(shear_x_n, shear_y_n);
   if (!(normal_n_ > 0) || !(squares_n_m2_ > 0)) return {};
   const double unit_m = kMeanOverRms * std::sqrt(squares_n_m2_ / normal_n_);

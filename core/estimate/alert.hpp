@@ -14,10 +14,11 @@ class AlertLogic {
  public:
   explicit AlertLogic(const AlertSettings& settings) : settings_(settings) {}
 
-  // gamma less `sigmas` times sigma decides, or gamma_low (AlertSettings::use). A level is raised by the first sample at which the margin has
-  // stayed below its threshold for min_ms, and lowered when it has stayed above threshold + hysteresis for as
-  // long, or when contact is lost. A margin that is not known raises nothing and lowers nothing: who does not
-  // know has no evidence that the grip got safer. Such samples do not count towards min_ms.
+  // gamma less `sigmas` times sigma decides, or gamma_low (AlertSettings::use). A level is raised by the
+  // first sample at which the margin has stayed below its threshold for min_ms, and lowered when it has
+  // stayed above threshold + hysteresis for as long, or when contact is lost. A margin that is not known
+  // raises nothing and lowers nothing: who does not know has no evidence that the grip got safer. Such
+  // samples do not count towards min_ms.
   Alert update(std::int64_t time_ns, const Estimate& now) noexcept;
 
   // The same, written into `out`, with its cause. An object that is seen to slide is a slip whatever the

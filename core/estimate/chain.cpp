@@ -204,10 +204,16 @@ struct EstimatorChain::Impl {
     out.gamma_low = low;
   }
 
-  // A frame that is not used. Memory of the grasp outlives a few of them.
-  void refuse(const Judgement& judgement, Estimate& out) noexcept {
+  // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
+  // all the same.
+  void refuse(const Judgement& judgement, const Frame& frame, const ContactPatch& patch,
+              Estimate& out) noexcept {
     if (judgement.health == Health::jump || ++refused > kFramesRemembered) forget();
-    gate.leave();
+    if (judgement.health == Health::jump) {
+      gate.judge(frame, patch);
+    } else {
+      gate.leave();
+    }
     if (judgement.verdict == Verdict::sensor_fault) {
       out.state = State::fault;
     } else {
@@ -363,7 +369,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   const Judgement& judgement = in.plausibility.judge(frame, *patch);
   out.health = judgement.health;
   if (judgement.verdict >= Verdict::frame_refused) {
-    in.refuse(judgement, out);
+    in.refuse(judgement, used, *patch, out);
   } else {
     in.refused = 0;
     in.estimate_frame(used, *patch, out);

@@ -32,8 +32,8 @@ struct ChainSetup {
 };
 
 // Whether the chain uses `fit` whatever method is configured: with tracking and at most Fit::kFewTaxels
-// taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs over
-// time.
+// taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs
+// over time.
 bool always_fits(const ChainSetup& setup);
 
 // Whether a trained model is needed, so that a scene that needs none never makes one.

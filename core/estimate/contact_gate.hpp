@@ -1,5 +1,5 @@
-// Whether something touches a sensor: force and shear against the noise that the sensor has without load, with
-// hysteresis. Estimate thread; fixed memory, nothing allocates.
+// Whether something touches a sensor: force and shear against the noise that the sensor has without load,
+// with hysteresis. Estimate thread; fixed memory, nothing allocates.
 #pragma once
 
 #include <optional>
@@ -25,8 +25,8 @@ struct ContactGateOptions {
 };
 
 // P below which a sensor is not in contact, N, if none is configured: of sensors of at most Fit::kFewTaxels
-// taxels, and of one force vector, 0.1, which their zeros wander by; of larger arrays 0, for their free taxels
-// show the noise of each frame.
+// taxels, and of one force vector, 0.1, which their zeros wander by; of larger arrays 0, for their free
+// taxels show the noise of each frame.
 double default_min_normal_n(const TaxelLayout& layout) noexcept;
 
 // Forces of a contact without pressure to speak of: hooked, or pulled. Sums over all taxels, N.

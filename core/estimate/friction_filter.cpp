@@ -161,11 +161,13 @@ bool FrictionFilter::weigh_turning(const ContactPatch& patch, const FrameEstimat
   if (!frame_estimate.in_model || !std::isfinite(frame_estimate.friction_sigma)) return false;
   part_errors(patch);
   const double all = frame_estimate.friction_sigma / frame_estimate.friction;
-  const double common = std::min(all, frame_estimate.common_sigma / std::max(options_.min_mobilised, 1 - frame_estimate.gamma));
+  const double common =
+      std::min(all, frame_estimate.common_sigma / std::max(options_.min_mobilised, 1 - frame_estimate.gamma));
   const double step = options_.grid_share * grid_.step();
   PerFriction residuals;  // the first grid_.count() of them
   for (std::size_t j = 0; j < grid_.count(); ++j)
-    residuals[j] = square(std::log(grid_.friction(j) / frame_estimate.friction)) / (square(all) + square(step));
+    residuals[j] =
+        square(std::log(grid_.friction(j) / frame_estimate.friction)) / (square(all) + square(step));
   const double noise = std::max(square(all) - square(common), options_.min_noise_share * square(all));
   return take_evidence(residuals, false, grasp_.of_margins.add(square(common), noise));
 }

@@ -87,8 +87,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
   if (result.state == State::ok && !(sums.limit_n > 0)) result.state = State::learning;
   if (sums.contact && sums.low_known && gravest <= State::out_of_model) {
     result.limit_low_n = sums.limit_low_n;
-    result.gamma_low =
-        sums.limit_low_n > 0 ? std::clamp(1 - sums.pull_n / sums.limit_low_n, 0.0, 1.0) : 0;
+    result.gamma_low = sums.limit_low_n > 0 ? std::clamp(1 - sums.pull_n / sums.limit_low_n, 0.0, 1.0) : 0;
   }
   if (result.state == State::ok) give_margin(sums, target_margin, result);
   return result;

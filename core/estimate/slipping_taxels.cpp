@@ -47,7 +47,8 @@ double SlippingTaxels::start() const noexcept {
   double below_pa = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     below_pa += bins_[bin];
-    if (below_pa > options_.start_share * normal_pa_) return (static_cast<double>(bin) + 0.5) * kMostRatio / kBins;
+    if (below_pa > options_.start_share * normal_pa_)
+      return (static_cast<double>(bin) + 0.5) * kMostRatio / kBins;
   }
   return kMostRatio;
 }
@@ -55,7 +56,8 @@ double SlippingTaxels::start() const noexcept {
 // The weighted mean of the taxels within plateau_sigmas of it.
 SlippingTaxels::Plateau SlippingTaxels::about(double ratio) const noexcept {
   // A ratio's variance is (sigma_q^2 + ratio^2 sigma_p^2)/p^2, and that of gains.
-  const double noise = noise_shear_pa_ * noise_shear_pa_ + ratio * ratio * noise_normal_pa_ * noise_normal_pa_;
+  const double noise =
+      noise_shear_pa_ * noise_shear_pa_ + ratio * ratio * noise_normal_pa_ * noise_normal_pa_;
   const double gain = options_.gain_share * options_.gain_share * ratio * ratio;
   const double within = options_.plateau_sigmas * options_.plateau_sigmas;
   Plateau sums;
@@ -112,7 +114,8 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   if (plateau.width > options_.max_width * plateau.ratio ||
       plateau.slope < -options_.falling_sigmas * plateau.slope_sigma)
     return out;
-  if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma)) return out;
+  if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma))
+    return out;
   out.in_model = true;
   out.friction_sigma = sigma * plateau.ratio;
   out.sigma = mobilised * std::hypot(sigma, loaded.shear_sigma_n / loaded.shear_n);

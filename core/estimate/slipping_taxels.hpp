@@ -1,7 +1,7 @@
-// Friction from the taxels that slip, where force and torque act together (docs/theory.md §10.5). The shear is then
-// no sum of disc terms, and which part of the rim slips first depends on both; but where it slips, |q|/p is
-// friction. So the ratios |q|/p of the taxels end in a plateau, whatever the shape of the contact and the
-// history of its load. No disc, no Hertz. Estimate thread; allocates in its constructor only.
+// Friction from the taxels that slip, where force and torque act together (docs/theory.md §10.5). The shear
+// is then no sum of disc terms, and which part of the rim slips first depends on both; but where it slips,
+// |q|/p is friction. So the ratios |q|/p of the taxels end in a plateau, whatever the shape of the contact
+// and the history of its load. No disc, no Hertz. Estimate thread; allocates in its constructor only.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace slipd {
 
-// Ratio: |q|/p of a taxel. Checked on frames of a solver that shares no equation with slipd, from pure force to
-// pure torque, on 8 x 8 to 32 x 32 taxels with 1 to 5 % of sensor noise.
+// Ratio: |q|/p of a taxel. Checked on frames of a solver that shares no equation with slipd, from pure force
+// to pure torque, on 8 x 8 to 32 x 32 taxels with 1 to 5 % of sensor noise.
 struct SlippingTaxelsOptions {
   // Pressure from which on a taxel counts: standard deviations of its noise, and share of the peak; 3 … 15, 0
   // … 0.2. Too small: ratios are noise. Too large: the rim, which slips first, is left out.
@@ -23,8 +23,8 @@ struct SlippingTaxelsOptions {
   // Share of the load that is below the ratio from which the plateau is looked for; 0.9 … 0.995. Too small: a
   // stuck part is taken for the plateau. Too large: noise is.
   double start_share = 0.97;
-  // A taxel is of the plateau within this many of its standard deviations; 1.5 … 3. Too small: few taxels, more
-  // noise. Too large: taxels that stick draw the plateau down.
+  // A taxel is of the plateau within this many of its standard deviations; 1.5 … 3. Too small: few taxels,
+  // more noise. Too large: taxels that stick draw the plateau down.
   double plateau_sigmas = 2;
   // Floor of a ratio's standard deviation, relative: gains of taxels; 0.002 … 0.05. Too small: gains scatter
   // taxels out of the plateau. Too large: as above.
@@ -33,22 +33,22 @@ struct SlippingTaxelsOptions {
   // 1e-3, 5 … 50.
   double settled_share = 1e-4;
   int most_steps = 20;
-  // Fewer taxels than this are no plateau; 6 … 40. Too small: chance makes one. Too large: heavy loads alone are
-  // answered.
+  // Fewer taxels than this are no plateau; 6 … 40. Too small: chance makes one. Too large: heavy loads alone
+  // are answered.
   std::size_t least_taxels = 12;
-  // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small: a
-  // peak of ratios passes for a plateau. Too large: frames of a torque are refused.
+  // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
+  // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
   double least_slipping = 0.35;
   // A ratio that falls with pressure by more than this many of its standard deviations is no plateau, but the
-  // flank of taxels that stick, which noise has blurred; 2 … 5. Too small: plateaus are refused. Too large: friction
-  // comes out too low where nothing slips yet.
+  // flank of taxels that stick, which noise has blurred; 2 … 5. Too small: plateaus are refused. Too large:
+  // friction comes out too low where nothing slips yet.
   double falling_sigmas = 3;
-  // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy sensors
-  // get no answer. Too large: as above.
+  // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy
+  // sensors get no answer. Too large: as above.
   double max_width = 0.1;
   // Standard deviation of friction over that by noise, and, over the mean width of a ratio's noise times
-  // (rounded_base + Gamma), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1. Too small: sigma is less than
-  // the error. Too large: it is more.
+  // (rounded_base + Gamma), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1. Too small: sigma is less
+  // than the error. Too large: it is more.
   double noise_factor = 1.3;
   double rounded_factor = 1.2;
   double rounded_base = 0.15;

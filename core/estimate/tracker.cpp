@@ -38,9 +38,9 @@ Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected,
       given_value_(friction && friction->is_value()),
       bounds_(bounds_of(friction_expected, friction, force_only)),
       options_(options),
-      friction_filter_(prior_of(friction_expected, friction, options.prior), force_only,
-                       bounded(options.filter, bounds_,
-                               force_only ? options.force_only_slack : options.shaped_slack)) {
+      friction_filter_(
+          prior_of(friction_expected, friction, options.prior), force_only,
+          bounded(options.filter, bounds_, force_only ? options.force_only_slack : options.shaped_slack)) {
   const MeanSigma prior = friction_filter_.grid().friction();
   prior_sigma_ = prior.sigma / prior.mean;
 }
@@ -77,8 +77,7 @@ MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
 }
 
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
-                                        Method method, const SlidingVerdict& course,
-                                        Estimate& out) noexcept {
+                                        Method method, const SlidingVerdict& course, Estimate& out) noexcept {
   friction_filter_.update(out.time_ns, patch, frame_estimate, course);
   if (!friction_filter_.understood()) return std::nullopt;
   if (!friction_filter_.explained()) {
@@ -89,8 +88,15 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   const MeanSigma friction = friction_filter_.grid().friction();
   give_friction(out);
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
+  if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
+    // A frame that shows friction by itself knows it better than the lighter ones before it, whose taxels
+    // nearly slipped.
+    out.friction = frame_estimate->friction;
+    out.friction_sigma = frame_estimate->friction_sigma;
+    return MeanSigma{frame_estimate->gamma, frame_estimate->sigma};
+  }
   const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known) &&
-                      (!frame_estimate->turning || frame_estimate->in_model);
+                      !frame_estimate->turning;
   const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
@@ -119,7 +125,7 @@ MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate
     }
     return margin;
   }
-  if (frame_estimate.turning || !frame_estimate.in_model || !is_monotonic(friction_filter_.history())) return margin;
+  if (!frame_estimate.in_model || !is_monotonic(friction_filter_.history())) return margin;
   const double sigma = std::hypot(own.sigma, margin.sigma);
   if (!(std::fabs(own.mean - margin.mean) < options_.agreement_sigmas * sigma)) return margin;
   out.method = method;

@@ -1,6 +1,6 @@
-// Friction over time. After a monotonic load a frame determines its margin by itself; after a regrip, an unloading
-// or a reversal only together with the friction and the forces of the frames before it, and the margin is
-// 1 - |Q|/(mu P) (docs/theory.md §11).
+// Friction over time. After a monotonic load a frame determines its margin by itself; after a regrip, an
+// unloading or a reversal only together with the friction and the forces of the frames before it, and the
+// margin is 1 - |Q|/(mu P) (docs/theory.md §11).
 #pragma once
 
 #include <optional>

@@ -56,16 +56,16 @@ struct TractionRatioOptions {
   // A plateau below this share of the highest load is no gross slip; 0.5 … 1. Too small: a hold at a part of
   // the load passes for a slide. Too large: friction that fell a little is not learnt from its slide.
   double min_of_highest = 0.9;
-  // Load over that when P last rose, from which on it has risen to a plateau; 1.05 … 2. A grip that overshoots
-  // and relaxes keeps the load that it had at its greatest P. Too small: it passes for a slide. Too large: a
-  // slide from a load near friction's limit is missed.
+  // Load over that when P last rose, from which on it has risen to a plateau; 1.05 … 2. A grip that
+  // overshoots and relaxes keeps the load that it had at its greatest P. Too small: it passes for a slide.
+  // Too large: a slide from a load near friction's limit is missed.
   double risen = 1.2;
   // P that rises by more than this has risen; relative, 0.005 … 0.1. Too small: noise restarts it. Too large:
   // the load of a grip that still closes counts as one before.
   double normal_rise = 0.02;
   // An object slides as a whole if its field is more coherent than this (FieldCourse::coherence); 0.7 … 0.95.
-  // Slides of real pillars have 0.90 to 0.98, grips that relax mostly less than 0.85. Too small: they pass for
-  // slides. Too large: slides under skin are missed.
+  // Slides of real pillars have 0.90 to 0.98, grips that relax mostly less than 0.85. Too small: they pass
+  // for slides. Too large: slides under skin are missed.
   double min_coherence = 0.85;
   // The resultant keeps its direction during a slide up to this; rad, 0.05 … 0.5. Too small: a slide along a
   // curve is missed. Too large: a load that turns is a slide.
@@ -113,10 +113,11 @@ class TractionRatioFilter {
     double load = 0;   // |Q|/P
     double sigma = 0;  // standard deviation of log mu that it shows
   };
-  // Once after each update(). The object slides as a whole: its field is coherent and keeps its direction, and
-  // either the taxels' pattern is seen to move (one reading a block), or |Q|/P, having risen while P did not,
-  // is even while P falls (one a frame). (A contact that sticks keeps |Q|/P even as well while both rise from
-  // nothing, and while a gripper that overshot relaxes.) `course`: of the same sensor, at most a frame old.
+  // Once after each update(). The object slides as a whole: its field is coherent and keeps its direction,
+  // and either the taxels' pattern is seen to move (one reading a block), or |Q|/P, having risen while P did
+  // not, is even while P falls (one a frame). (A contact that sticks keeps |Q|/P even as well while both rise
+  // from nothing, and while a gripper that overshot relaxes.) `course`: of the same sensor, at most a frame
+  // old.
   std::optional<Slide> detect_slide(const SlidingVerdict& course = {}) noexcept;
 
  private:
@@ -135,14 +136,14 @@ class TractionRatioFilter {
   struct State {
     MeanSigma now;  // the line's level at the newest frame
     Line line;
-    double frame_sigma = 0;  // of the newest frame's |Q|/P; 0 before the first
-    double mean = 0;         // running mean of |Q|/P
-    MeanSigma normal_n;      // running mean of P
-    double highest = 0;      // |Q|/P, less its sigma
+    double frame_sigma = 0;               // of the newest frame's |Q|/P; 0 before the first
+    double mean = 0;                      // running mean of |Q|/P
+    MeanSigma normal_n;                   // running mean of P
+    double highest = 0;                   // |Q|/P, less its sigma
     double shear_x_n = 0, shear_y_n = 0;  // running means
     Plateau plateau;
-    Plateau crest;   // when P last rose
-    Plateau moving;  // when the pattern began to move
+    Plateau crest;            // when P last rose
+    Plateau moving;           // when the pattern began to move
     std::uint32_t block = 0;  // the last one that was read
   };
 

@@ -1,6 +1,6 @@
-// What force and torque of a contact ask of friction together (docs/theory.md §6.6), as the pull without torque
-// that asks for as much: all that compares |Q|/P with friction then holds for a contact that turns, too.
-// Without a torque above noise it is Q itself. Estimate thread; allocates in its constructor only.
+// What force and torque of a contact ask of friction together (docs/theory.md §6.6), as the pull without
+// torque that asks for as much: all that compares |Q|/P with friction then holds for a contact that turns,
+// too. Without a torque above noise it is Q itself. Estimate thread; allocates in its constructor only.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,16 @@ struct TurningLoadOptions {
   // And above this share of Q a; 0.001 … 0.05. Below, it changes the margin by less than 2.5 of its squares
   // (§6.6), and square taxels may be all of it. Too small: pure pulls get torques. Too large: as above.
   double least_share = 0.02;
-  // What coarse taxels add to that share, over (side/a)^2; 0 … 0.3. Too small and too large: as above, on few taxels.
+  // What coarse taxels add to that share, over (side/a)^2; 0 … 0.3. Too small and too large: as above, on few
+  // taxels.
   double coarse_share = 0.1;
   // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it; 0.02 … 0.3.
   // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
   // friction of pulls are given for fields that torque has changed.
   double bending_share = 0.1;
-  // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3, measured on
-  // contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too large: too low.
+  // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3,
+  // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too
+  // large: too low.
   double within_taxels = 0.13;
   // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
   double kept_share = 0.8;
@@ -55,8 +57,8 @@ class TurningLoad {
   // A new grasp.
   void reset() noexcept { bent_ = false; }
 
-  // `patch` is in contact. A sensor of one taxel has the torque in patch.torque_nm and the contact's radius in
-  // patch.radius_m, if both are known; its pressure is taken for Hertz's.
+  // `patch` is in contact. A sensor of one taxel has the torque in patch.torque_nm and the contact's radius
+  // in patch.radius_m, if both are known; its pressure is taken for Hertz's.
   TurningLoadResult of(const ContactPatch& patch) noexcept;
 
  private:

@@ -109,7 +109,7 @@ ForceSums force(const TaxelView& at, DiscKernels::Runs runs, float x_m, float y_
         sums.next();
       });
   sums.flush();
-  return {sums.total(0), sums.total(1),    sums.total(2),       sums.total(3),
+  return {sums.total(0), sums.total(1),  sums.total(2),       sums.total(3),
           sums.total(4), greatest(peak), greatest(x_extreme), greatest(y_extreme)};
 }
 

@@ -15,9 +15,9 @@ PressureCells::PressureCells(const TaxelLayout& layout)
   }
 }
 
-// The torque that is felt lacks what turns within each taxel: of a taxel with lever r, h^2/(24 r) of friction,
-// as much as its spread adds to what it can hold. So the cell's spread counts without twice the taxel's. A single
-// taxel keeps a little, which rounds the kink over the instantaneous centre.
+// The torque that is felt lacks what turns within each taxel: of a taxel with lever r, h^2/(24 r) of
+// friction, as much as its spread adds to what it can hold. So the cell's spread counts without twice the
+// taxel's. A single taxel keeps a little, which rounds the kink over the instantaneous centre.
 double PressureCells::spread_side(double across) const noexcept {
   constexpr double kLeast = 0.1;
   return layout_.side_m() * std::sqrt(std::max(kLeast, across * across - 2));

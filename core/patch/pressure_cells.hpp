@@ -1,6 +1,6 @@
-// A contact's pressure as at most some hundred cells, for the limit surface (core/contact/limit_surface.hpp): each
-// has the force of its taxels, at their own centre. A layout with few taxels in the disc has a cell for each.
-// Estimate thread; allocates in its constructor only.
+// A contact's pressure as at most some hundred cells, for the limit surface (core/contact/limit_surface.hpp):
+// each has the force of its taxels, at their own centre. A layout with few taxels in the disc has a cell for
+// each. Estimate thread; allocates in its constructor only.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ class PressureCells {
   bool are_taxels() const noexcept { return taxels_; }
 
  private:
-  // Cells across the disc at most. Error of T_max by pooling, of Hertz: 4e-4 with 12, 1e-2 with 4 (each cell's
-  // force lies at its centre of pressure, and its spread is that of an even pressure).
+  // Cells across the disc at most. Error of T_max by pooling, of Hertz: 4e-4 with 12, 1e-2 with 4 (each
+  // cell's force lies at its centre of pressure, and its spread is that of an even pressure).
   static constexpr std::size_t kAcross = 12;
   static_assert(kAcross * kAcross <= contact::LimitSurface::kMost);
 

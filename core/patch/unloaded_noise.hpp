@@ -1,6 +1,6 @@
-// How much a sensor's readings flicker and wander about its zero while nothing touches it, measured over time.
-// A single frame of a real sensor does not show it: taxels that are hooked or pulled, and cross-talk between
-// taxels, make negative pressure that is no noise. Estimate thread; fixed memory, nothing allocates.
+// How much a sensor's readings flicker and wander about its zero while nothing touches it, measured over
+// time. A single frame of a real sensor does not show it: taxels that are hooked or pulled, and cross-talk
+// between taxels, make negative pressure that is no noise. Estimate thread; fixed memory, nothing allocates.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ struct UnloadedNoiseOptions {
 
 class UnloadedNoise {
  public:
-  // unloaded_n: |P| and |Q| of a block's mean up to which nothing touches the sensor, N, > 0. Single frames of
-  // a noisy sensor exceed it.
+  // unloaded_n: |P| and |Q| of a block's mean up to which nothing touches the sensor, N, > 0. Single frames
+  // of a noisy sensor exceed it.
   UnloadedNoise(const TaxelLayout& layout, double unloaded_n, const UnloadedNoiseOptions& options = {});
 
   // Every frame with a zero, in order of time.

@@ -20,7 +20,7 @@ void Continuity::Usual::learn(double value, double memory_frames) noexcept {
 }
 
 bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes,
-                        const ContinuityOptions& options) noexcept {
+                        bool fast, const ContinuityOptions& options) noexcept {
   const double unlikeness = pattern.unlikeness();
   if (!std::isfinite(unlikeness)) return false;
   const double noise_pa2 =
@@ -28,14 +28,14 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
   const bool known = unlikeness_.frames >= options.learning_frames;
-  const bool jumped = known && unlikeness > options.least_unlike &&
+  const bool jumped = known && unlikeness > (fast ? options.least_unlike_fast : options.least_unlike) &&
                       unlikeness > options.usual_factor * unlikeness_.mean &&
                       unlikeness > options.noise_factor * by_noise;
   if (!jumped) unlikeness_.learn(unlikeness, options.memory_frames);
   return jumped;
 }
 
-bool Continuity::turned(const ContactPatch& patch, double step_s, const ContinuityOptions& options) noexcept {
+bool Continuity::turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept {
   const double x_n = patch.shear_x_n, y_n = patch.shear_y_n;
   const double turn_rad = std::fabs(std::atan2(last_shear_x_n_ * y_n - last_shear_y_n_ * x_n,
                                                last_shear_x_n_ * x_n + last_shear_y_n_ * y_n));
@@ -43,10 +43,9 @@ bool Continuity::turned(const ContactPatch& patch, double step_s, const Continui
   const double by_noise = patch.shear_sigma_n / patch.shear_n +
                           last_shear_sigma_n_ / std::hypot(last_shear_x_n_, last_shear_y_n_);
   const bool known = turn_.frames >= options.learning_frames;
-  const bool jumped = known && step_s <= options.fast_step_s && turn_rad > options.least_turn_rad &&
-                      step_n > options.least_turn_share * patch.normal_n &&
-                      turn_rad > options.usual_factor * turn_.mean &&
-                      turn_rad > options.noise_factor * by_noise;
+  const bool jumped =
+      known && turn_rad > options.least_turn_rad && step_n > options.least_turn_share * patch.normal_n &&
+      turn_rad > options.usual_factor * turn_.mean && turn_rad > options.noise_factor * by_noise;
   if (!jumped) turn_.learn(turn_rad, options.memory_frames);
   return jumped;
 }
@@ -87,11 +86,14 @@ Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const
   if (!patch.in_contact) {
     scaled_from_n_ = 0;
     unlikeness_ = turn_ = {};
+    broken_ = false;
   } else if (regular && clear && last_clear_) {
-    if (directed && last_directed_ && turned(patch, step_s, options)) health = Health::jump;
-    if (unlike(patch, pattern, probes, options)) health = Health::jump;
+    const bool fast = step_s <= options.fast_step_s;
+    if (fast && directed && last_directed_ && turned(patch, options)) broken_ = true;
+    if (unlike(patch, pattern, probes, fast, options)) broken_ = true;
     if (scaled(patch, pattern, options)) health = Health::wrong_scale;
   }
+  if (broken_ && health == Health::good) health = Health::jump;
   last_clear_ = clear;
   last_directed_ = directed;
   last_normal_n_ = patch.normal_n;

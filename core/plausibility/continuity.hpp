@@ -28,6 +28,8 @@ struct ContinuityOptions {
   // beyond the usual and beyond what noise makes by a factor, 2 … 100 each. Too small: rolling contacts jump.
   // Too large: another contact's frames are believed.
   double least_unlike = 0.15;
+  // The same of frames at most fast_step_s apart; 0.01 … 0.2: less happens in a shorter time.
+  double least_unlike_fast = 0.02;
   double usual_factor = 8;
   double noise_factor = 4;
   // All pressures changed by this factor, though less unlike than this; 5 … 100 and 0.01 … 0.2. A contact
@@ -35,10 +37,10 @@ struct ContinuityOptions {
   double scale_factor = 30;
   double same_pattern = 0.05;
   // Turn of the shear in one frame; rad, 0.2 … 1.5, by which it changes by at least this share of the normal
-  // force, 0.05 … 0.3, in frames at most so long apart; s, 1e-3 … 0.01: what is held has mass. Too small:
+  // force, 0.02 … 0.3, in frames at most so long apart; s, 1e-3 … 0.01: what is held has mass. Too small:
   // knocks are called faults. Too large: exchanged axes are believed.
-  double least_turn_rad = 0.35;
-  double least_turn_share = 0.1;
+  double least_turn_rad = 0.25;
+  double least_turn_share = 0.05;
   double fast_step_s = 3e-3;
   // Shears below this have no direction; standard deviations, 5 … 50.
   double directed_sigmas = 8;
@@ -49,7 +51,8 @@ class Continuity {
   // A frame that is not believed for another reason: the next one is not compared with it.
   void skip(std::int64_t time_ns) noexcept;
 
-  // Any other frame. `probes`: taxels in `pattern`. Returns good, jump or wrong_scale.
+  // Any other frame. A jump lasts until the contact is lost. `probes`: taxels in `pattern`. Returns good,
+  // jump or wrong_scale.
   Health update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
                 std::size_t probes, const ContinuityOptions& options) noexcept;
 
@@ -60,9 +63,9 @@ class Continuity {
     std::uint32_t frames = 0;
     void learn(double value, double memory_frames) noexcept;
   };
-  bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes,
+  bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes, bool fast,
               const ContinuityOptions& options) noexcept;
-  bool turned(const ContactPatch& patch, double step_s, const ContinuityOptions& options) noexcept;
+  bool turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept;
   bool scaled(const ContactPatch& patch, const PatternChange& pattern,
               const ContinuityOptions& options) noexcept;
 
@@ -72,6 +75,7 @@ class Continuity {
   bool last_clear_ = false, last_directed_ = false;
   double last_normal_n_ = 0, last_noise_pa_ = 0;
   double last_shear_x_n_ = 0, last_shear_y_n_ = 0, last_shear_sigma_n_ = 0;
+  bool broken_ = false;       // since the contact began
   double scaled_from_n_ = 0;  // the normal force before all pressures were scaled; 0: they were not
 };
 

@@ -23,10 +23,11 @@ constexpr std::array<HealthText, kHealths> kHealthTexts{{
     {"dead_normal", "implausible: the normal channel is dead"},
     {"dead_shear_x", "implausible: shear x is dead"},
     {"dead_shear_y", "implausible: shear y is dead"},
-    {"dead_row", "implausible: a row of taxels is dead"},
+    {"dead_row", "implausible: a row or column of taxels is dead"},
     {"time", "implausible: the time does not rise"},
     {"jump", "implausible: the contact or all pressures have jumped"},
     {"unexplained", "implausible: frames fit no contact, and the forces do not say why"},
+    {"noisy", "implausible: a channel has become noisy"},
 }};
 
 }  // namespace

@@ -22,13 +22,14 @@ enum class Health : std::uint8_t {
   dead_normal,   // n: the normal channel stands still while others move
   dead_shear_x,  // n: shear along x stands still while others move
   dead_shear_y,  // n: shear along y stands still while others move
-  dead_row,      // n: a row of taxels stands still while others move
+  dead_row,      // n: a row or column of taxels stands still while others move
   time,          // n: the frame's time is not after the last one's
   jump,          // n: the contact is somewhere else than a frame ago, or all pressures rose at once
   unexplained,   // n: the method refuses frames, and the forces' course does not say why
+  noisy,         // n: one channel has become much noisier than it was
 };
 
-inline constexpr std::size_t kHealths = 16;
+inline constexpr std::size_t kHealths = 17;
 
 // As on the socket: "good", "not_finite", …
 std::string_view to_string(Health health) noexcept;

@@ -19,6 +19,9 @@ constexpr double kSureProbes = 6;
 // Taxels of which no contact presses all at once; a pad of fewer may be smaller than a contact.
 constexpr std::size_t kManyTaxels = 9;
 
+// Rows and columns that are learnt from in a frame.
+constexpr std::size_t kLinesLearnt = 8;
+
 // Normal force may fall by this factor with an unloading while shear vanishes with it.
 constexpr double kUnloading = 0.5;
 
@@ -31,7 +34,7 @@ PlausibilityMonitor::PlausibilityMonitor(const TaxelLayout& layout, const Plausi
       options_(options),
       spikes_(layout, limits, options.spikes),
       probes_(layout, options.probes),
-      rows_(probes_.rows().size()) {}
+      lines_(probes_.lines()) {}
 
 void PlausibilityMonitor::blame(Verdict verdict, Health health) noexcept {
   if (verdict < now_.verdict || (verdict == now_.verdict && now_.health != Health::good)) return;
@@ -55,9 +58,11 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   if (!judge_frozen()) {
     for (std::size_t c = 0; c < kChannels; ++c) judge_channel(c, patch);
     for (std::size_t c = 0; c < kChannels; ++c) judge_rail(c, frame, patch);
-    judge_rows();
+    judge_lines();
     judge_past();
   }
+  if (noise_jump_.update(probes_.channels(), patch.in_contact, options_.noise_jump))
+    blame(Verdict::frame_refused, Health::noisy);
   judge_continuity(frame, patch);
   judge_time(frame);
   remember(frame, patch);
@@ -210,14 +215,19 @@ void PlausibilityMonitor::judge_channel(std::size_t channel, const ContactPatch&
   if (is.dead) blame(Verdict::sensor_fault, kDeadChannel[channel]);
 }
 
-void PlausibilityMonitor::judge_rows() noexcept {
+// A line that does not stand still is learnt from now and then only, if there are many.
+void PlausibilityMonitor::judge_lines() noexcept {
   if (!felt_) return;
-  const auto rows = probes_.rows();
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    if (!rows_[row].update(rows[row], options_.stillness)) continue;
-    if (rows_[row].run() < options_.frozen_frames) continue;
-    now_.row = static_cast<std::uint32_t>(row);
-    blame(Verdict::sensor_fault, Health::dead_row);
+  const std::size_t turns = 1 + lines_.size() / kLinesLearnt;
+  turn_ = (turn_ + 1) % turns;
+  const bool all_move = !probes_.any_still() && !lines_stand_;
+  lines_stand_ = false;
+  for (std::size_t line = all_move ? turn_ : 0; line < lines_.size(); line += all_move ? turns : 1) {
+    Stillness& stillness = lines_[line];
+    if (line % turns != turn_ && stillness.run() == 0 && probes_.line_moved(line)) continue;
+    const bool still = stillness.update(probes_.line(line), options_.stillness);
+    lines_stand_ = lines_stand_ || stillness.run() > 0;
+    if (still && stillness.run() >= options_.frozen_frames) blame(Verdict::sensor_fault, Health::dead_row);
   }
 }
 

@@ -17,6 +17,7 @@
 #include "core/plausibility/continuity.hpp"
 #include "core/plausibility/health.hpp"
 #include "core/plausibility/limits.hpp"
+#include "core/plausibility/noise_jump.hpp"
 #include "core/plausibility/probes.hpp"
 #include "core/plausibility/spike_finder.hpp"
 #include "core/plausibility/stillness.hpp"
@@ -34,8 +35,6 @@ enum class Verdict : std::uint8_t {
 struct Judgement {
   Verdict verdict = Verdict::plausible;
   Health health = Health::good;
-  // Of dead_row: the row's number, from small y.
-  std::uint32_t row = 0;
   // Of the taxels that are left out.
   std::uint32_t taxels_left_out = 0;
   // The force that they stand for, of the normal force; 0 … 1.
@@ -52,6 +51,7 @@ struct PlausibilityOptions {
   double most_left_out_share = 0.1;
   StillnessOptions stillness;
   ContinuityOptions continuity;
+  NoiseJumpOptions noise_jump;
 
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
   // judged by few values. More cost time in proportion.
@@ -137,7 +137,7 @@ class PlausibilityMonitor {
   void judge_past() noexcept;
   void blame_repeated(std::uint32_t run) noexcept;
   void judge_channel(std::size_t channel, const ContactPatch& patch) noexcept;
-  void judge_rows() noexcept;
+  void judge_lines() noexcept;
   void judge_rail(std::size_t channel, const Frame& frame, const ContactPatch& patch) noexcept;
   static std::size_t count_at(std::size_t channel, float magnitude_pa, const Frame& frame,
                               const ContactPatch& patch) noexcept;
@@ -150,9 +150,12 @@ class PlausibilityMonitor {
   SpikeFinder spikes_;
   Probes probes_;
   Continuity continuity_;
+  NoiseJump noise_jump_;
   Stillness frame_stillness_;
   std::array<Channel, kChannels> channels_;
-  std::vector<Stillness> rows_;
+  std::vector<Stillness> lines_;
+  std::size_t turn_ = 0;      // of the lines that are learnt from
+  bool lines_stand_ = false;  // a line did not change in the last frame
   Judgement now_;
   Judgement held_;              // the last fault
   std::uint32_t good_run_ = 0;  // frames since the last fault

@@ -22,6 +22,7 @@ struct ChannelChange {
   GroupChange change;
   std::size_t nonzero = 0;         // probes that are not exactly 0
   std::size_t nonzero_before = 0;  // the same a frame ago
+  double step_square_pa2 = 0;      // sum of the squared changes
 };
 
 // The pressures of a frame beside those of the frame before.
@@ -39,7 +40,7 @@ struct PatternChange {
 
 class Probes {
  public:
-  // `most`: taxels that are compared, if the layout has more; at least two of each row of a grid.
+  // `most`: taxels that are compared, if the layout has more; at least one of each row of a grid.
   Probes(const TaxelLayout& layout, std::size_t most);
 
   // Reads one frame.
@@ -50,20 +51,38 @@ class Probes {
   const PatternChange& pattern() const noexcept { return pattern_; }
   // Of all values of this frame: equal for equal frames, and hardly for others.
   std::uint64_t fingerprint() const noexcept { return fingerprint_; }
-  // Of all three channels of each row of a grid; none for other layouts.
-  std::span<const GroupChange> rows() const noexcept { return rows_; }
+  // Rows of a grid, then its columns; none for other layouts.
+  std::size_t lines() const noexcept { return line_ends_.size(); }
+  // Whether there is a probe of which no channel changed.
+  bool any_still() const noexcept { return any_still_; }
+  // Whether a value of the line changed, and what all three channels of its probes did.
+  bool line_moved(std::size_t line) const noexcept {
+    std::uint32_t any = 0;
+    for (const std::uint32_t probe : probes_of(line)) any |= activity_[probe];
+    return any != 0;
+  }
+  GroupChange line(std::size_t line) const noexcept;
 
  private:
-  void compare_pattern(std::span<const float> normal_pa) noexcept;
-  ChannelChange compare(std::span<const float> values, std::size_t channel) noexcept;
+  void take(const Frame& frame) noexcept;
+  void compare_pattern() noexcept;
+  void compare(std::size_t channel) noexcept;
+  std::span<const std::uint32_t> probes_of(std::size_t line) const noexcept {
+    const std::uint32_t begin = line > 0 ? line_ends_[line - 1] : 0;
+    return std::span(line_probes_).subspan(begin, line_ends_[line] - begin);
+  }
+  void add_lines(const TaxelLayout::Grid& grid);
 
-  std::vector<std::uint32_t> taxels_;    // row by row
-  std::vector<std::uint32_t> row_ends_;  // places in taxels_; empty: no rows
-  std::vector<float> last_, way_;        // each channel's values of the last frame, and their last change
-  std::vector<std::uint8_t> changed_, turned_;  // of one channel
+  std::vector<std::uint32_t> taxels_;                   // row by row
+  std::vector<std::uint32_t> line_probes_, line_ends_;  // places in taxels_, line by line
+  std::size_t padded_ = 0;  // probes of a channel, with zeros to a whole number of vectors
+  // Each channel's values of this frame and of the last one, and their last change; channel by channel.
+  std::vector<float> now_, last_, way_;
+  // Of each probe, over all channels: values that changed, and kTurned times those that turned.
+  std::vector<std::uint32_t> activity_;
   std::array<ChannelChange, kChannels> channels_;
-  std::vector<GroupChange> rows_;
   PatternChange pattern_;
+  bool any_still_ = false;
   std::uint64_t fingerprint_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "core/plausibility/spike_finder.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace slipd {
@@ -11,6 +12,12 @@ constexpr double kNeighbourSides = 1.5;
 
 // What stands for a value that is not a number: beyond every full scale.
 constexpr float kBeyondAll_pa = 1e30F;
+
+// Ordered as magnitudes are, what is not a number last.
+std::uint32_t magnitude_bits(float value) noexcept {
+  constexpr std::uint32_t kWithoutSign = 0x7FFFFFFF;
+  return std::bit_cast<std::uint32_t>(value) & kWithoutSign;
+}
 
 float size_of(float value) noexcept {
   return std::isfinite(value) ? std::fabs(value) : kBeyondAll_pa;
@@ -30,14 +37,36 @@ SpikeFinder::SpikeFinder(const TaxelLayout& layout, const PlausibilityLimits& li
   if (layout.size() < 2) may_leave_ = 0;
 }
 
-bool SpikeFinder::needs_look(const ContactPatch& patch) noexcept {
+SpikeFinder::Look SpikeFinder::needed(const ContactPatch& patch) noexcept {
   const float peak = patch.frame_peak_pa;
   const float shear = std::max(patch.shear_x_extreme_pa, patch.shear_y_extreme_pa);
-  const bool grown = peak > options_.grown_factor * last_peak_pa_ ||
-                     (shear > options_.grown_factor * last_shear_pa_ && shear > peak);
   const bool beyond = peak > limits_.full_scale.normal_pa || -patch.frame_least_pa > peak ||
                       shear > std::min(limits_.full_scale.shear_x_pa, limits_.full_scale.shear_y_pa);
-  return ++frames_ % options_.look_frames == 0 || found_ || !patch.finite || beyond || grown;
+  const bool noisier = patch.noise_shear_pa > options_.noise_factor * last_noise_pa_;
+  last_noise_pa_ = patch.noise_shear_pa;
+  if (++frames_ % (options_.look_frames * options_.looks_at_all) == 0 || found_ || !patch.finite || beyond ||
+      noisier)
+    return Look::at_all;
+  const bool grown = peak > options_.grown_factor * last_peak_pa_ ||
+                     shear > options_.jump_factor * last_shear_pa_ ||
+                     (shear > options_.grown_factor * last_shear_pa_ && shear > peak);
+  return frames_ % options_.look_frames == 0 || grown ? Look::at_peak : Look::none;
+}
+
+bool SpikeFinder::peak_stands_alone(const Frame& frame, const ContactPatch& patch) const noexcept {
+  const Values values{frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa};
+  const float peak_pa = patch.frame_peak_pa;
+  const auto peak = std::find(frame.normal_pa.begin(), frame.normal_pa.end(), peak_pa);
+  if (peak == frame.normal_pa.end()) return false;  // nothing is above 0
+  if (alone(peak_pa, around(values, static_cast<std::uint32_t>(peak - frame.normal_pa.begin())))) return true;
+  const float shear_pa = std::max(patch.shear_x_extreme_pa, patch.shear_y_extreme_pa);
+  if (shear_pa <= peak_pa && shear_pa <= options_.jump_factor * last_shear_pa_) return false;
+  bool found = false;
+  patch.for_each_inside([&](std::uint32_t i) {
+    const bool here = std::max(size_of(frame.shear_x_pa[i]), size_of(frame.shear_y_pa[i])) == shear_pa;
+    found = found || (here && shear_alone(shear_pa, size_of(frame.normal_pa[i]), around(values, i)));
+  });
+  return found;
 }
 
 void SpikeFinder::copy(const Frame& frame) noexcept {
@@ -48,38 +77,48 @@ void SpikeFinder::copy(const Frame& frame) noexcept {
 
 std::uint32_t SpikeFinder::worst_normal() const noexcept {
   std::size_t worst = 0;
-  for (std::size_t i = 1; i < normal_.size(); ++i) {
-    if (size_of(normal_[i]) > size_of(normal_[worst])) worst = i;
+  std::uint32_t most = 0;
+  for (std::size_t i = 0; i < normal_.size(); ++i) {
+    const std::uint32_t size = magnitude_bits(normal_[i]);
+    if (size > most) {
+      most = size;
+      worst = i;
+    }
   }
   return static_cast<std::uint32_t>(worst);
 }
 
 std::uint32_t SpikeFinder::worst_shear() const noexcept {
-  const auto shear = [this](std::size_t i) { return std::max(size_of(shear_x_[i]), size_of(shear_y_[i])); };
   std::size_t worst = 0;
-  for (std::size_t i = 1; i < shear_x_.size(); ++i) {
-    if (shear(i) > shear(worst)) worst = i;
+  std::uint32_t most = 0;
+  for (std::size_t i = 0; i < shear_x_.size(); ++i) {
+    const std::uint32_t size = std::max(magnitude_bits(shear_x_[i]), magnitude_bits(shear_y_[i]));
+    if (size > most) {
+      most = size;
+      worst = i;
+    }
   }
   return static_cast<std::uint32_t>(worst);
 }
 
-bool SpikeFinder::beyond(std::uint32_t taxel) const noexcept {
-  return size_of(normal_[taxel]) > limits_.full_scale.normal_pa ||
-         size_of(shear_x_[taxel]) > limits_.full_scale.shear_x_pa ||
-         size_of(shear_y_[taxel]) > limits_.full_scale.shear_y_pa;
+bool SpikeFinder::beyond(const Values& values, std::size_t taxel) const noexcept {
+  return size_of(values.normal_pa[taxel]) > limits_.full_scale.normal_pa ||
+         size_of(values.shear_x_pa[taxel]) > limits_.full_scale.shear_x_pa ||
+         size_of(values.shear_y_pa[taxel]) > limits_.full_scale.shear_y_pa;
 }
 
-SpikeFinder::Neighbourhood SpikeFinder::around(std::uint32_t taxel) const noexcept {
+SpikeFinder::Neighbourhood SpikeFinder::around(const Values& values, std::uint32_t taxel) const noexcept {
   Neighbourhood sums;
   float count = 0;
   const auto add = [&](std::size_t i) {
-    sums.greatest_normal_pa = std::max(sums.greatest_normal_pa, size_of(normal_[i]));
-    sums.greatest_shear_pa = std::max({sums.greatest_shear_pa, size_of(shear_x_[i]), size_of(shear_y_[i])});
-    if (beyond(static_cast<std::uint32_t>(i))) return;  // it does not stand for another
+    sums.greatest_normal_pa = std::max(sums.greatest_normal_pa, size_of(values.normal_pa[i]));
+    sums.greatest_shear_pa =
+        std::max({sums.greatest_shear_pa, size_of(values.shear_x_pa[i]), size_of(values.shear_y_pa[i])});
+    if (beyond(values, i)) return;  // it does not stand for another
     ++count;
-    sums.mean_pa[0] += normal_[i];
-    sums.mean_pa[1] += shear_x_[i];
-    sums.mean_pa[2] += shear_y_[i];
+    sums.mean_pa[0] += values.normal_pa[i];
+    sums.mean_pa[1] += values.shear_x_pa[i];
+    sums.mean_pa[2] += values.shear_y_pa[i];
   };
   if (const auto& grid = layout_.regular()) {
     const std::size_t column = taxel % grid->columns, row = taxel / grid->columns;
@@ -104,12 +143,18 @@ bool SpikeFinder::spreads(double pressure_pa, double least_sides) const noexcept
   return std::cbrt(limits_.least_m3_per_n * pressure_pa * layout_.area_m2()) > least_sides * layout_.side_m();
 }
 
-bool SpikeFinder::alone(std::uint32_t taxel, const Neighbourhood& around) const noexcept {
-  const double normal_pa = size_of(normal_[taxel]);
+bool SpikeFinder::alone(double normal_pa, const Neighbourhood& around) const noexcept {
   const bool jumped = touched_ && last_peak_pa_ > 0 && normal_pa > options_.jump_factor * last_peak_pa_;
   const double share = jumped ? options_.jumped_support_share : options_.support_share;
   if (around.greatest_normal_pa > share * normal_pa) return false;
   return spreads(normal_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
+}
+
+bool SpikeFinder::shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept {
+  const bool jumped = touched_ && last_shear_pa_ > 0 && shear_pa > options_.jump_factor * last_shear_pa_;
+  const double share = jumped ? options_.jumped_support_share : options_.support_share;
+  return shear_pa > options_.shear_factor * normal_pa && around.greatest_shear_pa < share * shear_pa &&
+         spreads(shear_pa, jumped ? options_.least_jumped_radius_sides : options_.least_radius_sides);
 }
 
 void SpikeFinder::replace(std::uint32_t taxel, const Neighbourhood& around) noexcept {
@@ -119,28 +164,36 @@ void SpikeFinder::replace(std::uint32_t taxel, const Neighbourhood& around) noex
   left_out_n_ += std::fabs(around.mean_pa[0]) * layout_.area_m2();
 }
 
+// Replaces the worst taxel until none stands alone.
+std::size_t SpikeFinder::replace_all(const Frame& frame, const ContactPatch& patch) noexcept {
+  copy(frame);
+  std::size_t found = 0;
+  for (; found <= may_leave_; ++found) {
+    std::uint32_t taxel = worst_normal();
+    Neighbourhood near = around(own(), taxel);
+    if (!beyond(own(), taxel) && !alone(size_of(normal_[taxel]), near)) {
+      const float peak_pa = size_of(normal_[taxel]);
+      taxel = worst_shear();
+      near = around(own(), taxel);
+      const float shear_pa = std::max(size_of(shear_x_[taxel]), size_of(shear_y_[taxel]));
+      if (!beyond(own(), taxel) &&
+          !(patch.in_contact && shear_alone(shear_pa, size_of(normal_[taxel]), near))) {
+        last_peak_pa_ = peak_pa;
+        last_shear_pa_ = shear_pa;
+        break;
+      }
+    }
+    replace(taxel, near);
+  }
+  return found;
+}
+
 std::size_t SpikeFinder::find(const Frame& frame, const ContactPatch& patch) noexcept {
   left_out_n_ = 0;
   std::size_t found = 0;
-  if (needs_look(patch)) {
-    copy(frame);
-    for (; found <= may_leave_; ++found) {
-      std::uint32_t taxel = worst_normal();
-      Neighbourhood near = around(taxel);
-      if (!beyond(taxel) && !alone(taxel, near)) {
-        const float peak_pa = std::fabs(normal_[taxel]);
-        taxel = worst_shear();
-        near = around(taxel);
-        const float shear_pa = std::max(size_of(shear_x_[taxel]), size_of(shear_y_[taxel]));
-        last_shear_pa_ = shear_pa;
-        last_peak_pa_ = peak_pa;
-        const bool alone = shear_pa > options_.shear_factor * peak_pa &&
-                           shear_pa > options_.shear_factor * near.greatest_shear_pa && patch.in_contact &&
-                           spreads(shear_pa, options_.least_radius_sides);
-        if (!beyond(taxel) && !alone) break;
-      }
-      replace(taxel, near);
-    }
+  const Look look = needed(patch);
+  if (look == Look::at_all || (look == Look::at_peak && peak_stands_alone(frame, patch))) {
+    found = replace_all(frame, patch);
   } else {
     last_peak_pa_ = patch.frame_peak_pa;
     last_shear_pa_ = std::max(patch.shear_x_extreme_pa, patch.shear_y_extreme_pa);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/frame/frame.hpp"
@@ -34,15 +35,20 @@ struct SpikeOptions {
   double jump_factor = 2.5;
   // Every so many frames the peak is looked at whether it grew or not; frames, 1 … 100. Too large: a spike
   // that came with the contact is believed for longer.
-  std::uint32_t look_frames = 16;
+  std::uint32_t look_frames = 32;
   // At most one taxel in so many is left out, at least one; 8 … 100. Too small: margins from what is left.
   // Too large: sensors with several bad taxels give no margin.
   std::size_t one_in = 32;
   // Nor more than this many; taxels.
   std::size_t most = 8;
-  // Shear above the frame's greatest pressure by this factor that stands alone is a spike; 1 … 10. Friction
+  // Shear above the taxel's own pressure by this factor that stands alone is a spike; 1 … 10. Friction
   // coefficients are below 2.
-  double shear_factor = 3;
+  double shear_factor = 2;
+  // Off the contact single shears show only as noise: all taxels are looked at if that grew by this factor
+  // since the last frame, 1.1 … 3, and in one look of so many, 1 … 100. Too small: costs time. Too large:
+  // sigma is wide until then.
+  double noise_factor = 1.4;
+  std::uint32_t looks_at_all = 16;
 };
 
 class SpikeFinder {
@@ -66,14 +72,24 @@ class SpikeFinder {
     float greatest_normal_pa = 0, greatest_shear_pa = 0;
     std::array<float, 3> mean_pa{};
   };
-  bool needs_look(const ContactPatch& patch) noexcept;
+  struct Values {
+    std::span<const float> normal_pa, shear_x_pa, shear_y_pa;
+  };
+  // How closely this frame is looked at.
+  enum class Look : std::uint8_t { none, at_peak, at_all };
+  Look needed(const ContactPatch& patch) noexcept;
+  // Whether the frame's greatest pressure or the contact's greatest shear stands alone; both are finite.
+  bool peak_stands_alone(const Frame& frame, const ContactPatch& patch) const noexcept;
+  std::size_t replace_all(const Frame& frame, const ContactPatch& patch) noexcept;
   void copy(const Frame& frame) noexcept;
   std::uint32_t worst_normal() const noexcept;
   std::uint32_t worst_shear() const noexcept;
-  bool beyond(std::uint32_t taxel) const noexcept;
+  Values own() const noexcept { return {normal_, shear_x_, shear_y_}; }
+  bool beyond(const Values& values, std::size_t taxel) const noexcept;
   bool spreads(double pressure_pa, double least_sides) const noexcept;
-  bool alone(std::uint32_t taxel, const Neighbourhood& around) const noexcept;
-  Neighbourhood around(std::uint32_t taxel) const noexcept;
+  bool alone(double normal_pa, const Neighbourhood& around) const noexcept;
+  bool shear_alone(double shear_pa, double normal_pa, const Neighbourhood& around) const noexcept;
+  Neighbourhood around(const Values& values, std::uint32_t taxel) const noexcept;
   void replace(std::uint32_t taxel, const Neighbourhood& around) noexcept;
 
   TaxelLayout layout_;
@@ -84,8 +100,9 @@ class SpikeFinder {
   double left_out_n_ = 0;
   float last_peak_pa_ = 0;  // of the last frame without its spikes
   float last_shear_pa_ = 0;
-  bool touched_ = false;  // the last frame was in contact
-  bool found_ = false;    // the last frame had a spike
+  double last_noise_pa_ = 0;  // of shear off the contact
+  bool touched_ = false;      // the last frame was in contact
+  bool found_ = false;        // the last frame had a spike
   std::uint32_t frames_ = 0;
 };
 

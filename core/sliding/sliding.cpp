@@ -97,7 +97,8 @@ void SlidingDetector::follow_field() noexcept {
   field_.settled = settled_normal_ > 0;
   field_.internal_share = std::max(0.0, change.all - change.along);
   field_.coherence = coherence();
-  if (change.all > options_.clear_change) field_.coherence = std::max(field_.coherence, change.along / change.all);
+  if (change.all > options_.clear_change)
+    field_.coherence = std::max(field_.coherence, change.along / change.all);
   ++field_.block;
 }
 

@@ -124,8 +124,8 @@ TEST(EstimateText, WhatIsUnknownIsNull) {
   estimate.state = State::ok;
   estimate.gamma = std::nan("");
   const auto json = read_estimate(estimate, "left", true, kNow);
-  for (const char* key :
-       {"gamma", "class", "sigma", "friction", "normal_n", "torque_nmm", "center_mm", "time_ns", "age_ms", "latency_us"}) {
+  for (const char* key : {"gamma", "class", "sigma", "friction", "normal_n", "torque_nmm", "center_mm",
+                          "time_ns", "age_ms", "latency_us"}) {
     EXPECT_TRUE(json[key].is_null()) << key;
   }
   EXPECT_TRUE(json["truth"]["gamma"].is_null());

@@ -209,6 +209,32 @@ TEST(SkinLayers, FeelPressingAsOutwardShearAndAPullAsPressureAheadAndSuctionBehi
   EXPECT_NEAR(pressed.normal[2], 3 / (2 * 3.14159265 * 4e-6), 1);
 }
 
+TEST(SkinLayers, OnceCalibratedFeelAnEvenLoadWhole) {
+  const auto layout = TaxelLayout::grid(4, 4, 0.0047);
+  std::vector<double> x, y, normal, shear;
+  for (int row = 0; row < 12; ++row) {
+    for (int column = 0; column < 12; ++column) {
+      x.push_back((column - 5.5) * 0.0047 / 3);
+      y.push_back((row - 5.5) * 0.0047 / 3);
+      normal.push_back(3.0 / 144);
+      shear.push_back(-1.0 / 144);
+    }
+  }
+  SkinLayer skin(layout, x, y, 0.0025);
+  const auto felt_n = [&] {
+    Taxels felt(16);
+    skin.feel(normal, shear, felt.normal, felt.x, felt.y);
+    const auto total = [&](const std::vector<float>& values) {
+      return layout.area_m2() * std::accumulate(values.begin(), values.end(), 0.0);
+    };
+    return std::pair(total(felt.normal), total(felt.x));
+  };
+  EXPECT_LT(felt_n().first, 2.9) << "its edges are not felt";
+  skin.calibrate(layout.area_m2());
+  EXPECT_NEAR(felt_n().first, 3, 1e-4);
+  EXPECT_NEAR(felt_n().second, -1, 1e-4);
+}
+
 // Nine pillars of heights and friction of their own, and a rough object of 0.2 kg.
 RoughContact rough(double one_side_friction = 1) {
   const auto layout = TaxelLayout::grid(3, 3, 0.007);

@@ -1,6 +1,6 @@
-// Frames of a contact that carries a force and a torque, for tests: a Hertz pressure on a bed of springs that is
-// shifted and turned; each spring sticks, or slips at friction times its pressure. No half space, but where it
-// slips it is exact, and a contact that slides all over is one of any body.
+// Frames of a contact that carries a force and a torque, for tests: a Hertz pressure on a bed of springs that
+// is shifted and turned; each spring sticks, or slips at friction times its pressure. No half space, but
+// where it slips it is exact, and a contact that slides all over is one of any body.
 #pragma once
 
 #include <algorithm>
@@ -40,11 +40,14 @@ class TurningFrames {
       double p = 0, qx = 0, qy = 0;
       constexpr int kParts = 4;
       for (int part = 0; part < kParts * kParts; ++part) {
-        const double u = layout_.x_m()[i] - contact.center_x_m + ((part % kParts + 0.5) / kParts - 0.5) * side;
-        const double v = layout_.y_m()[i] - contact.center_y_m + ((part / kParts + 0.5) / kParts - 0.5) * side;
+        const double u =
+            layout_.x_m()[i] - contact.center_x_m + ((part % kParts + 0.5) / kParts - 0.5) * side;
+        const double v =
+            layout_.y_m()[i] - contact.center_y_m + ((part / kParts + 0.5) / kParts - 0.5) * side;
         const double pressure =
             contact.peak_pa * contact::disc_average_exact(a, u, v, side / kParts) / (a * kParts * kParts);
-        const double give_x = contact.shift_x - contact.turn * v / a, give_y = contact.shift_y + contact.turn * u / a;
+        const double give_x = contact.shift_x - contact.turn * v / a,
+                     give_y = contact.shift_y + contact.turn * u / a;
         const double give = std::hypot(give_x, give_y), share = pressure / contact.peak_pa * kParts * kParts;
         const double carried = give > 0 ? std::min(1.0, share / give) : 0;  // of what the spring would hold
         const double scale = contact.friction * contact.peak_pa * carried / (kParts * kParts);

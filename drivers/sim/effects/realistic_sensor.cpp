@@ -80,6 +80,7 @@ RealisticSensor::RealisticSensor(const EffectSettings& effects, const TaxelLayou
   if (effects.depth_m > 0) {
     const Elements elements = of_skin(layout);
     skin_.emplace(layout, elements.x_m, elements.y_m, effects.depth_m);
+    skin_->calibrate(layout.area_m2());
   }
 }
 

@@ -25,6 +25,24 @@ SkinLayer::SkinLayer(const TaxelLayout& layout, std::span<const double> x_m, std
   }
 }
 
+void SkinLayer::calibrate(double taxel_area_m2) noexcept {
+  double normal = 0, shear = 0;  // felt of 1 N by each force, N
+  for (const Influence& of : influence_) {
+    normal += static_cast<double>(of.normal_of_normal) * taxel_area_m2;
+    shear += static_cast<double>(of.x_of_shear) * taxel_area_m2;
+  }
+  const auto all = static_cast<double>(forces_);
+  const auto normal_gain = static_cast<float>(all / normal), shear_gain = static_cast<float>(all / shear);
+  for (Influence& of : influence_) {
+    of.normal_of_normal *= normal_gain;
+    of.normal_of_shear *= normal_gain;
+    of.x_of_normal *= shear_gain;
+    of.x_of_shear *= shear_gain;
+    of.y_of_normal *= shear_gain;
+    of.y_of_shear *= shear_gain;
+  }
+}
+
 void SkinLayer::feel(std::span<const double> normal_n, std::span<const double> shear_n,
                      std::span<float> normal_pa, std::span<float> shear_x_pa,
                      std::span<float> shear_y_pa) const noexcept {

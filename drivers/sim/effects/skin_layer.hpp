@@ -18,6 +18,10 @@ class SkinLayer {
   SkinLayer(const TaxelLayout& layout, std::span<const double> x_m, std::span<const double> y_m,
             double depth_m);
 
+  // Scales normal and tangential tractions, as the maker's calibration does, so that an even load over all
+  // forces is felt whole: what a pad of finite size does not feel of its edges, is made up for.
+  void calibrate(double taxel_area_m2) noexcept;
+
   // What the taxels feel, Pa, of forces in N: pressing, and along x. The spans have the sizes of the forces
   // and of the layout.
   void feel(std::span<const double> normal_n, std::span<const double> shear_n, std::span<float> normal_pa,

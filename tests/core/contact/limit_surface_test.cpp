@@ -52,8 +52,12 @@ LimitSurface surface_of(const std::vector<PlainCell>& cells, double side, double
   return surface;
 }
 
-double hertz(double x, double y) { return std::sqrt(std::max(0.0, 1 - x * x - y * y)); }
-double even(double x, double y) { return x * x + y * y < 1 ? 1 : 0; }
+double hertz(double x, double y) {
+  return std::sqrt(std::max(0.0, 1 - x * x - y * y));
+}
+double even(double x, double y) {
+  return x * x + y * y < 1 ? 1 : 0;
+}
 double tilted_ellipse(double x, double y) {
   const double rest = 1 - x * x - 2.5 * y * y;
   return rest > 0 ? std::sqrt(rest) * (1 + 0.4 * x - 0.2 * y) : 0;
@@ -108,7 +112,8 @@ TEST(LimitSurface, AgreesWithAnIndependentSearchUnderForceAndTorque) {
 }
 
 // What a load asks of friction if the object turns about one centre.
-double asked(const std::vector<PlainCell>& cells, double x, double y, double torque, double at_x, double at_y) {
+double asked(const std::vector<PlainCell>& cells, double x, double y, double torque, double at_x,
+             double at_y) {
   double held = 0;
   for (const PlainCell& cell : cells) held += cell.normal * std::hypot(cell.x - at_x, cell.y - at_y);
   return std::fabs(torque - (at_x * y - at_y * x)) / held;
@@ -154,7 +159,8 @@ TEST(LimitSurface, DoesNotDependOnThePointThatTorqueIsTakenAbout) {
   const auto cells = cells_of(12, tilted_ellipse);
   const double ratio = surface_of(cells, 2.0 / 12).least_friction(0.2, -0.1, 0.15).ratio;
   const double x = 0.3, y = -0.2;
-  const double moved = surface_of(cells, 2.0 / 12, x, y).least_friction(0.2, -0.1, 0.15 - (x * -0.1 - y * 0.2)).ratio;
+  const double moved =
+      surface_of(cells, 2.0 / 12, x, y).least_friction(0.2, -0.1, 0.15 - (x * -0.1 - y * 0.2)).ratio;
   EXPECT_NEAR(moved, ratio, 1e-5);
 }
 
@@ -179,10 +185,12 @@ TEST(LimitSurface, ItsSlopesAreThoseOfTheRatio) {
   for (const double torque : {0.05, 0.2, -0.3}) {
     const LeastFriction at = surface.least_friction(0.25, 0, torque);
     const double by_shear = (surface.least_friction(0.25 + kStep, 0, torque).ratio -
-                             surface.least_friction(0.25 - kStep, 0, torque).ratio) / (2 * kStep);
+                             surface.least_friction(0.25 - kStep, 0, torque).ratio) /
+                            (2 * kStep);
     const double more = torque > 0 ? kStep : -kStep;
     const double by_torque = (surface.least_friction(0.25, 0, torque + more).ratio -
-                              surface.least_friction(0.25, 0, torque - more).ratio) / (2 * kStep);
+                              surface.least_friction(0.25, 0, torque - more).ratio) /
+                             (2 * kStep);
     EXPECT_NEAR(at.per_shear_n, by_shear, 2e-3);
     EXPECT_NEAR(at.per_torque_nm, by_torque, 1e-2);
   }

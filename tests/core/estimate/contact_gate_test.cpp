@@ -76,7 +76,8 @@ TEST_F(Gate, CallsShearWithoutPressurePulledAndNoContact) {
 
 TEST(ContactGate, OfALargeArrayLeavesTheContactToItsNoise) {
   EXPECT_EQ(default_min_normal_n(TaxelLayout::grid(16, 16, 0.001)), 0);
-  EXPECT_EQ(default_min_normal_n(TaxelLayout::grid(4, 4, 0.001)), default_min_normal_n(TaxelLayout::wrench(0.01)));
+  EXPECT_EQ(default_min_normal_n(TaxelLayout::grid(4, 4, 0.001)),
+            default_min_normal_n(TaxelLayout::wrench(0.01)));
 }
 
 }  // namespace

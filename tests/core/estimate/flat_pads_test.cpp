@@ -1,5 +1,6 @@
-// Fingers of a few flat pillars, whose margin is that of forces and of a friction that is known as a range: no
-// alarm from a grip that nobody pulls at, no safe margin for what is no grip, and friction from slides only.
+// Fingers of a few flat pillars, whose margin is that of forces and of a friction that is known as a range:
+// no alarm from a grip that nobody pulls at, no safe margin for what is no grip, and friction from slides
+// only.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,9 +38,9 @@ ChainSetup finger_setup() {
 // shear that points outwards.
 struct Load {
   double normal_n = 0;
-  double pull_n = 0;     // along x, shared as the normal force
-  double apart_n = 0;    // columns left and right pulled apart by that much each
-  double texture = 0;    // phase of the object's surface over the pillars, rad
+  double pull_n = 0;   // along x, shared as the normal force
+  double apart_n = 0;  // columns left and right pulled apart by that much each
+  double texture = 0;  // phase of the object's surface over the pillars, rad
 };
 
 class Finger {
@@ -171,8 +172,8 @@ TEST(FlatPads, ThatArePulledApartHaveNoSafeMarginAndAreInContact) {
     for (int i = 0; i < frames_of(2); ++i) finger.feel({.normal_n = gripped_n(time_of(i))});
     for (int i = 0; i < frames_of(2); ++i) {
       const double part = time_of(i) / 2;
-      const Estimate said = finger.feel(
-          {.normal_n = 5 + part * (last_n - 5), .pull_n = 2 * part, .apart_n = 4 * part});
+      const Estimate said =
+          finger.feel({.normal_n = 5 + part * (last_n - 5), .pull_n = 2 * part, .apart_n = 4 * part});
       EXPECT_NE(said.state, State::no_contact) << time_of(i);
       if (part > 0.25) {
         EXPECT_LT(said.gamma.value_or(0), 0.4) << time_of(i);
@@ -287,7 +288,8 @@ Hold held(const std::filesystem::path& file) {
   }
   if (margins.empty()) return hold;
   const auto middle_of = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                     values.end());
     return values[values.size() / 2];
   };
   hold.margin = middle_of(margins);

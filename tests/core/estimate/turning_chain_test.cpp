@@ -1,5 +1,5 @@
-// The whole chain on objects that turn in the grip: margin, friction, advice and the bound are those of force and
-// torque together.
+// The whole chain on objects that turn in the grip: margin, friction, advice and the bound are those of force
+// and torque together.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,8 @@ constexpr double kFriction = 0.5;
 // turned at once.
 class OffCentre {
  public:
-  OffCentre(TaxelLayout layout, std::optional<double> friction) : frames_(layout, 3), chain_(setup(layout, friction), nullptr) {}
+  OffCentre(TaxelLayout layout, std::optional<double> friction)
+      : frames_(layout, 3), chain_(setup(layout, friction), nullptr) {}
 
   struct Seen {
     Estimate estimate;
@@ -68,7 +69,8 @@ class OffCentre {
     const double normal_n = frames_.normal_n();
     seen.gamma = 1 - hertz_.least_friction(frames_.shear_x_n() / normal_n, frames_.shear_y_n() / normal_n,
                                            frames_.torque_nm() / (normal_n * contact_.radius_m))
-                             .ratio / contact_.friction;
+                             .ratio /
+                         contact_.friction;
     return seen;
   }
 
@@ -92,7 +94,9 @@ TEST(TurningChain, MarginAndFrictionAreThoseOfForceAndTorqueOrUnknown) {
       if (gamma < 0.6) ++answered;
       EXPECT_LT(*estimate.gamma - gamma, 0.15) << "too safe, mix " << mix << ", Gamma " << gamma;
       EXPECT_NEAR(*estimate.gamma, gamma, std::max(0.08, 4 * *estimate.sigma)) << mix;
-      if (gamma < 0.5 && estimate.friction) EXPECT_NEAR(*estimate.friction / kFriction, 1, 0.1) << mix << ' ' << gamma;
+      if (gamma < 0.5 && estimate.friction) {
+        EXPECT_NEAR(*estimate.friction / kFriction, 1, 0.1) << mix << ' ' << gamma;
+      }
     }
   }
   EXPECT_GT(answered, 0.6 * heavy);
@@ -125,7 +129,8 @@ TEST(TurningChain, TheBoundAndTheAdviceCountTheTorque) {
   ASSERT_TRUE(estimate.grip_increase_n && estimate.friction);
   const double target = AlertSettings().target_margin;
   EXPECT_NEAR(*estimate.grip_increase_n,
-              std::max(0.0, *estimate.pull_n / (*estimate.friction * (1 - target)) - *estimate.normal_n), 1e-9);
+              std::max(0.0, *estimate.pull_n / (*estimate.friction * (1 - target)) - *estimate.normal_n),
+              1e-9);
 }
 
 TEST(TurningChain, AGraspAddsUpWhatItsFingersAskOfFriction) {
@@ -145,8 +150,10 @@ TEST(TurningChain, ATorqueThatCameAndWentLeavesNoMarginThatIsTooSafe) {
   OffCentre grasp(kFine, std::nullopt);
   grasp.close(40);
   grasp.hang(80, 0.6, 2.5);
-  for (const auto& [estimate, gamma] : grasp.hang(100, 1.2, 0.02))
-    if (estimate.gamma) EXPECT_LT(*estimate.gamma - gamma, 0.15) << gamma;
+  for (const auto& [estimate, gamma] : grasp.hang(100, 1.2, 0.02)) {
+    if (!estimate.gamma) continue;
+    EXPECT_LT(*estimate.gamma - gamma, 0.15) << gamma;
+  }
 }
 
 }  // namespace

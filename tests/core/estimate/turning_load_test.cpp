@@ -1,4 +1,5 @@
-// Force and torque of a frame become the pull that asks for as much of friction; friction is read where taxels slip.
+// Force and torque of a frame become the pull that asks for as much of friction; friction is read where
+// taxels slip.
 #include "core/estimate/turning_load.hpp"
 
 #include <gtest/gtest.h>
@@ -37,7 +38,8 @@ TEST(TurningLoad, ItsTorqueIsThatOfTheShearAboutTheCentreWithAnHonestSigma) {
     double squares = 0;
     constexpr int kFrames = 60;
     for (int i = 0; i < kFrames; ++i) {
-      const Turned contact{.center_x_m = 3e-4, .center_y_m = -2e-4, .shift_x = 0.5, .turn = -0.8, .noise = 0.01};
+      const Turned contact{
+          .center_x_m = 3e-4, .center_y_m = -2e-4, .shift_x = 0.5, .turn = -0.8, .noise = 0.01};
       const ContactPatch& patch = finder.find(frames.make(contact));
       const double off = (patch.torque_nm - frames.torque_nm()) / patch.torque_sigma_nm;
       EXPECT_LT(std::fabs(off), 6);
@@ -71,7 +73,8 @@ TEST(TurningLoad, IsThePullItselfWhereNoiseMayBeAllOfTheTorque) {
   contact.move_to(2, 0.6, 0.5);
   for (const double noise : {0.0, 0.01, 0.05}) {
     for (int i = 0; i < 50; ++i) {
-      const auto& patch = finder.find(maker.make(contact, 3e-4, 1e-4, 0.1 * i, noise, synthetic::Noise::sensor));
+      const auto& patch =
+          finder.find(maker.make(contact, 3e-4, 1e-4, 0.1 * i, noise, synthetic::Noise::sensor));
       const TurningLoadResult now = load.of(patch);
       EXPECT_EQ(now.turning, Turning::none);
       EXPECT_EQ(now.pull_n, patch.shear_n);
@@ -80,21 +83,22 @@ TEST(TurningLoad, IsThePullItselfWhereNoiseMayBeAllOfTheTorque) {
   }
 }
 
-// An object that slides about any centre carries all that friction holds: mu P. On any layout, 4 x 4 included.
+// An object that slides about any centre carries all that friction holds: mu P. On any layout, 4 x 4
+// included.
 TEST(TurningLoad, AnObjectThatSlidesAboutAnyCentreAsksForAllOfFriction) {
   struct Case {
     TaxelLayout layout;
     double tolerance;
   };
-  for (const Case& at : {Case{kLarge, 3e-3}, Case{kFine, 3e-3}, Case{scattered(32, 0.00045), 4e-3},
-                         Case{TaxelLayout::grid(16, 16, 0.0009), 8e-3},
-                         Case{TaxelLayout::grid(6, 6, 0.0024), 3e-2}}) {
+  for (const Case& at :
+       {Case{kLarge, 3e-3}, Case{kFine, 3e-3}, Case{scattered(32, 0.00045), 4e-3},
+        Case{TaxelLayout::grid(16, 16, 0.0009), 8e-3}, Case{TaxelLayout::grid(6, 6, 0.0024), 3e-2}}) {
     TurningFrames frames(at.layout);
     PatchFinder finder(at.layout);
     TurningLoad load(at.layout);
     for (const double shift : {0.0, 10.0, 40.0, 200.0}) {
-      const ContactPatch& patch =
-          finder.find(frames.make({.center_x_m = 2e-4, .shift_x = 0.6 * shift, .shift_y = -0.8 * shift, .turn = 60}));
+      const ContactPatch& patch = finder.find(
+          frames.make({.center_x_m = 2e-4, .shift_x = 0.6 * shift, .shift_y = -0.8 * shift, .turn = 60}));
       const TurningLoadResult now = load.of(patch);
       EXPECT_EQ(now.turning, shift < 100 ? Turning::bending : now.turning);
       EXPECT_NEAR(now.pull_n / (0.5 * patch.normal_n), 1, at.tolerance) << at.layout.size() << ' ' << shift;

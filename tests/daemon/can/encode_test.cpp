@@ -76,7 +76,8 @@ TEST(CanEncode, TorqueIsSentWithItsSignAndUnknownIsNotZero) {
   EXPECT_EQ(torque.raw(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), kNotAvailable);
   for (const double torque_nm : {0.0, 0.0125, -0.3, 3.2}) {
     e.torque_nm = torque_nm;
-    EXPECT_NEAR(torque.physical(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), 1e3 * torque_nm, 0.051);
+    EXPECT_NEAR(torque.physical(encode_sliding(kBase + kSlidingOffset, e, false, 0).data), 1e3 * torque_nm,
+                0.051);
   }
   for (const double torque_nm : {50.0, -50.0}) {
     e.torque_nm = torque_nm;

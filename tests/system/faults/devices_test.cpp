@@ -51,8 +51,8 @@ TEST(Unplugged, HundredsOfTimesWithoutALeak) {
   bool some_batch_is_little = false;
   json after;
   for (std::uint64_t batch = 1; batch <= kBatches; ++batch) {
-    after = daemon.wait_for(
-        "status", [&](const json& s) { return sum(s, "reconnects") >= kFirst + batch * kBatch; });
+    after = daemon.wait_for("status",
+                            [&](const json& s) { return sum(s, "reconnects") >= kFirst + batch * kBatch; });
     const std::size_t kb_now = resident_kb(daemon.program().pid());
     some_batch_is_little |= kb_now <= kb + kLittleKb;
     kb = kb_now;

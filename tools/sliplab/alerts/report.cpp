@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -46,7 +47,7 @@ AlertLine count_alerts(const PresetBench& bench, bool friction_known, const std:
     line.holds_slip += trial.first_slip_s ? 1 : 0;
   }
   const double soon_s = std::max(kSoon_s, kSoonFrames / bench.rate_hz);
-  std::vector<double> delays_s;
+  std::vector<double> delays_s, slid_m;
   for (const AlertTrial& trial : slips) {
     if (!trial.gross_slip_s || !trial.first_alert_s) {
       ++line.missed;
@@ -56,7 +57,9 @@ AlertLine count_alerts(const PresetBench& bench, bool friction_known, const std:
     delays_s.push_back(delay_s);
     line.before += delay_s < 0 ? 1 : 0;
     line.soon += delay_s <= soon_s ? 1 : 0;
+    if (delay_s >= 0 && trial.slid_m) slid_m.push_back(*trial.slid_m);
   }
+  line.median_slid_m = median_of(std::move(slid_m));
   line.median_delay_s = median_of(std::move(delays_s));
   return line;
 }
@@ -65,18 +68,21 @@ std::string alerts_table(const std::vector<AlertLine>& lines) {
   std::string text =
       "| preset | frames a second | friction | holds | with an alert | with `slip` | slips | alert before "
       "the slide | "
-      "or within 30 ms or 3 frames | median alert, ms | missed | answered |\n"
-      "|---|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+      "or within 30 ms or 3 frames | median alert, ms | slid until late alerts, mm | missed | answered |\n"
+      "|---|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const AlertLine& line : lines) {
+    std::array<char, 64> slid{};
+    std::snprintf(slid.data(), slid.size(), "%.2f", 1e3 * line.median_slid_m);
     std::array<char, 300> row{};
     std::snprintf(row.data(), row.size(),
-                  "| `%s` | %.0f | %s | %zu | %.1f %% | %.1f %% | %zu | %.1f %% | %.1f %% | %+.0f | %.1f %% "
-                  "| %.0f %% |\n",
+                  "| `%s` | %.0f | %s | %zu | %.1f %% | %.1f %% | %zu | %.1f %% | %.1f %% | %+.0f | %s | "
+                  "%.1f %% | %.0f %% |\n",
                   std::string(to_string(line.preset)).c_str(), line.rate_hz,
                   line.friction_known ? "known" : "0.3–1", line.holds,
                   percent_of(line.holds_alerted, line.holds), percent_of(line.holds_slip, line.holds),
                   line.slips, percent_of(line.before, line.slips), percent_of(line.soon, line.slips),
-                  1e3 * line.median_delay_s, percent_of(line.missed, line.slips), 100 * line.answered);
+                  1e3 * line.median_delay_s, std::isfinite(line.median_slid_m) ? slid.data() : "–",
+                  percent_of(line.missed, line.slips), 100 * line.answered);
     text += row.data();
   }
   return text;
@@ -96,6 +102,7 @@ nlohmann::ordered_json to_json(const std::vector<AlertLine>& lines) {
                     {"soon", line.soon},
                     {"missed", line.missed},
                     {"median_delay_s", line.median_delay_s},
+                    {"median_slid_m", line.median_slid_m},
                     {"answered", line.answered}});
   }
   return {{"rows", std::move(rows)}};

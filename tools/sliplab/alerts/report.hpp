@@ -21,6 +21,7 @@ struct AlertLine {
   std::size_t soon = 0;       // before, or within 30 ms or three frames after
   std::size_t missed = 0;     // slips without an alert, or before the load began to rise
   double median_delay_s = 0;  // of the others, after the object began to slide; below 0: before
+  double median_slid_m = 0;   // of the alerts after it, how far the object had slid
   double answered = 0;        // share of frames in contact with a margin, of holds and slips
 };
 

@@ -62,7 +62,8 @@ class AlertWatch {
   AlertWatch(const PresetBench& bench, std::optional<double> friction)
       : chain_(chain_of(bench, friction), nullptr) {}
 
-  void take(const FrameSlot& frame, double time_s, const Truth& truth) {
+  void take(const FrameSlot& frame, double time_s, const sim::SimulatedSensor& sensor) {
+    const Truth& truth = frame.truth;
     const Estimate estimate = chain_.estimate(frame.view());
     if (truth.gamma <= kGrossSlip && !trial_.gross_slip_s) trial_.gross_slip_s = time_s;
     if (!std::isnan(truth.gamma)) {
@@ -73,6 +74,7 @@ class AlertWatch {
     if (estimate.alert != Alert::none && !trial_.first_alert_s) {
       trial_.first_alert_s = time_s;
       trial_.cause = estimate.alert_cause;
+      if (sensor.realistic() != nullptr) trial_.slid_m = std::fabs(sensor.realistic()->contact().slid_m());
     }
     if (estimate.alert == Alert::slip && !trial_.first_slip_s) trial_.first_slip_s = time_s;
   }
@@ -133,9 +135,10 @@ sim::SensorSettings draw_preset_grasp(const PresetBench& bench, GraspKind kind, 
   add_load(grasp, load_s, 0, load);
   grasp.cycle.push_back(phase_of(kLast_s));
   if (within(0, 1) < 0.5) {
-    add_normal(grasp, within(0.02, 0.2), normal_n, normal_n * within(1.1, 1.6));
+    const double tighter = within(1.1, 1.6);
+    add_normal(grasp, within(0.02, 0.2), normal_n, normal_n * tighter);
     grasp.cycle.push_back(phase_of(kLast_s));
-    add_load(grasp, load_s, 0, load);
+    add_load(grasp, load_s, load / tighter, load);
     grasp.cycle.push_back(phase_of(kLast_s));
   }
   return grasp;
@@ -155,8 +158,8 @@ AlertTrialPair run_preset_grasp(const PresetBench& bench, const sim::SensorSetti
     sensor.advance(std::chrono::nanoseconds(period_ns));
     if (!sensor.sample(slot)) continue;
     const double time_s = 1e-9 * static_cast<double>(t_ns);
-    known.take(slot, time_s, slot.truth);
-    unknown.take(slot, time_s, slot.truth);
+    known.take(slot, time_s, sensor);
+    unknown.take(slot, time_s, sensor);
   }
   return {known.trial(), unknown.trial()};
 }

@@ -33,9 +33,10 @@ slipd::sim::SensorSettings draw_preset_grasp(const PresetBench& bench, GraspKind
 
 // What was raised in one grasp; times in s since it began.
 struct AlertTrial {
-  std::optional<double> gross_slip_s;                 // when the true margin reached 0
-  std::optional<double> first_alert_s;                // of any level
-  std::optional<double> first_slip_s;                 // of level slip
+  std::optional<double> gross_slip_s;   // when the true margin reached 0
+  std::optional<double> first_alert_s;  // of any level
+  std::optional<double> first_slip_s;   // of level slip
+  std::optional<double> slid_m;  // how far the object had slid at the first alert, m; preset ideal: none
   slipd::AlertCause cause = slipd::AlertCause::none;  // of the first alert
   double least_margin = 1;                            // true, over all frames in contact
   std::size_t contact_frames = 0;                     // with a true margin
