@@ -46,8 +46,8 @@ struct FieldCourse {
   double internal_share = 0;
   // Whether the contact has settled.
   bool settled = false;
-  // Torque about the middle of the load that the contact settled with, over P, m: that of pressing, which grows
-  // with P. As ContactPatch::torque_nm.
+  // Torque about the middle of the load that the contact settled with, over P, m: that of pressing, which
+  // grows with P. As ContactPatch::torque_nm.
   double pressing_lever_m = 0;
   // Number of the block, from 1 in each contact.
   std::uint32_t block = 0;

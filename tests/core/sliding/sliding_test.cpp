@@ -147,7 +147,8 @@ FieldCourse field_after(double seconds, const std::function<Contact(double)>& co
   Pad pad(4, 50);
   SlidingDetector detector(pad.layout(), kFalseAlarmsPerHour);
   FieldCourse field;
-  for (double t = 0; t < seconds; t += 1 / kRateHz) field = detector.update(pad.frame(t, course(t)), true).field;
+  for (double t = 0; t < seconds; t += 1 / kRateHz)
+    field = detector.update(pad.frame(t, course(t)), true).field;
   return field;
 }
 
