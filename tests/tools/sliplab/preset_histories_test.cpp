@@ -91,8 +91,8 @@ Told told_of(const PresetBench& bench, const sim::SensorSettings& script) {
   return told;
 }
 
-class PresetHistories : public testing::TestWithParam<sim::Preset> {};
-INSTANTIATE_TEST_SUITE_P(, PresetHistories, testing::Values(sim::Preset::pillars, sim::Preset::magnetic_skin),
+class PresetHistories : public ::testing::TestWithParam<sim::Preset> {};
+INSTANTIATE_TEST_SUITE_P(, PresetHistories, ::testing::Values(sim::Preset::pillars, sim::Preset::magnetic_skin),
                          [](const auto& which) {
                            return which.param == sim::Preset::pillars ? "pillars" : "magnetic_skin";
                          });
