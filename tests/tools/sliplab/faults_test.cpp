@@ -21,6 +21,12 @@ bool harmless(Fault fault) {
     case Fault::delayed:
     case Fault::scale_1e3:  // beyond the scene's contacts on fine layouts only
     case Fault::weak_shear:
+    case Fault::turned_shear_x:
+    case Fault::dead_column:
+    case Fault::stuck_shear_bit:
+    case Fault::noisy_shear_x:
+    case Fault::lost_gains:
+    case Fault::lost_zeros:
     case Fault::stuck_bit:
     case Fault::other_finger:
     case Fault::clipped_shear:  // where shear stays below the limit nothing is clipped
