@@ -8,6 +8,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -237,6 +238,45 @@ TEST_P(Faults, AThousandfoldUnitIsRefused) {
                 }
               },
               {Health::wrong_scale, Health::full_scale});
+}
+
+TEST_P(Faults, AColumnThatDiesIsAFault) {
+  const std::size_t side = GetParam().side;
+  expect_told(grasp_,
+              [side](FrameSlot& f) {
+                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                  for (std::size_t i = side / 2; i < values.size(); i += side) values[i] = 0;
+                }
+              },
+              {Health::dead_row});
+}
+
+TEST_P(Faults, AStuckBitOfOneShearIsLeftOut) {
+  const std::size_t side = GetParam().side, middle = side / 2 * side + side / 2;
+  expect_told(grasp_, [middle](FrameSlot& f) { f.shear_x_pa[middle] += 1e6F; }, {Health::spike});
+}
+
+TEST_P(Faults, AShearChannelThatBecomesNoisyGivesNoMargin) {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<float> noise_pa(-2e4F, 2e4F);
+  expect_told(grasp_,
+              [&](FrameSlot& f) {
+                for (float& value : f.shear_x_pa) value += noise_pa(random);
+              },
+              {Health::noisy, Health::jump});
+}
+
+TEST_P(Faults, AJumpLastsUntilTheContactIsLost) {
+  grasp_.load();
+  grasp_.go(20, kNormal_n, GraspWithFault::kLoaded_n, [](FrameSlot& f) {
+    std::swap_ranges(f.shear_x_pa.begin(), f.shear_x_pa.end(), f.shear_y_pa.begin());
+  });
+  for (const Estimate& at : grasp_.go(100, kNormal_n, GraspWithFault::kLoaded_n)) {
+    EXPECT_EQ(at.health, Health::jump);
+    EXPECT_FALSE(at.gamma.has_value());
+  }
+  grasp_.go(40, 1e-6, 0);
+  EXPECT_EQ(grasp_.go(40, kNormal_n, 0).back().health, Health::good);
 }
 
 TEST_P(Faults, AreOverSoonAfterTheSensorIsSoundAgain) {
