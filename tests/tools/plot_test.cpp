@@ -24,7 +24,7 @@ class Plot : public ::testing::Test {
     return folder_.file("s.rec");
   }
   static std::string drawn(const slipd::Recorded& recorded) {
-    return draw_recorded(recorded, "title", 80, 26, ColourDepth::rgb).to_text();
+    return draw_recorded(recorded, "title", 80, 27, ColourDepth::rgb).to_text();
   }
   const TempFolder folder_;
 };

@@ -71,7 +71,7 @@ TEST(View, ShowsWhetherTheObjectSlidesAndAnAlertThatComesFromIt) {
   state.sensors[0].latest->sliding_for_ms = 340;
   state.sensors[0].latest->alert = "slip";
   state.sensors[0].latest->alert_cause = "sliding";
-  EXPECT_THAT(screen(state), AllOf(HasSubstr("slides    rotation 0.3 s"), HasSubstr(" slip: slides ")));
+  EXPECT_THAT(screen(state), AllOf(HasSubstr("slides    rotation 0.3 s"), HasSubstr(" slip: slides")));
   EXPECT_THAT(plain_line(state.sensors[0], 1), HasSubstr("slides rotation 0.3 s  alert slip: slides"));
   state.sensors[0].latest->sliding.clear();
   EXPECT_THAT(screen(state), HasSubstr("slides    –"));

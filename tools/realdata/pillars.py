@@ -60,12 +60,13 @@ def of_quiet(result, rows, recording, values):
 
 
 def of_turned(result, rows, recording, values):
+    """Alarms that begin after the turn does; one that stands before says nothing of it."""
     begin = TURN_S[0]
-    found = [float(r["time_s"]) for r in rows if rec.slips(r) and float(r["time_s"]) >= begin]
-    result.turned["slipd"] = found[0] - begin if found else None
-    for name, statistic in values.items():
-        at = next((t for v, t in zip(statistic, recording.times) if v > LIMITS[name] and t >= begin), None)
-        result.turned[name] = at - begin if at is not None else None
+    alarms = {"slipd": [rec.slips(r) for r in rows]}
+    alarms.update({name: [v > LIMITS[name] for v in statistic] for name, statistic in values.items()})
+    for name, on in alarms.items():
+        rises = [recording.times[i] for i in range(1, len(on)) if on[i] and not on[i - 1]]
+        result.turned[name] = next((t - begin for t in rises if t >= begin), None)
 
 
 def of_cable(result, rows):

@@ -51,7 +51,7 @@ sim::SensorSettings script_of(const PresetBench& bench, const Grasp& grasp, std:
   return settings;
 }
 
-Scene scene_of(const PresetBench& bench) {
+Scene scene_of_preset(const PresetBench& bench) {
   Scene scene = chain_of(bench, std::nullopt).scene;
   scene.objects[0].normal_n = {1, 5};
   return scene;
@@ -91,8 +91,9 @@ Told told_of(const PresetBench& bench, const sim::SensorSettings& script) {
   return told;
 }
 
-class PresetHistories : public testing::TestWithParam<sim::Preset> {};
-INSTANTIATE_TEST_SUITE_P(, PresetHistories, testing::Values(sim::Preset::pillars, sim::Preset::magnetic_skin),
+class PresetHistories : public ::testing::TestWithParam<sim::Preset> {};
+INSTANTIATE_TEST_SUITE_P(, PresetHistories,
+                         ::testing::Values(sim::Preset::pillars, sim::Preset::magnetic_skin),
                          [](const auto& which) {
                            return which.param == sim::Preset::pillars ? "pillars" : "magnetic_skin";
                          });
@@ -102,7 +103,7 @@ TEST_P(PresetHistories, OfRandomGraspsGiveFewMarginsThatAreFarTooSafe) {
   ErrorStatistics all;
   std::size_t sliding = 0, safe = 0;
   for (std::size_t i = 0; i < kGrasps; ++i) {
-    const Told told = told_of(bench, script_of(bench, draw_grasp(scene_of(bench), 1, i), i + 1));
+    const Told told = told_of(bench, script_of(bench, draw_grasp(scene_of_preset(bench), 1, i), i + 1));
     all.add(told.margins);
     sliding += told.sliding_frames;
     safe += told.claimed_safe;
