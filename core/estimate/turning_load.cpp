@@ -40,7 +40,8 @@ TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
     least = surface.least_friction(patch.shear_x_n, patch.shear_y_n, felt * patch.torque_nm);
   }
   const double share = (bent_ ? options_.kept_share : 1) * options_.bending_share;
-  bent_ = std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m;
+  bent_ = std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m &&
+          (bent_ || std::fabs(patch.torque_nm) > options_.bending_sigmas * patch.torque_sigma_nm);
   out.turning = bent_ ? Turning::bending : Turning::light;
   // Never less than the pull alone, which rounding and noisy cells could make of a light torque.
   out.pull_n = std::max(patch.shear_n, least.ratio * patch.normal_n);

@@ -138,9 +138,9 @@ TEST_P(SolverFramesBy, MarginsAreMeantAndFrictionIsRightOrUnknown) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, SolverFramesBy,
-                         ::testing::Values(Reach{MethodChoice::moments, 1, 0.03, 0.9},
-                                           Reach{MethodChoice::fit, 1, 0.03, 0.9},
-                                           Reach{MethodChoice::moments, 2, 0.05, 0.75}));
+                         ::testing::Values(Reach{MethodChoice::moments, 1, 0.03, 0.8},
+                                           Reach{MethodChoice::fit, 1, 0.03, 0.8},
+                                           Reach{MethodChoice::moments, 2, 0.05, 0.55}));
 
 }  // namespace
 }  // namespace slipd

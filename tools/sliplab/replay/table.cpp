@@ -30,7 +30,7 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
   std::ostringstream out;
   out.precision(9);
   out << "sensor,time_s,seq,state,gamma,gamma_low,sigma,friction,friction_sigma,normal_n,shear_n,torque_nmm,"
-         "torque_sigma_nmm,sliding,alert,alert_cause\n";
+         "sliding,alert,alert_cause\n";
   for (const ReplayRun& run : runs) {
     for (const ReplayRow& row : run.rows) {
       const Estimate& e = row.estimate;
@@ -39,7 +39,6 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
            {e.gamma, e.gamma_low, e.sigma, e.friction, e.friction_sigma, e.normal_n, e.shear_n})
         put(out, value);
       put(out, e.torque_nm, kMmPerM);
-      put(out, e.torque_sigma_nm, kMmPerM);
       out << ',' << (e.sliding ? to_string(*e.sliding) : "") << ',' << to_string(e.alert) << ','
           << (e.alert_cause == AlertCause::none ? "" : to_string(e.alert_cause)) << '\n';
     }
