@@ -6,6 +6,9 @@
 namespace slipd {
 namespace {
 
+// Zeros of shear wander by more than those of pressure: |Q| up to which a block is unloaded, over that of P.
+constexpr double kShearOverNormal = 3;
+
 double mean_of(double one, double other) noexcept {
   return (one + other) / 2;
 }
@@ -63,7 +66,7 @@ void UnloadedNoise::update(const Frame& frame) noexcept {
 void UnloadedNoise::finish_block() noexcept {
   frames_ = 0;
   const bool unloaded = std::fabs(block_.normal_n) <= unloaded_n_ &&
-                        std::hypot(block_.shear_x_n, block_.shear_y_n) <= unloaded_n_;
+                        std::hypot(block_.shear_x_n, block_.shear_y_n) <= kShearOverNormal * unloaded_n_;
   if (has_waiting_ && unloaded) count(waiting_);
   waiting_ = block_;
   has_waiting_ = unloaded;

@@ -37,8 +37,8 @@ struct UnloadedNoiseOptions {
 
 class UnloadedNoise {
  public:
-  // unloaded_n: |P| and |Q| of a block's mean up to which nothing touches the sensor, N, > 0. Single frames
-  // of a noisy sensor exceed it.
+  // unloaded_n: |P| of a block's mean up to which nothing touches the sensor, N, > 0; |Q| up to three times
+  // as much. Single frames of a noisy sensor exceed it.
   UnloadedNoise(const TaxelLayout& layout, double unloaded_n, const UnloadedNoiseOptions& options = {});
 
   // Every frame with a zero, in order of time.
