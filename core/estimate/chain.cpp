@@ -221,6 +221,16 @@ struct EstimatorChain::Impl {
     }
   }
 
+  // Of taxels whose shear means nothing by itself (flat skin) only the change of torque since the contact
+  // settled is a load: pressing makes one as well, and it grows with P.
+  ContactPatch without_pressing(const ContactPatch& patch) const noexcept {
+    ContactPatch pulled = patch;
+    if (method || setup.layout.size() == 1) return pulled;
+    pulled.torque_nm =
+        course.field.settled ? patch.torque_nm - course.field.pressing_lever_m * patch.normal_n : 0;
+    return pulled;
+  }
+
   // A frame with a contact or without one.
   void estimate_frame(const Frame& frame, const ContactPatch& patch, Estimate& out) noexcept {
     const bool touches = gate.judge(frame, patch);
@@ -237,7 +247,7 @@ struct EstimatorChain::Impl {
       return;
     }
     out.shear_n = patch.shear_n;
-    const TurningLoadResult load = turning_load.of(patch);
+    const TurningLoadResult load = turning_load.of(without_pressing(patch));
     // What friction has to carry, with torque, as a pull.
     ContactPatch loaded = patch;
     loaded.shear_n = load.pull_n;

@@ -28,7 +28,10 @@ void SlippingTaxels::collect(const ContactPatch& patch) noexcept {
   const double least_pa = std::max(options_.least_sigmas * noise_normal_pa_,
                                    options_.least_share * static_cast<double>(patch.peak_pa));
   const double rectified = 2 * noise_shear_pa_ * noise_shear_pa_;
+  const auto every =
+      static_cast<std::uint32_t>((patch.count + options_.most_taxels - 1) / options_.most_taxels);
   patch.for_each_inside([&](std::uint32_t i) {
+    if (i % every != 0) return;
     const auto p = static_cast<double>(patch.taxels.normal_pa[i]);
     if (!(p > least_pa)) return;
     const auto x = static_cast<double>(patch.taxels.shear_x_pa[i]);
@@ -111,7 +114,7 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
       options_.rounded_factor * plateau.width / plateau.ratio * (options_.rounded_base + out.gamma);
   const double sigma = std::hypot(by_noise, rounded);
   const double slipping = plateau.normal_pa / normal_pa_;
-  if (plateau.width > options_.max_width * plateau.ratio ||
+  if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
       plateau.slope < -options_.falling_sigmas * plateau.slope_sigma)
     return out;
   if (!(sigma < options_.max_sigma) || slipping < options_.least_slipping * slipping_share(out.gamma))

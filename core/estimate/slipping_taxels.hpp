@@ -20,6 +20,9 @@ struct SlippingTaxelsOptions {
   // … 0.2. Too small: ratios are noise. Too large: the rim, which slips first, is left out.
   double least_sigmas = 6;
   double least_share = 0.05;
+  // Of contacts with more taxels than this every n-th counts; 500 … 10000. Too small: more noise. Too large:
+  // costs time.
+  std::size_t most_taxels = 1500;
   // Share of the load that is below the ratio from which the plateau is looked for; 0.9 … 0.995. Too small: a
   // stuck part is taken for the plateau. Too large: noise is.
   double start_share = 0.97;
@@ -52,6 +55,9 @@ struct SlippingTaxelsOptions {
   double noise_factor = 1.3;
   double rounded_factor = 1.2;
   double rounded_base = 0.15;
+  // Above this margin nothing is answered: the part that slips is narrower than a few taxels; Gamma, 0.5 …
+  // 0.9. Too small: frames that show friction are refused. Too large: a peak of ratios passes for a plateau.
+  double max_gamma = 0.72;
   // Friction is given below this relative standard deviation; 0.02 … 0.2. Too small: only heavy loads are
   // answered. Too large: light ones are, by a peak below the plateau: friction too low.
   double max_sigma = 0.06;

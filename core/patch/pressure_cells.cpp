@@ -81,13 +81,15 @@ void PressureCells::end_band(const ContactPatch& patch, const Box& box, std::siz
   const double bottom_m = layout_.y_m()[corner] - patch.center_y_m;
   for (std::size_t from = 0; from < width; from += across) {
     const std::size_t end = std::min(from + across, width);
-    double normal = 0, by_column = 0, by_row = 0;
-    for (std::size_t i = from; i < end; ++i) {
-      const auto value = static_cast<double>(sums_[i]);
-      normal += value;
-      by_column += value * static_cast<double>(i);
-      by_row += static_cast<double>(moments_[i]);
+    float all = 0, moment = 0, rows_moment = 0, step = 0;  // of at most some tens of taxels: single will do
+    for (std::size_t i = from; i < end; ++i, step += 1) {
+      all += sums_[i];
+      moment += sums_[i] * step;
+      rows_moment += moments_[i];
     }
+    const auto normal = static_cast<double>(all);
+    const double by_column = static_cast<double>(moment) + normal * static_cast<double>(from);
+    const auto by_row = static_cast<double>(rows_moment);
     if (normal == 0) continue;
     const double column =
         std::clamp(by_column / normal, static_cast<double>(from), static_cast<double>(end - 1));

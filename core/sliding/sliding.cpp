@@ -94,6 +94,7 @@ SlidingVerdict SlidingDetector::update(const Frame& frame, bool contact) noexcep
 void SlidingDetector::follow_field() noexcept {
   field_.known = true;
   const FieldChange change = field_change();
+  field_.settled = settled_normal_ > 0;
   field_.internal_share = std::max(0.0, change.all - change.along);
   field_.coherence = coherence();
   if (change.all > options_.clear_change)
@@ -113,6 +114,23 @@ double SlidingDetector::coherence() const noexcept {
     all += without_noise(x, y, blocks_.noise());
   }
   return all > 0 ? std::min(1.0, sum.along() / all) : 1;
+}
+
+double SlidingDetector::lever_m() const noexcept {
+  const std::size_t cells = blocks_.cells();
+  const float* const now = blocks_.block(0);
+  double normal = 0, x_m = 0, y_m = 0, torque = 0;
+  for (std::size_t i = 0; i < cells; ++i) {
+    const double p = std::max(0.0, static_cast<double>(now[i]));
+    normal += p;
+    x_m += p * blocks_.x_m(i);
+    y_m += p * blocks_.y_m(i);
+  }
+  if (!(normal > 0)) return 0;
+  for (std::size_t i = 0; i < cells; ++i)
+    torque += (blocks_.x_m(i) - x_m / normal) * static_cast<double>(now[2 * cells + i]) -
+              (blocks_.y_m(i) - y_m / normal) * static_cast<double>(now[cells + i]);
+  return torque / normal;
 }
 
 SlidingDetector::FieldChange SlidingDetector::field_change() const noexcept {
@@ -213,6 +231,7 @@ void SlidingDetector::arm() noexcept {
   if (settled_normal_ == 0) {
     std::copy_n(blocks_.block(0), settled_.size(), settled_.begin());
     settled_normal_ = normal_of(0);
+    field_.pressing_lever_m = lever_m();
   }
   if (!armed_) {
     pattern_noise_ = last.pattern;

@@ -44,6 +44,11 @@ struct FieldCourse {
   // part that cancels in the sum. Shear that pressing alone makes grows with P and is not in it. 0 before the
   // contact has settled.
   double internal_share = 0;
+  // Whether the contact has settled.
+  bool settled = false;
+  // Torque about the middle of the load that the contact settled with, over P, m: that of pressing, which
+  // grows with P. As ContactPatch::torque_nm.
+  double pressing_lever_m = 0;
   // Number of the block, from 1 in each contact.
   std::uint32_t block = 0;
 };
@@ -132,6 +137,7 @@ class SlidingDetector {
   void arm() noexcept;
   void follow_field() noexcept;
   double coherence() const noexcept;
+  double lever_m() const noexcept;
   // Of shear since the contact settled, less what pressing makes: summed over cells, and of its sum; over P.
   struct FieldChange {
     double all = 0, along = 0;

@@ -48,6 +48,35 @@ TEST_F(AlertLogicTest, RaisesOnTheFirstFrameAtWhichTheMarginHasBeenLowForLongEno
   EXPECT_EQ(after(1, known(0.1)), Alert::slip);
 }
 
+TEST(AlertLogic, ByTheSafeMarginNeedsNoOther) {
+  AlertSettings settings;
+  settings.use = AlertUse::low;
+  AlertLogic logic(settings);
+  Estimate each = unknown(State::learning);
+  each.gamma_low = 0.5;
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(logic.update(now_ns += kMs, each), Alert::none);
+  each.gamma_low = 0.1;
+  Alert level = Alert::none;
+  for (int i = 0; i < 5; ++i) level = logic.update(now_ns += kMs, each);
+  EXPECT_EQ(level, Alert::slip);
+  each = known(0.1);
+  each.gamma_low = 0.6;
+  for (int i = 0; i < 5; ++i) level = logic.update(now_ns += kMs, each);
+  EXPECT_EQ(level, Alert::none);
+}
+
+TEST(AlertLogic, WhatIsSeenToSlideHasNoSafeMargin) {
+  AlertLogic logic({});
+  Estimate sliding = known(0.8);
+  sliding.gamma_low = 0.7;
+  sliding.sliding = Sliding::translation;
+  logic.judge(sliding);
+  EXPECT_EQ(sliding.alert, Alert::slip);
+  EXPECT_EQ(sliding.gamma_low, 0);
+  EXPECT_FALSE(sliding.gamma);
+}
+
 // Compared with the definition, on random margins: at a frame at which the margin has been below a threshold
 // for min_ms, the alert has at least that level, and no level rises at any other frame.
 TEST_F(AlertLogicTest, ALevelRisesAtThatFrameAndAtNoOther) {

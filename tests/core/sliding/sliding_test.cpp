@@ -22,6 +22,7 @@ struct Contact {
   double normal = 1;   // of the pressure, no unit
   double shear = 0.1;  // shear over pressure
   double x_m = 0, turned = 0;
+  double outward = 0, twist = 0;  // shear over pressure at 5 mm from the middle: away from it, about it
 };
 
 class Pad {
@@ -43,8 +44,10 @@ class Pad {
       const double texture = 1 + 0.3 * std::sin(u / 0.0008) + 0.3 * std::cos(v / 0.0011);
       const double p = 1e4 * contact.normal * std::exp(-r2) * texture;
       normal_[i] = static_cast<float>(p + offset + noise_ * gauss_(random_));
-      shear_x_[i] = static_cast<float>(contact.shear * p + offset + noise_ * gauss_(random_));
-      shear_y_[i] = static_cast<float>(offset + noise_ * gauss_(random_));
+      const double q_x = contact.shear + (contact.outward * x - contact.twist * y) / 0.005;
+      const double q_y = (contact.outward * y + contact.twist * x) / 0.005;
+      shear_x_[i] = static_cast<float>(q_x * p + offset + noise_ * gauss_(random_));
+      shear_y_[i] = static_cast<float>(q_y * p + offset + noise_ * gauss_(random_));
     }
     return {.sequence = ++sequence_,
             .time_ns = static_cast<std::int64_t>(time_s * 1e9),
@@ -137,6 +140,40 @@ TEST(Sliding, NeedsNoZero) {
       watch(
           pad, 3, [](double t) { return Contact{.shear = t < 2 ? 0.1 : 0.1 + 0.5 * (t - 2)}; }, kOffset)
           .slid);
+}
+
+// The course of the field at the end.
+FieldCourse field_after(double seconds, const std::function<Contact(double)>& course) {
+  Pad pad(4, 50);
+  SlidingDetector detector(pad.layout(), kFalseAlarmsPerHour);
+  FieldCourse field;
+  for (double t = 0; t < seconds; t += 1 / kRateHz)
+    field = detector.update(pad.frame(t, course(t)), true).field;
+  return field;
+}
+
+TEST(FieldCourse, OfAPullIsCoherentThoughPressingShearsOutwards) {
+  const auto pulled = [](double t) { return Contact{.shear = t < 1 ? 0 : 0.3 * (t - 1), .outward = 0.3}; };
+  EXPECT_LT(field_after(1, pulled).coherence, 0.3);
+  const FieldCourse field = field_after(2, pulled);
+  EXPECT_TRUE(field.settled);
+  EXPECT_GT(field.coherence, 0.95);
+  EXPECT_LT(field.internal_share, 0.03);
+}
+
+TEST(FieldCourse, OfATurnIsNotCoherentAndItsTaxelsCarryAgainstEachOther) {
+  const FieldCourse field =
+      field_after(2, [](double t) { return Contact{.shear = 0, .twist = t < 1 ? 0 : 0.4 * (t - 1)}; });
+  EXPECT_LT(field.coherence, 0.3);
+  EXPECT_GT(field.internal_share, 0.1);
+}
+
+TEST(FieldCourse, ShearOfPressingGrowsWithTheForceAndIsNoInternalLoad) {
+  const FieldCourse field = field_after(3, [](double t) {
+    return Contact{.normal = t < 1 ? 1 : 1 - 0.15 * (t - 1), .outward = 0.4, .twist = 0.2};
+  });
+  EXPECT_LT(field.internal_share, 0.02);
+  EXPECT_NE(field.pressing_lever_m, 0);
 }
 
 TEST(Sliding, IsNotToldByAForceAlone) {
