@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "schema/json_text.hpp"
@@ -13,17 +14,17 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<std::filesystem::path> shipped_scenes() {
-  std::vector<std::filesystem::path> scenes;
+std::vector<std::string> shipped_scenes() {
+  std::vector<std::string> scenes;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::string(SLIPD_SOURCE_DIR) + "/config/scenes"))
-    scenes.push_back(entry.path());
+    scenes.push_back(entry.path().stem().string());
   std::sort(scenes.begin(), scenes.end());
   return scenes;
 }
 
-json scene_of(const std::filesystem::path& path) {
-  std::ifstream in(path);
+json scene_of(const std::string& name) {
+  std::ifstream in(std::string(SLIPD_SOURCE_DIR) + "/config/scenes/" + name + ".json");
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   json scene = parse_json_text(text);
   scene.erase("$schema");
@@ -59,25 +60,25 @@ std::string csv_for(const json& scene, const std::string& file) {
 }
 
 // The scene with its socket and its files in the folder.
-json playable(const std::filesystem::path& path, const TempFolder& folder) {
-  json scene = scene_of(path);
+json playable(const std::string& name, const TempFolder& folder) {
+  json scene = scene_of(name);
   scene["socket"]["path"] = folder.file("s").string();
   const json shipped = scene;
   for (json& sensor : scene["sensors"]) {
     if (sensor["driver"] != "replay") continue;
-    const std::string name = sensor["options"]["file"];
-    sensor["options"]["file"] = folder.write(name, csv_for(shipped, name)).string();
+    const std::string file = sensor["options"]["file"];
+    sensor["options"]["file"] = folder.write(file, csv_for(shipped, file)).string();
   }
   return scene;
 }
 
-std::string name_of(const ::testing::TestParamInfo<std::filesystem::path>& scene) {
-  std::string name = scene.param.stem().string();
+std::string name_of(const ::testing::TestParamInfo<std::string>& scene) {
+  std::string name = scene.param;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
-class Scene : public ::testing::TestWithParam<std::filesystem::path> {};
+class Scene : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(, Scene, ::testing::ValuesIn(shipped_scenes()), name_of);
 
 TEST_P(Scene, PassesTheCheckOfItsConfiguration) {

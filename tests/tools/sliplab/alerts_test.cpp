@@ -1,6 +1,8 @@
 // Grasps of the simulated presets, and how their alerts are counted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tools/sliplab/alerts/report.hpp"
@@ -39,7 +41,7 @@ TEST_P(PresetGrasps, HoldWithAMarginOfAHalfAndSlipInTheEnd) {
     const auto held = true_margins(bench, GraspKind::hold, i);
     EXPECT_GE(*std::min_element(held.begin(), held.end()), 0.45) << i;
     EXPECT_GT(held.size(), 1000U);
-    EXPECT_EQ(true_margins(bench, GraspKind::slip, i).back(), 0) << i;
+    EXPECT_LT(true_margins(bench, GraspKind::slip, i).back(), 1e-9) << i;
   }
 }
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -146,6 +148,18 @@ TEST_F(Replay, LeavesEmptyWhatIsNotKnown) {
   EXPECT_GT(contact, 200U) << "2.4 s of contact";
 }
 
+TEST_F(Replay, GivesARowThatIsNoFrameALineToo) {
+  auto rows = pillar_rows(0.3);
+  rows[150].replace(0, rows[150].find(','), "nan");
+  const ReplayRun played = run(csv_of(rows));
+  ASSERT_EQ(played.rows.size(), rows.size());
+  EXPECT_EQ(played.rows[150].estimate.state, slipd::State::fault);
+  EXPECT_EQ(played.rows[150].row, 150U);
+  EXPECT_NE(played.rows[151].estimate.state, slipd::State::fault);
+  EXPECT_GT(played.rows[151].time_s, played.rows[149].time_s);
+  EXPECT_THAT(played.fault, IsEmpty());
+}
+
 TEST_F(Replay, SaysWhereAFileEndsThatCannotBeReadOn) {
   auto rows = pillar_rows(0.3);
   rows[100] = "1,2,three";
@@ -163,7 +177,18 @@ TEST_F(Replay, ReadsNewtonsAsTheForcesThatTheyAre) {
 }
 
 TEST_F(Replay, OfRawCountsTellsSlidingAndNoMargin) {
-  const ReplayRun played = run(csv_of(pillar_rows(0.3)), R"("unit": "raw")");
+  // Magnetometers read far from 0 without load, each its own value.
+  std::string text = lines_of(csv_of({}))[0];
+  for (const std::string& row : pillar_rows(0.3)) {
+    std::string shifted;
+    double offset = 100;
+    for (const std::string& field : row_fields(row)) {
+      shifted += (shifted.empty() ? "" : ",") + std::to_string(std::stod(field) + offset);
+      offset += 3;
+    }
+    text += "\n" + shifted;
+  }
+  const ReplayRun played = run(text + "\n", R"("unit": "raw")");
   bool told = false;
   for (const ReplayRow& row : played.rows) {
     EXPECT_EQ(row.estimate.state, slipd::State::unzeroed);
@@ -179,8 +204,7 @@ TEST_F(Replay, TakesTheTaxelsThatAreNamedInThatOrder) {
   std::vector<std::string> both;
   for (const std::string& row : rows)
     both.push_back("0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0," + row);
-  std::string header = lines_of(csv_of({}))[0] + "," + lines_of(csv_of({}, 10))[0];
-  std::string text = header;
+  std::string text = lines_of(csv_of({}))[0] + "," + lines_of(csv_of({}, 10))[0];
   for (const std::string& row : both) text += "\n" + row;
   const ReplayRun second =
       run(text + "\n", R"("unit": "N", "taxels": ["txl10", "txl11", "txl12", "txl13", "txl14",
@@ -191,7 +215,6 @@ TEST_F(Replay, TakesTheTaxelsThatAreNamedInThatOrder) {
     EXPECT_EQ(second.rows[i].estimate.normal_n, alone.rows[i].estimate.normal_n) << i;
     EXPECT_EQ(second.rows[i].estimate.gamma, alone.rows[i].estimate.gamma) << i;
   }
-  EXPECT_ANY_THROW(run(text + "\n")) << "columns of more taxels than the layout has, and no names";
 }
 
 TEST_F(Replay, RefusesWhatItCannotPlay) {
