@@ -29,8 +29,8 @@ struct TurningLoadOptions {
   // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
   // friction of pulls are given for fields that torque has changed.
   double bending_share = 0.1;
-  // And above this many standard deviations before it has bent the field; 4 … 10. Too small: in light contacts
-  // and without a pull noise bends the field, and the load's history is lost. Too large: as above.
+  // And above this many standard deviations before it has bent the field; 4 … 10. Too small: in light
+  // contacts and without a pull noise bends the field, and the load's history is lost. Too large: as above.
   double bending_sigmas = 6;
   // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3,
   // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too

@@ -1,7 +1,7 @@
 // Frames of contacts under force and torque from a boundary-element solver that shares no equation with
-// slipd: a half space with Cerruti's kernel, |q| <= mu p and the least elastic energy, for round, elliptic and
-// tilted pressures (tests/data/force-and-torque.bin: four numbers a frame, then counts of three channels).
-// Margin and friction are those of the solver.
+// slipd: a half space with Cerruti's kernel, |q| <= mu p and the least elastic energy, for round, elliptic
+// and tilted pressures (tests/data/force-and-torque.bin: four numbers a frame, then counts of three
+// channels). Margin and friction are those of the solver.
 #include <gtest/gtest.h>
 
 #include <array>
