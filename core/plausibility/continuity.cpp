@@ -86,14 +86,14 @@ Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const
   if (!patch.in_contact) {
     scaled_from_n_ = 0;
     unlikeness_ = turn_ = {};
-    broken_ = false;
   } else if (regular && clear && last_clear_) {
     const bool fast = step_s <= options.fast_step_s;
-    if (fast && directed && last_directed_ && turned(patch, options)) broken_ = true;
-    if (unlike(patch, pattern, probes, fast, options)) broken_ = true;
+    const bool turn = fast && directed && last_directed_ && turned(patch, options);
+    if (unlike(patch, pattern, probes, fast, options) || turn) broken_at_n_ = patch.normal_n;
     if (scaled(patch, pattern, options)) health = Health::wrong_scale;
   }
-  if (broken_ && health == Health::good) health = Health::jump;
+  if (!clear || patch.normal_n < options.let_go_share * broken_at_n_) broken_at_n_ = 0;
+  if (broken_at_n_ > 0 && health == Health::good) health = Health::jump;
   last_clear_ = clear;
   last_directed_ = directed;
   last_normal_n_ = patch.normal_n;

@@ -42,6 +42,10 @@ struct ContinuityOptions {
   double least_turn_rad = 0.25;
   double least_turn_share = 0.05;
   double fast_step_s = 3e-3;
+  // A contact that jumped is let go when its force is below this share of what it was then, or not clear;
+  // 0.01 … 0.5. Too small: a sensor that always reads some force has no margin any more. Too large: a grip
+  // that loosens has one again, though its contact is not known.
+  double let_go_share = 0.1;
   // Shears below this have no direction; standard deviations, 5 … 50.
   double directed_sigmas = 8;
 };
@@ -51,7 +55,7 @@ class Continuity {
   // A frame that is not believed for another reason: the next one is not compared with it.
   void skip(std::int64_t time_ns) noexcept;
 
-  // Any other frame. A jump lasts until the contact is lost. `probes`: taxels in `pattern`. Returns good,
+  // Any other frame. A jump lasts until the object is let go. `probes`: taxels in `pattern`. Returns good,
   // jump or wrong_scale.
   Health update(std::int64_t time_ns, const ContactPatch& patch, const PatternChange& pattern,
                 std::size_t probes, const ContinuityOptions& options) noexcept;
@@ -75,7 +79,7 @@ class Continuity {
   bool last_clear_ = false, last_directed_ = false;
   double last_normal_n_ = 0, last_noise_pa_ = 0;
   double last_shear_x_n_ = 0, last_shear_y_n_ = 0, last_shear_sigma_n_ = 0;
-  bool broken_ = false;       // since the contact began
+  double broken_at_n_ = 0;    // the normal force at which this contact jumped; 0: it did not
   double scaled_from_n_ = 0;  // the normal force before all pressures were scaled; 0: they were not
 };
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNeighbourSides = 1.5;
 
 // What stands for a value that is not a number: beyond every full scale.
-constexpr float kBeyondAll_pa = 1e30F;
+constexpr float kBeyondAllPa = 1e30F;
 
 // Ordered as magnitudes are, what is not a number last.
 std::uint32_t magnitude_bits(float value) noexcept {
@@ -20,7 +20,7 @@ std::uint32_t magnitude_bits(float value) noexcept {
 }
 
 float size_of(float value) noexcept {
-  return std::isfinite(value) ? std::fabs(value) : kBeyondAll_pa;
+  return std::isfinite(value) ? std::fabs(value) : kBeyondAllPa;
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ enum ContactStream : std::uint64_t { height_stream, texture_stream };
 // Bisections of an interval: to 1e-12 of it, below any noise.
 constexpr int kHalvings = 40;
 // An object that falls is caught by something sooner or later: no faster than this, m/s.
-constexpr double kFastestSlide_m_s = 0.5;
+constexpr double kFastestSlideMPerS = 0.5;
 // From one contact to the next, m: longer than any wave of the relief, and no multiple of one.
-constexpr double kNextPlace_m = 0.3173;
+constexpr double kNextPlaceM = 0.3173;
 
 // x in [low, high] with rising(x) = value.
 template <class Function>
@@ -65,7 +65,7 @@ void RoughContact::begin_anew() noexcept {
 
 // Gaps between the elements and the object where it lies now; the narrowest is 0.
 void RoughContact::place_object() noexcept {
-  const double from_m = kNextPlace_m * static_cast<double>(contacts_) - slid_m_;
+  const double from_m = kNextPlaceM * static_cast<double>(contacts_) - slid_m_;
   double narrowest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < x_m_.size(); ++i) {
     const double dx = x_m_[i] - settings_.apex_x_m, dy = y_m_[i] - settings_.apex_y_m;
@@ -137,7 +137,7 @@ void RoughContact::stick(double shear_n) noexcept {
 void RoughContact::slide(double shear_n, double dt_s) noexcept {
   const double way = speed_m_s_ != 0 ? std::copysign(1, speed_m_s_) : std::copysign(1, shear_n);
   const double speed_m_s = speed_m_s_ + (shear_n - way * capacity_n_) / settings_.mass_kg * dt_s;
-  speed_m_s_ = way * std::clamp(way * speed_m_s, 0.0, kFastestSlide_m_s);
+  speed_m_s_ = way * std::clamp(way * speed_m_s, 0.0, kFastestSlideMPerS);
   slid_m_ += speed_m_s_ * dt_s;
   for (std::size_t i = 0; i < anchor_m_.size(); ++i) {
     shear_n_[i] = way * limit_n_[i];

@@ -58,7 +58,7 @@ TEST_P(ContactThatGoesOn, MayTurnItsShearSlowly) {
   for (int i = 1; i <= 60; ++i) EXPECT_EQ(feel(3, 0.6, 0, 0.3 + 0.05 * i), Health::good) << i;
 }
 
-TEST_P(ContactThatGoesOn, IsNotTheSameElsewhereUntilItIsLost) {
+TEST_P(ContactThatGoesOn, IsNotTheSameElsewhereUntilItIsLetGo) {
   hold();
   for (int i = 0; i < 10; ++i) EXPECT_EQ(feel(3, 0.6, 3e-3, 0.3), Health::jump) << i;
   feel(1e-9, 0, 3e-3, 0.3);

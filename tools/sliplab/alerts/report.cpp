@@ -11,7 +11,7 @@ namespace {
 
 // An alert so long after the object began to slide still counts as soon, or so many frames, whichever is
 // longer.
-constexpr double kSoon_s = 0.03;
+constexpr double kSoonS = 0.03;
 constexpr double kSoonFrames = 3;
 
 double percent_of(std::size_t count, std::size_t all) {
@@ -46,7 +46,7 @@ AlertLine count_alerts(const PresetBench& bench, bool friction_known, const std:
     line.holds_alerted += trial.first_alert_s ? 1 : 0;
     line.holds_slip += trial.first_slip_s ? 1 : 0;
   }
-  const double soon_s = std::max(kSoon_s, kSoonFrames / bench.rate_hz);
+  const double soon_s = std::max(kSoonS, kSoonFrames / bench.rate_hz);
   std::vector<double> delays_s, slid_m;
   for (const AlertTrial& trial : slips) {
     if (!trial.gross_slip_s || !trial.first_alert_s) {

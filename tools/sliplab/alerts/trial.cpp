@@ -14,15 +14,15 @@ using namespace slipd;
 
 // What the scene expects, and what grasps are drawn from.
 constexpr Range kFriction{0.3, 1};
-constexpr Range kNormal_n{2, 8};
+constexpr Range kNormalN{2, 8};
 // Before the contact, for the noise to be measured, s.
-constexpr double kUnloaded_s = 0.3;
+constexpr double kUnloadedS = 0.3;
 // Holds are loaded to at most this share of what holds: with one slippery side the true margin is above 0.5.
 constexpr double kHeldLoad = 0.4;
 // Slips are loaded to this share.
 constexpr double kSlidingLoad = 1.15;
 // At the end of each grasp, s.
-constexpr double kLast_s = 0.5;
+constexpr double kLastS = 0.5;
 // A true margin below this is gross slip; no unit.
 constexpr double kGrossSlip = 1e-9;
 
@@ -119,27 +119,27 @@ sim::SensorSettings draw_preset_grasp(const PresetBench& bench, GraspKind kind, 
   grasp.skin = contact::body_of(bench.skin);
   grasp.imperfections.seed = draws.bits(i++);
   grasp.imperfections.noise = bench.preset == sim::Preset::ideal ? 0.005 : 0;
-  const double normal_n = within(kNormal_n.low, kNormal_n.high);
+  const double normal_n = within(kNormalN.low, kNormalN.high);
   const double load_s = 0.05 * std::pow(40, within(0, 1));
-  add_normal(grasp, kUnloaded_s, 0, 0);
+  add_normal(grasp, kUnloadedS, 0, 0);
   grasp.cycle.back().load = sim::Ramp{0, 0};
   grasp.cycle.back().friction = within(kFriction.low, kFriction.high);
   add_normal(grasp, within(0.05, 0.15), 0, normal_n);
   grasp.cycle.push_back(phase_of(within(0.5, 1.5)));
   if (kind == GraspKind::slip) {
     add_load(grasp, load_s, 0, kSlidingLoad);
-    add_load(grasp, kLast_s, kSlidingLoad, kSlidingLoad);
+    add_load(grasp, kLastS, kSlidingLoad, kSlidingLoad);
     return grasp;
   }
   const double load = within(0, kHeldLoad);
   add_load(grasp, load_s, 0, load);
-  grasp.cycle.push_back(phase_of(kLast_s));
+  grasp.cycle.push_back(phase_of(kLastS));
   if (within(0, 1) < 0.5) {
     const double tighter = within(1.1, 1.6);
     add_normal(grasp, within(0.02, 0.2), normal_n, normal_n * tighter);
-    grasp.cycle.push_back(phase_of(kLast_s));
+    grasp.cycle.push_back(phase_of(kLastS));
     add_load(grasp, load_s, load / tighter, load);
-    grasp.cycle.push_back(phase_of(kLast_s));
+    grasp.cycle.push_back(phase_of(kLastS));
   }
   return grasp;
 }

@@ -10,9 +10,9 @@ namespace {
 using slipd::Frame;
 using slipd::FrameSlot;
 
-constexpr float kSpike_pa = 5e6F, kFarSpike_pa = 1e8F, kAbsurd_pa = 1e30F, kStuckBit_pa = 4e5F;
-constexpr float kClip_pa = 5e3F, kDrift_pa_s = 2e3F, kWeak = 0.1F;
-constexpr float kNoise_pa = 2e4F, kLostGain = 0.3F, kLostZero_pa = 2e4F;
+constexpr float kSpikePa = 5e6F, kFarSpikePa = 1e8F, kAbsurdPa = 1e30F, kStuckBitPa = 4e5F;
+constexpr float kClipPa = 5e3F, kDriftPaPerS = 2e3F, kWeak = 0.1F;
+constexpr float kNoisePa = 2e4F, kLostGain = 0.3F, kLostZeroPa = 2e4F;
 constexpr std::size_t kBlockFrames = 20, kDelayFrames = 10;
 constexpr double kSecondsPerNs = 1e-9;
 
@@ -103,19 +103,19 @@ void FaultInjector::spoil_taxels(FrameSlot& frame) const {
   float& at_middle = frame.normal_pa[middle];
   switch (fault_) {
     case Fault::spike_5mpa:
-      at_middle = kSpike_pa;
+      at_middle = kSpikePa;
       break;
     case Fault::spike_1e30:
-      at_middle = kAbsurd_pa;
+      at_middle = kAbsurdPa;
       break;
     case Fault::far_100mpa:
-      frame.normal_pa.back() = kFarSpike_pa;
+      frame.normal_pa.back() = kFarSpikePa;
       break;
     case Fault::stuck_shear_bit:
-      frame.shear_x_pa[middle] += kStuckBit_pa;
+      frame.shear_x_pa[middle] += kStuckBitPa;
       break;
     case Fault::stuck_bit:
-      at_middle += kStuckBit_pa;
+      at_middle += kStuckBitPa;
       break;
     case Fault::not_a_number:
       at_middle = std::numeric_limits<float>::quiet_NaN();
@@ -139,9 +139,9 @@ void FaultInjector::spoil_line(FrameSlot& frame) const {
 void FaultInjector::spoil_calibration(FrameSlot& frame) const {
   const std::size_t taxels = frame.normal_pa.size();
   for (std::size_t i = 0; i < taxels; ++i) {
-    if (fault_ == Fault::lost_zeros) frame.normal_pa[i] += kLostZero_pa * random_.noise(i);
+    if (fault_ == Fault::lost_zeros) frame.normal_pa[i] += kLostZeroPa * random_.noise(i);
     if (fault_ == Fault::noisy_shear_x) {
-      frame.shear_x_pa[i] += kNoise_pa * random_.noise(taxels * since_ + i);
+      frame.shear_x_pa[i] += kNoisePa * random_.noise(taxels * since_ + i);
     } else if (fault_ == Fault::lost_gains) {
       const float gain = 1 + kLostGain * random_.noise(i);
       for (const auto values : channels_of(frame)) values[i] *= gain;
@@ -164,7 +164,7 @@ void FaultInjector::spoil_channels(FrameSlot& frame) {
     case Fault::dead_normal:
       return fill(frame.normal_pa, 0);
     case Fault::stuck_bit_channel:
-      for (float& value : frame.normal_pa) value += kStuckBit_pa;
+      for (float& value : frame.normal_pa) value += kStuckBitPa;
       return;
     case Fault::scale_1e_6:
       return scale(1e-6F);
@@ -176,8 +176,8 @@ void FaultInjector::spoil_channels(FrameSlot& frame) {
       for (const auto values : channels_of(frame)) fill(values, mean(values));
       return;
     case Fault::clipped_shear:
-      limit(frame.shear_x_pa, kClip_pa);
-      return limit(frame.shear_y_pa, kClip_pa);
+      limit(frame.shear_x_pa, kClipPa);
+      return limit(frame.shear_y_pa, kClipPa);
     case Fault::clipped_normal:
       if (since_ == 0) limit_pa_ = frame.normal_pa[peak_of(frame.normal_pa)] / 2;
       return limit(frame.normal_pa, limit_pa_);
@@ -237,7 +237,7 @@ void FaultInjector::spoil_course(FrameSlot& frame, const Frame& other) {
       const auto passed_s =
           static_cast<float>(kSecondsPerNs * static_cast<double>(frame.time_ns - kept_.back().time_ns));
       for (std::size_t i = 0; i < frame.normal_pa.size(); ++i)
-        frame.normal_pa[i] += kDrift_pa_s * passed_s * random_.noise(i);
+        frame.normal_pa[i] += kDriftPaPerS * passed_s * random_.noise(i);
       break;
     }
     default:
