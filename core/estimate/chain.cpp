@@ -257,7 +257,10 @@ struct EstimatorChain::Impl {
       out.torque_nm = patch.torque_nm;
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
-    estimate_margin(frame, patch, loaded, load.turning, out);
+    // On a flat pad a torque is no more than a hint: pressing makes some, too. gamma_low counts it.
+    const bool flat_pad = !method && setup.layout.size() > 1;
+    if (flat_pad) out.pull_n = patch.shear_n;
+    estimate_margin(frame, patch, flat_pad ? patch : loaded, load.turning, out);
     bound_margin(patch, loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
