@@ -198,10 +198,12 @@ LimitSurface unit_hertz_surface() {
   LimitSurface surface;
   surface.clear(kSide);
   for (int cell = 0; cell < kAcross * kAcross; ++cell) {
+    const int column = cell % kAcross, row = cell / kAcross;
     double normal = 0, by_x = 0, by_y = 0;
     for (int part = 0; part < kParts * kParts; ++part) {
-      const double x = cell % kAcross * kSide + (part % kParts + 0.5) * kPart - 1;
-      const double y = cell / kAcross * kSide + (part / kParts + 0.5) * kPart - 1;
+      const int part_column = part % kParts, part_row = part / kParts;
+      const double x = column * kSide + (part_column + 0.5) * kPart - 1;
+      const double y = row * kSide + (part_row + 0.5) * kPart - 1;
       const double force = disc_average_exact(1, x, y, kPart) * kPart * kPart / kVolume;
       normal += force;
       by_x += force * x;

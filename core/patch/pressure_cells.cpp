@@ -132,8 +132,9 @@ void PressureCells::pool_scattered(const ContactPatch& patch) noexcept {
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const Cell& cell = cells_[i];
     if (cell.normal == 0) continue;
-    const double left_m = static_cast<double>(i % kAcross) * cell_m - reach_m;
-    const double bottom_m = static_cast<double>(i / kAcross) * cell_m - reach_m;
+    const std::size_t column = i % kAcross, row = i / kAcross;
+    const double left_m = static_cast<double>(column) * cell_m - reach_m;
+    const double bottom_m = static_cast<double>(row) * cell_m - reach_m;
     surface_.add(std::clamp(cell.x / cell.normal, left_m, left_m + cell_m),
                  std::clamp(cell.y / cell.normal, bottom_m, bottom_m + cell_m), cell.normal * area_m2);
   }

@@ -34,6 +34,7 @@ std::vector<AlertTrialPair> run_kind(const PresetBench& bench, GraspKind kind, c
 
 std::vector<AlertTrial> of_chain(const std::vector<AlertTrialPair>& pairs, bool known) {
   std::vector<AlertTrial> trials;
+  trials.reserve(pairs.size());
   for (const AlertTrialPair& pair : pairs) trials.push_back(known ? pair.known : pair.unknown);
   return trials;
 }
