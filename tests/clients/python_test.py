@@ -155,6 +155,7 @@ class WithSlipd(unittest.TestCase):
             self.assertEqual(error.exception.code, -32001)
 
     def test_a_frame_has_a_value_for_each_taxel(self):
+        first(self.estimates("left"), lambda each: each.seq is not None)
         frame = self.client.frame("left")
         self.assertEqual({len(frame[key]) for key in ("normal_pa", "shear_x_pa", "shear_y_pa", "x_mm", "y_mm")}, {256})
 
