@@ -165,8 +165,8 @@ struct EstimatorChain::Impl {
     turning_load.reset();
   }
 
-  // What the forces did since the last frame nobody has seen.
-  void own_up(const ContactPatch& patch, Estimate& out) noexcept {
+  // What the forces did since the last frame was not measured: sigma grows with it.
+  void widen_by_unseen_motion(const ContactPatch& patch, Estimate& out) noexcept {
     unseen.update(patch, out.friction.value_or(usual_friction));
     unseen.widen(out, setup.estimator.sigma_max);
   }
@@ -292,7 +292,7 @@ struct EstimatorChain::Impl {
         shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
     tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out, course);
-    if (setup.estimator.tracking) own_up(patch, out);
+    if (setup.estimator.tracking) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
       out.gamma.reset();
       out.sigma.reset();
