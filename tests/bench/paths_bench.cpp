@@ -8,7 +8,7 @@
 
 #include "core/frame/mailbox.hpp"
 #include "daemon/rpc/estimate_text.hpp"
-#include "daemon/rt/latest.hpp"
+#include "core/frame/latest.hpp"
 #include "drivers/decode/decoder.hpp"
 #include "tests/bench/scenes.hpp"
 #include "tests/bench/times.hpp"
