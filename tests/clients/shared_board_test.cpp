@@ -103,7 +103,7 @@ TEST_F(SharedBoardTest, HasEachByteWhereThePageSays) {
   EXPECT_EQ(at<double>(record, 72), 7);
   EXPECT_EQ(at<std::uint8_t>(record, 192), 0);
   EXPECT_EQ(at<std::uint8_t>(record, 193), 2);
-  EXPECT_EQ(at<std::uint8_t>(record, 196), 2);
+  EXPECT_EQ(at<std::uint8_t>(record, 196), 3);
   EXPECT_EQ(at<std::uint8_t>(record, 197), 2);
   EXPECT_EQ(at<std::uint8_t>(record, 198), 1);
   const std::byte* const cup = memory + header + std::size_t{2} * slot;
@@ -322,10 +322,12 @@ TEST_F(Attach, AsANotificationPassesNothing) {
 // others, stay what they were.
 TEST_F(Attach, ReadersThatAreKilledLeaveNothingBehind) {
   constexpr int kReaders = 1000, kAtOnce = 20;
-  Attached witness(daemon_.socket());
-  witness.ask(kAttach);
   BoardView view;
-  ASSERT_EQ(view.map(witness.file), "");
+  {
+    Attached witness(daemon_.socket());
+    witness.ask(kAttach);
+    ASSERT_EQ(view.map(witness.file), "");
+  }
   const std::size_t before = daemon_.descriptors_at_rest();
   std::minstd_rand random(20);  // NOLINT(cert-msc51-cpp): the same in every run
   const auto begun = view.record(0).number;
@@ -344,7 +346,8 @@ TEST_F(Attach, ReadersThatAreKilledLeaveNothingBehind) {
     }
     for (const pid_t child : children) {
       if (random() % 4 == 0) kill(child, SIGSTOP);
-      usleep(static_cast<useconds_t>(random() % 1000));  // so that each dies in another place
+      const std::chrono::microseconds moment(random() % 1000);  // so that each dies in another place
+      std::this_thread::sleep_for(moment);
       kill(child, SIGKILL);
       waitpid(child, nullptr, 0);
     }
