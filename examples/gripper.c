@@ -9,9 +9,9 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-static const double kFirstGripN = 3;   /* when it closes on an object */
-static const double kFirmN = 15;       /* when it does not know: holds each object, breaks none */
-static const double kMostN = 20;       /* what no object is harmed by */
+static const double kFirstGripN = 2;   /* when it closes on an object */
+static const double kFirmN = 6;       /* when it does not know: holds each object, breaks none */
+static const double kMostN = 8;        /* what no object is harmed by */
 static const double kShareMore = 1.1;  /* on an alert without advice */
 static const double kMaxAgeS = 0.1;    /* some frames, and less than the time in which an object slips */
 
@@ -48,6 +48,8 @@ int main(int argc, char **argv) {
   const char *grip_input = argc > 3 ? argv[3] : NULL;
   slipd_client *slipd = NULL;
   if (slipd_open(&slipd, argc > 2 ? argv[2] : NULL) != SLIPD_DONE) return 1;
+  if (slipd_attach(slipd, argv[1], 1.0) != SLIPD_DONE)
+    return fprintf(stderr, "gripper: %s\n", slipd_error_text(slipd)), 1;
   signal(SIGTERM, end);
   signal(SIGINT, end);
   double force_n = kFirstGripN;

@@ -13,9 +13,9 @@
 
 namespace {
 
-constexpr double kFirstGripN = 3;   // when it closes on an object
-constexpr double kFirmN = 15;       // when it does not know: holds each object, breaks none
-constexpr double kMostN = 20;       // what no object is harmed by
+constexpr double kFirstGripN = 2;   // when it closes on an object
+constexpr double kFirmN = 6;       // when it does not know: holds each object, breaks none
+constexpr double kMostN = 8;        // what no object is harmed by
 constexpr double kShareMore = 1.1;  // on an alert without advice
 constexpr double kMaxAgeS = 0.1;    // some frames, and less than the time in which an object slips
 
