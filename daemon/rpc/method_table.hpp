@@ -31,7 +31,7 @@ struct MethodFacts {
   std::string_view result;
   // For people: a sentence without its end.
   std::string_view summary;
-  // Whether its answer or request carries a descriptor, so that it must not be part of a batch.
+  // Whether its answer carries a descriptor, so that it must have one, and one of its own: no notification, no batch.
   bool alone = false;
 };
 

@@ -163,7 +163,7 @@ void RpcMethods::line(const std::shared_ptr<Client>& client, std::string_view te
       ++refused_;
       Reply(request, answers)
           .error(rpc::kTooMuch, "the answers to this batch are too large; read them, and ask the rest again");
-    } else if (parsed.batch && sent_alone(request.method)) {
+    } else if ((parsed.batch || request.notification) && sent_alone(request.method)) {
       Reply(request, answers)
           .error(rpc::kInvalidRequest, "the answer carries a descriptor: send this request alone");
     } else {

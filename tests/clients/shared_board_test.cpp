@@ -316,6 +316,8 @@ TEST_F(Attach, AsANotificationPassesNothing) {
   const json answer = client.ask(notification + "\n" + R"({"jsonrpc":"2.0","id":2,"method":"version"})");
   EXPECT_EQ(answer["id"], 2);
   EXPECT_FALSE(client.file);
+  EXPECT_TRUE(client.ask(kAttach).contains("result"));
+  EXPECT_TRUE(client.file);
 }
 
 // Readers that stop, die at any moment, or attach and never read: slipd's descriptors, and the estimates of all
