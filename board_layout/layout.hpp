@@ -2,8 +2,8 @@
 // sensor and one for each grasp, in the order of the configuration. docs/clients.md states every byte. All
 // numbers are little-endian; a machine that is not cannot build it.
 //
-// One process writes (the daemon's estimate thread; io before that thread learns of the memory, and `closed`).
-// Readers map the memory read-only, so that none of them can change what another one reads.
+// One process writes (the daemon's estimate thread; io before that thread learns of the memory, and
+// `closed`). Readers map the memory read-only, so that none of them can change what another one reads.
 #pragma once
 
 #include <array>
@@ -110,8 +110,8 @@ struct alignas(64) Slot {
   std::array<char, 64> name{};
   // 0: a sensor; 1: a grasp.
   std::uint32_t kind = 0;
-  // Records published, modulo 2^32: the futex to wait on. Release after the record was stored, so that who sees
-  // the number finds that record or a newer one.
+  // Records published, modulo 2^32: the futex to wait on. Release after the record was stored, so that who
+  // sees the number finds that record or a newer one.
   std::atomic<std::uint32_t> published{0};
   std::array<std::uint64_t, 7> reserved{};
   // The newest record, as a seqlock of two copies: core/frame/latest.hpp argues it.
@@ -140,15 +140,15 @@ struct alignas(64) Header {
   // When the estimate thread last went round, ns, CLOCK_MONOTONIC; 0: not yet since the memory was made.
   // Relaxed: no other memory is read because of it.
   alignas(64) std::atomic<std::int64_t> heartbeat_ns{0};
-  // 1: slipd has stopped or taken up another configuration; attach anew. Release and acquire: after it no record
-  // changes.
+  // 1: slipd has stopped or taken up another configuration; attach anew. Release and acquire: after it no
+  // record changes.
   std::atomic<std::uint32_t> closed{0};
 };
 
 // Where docs/clients.md and clients that cannot link have them.
-static_assert(sizeof(Record) == 248 && std::is_trivially_copyable_v<Record> && offsetof(Record, gamma) == 32 &&
-              offsetof(Record, truth_friction) == 184 && offsetof(Record, state) == 192 &&
-              offsetof(Record, first_sensor) == 200);
+static_assert(sizeof(Record) == 248 && std::is_trivially_copyable_v<Record> &&
+              offsetof(Record, gamma) == 32 && offsetof(Record, truth_friction) == 184 &&
+              offsetof(Record, state) == 192 && offsetof(Record, first_sensor) == 200);
 static_assert(std::is_standard_layout_v<Header> && sizeof(Header) == 128 &&
               offsetof(Header, generation) == 32 && offsetof(Header, pid) == 48 &&
               offsetof(Header, heartbeat_ns) == 64 && offsetof(Header, closed) == 72);

@@ -14,7 +14,7 @@
 namespace {
 
 constexpr double kFirstGripN = 2;   // when it closes on an object
-constexpr double kFirmN = 6;       // when it does not know: holds each object, breaks none
+constexpr double kFirmN = 6;        // when it does not know: holds each object, breaks none
 constexpr double kMostN = 8;        // what no object is harmed by
 constexpr double kShareMore = 1.1;  // on an alert without advice
 constexpr double kMaxAgeS = 0.1;    // some frames, and less than the time in which an object slips
@@ -29,7 +29,8 @@ void command(double force_n, const std::string& grip_input) {
   grip_input.copy(address.sun_path, grip_input.size());
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   const std::string text = std::to_string(force_n);
-  sendto(fd, text.data(), text.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  sendto(fd, text.data(), text.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&address),
+         sizeof address);
   close(fd);
 }
 

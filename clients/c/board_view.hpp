@@ -36,14 +36,15 @@ class BoardView {
   int find(const char* name) const noexcept;
   // Its name, which ends with a zero.
   const char* name(int slot) const noexcept { return at(slot).name.data(); }
-  // The word to wait on. Acquire: pairs with the writer's release, so that the record of this number or a newer
-  // one is found afterwards.
+  // The word to wait on. Acquire: pairs with the writer's release, so that the record of this number or a
+  // newer one is found afterwards.
   std::uint32_t published(int slot) const noexcept {
     return at(slot).published.load(std::memory_order_acquire);
   }
   // The newest record.
   board_layout::Record record(int slot) const noexcept { return at(slot).latest.load(); }
-  // Sleeps until `published` of the slot is no longer `seen`, or until `until_ns`, CLOCK_MONOTONIC. May return early.
+  // Sleeps until `published` of the slot is no longer `seen`, or until `until_ns`, CLOCK_MONOTONIC. May
+  // return early.
   void wait(int slot, std::uint32_t seen, std::int64_t until_ns) const noexcept;
 
  private:

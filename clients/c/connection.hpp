@@ -1,5 +1,5 @@
-// A connection to slipd's socket: lines out, lines in, descriptors both ways. One thread's own. Functions throw
-// Failure or std::bad_alloc.
+// A connection to slipd's socket: lines out, lines in, descriptors both ways. One thread's own. Functions
+// throw Failure or std::bad_alloc.
 #pragma once
 
 #include <chrono>
@@ -37,7 +37,8 @@ class Connection {
   // Sends a request; `descriptor` -1: none. Returns its id.
   std::uint64_t request(std::string_view method, std::string_view params, int descriptor,
                         Clock::time_point until);
-  // The next line that has arrived by `until`, without its end. False: none. The line is valid until the next call.
+  // The next line that has arrived by `until`, without its end. False: none. The line is valid until the next
+  // call.
   bool line(std::string_view& text, Clock::time_point until);
   // The answer to a request, as the JSON text of the result. Throws away other lines.
   std::string answer(std::uint64_t id, Clock::time_point until);

@@ -34,7 +34,8 @@ void set_name(slipd_estimate& estimate, const char* name) noexcept {
 }
 
 // Takes away what must not be used once it is old. `since_ns`: CLOCK_MONOTONIC from which its age counts.
-void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now_ns, double max_age_s) noexcept {
+void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now_ns,
+               double max_age_s) noexcept {
   const bool framed = estimate.time_ns != 0;
   estimate.age_s = framed ? 1e-9 * static_cast<double>(now_ns - since_ns) : kInfinite;
   if (max_age_s > 0) {
@@ -55,7 +56,8 @@ double number(const nlohmann::json& values, const char* key, double factor = 1) 
 }
 
 template <std::size_t N>
-int index_of(const nlohmann::json& values, const char* key, const std::array<const char*, N>& names, int other) {
+int index_of(const nlohmann::json& values, const char* key, const std::array<const char*, N>& names,
+             int other) {
   const auto found = values.find(key);
   if (found == values.end() || !found->is_string()) return other;
   const auto& name = found->get_ref<const std::string&>();
@@ -162,17 +164,19 @@ void fill(slipd_estimate& estimate, const nlohmann::json& values, const nlohmann
 
 double slipd_margin(const slipd_estimate* estimate) {
   using namespace slipd::client;
-  const bool holds = estimate != nullptr && estimate->state == SLIPD_STATE_OK &&
-                     monotonic_ns() <= estimate->valid_until_ns;
+  const bool holds =
+      estimate != nullptr && estimate->state == SLIPD_STATE_OK && monotonic_ns() <= estimate->valid_until_ns;
   return holds ? estimate->gamma : kUnknown;
 }
 
 const char* slipd_state_name(int state) {
   using slipd::client::kStates;
-  return state >= 0 && state < static_cast<int>(kStates.size()) ? kStates[static_cast<std::size_t>(state)] : "?";
+  return state >= 0 && state < static_cast<int>(kStates.size()) ? kStates[static_cast<std::size_t>(state)]
+                                                                : "?";
 }
 
 const char* slipd_alert_name(int alert) {
   using slipd::client::kAlerts;
-  return alert >= 0 && alert < static_cast<int>(kAlerts.size()) ? kAlerts[static_cast<std::size_t>(alert)] : "?";
+  return alert >= 0 && alert < static_cast<int>(kAlerts.size()) ? kAlerts[static_cast<std::size_t>(alert)]
+                                                                : "?";
 }

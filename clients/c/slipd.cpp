@@ -36,8 +36,8 @@ constexpr double kLongestTimeout = 1e6;               // s: what counts as forev
 constexpr double kFirstPause = 0.05, kLastPause = 2;  // s, between attempts to connect
 // Longest sleep of slipd_wait before it looks at the heartbeat again, ns.
 constexpr std::int64_t kLookNs = 50'000'000;
-// A heartbeat that is older than so many of its periods is that of a slipd that has stopped. Fewer: a busy machine
-// looks like a stop. The age of the estimate counts besides.
+// A heartbeat that is older than so many of its periods is that of a slipd that has stopped. Fewer: a busy
+// machine looks like a stop. The age of the estimate counts besides.
 constexpr std::int64_t kBeatsMissed = 10;
 constexpr std::array<std::pair<int, const char*>, 3> kEvents{
     {{SLIPD_EVENT_ESTIMATE, "estimate"}, {SLIPD_EVENT_ALERT, "alert"}, {SLIPD_EVENT_STATE, "state"}}};
@@ -47,7 +47,8 @@ double seconds_of(double timeout_s) noexcept {
 }
 
 Clock::time_point after(double timeout_s) noexcept {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds_of(timeout_s)));
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds_of(timeout_s)));
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ struct slipd_client {
   // The subscription.
   Connection events;
   UniqueFd epoll, timer;
-  std::string subscription;  // parameters as JSON; empty: there is none
+  std::string subscription;         // parameters as JSON; empty: there is none
   std::uint64_t subscribed_by = 0;  // id of the request
   double pause_s = kFirstPause;
 
@@ -94,8 +95,8 @@ int guarded(slipd_client* s, Body body) noexcept {
   }
 }
 
-// The same for a request: after a failure on the way the connection is given up, so that a late answer is not taken
-// for another one's.
+// The same for a request: after a failure on the way the connection is given up, so that a late answer is not
+// taken for another one's.
 template <typename Body>
 int requested(slipd_client* s, Body body) noexcept {
   const int code = guarded(s, body);
@@ -180,7 +181,8 @@ bool take_event(slipd_client& s, std::string_view line, double max_age_s, slipd_
 }
 
 int next_event(slipd_client& s, double max_age_s, Clock::time_point until, slipd_estimate& estimate) {
-  if (s.subscription.empty()) throw Failure(SLIPD_INVALID, "there is no subscription: call slipd_subscribe first");
+  if (s.subscription.empty())
+    throw Failure(SLIPD_INVALID, "there is no subscription: call slipd_subscribe first");
   try {
     for (;;) {
       if (s.events.connected()) {
@@ -191,7 +193,8 @@ int next_event(slipd_client& s, double max_age_s, Clock::time_point until, slipd
       }
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
       epoll_event due{};
-      if (epoll_wait(s.epoll.get(), &due, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000))) <= 0)
+      if (epoll_wait(s.epoll.get(), &due, 1,
+                     static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000))) <= 0)
         return SLIPD_TIMEOUT;
       arm(s.timer, kLongestTimeout);  // no longer readable
       start_subscription(s, Clock::now() + std::chrono::seconds(1));
@@ -287,7 +290,8 @@ int slipd_gamma(slipd_client* s, const char* sensor, double max_age_s, double ti
   if (estimate == nullptr || sensor == nullptr) return SLIPD_INVALID;
   clear(*estimate, sensor, SLIPD_STATE_DISCONNECTED);
   return requested(s, [&] {
-    const json result = json::parse(call(*s, "gamma", R"({"sensor":)" + quoted(sensor) + "}", -1, after(timeout_s)));
+    const json result =
+        json::parse(call(*s, "gamma", R"({"sensor":)" + quoted(sensor) + "}", -1, after(timeout_s)));
     const json& values = result.at("sensors").at(0);
     fill(*estimate, values, values.value("age_ms", json()), monotonic_ns(), max_age_s);
     return SLIPD_DONE;

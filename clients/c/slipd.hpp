@@ -21,7 +21,8 @@
 
 namespace slipd::client {
 
-// What slipd refuses, or what is missing to ask it: code() is SLIPD_REFUSED, SLIPD_INVALID, SLIPD_DISCONNECTED, …
+// What slipd refuses, or what is missing to ask it: code() is SLIPD_REFUSED, SLIPD_INVALID,
+// SLIPD_DISCONNECTED, …
 class Error : public std::runtime_error {
  public:
   Error(int code, const std::string& text) : std::runtime_error(text), code_(code) {}
@@ -85,8 +86,8 @@ class Connection {
                  double timeout_s = 1) {
     check(slipd_subscribe(get(), sensor.empty() ? nullptr : sensor.c_str(), max_rate_hz, events, timeout_s));
   }
-  // The next estimate. Not new: none came in time, or slipd is away (state "disconnected"; it connects again by
-  // itself). Throws Error if slipd refuses the subscription.
+  // The next estimate. Not new: none came in time, or slipd is away (state "disconnected"; it connects again
+  // by itself). Throws Error if slipd refuses the subscription.
   Estimate next(double max_age_s, double timeout_s) {
     Estimate estimate;
     estimate.is_new_ = lenient(slipd_next(get(), max_age_s, timeout_s, &estimate.fields_));

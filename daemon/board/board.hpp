@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
+#include "core/frame/latest.hpp"
 #include "core/frame/layout.hpp"
 #include "core/model/work_precision.hpp"
 #include "core/plausibility/health.hpp"
@@ -23,7 +24,6 @@
 #include "daemon/board/record_tap.hpp"
 #include "daemon/board/shared_board.hpp"
 #include "daemon/rt/io_wakeup.hpp"
-#include "core/frame/latest.hpp"
 #include "daemon/rt/log_ring.hpp"
 
 namespace slipd {

@@ -122,8 +122,7 @@ void SharedBoard::open(const std::vector<std::string>& sensors, const std::vecto
   const std::size_t bytes = board_layout::bytes_for(sensors.size(), grasps.size());
   std::shared_ptr<Use[]> uses(new Use[slots]);  // make_shared of GCC 12 would copy them
   UniqueFd file = make_file(bytes);
-  void* const mapped =
-      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file.get(), 0);
+  void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file.get(), 0);
   if (mapped == MAP_FAILED) refuse_memory("mmap");
   // After mmap: F_SEAL_FUTURE_WRITE leaves the mappings that there are.
   if (fcntl(file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) != 0) {

@@ -43,7 +43,8 @@ void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
     bool busy = false;
     const auto now = Clock::now();
     bool new_memory = false;
-    const bool shared = board_.shared.begin_round(now.time_since_epoch() / std::chrono::nanoseconds(1), new_memory);
+    const bool shared =
+        board_.shared.begin_round(now.time_since_epoch() / std::chrono::nanoseconds(1), new_memory);
     if (new_memory) publish_shared();
     auto wake_at = now + (shared ? kLongestSleepShared : std::chrono::nanoseconds(kLongestSleep));
     for (SensorState& state : states_) {

@@ -22,7 +22,8 @@ std::vector<std::unique_ptr<SensorRuntime>> make_runtimes(const Settings& settin
     for (const std::string& name : grasp.sensors) {
       const auto named = [&](const SensorSettings& sensor) { return sensor.setup.name == name; };
       const auto found = std::find_if(settings.sensors.begin(), settings.sensors.end(), named);
-      members.push_back(static_cast<std::size_t>(found - settings.sensors.begin()));  // the configuration has it
+      members.push_back(
+          static_cast<std::size_t>(found - settings.sensors.begin()));  // the configuration has it
     }
     board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members)));
   }

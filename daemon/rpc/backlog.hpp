@@ -27,7 +27,8 @@ class Backlog {
   // `max_notifications`: kept at most, at least 1.
   explicit Backlog(std::size_t max_notifications) : max_notifications_(max_notifications) {}
 
-  // Appends a response, without its end of line. `descriptor`: passed along with its first byte; none: nothing.
+  // Appends a response, without its end of line. `descriptor`: passed along with its first byte; none:
+  // nothing.
   void push_response(std::string text, UniqueFd descriptor = {});
 
   // Appends a notification and drops the oldest one beyond the limit. `lost`: notifications dropped before it

@@ -181,7 +181,7 @@ void Client::respond(std::string text) {
       owed_->add(text.size() + 1);  // with its end of line
       backlog_.push_response(std::move(text), std::move(passing_));
     }
-    passing_ = {};  // a notification has no response
+    passing_ = {};                 // a notification has no response
     if (!parsing_) on_writable();  // otherwise take_lines' caller sends it
   });
 }

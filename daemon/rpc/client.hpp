@@ -111,8 +111,8 @@ class Client : public std::enable_shared_from_this<Client> {
   std::string input_;
   std::string output_;    // the line that is being sent
   std::size_t sent_ = 0;  // of output_
-  UniqueFd passing_;           // goes with the next response
-  UniqueFd output_fd_;         // goes with the first byte of output_
+  UniqueFd passing_;      // goes with the next response
+  UniqueFd output_fd_;    // goes with the first byte of output_
   std::deque<UniqueFd> passed_;
   // Written by io, read by the writer of a recording that this client requested. No other memory is read
   // because of it.

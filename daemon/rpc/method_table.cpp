@@ -84,11 +84,11 @@ const MethodFacts& facts_of(std::string_view method) {
 }
 
 Ordered open_rpc_document() {
-  const Ordered errors = Ordered::array({error_json(kInvalidParams, "Invalid params"),
-                                   error_json(kUnknownSensor, "Unknown sensor"),
-                                   error_json(kNotPermitted, "Not permitted"),
-                                   error_json(kNotPossible, "Not possible for this sensor or at this time"),
-                                   error_json(kTooMuch, "More than slipd keeps for clients that do not read")});
+  const Ordered errors = Ordered::array(
+      {error_json(kInvalidParams, "Invalid params"), error_json(kUnknownSensor, "Unknown sensor"),
+       error_json(kNotPermitted, "Not permitted"),
+       error_json(kNotPossible, "Not possible for this sensor or at this time"),
+       error_json(kTooMuch, "More than slipd keeps for clients that do not read")});
   Ordered list = Ordered::array();
   for (const MethodFacts& method : methods()) {
     Ordered parameters = Ordered::array();

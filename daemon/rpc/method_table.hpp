@@ -1,5 +1,6 @@
-// Which methods the socket has, and with which parameters: the table that slipd serves by, that `rpc.discover`
-// answers with, and that docs/socket.md and the clients are compared with. Called from any thread.
+// Which methods the socket has, and with which parameters: the table that slipd serves by, that
+// `rpc.discover` answers with, and that docs/socket.md and the clients are compared with. Called from any
+// thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,7 +32,8 @@ struct MethodFacts {
   std::string_view result;
   // For people: a sentence without its end.
   std::string_view summary;
-  // Whether its answer carries a descriptor, so that it must have one, and one of its own: no notification, no batch.
+  // Whether its answer carries a descriptor, so that it must have one, and one of its own: no notification,
+  // no batch.
   bool alone = false;
 };
 

@@ -107,8 +107,7 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
   };
   // One that needs no client and responds at once.
   const auto plain = [&](const char* name, auto body) {
-    serve(name,
-          [body](Client&, const Params& params, const Reply& reply) { reply.result(body(params)); });
+    serve(name, [body](Client&, const Params& params, const Reply& reply) { reply.result(body(params)); });
   };
   plain("version", [](const Params&) {
     return json{{"name", "slipd"}, {"version", SLIPD_VERSION}, {"protocol", 1}};
@@ -122,8 +121,7 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
       throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
     return json(can::dbc_text(*context_.settings.can, can::source_names(context_.settings)));
   });
-  serve("gamma",
-        [this](Client&, const Params& params, const Reply& reply) { reply.text(gamma(params)); });
+  serve("gamma", [this](Client&, const Params& params, const Reply& reply) { reply.text(gamma(params)); });
   plain("tradeoff", [this](const Params& params) -> json {
     const SensorStatus& status = *context_.board.sensors[required_sensor(params, context_.board)];
     const DeviceFacts facts = status.facts();
@@ -257,8 +255,9 @@ void RpcMethods::attach(Client& client, const Params& params, const Reply& reply
   try {
     board.shared.open(sensors, grasps);
     if (client.attachment != nullptr && client.attached_generation == board.shared.generation()) {
-      throw rpc::Error(rpc::kNotPossible,
-                       "this connection has attached already; use the descriptor that it got, or connect anew");
+      throw rpc::Error(
+          rpc::kNotPossible,
+          "this connection has attached already; use the descriptor that it got, or connect anew");
     }
     UniqueFd descriptor = out_of_the_way(board.shared.descriptor());
     client.attachment = board.shared.wait_for(slots);

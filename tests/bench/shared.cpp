@@ -1,5 +1,6 @@
-// The part of daemon-bench on the board in shared memory: what reading a record costs beside copying its bytes and a
-// GET of Redis, and how long after a frame a waiting reader has its estimate, beside a subscriber of the socket.
+// The part of daemon-bench on the board in shared memory: what reading a record costs beside copying its
+// bytes and a GET of Redis, and how long after a frame a waiting reader has its estimate, beside a subscriber
+// of the socket.
 #include <benchmark/benchmark.h>
 #include <slipd.h>
 
@@ -22,7 +23,7 @@ using testing::Daemon;
 using testing::TempFolder;
 using namespace std::chrono_literals;
 
-constexpr int kTurns = 5;      // of reader and subscriber
+constexpr int kTurns = 5;        // of reader and subscriber
 constexpr double kPatience = 5;  // s
 
 // ns of one call, the least of several runs: others use the machine as well.
@@ -128,19 +129,21 @@ void readers(const Daemon& daemon) {
     return (usage_of(daemon.program().pid()).cpu_s - before) / (1e-9 * static_cast<double>(now_ns() - begin));
   };
   for (const auto& [polling, waiting] : {std::pair{0, 0}, {10, 0}, {0, 1}, {0, 4}, {0, 20}})
-    say("shared readers", {{"polling", polling}, {"waiting", waiting}, {"cpu_share", cpu_share(polling, waiting)}});
+    say("shared readers",
+        {{"polling", polling}, {"waiting", waiting}, {"cpu_share", cpu_share(polling, waiting)}});
 }
 
 }  // namespace
 
 void shared() {
   const TempFolder folder;
-  const Daemon daemon(config(folder, json::array({trial("left", 100, 1000)}), "moments"), testing::trial_drivers(),
-                      state());
+  const Daemon daemon(config(folder, json::array({trial("left", 100, 1000)}), "moments"),
+                      testing::trial_drivers(), state());
   wait_for_estimates(daemon, 100);
   slipd_client* client = nullptr;
   slipd_open(&client, daemon.socket().c_str());
-  if (slipd_attach(client, "left", kPatience) != SLIPD_DONE) throw std::runtime_error(slipd_error_text(client));
+  if (slipd_attach(client, "left", kPatience) != SLIPD_DONE)
+    throw std::runtime_error(slipd_error_text(client));
   reads(client);
   delivery(daemon, client);
   slipd_close(client);

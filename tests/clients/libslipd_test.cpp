@@ -49,7 +49,8 @@ class Libslipd : public ::testing::Test {
       if (code >= 0 && estimate.state == state) return estimate;
       if (code < 0) break;
     }
-    ADD_FAILURE() << name << ": last state " << slipd_state_name(estimate.state) << " " << slipd_error_text(client_);
+    ADD_FAILURE() << name << ": last state " << slipd_state_name(estimate.state) << " "
+                  << slipd_error_text(client_);
     return estimate;
   }
   int attach(const char* wait_for) { return slipd_attach(client_, wait_for, kPatienceS); }
@@ -81,7 +82,8 @@ TEST_F(Libslipd, SharedMemoryHasWhatTheSocketHas) {
     EXPECT_EQ(socket.shear_n, now_.shear_n);
     EXPECT_NEAR(socket.radius_m, now_.radius_m, 1e-12);
     EXPECT_NEAR(socket.center_x_m, now_.center_x_m, 1e-12);
-    EXPECT_NEAR(static_cast<double>(socket.time_ns - now_.time_ns), 0, 50e6);  // two clocks, read one after the other
+    EXPECT_NEAR(static_cast<double>(socket.time_ns - now_.time_ns), 0,
+                50e6);  // two clocks, read one after the other
     return;
   } while (std::chrono::steady_clock::now() < until);
   FAIL() << "no frame was seen on both";
@@ -101,9 +103,8 @@ TEST_F(Libslipd, AGraspIsAsOldAsItsOldestFinger) {
 }
 
 TEST_F(Libslipd, TheFirstFingerToSlideIsNamedInTheOrderOfTheConfiguration) {
-  const json grasps = daemon_->wait_for("gamma", [](const json& r) {
-    return r["grasps"][0]["first"].is_object();
-  })["grasps"];
+  const json grasps =
+      daemon_->wait_for("gamma", [](const json& r) { return r["grasps"][0]["first"].is_object(); })["grasps"];
   EXPECT_EQ(grasps[0]["first"]["sensor"], "right");  // its margin is 0.3, that of left 0.5
 }
 
@@ -137,7 +138,8 @@ TEST_F(Libslipd, AWaitingReaderIsWokenForEachEstimateAndToldWhatItMissed) {
     ++got;
     dropped += now_.dropped;
   }
-  const json status = json::parse(slipd::client::Connection(daemon_->socket()).call("status", "{}", -1, kPatienceS));
+  const json status =
+      json::parse(slipd::client::Connection(daemon_->socket()).call("status", "{}", -1, kPatienceS));
   if (status["sensors"][0]["skipped"] == 0) {
     EXPECT_LE(got + dropped, status["sensors"][0]["estimated"]);
     EXPECT_EQ(now_.sequence - first, got + dropped);

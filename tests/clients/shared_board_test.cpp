@@ -1,4 +1,6 @@
 // The board in shared memory: its bytes, its seals, waiting on it, one writer and many readers.
+#include "daemon/board/shared_board.hpp"
+
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +20,6 @@
 #include <thread>
 
 #include "clients/c/board_view.hpp"
-#include "daemon/board/shared_board.hpp"
 #include "tests/support/daemon.hpp"
 #include "tests/support/process_facts.hpp"
 
@@ -197,9 +198,9 @@ TEST_F(SharedBoardTest, AReaderOfReadOnlyMemoryIsWoken) {
       timespec until{};
       clock_gettime(CLOCK_MONOTONIC, &until);
       until.tv_sec += std::chrono::seconds(kPatience).count();
-      const auto* const word = &reinterpret_cast<const board_layout::Slot*>(
-                                    reinterpret_cast<const std::byte*>(view_.name(0)))
-                                    ->published;
+      const auto* const word =
+          &reinterpret_cast<const board_layout::Slot*>(reinterpret_cast<const std::byte*>(view_.name(0)))
+               ->published;
       const auto waited =
           syscall(SYS_futex, word, FUTEX_WAIT_BITSET, seen, &until, nullptr, FUTEX_BITSET_MATCH_ANY);
       ASSERT_TRUE(waited == 0 || errno == EAGAIN || errno == EINTR) << std::strerror(errno);
@@ -279,8 +280,9 @@ constexpr const char* kAttach = R"({"jsonrpc":"2.0","id":1,"method":"attach"})";
 class Attach : public ::testing::Test {
  protected:
   const TempFolder folder_;
-  Daemon daemon_{config_with(folder_, json::array({trial_sensor("left", json::object(), {{"rate_hz", 200}})})),
-                 trial_drivers()};
+  Daemon daemon_{
+      config_with(folder_, json::array({trial_sensor("left", json::object(), {{"rate_hz", 200}})})),
+      trial_drivers()};
 };
 
 TEST_F(Attach, PassesTheMemoryOnceAConnection) {
@@ -299,10 +301,13 @@ TEST_F(Attach, PassesTheMemoryOnceAConnection) {
 
 TEST_F(Attach, RefusesWhatItCannotPassOrWaitFor) {
   Attached client(daemon_.socket());
-  EXPECT_EQ(client.ask(R"({"jsonrpc":"2.0","id":1,"method":"attach","params":{"wait":["middle"]}})")["error"]["code"],
-            -32001);
-  EXPECT_EQ(client.ask(R"({"jsonrpc":"2.0","id":1,"method":"attach","params":{"wait":"left"}})")["error"]["code"],
-            -32602);
+  EXPECT_EQ(
+      client.ask(
+          R"({"jsonrpc":"2.0","id":1,"method":"attach","params":{"wait":["middle"]}})")["error"]["code"],
+      -32001);
+  EXPECT_EQ(
+      client.ask(R"({"jsonrpc":"2.0","id":1,"method":"attach","params":{"wait":"left"}})")["error"]["code"],
+      -32602);
   const json batch = client.ask("[" + std::string(kAttach) + "]");
   EXPECT_THAT(batch[0]["error"]["message"].get<std::string>(), HasSubstr("send this request alone"));
   EXPECT_FALSE(client.file);
@@ -320,8 +325,8 @@ TEST_F(Attach, AsANotificationPassesNothing) {
   EXPECT_TRUE(client.file);
 }
 
-// Readers that stop, die at any moment, or attach and never read: slipd's descriptors, and the estimates of all
-// others, stay what they were.
+// Readers that stop, die at any moment, or attach and never read: slipd's descriptors, and the estimates of
+// all others, stay what they were.
 TEST_F(Attach, ReadersThatAreKilledLeaveNothingBehind) {
   constexpr int kReaders = 1000, kAtOnce = 20;
   BoardView view;

@@ -10,7 +10,6 @@
 #include "daemon/board/latency.hpp"
 #include "daemon/board/record_tap.hpp"
 #include "daemon/rt/io_wakeup.hpp"
-
 #include "tests/support/patience.hpp"
 
 namespace slipd {
