@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <system_error>
 
 namespace slipd::client {
 
@@ -20,14 +21,14 @@ using board_layout::Slot;
 std::string BoardView::map(const UniqueFd& file) {
   unmap();
   struct stat facts {};
-  if (fstat(file.get(), &facts) != 0) return std::strerror(errno);
+  if (fstat(file.get(), &facts) != 0) return std::generic_category().message(errno);
   const auto bytes = static_cast<std::size_t>(facts.st_size);
   // A file that could shrink would end this program with SIGBUS.
   const int seals = fcntl(file.get(), F_GET_SEALS);
   if (seals < 0 || (seals & F_SEAL_SHRINK) == 0 || bytes < sizeof(Header))
     return "what was passed is not the board of a slipd";
   void* const mapped = mmap(nullptr, bytes, PROT_READ, MAP_SHARED | MAP_POPULATE, file.get(), 0);
-  if (mapped == MAP_FAILED) return std::strerror(errno);
+  if (mapped == MAP_FAILED) return std::generic_category().message(errno);
   memory_ = static_cast<const std::byte*>(mapped);
   bytes_ = bytes;
   const Header& head = header();

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "clients/c/slipd.h"
 
@@ -18,7 +19,7 @@ namespace {
 constexpr std::size_t kPieceBytes = std::size_t{64} * 1024;
 
 [[noreturn]] void disconnected(const std::string& path, int error) {
-  std::string what = std::strerror(error);
+  std::string what = std::generic_category().message(error);
   if (error == EACCES || error == EPERM)
     what = "not permitted: become a member of the group slipd, and log in again";
   if (error == ENOENT || error == ECONNREFUSED)
@@ -61,7 +62,7 @@ bool Connection::wait_for(short events, Clock::time_point until) const {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
     const int got = poll(&ready, 1, static_cast<int>(std::max<std::int64_t>(0, left.count())));
     if (got >= 0) return got > 0;
-    if (errno != EINTR) throw Failure(SLIPD_DISCONNECTED, std::strerror(errno));
+    if (errno != EINTR) throw Failure(SLIPD_DISCONNECTED, std::generic_category().message(errno));
   }
 }
 
