@@ -103,9 +103,15 @@ TEST_F(Libslipd, AGraspIsAsOldAsItsOldestFinger) {
 }
 
 TEST_F(Libslipd, TheFirstFingerToSlideIsNamedInTheOrderOfTheConfiguration) {
-  const json grasps =
-      daemon_->wait_for("gamma", [](const json& r) { return r["grasps"][0]["first"].is_object(); })["grasps"];
-  EXPECT_EQ(grasps[0]["first"]["sensor"], "right");  // its margin is 0.3, that of left 0.5
+  // The margin of right is 0.3, that of left 0.5: once both are known, the lower one is right's.
+  const auto settled = [](const json& r) {
+    const json& first = r["grasps"][0]["first"];
+    const json &left = r["sensors"][0]["gamma"], &right = r["sensors"][1]["gamma"];
+    return left.is_number() && left > 0.4 && right.is_number() && right < 0.4 && first.is_object() &&
+           first["gamma"] < 0.4;
+  };
+  const json grasps = daemon_->wait_for("gamma", settled)["grasps"];
+  EXPECT_EQ(grasps[0]["first"]["sensor"], "right");
 }
 
 TEST_F(Libslipd, AMarginIsGoneOnceItIsOlderThanAllowed) {
