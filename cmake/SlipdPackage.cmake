@@ -3,6 +3,7 @@
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
+#   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
 #   slipd-dev                    headers and CMake files for drivers of one's own
 set(slipd_packaging ${PROJECT_SOURCE_DIR}/packaging)
 
@@ -118,5 +119,15 @@ slipd_package(python python3-slipd COMPONENTS python SECTION python DEPENDS "pyt
 they come, requests, and recordings. Uses python3-numpy for taxels and\n\
 python3-xxhash to check recordings if they are installed.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+
+slipd_package(lib libslipd0 COMPONENTS lib SECTION libs SCRIPTS libslipd0 DEPENDS ""
+  SUMMARY "client library of slipd"
+  TEXT "The slip margin of tactile sensors in C and C++ programs: requests and\n\
+subscriptions on the socket of slipd, and its board in shared memory.")
+slipd_package(libdev libslipd-dev COMPONENTS libdev SECTION libdevel
+  DEPENDS "libslipd0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})"
+  SUMMARY "client library of slipd, headers"
+  TEXT "What programs that use libslipd are compiled with: headers for C and\n\
+C++, pkg-config and CMake files, the manual page, and examples.")
 
 include(CPack)

@@ -38,6 +38,7 @@ bool Engine::stop(std::chrono::steady_clock::time_point deadline) {
   const bool can_stopped = !can_ || can_->stop(deadline);
   pipeline_.stop(deadline);
   unfinished_ = pipeline_.unfinished();
+  board_.shared.close();
   if (!can_stopped) unfinished_ += (unfinished_.empty() ? "" : ", ") + std::string("the CAN output");
   return unfinished_.empty();
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/bias/bias.hpp"
-#include "daemon/rt/latest.hpp"
+#include "core/frame/latest.hpp"
 
 namespace slipd {
 

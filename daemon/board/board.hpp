@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
+#include "core/frame/latest.hpp"
 #include "core/frame/layout.hpp"
 #include "core/model/work_precision.hpp"
 #include "core/plausibility/health.hpp"
@@ -21,8 +22,8 @@
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
 #include "daemon/board/record_tap.hpp"
+#include "daemon/board/shared_board.hpp"
 #include "daemon/rt/io_wakeup.hpp"
-#include "daemon/rt/latest.hpp"
 #include "daemon/rt/log_ring.hpp"
 
 namespace slipd {
@@ -142,7 +143,7 @@ class GraspStatus {
 
   // As configured; unique.
   const std::string name;
-  // Indices into Board::sensors.
+  // Indices into Board::sensors, in the order in which the configuration names them.
   const std::vector<std::size_t> sensors;
   // The estimate of the grasp as a whole. Written by one thread: estimate.
   Latest<Estimate> latest;
@@ -167,6 +168,8 @@ struct Board {
   boost::lockfree::spsc_queue<Event, boost::lockfree::capacity<2048>> events;
   // One for each real-time thread, which writes it. Read by one thread: io.
   std::deque<LogRing> logs;
+  // The estimates in memory that clients map. Written by one thread: estimate. Made by io.
+  SharedBoard shared;
   // Notified after something was written that io waits for.
   IoWakeup io_wakeup;
 };

@@ -8,6 +8,8 @@ namespace {
 
 using Clock = Doorbell::Clock;
 constexpr std::chrono::milliseconds kLongestSleep{200};
+// While clients may read the heartbeat: half of its period leaves as much for a round and for waking.
+constexpr std::chrono::nanoseconds kLongestSleepShared{board_layout::kHeartbeatPeriodNs / 2};
 
 std::int64_t monotonic_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
@@ -39,7 +41,12 @@ void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
     const std::uint32_t rung = bell_.ring_count();  // before `stop`: a later stop ends the wait
     if (stop.load(std::memory_order_relaxed)) break;
     bool busy = false;
-    auto wake_at = Clock::now() + kLongestSleep;
+    const auto now = Clock::now();
+    bool new_memory = false;
+    const bool shared =
+        board_.shared.begin_round(now.time_since_epoch() / std::chrono::nanoseconds(1), new_memory);
+    if (new_memory) publish_shared();
+    auto wake_at = now + (shared ? kLongestSleepShared : std::chrono::nanoseconds(kLongestSleep));
     for (SensorState& state : states_) {
       busy = process(state) || busy;
       if (!state.no_data && state.instance != nullptr) {
@@ -53,6 +60,18 @@ void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
     if (!busy) bell_.wait(rung, wake_at);
   }
   for (SensorState& state : states_) adopt_instance(state, nullptr);
+}
+
+// Writes all estimates into shared memory that io has just made.
+void EstimateLoop::publish_shared() noexcept {
+  for (const SensorState& state : states_) publish_shared(state);
+  grasp_evaluator_.publish_shared();
+}
+
+void EstimateLoop::publish_shared(const SensorState& state) noexcept {
+  const auto sensor = static_cast<std::size_t>(&state - states_.data());
+  const bool simulated = state.runtime->status.simulated.load(std::memory_order_relaxed);
+  if (board_.shared.publish_sensor(sensor, state.published.estimate, simulated)) board_.io_wakeup.notify();
 }
 
 // One round for one sensor; true if there was a frame.
@@ -140,6 +159,7 @@ void EstimateLoop::publish_no_data(SensorState& state, DeviceLink link, std::int
 void EstimateLoop::publish(SensorState& state) noexcept {
   state.published.estimate.published_ns = monotonic_ns();
   state.runtime->status.latest.store(state.published);
+  publish_shared(state);
   const Estimate& estimate = state.published.estimate;
   const bool changed = estimate.alert != state.last_output_alert || estimate.state != state.last_output_state;
   if (output_ != nullptr && changed) output_->ring();

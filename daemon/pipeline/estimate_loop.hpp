@@ -50,6 +50,8 @@ class EstimateLoop {
   void publish_no_data(SensorState& state, DeviceLink link, std::int64_t now_ns) noexcept;
   void count_health(SensorState& state) noexcept;
   void publish(SensorState& state) noexcept;
+  void publish_shared() noexcept;
+  void publish_shared(const SensorState& state) noexcept;
   void push_event(SensorState& state) noexcept;
   void adopt_instance(SensorState& state, EstimatorInstance* instance) noexcept;
 

@@ -21,6 +21,9 @@ class GraspEvaluator {
   // frames of one moment are used together. True if alert or state of a grasp changed.
   bool evaluate() noexcept;
 
+  // Writes the latest estimate of each grasp into the shared memory.
+  void publish_shared() noexcept;
+
  private:
   struct GraspState {
     GraspStatus* status;
@@ -30,7 +33,9 @@ class GraspEvaluator {
     State last_state = State::stale;
     Alert last_alert = Alert::none;
   };
-  const Board& board_;
+  void publish_shared(std::size_t grasp, const Estimate& estimate) noexcept;
+
+  Board& board_;
   std::vector<GraspState> grasp_states_;
 };
 

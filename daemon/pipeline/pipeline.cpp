@@ -18,11 +18,12 @@ std::vector<std::unique_ptr<SensorRuntime>> make_runtimes(const Settings& settin
     runtimes.push_back(std::make_unique<SensorRuntime>(sensor, status));
   }
   for (const GraspSettings& grasp : settings.grasps) {
-    std::vector<std::size_t> members;
-    for (std::size_t i = 0; i < settings.sensors.size(); ++i) {
-      const auto& names = grasp.sensors;
-      if (std::find(names.begin(), names.end(), settings.sensors[i].setup.name) != names.end())
-        members.push_back(i);
+    std::vector<std::size_t> members;  // in the order of the names, which Estimate::first_member counts in
+    for (const std::string& name : grasp.sensors) {
+      const auto named = [&](const SensorSettings& sensor) { return sensor.setup.name == name; };
+      const auto found = std::find_if(settings.sensors.begin(), settings.sensors.end(), named);
+      members.push_back(
+          static_cast<std::size_t>(found - settings.sensors.begin()));  // the configuration has it
     }
     board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members)));
   }

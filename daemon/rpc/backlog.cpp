@@ -5,13 +5,13 @@
 
 namespace slipd {
 
-void Backlog::push_response(std::string text) {
-  items_.push_back({std::move(text), nullptr, 0});
+void Backlog::push_response(std::string text, UniqueFd descriptor) {
+  items_.push_back({std::move(text), nullptr, 0, std::move(descriptor)});
 }
 
 void Backlog::push_notification(std::shared_ptr<const Notification> head, std::uint64_t lost) {
   dropped_ += lost;
-  items_.push_back({{}, std::move(head), lost});
+  items_.push_back({{}, std::move(head), lost, {}});
   if (++notifications_ > max_notifications_) drop_oldest();
 }
 
@@ -29,6 +29,7 @@ std::optional<std::string> Backlog::next() {
   if (items_.empty()) return std::nullopt;
   Item item = std::move(items_.front());
   items_.pop_front();
+  descriptor_ = std::move(item.descriptor);
   if (item.head == nullptr) {
     published_ns_ = 0;
     item.response += '\n';

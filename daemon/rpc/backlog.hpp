@@ -7,6 +7,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+
+#include "core/storage/unique_fd.hpp"
 
 namespace slipd {
 
@@ -24,8 +27,9 @@ class Backlog {
   // `max_notifications`: kept at most, at least 1.
   explicit Backlog(std::size_t max_notifications) : max_notifications_(max_notifications) {}
 
-  // Appends a response, without its end of line.
-  void push_response(std::string text);
+  // Appends a response, without its end of line. `descriptor`: passed along with its first byte; none:
+  // nothing.
+  void push_response(std::string text, UniqueFd descriptor = {});
 
   // Appends a notification and drops the oldest one beyond the limit. `lost`: notifications dropped before it
   // elsewhere.
@@ -35,6 +39,9 @@ class Backlog {
   std::optional<std::string> next();
   // Notification::published_ns of the line last taken; 0: it was a response.
   std::int64_t published_ns() const noexcept { return published_ns_; }
+
+  // Takes the descriptor of the line last taken; none: it has none.
+  UniqueFd take_descriptor() noexcept { return std::move(descriptor_); }
 
   // Whether nothing waits.
   bool empty() const noexcept { return items_.empty(); }
@@ -46,6 +53,7 @@ class Backlog {
     std::string response;
     std::shared_ptr<const Notification> head;  // null: a response
     std::uint64_t lost = 0;
+    UniqueFd descriptor;
   };
   void drop_oldest();
   std::size_t max_notifications_;
@@ -53,6 +61,7 @@ class Backlog {
   std::size_t notifications_ = 0;
   std::uint64_t dropped_ = 0;
   std::int64_t published_ns_ = 0;
+  UniqueFd descriptor_;
 };
 
 }  // namespace slipd

@@ -179,8 +179,9 @@ void Client::respond(std::string text) {
   with_memory_or_close([&] {
     if (!text.empty()) {
       owed_->add(text.size() + 1);  // with its end of line
-      backlog_.push_response(std::move(text));
+      backlog_.push_response(std::move(text), std::move(passing_));
     }
+    passing_ = {};                 // a notification has no response
     if (!parsing_) on_writable();  // otherwise take_lines' caller sends it
   });
 }
@@ -197,10 +198,10 @@ void Client::flush() {
       auto next = backlog_.next();
       if (!next) break;
       output_ = std::move(*next);
+      output_fd_ = backlog_.take_descriptor();
       sent_ = 0;
     }
-    const auto sent = send(socket_.native_handle(), output_.data() + sent_, output_.size() - sent_,
-                           MSG_DONTWAIT | MSG_NOSIGNAL);
+    const auto sent = send_some();
     if (sent >= 0) {
       sent_ += static_cast<std::size_t>(sent);
       if (sent_ == output_.size()) sent_whole();
@@ -219,6 +220,29 @@ void Client::flush() {
   if (!closed_ && discarding_ && backlog_.empty() && sent_ == output_.size()) {
     shutdown(socket_.native_handle(), SHUT_WR);
   }
+}
+
+// Sends what the socket takes of output_. Its descriptor goes with the first byte.
+ssize_t Client::send_some() noexcept {
+  constexpr int kFlags = MSG_DONTWAIT | MSG_NOSIGNAL;
+  if (!output_fd_)
+    return send(socket_.native_handle(), output_.data() + sent_, output_.size() - sent_, kFlags);
+  iovec piece{output_.data() + sent_, output_.size() - sent_};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  cmsghdr* const item = CMSG_FIRSTHDR(&message);
+  item->cmsg_level = SOL_SOCKET;
+  item->cmsg_type = SCM_RIGHTS;
+  item->cmsg_len = CMSG_LEN(sizeof(int));
+  const int number = output_fd_.get();
+  std::memcpy(CMSG_DATA(item), &number, sizeof number);
+  const auto sent = sendmsg(socket_.native_handle(), &message, kFlags);
+  if (sent > 0) output_fd_ = {};
+  return sent;
 }
 
 // After a whole line was handed to the kernel. Its memory is released, because the next one may be long in
@@ -265,6 +289,7 @@ void Client::watch_for_hang_up() {
 void Client::close() {
   if (closed_) return;
   closed_ = true;
+  attachment.reset();
   *peer_closed_ = true;
   linger_timer_.cancel();
   std::error_code ignored;

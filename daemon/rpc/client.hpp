@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "core/storage/unique_fd.hpp"
+#include "daemon/board/shared_board.hpp"
 #include "daemon/rpc/backlog.hpp"
 #include "daemon/rpc/owed_bytes.hpp"
 #include "daemon/rpc/subscription.hpp"
@@ -69,6 +70,12 @@ class Client : public std::enable_shared_from_this<Client> {
   ucred peer() const noexcept;
   // Takes the oldest descriptor that the client passed; none: there is none.
   UniqueFd take_fd();
+  // Passes a descriptor along with the next response, which the caller sends at once.
+  void pass_with_response(UniqueFd descriptor) noexcept { passing_ = std::move(descriptor); }
+  // What the client holds of the board's shared memory; null: it has not attached to the present one.
+  SharedBoard::Attachment attachment;
+  // SharedBoard::generation of `attachment`.
+  std::uint64_t attached_generation = 0;
   // A flag that becomes true when the client sends no more or is closed. Written by io, read from any thread.
   std::shared_ptr<std::atomic<bool>> peer_closed() const { return peer_closed_; }
   // Notifications dropped since the client connected.
@@ -92,6 +99,7 @@ class Client : public std::enable_shared_from_this<Client> {
   bool hold_back() noexcept;
   void refuse_long_line();
   void flush();
+  ssize_t send_some() noexcept;
   void sent_whole();
   void close_if_done();
   void watch_for_hang_up();
@@ -103,6 +111,8 @@ class Client : public std::enable_shared_from_this<Client> {
   std::string input_;
   std::string output_;    // the line that is being sent
   std::size_t sent_ = 0;  // of output_
+  UniqueFd passing_;      // goes with the next response
+  UniqueFd output_fd_;    // goes with the first byte of output_
   std::deque<UniqueFd> passed_;
   // Written by io, read by the writer of a recording that this client requested. No other memory is read
   // because of it.

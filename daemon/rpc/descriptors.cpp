@@ -13,7 +13,7 @@ namespace slipd {
 namespace {
 
 constexpr rlim_t kOwn = 128;       // slipd's own sockets, devices and files, with a reserve
-constexpr rlim_t kEachClient = 5;  // its connection, and files that it passed
+constexpr rlim_t kEachClient = 6;  // its connection, files that it passed, and one that it gets
 
 }  // namespace
 

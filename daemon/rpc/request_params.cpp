@@ -24,12 +24,14 @@ std::size_t required_sensor(const nlohmann::json& params, const Board& board) {
   return sensor_index(*name, board);
 }
 
-void refuse_unknown(const nlohmann::json& params, std::span<const std::string_view> known) {
+void refuse_unknown(const nlohmann::json& params, const rpc::MethodFacts& method) {
   if (params.empty()) return;
   for (const auto& [key, value] : params.items()) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    const auto is_it = [&key = key](const rpc::Parameter& known) { return known.name == key; };
+    if (std::any_of(method.parameters.begin(), method.parameters.end(), is_it)) continue;
     std::string list;
-    for (const auto name : known) list += (list.empty() ? "" : ", ") + std::string(name);
+    for (const rpc::Parameter& known : method.parameters)
+      list += (list.empty() ? "" : ", ") + std::string(known.name);
     throw rpc::Error(rpc::kInvalidParams,
                      "there is no parameter \"" + key + "\"" + (list.empty() ? "" : "; there are: " + list));
   }

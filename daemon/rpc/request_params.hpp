@@ -1,12 +1,10 @@
 // Checks the parameters of requests. Called from one thread: io. All functions throw rpc::Error.
 #pragma once
 
-#include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
-#include <span>
-#include <string_view>
 
 #include "daemon/board/board.hpp"
+#include "daemon/rpc/method_table.hpp"
 
 namespace slipd {
 
@@ -17,10 +15,7 @@ std::size_t sensor_index(const nlohmann::json& name, const Board& board);
 // The sensor named by the member "sensor" of `params`; kInvalidParams if there is no such member.
 std::size_t required_sensor(const nlohmann::json& params, const Board& board);
 
-// kInvalidParams if `params` has a member that is not in `known`.
-void refuse_unknown(const nlohmann::json& params, std::span<const std::string_view> known);
-inline void refuse_unknown(const nlohmann::json& params, std::initializer_list<std::string_view> known) {
-  refuse_unknown(params, std::span(known.begin(), known.size()));
-}
+// kInvalidParams if `params` has a member that the method's facts do not have.
+void refuse_unknown(const nlohmann::json& params, const rpc::MethodFacts& method);
 
 }  // namespace slipd

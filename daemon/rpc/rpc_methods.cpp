@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <new>
+#include <system_error>
 
 #include "daemon/can/dbc.hpp"
 #include "daemon/record/flight_recorder.hpp"
+#include "daemon/rpc/descriptors.hpp"
 #include "daemon/rpc/estimate_text.hpp"
 #include "daemon/rpc/request_params.hpp"
 #include "daemon/rpc/status.hpp"
@@ -38,6 +40,30 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
           {"shear_y_pa", frame.shear_y_pa},
           {"x_mm", x_mm},
           {"y_mm", y_mm}};
+}
+
+// The slots of the shared memory that a client waits for: those of the names in "wait", else all.
+std::vector<std::size_t> slots_named(const nlohmann::json& params, const Board& board) {
+  const std::size_t sensors = board.sensors.size();
+  const auto wait = params.find("wait");
+  std::vector<std::size_t> slots;
+  if (wait != params.end() && !wait->is_array())
+    throw rpc::Error(rpc::kInvalidParams, "\"wait\" must be a list of names of sensors and grasps");
+  const auto wanted = [&](const std::string& name) {
+    return wait == params.end() || std::find(wait->begin(), wait->end(), name) != wait->end();
+  };
+  for (std::size_t i = 0; i < sensors; ++i) {
+    if (wanted(board.sensors[i]->name)) slots.push_back(i);
+  }
+  for (std::size_t i = 0; i < board.grasps.size(); ++i) {
+    if (wanted(board.grasps[i]->name)) slots.push_back(sensors + i);
+  }
+  if (wait == params.end()) return slots;
+  for (const nlohmann::json& name : *wait) {
+    const auto is_it = [&](const auto& each) { return name == each->name; };
+    if (std::none_of(board.grasps.begin(), board.grasps.end(), is_it)) sensor_index(name, board);  // throws
+  }
+  return slots;
 }
 
 // Refuses other users than root and slipd's own. For methods that change more than the client's connection.
@@ -75,31 +101,28 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
       cached_texts_(context.board.sensors.size()),
       pending_frames_(context.board.sensors.size()),
       record_rates_(context.board.sensors.size(), RequestRate(kRecordingsPerSecond, kRecordingsAtOnce)) {
-  // Registers a method that needs no client and responds at once.
-  const auto plain = [this](const char* name, std::initializer_list<std::string_view> known, auto body) {
-    methods_[name] = [known = std::vector<std::string_view>(known), body](Client&, const Params& params,
-                                                                          const Reply& reply) {
-      refuse_unknown(params, std::span(known));
-      reply.result(body(params));
-    };
+  // Registers a method; one that is not in the table cannot be.
+  const auto serve = [this](const char* name, Handler handler) {
+    methods_[name] = {&rpc::facts_of(name), std::move(handler)};
   };
-  plain("version", {}, [](const Params&) {
+  // One that needs no client and responds at once.
+  const auto plain = [&](const char* name, auto body) {
+    serve(name, [body](Client&, const Params& params, const Reply& reply) { reply.result(body(params)); });
+  };
+  plain("version", [](const Params&) {
     return json{{"name", "slipd"}, {"version", SLIPD_VERSION}, {"protocol", 1}};
   });
-  plain("sensors", {}, [this](const Params&) { return sensors_json(context_); });
-  plain("status", {}, [this](const Params&) { return status_json(context_); });
-  plain("metrics", {},
+  plain("sensors", [this](const Params&) { return sensors_json(context_); });
+  plain("status", [this](const Params&) { return status_json(context_); });
+  plain("metrics",
         [this](const Params&) { return json(metrics_text(context_, MetricsFormat::open_metrics)); });
-  plain("dbc", {}, [this](const Params&) {
+  plain("dbc", [this](const Params&) {
     if (!context_.settings.can)
       throw rpc::Error(rpc::kNotPossible, "there is no CAN output: the configuration has no section can");
     return json(can::dbc_text(*context_.settings.can, can::source_names(context_.settings)));
   });
-  methods_["gamma"] = [this](Client&, const Params& params, const Reply& reply) {
-    refuse_unknown(params, {"sensor"});
-    reply.text(gamma(params));
-  };
-  plain("tradeoff", {"sensor"}, [this](const Params& params) -> json {
+  serve("gamma", [this](Client&, const Params& params, const Reply& reply) { reply.text(gamma(params)); });
+  plain("tradeoff", [this](const Params& params) -> json {
     const SensorStatus& status = *context_.board.sensors[required_sensor(params, context_.board)];
     const DeviceFacts facts = status.facts();
     if (facts.tradeoff.rows.empty()) {
@@ -109,22 +132,19 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
     }
     return tradeoff_json(status.name, facts.method, context_.settings.estimator.budget_us, facts.tradeoff);
   });
-  plain("flight", {"sensor"}, [this](const Params& params) { return flight(params); });
-  methods_["rebias"] = [this](Client& client, const Params& params, const Reply& reply) {
-    rebias(client, params, reply);
+  plain("flight", [this](const Params& params) { return flight(params); });
+  const auto with_client = [&](const char* name, auto member) {
+    serve(name, [this, member](Client& client, const Params& params, const Reply& reply) {
+      (this->*member)(client, params, reply);
+    });
   };
-  methods_["frame"] = [this](Client& client, const Params& params, const Reply& reply) {
-    frame(client, params, reply);
-  };
-  methods_["record"] = [this](Client& client, const Params& params, const Reply& reply) {
-    record(client, params, reply);
-  };
-  methods_["subscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
-    subscribe(client, params, reply);
-  };
-  methods_["unsubscribe"] = [this](Client& client, const Params& params, const Reply& reply) {
-    unsubscribe(client, params, reply);
-  };
+  with_client("rebias", &RpcMethods::rebias);
+  with_client("frame", &RpcMethods::frame);
+  with_client("record", &RpcMethods::record);
+  with_client("subscribe", &RpcMethods::subscribe);
+  with_client("unsubscribe", &RpcMethods::unsubscribe);
+  with_client("attach", &RpcMethods::attach);
+  plain("rpc.discover", [](const Params&) { return rpc::open_rpc_document(); });
 }
 
 void RpcMethods::line(const std::shared_ptr<Client>& client, std::string_view text) {
@@ -141,10 +161,19 @@ void RpcMethods::line(const std::shared_ptr<Client>& client, std::string_view te
       ++refused_;
       Reply(request, answers)
           .error(rpc::kTooMuch, "the answers to this batch are too large; read them, and ask the rest again");
+    } else if ((parsed.batch || request.notification) && sent_alone(request.method)) {
+      Reply(request, answers)
+          .error(rpc::kInvalidRequest, "the answer carries a descriptor: send this request alone");
     } else {
       call(*client, request, Reply(request, answers));
     }
   }
+}
+
+// Whether the method must not be part of a batch.
+bool RpcMethods::sent_alone(const std::string& name) const {
+  const auto method = methods_.find(name);
+  return method != methods_.end() && method->second.facts->alone;
 }
 
 void RpcMethods::call(Client& client, const rpc::Request& request, const Reply& reply) {
@@ -153,7 +182,8 @@ void RpcMethods::call(Client& client, const rpc::Request& request, const Reply& 
     return reply.error(rpc::kMethodNotFound, "there is no method \"" + request.method + "\"");
   }
   try {
-    method->second(client, request.params, reply);
+    refuse_unknown(request.params, *method->second.facts);
+    method->second.handler(client, request.params, reply);
   } catch (const rpc::Error& error) {
     reply.error(error.code(), error.what());
   } catch (const std::bad_alloc&) {
@@ -205,7 +235,6 @@ void RpcMethods::subscribe(Client& client, const Params& params, const Reply& re
 }
 
 void RpcMethods::unsubscribe(Client& client, const Params& params, const Reply& reply) {
-  refuse_unknown(params, {"subscription"});
   const auto id = params.find("subscription");
   if (id == params.end() || !id->is_number_integer()) {
     throw rpc::Error(rpc::kInvalidParams, "\"subscription\" must be the number that subscribe gave");
@@ -216,8 +245,35 @@ void RpcMethods::unsubscribe(Client& client, const Params& params, const Reply& 
   reply.result(true);
 }
 
+// Once a connection and configuration, so that descriptors under way are limited by the number of clients.
+void RpcMethods::attach(Client& client, const Params& params, const Reply& reply) {
+  Board& board = context_.board;
+  std::vector<std::size_t> slots = slots_named(params, board);
+  std::vector<std::string> sensors, grasps;
+  for (const auto& sensor : board.sensors) sensors.push_back(sensor->name);
+  for (const auto& grasp : board.grasps) grasps.push_back(grasp->name);
+  try {
+    board.shared.open(sensors, grasps);
+    if (client.attachment != nullptr && client.attached_generation == board.shared.generation()) {
+      throw rpc::Error(
+          rpc::kNotPossible,
+          "this connection has attached already; use the descriptor that it got, or connect anew");
+    }
+    UniqueFd descriptor = out_of_the_way(board.shared.descriptor());
+    client.attachment = board.shared.wait_for(slots);
+    client.attached_generation = board.shared.generation();
+    client.pass_with_response(std::move(descriptor));
+  } catch (const std::system_error& error) {
+    throw rpc::Error(rpc::kNotPossible, error.what());
+  }
+  context_.ring_estimate();
+  reply.result({{"bytes", board.shared.bytes()},
+                {"generation", board.shared.generation()},
+                {"sensors", sensors},
+                {"grasps", grasps}});
+}
+
 void RpcMethods::frame(Client& client, const Params& params, const Reply& reply) {
-  refuse_unknown(params, {"sensor"});
   const std::size_t sensor = required_sensor(params, context_.board);
   SensorStatus& status = *context_.board.sensors[sensor];
   const auto layout = status.facts().layout;
@@ -262,7 +318,6 @@ json RpcMethods::flight(const Params& params) {
 void RpcMethods::record(Client& client, const Params& params, const Reply& reply) {
   constexpr double kLongest = 24 * 3600;
   UniqueFd file = client.take_fd();
-  refuse_unknown(params, {"sensor", "seconds"});
   const std::size_t sensor = required_sensor(params, context_.board);
   const auto seconds = params.find("seconds");
   if (seconds == params.end() || !seconds->is_number() || !(*seconds > 0 && *seconds <= kLongest)) {
@@ -301,9 +356,8 @@ void RpcMethods::record(Client& client, const Params& params, const Reply& reply
   }
 }
 
-void RpcMethods::rebias(const Client& client, const Params& params, const Reply& reply) {
+void RpcMethods::rebias(Client& client, const Params& params, const Reply& reply) {
   constexpr std::chrono::seconds kPatience{30};  // 128 frames at 5 Hz
-  refuse_unknown(params, {"sensor", "force"});
   const std::size_t sensor = required_sensor(params, context_.board);
   const auto force = params.find("force");
   if (force != params.end() && !force->is_boolean())

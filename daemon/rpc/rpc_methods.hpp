@@ -14,6 +14,7 @@
 #include "daemon/record/request_rate.hpp"
 #include "daemon/rpc/client.hpp"
 #include "daemon/rpc/estimate_text.hpp"
+#include "daemon/rpc/method_table.hpp"
 #include "daemon/rpc/rpc.hpp"
 #include "daemon/telemetry/service_context.hpp"
 
@@ -44,15 +45,21 @@ class RpcMethods {
 
  private:
   using Params = nlohmann::json;
-  using Method = std::function<void(Client&, const Params&, const rpc::Reply&)>;
+  using Handler = std::function<void(Client&, const Params&, const rpc::Reply&)>;
+  struct Method {
+    const rpc::MethodFacts* facts = nullptr;
+    Handler handler;
+  };
 
   void call(Client& client, const rpc::Request& request, const rpc::Reply& reply);
+  bool sent_alone(const std::string& name) const;
   std::string gamma(const Params& params);
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
+  void attach(Client& client, const Params& params, const rpc::Reply& reply);
   void frame(Client& client, const Params& params, const rpc::Reply& reply);
   void complete_frames_of(std::size_t sensor);
-  void rebias(const Client& client, const Params& params, const rpc::Reply& reply);
+  void rebias(Client& client, const Params& params, const rpc::Reply& reply);
   nlohmann::ordered_json flight(const Params& params);
   void record(Client& client, const Params& params, const rpc::Reply& reply);
 

@@ -145,6 +145,7 @@ void Server::drain_events() {
     dispatch(event);
   }
   if (context_.board.events.read_available() > 0) context_.board.io_wakeup.notify();
+  context_.board.shared.wake_others();
   trigger_on_grasp_slip();
   complete_frames();
   methods_.complete_rebias(false);

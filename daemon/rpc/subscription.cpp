@@ -14,7 +14,6 @@ constexpr const char* kKindNames[kEventKinds] = {"estimate", "alert", "state"};
 }  // namespace
 
 Subscription::Subscription(int id, const nlohmann::json& params, const Board& board) : id_(id) {
-  refuse_unknown(params, {"sensors", "max_rate_hz", "events"});
   if (const auto sensors = params.find("sensors"); sensors != params.end() && !sensors->is_null()) {
     if (!sensors->is_array()) throw rpc::Error(rpc::kInvalidParams, "\"sensors\" must be a list of names");
     names_.emplace();

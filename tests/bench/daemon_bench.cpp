@@ -257,7 +257,7 @@ void idle() {
 int run(const std::set<std::string>& parts) {
   const std::pair<const char*, void (*)()> all[] = {
       {"latency", latency}, {"throughput", throughput}, {"sensors", sensors}, {"queries", queries},
-      {"startup", startup}, {"memory", memory},         {"idle", idle}};
+      {"startup", startup}, {"memory", memory},         {"idle", idle},       {"shared", shared}};
   for (const auto& [name, body] : all) {
     if (parts.empty() || parts.count(name) > 0) body();
   }

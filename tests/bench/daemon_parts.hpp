@@ -20,6 +20,9 @@ json to_json(const Quantiles& of);
 // clients, in turn; then `gamma` beside subscribers.
 void queries();
 
+// The board in shared memory: the cost of reading it and of waiting for it.
+void shared();
+
 // From the start of redis-server to its first answer.
 void redis_startup();
 

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/frame/latest.hpp"
 #include "core/frame/mailbox.hpp"
 #include "daemon/rpc/estimate_text.hpp"
-#include "daemon/rt/latest.hpp"
 #include "drivers/decode/decoder.hpp"
 #include "tests/bench/scenes.hpp"
 #include "tests/bench/times.hpp"

@@ -95,6 +95,56 @@ class WithSlipd(unittest.TestCase):
         known = set(slipd._TAKEN) | {"sensor", "state", "gamma", "gamma_low", "alert", "health", "age_ms"}
         self.assertEqual(known - set(estimate.values), {"dropped"}, "every key that is read exists on the socket")
 
+    def board(self):
+        board = slipd.Board(self.daemon.socket, timeout_s=PATIENCE_S)
+        self.addCleanup(board.close)
+        return board
+
+    def looked(self, board, name, condition, max_age_s=OLD_S):
+        return first((board.latest(name, max_age_s) for _ in itertools.count()), condition)
+
+    def test_shared_memory_has_what_the_socket_has(self):
+        board = self.board()
+        self.looked(board, "left", lambda each: each.state == "ok")
+        end = time.monotonic() + PATIENCE_S
+        while True:
+            shared, sent = board.latest("left", OLD_S), self.client.gamma("left", OLD_S)
+            if shared.seq == sent.seq:
+                break
+            self.assertLess(time.monotonic(), end)
+        self.assertEqual((shared.state, shared.alert, shared.health, shared.simulated), (sent.state, sent.alert, sent.health, True))
+        for key, factor in slipd._NUMBERS:
+            if key in sent.values and sent.values[key] is not None:
+                self.assertAlmostEqual(shared.values[key], sent.values[key], msg=key)
+        self.assertEqual(shared.values["method"], sent.values["method"])
+        self.assertEqual(self.looked(board, "cup", lambda each: each.seq is not None).name, "cup")
+        with self.assertRaisesRegex(slipd.SlipdError, "left, right"):
+            board.latest("middle", OLD_S)
+
+    def test_a_margin_of_shared_memory_is_gone_once_it_is_older_than_allowed(self):
+        board = self.board()
+        self.looked(board, "left", lambda each: each.state == "ok")
+        for none in (0, -1, float("nan")):
+            old = board.latest("left", none)
+            self.assertEqual((old.state, old.gamma, old.gamma_low), ("stale", None, None), none)
+
+    def test_shared_memory_tells_of_a_stopped_a_killed_and_a_reloaded_slipd_and_goes_on(self):
+        board = self.board()
+        self.looked(board, "left", lambda each: each.state == "ok")
+        self.daemon.process.send_signal(signal.SIGSTOP)
+        board.timeout_s = 0.1
+        self.assertIsNone(self.looked(board, "left", lambda each: each.state == "disconnected", 0.05).gamma)
+        board.timeout_s = PATIENCE_S
+        self.daemon.process.send_signal(signal.SIGCONT)
+        self.looked(board, "left", lambda each: each.state == "ok")
+        before = board.generation
+        self.daemon.process.send_signal(signal.SIGHUP)
+        self.looked(board, "left", lambda each: board.generation != before and each.state == "ok")
+        self.daemon.end(signal.SIGKILL)
+        self.looked(board, "left", lambda each: each.state == "disconnected")
+        self.daemon.start()
+        self.looked(board, "left", lambda each: each.state == "ok")
+
     def test_a_grasp_is_as_old_as_its_oldest_finger(self):
         for name in ("left", "right"):
             first(self.estimates(name), lambda each: each.seq is not None)

@@ -5,11 +5,11 @@
 #include <array>
 #include <thread>
 
+#include "core/frame/latest.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"
 #include "daemon/board/record_tap.hpp"
 #include "daemon/rt/io_wakeup.hpp"
-#include "daemon/rt/latest.hpp"
 #include "tests/support/patience.hpp"
 
 namespace slipd {

@@ -1,7 +1,7 @@
 // Latest, in every order of events that release and acquire allow.
 #include <gtest/gtest.h>
 
-#include "daemon/rt/latest.hpp"
+#include "core/frame/latest.hpp"
 #include "tests/support/memory_model/weak_memory.hpp"
 
 namespace slipd {

@@ -53,6 +53,7 @@ std::uint64_t watch(const json& sensors, const std::filesystem::path& drivers, S
   counts->armed = true;
   auto client = daemon.client();
   client.result("subscribe");
+  client.result("attach");
   const std::string name = sensors[0]["name"];
   const int fd = open(folder.file("recording").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   EXPECT_TRUE(client.call("record", {{"sensor", name}, {"seconds", 0.1}}, fd).contains("result"));

@@ -9,6 +9,9 @@
             elif estimate.gamma < 0.3:
                 grip_harder(estimate.grip_increase_n)
 
+    with slipd.Board() as board:  # shared memory: no request, no waiting
+        estimate = board.latest("left", max_age_s=0.02)
+
     for frame in slipd.open("grasp.rec"):
         print(frame.time_s, sum(frame.normal_pa))
 
@@ -24,6 +27,7 @@ import argparse
 import array
 import asyncio
 import json
+import mmap
 import os
 import select
 import socket
@@ -100,7 +104,7 @@ class Estimate:
     @property
     def state(self) -> str:
         """The state now: at_state, or "stale" once it is too old."""
-        return "stale" if self.at_state != "disconnected" and self.age_s > self.max_age_s else self.at_state
+        return self.at_state if self.at_state == "disconnected" or self.age_s <= self.max_age_s else "stale"
 
     @property
     def gamma(self) -> float | None:
@@ -359,6 +363,158 @@ class Client:
                         raise _why(self.path, error) from error
                     yield from watch.lost()
                     time.sleep(watch.next_pause())
+
+
+# Of a record in shared memory, docs/clients.md: where the numbers begin, the keys of the numbers with their factors to the units of
+# the socket, and the names of the small numbers behind them.
+_RECORD = struct.Struct("<QqqQ20d8BI")
+_NUMBERS = (("gamma", 1), ("sigma", 1), ("gamma_low", 1), ("friction", 1), ("friction_sigma", 1), ("normal_n", 1), ("shear_n", 1),
+            ("torque_nmm", 1e3), ("torque_sigma_nmm", 1e3), ("center_x_mm", 1e3), ("center_y_mm", 1e3), ("radius_mm", 1e3),
+            ("a_over_r", 1), ("time_to_slip_ms", 1e3), ("grip_increase_n", 1), ("grip_increase_sigma_n", 1), ("sliding_for_ms", 1e3),
+            ("first_gamma", 1), ("truth_gamma", 1), ("truth_friction", 1))
+_HEALTHS = ("good", "not_finite", "full_scale", "spike", "uniform", "wrong_scale", "saturated", "repeated", "frozen", "dead_normal",
+            "dead_shear_x", "dead_shear_y", "dead_row", "time", "jump", "unexplained", "noisy")
+_CAUSES = (None, "margin", "sliding")
+_METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction")
+_SLIDINGS = ("none", "disturbed", "translation", "rotation")
+_HEADER = struct.Struct("<8s6IQqI")
+_BOARD_VERSION, _BEATS_MISSED = 1, 10  # a heartbeat older than so many of its periods is that of a slipd that has stopped
+
+
+def _named(names: Sequence[Any], number: int, other: Any) -> Any:
+    return names[number] if number < len(names) else other
+
+
+class Board:
+    """The latest estimates in slipd's shared memory: reading one takes some microseconds, and slipd nothing.
+
+    It is attached at the first use and again after slipd was restarted or reloaded; in between, estimates have the state
+    "disconnected". To wait for the next estimate, use Client.estimates(). A board belongs to one thread.
+    """
+
+    def __init__(self, path: str = SOCKET, timeout_s: float = 5.0) -> None:
+        self.path, self.timeout_s = path, timeout_s
+        self._socket: socket.socket | None = None
+        self._memory: mmap.mmap | None = None
+        self._slots: dict[str, int] = {}
+        self._next_attempt, self._pause_s = 0.0, _RETRY_FIRST_S
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the connection and the mapping; a later use makes new ones."""
+        if self._memory is not None:
+            self._memory.close()
+        if self._socket is not None:
+            self._socket.close()
+        self._memory, self._socket, self._slots = None, None, {}
+
+    def attach(self) -> None:
+        """Maps the memory anew. Raises Disconnected if there is no slipd, SlipdError if it refuses. latest() does so by itself."""
+        self.close()
+        made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        descriptors: list[int] = []
+        try:
+            made.settimeout(self.timeout_s)
+            made.connect(self.path)
+            lines = _Lines()
+            number, line = lines.request("attach", {"wait": []})
+            made.sendall(line)
+            while number not in lines.answers:
+                received, passed, _, _ = socket.recv_fds(made, _READ_BYTES, 4)
+                descriptors += passed
+                if not received:
+                    raise Disconnected(f"{self.path}: slipd has closed the connection")
+                lines.take(received)
+            lines.result(number)
+            self._memory = mmap.mmap(descriptors[0], 0, mmap.MAP_SHARED, mmap.PROT_READ)
+        except OSError as error:
+            made.close()
+            raise _why(self.path, error) from error
+        except (SlipdError, IndexError):
+            made.close()
+            raise
+        finally:
+            for descriptor in descriptors:
+                os.close(descriptor)
+        self._socket = made
+        magic, version, header, self._slot_bytes, _, sensors, grasps, _, self._period_ns, _ = _HEADER.unpack_from(self._memory)
+        if magic != b"slipdbrd" or version != _BOARD_VERSION:
+            self.close()
+            raise Disconnected(f"{self.path}: the board of this slipd is of another version: upgrade python3-slipd")
+        for slot in reversed(range(sensors + grasps)):  # a sensor's name comes before a grasp's
+            at = header + slot * self._slot_bytes
+            self._slots[self._memory[at:at + 64].rstrip(b"\0").decode()] = at
+        self._pause_s = _RETRY_FIRST_S
+        end = time.monotonic() + self.timeout_s
+        while self._word("<q", 64) == 0 and time.monotonic() < end:  # until slipd has written its first records
+            time.sleep(0.0001)
+
+    def _word(self, form: str, at: int) -> int:
+        assert self._memory is not None
+        return struct.unpack_from(form, self._memory, at)[0]
+
+    @property
+    def generation(self) -> int:
+        """A number of the memory that is mapped: another one after each start and reload of slipd. 0: none is mapped."""
+        return 0 if self._memory is None else self._word("<Q", 32)
+
+    @property
+    def alive(self) -> bool:
+        """Whether slipd writes the memory that is mapped."""
+        if self._memory is None or self._word("<I", 72) != 0:
+            return False
+        return time.monotonic_ns() - self._word("<q", 64) <= _BEATS_MISSED * self._period_ns
+
+    def _alive_or_attached(self) -> bool:
+        if self.alive:
+            return True
+        if time.monotonic() < self._next_attempt:
+            return False
+        self._next_attempt, self._pause_s = time.monotonic() + self._pause_s, min(2 * self._pause_s, _RETRY_LAST_S)
+        try:
+            self.attach()
+        except OSError:
+            return False
+        return self.alive
+
+    def latest(self, name: str, max_age_s: float) -> Estimate:
+        """The latest estimate of a sensor or grasp. Raises SlipdError if there is none of this name."""
+        if not self._alive_or_attached():
+            return _without(name, "disconnected", max_age_s)
+        if name not in self._slots:
+            raise SlipdError(-32001, f"there is no sensor or grasp {name!r}; there are: " + ", ".join(sorted(self._slots)))
+        return self._estimate(name, self._record(self._slots[name]), max_age_s)
+
+    def _record(self, slot: int) -> tuple[Any, ...]:
+        """A whole record: slipd writes into two copies in turn, each with a version that is odd meanwhile."""
+        assert self._memory is not None
+        while True:
+            current = self._word("<I", slot + 640)
+            copy = slot + 128 + 256 * (current & 1)
+            before = self._word("<Q", copy)
+            content = self._memory[copy + 8:copy + 8 + _RECORD.size]
+            if before % 2 == 0 and before == self._word("<Q", copy) and current == self._word("<I", slot + 640):
+                return _RECORD.unpack(content)
+
+    def _estimate(self, name: str, record: tuple[Any, ...], max_age_s: float) -> Estimate:
+        seq, time_ns, published_ns, _ = record[:4]
+        state, alert, cause, method, health, sliding, simulated, _, _ = record[24:]
+        values: dict[str, Any] = {key: None if value != value else value * factor
+                                  for (key, factor), value in zip(_NUMBERS, record[4:24])}
+        now_ns = time.monotonic_ns()
+        # The clock of a recording may be ahead, so its age counts from the estimate at the latest.
+        age_ns = now_ns - min(time_ns, published_ns)
+        values.update(sensor=name, seq=seq, state=_named(_STATES, state, "fault"), alert=_named(_ALERTS, alert, "slip"),
+                      alert_cause=_named(_CAUSES, cause, None), method=_named(_METHODS, method, "none"),
+                      health=_named(_HEALTHS, health, "unexplained"), sliding=_named(_SLIDINGS, sliding, None),
+                      simulated=bool(simulated), time_ns=time.time_ns() - age_ns if time_ns else None,
+                      age_ms=age_ns * 1e-6 if time_ns else None)
+        return _estimate(values, max_age_s)
 
 
 class AsyncClient:

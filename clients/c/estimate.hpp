@@ -1,0 +1,27 @@
+// From what slipd says to slipd_estimate, and the rule that no old margin comes out. Any one thread.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+
+#include "board_layout/layout.hpp"
+#include "clients/c/slipd.h"
+
+namespace slipd::client {
+
+// CLOCK_MONOTONIC, ns.
+std::int64_t monotonic_ns() noexcept;
+
+// No estimate: everything unknown. `state`: SLIPD_STATE_STALE or SLIPD_STATE_DISCONNECTED.
+void clear(slipd_estimate& estimate, const char* name, int state) noexcept;
+
+// Of a record in shared memory. `now_ns`: CLOCK_MONOTONIC.
+void fill(slipd_estimate& estimate, const char* name, const board_layout::Record& record, std::int64_t now_ns,
+          double max_age_s) noexcept;
+
+// Of an estimate or grasp on the socket. `read_ns`: when it was read, CLOCK_MONOTONIC. `age_ms`: of its frame
+// when it was sent. Throws nlohmann::json::exception for a message that is none of slipd's.
+void fill(slipd_estimate& estimate, const nlohmann::json& values, const nlohmann::json& age_ms,
+          std::int64_t read_ns, double max_age_s);
+
+}  // namespace slipd::client

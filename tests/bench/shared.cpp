@@ -1,0 +1,153 @@
+// The part of daemon-bench on the board in shared memory: what reading a record costs beside copying its
+// bytes and a GET of Redis, and how long after a frame a waiting reader has its estimate, beside a subscriber
+// of the socket.
+#include <benchmark/benchmark.h>
+#include <slipd.h>
+
+#include <array>
+#include <cstring>
+#include <functional>
+#include <thread>
+
+#include "clients/c/board_view.hpp"
+#include "daemon/board/shared_board.hpp"
+#include "tests/bench/daemon_parts.hpp"
+#include "tests/bench/floors.hpp"
+#include "tests/bench/running.hpp"
+#include "tests/support/subscriber.hpp"
+
+namespace slipd::bench {
+namespace {
+
+using testing::Daemon;
+using testing::TempFolder;
+using namespace std::chrono_literals;
+
+constexpr int kTurns = 5;        // of reader and subscriber
+constexpr double kPatience = 5;  // s
+
+// ns of one call, the least of several runs: others use the machine as well.
+double cost_ns(const std::function<void()>& call) {
+  constexpr int kCalls = 2000, kRuns = 50;
+  double least = 1e300;
+  for (int run = 0; run < (brief ? 2 : kRuns); ++run) {
+    const std::int64_t begin = now_ns();
+    for (int i = 0; i < kCalls; ++i) call();
+    least = std::min(least, static_cast<double>(now_ns() - begin) / kCalls);
+  }
+  return least;
+}
+
+void reads(slipd_client* client) {
+  SharedBoard board;
+  board.open({"left"}, {});
+  bool is_new = false;
+  board.begin_round(now_ns(), is_new);
+  client::BoardView view;
+  if (const std::string why = view.map(board.descriptor()); !why.empty()) throw std::runtime_error(why);
+  Estimate estimate;
+  estimate.state = State::ok;
+  estimate.gamma = 0.5;
+  std::array<board_layout::Record, 2> copies;
+  slipd_estimate now;
+  json values{{"bytes", sizeof(board_layout::Record)}};
+  values["memcpy_ns"] = cost_ns([&] {
+    benchmark::DoNotOptimize(copies.data());
+    std::memcpy(&copies[1], &copies[0], sizeof copies[0]);
+    benchmark::ClobberMemory();
+  });
+  values["record_ns"] = cost_ns([&] { benchmark::DoNotOptimize(view.record(0)); });
+  values["latest_ns"] = cost_ns([&] { slipd_latest(client, "left", 1, &now); });
+  values["write_ns"] = cost_ns([&] { board.publish_sensor(0, estimate, false); });
+  const auto attachment = board.wait_for({0});
+  values["write_and_wake_nobody_ns"] = cost_ns([&] { board.publish_sensor(0, estimate, false); });
+  say("shared reads", values);
+}
+
+// From the sample to the estimate in the hands of a reader that waits for it.
+std::vector<std::int64_t> waited(slipd_client* client, std::chrono::nanoseconds how_long) {
+  std::vector<std::int64_t> times;
+  slipd_estimate now;
+  const std::int64_t until = now_ns() + how_long.count();
+  while (now_ns() < until) {
+    if (slipd_wait(client, "left", kPatience, kPatience, &now) == SLIPD_DONE)
+      times.push_back(now_ns() - now.time_ns);
+  }
+  return times;
+}
+
+std::vector<std::int64_t> subscribed(const Daemon& daemon, std::chrono::nanoseconds how_long) {
+  testing::Subscriber subscriber(daemon.socket());
+  subscriber.keep_latencies();
+  const std::int64_t until = now_ns() + how_long.count();
+  while (now_ns() < until && subscriber.read(1s)) {
+  }
+  std::vector<std::int64_t> times;
+  for (const double us : subscriber.take_latencies().delivered_us)
+    times.push_back(static_cast<std::int64_t>(1e3 * us));
+  return times;
+}
+
+void delivery(const Daemon& daemon, slipd_client* client) {
+  std::vector<std::int64_t> reader, socket;
+  const auto each = std::chrono::nanoseconds(length(10s)) / (2 * kTurns);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (const auto ns : waited(client, each)) reader.push_back(ns);
+    for (const auto ns : subscribed(daemon, each)) socket.push_back(ns);
+  }
+  json values{{"reader", to_json(quantiles_of(reader))},
+              {"subscriber", to_json(quantiles_of(socket))},
+              {"futex wake", to_json(futex_wake(length(1s)))}};
+  say("shared delivery", values);
+}
+
+// CPU time of slipd at 1 kHz with readers that read a thousand times a second, and that wait.
+void readers(const Daemon& daemon) {
+  const auto cpu_share = [&](int polling, int waiting) {
+    std::vector<std::jthread> all;
+    for (int i = 0; i < polling + waiting; ++i) {
+      all.emplace_back([&, waits = i >= polling](const std::stop_token& stop) {
+        slipd_client* client = nullptr;
+        slipd_open(&client, daemon.socket().c_str());
+        slipd_attach(client, waits ? "left" : nullptr, kPatience);
+        slipd_estimate now;
+        while (!stop.stop_requested()) {
+          if (waits) {
+            slipd_wait(client, "left", 1, 0.1, &now);
+          } else {
+            slipd_latest(client, "left", 1, &now);
+            std::this_thread::sleep_for(1ms);
+          }
+        }
+        slipd_close(client);
+      });
+    }
+    std::this_thread::sleep_for(length(500ms));
+    const double before = usage_of(daemon.program().pid()).cpu_s;
+    const std::int64_t begin = now_ns();
+    std::this_thread::sleep_for(length(4s));
+    return (usage_of(daemon.program().pid()).cpu_s - before) / (1e-9 * static_cast<double>(now_ns() - begin));
+  };
+  for (const auto& [polling, waiting] : {std::pair{0, 0}, {10, 0}, {0, 1}, {0, 4}, {0, 20}})
+    say("shared readers",
+        {{"polling", polling}, {"waiting", waiting}, {"cpu_share", cpu_share(polling, waiting)}});
+}
+
+}  // namespace
+
+void shared() {
+  const TempFolder folder;
+  const Daemon daemon(config(folder, json::array({trial("left", 100, 1000)}), "moments"),
+                      testing::trial_drivers(), state());
+  wait_for_estimates(daemon, 100);
+  slipd_client* client = nullptr;
+  slipd_open(&client, daemon.socket().c_str());
+  if (slipd_attach(client, "left", kPatience) != SLIPD_DONE)
+    throw std::runtime_error(slipd_error_text(client));
+  reads(client);
+  delivery(daemon, client);
+  slipd_close(client);
+  readers(daemon);
+}
+
+}  // namespace slipd::bench

@@ -1,0 +1,140 @@
+"""The programs in examples/, each in a loop with a simulated gripper that overshoots and relaxes."""
+import json, os, signal, socket, subprocess, sys, tempfile, threading, time, unittest
+
+from python_test import PATIENCE_S, Daemon
+
+BUILD, SOURCE = os.environ["SLIPD_BINARY_DIR"], os.environ["SLIPD_SOURCE_DIR"]
+PROGRAMS = {"c": [os.path.join(BUILD, "examples", "example-gripper-c")],
+            "cpp": [os.path.join(BUILD, "examples", "example-gripper-cpp")],
+            "python": [sys.executable, os.path.join(SOURCE, "examples", "gripper.py")]}
+
+
+class Pulled(Daemon):
+    """slipd with one finger of pillars whose object is pulled at until it slides, unless it is gripped harder; at last harder than firmly."""
+
+    def __init__(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.socket = os.path.join(self.folder.name, "socket")
+        self.settings = os.path.join(self.folder.name, "slipd.json")
+        self.skin = os.path.join(self.folder.name, "skin")
+        cycle = [{"ms": 300, "normal_n": 0, "shear_n": 0, "friction": 0.6}, {"ms": 90, "normal_n": [0, 2]}, {"ms": 600},
+                 {"ms": 3000, "shear_n": [0, 4]}, {"ms": 600000}]
+        finger = {"name": "left", "driver": "sim", "rate_hz": 200, "layout": {"grid": [3, 3], "pitch_mm": 7},
+                  "skin": {"radius_mm": "flat", "modulus_mpa": 1, "poisson": 0.49},
+                  "options": {"preset": "pillars", "noise": 0, "cycle": cycle, "grip_input": self.skin}}
+        scene = {"normal_n": [0.5, 10], "friction": [0.3, 1], "flat_share": 0.5, "radius_mm": [10, 50], "modulus_mpa": [1, 200000]}
+        with open(self.settings, "w") as file:
+            json.dump({"socket": {"path": self.socket}, "realtime": {"mode": "off"}, "sensors": [finger], "objects": [scene]}, file)
+        self.start()
+
+
+class Gripper:
+    """Fingers that follow the set-point that they receive, at most 0.05 N in 5 ms, and press on the simulated skin."""
+
+    STEP_N, TICK_S = 0.05, 0.005
+
+    def __init__(self, daemon):
+        self.path, self.skin = os.path.join(daemon.folder.name, "grip"), daemon.skin
+        self.set_point, self.force_n, self.over = 0.0, 0.0, False
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.socket.bind(self.path)
+        self.socket.settimeout(self.TICK_S)
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+
+    def run(self):
+        due = time.monotonic()
+        while not self.over:
+            try:
+                self.set_point = float(self.socket.recv(64))
+            except TimeoutError:
+                pass
+            if time.monotonic() < due:
+                continue
+            due = time.monotonic() + self.TICK_S
+            self.force_n += max(-self.STEP_N, min(self.STEP_N, self.set_point - self.force_n))
+            try:
+                self.socket.sendto(f"{self.force_n:.3f}".encode(), self.skin)
+            except OSError:
+                pass  # slipd is away
+
+    def close(self):
+        self.over = True
+        self.thread.join()
+        self.socket.close()
+
+
+class Example:
+    """A running example, and the lines that it has printed."""
+
+    def __init__(self, language, daemon, gripper):
+        self.process = subprocess.Popen([*PROGRAMS[language], "left", daemon.socket, gripper.path], stdout=subprocess.PIPE, text=True)
+        self.lines, self.more = [], threading.Condition()
+        self.reader = threading.Thread(target=self.read)
+        self.reader.start()
+
+    def read(self):
+        for line in self.process.stdout:
+            with self.more:
+                self.lines.append(line)
+                self.more.notify()
+
+    def await_line(self, condition, begin=0):
+        """The first line from `begin` on of which (state, alert, force) meet the condition; its number."""
+        def found():
+            for number in range(begin, len(self.lines)):
+                words = self.lines[number].split()
+                if condition(words[0], words[1], float(words[5])):
+                    return number + 1
+            return 0
+
+        with self.more:
+            if not self.more.wait_for(found, PATIENCE_S):
+                raise AssertionError("it did not come: " + "".join(self.lines[-5:]))
+            return found() - 1
+
+    def close(self):
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(PATIENCE_S)
+        self.reader.join()
+        self.process.stdout.close()
+
+
+class Examples(unittest.TestCase):
+    def each(self, language):
+        daemon = Pulled()
+        self.addCleanup(daemon.close)
+        gripper = Gripper(daemon)
+        self.addCleanup(gripper.close)
+        example = Example(language, daemon, gripper)
+        self.addCleanup(example.close)
+        # It is pulled at: it grips harder than at first.
+        pulled = example.await_line(lambda state, alert, force: alert != "none" and force > 2)
+        end = time.monotonic() + PATIENCE_S
+        while gripper.force_n < 2.1:  # it has obeyed
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.01)
+        # Without slipd it holds firmly.
+        daemon.end(signal.SIGKILL)
+        gone = example.await_line(lambda state, alert, force: state in ("disconnected", "stale") and force >= 6, pulled)
+        self.assertIn("margin nan", example.lines[gone])
+        example.await_line(lambda state, alert, force: state == "disconnected", pulled)
+        # It goes on with the next one, and does not let go.
+        daemon.start()
+        back = example.await_line(lambda state, alert, force: state not in ("disconnected", "stale"), gone)
+        self.assertGreaterEqual(float(example.lines[back].split()[5]), 6)
+        for line in example.lines:
+            self.assertTrue(line.startswith("ok ") or "margin nan" in line, line)
+
+    def test_c_on_shared_memory(self):
+        self.each("c")
+
+    def test_cpp_on_the_socket(self):
+        self.each("cpp")
+
+    def test_python_on_the_socket(self):
+        self.each("python")
+
+
+if __name__ == "__main__":
+    unittest.main()

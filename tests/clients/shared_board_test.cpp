@@ -1,0 +1,368 @@
+// The board in shared memory: its bytes, its seals, waiting on it, one writer and many readers.
+#include "daemon/board/shared_board.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <linux/futex.h>
+#include <signal.h>
+#include <slipd.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include "clients/c/board_view.hpp"
+#include "tests/support/daemon.hpp"
+#include "tests/support/process_facts.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using client::BoardView;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class SharedBoardTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    board_.open({"left", "right"}, {"cup"});
+    bool is_new = false;
+    ASSERT_TRUE(board_.begin_round(1234, is_new));
+    EXPECT_TRUE(is_new);
+    ASSERT_TRUE(board_.begin_round(12345, is_new));
+    EXPECT_FALSE(is_new);
+    ASSERT_EQ(view_.map(board_.descriptor()), "");
+  }
+  static Estimate estimate_number(std::uint64_t number) {
+    Estimate estimate;
+    estimate.sequence = number;
+    estimate.state = State::ok;
+    estimate.time_ns = static_cast<std::int64_t>(number);
+    estimate.published_ns = static_cast<std::int64_t>(number);
+    estimate.gamma = static_cast<double>(number);
+    estimate.sigma = static_cast<double>(number);
+    estimate.normal_n = static_cast<double>(number);
+    return estimate;
+  }
+  SharedBoard board_;
+  BoardView view_;
+};
+
+// As docs/clients.md has it for those who cannot link.
+template <typename T>
+T at(const std::byte* memory, std::size_t offset) {
+  T value;
+  std::memcpy(&value, memory + offset, sizeof value);
+  return value;
+}
+
+TEST_F(SharedBoardTest, HasEachByteWhereThePageSays) {
+  Estimate estimate = estimate_number(7);
+  estimate.gamma = 0.25;
+  estimate.sliding = Sliding::translation;
+  estimate.alert = Alert::slip;
+  estimate.health = Health::spike;
+  board_.publish_sensor(1, estimate, true);
+  Estimate together = estimate_number(9);
+  together.first_gamma = 0.125;
+  board_.publish_grasp(0, together, 5, false, 1);
+  const UniqueFd file = board_.descriptor();
+  void* const mapped = mmap(nullptr, board_.bytes(), PROT_READ, MAP_SHARED, file.get(), 0);
+  ASSERT_NE(mapped, MAP_FAILED);
+  const auto* const memory = static_cast<const std::byte*>(mapped);
+  EXPECT_EQ(std::memcmp(memory, "slipdbrd", 8), 0);
+  EXPECT_EQ(at<std::uint32_t>(memory, 8), 1U);
+  const auto header = at<std::uint32_t>(memory, 12), slot = at<std::uint32_t>(memory, 16);
+  EXPECT_EQ(header, 128U);
+  EXPECT_EQ(slot, 704U);
+  EXPECT_EQ(at<std::uint32_t>(memory, 20), 248U);
+  EXPECT_EQ(at<std::uint32_t>(memory, 24), 2U);
+  EXPECT_EQ(at<std::uint32_t>(memory, 28), 1U);
+  EXPECT_EQ(at<std::uint64_t>(memory, 32), board_.generation());
+  EXPECT_EQ(at<std::int64_t>(memory, 40), 20'000'000);
+  EXPECT_EQ(at<std::int64_t>(memory, 64), 12345);
+  EXPECT_EQ(at<std::uint32_t>(memory, 72), 0U);
+  const std::byte* const right = memory + header + slot;
+  EXPECT_STREQ(reinterpret_cast<const char*>(right), "right");
+  EXPECT_EQ(at<std::uint32_t>(right, 68), 1U);
+  const std::byte* const copy = right + 128 + std::size_t{256} * at<std::uint32_t>(right, 640);
+  EXPECT_EQ(at<std::uint64_t>(copy, 0) % 2, 0U);
+  const std::byte* const record = copy + 8;
+  EXPECT_EQ(at<std::uint64_t>(record, 0), 7U);
+  EXPECT_EQ(at<std::int64_t>(record, 8), 7);
+  EXPECT_EQ(at<std::uint64_t>(record, 24), 1U);
+  EXPECT_EQ(at<double>(record, 32), 0.25);
+  EXPECT_TRUE(std::isnan(at<double>(record, 56)));
+  EXPECT_EQ(at<double>(record, 72), 7);
+  EXPECT_EQ(at<std::uint8_t>(record, 192), 0);
+  EXPECT_EQ(at<std::uint8_t>(record, 193), 2);
+  EXPECT_EQ(at<std::uint8_t>(record, 196), 3);
+  EXPECT_EQ(at<std::uint8_t>(record, 197), 2);
+  EXPECT_EQ(at<std::uint8_t>(record, 198), 1);
+  const std::byte* const cup = memory + header + std::size_t{2} * slot;
+  EXPECT_STREQ(reinterpret_cast<const char*>(cup), "cup");
+  EXPECT_EQ(at<std::uint32_t>(cup, 64), 1U);
+  const std::byte* const grasp = cup + 128 + std::size_t{256} * at<std::uint32_t>(cup, 640) + 8;
+  EXPECT_EQ(at<std::int64_t>(grasp, 8), 5);
+  EXPECT_EQ(at<double>(grasp, 168), 0.125);
+  EXPECT_EQ(at<std::uint32_t>(grasp, 200), 1U);
+  munmap(mapped, board_.bytes());
+}
+
+TEST_F(SharedBoardTest, AMarginIsANumberInStateOkOnly) {
+  for (int state = 0; state <= static_cast<int>(State::fault); ++state) {
+    Estimate estimate = estimate_number(3);
+    estimate.state = static_cast<State>(state);
+    board_.publish_sensor(0, estimate, false);
+    EXPECT_EQ(std::isnan(view_.record(0).gamma), estimate.state != State::ok) << to_string(estimate.state);
+  }
+}
+
+TEST_F(SharedBoardTest, BeforeTheFirstRecordASlotIsStale) {
+  EXPECT_EQ(view_.record(2).state, SLIPD_STATE_STALE);
+  EXPECT_TRUE(std::isnan(view_.record(2).gamma));
+  EXPECT_EQ(view_.record(2).time_ns, 0);
+}
+
+// Seals hold however the receiver opens the file, also as its owner or as root.
+TEST_F(SharedBoardTest, NoReceiverOfTheDescriptorCanChangeIt) {
+  const UniqueFd passed = board_.descriptor();
+  const auto size = static_cast<off_t>(board_.bytes());
+  const auto attempts = [size](int file) {
+    char byte = 'x';
+    EXPECT_LT(pwrite(file, &byte, 1, 0), 0);
+    EXPECT_EQ(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0), MAP_FAILED);
+    EXPECT_NE(ftruncate(file, 0), 0);
+    EXPECT_NE(ftruncate(file, size + 4096), 0);
+    EXPECT_NE(fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, 4096), 0);
+    EXPECT_NE(fcntl(file, F_ADD_SEALS, F_SEAL_WRITE), 0);
+    void* const readable = mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0);
+    ASSERT_NE(readable, MAP_FAILED);
+    EXPECT_NE(mprotect(readable, 4096, PROT_READ | PROT_WRITE), 0);
+    munmap(readable, 4096);
+  };
+  attempts(passed.get());
+  const UniqueFd again(open(("/proc/self/fd/" + std::to_string(passed.get())).c_str(), O_RDWR | O_CLOEXEC));
+  ASSERT_TRUE(again) << "this is why a descriptor reopened for reading would not be enough";
+  attempts(again.get());
+  board_.publish_sensor(0, estimate_number(1), false);
+  EXPECT_EQ(view_.record(0).sequence, 1U);
+}
+
+TEST_F(SharedBoardTest, ReadersFindWholeRecordsInTheirOrder) {
+  constexpr std::uint64_t kRecords = 20'000;
+  std::vector<std::jthread> readers;
+  std::atomic<int> reading{0};
+  for (int i = 0; i < 3; ++i) {
+    readers.emplace_back([&] {
+      BoardView view;
+      ASSERT_EQ(view.map(board_.descriptor()), "");
+      ++reading;
+      std::uint64_t last = 0;
+      while (last < kRecords) {
+        const auto record = view.record(0);
+        if (record.number == 0) continue;
+        ASSERT_EQ(record.gamma, static_cast<double>(record.sequence));
+        ASSERT_EQ(record.normal_n, static_cast<double>(record.sequence));
+        ASSERT_EQ(record.number, record.sequence);
+        ASSERT_GE(record.sequence, last);
+        last = record.sequence;
+      }
+    });
+  }
+  while (reading < 3) std::this_thread::yield();
+  for (std::uint64_t i = 1; i <= kRecords; ++i) board_.publish_sensor(0, estimate_number(i), false);
+}
+
+// The kernel lets a reader sleep on a word that it cannot write.
+TEST_F(SharedBoardTest, AReaderOfReadOnlyMemoryIsWoken) {
+  const auto attachment = board_.wait_for({0});
+  std::atomic<std::uint64_t> got{0};
+  std::jthread reader([&] {
+    for (std::uint64_t last = 0; last < 100;) {
+      const std::uint32_t seen = view_.published(0);
+      const auto record = view_.record(0);
+      if (record.number > last) {
+        last = record.number;
+        got = last;
+        continue;
+      }
+      timespec until{};
+      clock_gettime(CLOCK_MONOTONIC, &until);
+      until.tv_sec += std::chrono::seconds(kPatience).count();
+      const auto* const word =
+          &reinterpret_cast<const board_layout::Slot*>(reinterpret_cast<const std::byte*>(view_.name(0)))
+               ->published;
+      const auto waited =
+          syscall(SYS_futex, word, FUTEX_WAIT_BITSET, seen, &until, nullptr, FUTEX_BITSET_MATCH_ANY);
+      ASSERT_TRUE(waited == 0 || errno == EAGAIN || errno == EINTR) << std::strerror(errno);
+    }
+  });
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    board_.publish_sensor(0, estimate_number(i), false);
+    while (got < i) std::this_thread::yield();
+  }
+}
+
+TEST_F(SharedBoardTest, MoreReadersThanTheWriterWakesAreLeftToIo) {
+  std::vector<SharedBoard::Attachment> attached;
+  for (std::uint32_t i = 0; i < SharedBoard::kWokenDirectly; ++i) attached.push_back(board_.wait_for({0}));
+  EXPECT_FALSE(board_.publish_sensor(0, estimate_number(1), false));
+  attached.push_back(board_.wait_for({0}));
+  EXPECT_TRUE(board_.publish_sensor(0, estimate_number(2), false));
+  EXPECT_FALSE(board_.publish_sensor(1, estimate_number(2), false)) << "nobody waits for it";
+  board_.wake_others();
+  attached.pop_back();
+  EXPECT_FALSE(board_.publish_sensor(0, estimate_number(3), false));
+}
+
+TEST_F(SharedBoardTest, WhenItIsClosedItsReadersWake) {
+  std::jthread reader([&] {
+    while (!view_.closed()) view_.wait(1, view_.published(1), std::numeric_limits<std::int64_t>::max());
+  });
+  board_.close();
+}
+
+// --- the real slipd ---
+
+// A connection that attaches by itself.
+class Attached {
+ public:
+  explicit Attached(const std::filesystem::path& socket)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, socket.c_str(), sizeof address.sun_path - 1);
+    if (connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("connect");
+  }
+  // Sends a line, and takes the answer with its descriptor.
+  json ask(const std::string& line) {
+    const std::string text = line + "\n";
+    if (send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL) < 0) return nullptr;
+    std::string answer;
+    while (answer.empty() || answer.back() != '\n') {
+      char bytes[4096];
+      alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))];
+      iovec piece{bytes, sizeof bytes};
+      msghdr message{};
+      message.msg_iov = &piece;
+      message.msg_iovlen = 1;
+      message.msg_control = control;
+      message.msg_controllen = sizeof control;
+      const auto got = recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
+      if (got <= 0) return nullptr;
+      answer.append(bytes, static_cast<std::size_t>(got));
+      if (cmsghdr* const item = CMSG_FIRSTHDR(&message)) {
+        int number = -1;
+        std::memcpy(&number, CMSG_DATA(item), sizeof number);
+        file = UniqueFd(number);
+      }
+    }
+    return json::parse(answer);
+  }
+  UniqueFd file;
+
+ private:
+  UniqueFd socket_;
+};
+
+constexpr const char* kAttach = R"({"jsonrpc":"2.0","id":1,"method":"attach"})";
+
+class Attach : public ::testing::Test {
+ protected:
+  const TempFolder folder_;
+  Daemon daemon_{
+      config_with(folder_, json::array({trial_sensor("left", json::object(), {{"rate_hz", 200}})})),
+      trial_drivers()};
+};
+
+TEST_F(Attach, PassesTheMemoryOnceAConnection) {
+  Attached client(daemon_.socket());
+  const json answer = client.ask(kAttach)["result"];
+  ASSERT_TRUE(client.file);
+  EXPECT_EQ(answer["sensors"], json::array({"left"}));
+  struct stat facts {};
+  ASSERT_EQ(fstat(client.file.get(), &facts), 0);
+  EXPECT_EQ(facts.st_size, answer["bytes"]);
+  BoardView view;
+  EXPECT_EQ(view.map(client.file), "");
+  const json again = client.ask(kAttach);
+  EXPECT_EQ(again["error"]["code"], -32003) << again;
+}
+
+TEST_F(Attach, RefusesWhatItCannotPassOrWaitFor) {
+  Attached client(daemon_.socket());
+  EXPECT_EQ(
+      client.ask(
+          R"({"jsonrpc":"2.0","id":1,"method":"attach","params":{"wait":["middle"]}})")["error"]["code"],
+      -32001);
+  EXPECT_EQ(
+      client.ask(R"({"jsonrpc":"2.0","id":1,"method":"attach","params":{"wait":"left"}})")["error"]["code"],
+      -32602);
+  const json batch = client.ask("[" + std::string(kAttach) + "]");
+  EXPECT_THAT(batch[0]["error"]["message"].get<std::string>(), HasSubstr("send this request alone"));
+  EXPECT_FALSE(client.file);
+  EXPECT_TRUE(client.ask(kAttach).contains("result"));
+}
+
+// Without an answer there is nothing that a descriptor could go with.
+TEST_F(Attach, AsANotificationPassesNothing) {
+  Attached client(daemon_.socket());
+  const std::string notification = R"({"jsonrpc":"2.0","method":"attach"})";
+  const json answer = client.ask(notification + "\n" + R"({"jsonrpc":"2.0","id":2,"method":"version"})");
+  EXPECT_EQ(answer["id"], 2);
+  EXPECT_FALSE(client.file);
+  EXPECT_TRUE(client.ask(kAttach).contains("result"));
+  EXPECT_TRUE(client.file);
+}
+
+// Readers that stop, die at any moment, or attach and never read: slipd's descriptors, and the estimates of
+// all others, stay what they were.
+TEST_F(Attach, ReadersThatAreKilledLeaveNothingBehind) {
+  constexpr int kReaders = 1000, kAtOnce = 20;
+  BoardView view;
+  {
+    Attached witness(daemon_.socket());
+    witness.ask(kAttach);
+    ASSERT_EQ(view.map(witness.file), "");
+  }
+  const std::size_t before = daemon_.descriptors_at_rest();
+  std::minstd_rand random(20);  // NOLINT(cert-msc51-cpp): the same in every run
+  const auto begun = view.record(0).number;
+  for (int done = 0; done < kReaders; done += kAtOnce) {
+    std::vector<pid_t> children;
+    for (int i = 0; i < kAtOnce; ++i) {
+      const pid_t child = fork();
+      if (child == 0) {
+        slipd_client* s = nullptr;
+        slipd_open(&s, daemon_.socket().c_str());
+        slipd_estimate estimate;
+        slipd_attach(s, "left", 10);
+        for (;;) slipd_wait(s, "left", 1, 1, &estimate);
+      }
+      children.push_back(child);
+    }
+    for (const pid_t child : children) {
+      if (random() % 4 == 0) kill(child, SIGSTOP);
+      const std::chrono::microseconds moment(random() % 1000);  // so that each dies in another place
+      std::this_thread::sleep_for(moment);
+      kill(child, SIGKILL);
+      waitpid(child, nullptr, 0);
+    }
+  }
+  EXPECT_EQ(daemon_.descriptors_at_rest(), before);
+  EXPECT_GT(view.record(0).number, begun);
+  EXPECT_FALSE(view.closed());
+}
+
+}  // namespace
+}  // namespace slipd::testing
