@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -138,11 +139,16 @@ TEST(ChainsMethod, IsNotFitWithoutAShape) {
 }
 
 // The margin is 1 - |Q|/(mu P) then, whatever happened in the frames that are missing.
-TEST(GivenFriction, AnswersAHoldWhicheverFramesBeforeItWereLost) {
+class GivenFriction : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Pads, GivenFriction, ::testing::Bool(),
+                         [](const auto& flat) { return flat.param ? "flat" : "curved"; });
+
+TEST_P(GivenFriction, AnswersAHoldWhicheverFramesBeforeItWereLost) {
   constexpr int kCycles = 40, kHoldFrames = 60;
   constexpr double kGiven = 0.5, kLost = 0.3, kNormal_n = 3, kHeld_n = 0.9;
   ChainSetup setup = setup_of(MethodChoice::moments, 8, 8);
   setup.friction = KnownFriction{{kGiven, kGiven}};
+  if (GetParam()) setup.scene.skin.radius_m = std::numeric_limits<double>::infinity();
   EstimatorChain chain(setup, nullptr);
   synthetic::FrameMaker maker(setup.layout);
   contact::LoadHistory contact(synthetic::paper_pair());
