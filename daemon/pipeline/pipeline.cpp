@@ -19,12 +19,15 @@ std::vector<std::unique_ptr<SensorRuntime>> make_runtimes(const Settings& settin
   }
   for (const GraspSettings& grasp : settings.grasps) {
     std::vector<std::size_t> members;
+    std::vector<FingerPose> poses;
     for (std::size_t i = 0; i < settings.sensors.size(); ++i) {
       const auto& names = grasp.sensors;
-      if (std::find(names.begin(), names.end(), settings.sensors[i].setup.name) != names.end())
-        members.push_back(i);
+      const auto named = std::find(names.begin(), names.end(), settings.sensors[i].setup.name);
+      if (named == names.end()) continue;
+      members.push_back(i);
+      if (!grasp.poses.empty()) poses.push_back(grasp.poses[static_cast<std::size_t>(named - names.begin())]);
     }
-    board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members)));
+    board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members), std::move(poses)));
   }
   return runtimes;
 }

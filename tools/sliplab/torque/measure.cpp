@@ -125,6 +125,7 @@ void TurningTally::add(const Estimate& estimate, Truth truth, double taken_us) {
   if (!estimate.gamma) return;
   near_answered_ += near ? 1 : 0;
   const double above = *estimate.gamma - truth.gamma;
+  off_ += above;
   above_ += above > kTurningTooSafe ? 1 : 0;
   most_above_ = std::max(most_above_, above);
   if (!near || !estimate.friction) return;
@@ -136,6 +137,7 @@ void TurningTally::add(const Estimate& estimate, Truth truth, double taken_us) {
 
 void TurningTally::add(const TurningTally& other) {
   margins_.add(other.margins_);
+  off_ += other.off_;
   above_ += other.above_;
   most_above_ = std::max(most_above_, other.most_above_);
   near_ += other.near_;
@@ -148,6 +150,9 @@ void TurningTally::add(const TurningTally& other) {
 
 double TurningTally::too_safe() const noexcept {
   return above_ / (margins_.answered() * margins_.frames());
+}
+double TurningTally::bias() const noexcept {
+  return off_ / (margins_.answered() * margins_.frames());
 }
 double TurningTally::friction_error() const noexcept {
   return frictions_ > 0 ? friction_errors_ / frictions_ : kUnknown;

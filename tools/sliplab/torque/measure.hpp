@@ -49,6 +49,8 @@ class TurningTally {
   // Of the answers: the share more than kTurningTooSafe above the truth, and the most above it.
   double too_safe() const noexcept;
   double most_too_safe() const noexcept { return most_above_; }
+  // Mean of the answers less the truth; NaN without answers.
+  double bias() const noexcept;
   // Of answers with learnt friction at true margins below kNear: mean relative error, and the share off by
   // more than a tenth.
   double friction_error() const noexcept;
@@ -61,7 +63,7 @@ class TurningTally {
   static constexpr double kNear = 0.7;
 
   ErrorStatistics margins_;
-  double above_ = 0, most_above_ = 0, near_ = 0, near_answered_ = 0;
+  double off_ = 0, above_ = 0, most_above_ = 0, near_ = 0, near_answered_ = 0;
   double frictions_ = 0, friction_errors_ = 0, frictions_wrong_ = 0;
   std::vector<float> taken_us_;
 };

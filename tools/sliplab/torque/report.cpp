@@ -46,7 +46,8 @@ void print_table(const std::vector<TorqueLine>& lines, const TorqueSetup& setup)
       "Contacts under force and torque: %zu single frames and %zu grasps a line, %g %% of sensor noise. Too "
       "safe: more than %g above the truth.\nFriction: at margins below 0.7, as learnt; off: by more than a "
       "tenth. Few taxels are given the friction.\n\n"
-      "                             answered  below 0.7  mean err  too safe  most above  1 sigma  2 sigma  "
+      "                             answered  below 0.7  mean err     bias  too safe  most above  1 sigma  2 "
+      "sigma  "
       "friction    off   median us\n",
       setup.frames, setup.grasps, 100 * setup.noise, kTurningTooSafe);
   std::string last;
@@ -56,10 +57,10 @@ void print_table(const std::vector<TorqueLine>& lines, const TorqueSetup& setup)
     last = title;
     const TurningTally& t = line.tally;
     std::printf(
-        "  %-8s %-5s %-11s %6.1f %%   %6.1f %%   %.4f   %5.2f %%     %6.3f  %5.1f %%  %5.1f %%   %.4f "
+        "  %-8s %-5s %-11s %6.1f %%   %6.1f %%   %.4f  %7.4f   %5.2f %%     %6.3f  %5.1f %%  %5.1f %%   %.4f "
         "%5.1f %%     %7.1f\n",
         name_of(line.course), name_of(line.mix), line.method.c_str(), 100 * t.margins().answered(),
-        100 * t.answered_near(), t.margins().mean_error(), 100 * t.too_safe(), t.most_too_safe(),
+        100 * t.answered_near(), t.margins().mean_error(), t.bias(), 100 * t.too_safe(), t.most_too_safe(),
         100 * t.margins().within(1), 100 * t.margins().within(2), t.friction_error(),
         100 * t.friction_wrong(), t.median_us());
   }
@@ -78,6 +79,7 @@ ordered_json to_json(const std::vector<TorqueLine>& lines, const TorqueSetup& se
                     {"answered", t.margins().answered()},
                     {"answered_below_0_7", t.answered_near()},
                     {"mean_error", t.margins().mean_error()},
+                    {"bias", t.bias()},
                     {"too_safe", t.too_safe()},
                     {"most_above", t.most_too_safe()},
                     {"within_sigma", t.margins().within(1)},
