@@ -273,7 +273,10 @@ struct EstimatorChain::Impl {
                                const TurningLoadResult& load) noexcept {
     if (load.turning != Turning::bending) return method->estimate(frame, patch);
     FrameEstimate estimate = slipping.estimate(loaded);
-    if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) estimate.in_model = false;
+    if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
+      estimate.in_model = false;
+      estimate.load_fallen = true;
+    }
     return estimate;
   }
 

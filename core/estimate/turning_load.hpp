@@ -39,7 +39,7 @@ struct TurningLoadOptions {
   // Standard deviation of the pull by what coarse taxels leave open of the torque and its lever, over
   // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `sliplab torque` on 4
   // x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
-  double coarse_sigma_share = 0.1;
+  double coarse_sigma_share = 0.2;
   // A load that asks for less of friction than this share of the most that it asked for has fallen; 0.8 …
   // 0.99. Too small: fields that slipped before and stick now are read as slipping. Too large: noise of a
   // load that rises is taken for a fall.

@@ -48,8 +48,26 @@ TEST(GraspLoad, AxesOfAPoseAreAtRightAngles) {
   EXPECT_FALSE(make_pose({}, {0, 0, 0}, {1, 0, 0}, none));
 }
 
-TEST(GraspLoad, PullsAlikeAddUpHoweverTheyAreShared) {
+TEST(GraspLoad, PullsThatAreSharedAsLimitsAreAddUp) {
   auto fingers = pair(2, 1);
+  fingers[0].shear_x_n = 0.8;
+  fingers[1].shear_x_n = 0.4;
+  EXPECT_NEAR(grasp_load(fingers).used_share, 1.2 / 3, 1e-3);
+}
+
+// A pull beside the middle between them is shared by the law of the lever: the more loaded finger slides, and
+// the object turns about the other. The sum of forces does not see it.
+TEST(GraspLoad, APullNearOneFingerIsThatFingers) {
+  auto fingers = pair(2, 1);
+  fingers[0].shear_x_n = 0.3;
+  fingers[1].shear_x_n = 0.9;
+  EXPECT_NEAR(grasp_load(fingers).used_share, 0.9, 5e-3);
+}
+
+// Of fingers side by side neither is free to: they share a pull until both slide.
+TEST(GraspLoad, FingersInOnePlaceShareAPullHoweverItIsMeasured) {
+  auto fingers = pair(2, 1);
+  fingers[1].pose = fingers[0].pose;
   fingers[0].shear_x_n = 0.3;
   fingers[1].shear_x_n = 0.9;
   EXPECT_NEAR(grasp_load(fingers).used_share, 1.2 / 3, 1e-3);
@@ -158,7 +176,7 @@ Estimate finger(double normal_n, double shear_n, double friction, double torque_
 
 TEST(GraspWithPoses, IsTheSumRuleForPullsAlikeAndSeesALeverAndATwistApart) {
   const std::vector<FingerPose> poses{low_finger(), high_finger()};
-  const std::vector<Estimate> hanging{finger(4, 0.4, 0.5, 0), finger(4, 0.8, 0.25, 0)};
+  const std::vector<Estimate> hanging{finger(4, 0.8, 0.5, 0), finger(4, 0.4, 0.25, 0)};
   const Estimate together = grasp_estimate(hanging, 0.5, poses), sums = grasp_estimate(hanging, 0.5);
   EXPECT_NEAR(*together.gamma, *sums.gamma, 1e-3);
   EXPECT_NEAR(*together.sigma, *sums.sigma, 1e-3);
