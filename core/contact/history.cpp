@@ -94,7 +94,7 @@ void LoadHistory::slip_to(double target_n, double most_n, double edge) {
 void LoadHistory::straight(double normal_n, double shear_n, int depth) {
   const double radius = pair_.contact_radius_m(normal_n);
   const double edge = radius * radius;
-  if (edge == 0) {  // no force, or none that a contact's extent could be told of
+  if (edge == 0) {  // no force, or none that a contact's extent could be computed of
     knots_.clear();
     normal_n_ = shear_n_ = 0;
     return;

@@ -1,4 +1,4 @@
-// A contact under any history of normal and tangential load: what a gripper lives in. P and Q may rise, fall
+// A contact under any history of normal and tangential load: P and Q may rise, fall
 // and reverse.
 //
 // The traction of such a contact is a signed sum of disc terms D_x (docs/theory.md §4.1). Sums of discs are

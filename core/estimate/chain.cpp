@@ -51,6 +51,15 @@ bool weighed_over_time(const ChainSetup& setup) {
   return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
 }
 
+// On few taxels a contact reaches beyond the pad, or falls between them: their sums miss traction that is
+// locked in after an unloading.
+TrackerOptions tracker_options(const ChainSetup& setup) {
+  TrackerOptions options;
+  if (!only_forces(setup) && setup.layout.size() <= Fit::kFewTaxels)
+    options.least_sigma = options.few_taxels_sigma;
+  return options;
+}
+
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
@@ -139,7 +148,8 @@ struct EstimatorChain::Impl {
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         turning_load(s.layout),
         slipping(s.layout),
-        tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s)),
+        tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
+                tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
@@ -155,8 +165,8 @@ struct EstimatorChain::Impl {
     turning_load.reset();
   }
 
-  // What the forces did since the last frame nobody has seen.
-  void own_up(const ContactPatch& patch, Estimate& out) noexcept {
+  // What the forces did since the last frame was not measured: sigma grows with it.
+  void widen_by_unseen_motion(const ContactPatch& patch, Estimate& out) noexcept {
     unseen.update(patch, out.friction.value_or(usual_friction));
     unseen.widen(out, setup.estimator.sigma_max);
   }
@@ -291,7 +301,7 @@ struct EstimatorChain::Impl {
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
     tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out, course);
-    if (setup.estimator.tracking) own_up(patch, out);
+    if (setup.estimator.tracking) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
       out.gamma.reset();
       out.sigma.reset();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/estimate/moments.hpp"
 
@@ -328,13 +329,15 @@ void FrictionFilter::verify(const ContactPatch& patch, bool clear) noexcept {
       std::hypot(patch.shear_x_n - grasp_.last_shear_x_n, patch.shear_y_n - grasp_.last_shear_y_n);
   grasp_.last_shear_x_n = patch.shear_x_n;
   grasp_.last_shear_y_n = patch.shear_y_n;
+  const bool was_clear = std::exchange(grasp_.last_clear, clear);
   if (clear) {
     grasp_.shear_lost = false;
     ++grasp_.unverified_frames;
     return;
   }
   const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
-  if (patch.shear_n < step_n && step_n > options_.max_lost_step * limit_n) grasp_.shear_lost = true;
+  if (was_clear && patch.shear_n < step_n && step_n > options_.max_lost_step * limit_n)
+    grasp_.shear_lost = true;
 }
 
 // Friction does not change by so much between two frames, but noise may turn one peak into another: what was

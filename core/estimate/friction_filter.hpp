@@ -143,6 +143,7 @@ class FrictionFilter {
     MomentResiduals moment_residuals;
     std::int64_t last_ns = 0;                       // time of the frame before; 0 before the first
     double last_shear_x_n = 0, last_shear_y_n = 0;  // of the frame before
+    bool last_clear = false;                        // the last frame's shear was far above its noise
     bool shear_lost = false;                        // shear fell to noise in one step
     int unverified_frames = 0;  // frames in a row with a clear shear that said nothing of friction
   };

@@ -88,6 +88,7 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   const MeanSigma friction = friction_filter_.grid().friction();
   give_friction(out);
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
+  margin.sigma = std::hypot(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
   if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
     // A frame that shows friction by itself knows it better than the lighter ones before it, whose taxels
     // nearly slipped.
@@ -105,7 +106,8 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
     if (shaped && friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     return margin;
   }
-  if (force_only_) return margin;
+  const bool settled = friction.sigma < options_.settled_sigma * friction.mean;
+  if (force_only_) return given_value_ || settled ? margin : lowered(margin);
   return combine(margin, *frame_estimate, method, out);
 }
 

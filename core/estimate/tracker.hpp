@@ -47,6 +47,13 @@ struct TrackerOptions {
   // sensor (the mean error of `fit` on 100 x 100 taxels with 1 % of relative noise is 0.0002). Too small: a
   // margin of a frame without noise is given as exact. Too large: sharp frames are wasted.
   double least_sigma = 5e-4;
+  // The same where at most Fit::kFewTaxels taxels feel a curved contact; Gamma, 0.005 … 0.05.
+  double few_taxels_sigma = 0.03;
+  // Floor of the sigma of friction over a grasp, relative, in a margin that is computed from it; 0 … 0.1: the
+  // contact that is followed has errors that all frames share. A frame's own sharper margin is not concerned.
+  // Too small: sigma is less than the error after a regrip, an unloading or a hold. Too large: margins of
+  // these are less sharp than they could be. `sliplab coverage --grasps 40 --of histories`.
+  double least_friction_sigma = 0.03;
   // A frame's own margin replaces the filter's if both agree within this; standard deviations of their
   // difference, 1 … 5. Too small: good frames are wasted. Too large: a frame of another history is given.
   double agreement_sigmas = 2.5;

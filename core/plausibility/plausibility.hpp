@@ -56,10 +56,10 @@ struct PlausibilityOptions {
   // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
   // judged by few values. More cost time in proportion.
   std::size_t probes = 192;
-  // Frames that repeat before the sensor counts as frozen; frames, 2 … 20. Fewer are told and used. Too
+  // Frames that repeat before the sensor counts as frozen; frames, 2 … 20. Fewer are reported, and used. Too
   // small: a repeated frame takes the margin away. Too large: a margin is given from the past.
   std::uint32_t frozen_frames = 3;
-  // A frame that repeats counts as told only if another did within about so many frames: drivers and
+  // A frame that repeats counts as reported only if another did within about so many frames: drivers and
   // recordings have a frame twice now and then; frames, 1 … 100.
   double repeats_memory_frames = 20;
   // Repeated frames within it; 1 … 5.

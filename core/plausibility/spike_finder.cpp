@@ -40,7 +40,9 @@ SpikeFinder::SpikeFinder(const TaxelLayout& layout, const PlausibilityLimits& li
 SpikeFinder::Look SpikeFinder::needed(const ContactPatch& patch) noexcept {
   const float peak = patch.frame_peak_pa;
   const float shear = std::max(patch.shear_x_extreme_pa, patch.shear_y_extreme_pa);
-  const bool beyond = peak > limits_.full_scale.normal_pa || -patch.frame_least_pa > peak ||
+  // Noise by itself reaches about as far below zero as above.
+  const double least_share = patch.in_contact ? 1 : options_.jump_factor;
+  const bool beyond = peak > limits_.full_scale.normal_pa || -patch.frame_least_pa > least_share * peak ||
                       shear > std::min(limits_.full_scale.shear_x_pa, limits_.full_scale.shear_y_pa);
   const bool noisier = patch.noise_shear_pa > options_.noise_factor * last_noise_pa_;
   last_noise_pa_ = patch.noise_shear_pa;

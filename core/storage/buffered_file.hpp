@@ -41,7 +41,7 @@ class BufferedFile {
   // Starts again at the beginning of the file and clears the error.
   void rewind() noexcept { seek(0); }
 
-  // Size of the file now, bytes; 0 if it cannot be told.
+  // Size of the file now, bytes; 0 if it is unknown.
   std::uint64_t size() const noexcept;
   // Fills `out` from a position, beside the buffer. False: the file has not so many bytes there, or cannot be
   // read.

@@ -46,9 +46,10 @@ json latency_json(const LatencyHistogram::Summary& latency) {
           {"max", known(latency.max_us)}};
 }
 
-// The error of the method in use, measured on unseen contacts of this sensor's scene. Null if it is not
-// measured yet, or cannot be, because single frames of this sensor do not determine the margin.
-json expected_error(const ServiceContext& context, const DeviceFacts& facts) {
+// The error of the method in use on single frames of unseen contacts of this sensor's scene. What to expect
+// over a grasp is each estimate's sigma. Null if it is not measured yet, or cannot be, because single frames
+// of this sensor do not determine the margin.
+json single_frame_error(const ServiceContext& context, const DeviceFacts& facts) {
   const TradeoffRow* used = nullptr;
   for (const TradeoffRow& row : facts.tradeoff.rows) {
     const bool rank_fits = row.settings.rank == context.settings.estimator.rank;
@@ -101,7 +102,7 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"receiving", receiving(status, published)},
       {"simulated", status.simulated.load(std::memory_order_relaxed)},
       {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
-      {"expected_error", expected_error(context, facts)},
+      {"single_frame_error", single_frame_error(context, facts)},
       {"zero", zero_json(status)},
       {"trouble", trouble(facts, published.estimate)},
       {"health", to_string(published.estimate.health)},

@@ -1,4 +1,4 @@
-// Tactile sensors on a CAN bus: boards that send their scans in several frames, told apart by a number in
+// Tactile sensors on a CAN bus: boards that send their scans in several frames, distinguished by a number in
 // their identifiers. One driver is one bus; each sensor is one board.
 //
 // A board that lost its power comes back silent, and nothing on the bus reports that. Therefore the driver

@@ -2,7 +2,7 @@
 // profile's rate by absolute time. libmodbus implements the protocol; it allocates nothing once connected.
 //
 // Several reads make one scan only if all were answered within its time-out. No supported device numbers its
-// scans, so reads of two scans cannot be told apart in another way.
+// scans, so reads of two scans cannot be distinguished in another way.
 #pragma once
 
 #include <memory>

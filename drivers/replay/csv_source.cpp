@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -34,10 +35,15 @@ bool next_field(std::string_view& rest, std::string_view& field) noexcept {
   return true;
 }
 
+// NaN for what tables write where a value is missing: nothing, NA, nan. False: no number.
 bool parse(std::string_view field, double& value) noexcept {
-  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
+  if (field.empty() || field == "NA") {
+    value = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
+  if (field.front() == '+') field.remove_prefix(1);
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  return error == std::errc() && end == field.data() + field.size() && std::isfinite(value);
+  return error == std::errc() && end == field.data() + field.size();
 }
 
 BufferedFile open_file(const std::filesystem::path& file, std::size_t taxels) {
@@ -152,10 +158,12 @@ void CsvSource::read_header(const SensorSetup& sensor) {
   }
 }
 
-bool CsvSource::store(const Column& column, std::string_view field, FrameSlot& out) const noexcept {
+bool CsvSource::store(const Column& column, std::string_view field, FrameSlot& out,
+                      bool& complete) const noexcept {
   if (column.channel == Channel::ignored) return true;
   double value = 0;
   if (!parse(field, value)) return false;
+  complete &= std::isfinite(value);
   const auto as_float = static_cast<float>(value);
   switch (column.channel) {
     case Channel::x:
@@ -169,7 +177,7 @@ bool CsvSource::store(const Column& column, std::string_view field, FrameSlot& o
       break;
     case Channel::time:
       if (std::abs(value) > kLatestSeconds) return false;
-      out.time_ns = std::llround(value * 1e9);
+      if (std::isfinite(value)) out.time_ns = std::llround(value * 1e9);
       break;
     case Channel::ignored:
       break;
@@ -196,10 +204,12 @@ ReadOutcome CsvSource::next(FrameSlot& out) noexcept {
   } while (trimmed(line).empty());
   std::string_view field;
   std::size_t number = 0;
+  bool complete = true;
   while (next_field(line, field)) {
     if (number == columns_.size())
       return fail(number + 1, "one field more than there are column names", field);
-    if (!store(columns_[number], field, out)) return fail(number + 1, "no number that can be used", field);
+    if (!store(columns_[number], field, out, complete))
+      return fail(number + 1, "no number that can be used", field);
     ++number;
   }
   if (number < columns_.size()) return fail(number + 1, "the line ends before this column", {});
@@ -207,7 +217,7 @@ ReadOutcome CsvSource::next(FrameSlot& out) noexcept {
   out.sequence = row_++;
   out.device_time_ns = -1;
   out.truth = {};
-  return ReadOutcome::frame;
+  return complete ? ReadOutcome::frame : ReadOutcome::corrupt;
 }
 
 ReadOutcome CsvSource::fail(std::size_t column, const char* what, std::string_view field) noexcept {

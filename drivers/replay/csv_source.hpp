@@ -1,8 +1,9 @@
 // CSV as a source of frames: one line of column names, then a line per frame with txl1_x, txl1_y, txl1_z …
 // txlN_z in any order, N the layout's size, optionally `time` in s; other columns are ignored. The option
 // `taxels` names other columns. Without
-// `time`, rows are spaced by the sensor's rate_hz. Lines are read and numbers parsed in place: no allocation
-// after construction.
+// `time`, rows are spaced by the sensor's rate_hz. A row with a missing value (empty, NA, nan, inf) is
+// corrupt; the next one is read on. Lines are read and numbers parsed in place: no allocation after
+// construction.
 #pragma once
 
 #include <array>
@@ -42,7 +43,8 @@ class CsvSource final : public FrameSource {
   void read_header(const SensorSetup& sensor);
   Column column_of(std::string_view name, const SensorSetup& sensor) const;
   void refuse_beyond_layout(std::string_view column, const SensorSetup& sensor) const;
-  bool store(const Column& column, std::string_view field, FrameSlot& out) const noexcept;
+  // False: the field is no number. `complete` becomes false where the value is missing.
+  bool store(const Column& column, std::string_view field, FrameSlot& out, bool& complete) const noexcept;
   ReadOutcome fail(std::size_t column, const char* what, std::string_view field) noexcept;
 
   std::filesystem::path path_;

@@ -16,8 +16,7 @@ struct Options {
 };
 
 // Throws DriverError for what the schema cannot say (shear_n and load in one phase, grip_input without real
-// time). A key that is absent has
-// the schema's default, whoever filled it in.
+// time). A key that is absent has the schema's default.
 Options parse_options(const SensorSetup& sensor);
 
 }  // namespace slipd::sim

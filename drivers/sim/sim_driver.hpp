@@ -1,5 +1,5 @@
 // Simulated sensors at the pace of a real device: frames are due at absolute times, come late or not at all
-// when told to, and are left out (with a jump in the sequence) when this machine cannot keep up. At speed 0
+// when asked to, and are left out (with a jump in the sequence) when this machine cannot keep up. At speed 0
 // nothing is waited for or left out: a frame is due as soon as it is asked for.
 #pragma once
 

@@ -5,21 +5,22 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <random>
 
 #include "core/storage/recording.hpp"
 #include "drivers/pacing.hpp"
 #include "drivers/replay/replay_driver.hpp"
-#include "tests/drivers/driver_fixture.hpp"
+#include "tests/drivers/replay_fixture.hpp"
 
 namespace slipd::replay {
 namespace {
 
 using std::chrono::microseconds;
+using test::opening;
 using test::OwnedSlot;
+using test::play;
+using test::play_whole;
 using test::refusal_of;
 using test::setup_of;
 using ::testing::HasSubstr;
@@ -27,28 +28,6 @@ using ::testing::IsEmpty;
 
 constexpr const char* kTwoTaxels = "txl1_x,txl1_y,txl1_z,txl2_x,txl2_y,txl2_z";
 const auto kPair = TaxelLayout::grid(2, 1, 0.004);
-
-struct Played {
-  std::vector<FrameSlot> frames;           // without their values
-  std::vector<std::vector<float>> values;  // normal, shear x, shear y
-  int corrupt = 0;
-  ReadStatus last = ReadStatus::frame;
-};
-
-Played play(DeviceDriver& driver, std::size_t taxels, std::size_t at_most = 100000) {
-  Played played;
-  OwnedSlot slot(taxels);
-  while (played.frames.size() < at_most) {
-    const auto result = driver.read({&slot.slot, 1}, microseconds(1000000));
-    played.last = result.status;
-    if (result.status == ReadStatus::corrupt) ++played.corrupt;
-    if (result.status == ReadStatus::end || result.status == ReadStatus::disconnected) break;
-    if (result.status != ReadStatus::frame) continue;
-    played.frames.push_back(slot.slot);
-    played.values.push_back(slot.memory);
-  }
-  return played;
-}
 
 class Replays : public ::testing::Test {
  protected:
@@ -66,15 +45,6 @@ class Replays : public ::testing::Test {
     more["file"] = file;
     if (!more.contains("speed")) more["speed"] = 0;
     return setup_of(kPair, std::move(more), 100);
-  }
-  // What opening it says; empty if it opens.
-  static std::string opening(const SensorSetup& sensor) {
-    return refusal_of([&] { ReplayDriver({sensor}).open(); });
-  }
-  static Played play_whole(const SensorSetup& sensor) {
-    ReplayDriver driver({sensor});
-    driver.open();
-    return play(driver, sensor.layout.size());
   }
   std::string record(const std::string& name, std::size_t frames, std::uint64_t step = 1) const {
     const int fd = ::open((folder_ / name).c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
@@ -192,8 +162,6 @@ TEST_F(Replays, OfFaultyCsvGiveTheRowsBeforeAndNameLineAndColumn) {
   };
   EXPECT_THAT(fault_of(start + "1,2,x\x01y,4,5,6\n", 1),
               HasSubstr("a.csv: line 3, column 3 (txl1_z): \"x?y\" is no number"));
-  EXPECT_THAT(fault_of(start + "1,2,nan,4,5,6\n", 1),
-              HasSubstr("line 3, column 3 (txl1_z): \"nan\" is no number"));
   EXPECT_THAT(fault_of(start + "1,2,3,4,5", 1), HasSubstr("line 3, column 6 (txl2_z): the line ends before"));
   EXPECT_THAT(fault_of(start + start.substr(start.find('\n') + 1) + "1,2,3,4,5,6,7\n", 2),
               HasSubstr("line 4, column 7: \"7\" is one"));
@@ -330,6 +298,19 @@ TEST_F(Replays, GiveUpWhenTheTimeGivenIsShorterThanTheWait) {
   EXPECT_EQ(driver.read({&slot.slot, 1}, microseconds(50)).status, ReadStatus::timeout);
 }
 
+TEST_F(Replays, PassOverRowsWithMissingValuesAndPlayTheRest) {
+  const std::string rows =
+      "1,2,3,4,5,6,0\n,2,3,4,5,6,0.1\n1,2,nan,4,5,6,0.2\n1,2,3,NA,5,6,0.3\n1,2,3,4,5,-inf,0.4\n"
+      "1,2,3,4,5,6,\n1,2,3,4,5,7,0.6\n";
+  const auto played = play_whole(setup(file("a.csv", std::string(kTwoTaxels) + ",time\n" + rows)));
+  EXPECT_EQ(played.corrupt, 5);
+  EXPECT_EQ(played.last, ReadStatus::end);
+  ASSERT_EQ(played.frames.size(), 2U);
+  EXPECT_EQ(played.values[1][1], 7);
+  EXPECT_EQ(played.frames[1].sequence - played.frames[0].sequence, 6U);
+  EXPECT_EQ(played.frames[1].time_ns - played.frames[0].time_ns, 600000000);
+}
+
 TEST_F(Replays, PassOverFramesThatAreNoNumbersAndCountThem) {
   const auto played =
       play_whole(setup(file("a.csv", std::string(kTwoTaxels) + "\n1e300,2,3,4,5,6\n1,2,3,4,5,6\n")));
@@ -360,71 +341,6 @@ TEST_F(Replays, OfCsvWithBytesAtRandomNeverCrashAndAlwaysSayWhere) {
     EXPECT_THAT(refusal_of([&] { driver.open(); }), HasSubstr("a.csv: line ")) << content;
   }
   EXPECT_GT(faults, 50);
-}
-
-// Where the recorded grasps of two real sensors are, if they are here at all.
-std::filesystem::path real_grasps() {
-  const char* given = std::getenv("SLIPD_SHARED");
-  const std::filesystem::path shared = given != nullptr
-                                           ? std::filesystem::path(given)
-                                           : std::filesystem::path(SLIPD_SOURCE_DIR) / ".." / "shared";
-  return shared / "data/uskin";
-}
-
-constexpr const char* kNoGrasps =
-    "needs the recorded grasps in ../shared/data/uskin (SLIPD_SHARED names another ../shared)";
-
-SensorSetup real_sensor(const std::filesystem::path& file, nlohmann::json bias) {
-  return setup_of(TaxelLayout::grid(4, 4, 0.0047),
-                  {{"file", file.string()}, {"speed", 0}, {"bias", std::move(bias)}}, 60);
-}
-
-TEST_F(Replays, OfRealGraspsPlayThroughWhole) {
-  if (!std::filesystem::exists(real_grasps())) GTEST_SKIP() << kNoGrasps;
-  const std::vector<std::pair<const char*, std::size_t>> trials{
-      {"2022-02-21-09-58-49", 404}, {"2022-02-21-14-10-49", 354}, {"2022-02-22-15-15-00", 259}};
-  for (const auto& [trial, rows] : trials) {
-    for (const char* name : {"xela_sensor1.csv", "xela_sensor2.csv"}) {
-      const auto played = play_whole(real_sensor(real_grasps() / trial / name, {16000, 16000, 37500}));
-      EXPECT_EQ(played.frames.size(), rows) << trial << name;
-      EXPECT_EQ(played.last, ReadStatus::end);
-    }
-    EXPECT_THAT(opening(real_sensor(real_grasps() / trial, 0)),
-                HasSubstr("name the file of the tactile sensor"));
-  }
-}
-
-// The object slips from row 73 on by the camera's label and has been let go by row 140: the only zero there
-// is.
-TEST_F(Replays, OfARealSlipShowCoulombsPlateauWithTheZeroOfEachTaxelTakenOff) {
-  if (!std::filesystem::exists(real_grasps())) GTEST_SKIP() << kNoGrasps;
-  const auto file = real_grasps() / "2022-02-22-15-15-00/xela_sensor2.csv";
-  constexpr std::size_t kTaxels = 16;
-  const auto raw = play_whole(real_sensor(file, 0));
-  ASSERT_EQ(raw.values.size(), 259U);
-  std::vector<double> zero(3 * kTaxels);
-  for (std::size_t row = 140; row < 259; ++row) {
-    for (std::size_t i = 0; i < kTaxels; ++i) {
-      const auto& v = raw.values[row];
-      const double axes[] = {v[kTaxels + i], v[2 * kTaxels + i], v[i]};
-      for (std::size_t axis = 0; axis < 3; ++axis) zero[3 * i + axis] += axes[axis] / 119;
-    }
-  }
-  const auto played = play_whole(real_sensor(file, zero));
-  std::vector<double> ratio;
-  for (const auto& v : played.values) {
-    double sums[3] = {0, 0, 0};
-    for (std::size_t k = 0; k < 3 * kTaxels; ++k) sums[k / kTaxels] += v[k];
-    ratio.push_back(std::hypot(sums[1], sums[2]) / sums[0]);
-  }
-  const auto mean = [&](std::size_t from, std::size_t to) {
-    double sum = 0;
-    for (std::size_t i = from; i < to; ++i) sum += ratio[i];
-    return sum / static_cast<double>(to - from);
-  };
-  EXPECT_NEAR(mean(0, 50), 0.39, 0.015);                                     // held
-  EXPECT_GT(*std::max_element(&ratio[55], &ratio[73]), mean(0, 50) + 0.03);  // rises before the label comes
-  EXPECT_NEAR(mean(78, 114), 0.415, 0.025);  // friction's plateau while it slips
 }
 
 }  // namespace

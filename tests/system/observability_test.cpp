@@ -37,11 +37,11 @@ TEST(Observability, StatusTellsLatenciesAndWhatTheEstimatorIsWorthOnThisScene) {
   subscriber.result("subscribe");
   subscriber.notification();
   const json status = daemon.wait_for("status", [](const json& s) {
-    return s["sensors"][0]["received"] > 20 && s["sensors"][0]["expected_error"].is_object() &&
+    return s["sensors"][0]["received"] > 20 && s["sensors"][0]["single_frame_error"].is_object() &&
            s["outputs"]["socket"]["latency_us"]["max"].is_number();
   });
   const json& sensor = status["sensors"][0];
-  const json& error = sensor["expected_error"];
+  const json& error = sensor["single_frame_error"];
   EXPECT_GT(error["mean"], 0);
   EXPECT_LT(error["mean"], 0.3);
   EXPECT_GE(error["p95"], error["mean"]);

@@ -1,4 +1,5 @@
 """Recordings of 3 x 3 pillars in newtons: grasps that nobody pulls at, an object that is turned, a cable that is pulled."""
+import math
 from dataclasses import dataclass, field
 
 from . import recordings as rec
@@ -12,6 +13,7 @@ RELEASED_SHARE = 0.9    # the release begins where P was last above this share o
 TURN_S = (1.0, 1.5)     # when the object is turned
 TURN_DELAY_S = 0.3
 PULL_BEGINS_S = 1.0
+PULLED_SHARE = 0.5      # pulled while the pillars' shears sum to more than this share of what they did when the pull began
 SAFE_MARGIN = 0.4       # no margin above this while the cable is pulled
 SHEAR_N = 0.5           # more shear than this is contact
 FRICTION = 0.38         # that the objects of these grasps have, for the plain detector
@@ -69,10 +71,17 @@ def of_turned(result, rows, recording, values):
         result.turned[name] = next((t - begin for t in rises if t >= begin), None)
 
 
-def of_cable(result, rows):
+def pulled(recording):
+    """For each row, whether the cable is pulled: it ends when the cable comes off and the pillars spring back."""
+    sums = [sum(math.hypot(x, y) for x, y in zip(xs, ys)) for xs, ys in zip(recording.x, recording.y)]
+    least = PULLED_SHARE * sums[next(i for i, t in enumerate(recording.times) if t >= PULL_BEGINS_S)]
+    return [t > PULL_BEGINS_S and total > least for t, total in zip(recording.times, sums)]
+
+
+def of_cable(result, rows, recording):
     result.cables += 1
     result.lost_contact += sum(r["state"] == "no_contact" and (rec.number(r["shear_n"]) or 0) > SHEAR_N for r in rows)
-    result.safe += sum(r["state"] == "ok" and float(r["gamma"]) > SAFE_MARGIN and float(r["time_s"]) > PULL_BEGINS_S for r in rows)
+    result.safe += sum(r["state"] == "ok" and float(r["gamma"]) > SAFE_MARGIN and on for r, on in zip(rows, pulled(recording)))
 
 
 def measure(sliplab, folder):
@@ -88,7 +97,7 @@ def measure(sliplab, folder):
         elif "moment" in file.name:
             of_turned(result, rows, recording, values)
         elif "cable" in file.name:
-            of_cable(result, rows)
+            of_cable(result, rows, recording)
     print(f"pillars, quiet grasps: slip raised in {result.false['slipd']} of {result.quiet}; margin in "
           f"{100 * result.with_margin / max(1, result.held):.0f} % of held rows; turned: {result.turned}; cables: no_contact with shear "
           f"{result.lost_contact} rows, safe margin {result.safe} rows")

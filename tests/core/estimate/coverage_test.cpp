@@ -23,7 +23,6 @@ sliplab::Coverage cycle_of(std::size_t side, MethodChoice method, double rate_hz
 }
 
 // Few grasps scatter more than many: the limits are a little wider than what `sliplab coverage` is asked for.
-// 4 x 4 taxels fall short of 90 % within two sigmas (docs/accuracy.md), which their limit admits.
 TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
   for (const auto& [side, method] : {std::pair{4U, MethodChoice::fit}, std::pair{16U, MethodChoice::moments},
                                      std::pair{16U, MethodChoice::fit}}) {
@@ -31,8 +30,8 @@ TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
     SCOPED_TRACE(side);
     ASSERT_GT(all.answers(), 1000);
     EXPECT_GT(all.answered(), 0.7);
-    EXPECT_GT(all.within_two_sigma(), side == 4 ? 0.85 : 0.88);
-    EXPECT_GT(all.within_three_sigma(), 0.98);
+    EXPECT_GT(all.within_two_sigma(), 0.88);
+    EXPECT_GT(all.within_three_sigma(), 0.96);
   }
 }
 
@@ -44,6 +43,15 @@ TEST(SigmaOverAGrasp, FrictionThatFallsBetweenTwoFramesIsNotToldTooSafeForLong) 
   const sliplab::CoverageTally all = cycle_of(10, MethodChoice::fit, 50, kGrasps).all;
   ASSERT_GT(all.answers(), 300);
   EXPECT_LE(all.too_safe(), kFewFrames * kGrasps);
+}
+
+// The noise of the first touch, whose P is next to nothing, is no shear that was lost.
+TEST(SigmaOverAGrasp, AGripThatNobodyPullsHasAMargin) {
+  for (const std::size_t side : {4U, 8U, 16U, 32U}) {
+    SCOPED_TRACE(side);
+    const sliplab::Coverage cycle = cycle_of(side, MethodChoice::fit, 200, 4);
+    EXPECT_GT(cycle.by_phase.at("02 hold").answered(), 0.9);
+  }
 }
 
 TEST(SigmaOverAGrasp, IsNeverZero) {

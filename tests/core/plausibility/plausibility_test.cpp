@@ -48,7 +48,7 @@ class GraspWithFault {
 
   // To the forces within so many frames; returns what the chain says of each.
   std::vector<Estimate> go(int frames, double normal_n, double shear_n, const Spoil& spoil = {}) {
-    std::vector<Estimate> told;
+    std::vector<Estimate> estimates;
     const double from_normal_n = contact_.normal_n(), from_shear_n = contact_.shear_n();
     for (int i = 1; i <= frames; ++i) {
       const double part = static_cast<double>(i) / frames;
@@ -65,9 +65,9 @@ class GraspWithFault {
       slot.shear_x_pa = x_;
       slot.shear_y_pa = y_;
       if (spoil) spoil(slot);
-      told.push_back(chain_.estimate(slot.view()));
+      estimates.push_back(chain_.estimate(slot.view()));
     }
-    return told;
+    return estimates;
   }
 
   double margin() const { return contact_.safety_margin(); }
@@ -103,25 +103,25 @@ class GraspWithFault {
 class Faults : public ::testing::TestWithParam<Case> {
  protected:
   // No margin is far above the truth, and the fault is named.
-  static void expect_told(GraspWithFault& grasp, const GraspWithFault::Spoil& spoil,
+  static void expect_reported(GraspWithFault& grasp, const GraspWithFault::Spoil& spoil,
                           std::initializer_list<Health> names) {
     grasp.load();
     if (HasFatalFailure()) return;
     constexpr int kFrames = 100;
     const double before = grasp.margin();
-    const auto told = grasp.go(kFrames, kNormal_n, 1.2 * GraspWithFault::kLoaded_n, spoil);
+    const auto estimates = grasp.go(kFrames, kNormal_n, 1.2 * GraspWithFault::kLoaded_n, spoil);
     const double after = grasp.margin();
     std::string seen;
     bool named = false;
-    for (std::size_t i = 0; i < told.size(); ++i) {
-      const bool known = std::find(names.begin(), names.end(), told[i].health) != names.end();
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+      const bool known = std::find(names.begin(), names.end(), estimates[i].health) != names.end();
       named = named || known;
       if (i < 30)
-        seen += std::string(to_string(told[i].state)) + "/" + std::string(to_string(told[i].health)) + " ";
+        seen += std::string(to_string(estimates[i].state)) + "/" + std::string(to_string(estimates[i].health)) + " ";
       const double truth = before + (after - before) * static_cast<double>(i + 1) / kFrames;
-      if (i >= kGraceFrames && told[i].state == State::ok) {
-        EXPECT_LT(*told[i].gamma, truth + kGross) << "frame " << i;
-        if (*told[i].gamma >= truth + kGross) break;
+      if (i >= kGraceFrames && estimates[i].state == State::ok) {
+        EXPECT_LT(*estimates[i].gamma, truth + kGross) << "frame " << i;
+        if (*estimates[i].gamma >= truth + kGross) break;
       }
     }
     EXPECT_TRUE(named) << seen;
@@ -135,11 +135,11 @@ void zero(std::span<float> values) {
 }
 
 TEST_P(Faults, AShearChannelThatDiesIsAFaultAndNoMargin) {
-  expect_told(grasp_, [](FrameSlot& f) { zero(f.shear_x_pa); }, {Health::dead_shear_x});
+  expect_reported(grasp_, [](FrameSlot& f) { zero(f.shear_x_pa); }, {Health::dead_shear_x});
 }
 
 TEST_P(Faults, BothShearChannelsThatDieAreAFaultAndNoMargin) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 zero(f.shear_x_pa);
                 zero(f.shear_y_pa);
@@ -149,7 +149,7 @@ TEST_P(Faults, BothShearChannelsThatDieAreAFaultAndNoMargin) {
 
 TEST_P(Faults, FrozenFramesAreAFault) {
   std::vector<float> p, x, y;
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [&](FrameSlot& f) {
                 if (p.empty()) {
                   p.assign(f.normal_pa.begin(), f.normal_pa.end());
@@ -164,7 +164,7 @@ TEST_P(Faults, FrozenFramesAreAFault) {
 }
 
 TEST_P(Faults, AFewMillionthsOfThePressureAreNoContact) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
                   for (float& value : values) value *= 1e-6F;
@@ -174,7 +174,7 @@ TEST_P(Faults, AFewMillionthsOfThePressureAreNoContact) {
 }
 
 TEST_P(Faults, ValuesBeyondAllSenseAreRefused) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
                   for (float& value : values) value *= 1e25F;
@@ -184,7 +184,7 @@ TEST_P(Faults, ValuesBeyondAllSenseAreRefused) {
 }
 
 TEST_P(Faults, OnePressureOnAllTaxelsIsNoContact) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa})
                   std::fill(values.begin(), values.end(), values[values.size() / 2]);
@@ -193,7 +193,7 @@ TEST_P(Faults, OnePressureOnAllTaxelsIsNoContact) {
 }
 
 TEST_P(Faults, ShearThatIsClippedGivesNoMargin) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 for (auto values : {f.shear_x_pa, f.shear_y_pa}) {
                   for (float& value : values) value = std::clamp(value, -kClip_pa, kClip_pa);
@@ -210,13 +210,13 @@ TEST_P(Faults, ASingleTaxelThatReadsWhatNoContactMakesIsLeftOut) {
     for (const float value_pa : kValues_pa) {
       SCOPED_TRACE(std::to_string(value_pa) + " at " + std::to_string(taxel));
       GraspWithFault grasp{GetParam()};
-      expect_told(grasp, [=](FrameSlot& f) { f.normal_pa[taxel] = value_pa; }, {Health::spike});
+      expect_reported(grasp, [=](FrameSlot& f) { f.normal_pa[taxel] = value_pa; }, {Health::spike});
     }
   }
 }
 
 TEST_P(Faults, ATenthOfTheShearAlongXIsNoSaferGrip) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 for (float& value : f.shear_x_pa) value *= 0.1F;
               },
@@ -224,14 +224,14 @@ TEST_P(Faults, ATenthOfTheShearAlongXIsNoSaferGrip) {
 }
 
 TEST_P(Faults, ExchangedAxesAreNoGraspThatGoesOn) {
-  expect_told(
+  expect_reported(
       grasp_,
       [](FrameSlot& f) { std::swap_ranges(f.shear_x_pa.begin(), f.shear_x_pa.end(), f.shear_y_pa.begin()); },
       {Health::jump});
 }
 
 TEST_P(Faults, AThousandfoldUnitIsRefused) {
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [](FrameSlot& f) {
                 for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
                   for (float& value : values) value *= 1e3F;
@@ -242,7 +242,7 @@ TEST_P(Faults, AThousandfoldUnitIsRefused) {
 
 TEST_P(Faults, AColumnThatDiesIsAFault) {
   const std::size_t side = GetParam().side;
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [side](FrameSlot& f) {
                 for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
                   for (std::size_t i = side / 2; i < values.size(); i += side) values[i] = 0;
@@ -253,13 +253,13 @@ TEST_P(Faults, AColumnThatDiesIsAFault) {
 
 TEST_P(Faults, AStuckBitOfOneShearIsLeftOut) {
   const std::size_t side = GetParam().side, middle = side / 2 * side + side / 2;
-  expect_told(grasp_, [middle](FrameSlot& f) { f.shear_x_pa[middle] += 1e6F; }, {Health::spike});
+  expect_reported(grasp_, [middle](FrameSlot& f) { f.shear_x_pa[middle] += 1e6F; }, {Health::spike});
 }
 
 TEST_P(Faults, AShearChannelThatBecomesNoisyGivesNoMargin) {
   std::mt19937 random{1};
   std::uniform_real_distribution<float> noise_pa(-2e4F, 2e4F);
-  expect_told(grasp_,
+  expect_reported(grasp_,
               [&](FrameSlot& f) {
                 for (float& value : f.shear_x_pa) value += noise_pa(random);
               },
@@ -282,9 +282,9 @@ TEST_P(Faults, AJumpLastsUntilTheObjectIsLetGo) {
 TEST_P(Faults, AreOverSoonAfterTheSensorIsSoundAgain) {
   grasp_.load();
   grasp_.go(20, kNormal_n, GraspWithFault::kLoaded_n, [](FrameSlot& f) { zero(f.shear_x_pa); });
-  const auto told = grasp_.go(100, kNormal_n, 1.2 * GraspWithFault::kLoaded_n);
-  EXPECT_EQ(told.back().health, Health::good);
-  EXPECT_NE(told.back().state, State::fault);
+  const auto estimates = grasp_.go(100, kNormal_n, 1.2 * GraspWithFault::kLoaded_n);
+  EXPECT_EQ(estimates.back().health, Health::good);
+  EXPECT_NE(estimates.back().state, State::fault);
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, Faults,

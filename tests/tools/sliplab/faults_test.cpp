@@ -1,4 +1,4 @@
-// Faults of sensors are told, and no margin is far too safe because of one.
+// Faults of sensors are reported, and no margin is far too safe because of one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 using slipd::MethodChoice;
 
-// Faults that leave the margin right, or that no frame shows: they need not be told, and their margins are
+// Faults that leave the margin right, or that no frame shows: they need not be reported, and their margins are
 // counted in docs/reliability.md.
 bool harmless(Fault fault) {
   switch (fault) {
@@ -59,7 +59,7 @@ TEST_P(FaultMatrix, TellsFaultsAndGivesNoMarginThatIsFarTooSafe) {
   for (const FaultLine& line : lines) {
     EXPECT_EQ(line.false_alarms, 0U);
     if (harmless(line.fault)) continue;
-    EXPECT_EQ(line.told, line.grasps) << name_of(line.fault);
+    EXPECT_EQ(line.reported, line.grasps) << name_of(line.fault);
     EXPECT_LE(static_cast<double>(line.too_safe),
               static_cast<double>(line.sound_too_safe) + kMore * static_cast<double>(line.answered))
         << name_of(line.fault);

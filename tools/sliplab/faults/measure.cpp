@@ -128,7 +128,7 @@ Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, s
     found.sums.sound_too_safe += too_safe(sound[i]) ? 1 : 0;
   }
   found.sums.sound_frames = sound.size();
-  found.sums.told = found.after >= 0 ? 1 : 0;
+  found.sums.reported = found.after >= 0 ? 1 : 0;
   found.sums.named = named ? 1 : 0;
   found.sums.without_effect = found.after < 0 && !changed ? 1 : 0;
   return found;
@@ -182,7 +182,7 @@ FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, s
   std::array<std::size_t, kHealths> as{};
   for (const auto& findings : grasps) {
     const Found& grasp = findings[place];
-    line.told += grasp.sums.told;
+    line.reported += grasp.sums.reported;
     line.named += grasp.sums.named;
     as[static_cast<std::size_t>(grasp.sums.as)] += grasp.sums.named;
     line.without_effect += grasp.sums.without_effect;

@@ -1,4 +1,4 @@
-// What slipd says of random grasps whose sensor breaks in mid-grasp: whether the fault is told, after how
+// What slipd says of random grasps whose sensor breaks in mid-grasp: whether the fault is reported, after how
 // long, and how many margins are too safe.
 #pragma once
 
@@ -21,16 +21,17 @@ struct FaultLine {
   std::string method;
   Fault fault = Fault::none;
   std::size_t grasps = 0;
-  // Grasps whose fault was told: an estimate with another health than good, or without the margin that the
-  // sound sensor's estimator gave at that frame.
-  std::size_t told = 0;
+  // Grasps whose fault was reported: an estimate with another health than good, or without the margin that
+  // the sound sensor's estimator gave at that frame.
+  std::size_t reported = 0;
   // Of these, with another health than good.
   std::size_t named = 0;
   // The health that most of these have first, good if there are none.
   slipd::Health as = slipd::Health::good;
-  // Grasps whose fault was not told, and changed no margin that was given by more than kNoEffect.
+  // Grasps whose fault was not reported, and changed no margin that was given by more than kNoEffect.
   std::size_t without_effect = 0;
-  // Frames from the fault's first to the first that told it: the middle one and the latest; -1: none told.
+  // Frames from the fault's first to the first that reported it: the middle one and the latest; -1: none
+  // reported.
   long median_frames = -1;
   long last_frames = -1;
   // Frames with the fault, later than kGraceFrames after it began, in state ok.

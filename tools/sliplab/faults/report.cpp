@@ -13,9 +13,9 @@ double share(std::size_t of, std::size_t all) {
 }
 
 // What most grasps say of the fault: a health, or that there is no margin.
-std::string told_as(const FaultLine& line) {
+std::string reported_as(const FaultLine& line) {
   if (line.named > 0) return "`" + std::string(slipd::to_string(line.as)) + "`";
-  return line.told > 0 ? "no margin" : "–";
+  return line.reported > 0 ? "no margin" : "–";
 }
 
 std::string frames(long count) {
@@ -28,14 +28,15 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
   std::printf("%zu random grasps a line, frames %g ms apart, noise %g.\n\n", setup.grasps,
               1e3 * setup.sensing.frame_s, setup.sensing.noise);
   std::printf(
-      "| fault | taxels | method | most often | told, %% | of these named, %% | without effect, %% | frames "
-      "until told: middle, last | in state ok | "
+      "| fault | taxels | method | most often | reported, %% | of these named, %% | without effect, %% | "
+      "frames "
+      "until reported: middle, last | in state ok | "
       "too safe by the fault | too safe without it "
       "|\n|---|---|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const FaultLine& line : lines) {
     std::printf("| `%s` | %zu x %zu | %s | %s | %.1f | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
                 std::string(name_of(line.fault)).c_str(), line.columns, line.columns, line.method.c_str(),
-                told_as(line).c_str(), share(line.told, line.grasps), share(line.named, line.grasps),
+                reported_as(line).c_str(), share(line.reported, line.grasps), share(line.named, line.grasps),
                 share(line.without_effect, line.grasps), frames(line.median_frames).c_str(),
                 frames(line.last_frames).c_str(), static_cast<unsigned long long>(line.answered),
                 static_cast<unsigned long long>(line.too_safe),
@@ -63,7 +64,7 @@ nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultS
                     {"columns", line.columns},
                     {"method", line.method},
                     {"grasps", line.grasps},
-                    {"told", line.told},
+                    {"reported", line.reported},
                     {"named", line.named},
                     {"as", slipd::to_string(line.as)},
                     {"without_effect", line.without_effect},
