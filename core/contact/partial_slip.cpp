@@ -16,7 +16,8 @@ double column_of(std::size_t cell) noexcept {
   return static_cast<double>(cell % kSide) - kMiddle;
 }
 double row_of(std::size_t cell) noexcept {
-  return static_cast<double>(cell / kSide) - kMiddle;
+  const std::size_t row = cell / kSide;
+  return static_cast<double>(row) - kMiddle;
 }
 
 // The integral of 1/r over the rectangle between (0, 0) and (u, v), odd in both.

@@ -168,8 +168,9 @@ void TurningContact::taxel_averages(const TaxelLayout& layout, double center_x_m
     normal_pa[i] = static_cast<float>(scale * disc_average(radius_m_, u, v, side_m));
     double x = 0, y = 0;
     for (int part = 0; part < parts * parts; ++part) {
-      const double at_x = u + (part % parts + 0.5) * part_m - side_m / 2;
-      const double at_y = v + (part / parts + 0.5) * part_m - side_m / 2;
+      const int column = part % parts, row = part / parts;
+      const double at_x = u + (column + 0.5) * part_m - side_m / 2;
+      const double at_y = v + (row + 0.5) * part_m - side_m / 2;
       const double pressure = disc_average(radius_m_, at_x, at_y, part_m);
       if (!(pressure > 0)) continue;
       const Mobilised used = mobilised(at_x, at_y);

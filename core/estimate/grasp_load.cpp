@@ -19,12 +19,12 @@ struct Places {
   std::array<double, kRings * kSpokes> x{}, y{};
   Places() noexcept {
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const double share = (static_cast<double>(i / kSpokes) + 0.5) / kRings;
+      const std::size_t ring = i / kSpokes, spoke = i % kSpokes;
+      const double share = (static_cast<double>(ring) + 0.5) / kRings;
       const double radius = std::sqrt(1 - std::pow(1 - share, 2.0 / 3));
       // Rings are turned against each other.
-      const double angle = 2 * std::numbers::pi *
-                           (static_cast<double>(i % kSpokes) + 0.2 * static_cast<double>(i / kSpokes)) /
-                           kSpokes;
+      const double angle =
+          2 * std::numbers::pi * (static_cast<double>(spoke) + 0.2 * static_cast<double>(ring)) / kSpokes;
       x[i] = radius * std::cos(angle);
       y[i] = radius * std::sin(angle);
     }
