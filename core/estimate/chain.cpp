@@ -301,7 +301,8 @@ struct EstimatorChain::Impl {
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
     tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out, course);
-    if (setup.estimator.tracking) widen_by_unseen_motion(patch, out);
+    const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
+    if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
       out.gamma.reset();
       out.sigma.reset();

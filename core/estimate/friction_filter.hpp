@@ -66,6 +66,8 @@ class FrictionFilter {
   bool explained() const noexcept {
     return !grasp_.shear_lost && grasp_.unverified_frames <= options_.max_unverified_frames;
   }
+  // A clear shear vanished from one frame to the next, by more than an unloading explains.
+  bool shear_lost() const noexcept { return grasp_.shear_lost; }
   // Friction has fallen in this grasp, as far as frames then left it open.
   bool fallen() const noexcept { return grasp_.fallen; }
 

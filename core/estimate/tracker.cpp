@@ -79,8 +79,10 @@ MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
                                         Method method, const SlidingVerdict& course, Estimate& out) noexcept {
   friction_filter_.update(out.time_ns, patch, frame_estimate, course);
-  if (!friction_filter_.understood()) return std::nullopt;
-  if (!friction_filter_.explained()) {
+  // What happened before the frame matters for friction only. Given as a value, it needs neither.
+  const bool by_forces = given_value_ && !is_known(friction_filter_.history());
+  if (!by_forces && !friction_filter_.understood()) return std::nullopt;
+  if (by_forces ? friction_filter_.shear_lost() : !friction_filter_.explained()) {
     if (out.health == Health::good) out.health = Health::unexplained;
     return std::nullopt;
   }
@@ -88,6 +90,9 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   const MeanSigma friction = friction_filter_.grid().friction();
   give_friction(out);
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
+  if (bounds_)
+    margin.mean = std::clamp(margin.mean, std::max(0.0, 1 - load / bounds_->low),
+                             std::max(0.0, 1 - load / bounds_->high));
   margin.sigma = std::hypot(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
   if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
     // A frame that shows friction by itself knows it better than the lighter ones before it, whose taxels
@@ -97,13 +102,13 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
     return MeanSigma{frame_estimate->gamma, frame_estimate->sigma};
   }
   const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known) &&
-                      !frame_estimate->turning;
+                      !frame_estimate->turning && !by_forces;
   const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
     // fallen: the lower part of the posterior is given.
-    margin = lowered(margin);
-    if (shaped && friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+    if (!given_value_) margin = lowered(margin);
+    if (shaped && doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     return margin;
   }
   const bool settled = friction.sigma < options_.settled_sigma * friction.mean;
@@ -116,8 +121,8 @@ MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate
   const auto [offset, offset_sigma] = friction_filter_.margin_offset();
   const MeanSigma own{std::clamp(frame_estimate.gamma + offset, 0.0, 1.0),
                       std::hypot(frame_estimate.sigma, offset_sigma)};
-  if (friction_filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
-  if (friction_filter_.surprised()) {
+  if (doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+  if (friction_filter_.surprised() && !given_value_) {
     // A frame of a monotonic load shows friction that fell at once, the filter a few frames later.
     if (!frame_estimate.in_model) {
       margin.sigma = std::max(margin.sigma, options_.doubted_sigma);

@@ -84,6 +84,8 @@ class Tracker {
   MeanSigma combine(MeanSigma margin, const FrameEstimate& frame_estimate, Method method,
                     Estimate& out) const noexcept;
 
+  // Frames of late contradict what is known of friction; a value that was given is not doubted.
+  bool doubted() const noexcept { return !given_value_ && friction_filter_.doubted(); }
   // What forces alone leave of the margin, on the safe side of its middle.
   MeanSigma lowered(MeanSigma margin) const noexcept;
   void give_friction(Estimate& out) const noexcept;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <vector>
 
 #include "tests/support/synthetic.hpp"
@@ -134,6 +135,48 @@ TEST(ChainsMethod, IsNotFitWithoutAShape) {
     EXPECT_FALSE(needs_model(setup));
     EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::friction);
   }
+}
+
+// The margin is 1 - |Q|/(mu P) then, whatever happened in the frames that are missing.
+TEST(GivenFriction, AnswersAHoldWhicheverFramesBeforeItWereLost) {
+  constexpr int kCycles = 40, kHoldFrames = 60;
+  constexpr double kGiven = 0.5, kLost = 0.3, kNormal_n = 3, kHeld_n = 0.9;
+  ChainSetup setup = setup_of(MethodChoice::moments, 8, 8);
+  setup.friction = KnownFriction{{kGiven, kGiven}};
+  EstimatorChain chain(setup, nullptr);
+  synthetic::FrameMaker maker(setup.layout);
+  contact::LoadHistory contact(synthetic::paper_pair());
+  std::mt19937_64 random(1);  // NOLINT: the same frames are lost each time
+  std::uniform_real_distribution<double> unit;
+  std::int64_t time_ns = 0;
+  int held = 0, answered = 0;
+  const auto move = [&](int frames, double from_n, double to_n, double from_shear_n, double to_shear_n) {
+    for (int i = 1; i <= frames; ++i) {
+      const double share = static_cast<double>(i) / frames;
+      time_ns += 50'000'000;
+      contact.move_to(from_n + share * (to_n - from_n), from_shear_n + share * (to_shear_n - from_shear_n),
+                      kGiven);
+      Frame frame = maker.make(contact, 0, 0, 0, 0.003);
+      frame.time_ns = time_ns;
+      if (unit(random) < kLost) continue;
+      const Estimate estimate = chain.estimate(frame);
+      if (frames != kHoldFrames) continue;
+      ++held;
+      if (!estimate.gamma) continue;
+      ++answered;
+      EXPECT_NEAR(*estimate.gamma, 1 - kHeld_n / (kGiven * kNormal_n), 0.03);
+    }
+  };
+  for (int cycle = 0; cycle < kCycles; ++cycle) {
+    move(20, 0, 0, 0, 0);
+    move(6, 0, kNormal_n, 0, 0);
+    move(12, kNormal_n, kNormal_n, 0, kGiven * kNormal_n);
+    move(6, kNormal_n, kNormal_n, kGiven * kNormal_n, kHeld_n);
+    move(kHoldFrames, kNormal_n, kNormal_n, kHeld_n, kHeld_n);
+    move(3, kNormal_n, 0, kHeld_n, 0);
+  }
+  EXPECT_GT(held, kCycles * kHoldFrames / 2);
+  EXPECT_GT(answered, 9 * held / 10);
 }
 
 }  // namespace
