@@ -164,7 +164,8 @@ TEST(SolverFrames, FewTaxelsWithAGivenFrictionCountTheTorque) {
       ++answered;
       errors += std::fabs(off);
       within += std::fabs(off) < 2 * *estimate.sigma ? 1 : 0;
-      EXPECT_LT(off, 0.15) << "too safe, Gamma " << frame.gamma();
+      // Torque within a taxel is not felt: single answers are further off than on fine arrays.
+      EXPECT_LT(off, 0.2) << "too safe, Gamma " << frame.gamma();
     }
   }
   EXPECT_GT(answered, 0.9 * frames);
