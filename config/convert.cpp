@@ -70,7 +70,7 @@ class Converter {
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string at = pointer_to("/grasps", i);
       if (has_problem_at(found, at)) continue;
-      s.grasps.push_back({list[i]["name"], list[i]["sensors"]});
+      s.grasps.push_back({list[i]["name"], list[i]["sensors"], poses(list[i], at)});
       if (!sensors_known) continue;
       for (std::size_t j = 0; j < list[i]["sensors"].size(); ++j) {
         const std::string& name = s.grasps.back().sensors[j];
@@ -79,6 +79,25 @@ class Converter {
             "is no sensor of this configuration" + did_you_mean(name, known));
       }
     }
+  }
+
+  std::vector<FingerPose> poses(const json& grasp, const std::string& at) {
+    std::vector<FingerPose> poses;
+    if (!grasp.contains("poses")) return poses;
+    const json& list = grasp["poses"];
+    if (list.size() != grasp["sensors"].size())
+      add(at + "/poses", list.size(),
+          "poses; expected one for each of the " + std::to_string(grasp["sensors"].size()) + " sensors");
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      constexpr double kMPerMm = 1e-3;
+      auto at_m = list[i]["at_mm"].get<Vector3>();
+      for (double& value : at_m) value *= kMPerMm;
+      if (!make_pose(at_m, list[i]["normal"].get<Vector3>(), list[i]["x"].get<Vector3>(),
+                     poses.emplace_back()))
+        add(pointer_to(at + "/poses", i), list[i],
+            "has no axes; expected a normal and an x that are not 0 and not parallel");
+    }
+    return poses;
   }
 
   Range range(const json& in, const std::string& at) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/contact/scene.hpp"
+#include "core/estimate/finger_pose.hpp"
 #include "core/estimate/settings.hpp"
 #include "core/plausibility/limits.hpp"
 #include "driver_api/driver.hpp"
@@ -43,6 +44,8 @@ struct GraspSettings {
   std::string name;
   // Names of its sensors, at least one.
   std::vector<std::string> sensors;
+  // Where they are, in their order; or none.
+  std::vector<FingerPose> poses;
 };
 
 // The socket that clients connect to.

@@ -258,6 +258,8 @@ struct EstimatorChain::Impl {
       return;
     }
     out.shear_n = patch.shear_n;
+    out.shear_x_n = patch.shear_x_n;
+    out.shear_y_n = patch.shear_y_n;
     const TurningLoadResult load = turning_load.of(without_pressing(patch));
     // What friction has to carry, with torque, as a pull.
     ContactPatch loaded = patch;
@@ -271,26 +273,33 @@ struct EstimatorChain::Impl {
     // On a flat pad a torque is no more than a hint: pressing makes some, too. gamma_low counts it.
     const bool flat_pad = !method && setup.layout.size() > 1;
     if (flat_pad) out.pull_n = patch.shear_n;
-    estimate_margin(frame, patch, flat_pad ? patch : loaded, load.turning, out);
+    estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
     bound_margin(patch, loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // One frame by itself: by the method, or by taxels that slip where torque has bent the field.
+  // One frame by itself: by the method, or by taxels that slip where torque has bent the field. What slipped
+  // under a heavier load sticks again with less than friction, and says nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
-                               Turning turning) noexcept {
-    return turning == Turning::bending ? slipping.estimate(loaded) : method->estimate(frame, patch);
+                               const TurningLoadResult& load) noexcept {
+    if (load.turning != Turning::bending) return method->estimate(frame, patch);
+    FrameEstimate estimate = slipping.estimate(loaded);
+    if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
+      estimate.in_model = false;
+      estimate.load_fallen = true;
+    }
+    return estimate;
   }
 
   void estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
-                       Turning turning, Estimate& out) noexcept {
+                       const TurningLoadResult& load, Estimate& out) noexcept {
     const bool few = weighed_over_time(setup);
     // So few taxels have no shape under torque.
     const bool shaped =
         method && (patch.count >= kFewInside || few) &&
-        (turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+        (load.turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
     const FrameEstimate frame_estimate =
-        shaped ? estimate_shape(frame, patch, loaded, turning) : FrameEstimate{};
+        shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
     tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history

@@ -47,6 +47,8 @@ struct Estimate {
   // was given.
   std::optional<double> friction, friction_sigma;
   std::optional<double> normal_n, shear_n;
+  // The components of shear_n along the sensor's x and y, N. None in a grasp's estimate.
+  std::optional<double> shear_x_n, shear_y_n;
   std::optional<double> center_x_m, center_y_m, radius_m;
   std::optional<double>
       a_over_r;  // radius over the skin's: contact models hold where it is small; flat: none

@@ -62,6 +62,10 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
   if (clear && (turning ? weigh_turning(patch, *frame_estimate) : weigh_frame(patch, *frame_estimate))) {
     grasp_.unverified_frames = 0;
   }
+  // Nothing that sticks again shows friction, but it may show that friction is not as it was learnt.
+  if (clear && turning && frame_estimate->load_fallen &&
+      frame_estimate->friction < options_.held_ratio * grid_.friction(grid_.likeliest()))
+    grasp_.unverified_frames = 0;
   if (force_only_) {
     if (const auto slide = traction_ratio_.detect_slide(course); slide && !tangled) weigh_slide(*slide);
   }

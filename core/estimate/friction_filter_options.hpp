@@ -137,6 +137,10 @@ struct FrictionFilterOptions {
   // Frames with a clear shear in a row that may say nothing of friction before memory alone gives no margin;
   // frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for longer.
   int max_unverified_frames = 25;
+  // Under a torque whose load has fallen memory answers while taxels carry less than this of the friction
+  // that was learnt; 1.02 … 1.3. Too small: noise takes the margin away. Too large: friction that was learnt
+  // too low is kept.
+  double held_ratio = 1.1;
 
   // P that grows by more than this factor leaves what a lighter contact of a force-only sensor showed; 1.2 …
   // 10: a touch may hook, and its zero is a larger part of it. Too small: a regrip forgets friction. Too

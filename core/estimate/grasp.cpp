@@ -1,6 +1,7 @@
 #include "core/estimate/grasp.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace slipd {
@@ -47,6 +48,43 @@ void add_forces(const Estimate& member, Sums& sums) noexcept {
   sums.pull_n += member.pull_n.value_or(std::abs(*member.shear_n));
 }
 
+// What the fingers in contact carry on one body, with their limits or those on the safe side. Fingers that
+// are not in contact hold nothing.
+GraspLoad load_on_body(std::span<const Estimate> members, std::span<const FingerPose> poses,
+                       bool low) noexcept {
+  std::array<FingerLoad, GraspLoad::kMost> fingers;
+  const std::size_t count = std::min({members.size(), poses.size(), fingers.size()});
+  for (std::size_t i = 0; i < count; ++i) {
+    const Estimate& member = members[i];
+    FingerLoad& finger = fingers[i];
+    finger.pose = poses[i];
+    if (member.state == State::no_contact || !member.normal_n || !member.shear_n) continue;
+    finger.center_x_m = member.center_x_m.value_or(0);
+    finger.center_y_m = member.center_y_m.value_or(0);
+    finger.shear_x_n = member.shear_x_n.value_or(*member.shear_n);
+    finger.shear_y_n = member.shear_y_n.value_or(0);
+    // A torque that noise may be all of does not count, as in the finger's own margin.
+    if (member.pull_n && *member.pull_n > std::abs(*member.shear_n))
+      finger.torque_nm = member.torque_nm.value_or(0);
+    finger.radius_m = member.radius_m.value_or(0);
+    finger.limit_n = low ? member.limit_low_n.value_or(0)
+                         : member.limit_n.value_or(member.friction.value_or(0) * *member.normal_n);
+  }
+  return grasp_load(std::span(fingers).first(count));
+}
+
+// Of the margin, by the limits of the fingers.
+double sigma_on_body(std::span<const Estimate> members, const GraspLoad& load) noexcept {
+  double variance = 0;
+  for (std::size_t i = 0; i < std::min(members.size(), GraspLoad::kMost); ++i) {
+    const Estimate& member = members[i];
+    const double sigma_n = member.limit_n ? member.limit_sigma_n.value_or(0)
+                                          : member.friction_sigma.value_or(0) * member.normal_n.value_or(0);
+    variance += std::pow(load.per_limit_n[i] * sigma_n, 2);
+  }
+  return std::sqrt(variance);
+}
+
 void give_margin(const Sums& sums, double target_margin, Estimate& result) noexcept {
   const double limit_sigma_n = std::sqrt(sums.limit_variance);
   result.gamma = std::clamp(1 - sums.pull_n / sums.limit_n, 0.0, 1.0);
@@ -64,7 +102,8 @@ void give_margin(const Sums& sums, double target_margin, Estimate& result) noexc
 
 }  // namespace
 
-Estimate grasp_estimate(std::span<const Estimate> members, double target_margin) noexcept {
+Estimate grasp_estimate(std::span<const Estimate> members, double target_margin,
+                        std::span<const FingerPose> poses) noexcept {
   Estimate result;
   if (members.empty()) return result;
   State gravest = State::ok;
@@ -85,16 +124,23 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin)
   }
   result.state = gravest == State::ok && !sums.contact ? State::no_contact : gravest;
   if (result.state == State::ok && !(sums.limit_n > 0)) result.state = State::learning;
+  const bool on_body = poses.size() == members.size();
   if (sums.contact && sums.low_known && gravest <= State::out_of_model) {
+    if (on_body && sums.limit_low_n > 0)
+      sums.pull_n = sums.limit_low_n * load_on_body(members, poses, true).used_share;
     result.limit_low_n = sums.limit_low_n;
     result.gamma_low = sums.limit_low_n > 0 ? std::clamp(1 - sums.pull_n / sums.limit_low_n, 0.0, 1.0) : 0;
   }
-  if (result.state == State::ok) give_margin(sums, target_margin, result);
+  if (result.state != State::ok) return result;
+  const GraspLoad load = on_body ? load_on_body(members, poses, false) : GraspLoad{};
+  if (on_body) sums.pull_n = sums.limit_n * load.used_share;
+  give_margin(sums, target_margin, result);
+  if (on_body) result.sigma = sigma_on_body(members, load);
   return result;
 }
 
 Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
-  Estimate now = grasp_estimate(members, target_margin_);
+  Estimate now = grasp_estimate(members, target_margin_, poses_);
   now.alert = alert_.update(now.published_ns, now);
   for (const Estimate& member : members) {
     // A finger that slides leaves the load to the others: no slip yet of what they hold, if they can.

@@ -1,11 +1,14 @@
 // Several fingers hold one object: what they carry together, against what they could carry together
-// (docs/theory.md §1.3). Estimate thread; plain state, nothing allocated.
+// (docs/theory.md §1.3, §1.4). Estimate thread; plain state, nothing allocated.
 #pragma once
 
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "core/estimate/alert.hpp"
 #include "core/estimate/estimate.hpp"
+#include "core/estimate/grasp_load.hpp"
 #include "core/estimate/settings.hpp"
 
 namespace slipd {
@@ -19,20 +22,27 @@ namespace slipd {
 // the sums as well, and known where every finger's in contact is. No members: stale. Sigmas take the members'
 // errors as independent. sequence is the sum of the members', times are the newest. There is no alert and no
 // forecast yet.
-Estimate grasp_estimate(std::span<const Estimate> members, double target_margin) noexcept;
+//
+// `poses`: where the members are, one each; then gamma and gamma_low are of forces and torques of the fingers
+// on one body (grasp_load.hpp), and pull_n is the share of sum(mu P) that this leaves. None: the sums above.
+Estimate grasp_estimate(std::span<const Estimate> members, double target_margin,
+                        std::span<const FingerPose> poses = {}) noexcept;
 
 // The same over time: with the alert logic and the forecast of a sensor. The alert is slip where the fingers
 // together are near it, or one is seen to slide; at least warn while the alert of a finger is slip, which
 // slides first and leaves its load to the others.
 class GraspTracker {
  public:
-  explicit GraspTracker(const AlertSettings& alerts) : target_margin_(alerts.target_margin), alert_(alerts) {}
+  // `poses`: of the members, or none.
+  explicit GraspTracker(const AlertSettings& alerts, std::vector<FingerPose> poses = {})
+      : target_margin_(alerts.target_margin), poses_(std::move(poses)), alert_(alerts) {}
 
   // Whenever a member's estimate is new. Its clock is published_ns, for the members' own clocks may differ.
   Estimate judge(std::span<const Estimate> members) noexcept;
 
  private:
   double target_margin_;
+  std::vector<FingerPose> poses_;
   AlertLogic alert_;
   SlipForecast forecast_;
 };

@@ -91,6 +91,7 @@ SlippingTaxels::Plateau SlippingTaxels::about(double ratio) const noexcept {
 
 FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   FrameEstimate out;
+  all_slipped_ = false;
   out.turning = true;
   out.friction_sigma = std::numeric_limits<double>::infinity();
   out.center_x_m = loaded.center_x_m;
@@ -114,6 +115,7 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
       options_.rounded_factor * plateau.width / plateau.ratio * (options_.rounded_base + out.gamma);
   const double sigma = std::hypot(by_noise, rounded);
   const double slipping = plateau.normal_pa / normal_pa_;
+  all_slipped_ = slipping > options_.all_slip_share;
   if (out.gamma > options_.max_gamma || plateau.width > options_.max_width * plateau.ratio ||
       plateau.slope < -options_.falling_sigmas * plateau.slope_sigma)
     return out;

@@ -58,6 +58,10 @@ struct SlippingTaxelsOptions {
   // Above this margin nothing is answered: the part that slips is narrower than a few taxels; Gamma, 0.5 …
   // 0.9. Too small: frames that show friction are refused. Too large: a peak of ratios passes for a plateau.
   double max_gamma = 0.72;
+  // Share of the load in the plateau from which on all of it slips, whatever came before; 0.6 … 0.95. Too
+  // small: a plateau that sticks again is read as friction. Too large: friction that fell under a torque is
+  // not seen.
+  double all_slip_share = 0.85;
   // Friction is given below this relative standard deviation; 0.02 … 0.2. Too small: only heavy loads are
   // answered. Too large: light ones are, by a peak below the plateau: friction too low.
   double max_sigma = 0.06;
@@ -70,6 +74,8 @@ class SlippingTaxels {
   // `loaded` is in contact; its shear_n is the pull that asks for as much of friction as force and torque
   // together. in_model is false where no plateau is seen. `turning` is set.
   FrameEstimate estimate(const ContactPatch& loaded) noexcept;
+  // Whether all of the contact slipped in the last frame.
+  bool all_slipped() const noexcept { return all_slipped_; }
 
  private:
   struct Plateau {
@@ -90,6 +96,7 @@ class SlippingTaxels {
   SlippingTaxelsOptions options_;
   double noise_normal_pa_ = 0, noise_shear_pa_ = 0, normal_pa_ = 0;
   std::size_t count_ = 0;
+  bool all_slipped_ = false;
   std::vector<double> pressure_pa_, ratio_;
   std::array<double, kBins> bins_{};  // pressure of the taxels with each ratio
 };

@@ -20,10 +20,21 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
+void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
+  constexpr double kSigmas = 2;  // what noise may be of the pull
+  if (!(patch.normal_n > 0)) return;
+  const double ratio = out.pull_n / patch.normal_n, noise = kSigmas * out.pull_sigma_n / patch.normal_n;
+  out.risen = ratio + noise >= options_.risen_share * most_ratio_;
+  if (ratio - noise <= most_ratio_ && patch.normal_n <= options_.regripped * most_normal_n_) return;
+  most_ratio_ = std::max(0.0, ratio - noise);
+  most_normal_n_ = patch.normal_n;
+}
+
 TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
   TurningLoadResult out{.pull_n = patch.shear_n, .pull_sigma_n = patch.shear_sigma_n};
   if (!clear(patch) || !(patch.normal_n > 0)) {
     bent_ = false;
+    follow(patch, out);
     return out;
   }
   contact::LeastFriction least;
@@ -47,6 +58,13 @@ TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
   out.pull_n = std::max(patch.shear_n, least.ratio * patch.normal_n);
   out.pull_sigma_n = patch.normal_n * std::hypot(least.per_shear_n * patch.shear_sigma_n,
                                                  least.per_torque_nm * patch.torque_sigma_nm);
+  if (!one_taxel_) {
+    const double coarse = side_m_ / patch.radius_m;
+    out.pull_sigma_n =
+        std::hypot(out.pull_sigma_n, options_.coarse_sigma_share * std::min(1.0, coarse * coarse) *
+                                         (out.pull_n - patch.shear_n));
+  }
+  follow(patch, out);
   return out;
 }
 

@@ -36,6 +36,17 @@ struct TurningLoadOptions {
   // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too
   // large: too low.
   double within_taxels = 0.13;
+  // Standard deviation of the pull by what coarse taxels leave open of the torque and its lever, over
+  // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `sliplab torque` on 4
+  // x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
+  double coarse_sigma_share = 0.2;
+  // A load that asks for less of friction than this share of the most that it asked for has fallen; 0.8 …
+  // 0.99. Too small: fields that slipped before and stick now are read as slipping. Too large: noise of a
+  // load that rises is taken for a fall.
+  double risen_share = 0.97;
+  // A grip stronger by this factor than at that most begins anew; 1.3 … 4. Too small: regrips are read as if
+  // they had slipped. Too large: after a light touch under load nothing is read.
+  double regripped = 2;
   // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
   double kept_share = 0.8;
 };
@@ -51,6 +62,9 @@ struct TurningLoadResult {
   // The pull without torque that is as near to slip, N, and its standard deviation; |Q| and its own where
   // turning is none.
   double pull_n = 0, pull_sigma_n = 0;
+  // Whether the load asks for as much of friction as it ever did in this grasp: else what slipped may stick
+  // again, with less than friction.
+  bool risen = true;
 };
 
 class TurningLoad {
@@ -58,7 +72,10 @@ class TurningLoad {
   explicit TurningLoad(const TaxelLayout& layout, const TurningLoadOptions& options = {});
 
   // A new grasp.
-  void reset() noexcept { bent_ = false; }
+  void reset() noexcept {
+    bent_ = false;
+    most_ratio_ = most_normal_n_ = 0;
+  }
 
   // `patch` is in contact. A sensor of one taxel has the torque in patch.torque_nm and the contact's radius
   // in patch.radius_m, if both are known; its pressure is taken for Hertz's.
@@ -66,13 +83,15 @@ class TurningLoad {
 
  private:
   bool clear(const ContactPatch& patch) const noexcept;
+  void follow(const ContactPatch& patch, TurningLoadResult& out) noexcept;
 
   TurningLoadOptions options_;
   PressureCells cells_;
   contact::LimitSurface unit_hertz_;
   double side_m_;
   bool one_taxel_;
-  bool bent_ = false;  // the last frame's field was
+  bool bent_ = false;                          // the last frame's field was
+  double most_ratio_ = 0, most_normal_n_ = 0;  // the most pull over P of this grasp, and P then
 };
 
 }  // namespace slipd

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
+#include "core/estimate/finger_pose.hpp"
 #include "core/frame/latest.hpp"
 #include "core/frame/layout.hpp"
 #include "core/model/work_precision.hpp"
@@ -138,13 +139,16 @@ class SensorStatus {
 // What threads share about a grasp: sensors that hold one object. Thread-safe.
 class GraspStatus {
  public:
-  GraspStatus(std::string grasp_name, std::vector<std::size_t> its_sensors)
-      : name(std::move(grasp_name)), sensors(std::move(its_sensors)) {}
+  GraspStatus(std::string grasp_name, std::vector<std::size_t> its_sensors,
+              std::vector<FingerPose> their_poses = {})
+      : name(std::move(grasp_name)), sensors(std::move(its_sensors)), poses(std::move(their_poses)) {}
 
   // As configured; unique.
   const std::string name;
   // Indices into Board::sensors, in the order in which the configuration names them.
   const std::vector<std::size_t> sensors;
+  // Where they are, in the same order; or none.
+  const std::vector<FingerPose> poses;
   // The estimate of the grasp as a whole. Written by one thread: estimate.
   Latest<Estimate> latest;
 };

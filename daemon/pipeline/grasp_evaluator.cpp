@@ -7,7 +7,7 @@ namespace slipd {
 GraspEvaluator::GraspEvaluator(Board& board, const AlertSettings& alerts) : board_(board) {
   for (const auto& status : board.grasps) {
     grasp_states_.push_back({.status = status.get(),
-                             .tracker = GraspTracker(alerts),
+                             .tracker = GraspTracker(alerts, status->poses),
                              .members = std::vector<Estimate>(status->sensors.size())});
   }
 }

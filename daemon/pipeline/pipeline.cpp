@@ -25,7 +25,7 @@ std::vector<std::unique_ptr<SensorRuntime>> make_runtimes(const Settings& settin
       members.push_back(
           static_cast<std::size_t>(found - settings.sensors.begin()));  // the configuration has it
     }
-    board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members)));
+    board.grasps.push_back(std::make_unique<GraspStatus>(grasp.name, std::move(members), grasp.poses));
   }
   return runtimes;
 }

@@ -35,6 +35,11 @@ Phase phase_of(const json& item) {
   phase.normal_n = ramp(item, "normal_n");
   phase.shear_n = ramp(item, "shear_n");
   phase.load = ramp(item, "load");
+  phase.torque_nm = ramp(item, "torque_nmm");
+  if (phase.torque_nm) {
+    phase.torque_nm->from *= 1e-3;
+    phase.torque_nm->to *= 1e-3;
+  }
   if (item.contains("friction")) phase.friction = item["friction"].get<double>();
   return phase;
 }
@@ -52,6 +57,7 @@ Options options_of(const SensorSetup& sensor) {
   s.object.poisson = object.at("poisson").get<double>();
   s.offset_x_m = 1e-3 * options.at("offset_mm").at(0).get<double>();
   s.offset_y_m = 1e-3 * options.at("offset_mm").at(1).get<double>();
+  s.lever_m = 1e-3 * options.at("lever_mm").get<double>();
   s.preset = preset_of(options.at("preset").get<std::string>()).value();
   for (const auto& phase : options.at("cycle")) s.cycle.push_back(phase_of(phase));
   auto& i = s.imperfections;
@@ -86,6 +92,10 @@ Options parse_options(const SensorSetup& sensor) {
     else if (sensor.layout.size() == 1)
       throw DriverError(who + "preset " + std::string(to_string(options.sensor.preset)) +
                         " needs a layout of several taxels; one force vector has preset ideal");
+    if (turns(options.sensor) && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
+      throw DriverError(who +
+                        "torque_nmm and lever_mm need preset ideal and a layout of several taxels: "
+                        "others feel no torque");
     return options;
   } catch (const contact::ContactError& e) {
     throw DriverError(

@@ -16,8 +16,8 @@ void check(const Phase& phase, std::size_t number) {
     return !r || (std::isfinite(r->from) && std::isfinite(r->to));
   };
   if (phase.duration_ns <= 0) refuse("a phase must last longer than nothing");
-  if (!finite(phase.normal_n) || !finite(phase.shear_n) || !finite(phase.load))
-    refuse("forces must be finite");
+  if (!finite(phase.normal_n) || !finite(phase.shear_n) || !finite(phase.load) || !finite(phase.torque_nm))
+    refuse("forces and torques must be finite");
   if (phase.normal_n && (phase.normal_n->from < 0 || phase.normal_n->to < 0))
     refuse("a normal force cannot be negative");
   if (phase.shear_n && phase.load) refuse("give shear_n or load, not both");
@@ -28,7 +28,8 @@ void check(const Phase& phase, std::size_t number) {
 // The tangential force with which a phase without shear continues: the one that friction could hold.
 LoadTarget held(const LoadTarget& last) noexcept {
   const double most = last.friction * last.normal_n;
-  return {last.normal_n, std::clamp(last.shear_n(last.normal_n), -most, most), false, last.friction};
+  return {last.normal_n, std::clamp(last.shear_n(last.normal_n), -most, most), false, last.friction,
+          last.torque_nm};
 }
 
 }  // namespace
@@ -55,6 +56,10 @@ Script::Script(const std::vector<Phase>& cycle) {
         begin.shear = shear->from;
         end.shear = shear->to;
       }
+      if (phase.torque_nm) {
+        begin.torque_nm = phase.torque_nm->from;
+        end.torque_nm = phase.torque_nm->to;
+      }
       phases_.push_back({begin, end});
       end_ns_.push_back(phase.duration_ns + (end_ns_.empty() ? 0 : end_ns_.back()));
       last = end;
@@ -77,6 +82,7 @@ LoadTarget Script::at(std::size_t phase, double share) const noexcept {
   LoadTarget target = begin;
   target.normal_n += share * (end.normal_n - begin.normal_n);
   target.shear += share * (end.shear - begin.shear);
+  target.torque_nm += share * (end.torque_nm - begin.torque_nm);
   return target;
 }
 

@@ -21,6 +21,8 @@ struct Phase {
   std::optional<Ramp> shear_n;     // tangential force along x, N, signed; beyond mu P the contact slides
   std::optional<Ramp> load;        // the same as a fraction of mu P, signed; beyond 1 the contact slides
   std::optional<double> friction;  // coefficient of friction from the phase's begin on, > 0
+  // Torque about the contact's normal, N m, positive from x to y.
+  std::optional<Ramp> torque_nm = std::nullopt;
 };
 
 // The load that the script prescribes at one moment.
@@ -29,6 +31,7 @@ struct LoadTarget {
   double shear = 0;       // tangential force, N; with by_load a fraction of mu P
   bool by_load = false;   // the unit of `shear`
   double friction = 0.5;  // coefficient of friction
+  double torque_nm = 0;   // about the contact's normal, N m
 
   // The tangential force in N at the normal force `actual_normal_n`, which a controller can set.
   double shear_n(double actual_normal_n) const noexcept {
@@ -39,8 +42,8 @@ struct LoadTarget {
 class Script {
  public:
   // Throws std::invalid_argument, which names the phase from 0, for no phases, a duration that is not
-  // positive, forces that are not finite or negative normal forces, friction that is not positive, or shear_n
-  // and load together.
+  // positive, forces or torques that are not finite or negative normal forces, friction that is not positive,
+  // or shear_n and load together.
   explicit Script(const std::vector<Phase>& cycle);
 
   std::int64_t cycle_ns() const noexcept { return end_ns_.back(); }

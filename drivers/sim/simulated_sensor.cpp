@@ -33,19 +33,37 @@ std::unique_ptr<RealisticSensor> realistic_of(const TaxelLayout& layout, const S
   return std::make_unique<RealisticSensor>(*effects, layout, settings.imperfections.seed);
 }
 
+std::unique_ptr<contact::TurningContact> turning_of(const TaxelLayout& layout,
+                                                    const SensorSettings& settings) {
+  if (!turns(settings)) return nullptr;
+  if (!is_ideal(settings) || layout.size() == 1)
+    throw std::invalid_argument("torque: needs preset ideal and several taxels");
+  return std::make_unique<contact::TurningContact>(body_pair_of(settings));
+}
+
 }  // namespace
+
+bool turns(const SensorSettings& settings) noexcept {
+  return settings.lever_m != 0 || std::any_of(settings.cycle.begin(), settings.cycle.end(),
+                                              [](const Phase& phase) { return phase.torque_nm.has_value(); });
+}
 
 SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& settings)
     : layout_(std::move(layout)),
       one_vector_(layout_.size() == 1),
       offset_x_m_(settings.offset_x_m),
       offset_y_m_(settings.offset_y_m),
+      lever_m_(settings.lever_m),
       script_(settings.cycle),
       load_(body_pair_of(settings)),
+      turning_(turning_of(layout_, settings)),
+      hertz_(settings.lever_m == 0 ? nullptr
+                                   : std::make_unique<contact::LimitSurface>(contact::unit_hertz_surface())),
       realistic_(realistic_of(layout_, settings)),
       imperfections_(settings.imperfections, layout_.size()),
       normal_pa_(layout_.size()),
-      shear_pa_(layout_.size()) {
+      shear_pa_(layout_.size()),
+      across_pa_(turning_ ? layout_.size() : 0) {
   if (!realistic_) script_.walk(0, 0, [this](const LoadTarget& target) { apply_target(target); });
 }
 
@@ -76,14 +94,44 @@ void SimulatedSensor::apply_target(const LoadTarget& target) noexcept {
   const double normal_n = grip_n_.value_or(target.normal_n);
   const double was_normal_n = load_.normal_n(), was_shear_n = load_.shear_n(),
                was_friction = load_.friction();
+  double shear_n = target.shear_n(normal_n);
+  if (target.by_load && lever_m_ != 0) shear_n /= lever_share(normal_n);
+  if (turning_) apply_turning(normal_n, shear_n, target);
   // Throws only for invalid forces or friction, which neither the checked script nor grip() lets through.
-  load_.move_to(normal_n, target.shear_n(normal_n), target.friction);
+  load_.move_to(normal_n, shear_n, target.friction);
   moved_ = moved_ || load_.normal_n() != was_normal_n || load_.shear_n() != was_shear_n ||
            load_.friction() != was_friction;
 }
 
+double SimulatedSensor::lever_share(double normal_n) const noexcept {
+  if (!(normal_n > 0)) return 1;
+  return hertz_->least_friction(1, 0, lever_m_ / load_.pair().contact_radius_m(normal_n)).ratio;
+}
+
+// From the first torque of a contact on, its tractions are those of a contact that turns.
+void SimulatedSensor::apply_turning(double normal_n, double shear_n, const LoadTarget& target) noexcept {
+  const contact::PlaneLoad load{
+      .shear_x_n = shear_n, .shear_y_n = 0, .torque_nm = target.torque_nm + lever_m_ * shear_n};
+  if (!(normal_n > 0)) return turning_->release();
+  if (!turning_->active()) {
+    if (load.torque_nm == 0) return;
+    if (!(load_.normal_n() > 0)) load_.move_to(normal_n, 0, target.friction);
+    turning_->begin(load_);
+  } else if (normal_n == turning_->normal_n() && target.friction == turning_->friction() &&
+             load == turning_->load()) {
+    return;
+  }
+  turning_->move_to(normal_n, load, target.friction);
+  moved_ = true;
+}
+
 void SimulatedSensor::compute_taxels() noexcept {
   if (!std::exchange(moved_, false)) return;
+  if (turning_ && turning_->active()) {
+    turning_->taxel_averages(layout_, offset_x_m_, offset_y_m_, normal_pa_, shear_pa_, across_pa_);
+    return;
+  }
+  std::fill(across_pa_.begin(), across_pa_.end(), 0.0F);
   if (one_vector_) {
     normal_pa_[0] = static_cast<float>(load_.normal_n() / layout_.area_m2());
     shear_pa_[0] = static_cast<float>(load_.shear_n() / layout_.area_m2());
@@ -105,7 +153,10 @@ bool SimulatedSensor::sample(FrameSlot& out) noexcept {
   } else {
     std::copy(normal_pa_.begin(), normal_pa_.end(), out.normal_pa.begin());
     std::copy(shear_pa_.begin(), shear_pa_.end(), out.shear_x_pa.begin());
-    std::fill(out.shear_y_pa.begin(), out.shear_y_pa.end(), 0.0F);
+    if (turning_)
+      std::copy(across_pa_.begin(), across_pa_.end(), out.shear_y_pa.begin());
+    else
+      std::fill(out.shear_y_pa.begin(), out.shear_y_pa.end(), 0.0F);
   }
   imperfections_.apply(out, number, 1e-9 * static_cast<double>(elapsed_ns_));
   if (realistic_) realistic_->limit(out);
@@ -115,6 +166,7 @@ bool SimulatedSensor::sample(FrameSlot& out) noexcept {
 Truth SimulatedSensor::truth() const noexcept {
   if (realistic_) return realistic_->truth();
   if (load_.normal_n() == 0) return {};
+  if (turning_ && turning_->active()) return {turning_->safety_margin(), turning_->friction()};
   return {load_.safety_margin(), load_.friction()};
 }
 

@@ -12,6 +12,8 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/contact/history.hpp"
+#include "core/contact/limit_surface.hpp"
+#include "core/contact/turning_contact.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "drivers/sim/effects/realistic_sensor.hpp"
@@ -25,16 +27,23 @@ struct SensorSettings {
   contact::Body object{std::numeric_limits<double>::infinity(), 2e11, 0.25};  // default: flat and stiff
   double offset_x_m = 0;                                                      // of the contact's centre, m
   double offset_y_m = 0;                                                      // of the contact's centre, m
-  std::vector<Phase> cycle;                                                   // the load, at least one phase
-  ImperfectionSettings imperfections;                                         // default: none
-  Preset preset = Preset::ideal;  // others: effects/presets.hpp; for layouts of several taxels
+  // Of the object's centre of mass beside the contact, m: each tangential force brings the torque force times
+  // lever. 0: none.
+  double lever_m = 0;
+  std::vector<Phase> cycle;            // the load, at least one phase
+  ImperfectionSettings imperfections;  // default: none
+  Preset preset = Preset::ideal;       // others: effects/presets.hpp; for layouts of several taxels
 };
+
+// Whether a torque ever acts: by a lever or by a phase.
+bool turns(const SensorSettings& settings) noexcept;
 
 class SimulatedSensor {
  public:
-  // Throws std::invalid_argument as Script does, and for a preset other than `ideal` on one taxel; with
-  // preset `ideal`, contact::ContactError for bodies without a Hertzian contact (both flat). A layout of one
-  // taxel is one force vector for the whole pad, wherever the contact is.
+  // Throws std::invalid_argument as Script does, for a preset other than `ideal` on one taxel, and for torque
+  // with such a preset or on one taxel; with preset `ideal`, contact::ContactError for bodies without a
+  // Hertzian contact (both flat). A layout of one taxel is one force vector for the whole pad, wherever the
+  // contact is.
   SimulatedSensor(TaxelLayout layout, const SensorSettings& settings);
 
   // All functions below are called from one thread, allocate nothing and do not throw.
@@ -58,8 +67,10 @@ class SimulatedSensor {
 
   std::chrono::nanoseconds elapsed() const noexcept { return std::chrono::nanoseconds(elapsed_ns_); }
   Truth truth() const noexcept;  // NaN without contact
-  // Of preset `ideal`; with any other it has no load.
+  // Of preset `ideal`; with any other it has no load. While a torque acts it follows the force alone.
   const contact::LoadHistory& load() const noexcept { return load_; }
+  // Null unless the settings have a torque.
+  const contact::TurningContact* turning() const noexcept { return turning_.get(); }
   // Null with preset `ideal`.
   const RealisticSensor* realistic() const noexcept { return realistic_.get(); }
   const Imperfections& imperfections() const noexcept { return imperfections_; }
@@ -68,20 +79,26 @@ class SimulatedSensor {
  private:
   void apply_target(const LoadTarget& target) noexcept;
   void advance_realistic(std::int64_t from_ns) noexcept;
+  void apply_turning(double normal_n, double shear_n, const LoadTarget& target) noexcept;
+  // What a tangential force in N asks of friction with its lever, over what it does alone: 1 or more.
+  double lever_share(double normal_n) const noexcept;
   void compute_taxels() noexcept;
 
   TaxelLayout layout_;
   bool one_vector_;
-  double offset_x_m_, offset_y_m_;
+  double offset_x_m_, offset_y_m_, lever_m_;
   Script script_;
   contact::LoadHistory load_;
+  std::unique_ptr<contact::TurningContact> turning_;  // of settings that have a torque
+  std::unique_ptr<contact::LimitSurface> hertz_;      // of settings that have a lever
   std::unique_ptr<RealisticSensor> realistic_;
   Imperfections imperfections_;
   std::optional<double> grip_n_;
   std::int64_t elapsed_ns_ = 0;
   std::uint64_t number_ = 0;
-  std::vector<float> normal_pa_, shear_pa_;  // true values of the taxels, kept while the load is constant
-  bool moved_ = true;                        // the load changed after they were computed
+  // True values of the taxels, kept while the load is constant; across the pull only with a torque.
+  std::vector<float> normal_pa_, shear_pa_, across_pa_;
+  bool moved_ = true;  // the load changed after they were computed
 };
 
 }  // namespace slipd::sim

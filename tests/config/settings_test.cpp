@@ -127,6 +127,10 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(s.sensors.at(2).setup.profile, "xela-xr1944");
   EXPECT_EQ(s.grasps.at(0).name, "gripper");
   EXPECT_THAT(s.grasps.at(0).sensors, ElementsAre("left", "right"));
+  ASSERT_EQ(s.grasps.at(0).poses.size(), 2U);
+  EXPECT_EQ(s.grasps.at(0).poses[0].at_m, (Vector3{0, 0, -0.02}));
+  EXPECT_EQ(s.grasps.at(0).poses[0].x, (Vector3{1, 0, 0}));
+  EXPECT_EQ(s.grasps.at(0).poses[1].y, (Vector3{0, -1, 0}));
   EXPECT_THAT(s.objects,
               ElementsAre(ObjectFamily{2, {1, 6}, {0.2, 0.8}, {0.005, 0.05}, 0.25, {1e6, 1e7}, {0.1, 0.2}}));
   EXPECT_EQ(s.estimator, (EstimatorSettings{MethodChoice::fit, 60, 9, 6, false, 0.2}));
@@ -208,6 +212,14 @@ TEST(Settings, want_sensors_and_grasps_that_can_be_told_apart) {
                                      HasSubstr("/grasps/0/sensors/1 = \"right\": is no sensor"),
                                      HasSubstr("/grasps/1/sensors/1 = \"lfet\": is no sensor of this "
                                                "configuration; did you mean \"left\"?")}));
+}
+
+TEST(Settings, want_a_pose_with_axes_for_each_sensor_of_a_grasp) {
+  json document = whole_document();
+  document["grasps"][0]["poses"][1]["x"] = {0, 0, 3};
+  EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("/grasps/0/poses/1")));
+  document["grasps"][0]["poses"].erase(1);
+  EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("expected one for each of the 2 sensors")));
 }
 
 TEST(Settings, want_two_sensors_of_one_device_to_differ) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -227,6 +228,87 @@ TEST(SimulatedSensors, LetAControllerGripInsteadOfTheScript) {
   sensor.grip(kUnknown);
   sensor.advance(milliseconds(1));
   EXPECT_TRUE(std::isnan(sensor.truth().gamma));
+}
+
+// Grip, pull with a twist, twist on until it slides, twist back, let go.
+std::vector<Phase> twisting_cycle() {
+  return {
+      {50 * kMs, Ramp{0, 3}, Ramp{0, 0}, {}, 0.6},    {60 * kMs, {}, Ramp{0, 0.8}, {}, {}, Ramp{0, 0.001}},
+      {60 * kMs, {}, {}, {}, {}, Ramp{0.001, 0.004}}, {60 * kMs, {}, {}, {}, {}, Ramp{0.002, -0.001}},
+      {40 * kMs, Ramp{3, 2.5}, {}, {}, {}},           {30 * kMs, Ramp{2.5, 0}, {}, {}, {}, Ramp{0, 0}}};
+}
+
+TEST(SimulatedSensorsWithATorque, CarryForceAndTorqueInTheSumsOfTheirTaxelsWithinFriction) {
+  for (const auto& layout : {TaxelLayout::grid(32, 32, 0.00045), TaxelLayout::grid(16, 16, 0.001)}) {
+    auto settings = settings_of(twisting_cycle());
+    settings.offset_x_m = 0.001;
+    SimulatedSensor sensor(layout, settings);
+    int turned = 0, slid = 0;
+    run(sensor, 270, [&](const FrameSlot& frame, const SimulatedSensor& s) {
+      double torque_nm = 0;
+      for (std::size_t i = 0; i < layout.size(); ++i) {
+        const auto p = static_cast<double>(frame.normal_pa[i]);
+        const auto x = static_cast<double>(frame.shear_x_pa[i]), y = static_cast<double>(frame.shear_y_pa[i]);
+        EXPECT_LE(std::hypot(x, y), 0.6 * p * (1 + 1e-4) + 1e-2);
+        torque_nm += layout.area_m2() * ((layout.x_m()[i] - 0.001) * y - layout.y_m()[i] * x);
+      }
+      if (!s.turning()->active()) return;
+      ++turned;
+      if (s.truth().gamma < 0.01) {
+        ++slid;
+        return;
+      }
+      const auto& load = s.turning()->load();
+      const double most_n = 0.6 * s.turning()->normal_n();
+      EXPECT_NEAR(total(frame.shear_x_pa, layout), load.shear_x_n, 0.012 * most_n);
+      EXPECT_NEAR(total(frame.shear_y_pa, layout), 0, 0.012 * most_n);
+      // A taxel's shear is a mean: the torque within it is lost.
+      const double coarse = layout.side_m() / s.turning()->contact_radius_m();
+      EXPECT_NEAR(torque_nm, load.torque_nm,
+                  (0.012 + 0.15 * coarse * coarse) * most_n * s.turning()->contact_radius_m());
+    });
+    EXPECT_GT(turned, 150);
+    EXPECT_GT(slid, 10);
+  }
+}
+
+TEST(SimulatedSensorsWithATorque, PlayWhatComesBeforeTheTorqueBitForBit) {
+  const auto layout = TaxelLayout::grid(32, 32, 0.00045);
+  auto with = settings_of(eventful_cycle()), without = with;
+  with.cycle.push_back({20 * kMs, {}, {}, {}, {}, Ramp{0.001, 0}});
+  without.cycle.push_back({20 * kMs, {}, {}, {}, {}});
+  SimulatedSensor turned(layout, with), plain(layout, without);
+  EXPECT_EQ(plain.turning(), nullptr);
+  OwnedSlot a(layout.size()), b(layout.size());
+  for (int i = 0; i < 310; ++i) {
+    turned.advance(milliseconds(1));
+    plain.advance(milliseconds(1));
+    ASSERT_TRUE(turned.sample(a.slot) && plain.sample(b.slot));
+    EXPECT_TRUE(std::ranges::equal(a.slot.shear_x_pa, b.slot.shear_x_pa)) << i;
+    EXPECT_TRUE(std::ranges::equal(a.slot.normal_pa, b.slot.normal_pa));
+    EXPECT_TRUE(a.slot.truth.gamma == b.slot.truth.gamma ||
+                (std::isnan(a.slot.truth.gamma) && std::isnan(b.slot.truth.gamma)));
+  }
+}
+
+// Beside its centre of mass an object slides at a lighter force; `load` counts both.
+TEST(SimulatedSensorsWithATorque, OfALeverSlideWhereLoadIsOne) {
+  const auto layout = TaxelLayout::grid(32, 32, 0.00045);
+  auto settings = settings_of({{20 * kMs, Ramp{0, 2}, {}, {}, 0.5}, {100 * kMs, {}, {}, Ramp{0, 1}, {}}});
+  settings.lever_m = 0.02;
+  SimulatedSensor sensor(layout, settings);
+  sensor.advance(milliseconds(70));
+  EXPECT_NEAR(sensor.truth().gamma, 0.5, 1e-3);
+  EXPECT_LT(sensor.load().shear_n(), 0.1 * 0.5 * 2);
+  sensor.advance(milliseconds(49));
+  EXPECT_NEAR(sensor.truth().gamma, 0.01, 2e-3);
+}
+
+TEST(SimulatedSensorsWithATorque, NeedSeveralTaxelsAndTheIdealContact) {
+  auto settings = settings_of(twisting_cycle());
+  EXPECT_THROW(SimulatedSensor(TaxelLayout::wrench(0.02), settings), std::invalid_argument);
+  settings.preset = Preset::pillars;
+  EXPECT_THROW(SimulatedSensor(TaxelLayout::grid(3, 3, 0.007), settings), std::invalid_argument);
 }
 
 TEST(Scripts, HoldWhatAPhaseDoesNotSayAndGoRoundForEver) {

@@ -29,6 +29,7 @@ void add_contact(CLI::App& app, const Common& common);
 void add_train(CLI::App& app, const Common& common);
 void add_tradeoff(CLI::App& app, const Common& common);
 void add_stability(CLI::App& app, const Common& common);
+void add_torque(CLI::App& app, const Common& common);
 void add_histories(CLI::App& app, const Common& common);
 void add_coverage(CLI::App& app, const Common& common);
 void add_paper(CLI::App& app, const Common& common);

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   add_contact(app, common);
   add_train(app, common);
   add_tradeoff(app, common);
+  add_torque(app, common);
   add_histories(app, common);
   add_faults(app, common);
   add_coverage(app, common);

@@ -219,5 +219,38 @@ TEST(LimitSurface, HoldsALineAndASinglePoint) {
   EXPECT_GT(point.least_friction(0, 0, 0.1).ratio, 1);
 }
 
+// From a torque that vanishes to a force that does.
+TEST(LimitSurface, GoesOverIntoForceAndTorqueAlone) {
+  const LimitSurface hertz = unit_hertz_surface();
+  const double torque_alone = hertz.least_friction(0, 0, 1).ratio;
+  EXPECT_NEAR(torque_alone, 16 / (3 * std::numbers::pi), 0.01);
+  for (double small = 0.05; small > 1e-13; small /= 10) {
+    const LeastFriction light = hertz.least_friction(1, 0, small), slow = hertz.least_friction(small, 0, 1);
+    EXPECT_NEAR(light.ratio, 1 + 2.5 * small * small, 20 * std::pow(small, 4) + 1e-3 * small + 2e-6) << small;
+    EXPECT_NEAR(slow.ratio, torque_alone, 2 * small * small + 1e-4) << small;
+    for (const LeastFriction& at : {light, slow})
+      EXPECT_TRUE(std::isfinite(at.per_shear_n) && std::isfinite(at.per_torque_nm));
+    // The unit of forces does not count: friction that vanishes, and loads that do.
+    const LeastFriction tiny = hertz.least_friction(1e-9 * small, 0, 0.3e-9 * small);
+    EXPECT_NEAR(tiny.ratio / (1e-9 * small), hertz.least_friction(1, 0, 0.3).ratio, 1e-4);
+  }
+}
+
+// Taxels in a line turn about any point of it; one taxel holds what turns within it.
+TEST(LimitSurface, OfTaxelsInALineOrOneAloneIsFinite) {
+  LimitSurface line;
+  line.clear(1e-3);
+  for (int i = -4; i <= 4; ++i) line.add(1e-3 * i, 0, 1);
+  const double torque_nm = line.least_friction(0, 0, 1).ratio;
+  EXPECT_NEAR(1 / torque_nm, 20e-3, 1.5e-3);  // the sum of |x|, and a little within taxels
+  EXPECT_NEAR(line.least_friction(0, 3, 0).ratio, 3.0 / 9, 1e-3);
+  LimitSurface one;
+  one.clear(1e-3);
+  one.add(0, 0, 2);
+  EXPECT_NEAR(one.least_friction(1, 0, 0).ratio, 0.5, 1e-6);
+  EXPECT_TRUE(std::isfinite(one.least_friction(0, 0, 1).ratio));
+  EXPECT_GT(one.least_friction(0, 0, 1).ratio, 0);
+}
+
 }  // namespace
 }  // namespace slipd::contact
