@@ -104,7 +104,7 @@ Settings make_settings() {
                                 .driver = "none",
                                 .friction = {},
                                 .gain = {}});
-  settings.grasps.push_back({"gripper", {"left", "right"}});
+  settings.grasps.push_back({"gripper", {"left", "right"}, {}});
   settings.can.emplace().interface = "can0";
   settings.socket.max_clients = kMostPeers - 1;
   return settings;

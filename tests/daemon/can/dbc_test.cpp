@@ -91,7 +91,7 @@ TEST(CanDbc, AnyNameGivesAValidFile) {
                               .driver = "sim",
                               .friction = {},
                               .gain = {}});
-  settings.grasps.push_back({"both", {"left"}});
+  settings.grasps.push_back({"both", {"left"}, {}});
   EXPECT_EQ(source_names(settings), (std::vector<std::string>{"sensor le'ft'", "grasp both"}));
 }
 

@@ -315,7 +315,7 @@ TEST_F(CanSchedulerTest, ItsLastMessagesAreStaleAndKeepTheAlert) {
 
 TEST_F(CanSchedulerTest, AGraspHasMessagesOfItsOwn) {
   Settings settings = settings_for({"left", "right"});
-  settings.grasps.push_back({"both", {"left", "right"}});
+  settings.grasps.push_back({"both", {"left", "right"}, {}});
   begin(std::move(settings));
   pass(10ms);
   auto sent = port_.take(kEstimate + 2);
@@ -335,7 +335,7 @@ TEST_F(CanSchedulerTest, AGraspHasMessagesOfItsOwn) {
 
 TEST_F(CanSchedulerTest, AGraspWithoutNewEstimatesIsStaleToo) {
   Settings settings = settings_for({"left", "right"});
-  settings.grasps.push_back({"both", {"left", "right"}});
+  settings.grasps.push_back({"both", {"left", "right"}, {}});
   begin(std::move(settings));
   pass(50ms);
   port_.sent.clear();
