@@ -74,9 +74,9 @@ TEST(Violations, every_missing_key_is_named_or_has_a_default) {
     json document = whole_document();
     document[key.parent].erase(key.name);
     const auto problems = problems_of(document);
-    const bool required =
-        key.name == "sensors" || key.name == "name" || key.name == "driver" || key.name == "interface" ||
-        key.name == "at_mm" || key.name == "normal" || key.name == "x";
+    const bool required = key.name == "sensors" || key.name == "name" || key.name == "driver" ||
+                          key.name == "interface" || key.name == "at_mm" || key.name == "normal" ||
+                          key.name == "x";
     // grid, pitch_mm and taxels need each other, and a grasp needs its sensor's name: reported, but
     // elsewhere.
     if (required) {

@@ -104,7 +104,7 @@ class Faults : public ::testing::TestWithParam<Case> {
  protected:
   // No margin is far above the truth, and the fault is named.
   static void expect_reported(GraspWithFault& grasp, const GraspWithFault::Spoil& spoil,
-                          std::initializer_list<Health> names) {
+                              std::initializer_list<Health> names) {
     grasp.load();
     if (HasFatalFailure()) return;
     constexpr int kFrames = 100;
@@ -117,7 +117,8 @@ class Faults : public ::testing::TestWithParam<Case> {
       const bool known = std::find(names.begin(), names.end(), estimates[i].health) != names.end();
       named = named || known;
       if (i < 30)
-        seen += std::string(to_string(estimates[i].state)) + "/" + std::string(to_string(estimates[i].health)) + " ";
+        seen += std::string(to_string(estimates[i].state)) + "/" +
+                std::string(to_string(estimates[i].health)) + " ";
       const double truth = before + (after - before) * static_cast<double>(i + 1) / kFrames;
       if (i >= kGraceFrames && estimates[i].state == State::ok) {
         EXPECT_LT(*estimates[i].gamma, truth + kGross) << "frame " << i;
@@ -140,66 +141,66 @@ TEST_P(Faults, AShearChannelThatDiesIsAFaultAndNoMargin) {
 
 TEST_P(Faults, BothShearChannelsThatDieAreAFaultAndNoMargin) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                zero(f.shear_x_pa);
-                zero(f.shear_y_pa);
-              },
-              {Health::dead_shear_x, Health::dead_shear_y});
+                  [](FrameSlot& f) {
+                    zero(f.shear_x_pa);
+                    zero(f.shear_y_pa);
+                  },
+                  {Health::dead_shear_x, Health::dead_shear_y});
 }
 
 TEST_P(Faults, FrozenFramesAreAFault) {
   std::vector<float> p, x, y;
   expect_reported(grasp_,
-              [&](FrameSlot& f) {
-                if (p.empty()) {
-                  p.assign(f.normal_pa.begin(), f.normal_pa.end());
-                  x.assign(f.shear_x_pa.begin(), f.shear_x_pa.end());
-                  y.assign(f.shear_y_pa.begin(), f.shear_y_pa.end());
-                }
-                std::copy(p.begin(), p.end(), f.normal_pa.begin());
-                std::copy(x.begin(), x.end(), f.shear_x_pa.begin());
-                std::copy(y.begin(), y.end(), f.shear_y_pa.begin());
-              },
-              {Health::frozen});
+                  [&](FrameSlot& f) {
+                    if (p.empty()) {
+                      p.assign(f.normal_pa.begin(), f.normal_pa.end());
+                      x.assign(f.shear_x_pa.begin(), f.shear_x_pa.end());
+                      y.assign(f.shear_y_pa.begin(), f.shear_y_pa.end());
+                    }
+                    std::copy(p.begin(), p.end(), f.normal_pa.begin());
+                    std::copy(x.begin(), x.end(), f.shear_x_pa.begin());
+                    std::copy(y.begin(), y.end(), f.shear_y_pa.begin());
+                  },
+                  {Health::frozen});
 }
 
 TEST_P(Faults, AFewMillionthsOfThePressureAreNoContact) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
-                  for (float& value : values) value *= 1e-6F;
-                }
-              },
-              {Health::wrong_scale});
+                  [](FrameSlot& f) {
+                    for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                      for (float& value : values) value *= 1e-6F;
+                    }
+                  },
+                  {Health::wrong_scale});
 }
 
 TEST_P(Faults, ValuesBeyondAllSenseAreRefused) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
-                  for (float& value : values) value *= 1e25F;
-                }
-              },
-              {Health::full_scale, Health::not_finite});
+                  [](FrameSlot& f) {
+                    for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                      for (float& value : values) value *= 1e25F;
+                    }
+                  },
+                  {Health::full_scale, Health::not_finite});
 }
 
 TEST_P(Faults, OnePressureOnAllTaxelsIsNoContact) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa})
-                  std::fill(values.begin(), values.end(), values[values.size() / 2]);
-              },
-              {Health::uniform});
+                  [](FrameSlot& f) {
+                    for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa})
+                      std::fill(values.begin(), values.end(), values[values.size() / 2]);
+                  },
+                  {Health::uniform});
 }
 
 TEST_P(Faults, ShearThatIsClippedGivesNoMargin) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                for (auto values : {f.shear_x_pa, f.shear_y_pa}) {
-                  for (float& value : values) value = std::clamp(value, -kClip_pa, kClip_pa);
-                }
-              },
-              {Health::saturated});
+                  [](FrameSlot& f) {
+                    for (auto values : {f.shear_x_pa, f.shear_y_pa}) {
+                      for (float& value : values) value = std::clamp(value, -kClip_pa, kClip_pa);
+                    }
+                  },
+                  {Health::saturated});
 }
 
 // Where it is left out the margin is of the other taxels.
@@ -217,10 +218,10 @@ TEST_P(Faults, ASingleTaxelThatReadsWhatNoContactMakesIsLeftOut) {
 
 TEST_P(Faults, ATenthOfTheShearAlongXIsNoSaferGrip) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                for (float& value : f.shear_x_pa) value *= 0.1F;
-              },
-              {Health::jump});
+                  [](FrameSlot& f) {
+                    for (float& value : f.shear_x_pa) value *= 0.1F;
+                  },
+                  {Health::jump});
 }
 
 TEST_P(Faults, ExchangedAxesAreNoGraspThatGoesOn) {
@@ -232,23 +233,23 @@ TEST_P(Faults, ExchangedAxesAreNoGraspThatGoesOn) {
 
 TEST_P(Faults, AThousandfoldUnitIsRefused) {
   expect_reported(grasp_,
-              [](FrameSlot& f) {
-                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
-                  for (float& value : values) value *= 1e3F;
-                }
-              },
-              {Health::wrong_scale, Health::full_scale});
+                  [](FrameSlot& f) {
+                    for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                      for (float& value : values) value *= 1e3F;
+                    }
+                  },
+                  {Health::wrong_scale, Health::full_scale});
 }
 
 TEST_P(Faults, AColumnThatDiesIsAFault) {
   const std::size_t side = GetParam().side;
   expect_reported(grasp_,
-              [side](FrameSlot& f) {
-                for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
-                  for (std::size_t i = side / 2; i < values.size(); i += side) values[i] = 0;
-                }
-              },
-              {Health::dead_row, Health::jump});
+                  [side](FrameSlot& f) {
+                    for (auto values : {f.normal_pa, f.shear_x_pa, f.shear_y_pa}) {
+                      for (std::size_t i = side / 2; i < values.size(); i += side) values[i] = 0;
+                    }
+                  },
+                  {Health::dead_row, Health::jump});
 }
 
 TEST_P(Faults, AStuckBitOfOneShearIsLeftOut) {
@@ -260,10 +261,10 @@ TEST_P(Faults, AShearChannelThatBecomesNoisyGivesNoMargin) {
   std::mt19937 random{1};
   std::uniform_real_distribution<float> noise_pa(-2e4F, 2e4F);
   expect_reported(grasp_,
-              [&](FrameSlot& f) {
-                for (float& value : f.shear_x_pa) value += noise_pa(random);
-              },
-              {Health::noisy, Health::jump});
+                  [&](FrameSlot& f) {
+                    for (float& value : f.shear_x_pa) value += noise_pa(random);
+                  },
+                  {Health::noisy, Health::jump});
 }
 
 TEST_P(Faults, AJumpLastsUntilTheObjectIsLetGo) {

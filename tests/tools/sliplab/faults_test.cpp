@@ -11,8 +11,8 @@ namespace {
 
 using slipd::MethodChoice;
 
-// Faults that leave the margin right, or that no frame shows: they need not be reported, and their margins are
-// counted in docs/reliability.md.
+// Faults that leave the margin right, or that no frame shows: they need not be reported, and their margins
+// are counted in docs/reliability.md.
 bool harmless(Fault fault) {
   switch (fault) {
     case Fault::swapped_axes:  // the margin depends on the resultant of shear
