@@ -65,8 +65,10 @@ void Tracker::give_limit(const ContactPatch& patch, Estimate& out) const noexcep
   out.limit_sigma_n = *out.limit_n * inverse.sigma / inverse.mean;
 }
 
-// One sigma down, and sigma covers both; of a known range, as far down as sigma_max permits.
+// One sigma down, and sigma covers both; of a known range, as far down as sigma_max permits. A value that was
+// given leaves nothing open.
 MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
+  if (given_value_) return margin;
   constexpr double kBelow = 0.95;  // leaves room for what else widens sigma
   double down = margin.sigma;
   if (std::log(friction_.range.high / friction_.range.low) <= options_.narrow_range) {
@@ -107,12 +109,12 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
     // fallen: the lower part of the posterior is given.
-    if (!given_value_) margin = lowered(margin);
+    margin = lowered(margin);
     if (shaped && doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     return margin;
   }
   const bool settled = friction.sigma < options_.settled_sigma * friction.mean;
-  if (force_only_) return given_value_ || settled ? margin : lowered(margin);
+  if (force_only_) return settled ? margin : lowered(margin);
   return combine(margin, *frame_estimate, method, out);
 }
 
