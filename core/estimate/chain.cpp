@@ -20,6 +20,7 @@
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
 #include "core/plausibility/plausibility.hpp"
+#include "core/sliding/turned_angle.hpp"
 
 namespace slipd {
 namespace {
@@ -152,6 +153,7 @@ struct EstimatorChain::Impl {
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
+        turn(s.layout),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
@@ -164,6 +166,7 @@ struct EstimatorChain::Impl {
     tracker.forget();
     unseen.reset();
     turning_load.reset();
+    turn.forget();
   }
 
   // What the forces did since the last frame was not measured: sigma grows with it.
@@ -191,6 +194,16 @@ struct EstimatorChain::Impl {
     course = sliding.update(frame, contact);
     out.sliding = course.sliding;
     if (course.sliding) out.sliding_for_s = course.for_s;
+  }
+
+  // How far the object has turned over the skin.
+  void follow_turn(const ContactPatch& patch, Estimate& out) noexcept {
+    const bool slides_turning =
+        turning != Turning::none && out.gamma && *out.gamma <= kClearSigmas * out.sigma.value_or(0);
+    const auto turned = turn.update(out.time_ns, patch, course.field.settled, slides_turning);
+    if (!turned) return;
+    out.turned_rad = turned->angle_rad;
+    out.turned_sigma_rad = turned->sigma_rad;
   }
 
   // What friction is not below, with 95 % confidence.
@@ -261,6 +274,7 @@ struct EstimatorChain::Impl {
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
     const TurningLoadResult load = turning_load.of(without_pressing(patch));
+    turning = load.turning;
     // What friction has to carry, with torque, as a pull.
     ContactPatch loaded = patch;
     loaded.shear_n = load.pull_n;
@@ -341,6 +355,8 @@ struct EstimatorChain::Impl {
   double usual_friction = 0;      // while that of the grasp is not known
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
+  TurnFollower turn;
+  Turning turning = Turning::none;  // of the last frame
   ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;
@@ -402,6 +418,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
   in.detect_sliding(used, in.gate.touching(), out);
+  if (in.refused == 0 && in.gate.touching()) in.follow_turn(*patch, out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;
