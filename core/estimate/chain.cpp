@@ -16,6 +16,7 @@
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/estimate/turning_load.hpp"
+#include "core/estimate/turning_moments.hpp"
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
@@ -150,6 +151,7 @@ struct EstimatorChain::Impl {
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         turning_load(s.layout),
         slipping(s.layout),
+        turning_moments(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
@@ -292,8 +294,9 @@ struct EstimatorChain::Impl {
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // One frame by itself: by the method, or by taxels that slip where torque has bent the field. What slipped
-  // under a heavier load sticks again with less than friction, and says nothing of it.
+  // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
+  // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
+  // nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
     if (load.turning != Turning::bending) return method->estimate(frame, patch);
@@ -301,6 +304,8 @@ struct EstimatorChain::Impl {
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
       estimate.load_fallen = true;
+    } else if (!estimate.in_model && load.straight) {
+      return turning_moments.estimate(loaded, load);
     }
     return estimate;
   }
@@ -349,6 +354,7 @@ struct EstimatorChain::Impl {
   std::unique_ptr<SlipMethod> method;
   TurningLoad turning_load;
   SlippingTaxels slipping;
+  TurningMoments turning_moments;
   Tracker tracker;
   UnseenMotion unseen;
   KnownFriction known = Range{};  // given, else what the scene expects
