@@ -286,12 +286,27 @@ struct EstimatorChain::Impl {
       out.torque_nm = patch.torque_nm;
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
-    // On a flat pad a torque is no more than a hint: pressing makes some, too. gamma_low counts it.
+    // On a flat pad pressing makes a torque, too: friction is learnt without it, and margins count it.
     const bool flat_pad = !method && setup.layout.size() > 1;
-    if (flat_pad) out.pull_n = patch.shear_n;
     estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
+    if (flat_pad) count_torque(patch, loaded, out);
     bound_margin(patch, loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
+  }
+
+  // A margin of the force alone becomes that of force and torque. What pressing may have made of the torque
+  // widens it.
+  void count_torque(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
+    constexpr double kPressingShare = 0.5;
+    const double carried_n = out.friction.value_or(known.range.low) * patch.normal_n;
+    if (!out.gamma || !(carried_n > 0)) return;
+    const double torque_share = (loaded.shear_n - patch.shear_n) / carried_n;
+    out.gamma = std::max(0.0, *out.gamma - torque_share);
+    out.sigma = std::hypot(out.sigma.value_or(0), kPressingShare * torque_share);
+    if (*out.sigma <= setup.estimator.sigma_max) return;
+    out.state = State::out_of_model;
+    out.gamma.reset();
+    out.sigma.reset();
   }
 
   // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments

@@ -25,6 +25,12 @@ struct TurningMomentsOptions {
   // Floor of the ratio's sigma: of the relation to Gamma, and of ways that are not quite straight; 0 … 0.1.
   // Too small and too large: as above.
   double ratio_floor = 0.015;
+  // The ratio of fourth moments agrees with that of a half space within this, this much over (side/a)^2, and
+  // this many standard deviations of the ratio; 0.02 … 0.2, 0 … 1, 2 … 8. Too small: half spaces are refused.
+  // Too large: skins whose points give by themselves, and other histories, pass.
+  double fourth_slack = 0.05;
+  double fourth_rim = 0.1;
+  double fourth_sigmas = 4.5;
   // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
   // frames near slip unanswered. Too large: other histories pass.
   double range_sigmas = 3;
@@ -42,9 +48,11 @@ class TurningMoments {
   FrameEstimate estimate(const ContactPatch& loaded, const TurningLoadResult& load) const noexcept;
 
  private:
+  // Of (10.5), its standard deviation by noise, and the same ratio of fourth moments.
   struct Ratio {
-    double value = 0, noise = 0;
+    double value = 0, noise = 0, fourth = 0;
   };
+  bool half_space(const Ratio& ratio, double gamma, double coarse) const noexcept;
   Ratio ratio_of(const ContactPatch& patch, double along, double spin) const noexcept;
 
   TurningMomentsOptions options_;

@@ -142,9 +142,12 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   if (frames_ < options_.reference_frames) return std::nullopt;
   if (!counting) known_ns_ = time_ns;
   const double coarse = side_m_ / patch.radius_m;
-  const auto now = compare(options_.rim_share * coarse * coarse);
+  auto now = compare(options_.rim_share * coarse * coarse * coarse);
   if (!now || now->sigma_rad > options_.max_sigma_rad) return std::nullopt;
+  // How far the followed pattern lags behind one that turns evenly.
+  const double lag = (1 - options_.newest_share) / options_.newest_share * (now->angle_rad - angle_rad_);
   angle_rad_ = now->angle_rad;
+  now->sigma_rad = std::hypot(now->sigma_rad, lag);
   known_ns_ = time_ns;
   if (!pinned(time_ns, *now, slides_turning)) answer_ = now;
   return answer_;

@@ -10,6 +10,7 @@
 #include "core/estimate/fit.hpp"
 #include "core/estimate/grasp.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/estimate/tradeoff.hpp"
 #include "tests/support/synthetic.hpp"
 #include "tests/support/turning_frames.hpp"
 
