@@ -88,15 +88,16 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
   out.center_y_m = loaded.center_y_m;
   out.radius_m = loaded.radius_m;
   const double along = load.along_per_n, spin = load.spin_per_nm * loaded.radius_m;
-  if (loaded.cut || !(loaded.normal_n > 0) || !(std::fabs(spin) + along > 0)) return out;
+  const double coarse = side_m_ / loaded.radius_m;
+  if (loaded.cut || !(coarse > options_.least_coarse) || !(std::fabs(spin) + along > 0)) return out;
   const HertzDeviation deviation = hertz_deviation(
       best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded, side_m_,
       options_.deviation);
   const Ratio ratio = ratio_of(loaded, along, spin);
-  const double coarse = side_m_ / loaded.radius_m, spin_share = std::fabs(spin) / (std::fabs(spin) + along);
+  const double spin_share = std::fabs(spin) / (std::fabs(spin) + along);
   const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
   const double open = options_.range_sigmas * std::hypot(ratio.noise, common);
-  if (!(ratio.value > 1 - open) || !deviation.hertzian(options_.deviation)) return out;
+  if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) || !deviation.hertzian(options_.deviation)) return out;
   out.gamma = gamma_of_turning_ratio(ratio.value, spin_share);
   if (!half_space(ratio, out.gamma, coarse)) return out;
   const double slope = gamma_per_moment_ratio(out.gamma), of_shape = deviation.sigma(options_.deviation);

@@ -30,7 +30,14 @@ struct TurningMomentsOptions {
   // Too large: skins whose points give by themselves, and other histories, pass.
   double fourth_slack = 0.05;
   double fourth_rim = 0.1;
-  double fourth_sigmas = 4.5;
+  double fourth_sigmas = 3;
+  // Contacts with a smaller side/a are left to the taxels that slip, which ask for no half space; 0 … 0.4. Too
+  // small: skins whose points give by themselves get margins that are too low. Too large: coarse arrays get no
+  // answer.
+  double least_coarse = 0.15;
+  // A ratio with more noise shows neither history nor half space; 0.005 … 0.1. Too small: light loads get no
+  // answer. Too large: other histories and skins pass.
+  double max_noise = 0.02;
   // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
   // frames near slip unanswered. Too large: other histories pass.
   double range_sigmas = 3;
