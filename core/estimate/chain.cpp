@@ -8,6 +8,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
@@ -96,6 +97,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
       return choose_method(setup, work_precision);
     case MethodChoice::fit:
       return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
+    case MethodChoice::closing:
+      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
@@ -164,6 +167,7 @@ struct EstimatorChain::Impl {
     tracker.forget();
     unseen.reset();
     turning_load.reset();
+    if (method) method->forget();
   }
 
   // What the forces did since the last frame was not measured: sigma grows with it.
@@ -257,6 +261,7 @@ struct EstimatorChain::Impl {
       out.state = State::no_shear;
       return;
     }
+    if (method) method->observe(frame, patch);
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
