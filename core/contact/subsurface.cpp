@@ -39,14 +39,15 @@ struct DomePoint {
 }
 
 // Of a dome that turns: its field turns with it, and so do its components.
-[[gnu::always_inline]] inline FeltTensor by_angle(const FeltPoint& at, double u, double v) noexcept {
-  FeltTensor out = mixed(v, at.d_x, -u, at.d_y);
-  out.nx -= at.value.ny;
-  out.ny += at.value.nx;
-  out.xx -= 2 * at.value.xy;
-  out.xy += at.value.xx - at.value.yy;
-  out.yy += 2 * at.value.xy;
-  return out;
+[[gnu::always_inline]] inline FeltTensor by_angle(const FeltTensor& value, const FeltTensor& d_u,
+                                                  const FeltTensor& d_v, double u, double v) noexcept {
+  const FeltTensor moved = mixed(v, d_u, -u, d_v);
+  return {moved.nn,
+          moved.nx - value.ny,
+          moved.ny + value.nx,
+          moved.xx - 2 * value.xy,
+          moved.xy + value.xx - value.yy,
+          moved.yy + 2 * value.xy};
 }
 
 [[gnu::always_inline]] inline void add(const FeltTensor& t, double weight, double* row,
@@ -65,12 +66,14 @@ using Sheet = SubsurfaceSheet;
   const std::size_t n = Sheet::kComponents * to.count;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
-    const FeltPoint at = felt_point<true>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
+    const auto at = subsurface::common<true>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
+    const double a2 = 2 * of.a;
     double* const row = to.rows + i;
-    add(at.value, of.weight, row, to.count);
-    add(at.d_x, of.weight, row + Sheet::d_u * n, to.count);
-    add(at.d_y, of.weight, row + Sheet::d_v * n, to.count);
-    add(at.d_a, of.weight, row + Sheet::d_a * n, to.count);
+    add(subsurface::value_of(at), of.weight, row, to.count);
+    add(subsurface::slope_of(at, 1, 0, 0, 0, 0, 0), of.weight, row + Sheet::d_u * n, to.count);
+    add(subsurface::slope_of(at, 0, 1, 0, 0, 0, 0), of.weight, row + Sheet::d_v * n, to.count);
+    add(subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a), of.weight,
+        row + Sheet::d_a * n, to.count);
   }
 }
 
@@ -86,19 +89,20 @@ using Sheet = SubsurfaceSheet;
   const double c = of.cosine, s = of.sine;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
-    const double u = to.u[i] + of.u, v = to.v[i] + of.v;
-    FeltPoint at = felt_point<false>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u);
-    const FeltTensor d_x = at.d_x, d_y = at.d_y;
-    at.value = turned(at.value, c, s);
-    at.d_x = turned(mixed(c, d_x, -s, d_y), c, s);
-    at.d_y = turned(mixed(s, d_x, c, d_y), c, s);
+    const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a, b2 = 2 * of.b;
+    const auto at = subsurface::common<false>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u);
+    const FeltTensor value = turned(subsurface::value_of(at), c, s),
+                     d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
+                     d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s);
     double* const row = to.rows + i;
-    add(at.value, of.weight, row, to.count);
-    add(at.d_x, of.weight, row + Sheet::d_u * n, to.count);
-    add(at.d_y, of.weight, row + Sheet::d_v * n, to.count);
-    add(turned(at.d_a, c, s), of.weight, row + Sheet::d_a * n, to.count);
-    add(turned(at.d_b, c, s), of.weight, row + Sheet::d_b * n, to.count);
-    add(by_angle(at, u, v), of.weight, row + Sheet::d_angle * n, to.count);
+    add(value, of.weight, row, to.count);
+    add(d_u, of.weight, row + Sheet::d_u * n, to.count);
+    add(d_v, of.weight, row + Sheet::d_v * n, to.count);
+    add(by_angle(value, d_u, d_v, u, v), of.weight, row + Sheet::d_angle * n, to.count);
+    add(turned(subsurface::slope_of(at, 0, 0, a2, 0, a2 * at.za_by_a, a2 * at.zb_by_a), c, s), of.weight,
+        row + Sheet::d_a * n, to.count);
+    add(turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b), c, s), of.weight,
+        row + Sheet::d_b * n, to.count);
   }
 }
 

@@ -21,12 +21,6 @@ struct FeltTensor {
   double nn = 0, nx = 0, ny = 0, xx = 0, xy = 0, yy = 0;
 };
 
-// The same and its derivatives by the point's place and by the half axes; of a round dome d_a is that by the
-// radius, and d_b is 0.
-struct FeltPoint {
-  FeltTensor value, d_x, d_y, d_a, d_b;
-};
-
 namespace subsurface {
 
 // The greatest root l of x^2/(A+l) + y^2/(B+l) + z^2/l = 1 for A = B. z > 0.
@@ -118,10 +112,20 @@ struct Integrals {
   return {iz - ia, iz - ib, z_by_a - a_by_a, z_by_a - both, z_by_b - both, z_by_b - b_by_b};
 }
 
+template <bool kRound>
+[[gnu::always_inline]] inline Integrals integrals(double aa, double bb, double l, double pa, double pb, double pz,
+                                                  double per_d) noexcept {
+  if constexpr (kRound) {
+    return round_integrals(aa, l, pa, pz, per_d);
+  } else {
+    return elliptic_integrals(aa, bb, l, pa, pb, per_d);
+  }
+}
+
 // What all derivatives share.
 struct Common {
   double a, b, aa, bb, z, l, pa, pb, pz, ex, ey, ez, g, per_d, w, jx, jy, c;
-  Integrals integrals;
+  double za_by_a, zb_by_a, za_by_b, zb_by_b;  // see Integrals
 };
 
 template <bool kRound>
@@ -143,10 +147,13 @@ template <bool kRound>
   at.per_d = std::sqrt(at.pa * at.pb * at.pz);
   at.w = z * a * b * at.per_d / at.g;
   at.c = 0.5 * z * a * b;
-  at.integrals = kRound ? round_integrals(at.aa, at.l, at.pa, at.pz, at.per_d)
-                        : elliptic_integrals(at.aa, at.bb, at.l, at.pa, at.pb, at.per_d);
-  at.jx = at.c * at.integrals.za;
-  at.jy = at.c * at.integrals.zb;
+  const Integrals in = integrals<kRound>(at.aa, at.bb, at.l, at.pa, at.pb, at.pz, at.per_d);
+  at.jx = at.c * in.za;
+  at.jy = at.c * in.zb;
+  at.za_by_a = in.za_by_a;
+  at.zb_by_a = in.zb_by_a;
+  at.za_by_b = in.za_by_b;
+  at.zb_by_b = in.zb_by_b;
   return at;
 }
 
@@ -177,29 +184,12 @@ template <bool kRound>
 
 }  // namespace subsurface
 
-// The value alone at (x, y) along the axes from the dome's centre, depth z > 0 below; any unit of length.
+// The value alone at (x, y) along the axes from the dome's centre, depth z > 0 below; any unit of length. Structs
+// of many members would keep a loop scalar: derivatives are taken one by one.
 template <bool kRound>
 [[gnu::always_inline]] inline FeltTensor felt_value(double a, double b, double z, double x,
                                                     double y) noexcept {
   return subsurface::value_of(subsurface::common<kRound>(a, b, z, x, y));
-}
-
-template <bool kRound>
-[[gnu::always_inline]] inline FeltPoint felt_point(double a, double b, double z, double x,
-                                                   double y) noexcept {
-  const subsurface::Common at = subsurface::common<kRound>(a, b, z, x, y);
-  const subsurface::Integrals& in = at.integrals;
-  FeltPoint out;
-  out.value = subsurface::value_of(at);
-  out.d_x = subsurface::slope_of(at, 1, 0, 0, 0, 0, 0);
-  out.d_y = subsurface::slope_of(at, 0, 1, 0, 0, 0, 0);
-  if constexpr (kRound) {
-    out.d_a = subsurface::slope_of(at, 0, 0, 2 * a, 2 * a, 2 * a * in.za_by_a, 2 * a * in.zb_by_a);
-  } else {
-    out.d_a = subsurface::slope_of(at, 0, 0, 2 * a, 0, 2 * a * in.za_by_a, 2 * a * in.zb_by_a);
-    out.d_b = subsurface::slope_of(at, 0, 0, 0, 2 * b, 2 * b * in.za_by_b, 2 * b * in.zb_by_b);
-  }
-  return out;
 }
 
 }  // namespace slipd::contact

@@ -223,6 +223,7 @@ double ImprintFit::evaluate(const Full& at_least, int unknowns, Vector& gradient
 }
 
 void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
+  constexpr double kMostFall = 3;  // of the peak pressure in one step: it stays above 0
   Vector trial_gradient;
   Square trial_hessian;
   double damping = fit_.first_damping;
@@ -242,7 +243,8 @@ void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
       trial[along] *= options_.max_log_axes / apart;
       trial[across] *= options_.max_log_axes / apart;
     }
-    if (!trial.allFinite() || !(trial[peak] > 0)) break;
+    if (!trial.allFinite()) break;
+    trial[peak] = std::max(trial[peak], best.at[peak] / kMostFall);
     const double trial_cost = evaluate(trial, unknowns, trial_gradient, trial_hessian);
     if (trial_cost <= best.cost) {
       const auto moved = (trial - best.at).head(unknowns).array().abs();
