@@ -33,6 +33,9 @@ class ImprintSheet {
  public:
   ImprintSheet(const TaxelLayout& layout, const Imprint& imprint);
 
+  // Another direction of the long axis, rad.
+  void turn(double angle_rad) noexcept { imprint_.angle_rad = angle_rad; }
+
   // Averages over the taxels in Pa, the contact's centre at (x, y), its pull in the direction `pull_rad` from
   // x to y. All spans have the layout's size and are overwritten.
   void feel(const LoadHistory& contact, double x_m, double y_m, double pull_rad, std::span<float> normal_pa,

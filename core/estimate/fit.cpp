@@ -288,6 +288,8 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
   out.moments_common_sigma = ratio.moments_common_sigma;
+  if (ratio.deviation.ellipticity > options_.elliptic_from && layout_.size() > kFewTaxels)
+    return imprint_.estimate(patch, ratio);
   const Vector first = start(patch, ratio);
   if (!(first[load] > 0) || count_ < kUnknowns) return out;
   const Minimum minimum = minimise(first);

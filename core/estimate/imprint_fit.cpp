@@ -249,15 +249,16 @@ void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
     if (trial_cost <= best.cost) {
       const auto moved = (trial - best.at).head(unknowns).array().abs();
       const double moved_sigmas = (moved * best.hessian.diagonal().array().sqrt()).maxCoeff();
+      best.converged = best.cost - trial_cost < options_.settled_nats;
       best.at = trial;
       best.cost = trial_cost;
       best.gradient = trial_gradient;
       best.hessian = trial_hessian;
       damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
-      best.converged = moved_sigmas < fit_.converged_sigmas;
+      best.converged = best.converged || moved_sigmas < fit_.converged_sigmas;
     } else {
       damping *= fit_.damping_factor;
-      best.converged = damping > fit_.max_damping;
+      best.converged = damping > fit_.max_damping || -0.5 * step.dot(best.gradient) < options_.settled_nats;
     }
   }
 }
@@ -423,6 +424,40 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
   }
   best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
   return best;
+}
+
+double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) noexcept {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  count_ = layout_.size();
+  const double c = std::cos(truth.pull_rad), s = std::sin(truth.pull_rad);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double x = layout_.x_m()[i] - truth.x_m, y = layout_.y_m()[i] - truth.y_m;
+    x_[i] = c * x + s * y;
+    y_[i] = c * y - s * x;
+  }
+  data_.setZero();
+  noise_normal_ = noise_shear_ = 1;
+  const contact::Ellipse& ellipse = truth.ellipse;
+  const double log_axes = std::log(ellipse.a_m / ellipse.b_m), twice = 2 * (ellipse.angle_rad - truth.pull_rad);
+  Full at = Full::Zero();
+  at[size] = std::sqrt(ellipse.a_m * ellipse.b_m);
+  at[peak] = 1;
+  at[load] = truth.load;
+  at[margin] = truth.gamma;
+  at[along] = log_axes * std::cos(twice);
+  at[across] = log_axes * std::sin(twice);
+  Vector gradient;
+  Square hessian;
+  evaluate(at, ellipse.round() ? int{kRound} : int{kMost}, gradient, hessian);
+  const double greatest = residuals_.head(static_cast<Eigen::Index>(count_)).maxCoeff();
+  const Vector scale = hessian.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return kInfinite;
+  const Square even = scale.asDiagonal() * hessian * scale.asDiagonal();
+  Vector unit = Vector::Zero(scale.size());
+  unit[margin] = 1;
+  const Vector column = even.ldlt().solve(unit);
+  const double variance = column[margin] * scale[margin] * scale[margin];
+  return variance > 0 && std::isfinite(variance) ? noise_share * greatest * std::sqrt(variance) : kInfinite;
 }
 
 FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio& ratio) noexcept {

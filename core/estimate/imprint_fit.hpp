@@ -39,9 +39,22 @@ struct ImprintFitOptions {
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise makes needles of small contacts.
   double max_log_axes = 1.1;
+  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05. Too small:
+  // more steps, for nothing. Too large: it stops before the minimum.
+  double settled_nats = 2e-3;
   // Residual of the pressure, of its peak, from which on the contact is none of this kind; 0.005 … 0.1. Too
   // small: real skins are refused. Too large: double contacts and edges are answered.
   double max_residual = 0.03;
+};
+
+// A contact that is known.
+struct KnownImprint {
+  // Its centre, m.
+  double x_m = 0, y_m = 0;
+  // The ellipse that it covers; 0 < a, b.
+  contact::Ellipse ellipse;
+  // Q/P > 0, Gamma in (0, 1), and the direction of Q from x to y, rad.
+  double load = 0, gamma = 0, pull_rad = 0;
 };
 
 class ImprintFit {
@@ -57,6 +70,11 @@ class ImprintFit {
   // As those of Fit.
   static constexpr std::size_t kFewTaxels = 40;
   static constexpr int kMostSteps = 15;
+  // The Cramér–Rao bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all
+  // channels, over the greatest pressure felt; of a round ellipse without its axes unknown. Infinite where the
+  // frame has no information. Changes what the fit holds of its last frame.
+  double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
+
   int steps() const noexcept { return steps_; }  // that the last frame took
   bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
   std::size_t memory_bytes() const noexcept;
