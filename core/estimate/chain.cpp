@@ -63,6 +63,11 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   return options;
 }
 
+std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
+  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
+                               setup.scene.skin.depth_m);
+}
+
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
@@ -73,7 +78,7 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
   constexpr std::uint64_t kSeed = 2;
   std::vector<std::unique_ptr<SlipMethod>> methods;
   methods.push_back(std::make_unique<Moments>(setup.layout));
-  methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));
+  methods.push_back(make_fit(setup));
   work_precision.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
@@ -88,17 +93,23 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
                                         WorkPrecision& work_precision) {
   if (only_forces(setup)) return nullptr;
+  if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
+      setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
+    throw std::invalid_argument(
+        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs method "
+        "fit or auto");
+  }
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
-  if (always_fits(setup)) {
-    return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
-  }
+  if (always_fits(setup)) return make_fit(setup);
+  // No other method knows what rubber over the taxels spreads.
+  if (setup.scene.skin.depth_m > 0) return make_fit(setup);
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
       return choose_method(setup, work_precision);
     case MethodChoice::fit:
-      return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
+      return make_fit(setup);
     case MethodChoice::closing:
       return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
@@ -124,6 +135,7 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
     const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
     return std::pow(pair.contact_radius_m(1), 3);
   };
+  if (setup.scene.skin.depth_m > 0) return limits;  // what is felt is wider than the contact
   limits.least_m3_per_n = std::numeric_limits<double>::infinity();
   for (const ObjectFamily& family : objects) {
     const double flattest_m =
@@ -339,7 +351,18 @@ struct EstimatorChain::Impl {
         (load.turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
+    // Under a skin the disc feels a part of the forces only.
+    ContactPatch acting = loaded;
+    if (frame_estimate.in_model && frame_estimate.normal_n > 0) {
+      acting.shear_n = loaded.shear_n * frame_estimate.shear_n / patch.shear_n;
+      acting.normal_n = frame_estimate.normal_n;
+      out.normal_n = frame_estimate.normal_n;
+      const double felt_share = frame_estimate.shear_n / patch.shear_n;
+      out.shear_n = frame_estimate.shear_n;
+      out.shear_x_n = felt_share * patch.shear_x_n;
+      out.shear_y_n = felt_share * patch.shear_y_n;
+    }
+    tracker.update(acting, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
                    out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
@@ -395,6 +418,7 @@ bool always_fits(const ChainSetup& setup) {
 
 bool needs_model(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
+         !(setup.scene.skin.depth_m > 0) &&  // which no trained method can carry
          (setup.estimator.method == MethodChoice::svd_knn ||
           setup.estimator.method == MethodChoice::registered);
 }
