@@ -175,6 +175,9 @@ struct EstimatorChain::Impl {
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
     known = s.friction.value_or(expected);
+    if (method && s.estimator.method == MethodChoice::automatic && !weighed_over_time(s) &&
+        !(s.scene.skin.depth_m > 0))
+      closing = std::make_unique<Closing>(s.layout, expected);
     usual_friction = std::sqrt(known.range.low * known.range.high);
   }
 
@@ -184,6 +187,7 @@ struct EstimatorChain::Impl {
     unseen.reset();
     turning_load.reset();
     if (method) method->forget();
+    if (closing) closing->forget();
     turn.forget();
   }
 
@@ -289,6 +293,7 @@ struct EstimatorChain::Impl {
       return;
     }
     if (method) method->observe(frame, patch);
+    if (closing) closing->observe(frame, patch);
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
@@ -326,12 +331,26 @@ struct EstimatorChain::Impl {
     out.sigma.reset();
   }
 
+  // By the method, or of a contact that it does not have by the pressures of its closing.
+  FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+    shape_by = method->name();
+    FrameEstimate estimate = method->estimate(frame, patch);
+    if (estimate.in_model || !closing) return estimate;
+    FrameEstimate by_closing = closing->estimate(frame, patch);
+    if (!by_closing.in_model) return estimate;
+    shape_by = closing->name();
+    by_closing.moments = estimate.moments;
+    by_closing.moments_sigma = estimate.moments_sigma;
+    by_closing.moments_common_sigma = estimate.moments_common_sigma;
+    return by_closing;
+  }
+
   // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
   // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
   // nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
-    if (load.turning != Turning::bending) return method->estimate(frame, patch);
+    if (load.turning != Turning::bending) return estimate_pull(frame, patch);
     FrameEstimate estimate = slipping.estimate(loaded);
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
@@ -349,6 +368,7 @@ struct EstimatorChain::Impl {
     const bool shaped =
         method && (patch.count >= kFewInside || few) &&
         (load.turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
     // Under a skin the disc feels a part of the forces only.
@@ -362,8 +382,7 @@ struct EstimatorChain::Impl {
       out.shear_x_n = felt_share * patch.shear_x_n;
       out.shear_y_n = felt_share * patch.shear_y_n;
     }
-    tracker.update(acting, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
-                   out, course);
+    tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
@@ -395,6 +414,8 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
+  std::unique_ptr<Closing> closing;    // of `auto`, for shapes that the method does not have; else null
+  Method shape_by = Method::friction;  // what this frame's own margin is by
   TurningLoad turning_load;
   SlippingTaxels slipping;
   TurningMoments turning_moments;
