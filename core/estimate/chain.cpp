@@ -8,6 +8,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
@@ -16,10 +17,12 @@
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/estimate/turning_load.hpp"
+#include "core/estimate/turning_moments.hpp"
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
 #include "core/plausibility/plausibility.hpp"
+#include "core/sliding/turned_angle.hpp"
 
 namespace slipd {
 namespace {
@@ -107,6 +110,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
       return choose_method(setup, work_precision);
     case MethodChoice::fit:
       return make_fit(setup);
+    case MethodChoice::closing:
+      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
@@ -161,9 +166,11 @@ struct EstimatorChain::Impl {
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         turning_load(s.layout),
         slipping(s.layout),
+        turning_moments(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
+        turn(s.layout),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
@@ -176,6 +183,8 @@ struct EstimatorChain::Impl {
     tracker.forget();
     unseen.reset();
     turning_load.reset();
+    if (method) method->forget();
+    turn.forget();
   }
 
   // What the forces did since the last frame was not measured: sigma grows with it.
@@ -203,6 +212,16 @@ struct EstimatorChain::Impl {
     course = sliding.update(frame, contact);
     out.sliding = course.sliding;
     if (course.sliding) out.sliding_for_s = course.for_s;
+  }
+
+  // How far the object has turned over the skin.
+  void follow_turn(const ContactPatch& patch, Estimate& out) noexcept {
+    const bool slides_turning =
+        turning != Turning::none && out.gamma && *out.gamma <= kClearSigmas * out.sigma.value_or(0);
+    const auto turned = turn.update(out.time_ns, patch, course.field.settled, slides_turning);
+    if (!turned) return;
+    out.turned_rad = turned->angle_rad;
+    out.turned_sigma_rad = turned->sigma_rad;
   }
 
   // What friction is not below, with 95 % confidence.
@@ -269,10 +288,12 @@ struct EstimatorChain::Impl {
       out.state = State::no_shear;
       return;
     }
+    if (method) method->observe(frame, patch);
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
     const TurningLoadResult load = turning_load.of(without_pressing(patch));
+    turning = load.turning;
     // What friction has to carry, with torque, as a pull.
     ContactPatch loaded = patch;
     loaded.shear_n = load.pull_n;
@@ -282,16 +303,32 @@ struct EstimatorChain::Impl {
       out.torque_nm = patch.torque_nm;
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
-    // On a flat pad a torque is no more than a hint: pressing makes some, too. gamma_low counts it.
+    // On a flat pad pressing makes a torque, too: friction is learnt without it, and margins count it.
     const bool flat_pad = !method && setup.layout.size() > 1;
-    if (flat_pad) out.pull_n = patch.shear_n;
     estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
+    if (flat_pad) count_torque(patch, loaded, out);
     bound_margin(patch, loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // One frame by itself: by the method, or by taxels that slip where torque has bent the field. What slipped
-  // under a heavier load sticks again with less than friction, and says nothing of it.
+  // A margin of the force alone becomes that of force and torque. What pressing may have made of the torque
+  // widens it.
+  void count_torque(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
+    constexpr double kPressingShare = 0.5;
+    const double carried_n = out.friction.value_or(known.range.low) * patch.normal_n;
+    if (!out.gamma || !(carried_n > 0)) return;
+    const double torque_share = (loaded.shear_n - patch.shear_n) / carried_n;
+    out.gamma = std::max(0.0, *out.gamma - torque_share);
+    out.sigma = std::hypot(out.sigma.value_or(0), kPressingShare * torque_share);
+    if (*out.sigma <= setup.estimator.sigma_max) return;
+    out.state = State::out_of_model;
+    out.gamma.reset();
+    out.sigma.reset();
+  }
+
+  // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
+  // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
+  // nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
     if (load.turning != Turning::bending) return method->estimate(frame, patch);
@@ -299,6 +336,8 @@ struct EstimatorChain::Impl {
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
       estimate.load_fallen = true;
+    } else if (!estimate.in_model && load.straight) {
+      return turning_moments.estimate(loaded, load);
     }
     return estimate;
   }
@@ -358,12 +397,15 @@ struct EstimatorChain::Impl {
   std::unique_ptr<SlipMethod> method;
   TurningLoad turning_load;
   SlippingTaxels slipping;
+  TurningMoments turning_moments;
   Tracker tracker;
   UnseenMotion unseen;
   KnownFriction known = Range{};  // given, else what the scene expects
   double usual_friction = 0;      // while that of the grasp is not known
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
+  TurnFollower turn;
+  Turning turning = Turning::none;  // of the last frame
   ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;
@@ -426,6 +468,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
   in.detect_sliding(used, in.gate.touching(), out);
+  if (in.refused == 0 && in.gate.touching()) in.follow_turn(*patch, out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;

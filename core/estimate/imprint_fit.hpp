@@ -1,4 +1,4 @@
-// Maximum likelihood for contacts that are elliptic or felt through a skin (docs/theory.md §10.7): as Fit, with
+// Maximum likelihood for contacts that are elliptic or felt through a skin (docs/theory.md §10.8): as Fit, with
 // the shear's second component, its direction and the ellipse unknown as well.
 //
 // Unknown are the centre, the mean radius s (a b = s^2), the peak pressure p0, the load T = Q/P, Gamma, the

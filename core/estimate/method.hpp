@@ -66,6 +66,10 @@ class SlipMethod {
   // Estimate thread. Allocates nothing. `patch` is of this very frame and touched, with shear above the
   // noise.
   virtual FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept = 0;
+  // For methods that record the contact: called for each frame of it, before estimate() and also where shear
+  // is noise; and when the contact is lost. Estimate thread. Allocates nothing.
+  virtual void observe(const Frame& /*frame*/, const ContactPatch& /*patch*/) noexcept {}
+  virtual void forget() noexcept {}
 };
 
 }  // namespace slipd

@@ -24,10 +24,37 @@ void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noex
   constexpr double kSigmas = 2;  // what noise may be of the pull
   if (!(patch.normal_n > 0)) return;
   const double ratio = out.pull_n / patch.normal_n, noise = kSigmas * out.pull_sigma_n / patch.normal_n;
+  constexpr double kClear = 2;  // times what noise may be
+  if (ratio > kClear * noise) follow_way(patch, ratio);
+  out.straight =
+      way_.straight && !(patch.normal_n > (1 + options_.tightened_share) * way_.normal_n && way_.normal_n > 0);
   out.risen = ratio + noise >= options_.risen_share * most_ratio_;
   if (ratio - noise <= most_ratio_ && patch.normal_n <= options_.regripped * most_normal_n_) return;
   most_ratio_ = std::max(0.0, ratio - noise);
   most_normal_n_ = patch.normal_n;
+}
+
+// What lies across the present load of each step of its way.
+void TurningLoad::follow_way(const ContactPatch& patch, double ratio) noexcept {
+  if (ratio < options_.followed_share * most_ratio_ || !(patch.radius_m > 0)) return;
+  const double lever_m = patch.radius_m;
+  const LoadPoint now{patch.shear_x_n / patch.normal_n, patch.shear_y_n / patch.normal_n,
+                      patch.torque_nm / (patch.normal_n * lever_m)};
+  LoadPoint step{};
+  double length = 0, squares = 0, along = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    step[i] = now[i] - way_.last[i];
+    length += now[i] * now[i];
+    squares += step[i] * step[i];
+    along += step[i] * now[i];
+  }
+  if (!(squares > options_.step_share * options_.step_share * length)) return;
+  way_.across += std::sqrt(std::max(0.0, squares - along * along / length));
+  way_.last = now;
+  const bool anew = ratio > options_.grown * way_.ratio;
+  if (anew) way_.ratio = ratio;
+  way_.normal_n = anew ? patch.normal_n : std::min(way_.normal_n, patch.normal_n);
+  way_.straight = way_.across < options_.straight_share * std::sqrt(length);
 }
 
 TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
@@ -64,6 +91,8 @@ TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
         std::hypot(out.pull_sigma_n, options_.coarse_sigma_share * std::min(1.0, coarse * coarse) *
                                          (out.pull_n - patch.shear_n));
   }
+  out.along_per_n = least.per_shear_n;
+  out.spin_per_nm = std::copysign(least.per_torque_nm, patch.torque_nm);
   follow(patch, out);
   return out;
 }
