@@ -41,7 +41,8 @@ struct SheetRows {
   std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
 };
 
-[[gnu::always_inline]] inline FeltTensor sum(double a, const FeltTensor& t, double b, const FeltTensor& r) noexcept {
+[[gnu::always_inline]] inline FeltTensor sum(double a, const FeltTensor& t, double b,
+                                             const FeltTensor& r) noexcept {
   return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny,
           a * t.xx + b * r.xx, a * t.xy + b * r.xy, a * t.yy + b * r.yy};
 }
@@ -57,13 +58,14 @@ struct Felt {
           p * of_p.ny + q * (c * of_q.xy + s * of_q.yy)};
 }
 
-// What the slopes of all residuals are made of: both domes' rows, and the unknowns in the form that loops take.
+// What the slopes of all residuals are made of: both domes' rows, and the unknowns in the form that loops
+// take.
 struct SlopeInput {
   SheetRows outer, inner;
   contact::Ellipse wide, narrow;
-  double peak, shear, k, rest, dk;     // p0, p0 T/(1 - Gamma), cbrt(Gamma), 1 - Gamma, dk/dGamma
-  double c, s;                         // of the pull's direction
-  double c2, s2, turn;                 // of twice the ellipse's angle; angle by a step across
+  double peak, shear, k, rest, dk;  // p0, p0 T/(1 - Gamma), cbrt(Gamma), 1 - Gamma, dk/dGamma
+  double c, s;                      // of the pull's direction
+  double c2, s2, turn;              // of twice the ellipse's angle; angle by a step across
   double per_size, per_normal, per_shear;
   const double* data;
   double* residuals;
@@ -71,7 +73,17 @@ struct SlopeInput {
   std::size_t count;
 };
 // Columns, as ImprintFit::Unknown.
-enum Column : std::uint8_t { at_x, at_y, at_size, at_peak, at_load, at_margin, at_direction, at_along, at_across };
+enum Column : std::uint8_t {
+  at_x,
+  at_y,
+  at_size,
+  at_peak,
+  at_load,
+  at_margin,
+  at_direction,
+  at_along,
+  at_across
+};
 
 template <bool kElliptic>
 [[gnu::always_inline]] inline void fill_slopes(const SlopeInput& by) noexcept {
@@ -88,7 +100,8 @@ template <bool kElliptic>
     const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
       return felt_of(p, o, q, c, s, sum(1, o, -k, in));
     };
-    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i), m = sum(1, o, -k, in);
+    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
+                     m = sum(1, o, -k, in);
     const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
                turned = felt_of(0, o, q, -s, c, m);
     by.residuals[i] = by.per_normal * (all.n - by.data[i]);
@@ -106,7 +119,8 @@ template <bool kElliptic>
                                 sum(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
                  angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
       const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
-      put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x, by.c2 * longer.y + y * angle.y);
+      put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
+          by.c2 * longer.y + y * angle.y);
       put(at_across, by.s2 * longer.n + x * angle.n, by.s2 * longer.x + x * angle.x,
           by.s2 * longer.y + x * angle.y);
       so = sum(1, so, by.wide.b_m, ob);
@@ -122,7 +136,8 @@ template <bool kElliptic>
   }
 }
 
-[[gnu::always_inline]] inline double product(const double* one, const double* two, std::size_t count) noexcept {
+[[gnu::always_inline]] inline double product(const double* one, const double* two,
+                                             std::size_t count) noexcept {
   double all = 0;
 #pragma omp simd reduction(+ : all)
   for (std::size_t i = 0; i < count; ++i) all += one[i] * two[i];
@@ -173,8 +188,8 @@ const ImprintKernels ImprintKernels::avx512{linearise_on_avx512};
 
 }  // namespace
 
-ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
-                       const ImprintFitOptions& options)
+ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m,
+                       const FitOptions& fit, const ImprintFitOptions& options)
     : layout_(layout),
       fit_(fit),
       options_(options),
@@ -192,7 +207,8 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
 
 std::size_t ImprintFit::memory_bytes() const noexcept {
   const std::size_t components = depth_m_ > 0 ? std::size_t{Sheet::kComponents} : 1;
-  return sizeof(*this) + layout_.size() * sizeof(double) * (4 + 3 * (2 + kMost) + 2 * Sheet::kRows * components);
+  return sizeof(*this) +
+         layout_.size() * sizeof(double) * (4 + 3 * (2 + kMost) + 2 * Sheet::kRows * components);
 }
 
 // In a frame with x along the resultant. Under a skin, what lies around the disc is felt as well.
@@ -348,8 +364,8 @@ void ImprintFit::measure_noise(const Minimum& best, int unknowns) noexcept {
   const auto n = static_cast<Eigen::Index>(count_);
   const double used = 1 - unknowns / (3.0 * static_cast<double>(n));
   const double floor_pa = fit_.noise_floor * best.at[peak];
-  noise_normal_ = std::max(
-      floor_pa, noise_normal_ * std::sqrt(residuals_.head(n).squaredNorm() / (used * static_cast<double>(n))));
+  noise_normal_ = std::max(floor_pa, noise_normal_ * std::sqrt(residuals_.head(n).squaredNorm() /
+                                                               (used * static_cast<double>(n))));
   noise_shear_ = std::max(floor_pa, noise_shear_ * std::sqrt(residuals_.segment(n, 2 * n).squaredNorm() /
                                                              (used * 2 * static_cast<double>(n))));
 }
@@ -389,7 +405,8 @@ double ImprintFit::residual_pressure(const Full& at) const noexcept {
   return std::sqrt((squares - free * by_noise) / static_cast<double>(count_)) / at[peak];
 }
 
-bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept {
+bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum,
+                          FrameEstimate& out) const noexcept {
   const Full& at = minimum.at;
   const Vector scale = minimum.hessian.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return false;
@@ -471,8 +488,8 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
 }
 
-// Round first; anew from another margin where it ends at an end of the range; then what noise is left over, and
-// the ellipse if there is one.
+// Round first; anew from another margin where it ends at an end of the range; then what noise is left over,
+// and the ellipse if there is one.
 ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   Minimum best;
   best.at = start(patch, ratio);
@@ -488,20 +505,18 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
     minimise(kRound, other);
     if (other.cost < best.cost) best = other;
   }
-  Vector gradient;
-  Square hessian;
-  if (skin) {
-    evaluate(best.at, kRound, gradient, hessian);
-    measure_noise(best, kRound);
-  }
+  // Where only the noise's size changes, and not that of one channel against the others, the minimum stays.
+  const auto weights_changed = [&](int unknowns) {
+    const double before = noise_shear_ / noise_normal_;
+    evaluate(best.at, unknowns, best.gradient, best.hessian);
+    measure_noise(best, unknowns);
+    return std::fabs(std::log(noise_shear_ / noise_normal_ / before)) > options_.other_weights;
+  };
+  const bool changed = skin && weights_changed(kRound);
   elliptic_ = shows_ellipse(best);
   const int unknowns = elliptic_ ? int{kMost} : int{kRound};
-  minimise(unknowns, best);
-  if (skin && elliptic_) {
-    evaluate(best.at, unknowns, gradient, hessian);
-    measure_noise(best, unknowns);
-    minimise(unknowns, best);
-  }
+  if (elliptic_ || changed) minimise(unknowns, best);
+  if (skin && elliptic_ && weights_changed(unknowns)) minimise(unknowns, best);
   best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
   return best;
 }
@@ -518,7 +533,8 @@ double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) no
   data_.setZero();
   noise_normal_ = noise_shear_ = 1;
   const contact::Ellipse& ellipse = truth.ellipse;
-  const double log_axes = std::log(ellipse.a_m / ellipse.b_m), twice = 2 * (ellipse.angle_rad - truth.pull_rad);
+  const double log_axes = std::log(ellipse.a_m / ellipse.b_m),
+               twice = 2 * (ellipse.angle_rad - truth.pull_rad);
   Full at = Full::Zero();
   at[size] = std::sqrt(ellipse.a_m * ellipse.b_m);
   at[peak] = 1;

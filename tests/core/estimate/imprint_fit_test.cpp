@@ -17,8 +17,8 @@
 namespace slipd {
 namespace {
 
-// Frames of contacts of radius 2.5 … 5.5 mm, up to 2 mm off the middle of a +-8 mm pad, with noise of 1 % of the
-// greatest pressure on all channels.
+// Frames of contacts of radius 2.5 … 5.5 mm, up to 2 mm off the middle of a +-8 mm pad, with noise of 1 % of
+// the greatest pressure on all channels.
 class ImprintFrames {
  public:
   ImprintFrames(std::size_t side, const contact::Imprint& imprint)
@@ -132,7 +132,8 @@ TEST(ImprintFit, AllocatesNothing) {
 }
 
 TEST(Chains, UnderASkinTakeMethodFitAndRefuseTheOthers) {
-  ChainSetup setup{.layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
+  ChainSetup setup{
+      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
   setup.scene.skin.depth_m = 0.001;
   setup.estimator.method = MethodChoice::automatic;
   EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::fit);
