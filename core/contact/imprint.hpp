@@ -1,7 +1,7 @@
-// What taxels feel of a contact whose object is no sphere, or whose taxels lie under a skin. Ciavarella (1998)
-// and Jäger (1998): pressure and shear of any shape are the same signed sums as a sphere's (docs/theory.md
-// §4.1), with the shape's own pressure at the force of each term, so that a LoadHistory and its margin hold for
-// it as well. Set-up and device threads; allocates in its constructor only.
+// What taxels feel of a contact whose object is no sphere, or whose taxels lie under a skin. Ciavarella
+// (1998) and Jäger (1998): pressure and shear of any shape are the same signed sums as a sphere's
+// (docs/theory.md §4.1), with the shape's own pressure at the force of each term, so that a LoadHistory and
+// its margin hold for it as well. Set-up and device threads; allocates in its constructor only.
 #pragma once
 
 #include <cstddef>

@@ -129,16 +129,22 @@ struct Line {
   return {c * c * aa + s * s * bb, c * s * (aa - bb), s * s * aa + c * c * bb};
 }
 [[gnu::always_inline]] inline Line line_of(const Quadratic& q, double u, double v, double side) noexcept {
-  const double off = q.beta * v / q.alpha, root = std::sqrt(q.alpha), rest = q.gamma - q.beta * q.beta / q.alpha;
+  const double off = q.beta * v / q.alpha, root = std::sqrt(q.alpha),
+               rest = q.gamma - q.beta * q.beta / q.alpha;
   const double rr = std::max(0.0, 1 - rest * v * v) / q.alpha, r = std::sqrt(rr);
   const double to = std::clamp(u + side / 2 + off, -r, r), from = std::clamp(u - side / 2 + off, -r, r);
-  const double w_to = std::sqrt(std::max(0.0, rr - to * to)), w_from = std::sqrt(std::max(0.0, rr - from * from));
+  const double w_to = std::sqrt(std::max(0.0, rr - to * to)),
+               w_from = std::sqrt(std::max(0.0, rr - from * from));
   const double angle = angle_from_height(to, w_to) - angle_from_height(from, w_from);
   const double over = 1 / (root * side), t0 = angle * over, t1 = (w_from - w_to) * over,
                t2 = 0.5 * (rr * angle - to * w_to + from * w_from) * over;
   const double u0 = t0, u1 = t1 - off * t0, u2 = t2 - 2 * off * t1 + off * off * t0;
-  return {q.alpha * (rr * t0 - t2), root * (w_to - w_from) / side, -(q.beta * u1 + q.gamma * v * u0),
-          -0.5 * u2, -v * u1, -0.5 * v * v * u0};
+  return {q.alpha * (rr * t0 - t2),
+          root * (w_to - w_from) / side,
+          -(q.beta * u1 + q.gamma * v * u0),
+          -0.5 * u2,
+          -v * u1,
+          -0.5 * v * v * u0};
 }
 
 [[gnu::always_inline]] inline void surface_slopes(const DomePoint& of, const Points& to) noexcept {
@@ -153,9 +159,12 @@ struct Line {
     *(row) += of.weight * line.mean;
     *(row + Sheet::d_u * n) += of.weight * line.d_u;
     *(row + Sheet::d_v * n) += of.weight * line.d_v;
-    *(row + Sheet::d_a * n) += of.weight * by_a * (c * c * line.d_alpha + c * s * line.d_beta + s * s * line.d_gamma);
-    *(row + Sheet::d_b * n) += of.weight * by_b * (s * s * line.d_alpha - c * s * line.d_beta + c * c * line.d_gamma);
-    *(row + Sheet::d_angle * n) += of.weight * (2 * q.beta * (line.d_gamma - line.d_alpha) + (c * c - s * s) * apart * line.d_beta);
+    *(row + Sheet::d_a * n) +=
+        of.weight * by_a * (c * c * line.d_alpha + c * s * line.d_beta + s * s * line.d_gamma);
+    *(row + Sheet::d_b * n) +=
+        of.weight * by_b * (s * s * line.d_alpha - c * s * line.d_beta + c * c * line.d_gamma);
+    *(row + Sheet::d_angle * n) +=
+        of.weight * (2 * q.beta * (line.d_gamma - line.d_alpha) + (c * c - s * s) * apart * line.d_beta);
   }
 }
 
@@ -188,15 +197,16 @@ struct SubsurfaceKernels {
   Kernel round, round_value, elliptic, elliptic_value, surface, surface_value;
   static const SubsurfaceKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-const SubsurfaceKernels SubsurfaceKernels::baseline{felt_on_baseline<round_slopes>, felt_on_baseline<round_values>,
-                                                    felt_on_baseline<elliptic_slopes>,
-                                                    felt_on_baseline<elliptic_values>, felt_on_baseline<surface_slopes>, felt_on_baseline<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::baseline{
+    felt_on_baseline<round_slopes>,    felt_on_baseline<round_values>,   felt_on_baseline<elliptic_slopes>,
+    felt_on_baseline<elliptic_values>, felt_on_baseline<surface_slopes>, felt_on_baseline<surface_values>};
 #if defined(__x86_64__)
-const SubsurfaceKernels SubsurfaceKernels::avx2{felt_on_avx2<round_slopes>, felt_on_avx2<round_values>,
-                                                felt_on_avx2<elliptic_slopes>, felt_on_avx2<elliptic_values>, felt_on_avx2<surface_slopes>, felt_on_avx2<surface_values>};
-const SubsurfaceKernels SubsurfaceKernels::avx512{felt_on_avx512<round_slopes>, felt_on_avx512<round_values>,
-                                                  felt_on_avx512<elliptic_slopes>,
-                                                  felt_on_avx512<elliptic_values>, felt_on_avx512<surface_slopes>, felt_on_avx512<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx2{felt_on_avx2<round_slopes>,    felt_on_avx2<round_values>,
+                                                felt_on_avx2<elliptic_slopes>, felt_on_avx2<elliptic_values>,
+                                                felt_on_avx2<surface_slopes>,  felt_on_avx2<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx512{
+    felt_on_avx512<round_slopes>,    felt_on_avx512<round_values>,   felt_on_avx512<elliptic_slopes>,
+    felt_on_avx512<elliptic_values>, felt_on_avx512<surface_slopes>, felt_on_avx512<surface_values>};
 #endif
 
 template <unsigned kPoints>
@@ -234,12 +244,15 @@ FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, doub
     const double height = std::sqrt(std::max(0.0, 1 - x * x / (a * a) - y * y / (b * b)));
     return {.nn = height, .xx = height, .yy = height};
   }
-  return turned(ellipse.round() ? felt_value<true>(a, a, depth_m, x, y) : felt_value<false>(a, b, depth_m, x, y),
-                c, s);
+  return turned(
+      ellipse.round() ? felt_value<true>(a, a, depth_m, x, y) : felt_value<false>(a, b, depth_m, x, y), c, s);
 }
 
 SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m)
-    : side_m_(side_m), depth_m_(depth_m), rows_(most * kRows * (depth_m > 0 ? std::size_t{kComponents} : 1)), zeros_(depth_m > 0 ? 0 : most) {
+    : side_m_(side_m),
+      depth_m_(depth_m),
+      rows_(most * kRows * (depth_m > 0 ? std::size_t{kComponents} : 1)),
+      zeros_(depth_m > 0 ? 0 : most) {
   choose_gauss(side_m, depth_m, at_, weight_);
   best_kernels<SubsurfaceKernels>();  // not first within a fit
 }

@@ -1,13 +1,14 @@
 // What taxels under a skin feel of a contact on its surface. The skin is taken for an elastic half space; the
-// stresses at depth d on a plane parallel to the surface are those of Boussinesq (1885) and Cerruti (1882), and
-// they do not depend on Poisson's ratio. In Fourier space (k: wave number) a normal traction p and a shear q_x
-// are felt as
+// stresses at depth d on a plane parallel to the surface are those of Boussinesq (1885) and Cerruti (1882),
+// and they do not depend on Poisson's ratio. In Fourier space (k: wave number) a normal traction p and a
+// shear q_x are felt as
 //   normal:   (1 + k d) e^(-k d) p - i k_x d e^(-k d) q_x
-//   shear x:  -i k_x d e^(-k d) p + (1 - d k_x^2/k) e^(-k d) q_x      shear y:  ... - d k_x k_y/k e^(-k d) q_x
+//   shear x:  -i k_x d e^(-k d) p + (1 - d k_x^2/k) e^(-k d) q_x      shear y:  ... - d k_x k_y/k e^(-k d)
+//   q_x
 // so pressing alone is felt as shear that points outwards, and a pull as pressure ahead and suction behind.
 //
-// Tractions of a contact are sums of domes sqrt(1 - x^2/a^2 - y^2/b^2), for which all of this has a closed form
-// (docs/theory.md §5.4).
+// Tractions of a contact are sums of domes sqrt(1 - x^2/a^2 - y^2/b^2), for which all of this has a closed
+// form (docs/theory.md §5.4).
 #pragma once
 
 #include <array>
@@ -29,8 +30,8 @@ struct Ellipse {
   bool round() const noexcept { return a_m == b_m; }
 };
 
-// What is felt at (x, y) from the centre of a dome of unit height, `depth_m` below the surface; at depth 0 the
-// dome itself on the diagonal. Along the sensor's axes. Exact to 1e-12.
+// What is felt at (x, y) from the centre of a dome of unit height, `depth_m` below the surface; at depth 0
+// the dome itself on the diagonal. Along the sensor's axes. Exact to 1e-12.
 FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept;
 
 // Averages over the squares of many taxels, with derivatives. Estimate thread; allocates in its constructor.
@@ -70,8 +71,8 @@ class SubsurfaceSheet {
   std::size_t count_ = 0;
   double side_m_, depth_m_;
   std::vector<double> at_, weight_;  // Gauss-Legendre on a side, m
-  std::vector<double> rows_;   // at depth 0 those of nn alone, which are xx and yy as well
-  std::vector<double> zeros_;  // at depth 0 the other components
+  std::vector<double> rows_;         // at depth 0 those of nn alone, which are xx and yy as well
+  std::vector<double> zeros_;        // at depth 0 the other components
 };
 
 }  // namespace slipd::contact

@@ -84,7 +84,7 @@ struct Carlson {
 // Integrals of ds/((A+s) D), ds/((B+s) D) and ds/(s D) over s > l, and the derivatives of I_z - I_a and
 // I_z - I_b by A and B; of a round dome those by A = B are in the first two.
 struct Integrals {
-  double za, zb;                      // I_z - I_a, I_z - I_b
+  double za, zb;  // I_z - I_a, I_z - I_b
   double za_by_a, zb_by_a, za_by_b, zb_by_b;
 };
 
@@ -113,8 +113,8 @@ struct Integrals {
 }
 
 template <bool kRound>
-[[gnu::always_inline]] inline Integrals integrals(double aa, double bb, double l, double pa, double pb, double pz,
-                                                  double per_d) noexcept {
+[[gnu::always_inline]] inline Integrals integrals(double aa, double bb, double l, double pa, double pb,
+                                                  double pz, double per_d) noexcept {
   if constexpr (kRound) {
     return round_integrals(aa, l, pa, pz, per_d);
   } else {
@@ -184,8 +184,8 @@ template <bool kRound>
 
 }  // namespace subsurface
 
-// The value alone at (x, y) along the axes from the dome's centre, depth z > 0 below; any unit of length. Structs
-// of many members would keep a loop scalar: derivatives are taken one by one.
+// The value alone at (x, y) along the axes from the dome's centre, depth z > 0 below; any unit of length.
+// Structs of many members would keep a loop scalar: derivatives are taken one by one.
 template <bool kRound>
 [[gnu::always_inline]] inline FeltTensor felt_value(double a, double b, double z, double x,
                                                     double y) noexcept {

@@ -96,7 +96,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
       setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
     throw std::invalid_argument(
-        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs method "
+        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs "
+        "method "
         "fit or auto");
   }
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {

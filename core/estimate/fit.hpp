@@ -33,8 +33,8 @@ class Fit final : public SlipMethod {
   MethodSettings settings() const noexcept override {
     // Lists below, two residuals and their slopes a taxel, and the dome sheet's.
     constexpr std::size_t kNumbersATaxel = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
-    return {.memory_bytes = sizeof(*this) + kNumbersATaxel * sizeof(double) * layout_.size() +
-                            imprint_.memory_bytes()};
+    return {.memory_bytes =
+                sizeof(*this) + kNumbersATaxel * sizeof(double) * layout_.size() + imprint_.memory_bytes()};
   }
 
   // Levenberg-Marquardt from the moments' start, at most kMostSteps steps. Not in the model if it did not

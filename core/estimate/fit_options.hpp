@@ -38,8 +38,8 @@ struct FitOptions {
   // equations singular. Too large: sigma is more than the error on very good sensors.
   double noise_floor = 1e-4;
 
-  // Ellipticity of the pressure (HertzDeviation) from which on an ellipse is fitted; 0.05 … 0.3. Too small: costs
-  // time for nothing. Too large: ellipses are read as round contacts, with the sigma of that.
+  // Ellipticity of the pressure (HertzDeviation) from which on an ellipse is fitted; 0.05 … 0.3. Too small:
+  // costs time for nothing. Too large: ellipses are read as round contacts, with the sigma of that.
   double elliptic_from = 0.1;
 
   // What a real skin deviates, ring by ring, of mu p; 0 … 0.1. Too small: real skins are refused. Too large:

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
 #include "core/estimate/posterior_sums.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -39,7 +41,8 @@ struct SheetRows {
   std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
 };
 
-[[gnu::always_inline]] inline FeltTensor sum(double a, const FeltTensor& t, double b, const FeltTensor& r) noexcept {
+[[gnu::always_inline]] inline FeltTensor sum(double a, const FeltTensor& t, double b,
+                                             const FeltTensor& r) noexcept {
   return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny,
           a * t.xx + b * r.xx, a * t.xy + b * r.xy, a * t.yy + b * r.yy};
 }
@@ -55,10 +58,138 @@ struct Felt {
           p * of_p.ny + q * (c * of_q.xy + s * of_q.yy)};
 }
 
+// What the slopes of all residuals are made of: both domes' rows, and the unknowns in the form that loops
+// take.
+struct SlopeInput {
+  SheetRows outer, inner;
+  contact::Ellipse wide, narrow;
+  double peak, shear, k, rest, dk;  // p0, p0 T/(1 - Gamma), cbrt(Gamma), 1 - Gamma, dk/dGamma
+  double c, s;                      // of the pull's direction
+  double c2, s2, turn;              // of twice the ellipse's angle; angle by a step across
+  double per_size, per_normal, per_shear;
+  const double* data;
+  double* residuals;
+  std::array<double*, 9> column;
+  std::size_t count;
+};
+// Columns, as ImprintFit::Unknown.
+enum Column : std::uint8_t {
+  at_x,
+  at_y,
+  at_size,
+  at_peak,
+  at_load,
+  at_margin,
+  at_direction,
+  at_along,
+  at_across
+};
+
+template <bool kElliptic>
+[[gnu::always_inline]] inline void fill_slopes(const SlopeInput& by) noexcept {
+  const std::size_t n = by.count;
+  const double c = by.c, s = by.s, p = by.peak, q = by.shear, k = by.k;
+#pragma omp simd
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto put = [&](Column column, double normal, double x, double y) {
+      double* const to = by.column[column] + i;
+      to[0] = by.per_normal * normal;
+      to[n] = by.per_shear * x;
+      to[2 * n] = by.per_shear * y;
+    };
+    const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
+      return felt_of(p, o, q, c, s, sum(1, o, -k, in));
+    };
+    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
+                     m = sum(1, o, -k, in);
+    const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
+               turned = felt_of(0, o, q, -s, c, m);
+    by.residuals[i] = by.per_normal * (all.n - by.data[i]);
+    by.residuals[n + i] = by.per_shear * (all.x - by.data[n + i]);
+    by.residuals[2 * n + i] = by.per_shear * (all.y - by.data[2 * n + i]);
+    const Felt mu = moved(by.outer.at(Sheet::d_u, i), by.inner.at(Sheet::d_u, i)),
+               mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
+    put(at_x, -mu.n, -mu.x, -mu.y);
+    put(at_y, -mv.n, -mv.x, -mv.y);
+    const FeltTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
+    FeltTensor so = sum(by.wide.a_m, oa, 0, oa), si = sum(by.narrow.a_m, ia, 0, ia);
+    if constexpr (kElliptic) {
+      const FeltTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
+      const Felt longer = moved(sum(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
+                                sum(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
+                 angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
+      const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
+      put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
+          by.c2 * longer.y + y * angle.y);
+      put(at_across, by.s2 * longer.n + x * angle.n, by.s2 * longer.x + x * angle.x,
+          by.s2 * longer.y + x * angle.y);
+      so = sum(1, so, by.wide.b_m, ob);
+      si = sum(1, si, by.narrow.b_m, ib);
+    }
+    const Felt grown = moved(so, si), by_k = felt_of(0, o, q, c, s, sum(-1, in, -1, si));
+    put(at_size, by.per_size * grown.n, by.per_size * grown.x, by.per_size * grown.y);
+    put(at_peak, all.n / p, all.x / p, all.y / p);
+    put(at_load, p / by.rest * shear.n, p / by.rest * shear.x, p / by.rest * shear.y);
+    put(at_margin, q / by.rest * shear.n + by.dk * by_k.n, q / by.rest * shear.x + by.dk * by_k.x,
+        q / by.rest * shear.y + by.dk * by_k.y);
+    put(at_direction, turned.n, turned.x, turned.y);
+  }
+}
+
+[[gnu::always_inline]] inline double product(const double* one, const double* two,
+                                             std::size_t count) noexcept {
+  double all = 0;
+#pragma omp simd reduction(+ : all)
+  for (std::size_t i = 0; i < count; ++i) all += one[i] * two[i];
+  return all;
+}
+
+// Products of the columns with each other, the lower half row by row, and then with the residuals.
+[[gnu::always_inline]] inline void fill_products(const SlopeInput& by, int unknowns, double* to) noexcept {
+  const std::size_t rows = 3 * by.count;
+  const auto count = static_cast<std::size_t>(unknowns);
+  for (std::size_t row = 0; row < count; ++row) {
+    for (std::size_t col = 0; col <= row; ++col) *to++ = product(by.column[row], by.column[col], rows);
+  }
+  for (std::size_t row = 0; row < count; ++row) *to++ = product(by.column[row], by.residuals, rows);
+}
+
+[[gnu::always_inline]] inline void linearise(const SlopeInput& by, int unknowns, double* products) noexcept {
+  if (unknowns > at_along) {
+    fill_slopes<true>(by);
+  } else {
+    fill_slopes<false>(by);
+  }
+  fill_products(by, unknowns, products);
+}
+
+// As in core/contact/dome_sheet.cpp.
+struct ImprintKernels {
+  using Kernel = void (*)(const SlopeInput&, int, double*) noexcept;
+  Kernel linearised;
+  static const ImprintKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+void linearise_on_baseline(const SlopeInput& by, int unknowns, double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+const ImprintKernels ImprintKernels::baseline{linearise_on_baseline};
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void linearise_on_avx2(const SlopeInput& by, int unknowns,
+                                                   double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void linearise_on_avx512(const SlopeInput& by, int unknowns,
+                                                                      double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+const ImprintKernels ImprintKernels::avx2{linearise_on_avx2};
+const ImprintKernels ImprintKernels::avx512{linearise_on_avx512};
+#endif
+
 }  // namespace
 
-ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
-                       const ImprintFitOptions& options)
+ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m,
+                       const FitOptions& fit, const ImprintFitOptions& options)
     : layout_(layout),
       fit_(fit),
       options_(options),
@@ -71,11 +202,13 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
   data_.resize(rows);
   residuals_.resize(rows);
   slopes_.resize(rows, kMost);
+  best_kernels<ImprintKernels>();  // not first within a frame
 }
 
 std::size_t ImprintFit::memory_bytes() const noexcept {
   const std::size_t components = depth_m_ > 0 ? std::size_t{Sheet::kComponents} : 1;
-  return sizeof(*this) + layout_.size() * sizeof(double) * (4 + 3 * (2 + kMost) + 2 * Sheet::kRows * components);
+  return sizeof(*this) +
+         layout_.size() * sizeof(double) * (4 + 3 * (2 + kMost) + 2 * Sheet::kRows * components);
 }
 
 // In a frame with x along the resultant. Under a skin, what lies around the disc is felt as well.
@@ -137,89 +270,52 @@ void ImprintFit::place(const Full& at) noexcept {
   }
 }
 
-double ImprintFit::evaluate(const Full& at_least, int unknowns, Vector& gradient, Square& hessian) noexcept {
-  Full at = at_least;
-  if (unknowns > kRound) {
-    if (std::hypot(at[along], at[across]) < kLeastLogAxes) {
-      at[along] = kLeastLogAxes;
-      at[across] = 0;
-    }
-  } else {
+double ImprintFit::evaluate(const Full& from, int unknowns, Vector& gradient, Square& hessian) noexcept {
+  Full at = from;
+  if (unknowns == kRound) {
     at[along] = at[across] = 0;
+  } else if (std::hypot(at[along], at[across]) < kLeastLogAxes) {
+    at[along] = kLeastLogAxes;
+    at[across] = 0;
   }
   place(at);
-  const double k = std::cbrt(at[margin]), rest = 1 - at[margin];
+  const double k = std::cbrt(at[margin]), rest = 1 - at[margin], apart = std::hypot(at[along], at[across]);
   const contact::Ellipse wide = ellipse_of(at, 1), narrow = ellipse_of(at, k);
   outer_.evaluate(wide, {u_.data(), count_}, {v_.data(), count_});
   inner_.evaluate(narrow, {u_.data(), count_}, {v_.data(), count_});
-  const SheetRows outer(outer_), inner(inner_);
-
-  const double p = at[peak], t = at[load], q = p * t / rest, dk = 1 / (3 * k * k);
-  const double c = std::cos(at[direction]), s = std::sin(at[direction]);
-  const double wn = 1 / noise_normal_, ws = 1 / noise_shear_, per_size = 1 / at[size];
-  const double apart = std::max(kLeastLogAxes, std::hypot(at[along], at[across]));
-  const double c2 = at[along] / apart, s2 = at[across] / apart;
-  const bool elliptic = unknowns > kRound;
-  const std::size_t n = count_;
-  std::array<double*, kMost> column{};
-  for (int j = 0; j < unknowns; ++j) column[static_cast<std::size_t>(j)] = slopes_.col(j).data();
-  double* const left = residuals_.data();
-  const double* const data = data_.data();
-  const auto put = [&](double* to, std::size_t i, const Felt& felt) {
-    to[i] = wn * felt.n;
-    to[n + i] = ws * felt.x;
-    to[2 * n + i] = ws * felt.y;
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    const FeltTensor o = outer.at(Sheet::value, i), in = inner.at(Sheet::value, i), m = sum(1, o, -k, in);
-    const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
-               turned = felt_of(0, o, q, -s, c, m);
-    left[i] = wn * (all.n - data[i]);
-    left[n + i] = ws * (all.x - data[n + i]);
-    left[2 * n + i] = ws * (all.y - data[2 * n + i]);
-    const auto moved = [&](const FeltTensor& by_o, const FeltTensor& by_in) {
-      return felt_of(p, by_o, q, c, s, sum(1, by_o, -k, by_in));
-    };
-    const FeltTensor ou = outer.at(Sheet::d_u, i), ov = outer.at(Sheet::d_v, i), oa = outer.at(Sheet::d_a, i),
-                     iu = inner.at(Sheet::d_u, i), iv = inner.at(Sheet::d_v, i), ia = inner.at(Sheet::d_a, i);
-    const Felt mu = moved(ou, iu), mv = moved(ov, iv);
-    put(column[center_x], i, {-mu.n, -mu.x, -mu.y});
-    put(column[center_y], i, {-mv.n, -mv.x, -mv.y});
-    FeltTensor so = sum(wide.a_m, oa, 0, oa), si = sum(narrow.a_m, ia, 0, ia);
-    if (elliptic) {
-      const FeltTensor ob = outer.at(Sheet::d_b, i), ib = inner.at(Sheet::d_b, i);
-      const FeltTensor eo = sum(0.5 * wide.a_m, oa, -0.5 * wide.b_m, ob),
-                       ei = sum(0.5 * narrow.a_m, ia, -0.5 * narrow.b_m, ib);
-      const Felt longer = moved(eo, ei), angle = moved(outer.at(Sheet::d_angle, i), inner.at(Sheet::d_angle, i));
-      const double turn = 0.5 / apart;
-      put(column[along], i,
-          {c2 * longer.n - s2 * turn * angle.n, c2 * longer.x - s2 * turn * angle.x,
-           c2 * longer.y - s2 * turn * angle.y});
-      put(column[across], i,
-          {s2 * longer.n + c2 * turn * angle.n, s2 * longer.x + c2 * turn * angle.x,
-           s2 * longer.y + c2 * turn * angle.y});
-      so = sum(1, so, wide.b_m, ob);
-      si = sum(1, si, narrow.b_m, ib);
-    }
-    const Felt grown = moved(so, si);
-    put(column[size], i, {per_size * grown.n, per_size * grown.x, per_size * grown.y});
-    put(column[peak], i, {all.n / p, all.x / p, all.y / p});
-    put(column[load], i, {p / rest * shear.n, p / rest * shear.x, p / rest * shear.y});
-    const Felt by_k = felt_of(0, o, q, c, s, sum(-1, in, -1, si));
-    put(column[margin], i,
-        {q / rest * shear.n + dk * by_k.n, q / rest * shear.x + dk * by_k.x, q / rest * shear.y + dk * by_k.y});
-    put(column[direction], i, turned);
-  }
-  const auto rows = 3 * static_cast<Eigen::Index>(n);
+  const double per_apart = apart > 0 ? 1 / apart : 0;
+  SlopeInput by{.outer = SheetRows(outer_),
+                .inner = SheetRows(inner_),
+                .wide = wide,
+                .narrow = narrow,
+                .peak = at[peak],
+                .shear = at[peak] * at[load] / rest,
+                .k = k,
+                .rest = rest,
+                .dk = 1 / (3 * k * k),
+                .c = std::cos(at[direction]),
+                .s = std::sin(at[direction]),
+                .c2 = at[along] * per_apart,
+                .s2 = at[across] * per_apart,
+                .turn = 0.5 * per_apart,
+                .per_size = 1 / at[size],
+                .per_normal = 1 / noise_normal_,
+                .per_shear = 1 / noise_shear_,
+                .data = data_.data(),
+                .residuals = residuals_.data(),
+                .column = {},
+                .count = count_};
+  for (int j = 0; j < unknowns; ++j) by.column[static_cast<std::size_t>(j)] = slopes_.col(j).data();
+  std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
+  best_kernels<ImprintKernels>().linearised(by, unknowns, products.data());
   gradient.resize(unknowns);
   hessian.resize(unknowns, unknowns);
-  const auto rest_of = residuals_.head(rows);
+  const double* next = products.data();
   for (int row = 0; row < unknowns; ++row) {
-    gradient[row] = slopes_.col(row).head(rows).dot(rest_of);
-    for (int col = 0; col <= row; ++col)
-      hessian(row, col) = hessian(col, row) = slopes_.col(row).head(rows).dot(slopes_.col(col).head(rows));
+    for (int col = 0; col <= row; ++col) hessian(row, col) = hessian(col, row) = *next++;
   }
-  return 0.5 * rest_of.squaredNorm();
+  for (int row = 0; row < unknowns; ++row) gradient[row] = *next++;
+  return 0.5 * residuals_.head(3 * static_cast<Eigen::Index>(count_)).squaredNorm();
 }
 
 void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
@@ -268,8 +364,8 @@ void ImprintFit::measure_noise(const Minimum& best, int unknowns) noexcept {
   const auto n = static_cast<Eigen::Index>(count_);
   const double used = 1 - unknowns / (3.0 * static_cast<double>(n));
   const double floor_pa = fit_.noise_floor * best.at[peak];
-  noise_normal_ = std::max(
-      floor_pa, noise_normal_ * std::sqrt(residuals_.head(n).squaredNorm() / (used * static_cast<double>(n))));
+  noise_normal_ = std::max(floor_pa, noise_normal_ * std::sqrt(residuals_.head(n).squaredNorm() /
+                                                               (used * static_cast<double>(n))));
   noise_shear_ = std::max(floor_pa, noise_shear_ * std::sqrt(residuals_.segment(n, 2 * n).squaredNorm() /
                                                              (used * 2 * static_cast<double>(n))));
 }
@@ -309,7 +405,8 @@ double ImprintFit::residual_pressure(const Full& at) const noexcept {
   return std::sqrt((squares - free * by_noise) / static_cast<double>(count_)) / at[peak];
 }
 
-bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept {
+bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum,
+                          FrameEstimate& out) const noexcept {
   const Full& at = minimum.at;
   const Vector scale = minimum.hessian.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return false;
@@ -391,8 +488,8 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
 }
 
-// Round first; anew from another margin where it ends at an end of the range; then what noise is left over, and
-// the ellipse if there is one.
+// Round first; anew from another margin where it ends at an end of the range; then what noise is left over,
+// and the ellipse if there is one.
 ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   Minimum best;
   best.at = start(patch, ratio);
@@ -408,20 +505,18 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
     minimise(kRound, other);
     if (other.cost < best.cost) best = other;
   }
-  Vector gradient;
-  Square hessian;
-  if (skin) {
-    evaluate(best.at, kRound, gradient, hessian);
-    measure_noise(best, kRound);
-  }
+  // Where only the noise's size changes, and not that of one channel against the others, the minimum stays.
+  const auto weights_changed = [&](int unknowns) {
+    const double before = noise_shear_ / noise_normal_;
+    evaluate(best.at, unknowns, best.gradient, best.hessian);
+    measure_noise(best, unknowns);
+    return std::fabs(std::log(noise_shear_ / noise_normal_ / before)) > options_.other_weights;
+  };
+  const bool changed = skin && weights_changed(kRound);
   elliptic_ = shows_ellipse(best);
   const int unknowns = elliptic_ ? int{kMost} : int{kRound};
-  minimise(unknowns, best);
-  if (skin && elliptic_) {
-    evaluate(best.at, unknowns, gradient, hessian);
-    measure_noise(best, unknowns);
-    minimise(unknowns, best);
-  }
+  if (elliptic_ || changed) minimise(unknowns, best);
+  if (skin && elliptic_ && weights_changed(unknowns)) minimise(unknowns, best);
   best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
   return best;
 }
@@ -438,7 +533,8 @@ double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) no
   data_.setZero();
   noise_normal_ = noise_shear_ = 1;
   const contact::Ellipse& ellipse = truth.ellipse;
-  const double log_axes = std::log(ellipse.a_m / ellipse.b_m), twice = 2 * (ellipse.angle_rad - truth.pull_rad);
+  const double log_axes = std::log(ellipse.a_m / ellipse.b_m),
+               twice = 2 * (ellipse.angle_rad - truth.pull_rad);
   Full at = Full::Zero();
   at[size] = std::sqrt(ellipse.a_m * ellipse.b_m);
   at[peak] = 1;

@@ -52,7 +52,8 @@ class Trial {
 
   TradeoffRow result() {
     const auto answered = static_cast<double>(errors_.size());
-    for (double* share : {&row_.mean_error, &row_.right, &row_.within_sigma, &row_.within_two_sigma, &row_.claims_safer})
+    for (double* share :
+         {&row_.mean_error, &row_.right, &row_.within_sigma, &row_.within_two_sigma, &row_.claims_safer})
       *share /= answered;
     row_.answered = answered / static_cast<double>(times_.size());
     row_.p95_error = quantile(errors_, 0.95);
@@ -106,8 +107,8 @@ std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, con
 std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                           std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
                                           std::size_t contacts, std::uint64_t seed) {
-  return measure_imprint_tradeoff(layout, scene, {.depth_m = scene.skin.depth_m}, methods, kind, noise, contacts,
-                                  seed);
+  return measure_imprint_tradeoff(layout, scene, {.depth_m = scene.skin.depth_m}, methods, kind, noise,
+                                  contacts, seed);
 }
 
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,

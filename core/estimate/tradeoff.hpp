@@ -17,8 +17,9 @@
 namespace slipd {
 
 // Contacts drawn from the scene, Gamma uniform in (0, 1), loads rising, each frame for itself, exact taxel
-// averages; under the scene's skin, if it has a depth. `noise`: the half-width as a fraction. The same seed draws the same contacts; to make their
-// frames takes longer than most methods do, so that several at once are measured sooner.
+// averages; under the scene's skin, if it has a depth. `noise`: the half-width as a fraction. The same seed
+// draws the same contacts; to make their frames takes longer than most methods do, so that several at once
+// are measured sooner.
 std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                           std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
                                           std::size_t contacts, std::uint64_t seed);

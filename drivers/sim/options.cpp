@@ -99,10 +99,11 @@ Options parse_options(const SensorSetup& sensor) {
                         " needs a layout of several taxels; one force vector has preset ideal");
     const bool shaped = options.sensor.imprint.stretch != 1 || options.sensor.imprint.power != 2;
     if (shaped && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
-      throw DriverError(who + "object.axes and object.profile need preset ideal and a layout of several taxels");
-    if (turns(options.sensor) && !options.sensor.imprint.plain())
       throw DriverError(who +
-                        "torque_nmm and lever_mm need a round contact and taxels at the surface (skin.depth_mm 0)");
+                        "object.axes and object.profile need preset ideal and a layout of several taxels");
+    if (turns(options.sensor) && !options.sensor.imprint.plain())
+      throw DriverError(
+          who + "torque_nmm and lever_mm need a round contact and taxels at the surface (skin.depth_mm 0)");
     if (turns(options.sensor) && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
       throw DriverError(who +
                         "torque_nmm and lever_mm need preset ideal and a layout of several taxels: "

@@ -62,8 +62,9 @@ void add_tradeoff(CLI::App& app, const Common& common) {
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   auto imprints = std::make_shared<bool>(false);
-  command->add_flag("--imprints", *imprints,
-                    "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
+  command->add_flag(
+      "--imprints", *imprints,
+      "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
   command->callback([&common, options, imprints] { run(common, *options, *imprints); });
 }
 

@@ -37,8 +37,9 @@ FeltTensor by_quadrature(const Ellipse& dome, double depth, double x, double y) 
       const double u = dome.a_m * rho * std::cos(around), v = dome.b_m * rho * std::sin(around);
       const double rx = x - (c * u - s * v), ry = y - (s * u + c * v);
       const double rr = rx * rx + ry * ry + depth * depth;
-      const double w = weight * dome.a_m * dome.b_m * rho * height * height * (2 * std::numbers::pi / kAround) *
-                       3 * depth / (2 * std::numbers::pi * rr * rr * std::sqrt(rr));
+      const double w = weight * dome.a_m * dome.b_m * rho * height * height *
+                       (2 * std::numbers::pi / kAround) * 3 * depth /
+                       (2 * std::numbers::pi * rr * rr * std::sqrt(rr));
       sum.nn += w * depth * depth;
       sum.nx += w * depth * rx;
       sum.ny += w * depth * ry;
@@ -64,7 +65,8 @@ TEST(Subsurface, IsTheIntegralOfPointForcesOverRoundAndTiltedEllipticDomes) {
     const double a = 1, b = i % 2 == 0 ? 1 : 0.3 + unit(random);
     const Ellipse dome{a, b, 3 * unit(random)};
     const double depth = 0.1 + unit(random), x = 4 * unit(random) - 2, y = 4 * unit(random) - 2;
-    const auto felt = list_of(felt_of_dome(dome, depth, x, y)), truth = list_of(by_quadrature(dome, depth, x, y));
+    const auto felt = list_of(felt_of_dome(dome, depth, x, y)),
+               truth = list_of(by_quadrature(dome, depth, x, y));
     for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(felt[j], truth[j], 1e-10) << i << " " << j;
   }
 }
@@ -79,8 +81,8 @@ TEST(Subsurface, AgreesWithTheClosedFormsOfHuberAndHamilton) {
       EXPECT_NEAR(felt.nx, r * z * z / (u * u + z * z) * std::sqrt(u) / (1 + u), 1e-12);
       EXPECT_EQ(felt.ny, 0);
     }
-    EXPECT_NEAR(felt_of_dome({1, 1, 0}, z, 0, 0).xx, 1 - 1.5 * z * std::atan(1 / z) + 0.5 * z * z / (1 + z * z),
-                1e-12);
+    EXPECT_NEAR(felt_of_dome({1, 1, 0}, z, 0, 0).xx,
+                1 - 1.5 * z * std::atan(1 / z) + 0.5 * z * z / (1 + z * z), 1e-12);
   }
 }
 
@@ -122,7 +124,8 @@ TEST(SubsurfaceSheets, AverageOverTaxelsToTenThousandthsOfTheHeight) {
         const Ellipse dome{5, round ? 5 : 2.7, 0.4};
         std::vector<double> u, v;
         for (int i = 0; i < 12; ++i) {
-          const double around = 6.283 * unit(random), r = i % 2 == 0 ? 1 + 0.1 * (unit(random) - 0.5) : unit(random);
+          const double around = 6.283 * unit(random),
+                       r = i % 2 == 0 ? 1 + 0.1 * (unit(random) - 0.5) : unit(random);
           u.push_back(r * dome.a_m * std::cos(around));
           v.push_back(r * dome.b_m * std::sin(around));
         }
@@ -133,7 +136,8 @@ TEST(SubsurfaceSheets, AverageOverTaxelsToTenThousandthsOfTheHeight) {
           for (std::size_t c = 0; c < 6; ++c) {
             const double error = std::fabs(sheet.row(Sheet::value, kAll[c])[i] - truth[c]);
             worst = std::max(worst, error);
-            EXPECT_LT(error, 1e-4) << side << " " << depth << " " << round << " " << c << " " << sheet.points();
+            EXPECT_LT(error, 1e-4) << side << " " << depth << " " << round << " " << c << " "
+                                   << sheet.points();
           }
         }
       }
@@ -165,8 +169,12 @@ TEST(SubsurfaceSheets, SlopesAreThoseOfTheValues) {
           u0[i] -= step * du;
           v0[i] -= step * dv;
         }
-        plus.evaluate_values({dome.a_m + step * by.a_m, dome.b_m + step * by.b_m, dome.angle_rad + step * by.angle_rad}, u1, v1);
-        minus.evaluate_values({dome.a_m - step * by.a_m, dome.b_m - step * by.b_m, dome.angle_rad - step * by.angle_rad}, u0, v0);
+        plus.evaluate_values(
+            {dome.a_m + step * by.a_m, dome.b_m + step * by.b_m, dome.angle_rad + step * by.angle_rad}, u1,
+            v1);
+        minus.evaluate_values(
+            {dome.a_m - step * by.a_m, dome.b_m - step * by.b_m, dome.angle_rad - step * by.angle_rad}, u0,
+            v0);
         for (const auto c : kAll) {
           for (std::size_t i = 0; i < u.size(); ++i) {
             const double truth = (plus.row(Sheet::value, c)[i] - minus.row(Sheet::value, c)[i]) / (2 * step);
@@ -185,7 +193,8 @@ TEST(SubsurfaceSheets, SlopesAreThoseOfTheValues) {
   }
 }
 
-const BodyPair kPair = make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
+const BodyPair kPair =
+    make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
 struct Felt {
   explicit Felt(const TaxelLayout& layout) : p(layout.size()), x(layout.size()), y(layout.size()) {}
@@ -217,8 +226,9 @@ TEST(Imprints, OfAnyShapeCarryTheForcesOfTheirHistory) {
   contact.move_to(2, 0.6, 0.5);
   contact.move_to(2.5, 0.3, 0.5);
   const auto layout = TaxelLayout::grid(64, 64, 0.0005);
-  for (const Imprint& imprint : {Imprint{.stretch = 2, .angle_rad = 0.5}, Imprint{.power = 6},
-                                 Imprint{.depth_m = 0.001}, Imprint{.depth_m = 0.001, .stretch = 1.5, .power = 4}}) {
+  for (const Imprint& imprint :
+       {Imprint{.stretch = 2, .angle_rad = 0.5}, Imprint{.power = 6}, Imprint{.depth_m = 0.001},
+        Imprint{.depth_m = 0.001, .stretch = 1.5, .power = 4}}) {
     Felt felt(layout);
     ImprintSheet sheet(layout, imprint);
     sheet.feel(contact, 0.0003, -0.0002, 0.8, felt.p, felt.x, felt.y);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <vector>
@@ -17,8 +18,8 @@
 namespace slipd {
 namespace {
 
-// Frames of contacts of radius 2.5 … 5.5 mm, up to 2 mm off the middle of a +-8 mm pad, with noise of 1 % of the
-// greatest pressure on all channels.
+// Frames of contacts of radius 2.5 … 5.5 mm, up to 2 mm off the middle of a +-8 mm pad, with noise of 1 % of
+// the greatest pressure on all channels.
 class ImprintFrames {
  public:
   ImprintFrames(std::size_t side, const contact::Imprint& imprint)
@@ -119,6 +120,61 @@ TEST(Fit, ReadsTiltedEllipsesAtTheSurface) {
   EXPECT_LT(error / answered, 0.03);
 }
 
+TEST(Fit, OfRoundContactsAtTheSurfaceIsThatWithoutEllipsesToTheLastDigit) {
+  ImprintFrames frames(32, {});
+  FitOptions round_only;
+  round_only.elliptic_from = 2;  // no ellipse has as much
+  Fit fit(frames.layout(), {0.1, 0.9}), round(frames.layout(), {0.1, 0.9}, round_only);
+  for (int i = 0; i < 60; ++i) {
+    const ContactPatch& patch = frames.next();
+    const FrameEstimate one = fit.estimate(frames.frame(), patch),
+                        other = round.estimate(frames.frame(), patch);
+    EXPECT_EQ(one.in_model, other.in_model);
+    EXPECT_EQ(one.gamma, other.gamma);
+    EXPECT_EQ(one.sigma, other.sigma);
+    EXPECT_EQ(one.friction, other.friction);
+  }
+}
+
+// A grip that closes and is pulled until it slides, at 200 Hz.
+TEST(Chains, UnderASkinFollowAGrasp) {
+  ChainSetup setup{
+      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
+  setup.scene.skin.depth_m = 0.001;
+  setup.estimator.method = MethodChoice::fit;
+  EstimatorChain chain(setup, nullptr);
+  contact::ImprintSheet sheet(setup.layout, {.depth_m = 0.001});
+  contact::LoadHistory contact(synthetic::paper_pair());
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<float> p(setup.layout.size()), x(p.size()), y(p.size());
+  constexpr int kClosing = 40, kPull = 120;
+  constexpr double kGrip = 3, kFriction = 0.5;
+  int answered = 0, pulled = 0;
+  double error = 0, force = 0;
+  for (int i = 1; i <= kClosing + kPull; ++i) {
+    const double closed = std::min(1.0, static_cast<double>(i) / kClosing),
+                 load = std::max(0.0, static_cast<double>(i - kClosing) / kPull);
+    contact.move_to(kGrip * closed, load * kFriction * kGrip, kFriction);
+    sheet.feel(contact, 0.0004, -0.0007, 0.6, p, x, y);
+    for (auto* channel : {&p, &x, &y}) {
+      for (float& value : *channel) value += 300 * unit(random);
+    }
+    const Estimate estimate =
+        chain.estimate({static_cast<std::uint64_t>(i), std::int64_t{5'000'000} * i, p, x, y});
+    if (load < 0.2) continue;
+    ++pulled;
+    if (estimate.state != State::ok) continue;
+    ++answered;
+    error += std::fabs(*estimate.gamma - (1 - load));
+    force += estimate.normal_n;
+    EXPECT_LT(*estimate.gamma - (1 - load), 0.1);
+  }
+  EXPECT_GT(answered, 0.9 * pulled);
+  EXPECT_LT(error / answered, 0.03);
+  EXPECT_NEAR(force / answered, kGrip, 0.05 * kGrip);
+}
+
 TEST(ImprintFit, AllocatesNothing) {
   ImprintFrames frames(16, {.depth_m = 0.001, .stretch = 1.6});
   ImprintFit fit(frames.layout(), {0.1, 0.9}, 0.001, {});
@@ -132,7 +188,8 @@ TEST(ImprintFit, AllocatesNothing) {
 }
 
 TEST(Chains, UnderASkinTakeMethodFitAndRefuseTheOthers) {
-  ChainSetup setup{.layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
+  ChainSetup setup{
+      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
   setup.scene.skin.depth_m = 0.001;
   setup.estimator.method = MethodChoice::automatic;
   EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::fit);

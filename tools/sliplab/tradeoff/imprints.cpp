@@ -1,5 +1,6 @@
 #include "tools/sliplab/tradeoff/imprints.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -22,8 +23,9 @@ constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
 struct ImprintCase {
   double depth_mm, axes, depth_taken;
 };
-constexpr ImprintCase kCases[] = {{0, 1, 1}, {0.5, 1, 1},   {1, 1, 1}, {2, 1, 1}, {0, 1.5, 1},
-                                  {0, 2, 1}, {0.5, 1.5, 1}, {1, 2, 1}, {2, 1.5, 1}, {1, 1, 0.75}, {1, 1, 1.25}};
+constexpr ImprintCase kCases[] = {{0, 1, 1},   {0.5, 1, 1},  {1, 1, 1},     {2, 1, 1},
+                                  {0, 1.5, 1}, {0, 2, 1},    {0.5, 1.5, 1}, {1, 2, 1},
+                                  {2, 1.5, 1}, {1, 1, 0.75}, {1, 1, 1.25}};
 
 Scene imprint_scene() {
   Scene scene;
@@ -35,7 +37,8 @@ Scene imprint_scene() {
 
 double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase& of, std::size_t contacts,
                 std::uint64_t seed) {
-  constexpr double kPriorPrecision = 12;  // 1 / variance of the uniform distribution on 0 … 1
+  // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
+  const Range friction = expected_friction(scene);
   ImprintFit fit(layout, expected_friction(scene), 1e-3 * of.depth_mm, {});
   double sum = 0;
   for (std::size_t i = 0; i < contacts; ++i) {
@@ -52,7 +55,8 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
                              .gamma = gamma,
                              .pull_rad = 2 * std::numbers::pi * random.uniform(2)};
     const double alone = fit.least_sigma(truth, kImprintNoise / std::numbers::sqrt3);
-    sum += std::sqrt(2 / std::numbers::pi) / std::sqrt(1 / (alone * alone) + kPriorPrecision);
+    const double range = std::min(1.0, truth.load / friction.low) - truth.load / friction.high;
+    sum += std::sqrt(2 / std::numbers::pi) / std::sqrt(1 / (alone * alone) + 12 / (range * range));
   }
   return sum / static_cast<double>(contacts);
 }
@@ -73,10 +77,11 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
       Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken);
       SlipMethod* const method = &fit;
       const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes};
-      lines.push_back({name, of.depth_mm, of.axes, of.depth_taken, std::numeric_limits<double>::quiet_NaN(),
-                       measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::sensor,
-                                                kImprintNoise, options.contacts, options.seed + 1)
-                           .front()});
+      lines.push_back(
+          {name, of.depth_mm, of.axes, of.depth_taken, std::numeric_limits<double>::quiet_NaN(),
+           measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::sensor,
+                                    kImprintNoise, options.contacts, options.seed + 1)
+               .front()});
       if (of.depth_taken == 1)
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
@@ -87,16 +92,20 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
 
 void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
   std::printf(
-      "Method fit under a skin and on ellipses: %zu contacts, up to 2 mm off the middle of a +-8 mm pad, Gamma "
-      "uniform, 1 %% of sensor noise.\n  taxels  depth mm  axes  depth taken   guide  mean err     95 %%  answered  1 "
+      "Method fit under a skin and on ellipses: %zu contacts, up to 2 mm off the middle of a +-8 mm pad, "
+      "Gamma "
+      "uniform, 1 %% of sensor noise.\n  taxels  depth mm  axes  depth taken   guide  mean err     95 %%  "
+      "answered  1 "
       "sigma  2 sigma   safer   p50 us   p99 us\n",
       contacts);
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
-    std::printf("%8s %9.2g %5.2g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  %7.1f  %7.1f\n",
-                line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, line.guide, row.mean_error,
-                row.p95_error, 100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma,
-                100 * row.claims_safer, row.p50_us, row.p99_us);
+    std::printf(
+        "%8s %9.2g %5.2g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  %7.1f  "
+        "%7.1f\n",
+        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, line.guide, row.mean_error,
+        row.p95_error, 100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma,
+        100 * row.claims_safer, row.p50_us, row.p99_us);
   }
 }
 
