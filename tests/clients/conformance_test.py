@@ -223,6 +223,7 @@ class Scenarios:
         while dropped == 0 or got < 500:
             last = client.do("next")
             self.assertEqual(last["code"], "done")
+            self.assertLess(time.monotonic(), end, "slipd has dropped estimates, and the client does not say so")
             got, dropped = got + 1, dropped + last["dropped"]
         skipped = daemon.truth("status", lambda sensor: sensor["skipped"])[0]
         gone_by = last["seq"] - first["seq"]
