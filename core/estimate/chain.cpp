@@ -8,6 +8,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
@@ -62,6 +63,11 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   return options;
 }
 
+std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
+  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
+                               setup.scene.skin.depth_m);
+}
+
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
@@ -72,7 +78,7 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
   constexpr std::uint64_t kSeed = 2;
   std::vector<std::unique_ptr<SlipMethod>> methods;
   methods.push_back(std::make_unique<Moments>(setup.layout));
-  methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));
+  methods.push_back(make_fit(setup));
   work_precision.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
@@ -87,17 +93,26 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
                                         WorkPrecision& work_precision) {
   if (only_forces(setup)) return nullptr;
+  if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
+      setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
+    throw std::invalid_argument(
+        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs "
+        "method "
+        "fit or auto");
+  }
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
-  if (always_fits(setup)) {
-    return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
-  }
+  if (always_fits(setup)) return make_fit(setup);
+  // No other method knows what rubber over the taxels spreads.
+  if (setup.scene.skin.depth_m > 0) return make_fit(setup);
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
       return choose_method(setup, work_precision);
     case MethodChoice::fit:
-      return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
+      return make_fit(setup);
+    case MethodChoice::closing:
+      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
@@ -121,6 +136,7 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
     const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
     return std::pow(pair.contact_radius_m(1), 3);
   };
+  if (setup.scene.skin.depth_m > 0) return limits;  // what is felt is wider than the contact
   limits.least_m3_per_n = std::numeric_limits<double>::infinity();
   for (const ObjectFamily& family : objects) {
     const double flattest_m =
@@ -160,6 +176,9 @@ struct EstimatorChain::Impl {
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
     known = s.friction.value_or(expected);
+    if (method && s.estimator.method == MethodChoice::automatic && !weighed_over_time(s) &&
+        !(s.scene.skin.depth_m > 0))
+      closing = std::make_unique<Closing>(s.layout, expected);
     usual_friction = std::sqrt(known.range.low * known.range.high);
   }
 
@@ -168,6 +187,8 @@ struct EstimatorChain::Impl {
     tracker.forget();
     unseen.reset();
     turning_load.reset();
+    if (method) method->forget();
+    if (closing) closing->forget();
     turn.forget();
   }
 
@@ -272,6 +293,8 @@ struct EstimatorChain::Impl {
       out.state = State::no_shear;
       return;
     }
+    if (method) method->observe(frame, patch);
+    if (closing) closing->observe(frame, patch);
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
@@ -309,12 +332,26 @@ struct EstimatorChain::Impl {
     out.sigma.reset();
   }
 
+  // By the method, or of a contact that it does not have by the pressures of its closing.
+  FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+    shape_by = method->name();
+    FrameEstimate estimate = method->estimate(frame, patch);
+    if (estimate.in_model || !closing) return estimate;
+    FrameEstimate by_closing = closing->estimate(frame, patch);
+    if (!by_closing.in_model) return estimate;
+    shape_by = closing->name();
+    by_closing.moments = estimate.moments;
+    by_closing.moments_sigma = estimate.moments_sigma;
+    by_closing.moments_common_sigma = estimate.moments_common_sigma;
+    return by_closing;
+  }
+
   // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
   // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
   // nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
-    if (load.turning != Turning::bending) return method->estimate(frame, patch);
+    if (load.turning != Turning::bending) return estimate_pull(frame, patch);
     FrameEstimate estimate = slipping.estimate(loaded);
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
@@ -332,10 +369,21 @@ struct EstimatorChain::Impl {
     const bool shaped =
         method && (patch.count >= kFewInside || few) &&
         (load.turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
-                   out, course);
+    // Under a skin the disc feels a part of the forces only.
+    ContactPatch acting = loaded;
+    if (frame_estimate.in_model && frame_estimate.normal_n > 0) {
+      acting.shear_n = loaded.shear_n * frame_estimate.shear_n / patch.shear_n;
+      acting.normal_n = frame_estimate.normal_n;
+      out.normal_n = frame_estimate.normal_n;
+      const double felt_share = frame_estimate.shear_n / patch.shear_n;
+      out.shear_n = frame_estimate.shear_n;
+      out.shear_x_n = felt_share * patch.shear_x_n;
+      out.shear_y_n = felt_share * patch.shear_y_n;
+    }
+    tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
@@ -367,6 +415,8 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
+  std::unique_ptr<Closing> closing;    // of `auto`, for shapes that the method does not have; else null
+  Method shape_by = Method::friction;  // what this frame's own margin is by
   TurningLoad turning_load;
   SlippingTaxels slipping;
   TurningMoments turning_moments;
@@ -390,6 +440,7 @@ bool always_fits(const ChainSetup& setup) {
 
 bool needs_model(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
+         !(setup.scene.skin.depth_m > 0) &&  // which no trained method can carry
          (setup.estimator.method == MethodChoice::svd_knn ||
           setup.estimator.method == MethodChoice::registered);
 }

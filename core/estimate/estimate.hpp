@@ -28,7 +28,8 @@ enum class Method : std::uint8_t {
   registered,
   moments,
   fit,
-  friction
+  friction,
+  closing
 };  // friction: 1 - (Q/P)/mu
 
 std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …
