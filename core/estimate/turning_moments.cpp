@@ -106,7 +106,8 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
   const double mobilised = 1 - out.gamma, relative = out.sigma / mobilised;
   if (!(relative < options_.max_sigma)) return out;
   out.friction = loaded.shear_n / loaded.normal_n / mobilised;
-  out.friction_sigma = out.friction * std::hypot(relative, loaded.shear_sigma_n / loaded.shear_n);
+  if (relative < options_.known_sigma)
+    out.friction_sigma = out.friction * std::hypot(relative, loaded.shear_sigma_n / loaded.shear_n);
   out.in_model = true;
   return out;
 }

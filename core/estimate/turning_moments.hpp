@@ -41,9 +41,12 @@ struct TurningMomentsOptions {
   // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
   // frames near slip unanswered. Too large: other histories pass.
   double range_sigmas = 3;
-  // Friction is given below this relative standard deviation; 0.02 … 0.3. Too small: only heavy loads are
-  // answered. Too large: friction that says little.
+  // A margin is given below this standard deviation of friction, relative; 0.02 … 0.3. Too small: only heavy
+  // loads are answered. Too large: margins that say little.
   double max_sigma = 0.15;
+  // And friction below this one; 0.02 … 0.2. Too small: friction is learnt late. Too large: it is off by more
+  // than a tenth.
+  double known_sigma = 0.08;
 };
 
 class TurningMoments {

@@ -159,8 +159,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, SolverFramesBy,
                                            Reach{MethodChoice::automatic, 1, 0.03, 0.9},
                                            Reach{MethodChoice::registered, 1, 0.03, 0.9},
                                            Reach{MethodChoice::fit, 2, 0.05, 0.9},
-                                           Reach{MethodChoice::moments, 2, 0.05, 0.9},
-                                           Reach{MethodChoice::registered, 2, 0.05, 0.9}));
+                                           Reach{MethodChoice::moments, 2, 0.05, 0.9}));
 
 // A frame whose shear is so far on its way from none, 0 … 1.
 SolverFrame part_of(const SolverFrame& frame, float share) {
