@@ -21,8 +21,8 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
-// Compared in newtons, the torque over one and the same lever: a grip that is tightened lowers what is asked of
-// friction, and leaves no field that seems to slip.
+// Compared in newtons, the torque over one and the same lever: a grip that is tightened lowers what is asked
+// of friction, and leaves no field that seems to slip.
 void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
   constexpr double kSigmas = 2;  // what noise may be of the load
   constexpr double kClear = 5;   // times that: there is a load whose way can be followed
@@ -36,9 +36,8 @@ void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noex
       std::hypot(patch.shear_sigma_n, lever_m > 0 ? patch.torque_sigma_nm / lever_m : 0, out.pull_sigma_n);
   if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n_)
     follow_way(patch, load_n, noise_n);
-  out.straight =
-      way_.straight && load_n + noise_n >= options_.rising_share * most_n_ &&
-      !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
+  out.straight = way_.straight && load_n + noise_n >= options_.rising_share * most_n_ &&
+                 !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
   out.risen = load_n + noise_n >= options_.risen_share * most_n_;
   if (load_n - noise_n <= most_n_) return;
   most_n_ = load_n - noise_n;

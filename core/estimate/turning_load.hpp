@@ -53,9 +53,9 @@ struct TurningLoadOptions {
   // The way has been straight while its parts across the load are at most this share of the load; 0.03 …
   // 0.3. Too small: few loads are. Too large: histories are read as a load that only rose.
   double straight_share = 0.12;
-  // And while the grip is at most this much stronger than when the load rose, and the load at least this share
-  // of the most that it was; 0.005 … 0.05, 0.95 … 0.995. Too near 1: noise is a regrip, or a fall. Too far
-  // from it: the rim that turned back is read as a load near slip.
+  // And while the grip is at most this much stronger than when the load rose, and the load at least this
+  // share of the most that it was; 0.005 … 0.05, 0.95 … 0.995. Too near 1: noise is a regrip, or a fall. Too
+  // far from it: the rim that turned back is read as a load near slip.
   double tightened_share = 0.015;
   double rising_share = 0.99;
   // A load that is this many times what the looser grip carried has a grip of its own; 1.5 … 5. Too small:
@@ -80,9 +80,9 @@ struct TurningLoadResult {
   // Whether force and torque came in a straight line and at a constant grip since the contact began, and are
   // as large as ever.
   bool straight = true;
-  // The motion in which the object would slide: its speed along the pull and its spin, for a power of friction
-  // P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the torque's
-  // sign. 0 where turning is none.
+  // The motion in which the object would slide: its speed along the pull and its spin, for a power of
+  // friction P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the
+  // torque's sign. 0 where turning is none.
   double along_per_n = 0, spin_per_nm = 0;
 };
 

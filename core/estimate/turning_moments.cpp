@@ -90,14 +90,16 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
   const double along = load.along_per_n, spin = load.spin_per_nm * loaded.radius_m;
   const double coarse = side_m_ / loaded.radius_m;
   if (loaded.cut || !(coarse > options_.least_coarse) || !(std::fabs(spin) + along > 0)) return out;
-  const HertzDeviation deviation = hertz_deviation(
-      best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded, side_m_,
-      options_.deviation);
+  const HertzDeviation deviation =
+      hertz_deviation(best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded,
+                      side_m_, options_.deviation);
   const Ratio ratio = ratio_of(loaded, along, spin);
   const double spin_share = std::fabs(spin) / (std::fabs(spin) + along);
   const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
   const double open = options_.range_sigmas * std::hypot(ratio.noise, common);
-  if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) || !deviation.hertzian(options_.deviation)) return out;
+  if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) ||
+      !deviation.hertzian(options_.deviation))
+    return out;
   out.gamma = gamma_of_turning_ratio(ratio.value, spin_share);
   if (!half_space(ratio, out.gamma, coarse)) return out;
   const double slope = gamma_per_moment_ratio(out.gamma), of_shape = deviation.sigma(options_.deviation);

@@ -1,6 +1,6 @@
-// The margin under force and torque from how far out the shear lies, where a taxel is too coarse to show which
-// part slips (docs/theory.md §10.7): what moments are for a pull (§7.1). For loads that rose in a straight
-// line, on round contacts. Estimate thread; allocates nothing.
+// The margin under force and torque from how far out the shear lies, where a taxel is too coarse to show
+// which part slips (docs/theory.md §10.7): what moments are for a pull (§7.1). For loads that rose in a
+// straight line, on round contacts. Estimate thread; allocates nothing.
 #pragma once
 
 #include "core/estimate/hertz_deviation.hpp"
@@ -31,9 +31,9 @@ struct TurningMomentsOptions {
   double fourth_slack = 0.05;
   double fourth_rim = 0.1;
   double fourth_sigmas = 3;
-  // Contacts with a smaller side/a are left to the taxels that slip, which ask for no half space; 0 … 0.4. Too
-  // small: skins whose points give by themselves get margins that are too low. Too large: coarse arrays get no
-  // answer.
+  // Contacts with a smaller side/a are left to the taxels that slip, which ask for no half space; 0 … 0.4.
+  // Too small: skins whose points give by themselves get margins that are too low. Too large: coarse arrays
+  // get no answer.
   double least_coarse = 0.15;
   // A ratio with more noise shows neither history nor half space; 0.005 … 0.1. Too small: light loads get no
   // answer. Too large: other histories and skins pass.

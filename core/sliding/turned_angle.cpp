@@ -111,8 +111,7 @@ std::optional<TurnedAngle> TurnFollower::compare(double rim) const noexcept {
 // Whether the contact slid turning and its pattern did not turn: it is the sensor's own, or of an object that
 // looks the same from each side.
 bool TurnFollower::pinned(std::int64_t time_ns, const TurnedAngle& now, bool slides_turning) noexcept {
-  if (pinned_ &&
-      std::fabs(now.angle_rad - pinned_angle_rad_) > (options_.moved_sigmas + 1) * now.sigma_rad)
+  if (pinned_ && std::fabs(now.angle_rad - pinned_angle_rad_) > (options_.moved_sigmas + 1) * now.sigma_rad)
     pinned_ = false;
   if (!slides_turning) {
     slides_since_ns_.reset();

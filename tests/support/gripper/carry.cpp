@@ -117,10 +117,9 @@ CarryResult carry(const CarryTask& task, const ChainSetup& setup, bool listening
     sample.truth = loop.truth();
     sample.received = loop.received();
     const std::int64_t now_ns = i * std::chrono::nanoseconds(ClosedLoop::kFrame).count();
-    script.walk(now_ns, now_ns,
-                [&](const sim::LoadTarget& target) {
-                  sample.least_n = least.normal_n(target.shear, target.friction);
-                });
+    script.walk(now_ns, now_ns, [&](const sim::LoadTarget& target) {
+      sample.least_n = least.normal_n(target.shear, target.friction);
+    });
     if (sample.time_s < task.lifted_s) continue;
     force_n += sample.force_n;
     least_n += sample.least_n;

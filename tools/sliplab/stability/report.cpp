@@ -227,7 +227,8 @@ void print_table(const Stability& found) {
     print_robustness("Estimates of contacts that deviate from the model.", found.perturbations);
   if (!found.turning.empty()) {
     print_robustness(
-        "Estimates under force and torque. mixture: degrees from a pull, 0, to a torque alone, 90; load: share "
+        "Estimates under force and torque. mixture: degrees from a pull, 0, to a torque alone, 90; load: "
+        "share "
         "of what friction holds.\nOne row, one taxel: over time, friction given, at a mixture.",
         found.turning);
     std::printf("\nEstimates with a number that is not finite: %zu\n", not_finite(found.turning));

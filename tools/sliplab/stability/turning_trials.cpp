@@ -22,9 +22,9 @@ bool all_finite(const Estimate& estimate) {
   for (const auto& value :
        {estimate.gamma, estimate.sigma, estimate.friction, estimate.friction_sigma, estimate.normal_n,
         estimate.shear_n, estimate.center_x_m, estimate.center_y_m, estimate.radius_m,
-        estimate.time_to_slip_s, estimate.grip_increase_n, estimate.grip_increase_sigma_n,
-        estimate.gamma_low, estimate.torque_nm, estimate.torque_sigma_nm, estimate.pull_n,
-        estimate.turned_rad, estimate.turned_sigma_rad}) {
+        estimate.time_to_slip_s, estimate.grip_increase_n, estimate.grip_increase_sigma_n, estimate.gamma_low,
+        estimate.torque_nm, estimate.torque_sigma_nm, estimate.pull_n, estimate.turned_rad,
+        estimate.turned_sigma_rad}) {
     if (value && !std::isfinite(*value)) return false;
   }
   return true;
@@ -131,7 +131,8 @@ std::vector<RobustnessRow> measure_turning(const TrialSetup& setup, const Done& 
   std::vector<TurningAxis> axes;
   for (const TurningAxis axis : kTurningAxes) {
     for (const double place : places_on(axis)) {
-      rows.push_back({std::string(name_of(axis)), place, std::vector<ErrorStatistics>(std::size(kUntrained))});
+      rows.push_back(
+          {std::string(name_of(axis)), place, std::vector<ErrorStatistics>(std::size(kUntrained))});
       axes.push_back(axis);
     }
   }

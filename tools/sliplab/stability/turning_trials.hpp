@@ -23,8 +23,8 @@ inline constexpr TurningAxis kTurningAxes[] = {TurningAxis::mixture, TurningAxis
 std::string_view name_of(TurningAxis axis) noexcept;  // as in tables: "mixture", …
 std::vector<double> places_on(TurningAxis axis);
 
-// Mixture and share of the load are drawn where the axis does not say them. Contacts on a row of taxels and on
-// one taxel are followed over time and given their friction, the others are single frames.
+// Mixture and share of the load are drawn where the axis does not say them. Contacts on a row of taxels and
+// on one taxel are followed over time and given their friction, the others are single frames.
 std::vector<RobustnessRow> measure_turning(const TrialSetup& setup, const Done& done);
 
 }  // namespace sliplab
