@@ -79,7 +79,6 @@ struct EstimatorChain::Impl {
     if (method) method->forget();
     if (closing) closing->forget();
     turn.forget();
-    believed_friction.reset();
   }
 
   // What the forces did since the last frame was not measured: sigma grows with it.
@@ -236,17 +235,6 @@ struct EstimatorChain::Impl {
     return by_closing;
   }
 
-  // Whether the frame shows no more than what slipped before the grip was tightened, and sticks now with less
-  // than friction.
-  bool only_tightened(const TurningLoadResult& load, const FrameEstimate& estimate) const noexcept {
-    // Growth of P that counts; what it takes of the ratios, over it, on the rim of a Hertz contact; relative.
-    // Too small: a tightened grip passes for friction that fell. Too large: friction that falls in a
-    // tightened grip goes unnoticed.
-    constexpr double kClear = 0.03, kPerGrowth = 0.8;
-    if (load.tightened < kClear || slipping.all_slipped()) return false;
-    return !believed_friction || estimate.friction > (1 - kPerGrowth * load.tightened) * *believed_friction;
-  }
-
   // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
   // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
   // nothing of it.
@@ -254,8 +242,7 @@ struct EstimatorChain::Impl {
                                const TurningLoadResult& load) noexcept {
     if (load.turning != Turning::bending) return estimate_pull(frame, patch);
     FrameEstimate estimate = slipping.estimate(loaded);
-    const bool fallen = !load.risen && !slipping.all_slipped();
-    if (setup.estimator.tracking && (fallen || only_tightened(load, estimate))) {
+    if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
       estimate.load_fallen = true;
     } else if (!estimate.in_model && load.straight) {
@@ -286,7 +273,6 @@ struct EstimatorChain::Impl {
       out.shear_y_n = felt_share * patch.shear_y_n;
     }
     tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
-    if (out.friction) believed_friction = out.friction;
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
@@ -325,9 +311,8 @@ struct EstimatorChain::Impl {
   TurningMoments turning_moments;
   Tracker tracker;
   UnseenMotion unseen;
-  std::optional<double> believed_friction;  // of this contact, at last
-  KnownFriction known = Range{};            // given, else what the scene expects
-  double usual_friction = 0;                // while that of the grasp is not known
+  KnownFriction known = Range{};  // given, else what the scene expects
+  double usual_friction = 0;      // while that of the grasp is not known
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
   TurnFollower turn;

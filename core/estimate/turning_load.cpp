@@ -37,19 +37,25 @@ void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noex
   if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n_)
     follow_way(patch, load_n, noise_n);
   out.straight =
-      way_.straight && !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
+      way_.straight && load_n + noise_n >= options_.rising_share * most_n_ &&
+      !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
   out.risen = load_n + noise_n >= options_.risen_share * most_n_;
-  if (most_normal_n_ > 0) out.tightened = std::clamp(patch.normal_n / most_normal_n_ - 1, 0.0, 1.0);
   if (load_n - noise_n <= most_n_) return;
   most_n_ = load_n - noise_n;
   most_radius_m_ = patch.radius_m;
-  most_normal_n_ = patch.normal_n;
 }
 
 // What lies across the present load of each step of its way.
 void TurningLoad::follow_way(const ContactPatch& patch, double load_n, double noise_n) noexcept {
   const double lever_m = patch.radius_m, noise = noise_n / patch.normal_n;
   if (!(lever_m > 0)) return;
+  if (load_n > options_.grown * way_.load_n) {
+    way_.normal_n = patch.normal_n;
+    way_.load_n = load_n;
+  } else if (patch.normal_n < (1 + options_.tightened_share) * way_.normal_n) {
+    way_.normal_n = std::min(way_.normal_n, patch.normal_n);
+    way_.load_n = std::max(way_.load_n, load_n);
+  }
   const LoadPoint now{patch.shear_x_n / patch.normal_n, patch.shear_y_n / patch.normal_n,
                       patch.torque_nm / (patch.normal_n * lever_m)};
   LoadPoint step{};
@@ -63,9 +69,6 @@ void TurningLoad::follow_way(const ContactPatch& patch, double load_n, double no
   if (!(squares > options_.step_share * options_.step_share * length)) return;
   way_.across += std::sqrt(std::max(0.0, squares - along * along / length - 2 * noise * noise));
   way_.last = now;
-  const bool anew = load_n > options_.grown * way_.load_n;
-  if (anew) way_.load_n = load_n;
-  way_.normal_n = anew ? patch.normal_n : std::min(way_.normal_n, patch.normal_n);
   way_.straight = way_.across < options_.straight_share * std::sqrt(length);
 }
 

@@ -53,12 +53,14 @@ struct TurningLoadOptions {
   // The way has been straight while its parts across the load are at most this share of the load; 0.03 …
   // 0.3. Too small: few loads are. Too large: histories are read as a load that only rose.
   double straight_share = 0.12;
-  // And while the grip is at most this much stronger than when the load rose; share, 0.02 … 0.2. Too small:
-  // shaking grips count as regrips. Too large: as above.
-  double tightened_share = 0.05;
-  // A load that has grown by this factor since is compared with a grip of its own; 1.3 … 4. Too small:
+  // And while the grip is at most this much stronger than when the load rose, and the load at least this share
+  // of the most that it was; 0.005 … 0.05, 0.95 … 0.995. Too near 1: noise is a regrip, or a fall. Too far
+  // from it: the rim that turned back is read as a load near slip.
+  double tightened_share = 0.015;
+  double rising_share = 0.99;
+  // A load that is this many times what the looser grip carried has a grip of its own; 1.5 … 5. Too small:
   // regrips pass. Too large: a light touch while the gripper closes makes a regrip of all that follows.
-  double grown = 2;
+  double grown = 3;
 };
 
 enum class Turning : std::uint8_t {
@@ -75,10 +77,8 @@ struct TurningLoadResult {
   // Whether force and torque are as large as they ever were in this grasp: else what slipped may stick again,
   // with less than friction.
   bool risen = true;
-  // By how much the grip is stronger than when they were, share of P, 0 … 1. What slipped then sticks with less
-  // than friction, by up to about half of this.
-  double tightened = 0;
-  // Whether force and torque came in a straight line and at a constant grip since the contact began.
+  // Whether force and torque came in a straight line and at a constant grip since the contact began, and are
+  // as large as ever.
   bool straight = true;
   // The motion in which the object would slide: its speed along the pull and its spin, for a power of friction
   // P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the torque's
@@ -93,7 +93,7 @@ class TurningLoad {
   // A new grasp.
   void reset() noexcept {
     bent_ = false;
-    most_n_ = most_radius_m_ = most_normal_n_ = 0;
+    most_n_ = most_radius_m_ = 0;
     way_ = {};
   }
 
@@ -112,15 +112,14 @@ class TurningLoad {
   double side_m_;
   bool one_taxel_;
   bool bent_ = false;                      // the last frame's field was
-  // The most load of this grasp, N, and a and P then.
-  double most_n_ = 0, most_radius_m_ = 0, most_normal_n_ = 0;
+  double most_n_ = 0, most_radius_m_ = 0;  // the most load of this grasp, N, and a then
   // Force over P along both axes and torque over P a.
   using LoadPoint = std::array<double, 3>;
   struct Way {
     LoadPoint last{};     // where the last step ended
     double across = 0;    // lengths across the load, summed over the steps
-    double normal_n = 0;  // least P since the load was half of what it is, 0: it has not begun
-    double load_n = 0;    // the load then
+    double normal_n = 0;  // least P that counts, 0: there was no load
+    double load_n = 0;    // the most load at this grip, N
     bool straight = true;
   };
   Way way_;
