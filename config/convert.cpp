@@ -132,7 +132,8 @@ class Converter {
                                                               {"svd-knn", MethodChoice::svd_knn},
                                                               {"registered", MethodChoice::registered},
                                                               {"moments", MethodChoice::moments},
-                                                              {"fit", MethodChoice::fit}};
+                                                              {"fit", MethodChoice::fit},
+                                                              {"closing", MethodChoice::closing}};
     s.estimator = {.method = kMethods.at(in["method"]),
                    .budget_us = in["budget_us"],
                    .rank = in["rank"],

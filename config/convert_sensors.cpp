@@ -155,6 +155,7 @@ class SensorConverter {
     setup.skin_radius_m = flat ? std::numeric_limits<double>::infinity() : metres_of_mm(in["radius_mm"]);
     setup.skin_modulus_pa = pascals_of_mpa(in["modulus_mpa"]);
     setup.skin_poisson = in["poisson"];
+    setup.skin_depth_m = metres_of_mm(in["depth_mm"]);
   }
 
   // The default depends on the rate and so cannot be in the schema: a slow sensor must not become stale

@@ -33,6 +33,8 @@ struct SensorSetup {
   double skin_modulus_pa = 0.5e6;
   // Poisson's ratio of the skin, 0 to 0.5.
   double skin_poisson = 0.45;
+  // Depth of the taxels under the skin's surface, m; 0: at the surface.
+  double skin_depth_m = 0;
   // Name of the device profile; empty: none.
   std::string profile;
   // How to find the device: serial, index, port, …; an object, empty if there is nothing to tell.
@@ -50,6 +52,8 @@ struct SkinInfo {
   double modulus_pa = 0.5e6;
   // Poisson's ratio, 0 to 0.5.
   double poisson = 0.45;
+  // Depth of the taxels under the surface, m; 0: at the surface.
+  double depth_m = 0;
 };
 
 // What a driver knows of one sensor once its device is open.

@@ -17,6 +17,7 @@ struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers
   double modulus_pa = 0.5e6;  // Young's modulus E1
   double poisson = 0.45;      // nu1, 0 … 0.5
+  double depth_m = 0;         // of the taxels under the surface, >= 0
   bool operator==(const Skin&) const = default;
 };
 

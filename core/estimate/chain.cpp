@@ -8,6 +8,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
@@ -16,10 +17,12 @@
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/estimate/turning_load.hpp"
+#include "core/estimate/turning_moments.hpp"
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
 #include "core/plausibility/plausibility.hpp"
+#include "core/sliding/turned_angle.hpp"
 
 namespace slipd {
 namespace {
@@ -60,6 +63,11 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   return options;
 }
 
+std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
+  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
+                               setup.scene.skin.depth_m);
+}
+
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
@@ -70,7 +78,7 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
   constexpr std::uint64_t kSeed = 2;
   std::vector<std::unique_ptr<SlipMethod>> methods;
   methods.push_back(std::make_unique<Moments>(setup.layout));
-  methods.push_back(std::make_unique<Fit>(setup.layout, expected_friction(setup.scene)));
+  methods.push_back(make_fit(setup));
   work_precision.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
@@ -85,17 +93,26 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
                                         WorkPrecision& work_precision) {
   if (only_forces(setup)) return nullptr;
+  if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
+      setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
+    throw std::invalid_argument(
+        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs "
+        "method "
+        "fit or auto");
+  }
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
-  if (always_fits(setup)) {
-    return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
-  }
+  if (always_fits(setup)) return make_fit(setup);
+  // No other method knows what rubber over the taxels spreads.
+  if (setup.scene.skin.depth_m > 0) return make_fit(setup);
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
       return choose_method(setup, work_precision);
     case MethodChoice::fit:
-      return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
+      return make_fit(setup);
+    case MethodChoice::closing:
+      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
@@ -119,6 +136,7 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
     const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
     return std::pow(pair.contact_radius_m(1), 3);
   };
+  if (setup.scene.skin.depth_m > 0) return limits;  // what is felt is wider than the contact
   limits.least_m3_per_n = std::numeric_limits<double>::infinity();
   for (const ObjectFamily& family : objects) {
     const double flattest_m =
@@ -149,13 +167,18 @@ struct EstimatorChain::Impl {
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         turning_load(s.layout),
         slipping(s.layout),
+        turning_moments(s.layout),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
+        turn(s.layout),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
     known = s.friction.value_or(expected);
+    if (method && s.estimator.method == MethodChoice::automatic && !weighed_over_time(s) &&
+        !(s.scene.skin.depth_m > 0))
+      closing = std::make_unique<Closing>(s.layout, expected);
     usual_friction = std::sqrt(known.range.low * known.range.high);
   }
 
@@ -164,6 +187,10 @@ struct EstimatorChain::Impl {
     tracker.forget();
     unseen.reset();
     turning_load.reset();
+    if (method) method->forget();
+    if (closing) closing->forget();
+    turn.forget();
+    believed_friction.reset();
   }
 
   // What the forces did since the last frame was not measured: sigma grows with it.
@@ -191,6 +218,16 @@ struct EstimatorChain::Impl {
     course = sliding.update(frame, contact);
     out.sliding = course.sliding;
     if (course.sliding) out.sliding_for_s = course.for_s;
+  }
+
+  // How far the object has turned over the skin.
+  void follow_turn(const ContactPatch& patch, Estimate& out) noexcept {
+    const bool slides_turning =
+        turning != Turning::none && out.gamma && *out.gamma <= kClearSigmas * out.sigma.value_or(0);
+    const auto turned = turn.update(out.time_ns, patch, course.field.settled, slides_turning);
+    if (!turned) return;
+    out.turned_rad = turned->angle_rad;
+    out.turned_sigma_rad = turned->sigma_rad;
   }
 
   // What friction is not below, with 95 % confidence.
@@ -257,10 +294,13 @@ struct EstimatorChain::Impl {
       out.state = State::no_shear;
       return;
     }
+    if (method) method->observe(frame, patch);
+    if (closing) closing->observe(frame, patch);
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
     const TurningLoadResult load = turning_load.of(without_pressing(patch));
+    turning = load.turning;
     // What friction has to carry, with torque, as a pull.
     ContactPatch loaded = patch;
     loaded.shear_n = load.pull_n;
@@ -270,23 +310,67 @@ struct EstimatorChain::Impl {
       out.torque_nm = patch.torque_nm;
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
-    // On a flat pad a torque is no more than a hint: pressing makes some, too. gamma_low counts it.
+    // On a flat pad pressing makes a torque, too: friction is learnt without it, and margins count it.
     const bool flat_pad = !method && setup.layout.size() > 1;
-    if (flat_pad) out.pull_n = patch.shear_n;
     estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
+    if (flat_pad) count_torque(patch, loaded, out);
     bound_margin(patch, loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // One frame by itself: by the method, or by taxels that slip where torque has bent the field. What slipped
-  // under a heavier load sticks again with less than friction, and says nothing of it.
+  // A margin of the force alone becomes that of force and torque. What pressing may have made of the torque
+  // widens it.
+  void count_torque(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
+    constexpr double kPressingShare = 0.5;
+    const double carried_n = out.friction.value_or(known.range.low) * patch.normal_n;
+    if (!out.gamma || !(carried_n > 0)) return;
+    const double torque_share = (loaded.shear_n - patch.shear_n) / carried_n;
+    out.gamma = std::max(0.0, *out.gamma - torque_share);
+    out.sigma = std::hypot(out.sigma.value_or(0), kPressingShare * torque_share);
+    if (*out.sigma <= setup.estimator.sigma_max) return;
+    out.state = State::out_of_model;
+    out.gamma.reset();
+    out.sigma.reset();
+  }
+
+  // By the method, or of a contact that it does not have by the pressures of its closing.
+  FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+    shape_by = method->name();
+    FrameEstimate estimate = method->estimate(frame, patch);
+    if (estimate.in_model || !closing) return estimate;
+    FrameEstimate by_closing = closing->estimate(frame, patch);
+    if (!by_closing.in_model) return estimate;
+    shape_by = closing->name();
+    by_closing.moments = estimate.moments;
+    by_closing.moments_sigma = estimate.moments_sigma;
+    by_closing.moments_common_sigma = estimate.moments_common_sigma;
+    return by_closing;
+  }
+
+  // Whether the frame shows no more than what slipped before the grip was tightened, and sticks now with less
+  // than friction.
+  bool only_tightened(const TurningLoadResult& load, const FrameEstimate& estimate) const noexcept {
+    // Growth of P that counts; what it takes of the ratios, over it, on the rim of a Hertz contact; relative.
+    // Too small: a tightened grip passes for friction that fell. Too large: friction that falls in a tightened
+    // grip goes unnoticed.
+    constexpr double kClear = 0.03, kPerGrowth = 0.8;
+    if (load.tightened < kClear || slipping.all_slipped()) return false;
+    return !believed_friction || estimate.friction > (1 - kPerGrowth * load.tightened) * *believed_friction;
+  }
+
+  // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
+  // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
+  // nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
-    if (load.turning != Turning::bending) return method->estimate(frame, patch);
+    if (load.turning != Turning::bending) return estimate_pull(frame, patch);
     FrameEstimate estimate = slipping.estimate(loaded);
-    if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
+    const bool fallen = !load.risen && !slipping.all_slipped();
+    if (setup.estimator.tracking && (fallen || only_tightened(load, estimate))) {
       estimate.in_model = false;
       estimate.load_fallen = true;
+    } else if (!estimate.in_model && load.straight) {
+      return turning_moments.estimate(loaded, load);
     }
     return estimate;
   }
@@ -298,10 +382,22 @@ struct EstimatorChain::Impl {
     const bool shaped =
         method && (patch.count >= kFewInside || few) &&
         (load.turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    tracker.update(loaded, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
-                   out, course);
+    // Under a skin the disc feels a part of the forces only.
+    ContactPatch acting = loaded;
+    if (frame_estimate.in_model && frame_estimate.normal_n > 0) {
+      acting.shear_n = loaded.shear_n * frame_estimate.shear_n / patch.shear_n;
+      acting.normal_n = frame_estimate.normal_n;
+      out.normal_n = frame_estimate.normal_n;
+      const double felt_share = frame_estimate.shear_n / patch.shear_n;
+      out.shear_n = frame_estimate.shear_n;
+      out.shear_x_n = felt_share * patch.shear_x_n;
+      out.shear_y_n = felt_share * patch.shear_y_n;
+    }
+    tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
+    if (out.friction) believed_friction = out.friction;
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
@@ -333,14 +429,20 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
+  std::unique_ptr<Closing> closing;    // of `auto`, for shapes that the method does not have; else null
+  Method shape_by = Method::friction;  // what this frame's own margin is by
   TurningLoad turning_load;
   SlippingTaxels slipping;
+  TurningMoments turning_moments;
   Tracker tracker;
   UnseenMotion unseen;
+  std::optional<double> believed_friction;  // of this contact, at last
   KnownFriction known = Range{};  // given, else what the scene expects
   double usual_friction = 0;      // while that of the grasp is not known
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
+  TurnFollower turn;
+  Turning turning = Turning::none;  // of the last frame
   ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;
@@ -353,6 +455,7 @@ bool always_fits(const ChainSetup& setup) {
 
 bool needs_model(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
+         !(setup.scene.skin.depth_m > 0) &&  // which no trained method can carry
          (setup.estimator.method == MethodChoice::svd_knn ||
           setup.estimator.method == MethodChoice::registered);
 }
@@ -402,6 +505,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   if (const double skin_m = in.setup.scene.skin.radius_m; out.radius_m && std::isfinite(skin_m))
     out.a_over_r = *out.radius_m / skin_m;
   in.detect_sliding(used, in.gate.touching(), out);
+  if (in.refused == 0 && in.gate.touching()) in.follow_turn(*patch, out);
   in.alert.judge(out);
   out.time_to_slip_s = in.forecast.update(frame.time_ns, out.gamma, out.sigma.value_or(0));
   return out;

@@ -28,7 +28,8 @@ enum class Method : std::uint8_t {
   registered,
   moments,
   fit,
-  friction
+  friction,
+  closing
 };  // friction: 1 - (Q/P)/mu
 
 std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …
@@ -69,6 +70,10 @@ struct Estimate {
   // Torque about the contact's normal, through its centre, on the sensor, N m, positive from x to y; and its
   // standard deviation, N m. None where the sensor measures none.
   std::optional<double> torque_nm, torque_sigma_nm;
+  // The angle by which the object turned over the skin since the contact settled, rad, positive from x to y,
+  // and its standard deviation, rad. The elastic twist of a contact that sticks is not in it. None where the
+  // pressure has no direction that would turn with the object. For sensors, not for grasps.
+  std::optional<double> turned_rad, turned_sigma_rad;
   // The pull without torque that is as near to slip as shear_n and torque_nm together, N; shear_n where noise
   // may be all of the torque. gamma = 1 - pull_n/(friction normal_n).
   std::optional<double> pull_n;

@@ -29,11 +29,13 @@ double peak_pressure(const ContactPatch& patch) noexcept {
 
 }  // namespace
 
-Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options)
+Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, double skin_depth_m)
     : layout_(layout),
       options_(options),
       prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
-      sheet_(layout.size(), layout.side_m()) {
+      sheet_(layout.size(), layout.side_m()),
+      imprint_(layout, friction_expected, skin_depth_m, options),
+      under_skin_(skin_depth_m > 0) {
   for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(layout.size());
   for (auto* sheet : {&outer_, &inner_}) {
     for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(layout.size());
@@ -277,6 +279,7 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstim
 
 FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   FrameEstimate out;
+  if (under_skin_) return imprint_.estimate(patch, moment_ratio(patch, layout_, options_.ratio));
   collect(patch);
   const double floor_pa = options_.noise_floor * peak_pressure(patch);
   noise_normal_ = std::max(patch.noise_normal_pa, floor_pa);
@@ -285,6 +288,8 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
   out.moments_common_sigma = ratio.moments_common_sigma;
+  if (ratio.deviation.ellipticity > options_.elliptic_from && layout_.size() > kFewTaxels)
+    return imprint_.estimate(patch, ratio);
   const Vector first = start(patch, ratio);
   if (!(first[load] > 0) || count_ < kUnknowns) return out;
   const Minimum minimum = minimise(first);

@@ -15,84 +15,26 @@
 
 #include "core/contact/dome_sheet.hpp"
 #include "core/contact/scene.hpp"
+#include "core/estimate/fit_options.hpp"
 #include "core/estimate/friction_prior.hpp"
+#include "core/estimate/imprint_fit.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/moments.hpp"
 
 namespace slipd {
 
-// Dimensionless unless a unit is given. Checked with `sliplab tradeoff --no-models`, rows of fit: sigma is
-// right where 68 % of the answers are within it; those of a real skin with `sliplab stability --parts
-// adversary`. peak: a Hertz contact's largest pressure p0.
-struct FitOptions {
-  MomentRatioOptions ratio;
-  FrictionPriorOptions prior;
-
-  // Range of Gamma within which the fit searches; 1e-9 … 0.01 and 0.99 … 1. Too wide: the normal equations
-  // are singular at the ends. Too narrow: answers near the ends are drawn inwards.
-  double min_gamma = 1e-6;
-  double max_gamma = 1 - 1e-4;
-  // Range of Gamma from which it starts; within the one above. Too wide: it starts where slopes vanish, and
-  // does not converge. Too narrow: more steps.
-  double min_start = 0.05;
-  double max_start = 0.95;
-  // The most by which one step may change the radius; factor, 1.1 … 10. Too small: more steps. Too large: a
-  // wild step leaves the taxels.
-  double max_radius_factor = 2;
-  // Levenberg-Marquardt's first damping, the factor by which it falls or grows, its least, and the one from
-  // which on no step makes the fit better; 1e-6 … 1, 2 … 100, 0 … 1e-6, 1e3 … 1e12. Too small a first one:
-  // steps are refused. Too large: more steps.
-  double first_damping = 1e-3;
-  double damping_factor = 10;
-  double min_damping = 1e-9;
-  double max_damping = 1e6;
-  // It has converged when no unknown moves by more than this, in its own standard deviation; 1e-6 … 0.1. Too
-  // small: more steps, for nothing. Too large: it stops before the minimum.
-  double converged_sigmas = 1e-3;
-  // Floor of a taxel's noise, of the peak; 1e-8 … 0.01. Too small: frames without noise make the normal
-  // equations singular. Too large: sigma is more than the error on very good sensors.
-  double noise_floor = 1e-4;
-
-  // What a real skin deviates, ring by ring, of mu p; 0 … 0.1. Too small: real skins are refused. Too large:
-  // other histories pass.
-  double uneven_share = 0.02;
-  // Sigma of Gamma of a frame that only such a skin explains; Gamma, 0 … 0.2. Too small: sigma is less than
-  // the error. Too large: such frames are wasted.
-  double uneven_sigma = 0.03;
-  // Mean square residual over rings from which on a frame needs such a skin, or has another history; 1.5 …
-  // 20, about 1 where the model holds. Too small: frames are refused. Too large: a regrip passes.
-  double max_ring_misfit = 4;
-  // Residual pressure counts from this many standard deviations of its sum of squares on; 1 … 10. Too small:
-  // noise widens sigma. Too large: a tilted contact passes for a round one.
-  double clear_sigmas = 4;
-  // Sigma of Gamma over that residual as a share of the peak; 0 … 5. Too small: sigma is less than the error
-  // on contacts that are not Hertz's. Too large: it is more.
-  double pressure_sigma = 0.9;
-  // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
-  double friction_sigma_factor = 2;
-  // Sigma of Gamma, of 1 - Gamma, below which friction is given by the parabola; 0.1 … 1. Too small: friction
-  // is given late. Too large: its sigma is not meant.
-  double max_friction_share = 0.5;
-
-  // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:
-  // costs time. Too large: a parabola stands for a likelihood that is none.
-  double open_sigma = 0.04;
-  // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
-  // small: profiles of small contacts say nothing. Too large: they say too much.
-  double min_profile_share = 0.1;
-  // The least traction ratio of a profile's point; 1e-9 … 1e-3. Keeps its friction above 0.
-  double min_traction_ratio = 1e-6;
-};
-
 class Fit final : public SlipMethod {
  public:
   // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
-  Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {});
+  // skin_depth_m: how deep the taxels lie under the surface, m; see Skin.
+  Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {},
+      double skin_depth_m = 0);
   Method name() const noexcept override { return Method::fit; }
   MethodSettings settings() const noexcept override {
     // Lists below, two residuals and their slopes a taxel, and the dome sheet's.
     constexpr std::size_t kNumbersATaxel = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
-    return {.memory_bytes = sizeof(*this) + kNumbersATaxel * sizeof(double) * layout_.size()};
+    return {.memory_bytes =
+                sizeof(*this) + kNumbersATaxel * sizeof(double) * layout_.size() + imprint_.memory_bytes()};
   }
 
   // Levenberg-Marquardt from the moments' start, at most kMostSteps steps. Not in the model if it did not
@@ -140,6 +82,8 @@ class Fit final : public SlipMethod {
   FitOptions options_;
   FrictionPrior prior_;
   contact::DomeSheet sheet_;
+  ImprintFit imprint_;  // contacts that are elliptic or under a skin
+  bool under_skin_;
   std::size_t count_ = 0;
   double noise_normal_ = 1, noise_shear_ = 1;
   int steps_ = 0;

@@ -52,6 +52,9 @@ struct FrameEstimate {
   contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
+  // Forces of the contact by the model, N, where they are not those that the disc feels: under a skin. 0:
+  // those of the patch.
+  double normal_n = 0, shear_n = 0;
   MarginProfile profile;  // of methods that weigh every margin, where the frame leaves it open
 };
 
@@ -63,6 +66,10 @@ class SlipMethod {
   // Estimate thread. Allocates nothing. `patch` is of this very frame and touched, with shear above the
   // noise.
   virtual FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept = 0;
+  // For methods that record the contact: called for each frame of it, before estimate() and also where shear
+  // is noise; and when the contact is lost. Estimate thread. Allocates nothing.
+  virtual void observe(const Frame& /*frame*/, const ContactPatch& /*patch*/) noexcept {}
+  virtual void forget() noexcept {}
 };
 
 }  // namespace slipd

@@ -8,7 +8,7 @@
 
 namespace slipd {
 
-enum class MethodChoice : std::uint8_t { automatic, svd_knn, registered, moments, fit };
+enum class MethodChoice : std::uint8_t { automatic, svd_knn, registered, moments, fit, closing };
 
 struct EstimatorSettings {
   MethodChoice method = MethodChoice::automatic;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
@@ -33,6 +34,7 @@ class Trial {
   }
 
   void face(const Frame& frame, double gamma) {
+    constexpr double kSafer = 0.2;
     const double start = thread_us();
     const ContactPatch& patch = finder_.find(frame);
     const FrameEstimate frame_estimate = patch.in_contact ? method_.estimate(frame, patch) : FrameEstimate{};
@@ -43,13 +45,15 @@ class Trial {
     errors_.push_back(error);
     row_.mean_error += error;
     row_.right += slip_class(std::clamp(frame_estimate.gamma, 0.0, 1.0)) == slip_class(gamma) ? 1 : 0;
+    row_.claims_safer += frame_estimate.gamma - gamma > kSafer ? 1 : 0;
     row_.within_sigma += error < frame_estimate.sigma ? 1 : 0;
     row_.within_two_sigma += error < 2 * frame_estimate.sigma ? 1 : 0;
   }
 
   TradeoffRow result() {
     const auto answered = static_cast<double>(errors_.size());
-    for (double* share : {&row_.mean_error, &row_.right, &row_.within_sigma, &row_.within_two_sigma})
+    for (double* share :
+         {&row_.mean_error, &row_.right, &row_.within_sigma, &row_.within_two_sigma, &row_.claims_safer})
       *share /= answered;
     row_.answered = answered / static_cast<double>(times_.size());
     row_.p95_error = quantile(errors_, 0.95);
@@ -67,28 +71,44 @@ class Trial {
 
 }  // namespace
 
-std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
-                                          std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
-                                          std::size_t contacts, std::uint64_t seed) {
+std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, const Scene& scene,
+                                                  const contact::Imprint& imprint,
+                                                  std::span<SlipMethod* const> methods, NoiseKind kind,
+                                                  double noise, std::size_t contacts, std::uint64_t seed) {
   TrialFrames frames(layout, kind, noise);
   std::deque<Trial> trials;
   for (SlipMethod* method : methods) trials.emplace_back(layout, *method);
+  std::optional<contact::ImprintSheet> sheet;
+  if (!imprint.plain()) sheet.emplace(layout, imprint);
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
     const RandomStream random = RandomStream(seed ^ 0x7261646566666fULL).stream(i);
-    const double gamma = random.uniform(0);
+    const double gamma = random.uniform(0), direction_rad = 2 * std::numbers::pi * random.uniform(1);
     contact::LoadHistory contact(contact::make_body_pair(contact::body_of(scene.skin),
                                                          {draw.radius_m, draw.modulus_pa, draw.poisson}));
     contact.move_to(draw.normal_n, 0, draw.friction);
     contact.move_to(draw.normal_n, (1 - gamma) * draw.friction * draw.normal_n, draw.friction);
-    frames.feel(contact, draw.x_m, draw.y_m);
-    const Frame frame = frames.sense(2 * std::numbers::pi * random.uniform(1), random);
+    Frame frame;
+    if (sheet) {
+      sheet->turn(std::numbers::pi * random.uniform(2));
+      frame = frames.sense_imprint(*sheet, contact, draw.x_m, draw.y_m, direction_rad, random);
+    } else {
+      frames.feel(contact, draw.x_m, draw.y_m);
+      frame = frames.sense(direction_rad, random);
+    }
     for (Trial& trial : trials) trial.face(frame, gamma);
   }
   std::vector<TradeoffRow> rows;
   rows.reserve(trials.size());
   for (Trial& trial : trials) rows.push_back(trial.result());
   return rows;
+}
+
+std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
+                                          std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
+                                          std::size_t contacts, std::uint64_t seed) {
+  return measure_imprint_tradeoff(layout, scene, {.depth_m = scene.skin.depth_m}, methods, kind, noise,
+                                  contacts, seed);
 }
 
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
@@ -123,7 +143,8 @@ WorkPrecision measure_work_precision(const ChainSetup& setup, Method method) {
             processor_name()};
   };
   if (method == Method::moments) return measured(Moments(setup.layout));
-  if (method == Method::fit) return measured(Fit(setup.layout, expected_friction(setup.scene)));
+  if (method == Method::fit)
+    return measured(Fit(setup.layout, expected_friction(setup.scene), {}, setup.scene.skin.depth_m));
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact/imprint.hpp"
 #include "core/estimate/chain.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/trial_frames.hpp"
@@ -16,11 +17,17 @@
 namespace slipd {
 
 // Contacts drawn from the scene, Gamma uniform in (0, 1), loads rising, each frame for itself, exact taxel
-// averages. `noise`: the half-width as a fraction. The same seed draws the same contacts; to make their
-// frames takes longer than most methods do, so that several at once are measured sooner.
+// averages; under the scene's skin, if it has a depth. `noise`: the half-width as a fraction. The same seed
+// draws the same contacts; to make their frames takes longer than most methods do, so that several at once
+// are measured sooner.
 std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                           std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
                                           std::size_t contacts, std::uint64_t seed);
+// The same of contacts whose shape is `imprint`'s, under its skin, the ellipse turned at random.
+std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, const Scene& scene,
+                                                  const contact::Imprint& imprint,
+                                                  std::span<SlipMethod* const> methods, NoiseKind kind,
+                                                  double noise, std::size_t contacts, std::uint64_t seed);
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
                              NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/contact/history.hpp"
+#include "core/contact/imprint.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/numeric/random.hpp"
@@ -23,6 +24,11 @@ class TrialFrames {
 
   // Exact averages of the contact over each taxel. One taxel alone is one force vector for the whole pad.
   void feel(const contact::LoadHistory& contact, double center_x_m, double center_y_m);
+
+  // The same of a contact of any shape or under a skin, its pull in a direction of the plane, and what is
+  // sensed of it, with noise.
+  Frame sense_imprint(contact::ImprintSheet& imprint, const contact::LoadHistory& contact, double center_x_m,
+                      double center_y_m, double direction_rad, const RandomStream& random);
 
   // What was felt, Pa: pressure, and shear along one direction. May be changed before it is sensed.
   std::span<float> normal_pa() noexcept { return normal_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slipd {
 
@@ -20,14 +21,52 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
+// Compared in newtons, the torque over one and the same lever: a grip that is tightened lowers what is asked of
+// friction, and leaves no field that seems to slip.
 void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
-  constexpr double kSigmas = 2;  // what noise may be of the pull
+  constexpr double kSigmas = 2;  // what noise may be of the load
+  constexpr double kClear = 5;   // times that: there is a load whose way can be followed
+  // T_max of Hertz over mu P a.
+  constexpr double kTurnLever = 3 * std::numbers::pi / 16;
   if (!(patch.normal_n > 0)) return;
-  const double ratio = out.pull_n / patch.normal_n, noise = kSigmas * out.pull_sigma_n / patch.normal_n;
-  out.risen = ratio + noise >= options_.risen_share * most_ratio_;
-  if (ratio - noise <= most_ratio_ && patch.normal_n <= options_.regripped * most_normal_n_) return;
-  most_ratio_ = std::max(0.0, ratio - noise);
+  const double lever_m = kTurnLever * (most_n_ > 0 ? most_radius_m_ : patch.radius_m);
+  const double load_n = lever_m > 0 ? std::hypot(patch.shear_n, patch.torque_nm / lever_m) : patch.shear_n;
+  const double noise_n =
+      kSigmas *
+      std::hypot(patch.shear_sigma_n, lever_m > 0 ? patch.torque_sigma_nm / lever_m : 0, out.pull_sigma_n);
+  if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n_)
+    follow_way(patch, load_n, noise_n);
+  out.straight =
+      way_.straight && !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
+  out.risen = load_n + noise_n >= options_.risen_share * most_n_;
+  if (most_normal_n_ > 0) out.tightened = std::clamp(patch.normal_n / most_normal_n_ - 1, 0.0, 1.0);
+  if (load_n - noise_n <= most_n_) return;
+  most_n_ = load_n - noise_n;
+  most_radius_m_ = patch.radius_m;
   most_normal_n_ = patch.normal_n;
+}
+
+// What lies across the present load of each step of its way.
+void TurningLoad::follow_way(const ContactPatch& patch, double load_n, double noise_n) noexcept {
+  const double lever_m = patch.radius_m, noise = noise_n / patch.normal_n;
+  if (!(lever_m > 0)) return;
+  const LoadPoint now{patch.shear_x_n / patch.normal_n, patch.shear_y_n / patch.normal_n,
+                      patch.torque_nm / (patch.normal_n * lever_m)};
+  LoadPoint step{};
+  double length = 0, squares = 0, along = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    step[i] = now[i] - way_.last[i];
+    length += now[i] * now[i];
+    squares += step[i] * step[i];
+    along += step[i] * now[i];
+  }
+  if (!(squares > options_.step_share * options_.step_share * length)) return;
+  way_.across += std::sqrt(std::max(0.0, squares - along * along / length - 2 * noise * noise));
+  way_.last = now;
+  const bool anew = load_n > options_.grown * way_.load_n;
+  if (anew) way_.load_n = load_n;
+  way_.normal_n = anew ? patch.normal_n : std::min(way_.normal_n, patch.normal_n);
+  way_.straight = way_.across < options_.straight_share * std::sqrt(length);
 }
 
 TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
@@ -64,6 +103,8 @@ TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
         std::hypot(out.pull_sigma_n, options_.coarse_sigma_share * std::min(1.0, coarse * coarse) *
                                          (out.pull_n - patch.shear_n));
   }
+  out.along_per_n = least.per_shear_n;
+  out.spin_per_nm = std::copysign(least.per_torque_nm, patch.torque_nm);
   follow(patch, out);
   return out;
 }

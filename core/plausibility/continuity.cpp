@@ -12,11 +12,33 @@ double log_ratio(double a, double b) noexcept {
   return a > 0 && b > 0 ? std::fabs(std::log(a / b)) : 0;
 }
 
+// 1 - cos^2 between the pressures of two Hertz contacts with one centre, of which one has `ratio` times the
+// other's radius; ratio 0 … 1. cos = 2 ratio * integral of sqrt((1 - t)(1 - ratio^2 t)) for t of 0 … 1.
+double unlikeness_of_sizes(double ratio) noexcept {
+  constexpr double kAlike = 0.999;  // the closed form loses its digits beyond, and the result is below 1e-6
+  if (ratio >= kAlike) return 0;
+  if (ratio <= 0) return 1;
+  const double square = ratio * ratio;
+  const double cosine =
+      2 * ratio * ((1 + square) / (4 * square) -
+                   (1 - square) * (1 - square) / (8 * square * ratio) * std::log((1 + ratio) / (1 - ratio)));
+  return std::clamp(1 - cosine * cosine, 0.0, 1.0);
+}
+
 }  // namespace
 
 void Continuity::Usual::learn(double value, double memory_frames) noexcept {
   frames = std::min(frames + 1, static_cast<std::uint32_t>(memory_frames));
   mean += (value - mean) / frames;
+}
+
+// Hertz: the radius goes with the cube root of the force.
+double Continuity::by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept {
+  const double moved_m = std::hypot(patch.center_x_m - last_center_x_m_, patch.center_y_m - last_center_y_m_);
+  if (moved_m > options.growth_moved_share * std::min(patch.radius_m, last_radius_m_)) return 0;
+  const double less_n = std::min(patch.normal_n, last_normal_n_);
+  const double more_n = std::max(patch.normal_n, last_normal_n_);
+  return options.growth_factor * unlikeness_of_sizes(std::cbrt(less_n / more_n));
 }
 
 bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes,
@@ -28,7 +50,9 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
   const bool known = unlikeness_.frames >= options.learning_frames;
-  const bool jumped = known && unlikeness > (fast ? options.least_unlike_fast : options.least_unlike) &&
+  const double least =
+      fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
+  const bool jumped = known && unlikeness > least &&
                       unlikeness > options.usual_factor * unlikeness_.mean &&
                       unlikeness > options.noise_factor * by_noise;
   if (!jumped) unlikeness_.learn(unlikeness, options.memory_frames);
@@ -98,6 +122,9 @@ Health Continuity::update(std::int64_t time_ns, const ContactPatch& patch, const
   last_directed_ = directed;
   last_normal_n_ = patch.normal_n;
   last_noise_pa_ = patch.noise_normal_pa;
+  last_center_x_m_ = patch.center_x_m;
+  last_center_y_m_ = patch.center_y_m;
+  last_radius_m_ = patch.radius_m;
   last_shear_x_n_ = patch.shear_x_n;
   last_shear_y_n_ = patch.shear_y_n;
   last_shear_sigma_n_ = patch.shear_sigma_n;

@@ -32,6 +32,12 @@ struct ContinuityOptions {
   double least_unlike_fast = 0.02;
   double usual_factor = 8;
   double noise_factor = 4;
+  // Frames further apart than fast_step_s: a contact that grips harder or less in one frame changes by what
+  // Hertz says of its size; this times it is allowed for, 1 … 3, if its centre moved by less than this share
+  // of its radius, 0.05 … 0.5. Too small: a gripper that answers an alert at once loses its margin. Too large:
+  // a contact of another force, at the same place, is believed.
+  double growth_factor = 1.5;
+  double growth_moved_share = 0.25;
   // All pressures changed by this factor, though less unlike than this; 5 … 100 and 0.01 … 0.2. A contact
   // that carries more grows. Too small: quick grips of flat skins. Too large: a wrong unit is believed.
   double scale_factor = 30;
@@ -69,6 +75,7 @@ class Continuity {
   };
   bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes, bool fast,
               const ContinuityOptions& options) noexcept;
+  double by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept;
   bool turned(const ContactPatch& patch, const ContinuityOptions& options) noexcept;
   bool scaled(const ContactPatch& patch, const PatternChange& pattern,
               const ContinuityOptions& options) noexcept;
@@ -78,6 +85,7 @@ class Continuity {
   Usual unlikeness_, turn_;
   bool last_clear_ = false, last_directed_ = false;
   double last_normal_n_ = 0, last_noise_pa_ = 0;
+  double last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
   double last_shear_x_n_ = 0, last_shear_y_n_ = 0, last_shear_sigma_n_ = 0;
   double broken_at_n_ = 0;    // the normal force at which this contact jumped; 0: it did not
   double scaled_from_n_ = 0;  // the normal force before all pressures were scaled; 0: they were not

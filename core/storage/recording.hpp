@@ -39,7 +39,7 @@
 //                         "alert" (uint, numbered as State and Alert of core/estimate/estimate.hpp), "gamma",
 //                         "sigma", "friction", "normal_n" and "shear_n" (float64 or null), and, absent in
 //                         older recordings, "sliding" (int or null) and "alert_cause" (uint), numbered as
-//                         Sliding and AlertCause there
+//                         Sliding and AlertCause there, and "torque_nm" and "turned_rad" (float64 or null)
 // The last item of a recording that was finished is the index, a map of these entries in this order, with
 // widths as above:
 //   "index"     byte string: of some blocks, the first one among them, position in the file and "first_ns",
@@ -119,6 +119,10 @@ struct RecordedEstimate {
   std::uint8_t sliding = kNoSliding;
   // AlertCause of core/estimate/estimate.hpp, as a number; 0: no alert, or not in the recording.
   std::uint8_t alert_cause = 0;
+  // Torque about the contact's normal, N m, and the angle by which the object turned over the skin, rad; NaN:
+  // unknown, or not in the recording.
+  double torque_nm = kUnknown;
+  double turned_rad = kUnknown;
   static constexpr std::uint8_t kNoSliding = 255;
 };
 

@@ -4,9 +4,10 @@ namespace slipd {
 namespace {
 
 constexpr std::uint64_t kEntries = 8;  // of a frame without estimate
-constexpr std::uint64_t kEstimateEntries = 9;
-constexpr std::uint64_t kEstimateEntriesBefore = 7;  // before there was sliding
-constexpr std::size_t kMostBesideTaxels = 384;  // bytes of a frame beside its taxels' values; it takes less
+constexpr std::uint64_t kEstimateEntries = 11;
+constexpr std::uint64_t kEstimateEntriesBeforeTorque = 9;
+constexpr std::uint64_t kEstimateEntriesBeforeSliding = 7;
+constexpr std::size_t kMostBesideTaxels = 448;  // bytes of a frame beside its taxels' values; it takes less
 
 // Calls `body` with the name and the value of each number. Writing and reading use the same list.
 template <typename Estimate, typename Body>
@@ -18,6 +19,12 @@ void for_each_number(Estimate& estimate, Body body) {
   body("shear_n", estimate.shear_n);
 }
 
+template <typename Estimate, typename Body>
+void for_each_number_of_turning(Estimate& estimate, Body body) {
+  body("torque_nm", estimate.torque_nm);
+  body("turned_rad", estimate.turned_rad);
+}
+
 void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept {
   out.text("estimate");
   out.map(kEstimateEntries);
@@ -25,10 +32,11 @@ void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept 
   out.unsigned_integer(estimate.state);
   out.text("alert");
   out.unsigned_integer(estimate.alert);
-  for_each_number(estimate, [&out](const char* name, double value) {
+  const auto put_number = [&out](const char* name, double value) {
     out.text(name);
     out.float64_or_null(value);
-  });
+  };
+  for_each_number(estimate, put_number);
   out.text("sliding");
   if (estimate.sliding == RecordedEstimate::kNoSliding) {
     out.null();
@@ -37,26 +45,31 @@ void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept 
   }
   out.text("alert_cause");
   out.unsigned_integer(estimate.alert_cause);
+  for_each_number_of_turning(estimate, put_number);
 }
 
 // False: the estimate's map has another number of entries.
 bool take_estimate(cbor::Reader& in, RecordedEstimate& estimate) noexcept {
   in.text("estimate");
   const std::uint64_t entries = in.map();
-  if (in.ok() && entries != kEstimateEntries && entries != kEstimateEntriesBefore) return false;
+  if (in.ok() && entries != kEstimateEntries && entries != kEstimateEntriesBeforeTorque &&
+      entries != kEstimateEntriesBeforeSliding)
+    return false;
   in.text("state");
   estimate.state = static_cast<std::uint8_t>(in.unsigned_integer());
   in.text("alert");
   estimate.alert = static_cast<std::uint8_t>(in.unsigned_integer());
-  for_each_number(estimate, [&in](const char* name, double& value) {
+  const auto take_number = [&in](const char* name, double& value) {
     in.text(name);
     value = in.float64_or_null();
-  });
-  if (entries != kEstimateEntries) return true;
+  };
+  for_each_number(estimate, take_number);
+  if (entries == kEstimateEntriesBeforeSliding) return true;
   in.text("sliding");
   estimate.sliding = static_cast<std::uint8_t>(in.integer_or_null().value_or(RecordedEstimate::kNoSliding));
   in.text("alert_cause");
   estimate.alert_cause = static_cast<std::uint8_t>(in.unsigned_integer());
+  if (entries == kEstimateEntries) for_each_number_of_turning(estimate, take_number);
   return true;
 }
 

@@ -103,7 +103,9 @@ void FlightRecorder::add_estimate(std::size_t sensor, const Estimate& estimate) 
                     .normal_n = estimate.normal_n.value_or(kUnknown),
                     .shear_n = estimate.shear_n.value_or(kUnknown),
                     .sliding = recorded_sliding(estimate),
-                    .alert_cause = static_cast<std::uint8_t>(estimate.alert_cause)}});
+                    .alert_cause = static_cast<std::uint8_t>(estimate.alert_cause),
+                    .torque_nm = estimate.torque_nm.value_or(kUnknown),
+                    .turned_rad = estimate.turned_rad.value_or(kUnknown)}});
 }
 
 void FlightRecorder::run() {

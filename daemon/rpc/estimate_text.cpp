@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "daemon/rpc/text.hpp"
 
 namespace slipd {
 namespace {
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 std::optional<std::int64_t> class_of(std::optional<double> gamma) {
   if (!gamma || !std::isfinite(*gamma)) return std::nullopt;
@@ -43,7 +46,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       published_ns_(estimate.published_ns),
       state_(estimate.state),
       simulated_(simulated) {
-  constexpr std::size_t kUsualBytes = 768;
+  constexpr std::size_t kUsualBytes = 832;
   const bool answered = time_ns_ != 0 && estimate.state != State::stale && estimate.state != State::fault;
   const auto gamma = estimate.state == State::ok ? estimate.gamma : std::nullopt;
   text_.reserve(kUsualBytes);
@@ -60,7 +63,9 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("normal_n", estimate.normal_n)
       .number("shear_n", estimate.shear_n)
       .number("torque_nmm", estimate.torque_nm, 1e3)
-      .number("torque_sigma_nmm", estimate.torque_sigma_nm, 1e3);
+      .number("torque_sigma_nmm", estimate.torque_sigma_nm, 1e3)
+      .number("turned_deg", estimate.turned_rad, kDegPerRad)
+      .number("turned_sigma_deg", estimate.turned_sigma_rad, kDegPerRad);
   std::string& center = object.begin("center_mm");
   if (estimate.center_x_m && estimate.center_y_m) {
     center += '[';

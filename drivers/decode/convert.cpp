@@ -83,7 +83,8 @@ TaxelLayout layout_of(const json& in, SensorClass sensor_class, std::vector<Prob
 SkinInfo skin_of(const json& in) {
   const json& radius = in["radius_mm"];
   return {radius.is_string() ? std::numeric_limits<double>::infinity() : radius.get<double>() * kMetresPerMm,
-          in["modulus_mpa"].get<double>() * 1e6, in["poisson"].get<double>()};
+          in["modulus_mpa"].get<double>() * 1e6, in["poisson"].get<double>(),
+          in["depth_mm"].get<double>() * kMetresPerMm};
 }
 
 // The channel and sign of a device's axis; nothing for an axis that the profile's `axes` does not name.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "embedded/sim_options.hpp"
 
@@ -55,6 +56,10 @@ Options options_of(const SensorSetup& sensor) {
       radius.is_string() ? std::numeric_limits<double>::infinity() : 1e-3 * radius.get<double>();
   s.object.modulus_pa = 1e6 * object.at("modulus_mpa").get<double>();
   s.object.poisson = object.at("poisson").get<double>();
+  s.imprint = {.depth_m = sensor.skin_depth_m,
+               .stretch = object.at("axes").get<double>(),
+               .angle_rad = object.at("angle_deg").get<double>() * std::numbers::pi / 180,
+               .power = object.at("profile").get<double>()};
   s.offset_x_m = 1e-3 * options.at("offset_mm").at(0).get<double>();
   s.offset_y_m = 1e-3 * options.at("offset_mm").at(1).get<double>();
   s.lever_m = 1e-3 * options.at("lever_mm").get<double>();
@@ -92,6 +97,13 @@ Options parse_options(const SensorSetup& sensor) {
     else if (sensor.layout.size() == 1)
       throw DriverError(who + "preset " + std::string(to_string(options.sensor.preset)) +
                         " needs a layout of several taxels; one force vector has preset ideal");
+    const bool shaped = options.sensor.imprint.stretch != 1 || options.sensor.imprint.power != 2;
+    if (shaped && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
+      throw DriverError(who +
+                        "object.axes and object.profile need preset ideal and a layout of several taxels");
+    if (turns(options.sensor) && !options.sensor.imprint.plain())
+      throw DriverError(
+          who + "torque_nmm and lever_mm need a round contact and taxels at the surface (skin.depth_mm 0)");
     if (turns(options.sensor) && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
       throw DriverError(who +
                         "torque_nmm and lever_mm need preset ideal and a layout of several taxels: "

@@ -25,6 +25,7 @@ std::unique_ptr<RealisticSensor> realistic_of(const TaxelLayout& layout, const S
   auto effects = effects_of(settings.preset);
   if (!effects) return nullptr;
   if (layout.size() == 1) throw std::invalid_argument("preset: one force vector has preset ideal only");
+  if (effects->depth_m > 0 && settings.imprint.depth_m > 0) effects->depth_m = settings.imprint.depth_m;
   RoughContactSettings& contact = effects->contact;
   contact.modulus_pa = settings.skin.modulus_pa;
   contact.curvature_per_m = 1 / settings.skin.radius_m + 1 / settings.object.radius_m;
@@ -39,6 +40,11 @@ std::unique_ptr<contact::TurningContact> turning_of(const TaxelLayout& layout,
   if (!is_ideal(settings) || layout.size() == 1)
     throw std::invalid_argument("torque: needs preset ideal and several taxels");
   return std::make_unique<contact::TurningContact>(body_pair_of(settings));
+}
+
+std::unique_ptr<contact::ImprintSheet> imprint_of(const TaxelLayout& layout, const SensorSettings& settings) {
+  if (settings.imprint.plain() || !is_ideal(settings) || layout.size() == 1) return nullptr;
+  return std::make_unique<contact::ImprintSheet>(layout, settings.imprint);
 }
 
 }  // namespace
@@ -59,11 +65,12 @@ SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& setti
       turning_(turning_of(layout_, settings)),
       hertz_(settings.lever_m == 0 ? nullptr
                                    : std::make_unique<contact::LimitSurface>(contact::unit_hertz_surface())),
+      imprint_(imprint_of(layout_, settings)),
       realistic_(realistic_of(layout_, settings)),
       imperfections_(settings.imperfections, layout_.size()),
       normal_pa_(layout_.size()),
       shear_pa_(layout_.size()),
-      across_pa_(turning_ ? layout_.size() : 0) {
+      across_pa_(turning_ || imprint_ ? layout_.size() : 0) {
   if (!realistic_) script_.walk(0, 0, [this](const LoadTarget& target) { apply_target(target); });
 }
 
@@ -131,6 +138,10 @@ void SimulatedSensor::compute_taxels() noexcept {
     turning_->taxel_averages(layout_, offset_x_m_, offset_y_m_, normal_pa_, shear_pa_, across_pa_);
     return;
   }
+  if (imprint_) {
+    imprint_->feel(load_, offset_x_m_, offset_y_m_, 0, normal_pa_, shear_pa_, across_pa_);
+    return;
+  }
   std::fill(across_pa_.begin(), across_pa_.end(), 0.0F);
   if (one_vector_) {
     normal_pa_[0] = static_cast<float>(load_.normal_n() / layout_.area_m2());
@@ -153,7 +164,7 @@ bool SimulatedSensor::sample(FrameSlot& out) noexcept {
   } else {
     std::copy(normal_pa_.begin(), normal_pa_.end(), out.normal_pa.begin());
     std::copy(shear_pa_.begin(), shear_pa_.end(), out.shear_x_pa.begin());
-    if (turning_)
+    if (!across_pa_.empty())
       std::copy(across_pa_.begin(), across_pa_.end(), out.shear_y_pa.begin());
     else
       std::fill(out.shear_y_pa.begin(), out.shear_y_pa.end(), 0.0F);

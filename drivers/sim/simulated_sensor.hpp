@@ -12,6 +12,7 @@
 
 #include "core/contact/hertz.hpp"
 #include "core/contact/history.hpp"
+#include "core/contact/imprint.hpp"
 #include "core/contact/limit_surface.hpp"
 #include "core/contact/turning_contact.hpp"
 #include "core/frame/frame.hpp"
@@ -30,6 +31,9 @@ struct SensorSettings {
   // Of the object's centre of mass beside the contact, m: each tangential force brings the torque force times
   // lever. 0: none.
   double lever_m = 0;
+  // Shape of the contact and depth of the taxels. The shape with preset ideal and without torque, on several
+  // taxels; the depth with preset ideal, and instead of its own with preset magnetic_skin.
+  contact::Imprint imprint;
   std::vector<Phase> cycle;            // the load, at least one phase
   ImperfectionSettings imperfections;  // default: none
   Preset preset = Preset::ideal;       // others: effects/presets.hpp; for layouts of several taxels
@@ -91,12 +95,14 @@ class SimulatedSensor {
   contact::LoadHistory load_;
   std::unique_ptr<contact::TurningContact> turning_;  // of settings that have a torque
   std::unique_ptr<contact::LimitSurface> hertz_;      // of settings that have a lever
+  std::unique_ptr<contact::ImprintSheet> imprint_;    // of contacts that are not round or under a skin
   std::unique_ptr<RealisticSensor> realistic_;
   Imperfections imperfections_;
   std::optional<double> grip_n_;
   std::int64_t elapsed_ns_ = 0;
   std::uint64_t number_ = 0;
-  // True values of the taxels, kept while the load is constant; across the pull only with a torque.
+  // True values of the taxels, kept while the load is constant; across the pull only with a torque
+  // or an imprint.
   std::vector<float> normal_pa_, shear_pa_, across_pa_;
   bool moved_ = true;  // the load changed after they were computed
 };

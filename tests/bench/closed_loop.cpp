@@ -1,6 +1,7 @@
-// closed-loop [TASKS [SEED [TRACE.csv]]]: whether a gripper that receives slipd's CAN messages holds what a
-// gripper without them drops, and at what force. Each task is carried twice from the same seed, in frame
-// time. Prints a table; writes the first task over time as CSV.
+// closed-loop [--lever MM] [TASKS [SEED [TRACE.csv]]]: whether a gripper that receives slipd's CAN messages
+// holds what a gripper without them drops, and at what force. Each task is carried twice from the same seed,
+// in frame time. --lever: objects that hang so far off their centre of mass. Prints a table; writes the first
+// task over time as CSV.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -35,13 +36,19 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-void tell(const char* name, MethodChoice method, std::size_t tasks, std::uint64_t seed) {
+struct CarryRun {
+  double lever_m = 0;
+  std::size_t tasks = 0;
+  std::uint64_t seed = 0;
+};
+
+void tell(const char* name, MethodChoice method, const CarryRun& run) {
   const ChainSetup setup = setup_for(method);
   std::size_t deaf_slips = 0, slips = 0;
   double deaf_s = 0, slid_s = 0;
   std::vector<double> forces, constant_forces;
-  for (std::size_t i = 0; i < tasks; ++i) {
-    const gripper::CarryTask task = gripper::draw_carry_task(seed + i);
+  for (std::size_t i = 0; i < run.tasks; ++i) {
+    const gripper::CarryTask task = gripper::draw_carry_task(run.seed + i, run.lever_m);
     const gripper::CarryResult deaf = gripper::carry(task, setup, false),
                                held = gripper::carry(task, setup, true);
     if (deaf.sliding_s > 0) ++deaf_slips;
@@ -51,13 +58,13 @@ void tell(const char* name, MethodChoice method, std::size_t tasks, std::uint64_
     forces.push_back(held.force_share);
     constant_forces.push_back(held.constant_share);
   }
-  std::printf("%-8s  %7zu   %4zu, %6.2f s   %4zu, %6.2f s   %10.2f   %10.2f\n", name, tasks, deaf_slips,
+  std::printf("%-8s  %7zu   %4zu, %6.2f s   %4zu, %6.2f s   %10.2f   %10.2f\n", name, run.tasks, deaf_slips,
               deaf_s, slips, slid_s, median(forces), median(constant_forces));
   std::fflush(stdout);
 }
 
-void trace(const char* file, std::uint64_t seed) {
-  const gripper::CarryTask task = gripper::draw_carry_task(seed);
+void trace(const char* file, const CarryRun& run) {
+  const gripper::CarryTask task = gripper::draw_carry_task(run.seed, run.lever_m);
   const ChainSetup setup = setup_for(MethodChoice::moments);
   const auto deaf = gripper::carry(task, setup, false), held = gripper::carry(task, setup, true);
   std::ofstream out(file);
@@ -74,17 +81,23 @@ void trace(const char* file, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const auto number = [&](int i, unsigned long otherwise) {
-    return argc > i ? std::strtoul(argv[i], nullptr, 10) : otherwise;
+  std::vector<std::string> given(argv + 1, argv + argc);
+  CarryRun run;
+  if (given.size() > 1 && given[0] == "--lever") {
+    run.lever_m = 1e-3 * std::strtod(given[1].c_str(), nullptr);
+    given.erase(given.begin(), given.begin() + 2);
+  }
+  const auto number = [&](std::size_t i, unsigned long otherwise) {
+    return given.size() > i ? std::strtoul(given[i].c_str(), nullptr, 10) : otherwise;
   };
-  const std::size_t tasks = std::max(1UL, number(1, 100));
-  const std::uint64_t seed = number(2, 1);
-  if (argc > 3) trace(argv[3], seed);
+  run.tasks = std::max(1UL, number(0, 100));
+  run.seed = number(1, 1);
+  if (given.size() > 2) trace(given[2].c_str(), run);
   std::printf(
       "                      deaf: slips,     listening: slips,   median force over the least possible:\n"
       "method    errands     time sliding     time sliding        listening    constant\n");
-  tell("moments", MethodChoice::moments, tasks, seed);
-  tell("fit", MethodChoice::fit, tasks, seed);
+  tell("moments", MethodChoice::moments, run);
+  tell("fit", MethodChoice::fit, run);
 } catch (const std::exception& error) {
   std::cerr << "closed-loop: " << error.what() << '\n';
   return 1;

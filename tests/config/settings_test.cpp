@@ -118,6 +118,7 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_TRUE(std::isinf(left.setup.skin_radius_m));
   EXPECT_EQ(left.setup.skin_modulus_pa, 1e6);
   EXPECT_EQ(left.setup.skin_poisson, 0.4);
+  EXPECT_EQ(left.setup.skin_depth_m, 0.0015);
   EXPECT_EQ(left.setup.device, json::parse(R"({"index": 1})"));
   EXPECT_EQ(left.setup.options, json::parse(R"({"seed": 3, "noise": 0.1})"));
   EXPECT_EQ(left.friction, KnownFriction(0.5));

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "daemon/rpc/status.hpp"
 #include "daemon/rpc/text.hpp"
@@ -24,6 +25,8 @@ Estimate known() {
   estimate.radius_m = 3.1e-3;
   estimate.torque_nm = -1.5e-3;
   estimate.torque_sigma_nm = 2e-5;
+  estimate.turned_rad = 0.1;
+  estimate.turned_sigma_rad = 0.01;
   estimate.time_to_slip_s = 0.05;
   estimate.time_ns = 4'999'000'000;
   estimate.published_ns = 4'999'035'200;
@@ -101,6 +104,8 @@ TEST(EstimateText, UnitsAreThoseOfTheSocket) {
   EXPECT_DOUBLE_EQ(json["radius_mm"], 3.1);
   EXPECT_DOUBLE_EQ(json["torque_nmm"], -1.5);
   EXPECT_DOUBLE_EQ(json["torque_sigma_nmm"], 0.02);
+  EXPECT_DOUBLE_EQ(json["turned_deg"], 18 / std::numbers::pi);
+  EXPECT_DOUBLE_EQ(json["turned_sigma_deg"], 1.8 / std::numbers::pi);
   EXPECT_DOUBLE_EQ(json["center_mm"][1], -0.4);
   EXPECT_DOUBLE_EQ(json["time_to_slip_ms"], 50);
   EXPECT_DOUBLE_EQ(json["age_ms"], 1);
@@ -124,8 +129,8 @@ TEST(EstimateText, WhatIsUnknownIsNull) {
   estimate.state = State::ok;
   estimate.gamma = std::nan("");
   const auto json = read_estimate(estimate, "left", true, kNow);
-  for (const char* key : {"gamma", "class", "sigma", "friction", "normal_n", "torque_nmm", "center_mm",
-                          "time_ns", "age_ms", "latency_us"}) {
+  for (const char* key : {"gamma", "class", "sigma", "friction", "normal_n", "torque_nmm", "turned_deg",
+                          "center_mm", "time_ns", "age_ms", "latency_us"}) {
     EXPECT_TRUE(json[key].is_null()) << key;
   }
   EXPECT_TRUE(json["truth"]["gamma"].is_null());

@@ -39,7 +39,8 @@ const std::map<std::string, MethodChoice> kCoverageMethods{{"auto", MethodChoice
                                                            {"svd-knn", MethodChoice::svd_knn},
                                                            {"registered", MethodChoice::registered},
                                                            {"moments", MethodChoice::moments},
-                                                           {"fit", MethodChoice::fit}};
+                                                           {"fit", MethodChoice::fit},
+                                                           {"closing", MethodChoice::closing}};
 
 struct CoverageLine {
   std::size_t side = 0;

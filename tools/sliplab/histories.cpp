@@ -37,7 +37,8 @@ const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automa
                                                    {"svd-knn", MethodChoice::svd_knn},
                                                    {"registered", MethodChoice::registered},
                                                    {"moments", MethodChoice::moments},
-                                                   {"fit", MethodChoice::fit}};
+                                                   {"fit", MethodChoice::fit},
+                                                   {"closing", MethodChoice::closing}};
 
 struct MethodLine {
   std::size_t side = 0;

@@ -12,6 +12,7 @@
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/progress.hpp"
 #include "tools/sliplab/stability/report.hpp"
+#include "tools/sliplab/stability/turning_trials.hpp"
 
 namespace sliplab {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 struct StabilityOptions {
   TrialSetup setup;
   std::string noise_kind = "sensor";
-  std::vector<std::string> parts{"model", "extremes", "condition", "adversary"};
+  std::vector<std::string> parts{"model", "extremes", "condition", "adversary", "torque"};
 };
 
 std::vector<ContactModelError> worst_everywhere(const TrialSetup& setup, const Done& done) {
@@ -50,12 +51,12 @@ void run(const Common& common, StabilityOptions options) {
     double from = 0;
     const auto part = [&](const char* what) {
       return
-          [&bar, what, from, to = from + 0.25](double share) { bar.show(from + share * (to - from), what); };
+          [&bar, what, from, to = from + 0.2](double share) { bar.show(from + share * (to - from), what); };
     };
     if (wanted("model")) found.model = worst_everywhere(found.setup, part("model"));
-    from = 0.25;
+    from = 0.2;
     if (wanted("extremes")) found.extremes = measure_extremes(found.setup, part("extremes"));
-    from = 0.5;
+    from = 0.4;
     if (wanted("condition")) {
       bar.show(from, "training");
       auto methods = all_methods(found.setup);
@@ -63,8 +64,10 @@ void run(const Common& common, StabilityOptions options) {
       found.condition = condition_of(found.setup, methods, part("condition"));
       found.bits = bits_needed(found.setup, methods, part("bits"));
     }
-    from = 0.75;
+    from = 0.6;
     if (wanted("adversary")) found.perturbations = measure_perturbations(found.setup, part("adversary"));
+    from = 0.8;
+    if (wanted("torque")) found.turning = measure_turning(found.setup, part("torque"));
   }
   if (common.json) {
     std::cout << to_json(found).dump(2) << '\n';
@@ -83,9 +86,9 @@ void add_stability(CLI::App& app, const Common& common) {
   auto options = std::make_shared<StabilityOptions>();
   command
       ->add_option("--parts", options->parts,
-                   "parts to run, out of model, extremes, condition, adversary; default: all")
+                   "parts to run, out of model, extremes, condition, adversary, torque; default: all")
       ->delimiter(',')
-      ->check(CLI::IsMember({"model", "extremes", "condition", "adversary"}));
+      ->check(CLI::IsMember({"model", "extremes", "condition", "adversary", "torque"}));
   command->add_option("--side", options->setup.side, "taxels along each side of the pad")
       ->check(CLI::Range(8, 100))
       ->capture_default_str();

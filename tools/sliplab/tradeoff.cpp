@@ -6,13 +6,28 @@
 
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/progress.hpp"
+#include "tools/sliplab/tradeoff/imprints.hpp"
 #include "tools/sliplab/tradeoff/report.hpp"
 
 namespace sliplab {
 namespace {
 
-void run(const Common& common, TradeoffOptions options) {
+void run_imprints(const Common& common, const TradeoffOptions& options) {
+  std::vector<ImprintLine> lines;
+  {
+    ProgressBar bar("tradeoff");
+    lines = measure_imprints(options, [&](double share, const char* layout) { bar.show(share, layout); });
+  }
+  if (common.json) {
+    std::cout << imprints_to_json(lines, options.contacts).dump(2) << '\n';
+  } else {
+    print_imprints(lines, options.contacts);
+  }
+}
+
+void run(const Common& common, TradeoffOptions options, bool imprints) {
   options.seed = common.seed;
+  if (imprints) return run_imprints(common, options);
   std::vector<Line> lines;
   {
     ProgressBar bar("tradeoff");
@@ -46,7 +61,11 @@ void add_tradeoff(CLI::App& app, const Common& common) {
   command->add_option("--threads", options->threads, "threads for training")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  command->callback([&common, options] { run(common, *options); });
+  auto imprints = std::make_shared<bool>(false);
+  command->add_flag(
+      "--imprints", *imprints,
+      "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
+  command->callback([&common, options, imprints] { run(common, *options, *imprints); });
 }
 
 }  // namespace sliplab

@@ -7,7 +7,11 @@
 
 #include "core/contact/limit_surface.hpp"
 #include "core/estimate/chain.hpp"
+#include "core/estimate/fit.hpp"
 #include "core/estimate/grasp.hpp"
+#include "core/estimate/moments.hpp"
+#include "core/estimate/tradeoff.hpp"
+#include "tests/support/synthetic.hpp"
 #include "tests/support/turning_frames.hpp"
 
 namespace slipd {
@@ -100,6 +104,42 @@ TEST(TurningChain, MarginAndFrictionAreThoseOfForceAndTorqueOrUnknown) {
     }
   }
   EXPECT_GT(answered, 0.6 * heavy);
+}
+
+// A pull on its own: what noise makes of its torque changes no digit of the method's answer.
+TEST(TurningChain, WithoutTorqueMarginsAreThoseOfThePullToTheLastDigit) {
+  Moments moments(kFine);
+  Scene scene;
+  scene.objects = paper_objects();
+  Fit fit(kFine, expected_friction(scene));
+  for (const MethodChoice choice : {MethodChoice::moments, MethodChoice::fit}) {
+    SlipMethod& method = choice == MethodChoice::fit ? static_cast<SlipMethod&>(fit) : moments;
+    ChainSetup setup{.layout = kFine,
+                     .scene = {},
+                     .estimator = {.method = choice, .tracking = false},
+                     .alerts = {},
+                     .friction = {}};
+    setup.scene = scene;
+    EstimatorChain chain(setup, nullptr);
+    PatchFinder finder(kFine);
+    synthetic::FrameMaker maker(kFine, 7);
+    int answered = 0;
+    for (int i = 0; i <= 40; ++i) {
+      contact::LoadHistory contact(synthetic::paper_pair());
+      contact.move_to(2, 0, kFriction);
+      contact.move_to(2, 0.024 * i * kFriction * 2, kFriction);
+      const Frame frame = maker.make(contact, 2e-4, -1e-4, 0.4, 0.01);
+      const Estimate estimate = chain.estimate(frame);
+      ASSERT_TRUE(estimate.pull_n && estimate.shear_n);
+      EXPECT_EQ(*estimate.pull_n, *estimate.shear_n);
+      if (!estimate.gamma) continue;
+      ++answered;
+      const FrameEstimate alone = method.estimate(frame, finder.find(frame));
+      EXPECT_EQ(*estimate.gamma, alone.gamma) << i;
+      EXPECT_EQ(*estimate.friction, alone.friction) << i;
+    }
+    EXPECT_GT(answered, 30);
+  }
 }
 
 TEST(TurningChain, FewTaxelsWithAGivenFrictionCountTheTorque) {

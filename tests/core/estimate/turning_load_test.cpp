@@ -178,5 +178,30 @@ TEST_P(SlippingTaxelsUnderNoise, TellFrictionFromForceAndTorqueOrNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Sensors, SlippingTaxelsUnderNoise, ::testing::Values(0.0, 0.01, 0.03));
 
+// The way of the load: straight, bent, and at a grip that was tightened.
+TEST(TurningLoad, SaysWhetherTheLoadCameInAStraightLine) {
+  ContactPatch patch;
+  patch.in_contact = true;
+  patch.normal_n = 2;
+  patch.radius_m = 3e-3;
+  patch.shear_sigma_n = 1e-4;
+  patch.torque_sigma_nm = 1e-7;
+  TurningLoad load(TaxelLayout::wrench(0.01));
+  const auto pull_and_turn = [&](double pull_n, double torque_nm) {
+    patch.shear_x_n = patch.shear_n = pull_n;
+    patch.torque_nm = torque_nm;
+    return load.of(patch).straight;
+  };
+  for (int i = 0; i <= 100; ++i) EXPECT_TRUE(pull_and_turn(0.004 * i, 1.2e-5 * i)) << i;
+  for (int i = 100; i >= 60; --i) EXPECT_TRUE(pull_and_turn(0.004 * i, 1.2e-5 * i)) << "on the same line";
+  patch.normal_n = 2.4;
+  EXPECT_FALSE(pull_and_turn(0.4, 1.2e-3)) << "tightened";
+  load.reset();
+  patch.normal_n = 2;
+  for (int i = 0; i <= 100; ++i) EXPECT_TRUE(pull_and_turn(0.004 * i, 0)) << i;
+  for (int i = 10; i <= 100; ++i) pull_and_turn(0.4, 1.2e-5 * i);
+  EXPECT_FALSE(pull_and_turn(0.4, 1.2e-3)) << "a turn after a pull";
+}
+
 }  // namespace
 }  // namespace slipd

@@ -21,7 +21,8 @@ class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
   // One frame of a contact with these forces at this place.
   Health feel(double normal_n, double shear_n, double x_m, double direction_rad) {
     contact_.move_to(normal_n, shear_n, kFriction);
-    const Frame frame = maker_.make(contact_, x_m, 0, direction_rad, kNoise, synthetic::Noise::sensor);
+    Frame frame = maker_.make(contact_, x_m, 0, direction_rad, kNoise, synthetic::Noise::sensor);
+    frame.time_ns = time_ns_ += step_ns_;
     return judge(frame);
   }
   Health judge(const Frame& frame) {
@@ -33,6 +34,7 @@ class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
     for (int i = 0; i < 50; ++i) ASSERT_EQ(feel(3, 0.6, 0, 0.3), Health::good) << i;
   }
 
+  std::int64_t time_ns_ = 0, step_ns_ = 1'000'000;
   TaxelLayout layout_ = TaxelLayout::grid(GetParam(), GetParam(),
                                           GetParam() == 4 ? 4.7e-3 : 16e-3 / static_cast<double>(GetParam()));
   Probes probes_{layout_, 192};
@@ -46,6 +48,20 @@ TEST_P(ContactThatGoesOn, MayGrowByATenthOfItsForceEachFrame) {
   hold();
   for (double normal_n = 3; normal_n < 12; normal_n *= 1.1)
     EXPECT_EQ(feel(normal_n, 0.6, 0, 0.3), Health::good) << normal_n << " N";
+}
+
+TEST_P(ContactThatGoesOn, OfASlowSensorMayBeGrippedThreeTimesAsHardAtOnce) {
+  step_ns_ = 20'000'000;
+  for (const double grip_n : {9.0, 3.0, 1.5, 4.5}) {
+    hold();
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(feel(grip_n, 0.2, 0, 0.3), Health::good) << grip_n << " N, " << i;
+  }
+}
+
+TEST_P(ContactThatGoesOn, OfASlowSensorIsNotGrippedHarderElsewhere) {
+  step_ns_ = 20'000'000;
+  hold();
+  EXPECT_EQ(feel(9, 0.2, 3e-3, 0.3), Health::jump);
 }
 
 TEST_P(ContactThatGoesOn, MayMoveByATenthOfATaxelEachFrame) {
@@ -80,7 +96,7 @@ TEST_P(ContactThatGoesOn, DoesNotCarryATwentiethOrFiftyTimesAsMuchOnTheSamePatch
     for (std::size_t c = 0; c < channels.size(); ++c) {
       for (const float value : channels[c]) scaled[c].push_back(by * value);
     }
-    const Frame wrong{frame.sequence, frame.time_ns, scaled[0], scaled[1], scaled[2]};
+    const Frame wrong{frame.sequence, time_ns_ += step_ns_, scaled[0], scaled[1], scaled[2]};
     EXPECT_EQ(judge(wrong), Health::wrong_scale) << by;
   }
 }

@@ -183,7 +183,8 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
                                .sigma = 0.125,
                                .normal_n = 2.5,
                                .sliding = 3,
-                               .alert_cause = 2};
+                               .alert_cause = 2,
+                               .torque_nm = -0.0025};
   {
     RecordingWriter writer(fd, header_for(TaxelLayout::grid(2, 2, 0.001)));
     for (std::uint64_t i = 0; i < 6; ++i)
@@ -208,6 +209,8 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
     EXPECT_TRUE(std::isnan(estimate->shear_n));
     EXPECT_EQ(estimate->sliding, 3);
     EXPECT_EQ(estimate->alert_cause, 2);
+    EXPECT_EQ(estimate->torque_nm, -0.0025);
+    EXPECT_TRUE(std::isnan(estimate->turned_rad));
   }
   EXPECT_EQ(reader.next(got.slot, &estimate), Status::end);
   EXPECT_FALSE(estimate);
@@ -215,34 +218,42 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
   EXPECT_EQ(count_frames(reader), 6U) << "who wants no estimates gets the frames alone";
 }
 
-// A frame with an estimate, without sliding where `older`.
-std::vector<std::uint8_t> encoded(const RecordedEstimate& estimate, bool older) {
+// What a recording's estimates have.
+enum class Age : std::uint8_t { now, before_torque, before_sliding };
+
+// A frame with an estimate as recordings of that age have it.
+std::vector<std::uint8_t> encoded(const RecordedEstimate& estimate, Age age) {
   std::vector<std::uint8_t> memory(largest_frame_bytes(1));
   cbor::Writer out(memory.data());
   const OwnedFrame frame = some_frame(1, 0);
   put_frame(out, frame.slot, &estimate);
   memory.resize(static_cast<std::size_t>(out.at() - memory.data()));
-  if (!older) return memory;
-  // The estimate is the last entry: its map's head becomes that of seven entries, and the text ends earlier.
+  if (age == Age::now) return memory;
+  // The estimate is the last entry: its map's head becomes that of fewer entries, and the text ends earlier.
   const std::string_view bytes(reinterpret_cast<const char*>(memory.data()), memory.size());
-  memory[bytes.find("estimate") + 8] = 0xA7;
-  memory.resize(bytes.find("sliding") - 1);
+  const bool sliding = age == Age::before_torque;
+  const std::size_t end = bytes.find(sliding ? "torque_nm" : "sliding") - 1;
+  memory[bytes.find("estimate") + 8] = sliding ? 0xA9 : 0xA7;
+  memory.resize(end);
   return memory;
 }
 
-TEST_F(Recordings, ThatAreOlderThanSlidingAreReadWithoutIt) {
-  for (const bool older : {false, true}) {
-    const auto bytes = encoded({.state = 1, .gamma = 0.5, .sliding = 2, .alert_cause = 1}, older);
+TEST_F(Recordings, ThatAreOlderThanSlidingOrTorqueAreReadWithoutIt) {
+  for (const Age age : {Age::now, Age::before_torque, Age::before_sliding}) {
+    const auto bytes = encoded(
+        {.state = 1, .gamma = 0.5, .sliding = 2, .alert_cause = 1, .torque_nm = 0.25, .turned_rad = -1}, age);
     cbor::Reader in(bytes);
     OwnedFrame got(1);
     std::optional<RecordedEstimate> estimate;
     EXPECT_EQ(take_frame(in, got.slot, &estimate), nullptr);
     ASSERT_TRUE(estimate);
     EXPECT_EQ(estimate->gamma, 0.5);
-    EXPECT_EQ(estimate->sliding, older ? RecordedEstimate::kNoSliding : 2);
-    EXPECT_EQ(estimate->alert_cause, older ? 0 : 1);
+    EXPECT_EQ(estimate->sliding, age == Age::before_sliding ? RecordedEstimate::kNoSliding : 2);
+    EXPECT_EQ(estimate->alert_cause, age == Age::before_sliding ? 0 : 1);
+    EXPECT_EQ(std::isnan(estimate->torque_nm), age != Age::now);
+    EXPECT_EQ(estimate->turned_rad == -1, age == Age::now);
   }
-  const auto unknown = encoded({.state = 1}, false);
+  const auto unknown = encoded({.state = 1}, Age::now);
   cbor::Reader in(unknown);
   OwnedFrame got(1);
   std::optional<RecordedEstimate> estimate;

@@ -13,13 +13,16 @@
 namespace slipd::gripper {
 
 // One object: lifted with a margin of 0.5 to 0.65, swung by up to a fifth of its weight, while friction falls
-// in steps of 10 to 30 % until the first grip cannot hold it any more.
+// in steps of 10 to 30 % until the first grip cannot hold it any more. With a lever it hangs that far off its
+// centre of mass, and all margins are those of force and torque.
 struct CarryTask {
   sim::SensorSettings sensor;
   GripperSettings gripper;
   double lifted_s = 0, length_s = 0;
 };
-CarryTask draw_carry_task(std::uint64_t seed);
+// `lever_m`: of the object's centre of mass beside the contact, m; objects on a lever are lighter. The same
+// seed draws the same task.
+CarryTask draw_carry_task(std::uint64_t seed, double lever_m = 0);
 
 struct CarrySample {
   double time_s = 0;

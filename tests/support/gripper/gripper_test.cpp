@@ -135,6 +135,22 @@ TEST(ClosedLoop, WithTheAdviceOnCanTheGripperHoldsWhatItDropsWithout) {
   EXPECT_LT(force_share, 4);
 }
 
+// Held 20 mm off its centre of mass an object turns before it slides: nearly all of the load is torque.
+TEST(ClosedLoop, ObjectsThatHangOffTheirCentreOfMassAreHeldAsWell) {
+  constexpr std::uint64_t kErrands = 3;
+  constexpr double kLever_m = 0.02;
+  const ChainSetup setup = by_moments();
+  double deaf_s = 0, listening_s = 0;
+  for (std::uint64_t seed = 1; seed <= kErrands; ++seed) {
+    const CarryTask task = draw_carry_task(seed, kLever_m);
+    const CarryResult deaf = carry(task, setup, false), held = carry(task, setup, true);
+    EXPECT_GT(deaf.sliding_s, 0) << seed;
+    deaf_s += deaf.sliding_s;
+    listening_s += held.sliding_s;
+  }
+  EXPECT_LT(listening_s, 0.01 * deaf_s);
+}
+
 TEST(ClosedLoop, IsTheSameEachTime) {
   const auto once = carry(draw_carry_task(7), by_moments(), true),
              again = carry(draw_carry_task(7), by_moments(), true);

@@ -9,6 +9,7 @@
 #include "tools/sliplab/stability/condition.hpp"
 #include "tools/sliplab/stability/extremes.hpp"
 #include "tools/sliplab/stability/trials.hpp"
+#include "tools/sliplab/stability/turning_trials.hpp"
 
 namespace sliplab {
 namespace {
@@ -146,6 +147,20 @@ TEST(Ordeals, SigmaOwnsUpToFlawsOfShapeAndSensor) {
       if (row.what != "dead" || row.strength > 0.05) continue;
       EXPECT_GT(statistics.answered(), 0.9) << row.strength;
       EXPECT_LT(statistics.mean_error(), 0.03) << row.strength;
+    }
+  }
+}
+
+// From a pull to a torque alone, from no load to slip, and on layouts that feel no torque.
+TEST(Ordeals, UnderForceAndTorqueNoNumberIsWithoutEndAndFineArraysAreNotTooSafe) {
+  for (const auto& row : measure_turning({.side = 32, .contacts = 6}, [](double) {})) {
+    EXPECT_EQ(row.not_finite, 0U) << row.what << ' ' << row.strength;
+    for (const auto& statistics : row.by_method) {
+      EXPECT_EQ(statistics.frames(), 6) << row.what;
+      if (row.what != "mixture" && row.what != "load") continue;
+      if (statistics.answered() > 0) {
+        EXPECT_EQ(statistics.overestimated(), 0) << row.what << ' ' << row.strength;
+      }
     }
   }
 }

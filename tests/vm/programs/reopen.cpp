@@ -62,9 +62,12 @@ int main(int argc, char** argv) try {
   if (module == nullptr) throw std::runtime_error(::dlerror());
   const auto table = reinterpret_cast<const DriverModule* (*)()>(::dlsym(module, kDriverSymbol));
   const auto asked = nlohmann::json::parse(argv[2]);
-  const SensorSetup setup{
-      "sensor",           TaxelLayout::wrench(0.01), 100, 0.01, 0.5e6, 0.45, asked.at("profile"),
-      asked.at("device"), asked.at("options")};
+  const SensorSetup setup{.name = "sensor",
+                          .layout = TaxelLayout::wrench(0.01),
+                          .rate_hz = 100,
+                          .profile = asked.at("profile"),
+                          .device = asked.at("device"),
+                          .options = asked.at("options")};
   Device device(table()->create({setup}));
 
   const auto times = std::stoul(argv[3]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "tools/sliplab/gnuplot.hpp"
@@ -14,6 +15,7 @@ using slipd::AlertCause;
 using slipd::Estimate;
 
 constexpr double kMmPerM = 1e3;
+constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 void put(std::ostringstream& out, std::optional<double> value, double factor = 1) {
   out << ',';
@@ -30,7 +32,7 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
   std::ostringstream out;
   out.precision(9);
   out << "sensor,time_s,seq,state,gamma,gamma_low,sigma,friction,friction_sigma,normal_n,shear_n,torque_nmm,"
-         "sliding,alert,alert_cause\n";
+         "turned_deg,turned_sigma_deg,sliding,alert,alert_cause\n";
   for (const ReplayRun& run : runs) {
     for (const ReplayRow& row : run.rows) {
       const Estimate& e = row.estimate;
@@ -39,6 +41,8 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
            {e.gamma, e.gamma_low, e.sigma, e.friction, e.friction_sigma, e.normal_n, e.shear_n})
         put(out, value);
       put(out, e.torque_nm, kMmPerM);
+      put(out, e.turned_rad, kDegPerRad);
+      put(out, e.turned_sigma_rad, kDegPerRad);
       out << ',' << (e.sliding ? to_string(*e.sliding) : "") << ',' << to_string(e.alert) << ','
           << (e.alert_cause == AlertCause::none ? "" : to_string(e.alert_cause)) << '\n';
     }

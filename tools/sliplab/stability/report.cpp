@@ -78,6 +78,12 @@ void print_condition(const Stability& found) {
   }
 }
 
+std::size_t not_finite(const std::vector<RobustnessRow>& rows) {
+  std::size_t count = 0;
+  for (const auto& row : rows) count += row.not_finite;
+  return count;
+}
+
 nlohmann::ordered_json json_of(const std::vector<RobustnessRow>& rows) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const auto& row : rows) {
@@ -206,7 +212,8 @@ void plot_perturbations(const std::filesystem::path& folder) {
 
 void print_table(const Stability& found) {
   if (!found.model.empty()) print_model(found.model);
-  if (!found.extremes.empty() || !found.perturbations.empty() || !found.condition.empty()) {
+  if (!found.extremes.empty() || !found.perturbations.empty() || !found.condition.empty() ||
+      !found.turning.empty()) {
     std::printf(
         "\nContacts of the paper's, up to 2 mm off the middle of a +-8 mm pad, %zu x %zu taxels, "
         "noise %g %% (%s), %zu a row,\neach frame for itself. safer, less: answers off by more than "
@@ -218,6 +225,13 @@ void print_table(const Stability& found) {
   if (!found.condition.empty()) print_condition(found);
   if (!found.perturbations.empty())
     print_robustness("Estimates of contacts that deviate from the model.", found.perturbations);
+  if (!found.turning.empty()) {
+    print_robustness(
+        "Estimates under force and torque. mixture: degrees from a pull, 0, to a torque alone, 90; load: share "
+        "of what friction holds.\nOne row, one taxel: over time, friction given, at a mixture.",
+        found.turning);
+    std::printf("\nEstimates with a number that is not finite: %zu\n", not_finite(found.turning));
+  }
 }
 
 nlohmann::ordered_json to_json(const Stability& found) {
@@ -250,13 +264,16 @@ nlohmann::ordered_json to_json(const Stability& found) {
           {"extremes", json_of(found.extremes)},
           {"condition", std::move(condition)},
           {"bits", std::move(bits)},
-          {"adversary", json_of(found.perturbations)}};
+          {"adversary", json_of(found.perturbations)},
+          {"turning", json_of(found.turning)},
+          {"not_finite", not_finite(found.turning)}};
 }
 
 void write_files(const Stability& found, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   if (!found.model.empty()) plot_model(found, folder);
   if (!found.extremes.empty()) write_robustness(found.extremes, folder / "extremes.csv");
+  if (!found.turning.empty()) write_robustness(found.turning, folder / "extremes-torque.csv");
   if (!found.condition.empty()) plot_condition(found, folder);
   if (!found.perturbations.empty()) {
     write_robustness(found.perturbations, folder / "adversary.csv");

@@ -21,6 +21,7 @@ struct Stability {
   std::vector<Condition> condition;          // for each margin
   std::vector<Bits> bits;                    // for each number of significant bits
   std::vector<RobustnessRow> perturbations;  // of the contact model
+  std::vector<RobustnessRow> turning;        // under force and torque
 };
 
 void print_table(const Stability& found);

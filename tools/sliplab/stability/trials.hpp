@@ -40,6 +40,7 @@ struct RobustnessRow {
   std::string what;                        // name of the axis or the perturbation
   double strength;                         // value on the axis or strength of the perturbation
   std::vector<ErrorStatistics> by_method;  // in the order of kUntrained
+  std::size_t not_finite = 0;              // estimates with a number that is not; of measure_turning only
 };
 
 using Done = std::function<void(double share)>;

@@ -1,0 +1,304 @@
+#include "core/contact/subsurface.hpp"
+
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+
+#include "core/simd/instruction_sets.hpp"
+
+namespace slipd::contact {
+namespace {
+
+struct Points {
+  const double *u, *v;
+  double* rows;
+  std::size_t count;
+};
+
+// A dome, a point of each taxel's square and its weight.
+struct DomePoint {
+  double a, b, cosine, sine, depth, side;
+  double u = 0, v = 0, weight = 0;
+};
+
+// From the ellipse's axes to the sensor's.
+[[gnu::always_inline]] inline FeltTensor turned(const FeltTensor& t, double c, double s) noexcept {
+  const double across = 2 * c * s * t.xy;
+  return {t.nn,
+          c * t.nx - s * t.ny,
+          s * t.nx + c * t.ny,
+          c * c * t.xx + s * s * t.yy - across,
+          c * s * (t.xx - t.yy) + (c * c - s * s) * t.xy,
+          s * s * t.xx + c * c * t.yy + across};
+}
+
+[[gnu::always_inline]] inline FeltTensor mixed(double one, const FeltTensor& t, double two,
+                                               const FeltTensor& r) noexcept {
+  return {one * t.nn + two * r.nn, one * t.nx + two * r.nx, one * t.ny + two * r.ny,
+          one * t.xx + two * r.xx, one * t.xy + two * r.xy, one * t.yy + two * r.yy};
+}
+
+// Of a dome that turns: its field turns with it, and so do its components.
+[[gnu::always_inline]] inline FeltTensor by_angle(const FeltTensor& value, const FeltTensor& d_u,
+                                                  const FeltTensor& d_v, double u, double v) noexcept {
+  const FeltTensor moved = mixed(v, d_u, -u, d_v);
+  return {moved.nn,
+          moved.nx - value.ny,
+          moved.ny + value.nx,
+          moved.xx - 2 * value.xy,
+          moved.xy + value.xx - value.yy,
+          moved.yy + 2 * value.xy};
+}
+
+[[gnu::always_inline]] inline void add(const FeltTensor& t, double weight, double* row,
+                                       std::size_t stride) noexcept {
+  row[0] += weight * t.nn;
+  row[stride] += weight * t.nx;
+  row[2 * stride] += weight * t.ny;
+  row[3 * stride] += weight * t.xx;
+  row[4 * stride] += weight * t.xy;
+  row[5 * stride] += weight * t.yy;
+}
+
+using Sheet = SubsurfaceSheet;
+
+[[gnu::always_inline]] inline void round_slopes(const DomePoint& of, const Points& to) noexcept {
+  const std::size_t n = Sheet::kComponents * to.count;
+#pragma omp simd
+  for (std::size_t i = 0; i < to.count; ++i) {
+    const auto at = subsurface::common<true>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
+    const double a2 = 2 * of.a;
+    double* const row = to.rows + i;
+    add(subsurface::value_of(at), of.weight, row, to.count);
+    add(subsurface::slope_of(at, 1, 0, 0, 0, 0, 0), of.weight, row + Sheet::d_u * n, to.count);
+    add(subsurface::slope_of(at, 0, 1, 0, 0, 0, 0), of.weight, row + Sheet::d_v * n, to.count);
+    add(subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a), of.weight,
+        row + Sheet::d_a * n, to.count);
+  }
+}
+
+[[gnu::always_inline]] inline void round_values(const DomePoint& of, const Points& to) noexcept {
+#pragma omp simd
+  for (std::size_t i = 0; i < to.count; ++i)
+    add(felt_value<true>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight, to.rows + i,
+        to.count);
+}
+
+[[gnu::always_inline]] inline void elliptic_slopes(const DomePoint& of, const Points& to) noexcept {
+  const std::size_t n = Sheet::kComponents * to.count;
+  const double c = of.cosine, s = of.sine;
+#pragma omp simd
+  for (std::size_t i = 0; i < to.count; ++i) {
+    const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a, b2 = 2 * of.b;
+    const auto at = subsurface::common<false>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u);
+    const FeltTensor value = turned(subsurface::value_of(at), c, s),
+                     d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
+                     d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s);
+    double* const row = to.rows + i;
+    add(value, of.weight, row, to.count);
+    add(d_u, of.weight, row + Sheet::d_u * n, to.count);
+    add(d_v, of.weight, row + Sheet::d_v * n, to.count);
+    add(by_angle(value, d_u, d_v, u, v), of.weight, row + Sheet::d_angle * n, to.count);
+    add(turned(subsurface::slope_of(at, 0, 0, a2, 0, a2 * at.za_by_a, a2 * at.zb_by_a), c, s), of.weight,
+        row + Sheet::d_a * n, to.count);
+    add(turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b), c, s), of.weight,
+        row + Sheet::d_b * n, to.count);
+  }
+}
+
+[[gnu::always_inline]] inline void elliptic_values(const DomePoint& of, const Points& to) noexcept {
+  const double c = of.cosine, s = of.sine;
+#pragma omp simd
+  for (std::size_t i = 0; i < to.count; ++i) {
+    const double u = to.u[i] + of.u, v = to.v[i] + of.v;
+    add(turned(felt_value<false>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u), c, s), of.weight,
+        to.rows + i, to.count);
+  }
+}
+
+// The dome itself along a line through each taxel, parallel to x: 1 - alpha u^2 - 2 beta u v - gamma v^2 is a
+// circle's along the line, whose integrals are elementary.
+struct Quadratic {
+  double alpha, beta, gamma;
+};
+struct Line {
+  double mean, d_u, d_v, d_alpha, d_beta, d_gamma;
+};
+[[gnu::always_inline]] inline Quadratic quadratic_of(const DomePoint& of) noexcept {
+  const double c = of.cosine, s = of.sine, aa = 1 / (of.a * of.a), bb = 1 / (of.b * of.b);
+  return {c * c * aa + s * s * bb, c * s * (aa - bb), s * s * aa + c * c * bb};
+}
+[[gnu::always_inline]] inline Line line_of(const Quadratic& q, double u, double v, double side) noexcept {
+  const double off = q.beta * v / q.alpha, root = std::sqrt(q.alpha),
+               rest = q.gamma - q.beta * q.beta / q.alpha;
+  const double rr = std::max(0.0, 1 - rest * v * v) / q.alpha, r = std::sqrt(rr);
+  const double to = std::clamp(u + side / 2 + off, -r, r), from = std::clamp(u - side / 2 + off, -r, r);
+  const double w_to = std::sqrt(std::max(0.0, rr - to * to)),
+               w_from = std::sqrt(std::max(0.0, rr - from * from));
+  const double angle = angle_from_height(to, w_to) - angle_from_height(from, w_from);
+  const double over = 1 / (root * side), t0 = angle * over, t1 = (w_from - w_to) * over,
+               t2 = 0.5 * (rr * angle - to * w_to + from * w_from) * over;
+  const double u0 = t0, u1 = t1 - off * t0, u2 = t2 - 2 * off * t1 + off * off * t0;
+  return {q.alpha * (rr * t0 - t2),
+          root * (w_to - w_from) / side,
+          -(q.beta * u1 + q.gamma * v * u0),
+          -0.5 * u2,
+          -v * u1,
+          -0.5 * v * v * u0};
+}
+
+[[gnu::always_inline]] inline void surface_slopes(const DomePoint& of, const Points& to) noexcept {
+  const std::size_t n = to.count;
+  const Quadratic q = quadratic_of(of);
+  const double c = of.cosine, s = of.sine, apart = 1 / (of.a * of.a) - 1 / (of.b * of.b);
+  const double by_a = -2 / (of.a * of.a * of.a), by_b = -2 / (of.b * of.b * of.b);
+#pragma omp simd
+  for (std::size_t i = 0; i < to.count; ++i) {
+    const Line line = line_of(q, to.u[i], to.v[i] + of.v, of.side);
+    double* const row = to.rows + i;
+    *(row) += of.weight * line.mean;
+    *(row + Sheet::d_u * n) += of.weight * line.d_u;
+    *(row + Sheet::d_v * n) += of.weight * line.d_v;
+    *(row + Sheet::d_a * n) +=
+        of.weight * by_a * (c * c * line.d_alpha + c * s * line.d_beta + s * s * line.d_gamma);
+    *(row + Sheet::d_b * n) +=
+        of.weight * by_b * (s * s * line.d_alpha - c * s * line.d_beta + c * c * line.d_gamma);
+    *(row + Sheet::d_angle * n) +=
+        of.weight * (2 * q.beta * (line.d_gamma - line.d_alpha) + (c * c - s * s) * apart * line.d_beta);
+  }
+}
+
+[[gnu::always_inline]] inline void surface_values(const DomePoint& of, const Points& to) noexcept {
+  const Quadratic q = quadratic_of(of);
+#pragma omp simd
+  for (std::size_t i = 0; i < to.count; ++i)
+    to.rows[i] += of.weight * line_of(q, to.u[i], to.v[i] + of.v, of.side).mean;
+}
+
+// As in dome_sheet.cpp.
+template <auto kLoop>
+void felt_on_baseline(const DomePoint& of, const Points& to) noexcept {
+  kLoop(of, to);
+}
+#if defined(__x86_64__)
+template <auto kLoop>
+[[gnu::target("avx2,fma")]] void felt_on_avx2(const DomePoint& of, const Points& to) noexcept {
+  kLoop(of, to);
+}
+template <auto kLoop>
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void felt_on_avx512(const DomePoint& of,
+                                                                 const Points& to) noexcept {
+  kLoop(of, to);
+}
+#endif
+
+struct SubsurfaceKernels {
+  using Kernel = void (*)(const DomePoint&, const Points&) noexcept;
+  Kernel round, round_value, elliptic, elliptic_value, surface, surface_value;
+  static const SubsurfaceKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+const SubsurfaceKernels SubsurfaceKernels::baseline{
+    felt_on_baseline<round_slopes>,    felt_on_baseline<round_values>,   felt_on_baseline<elliptic_slopes>,
+    felt_on_baseline<elliptic_values>, felt_on_baseline<surface_slopes>, felt_on_baseline<surface_values>};
+#if defined(__x86_64__)
+const SubsurfaceKernels SubsurfaceKernels::avx2{felt_on_avx2<round_slopes>,    felt_on_avx2<round_values>,
+                                                felt_on_avx2<elliptic_slopes>, felt_on_avx2<elliptic_values>,
+                                                felt_on_avx2<surface_slopes>,  felt_on_avx2<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx512{
+    felt_on_avx512<round_slopes>,    felt_on_avx512<round_values>,   felt_on_avx512<elliptic_slopes>,
+    felt_on_avx512<elliptic_values>, felt_on_avx512<surface_slopes>, felt_on_avx512<surface_values>};
+#endif
+
+template <unsigned kPoints>
+void use_gauss(double side_m, std::vector<double>& at, std::vector<double>& weight) {
+  using Rule = boost::math::quadrature::gauss<double, kPoints>;  // nodes that are not negative, on -1 … 1
+  const auto& node = Rule::abscissa();
+  const auto& share = Rule::weights();
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    for (const double sign : {-1.0, 1.0}) {
+      if (node[i] == 0 && sign > 0) continue;
+      at.push_back(sign * node[i] * side_m / 2);
+      weight.push_back(share[i] / 2);
+    }
+  }
+}
+
+// Sides over depth up to which so many points keep the averages within 1e-4.
+void choose_gauss(double side_m, double depth_m, std::vector<double>& at, std::vector<double>& weight) {
+  if (!(depth_m > 0)) return use_gauss<20>(side_m, at, weight);  // lines, each of them exact
+  const double ratio = side_m / depth_m;
+  if (ratio <= 0.75) return use_gauss<2>(side_m, at, weight);
+  if (ratio <= 1.5) return use_gauss<3>(side_m, at, weight);
+  if (ratio <= 2.2) return use_gauss<4>(side_m, at, weight);
+  if (ratio <= 4.2) return use_gauss<6>(side_m, at, weight);
+  if (ratio <= 8.5) return use_gauss<10>(side_m, at, weight);
+  use_gauss<20>(side_m, at, weight);
+}
+
+}  // namespace
+
+FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept {
+  const double c = std::cos(ellipse.angle_rad), s = std::sin(ellipse.angle_rad);
+  const double x = c * x_m + s * y_m, y = c * y_m - s * x_m, a = ellipse.a_m, b = ellipse.b_m;
+  if (!(depth_m > 0)) {
+    const double height = std::sqrt(std::max(0.0, 1 - x * x / (a * a) - y * y / (b * b)));
+    return {.nn = height, .xx = height, .yy = height};
+  }
+  return turned(
+      ellipse.round() ? felt_value<true>(a, a, depth_m, x, y) : felt_value<false>(a, b, depth_m, x, y), c, s);
+}
+
+SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m)
+    : side_m_(side_m),
+      depth_m_(depth_m),
+      rows_(most * kRows * (depth_m > 0 ? std::size_t{kComponents} : 1)),
+      zeros_(depth_m > 0 ? 0 : most) {
+  choose_gauss(side_m, depth_m, at_, weight_);
+  best_kernels<SubsurfaceKernels>();  // not first within a fit
+}
+
+void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::span<const double> v,
+                          bool slopes) noexcept {
+  const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
+  const bool surface = !(depth_m_ > 0), round = dome.round() && !surface;
+  count_ = u.size();
+  const std::size_t rows = !slopes ? std::size_t{d_u} : round ? std::size_t{d_b} : std::size_t{kRows};
+  std::fill_n(rows_.begin(), rows * (surface ? 1 : std::size_t{kComponents}) * count_, 0.0);
+  DomePoint point{.a = dome.a_m,
+                  .b = dome.b_m,
+                  .cosine = std::cos(dome.angle_rad),
+                  .sine = std::sin(dome.angle_rad),
+                  .depth = depth_m_,
+                  .side = side_m_};
+  const Points to{u.data(), v.data(), rows_.data(), count_};
+  if (surface) {
+    for (std::size_t j = 0; j < at_.size(); ++j) {
+      point.v = at_[j];
+      point.weight = weight_[j];
+      (slopes ? kernels.surface : kernels.surface_value)(point, to);
+    }
+    return;
+  }
+  const auto kernel = round ? (slopes ? kernels.round : kernels.round_value)
+                            : (slopes ? kernels.elliptic : kernels.elliptic_value);
+  for (std::size_t i = 0; i < at_.size(); ++i) {
+    for (std::size_t j = 0; j < at_.size(); ++j) {
+      point.u = at_[i];
+      point.v = at_[j];
+      point.weight = weight_[i] * weight_[j];
+      kernel(point, to);
+    }
+  }
+}
+
+void SubsurfaceSheet::evaluate(const Ellipse& dome, std::span<const double> u,
+                               std::span<const double> v) noexcept {
+  run(dome, u, v, true);
+}
+
+void SubsurfaceSheet::evaluate_values(const Ellipse& dome, std::span<const double> u,
+                                      std::span<const double> v) noexcept {
+  run(dome, u, v, false);
+}
+
+}  // namespace slipd::contact

@@ -1,0 +1,78 @@
+// What taxels under a skin feel of a contact on its surface. The skin is taken for an elastic half space; the
+// stresses at depth d on a plane parallel to the surface are those of Boussinesq (1885) and Cerruti (1882),
+// and they do not depend on Poisson's ratio. In Fourier space (k: wave number) a normal traction p and a
+// shear q_x are felt as
+//   normal:   (1 + k d) e^(-k d) p - i k_x d e^(-k d) q_x
+//   shear x:  -i k_x d e^(-k d) p + (1 - d k_x^2/k) e^(-k d) q_x      shear y:  ... - d k_x k_y/k e^(-k d)
+//   q_x
+// so pressing alone is felt as shear that points outwards, and a pull as pressure ahead and suction behind.
+//
+// Tractions of a contact are sums of domes sqrt(1 - x^2/a^2 - y^2/b^2), for which all of this has a closed
+// form (docs/theory.md §5.4).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/contact/subsurface_point.hpp"
+
+namespace slipd::contact {
+
+// The ellipse that a dome stands on.
+struct Ellipse {
+  // Half axes, m, > 0, in any order.
+  double a_m = 0;
+  double b_m = 0;
+  // Direction of a from x to y, rad.
+  double angle_rad = 0;
+  bool round() const noexcept { return a_m == b_m; }
+};
+
+// What is felt at (x, y) from the centre of a dome of unit height, `depth_m` below the surface; at depth 0
+// the dome itself on the diagonal. Along the sensor's axes. Exact to 1e-12.
+FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept;
+
+// Averages over the squares of many taxels, with derivatives. Estimate thread; allocates in its constructor.
+class SubsurfaceSheet {
+ public:
+  // Components of FeltTensor.
+  enum Component : unsigned char { nn, nx, ny, xx, xy, yy, kComponents };
+  // Derivatives by the taxel's place from the dome's centre, by the half axes (d_a: the radius of a round
+  // dome) and by the angle.
+  enum Of : unsigned char { value, d_u, d_v, d_a, d_b, d_angle, kRows };
+
+  // Room for so many taxels. side_m: of their squares, m. depth_m >= 0. Averages are Gauss-Legendre sums, of
+  // more points the less deep the taxels lie; at depth 0 they are exact along x. They agree with the integral
+  // to 1e-4 of the dome's height.
+  SubsurfaceSheet(std::size_t most_taxels, double side_m, double depth_m);
+
+  // Averages of a dome of unit height about the origin at taxels (u, v), along the sensor's axes. Round domes
+  // under a skin are faster; their rows d_b and d_angle are not written.
+  void evaluate(const Ellipse& dome, std::span<const double> u, std::span<const double> v) noexcept;
+  // The rows `value` alone.
+  void evaluate_values(const Ellipse& dome, std::span<const double> u, std::span<const double> v) noexcept;
+
+  // Of the last evaluation, as long as its lists.
+  std::span<const double> row(Of of, Component component) const noexcept {
+    const std::size_t first = of, which = component;
+    if (depth_m_ > 0) return {rows_.data() + (first * kComponents + which) * count_, count_};
+    const bool felt = component == nn || component == xx || component == yy;
+    return {(felt ? rows_ : zeros_).data() + (felt ? first * count_ : 0), count_};
+  }
+  double depth_m() const noexcept { return depth_m_; }
+  // Points that a taxel's average is made of, along one side.
+  std::size_t points() const noexcept { return at_.size(); }
+
+ private:
+  void run(const Ellipse& dome, std::span<const double> u, std::span<const double> v, bool slopes) noexcept;
+
+  std::size_t count_ = 0;
+  double side_m_, depth_m_;
+  std::vector<double> at_, weight_;  // Gauss-Legendre on a side, m
+  std::vector<double> rows_;         // at depth 0 those of nn alone, which are xx and yy as well
+  std::vector<double> zeros_;        // at depth 0 the other components
+};
+
+}  // namespace slipd::contact

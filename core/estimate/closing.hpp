@@ -1,0 +1,113 @@
+// The margin of a contact of any shape (docs/theory.md §10.9): a contact that was pressed, and then pulled,
+// has the shear q = mu (p(P) - p(P*)) with Gamma = P*/P (Ciavarella 1998, Jäger 1998), where p(P) is its
+// pressure under the normal force P. These pressures were recorded while the gripper closed. So the method
+// assumes no radius and no shape, and gains that a taxel's axes share, and dead taxels, cancel. Exact for
+// axisymmetric and plane contacts of similar materials; of others the error is some per cent of the shear.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/estimate/closing_maps.hpp"
+#include "core/estimate/friction_prior.hpp"
+#include "core/estimate/method.hpp"
+
+namespace slipd {
+
+// Dimensionless unless a unit is given. Checked with tests/core/estimate/closing_test.cpp.
+struct ClosingOptions {
+  FrictionPriorOptions prior;
+
+  // Shear of a frame that still counts as closing, of its normal force, or of the shear's noise; 0.005 … 0.1
+  // and 1 … 5. Too small: a sensor whose pressing is felt as shear records nothing. Too large: frames of a
+  // pull are taken for pressing.
+  double most_shear = 0.03;
+  double most_shear_sigmas = 3;
+  // Pressure below which a frame is not recorded; standard deviations of the normal force, 3 … 30. Too small:
+  // maps of noise. Too large: margins near gross slip have no map.
+  double least_force_sigmas = 8;
+  // Frames of one force that are recorded; 4 … 256. Too few: maps have as much noise as frames. Too many: a
+  // held grasp goes on to cost time.
+  double enough_frames = 32;
+  // Maps without which no margin is given; 4 … 32. Too few: the course between them is guessed. Too many: a
+  // quick grip has no margin.
+  std::size_t least_maps = 8;
+  // The first map's force, of today's, at most; 0.05 … 0.5. Too large: the closing was not seen from its
+  // beginning, and small margins are guessed. Too small: slow sensors get no margin.
+  double most_first_force = 0.25;
+  // Today's force may exceed the greatest recorded one by this factor; 1 … 1.2. Too small: noise. Too large:
+  // the contact has grown unseen.
+  double most_growth = 1.05;
+  // 1 - cos^2 between today's pressure and the map of its force, beyond noise; 0.001 … 0.05. Too small: real
+  // skins that creep get no margin. Too large: a contact that has moved since, or rolled, is believed.
+  double most_unlike = 0.01;
+  // Shear that is not explained, of all: square root of the ratio of the sums of squares, 0.05 … 0.4, and
+  // standard deviations of noise from which on it counts; 2 … 6. Too small: real contacts are refused. Too
+  // large: another load history passes.
+  double most_unexplained = 0.2;
+  double clear_sigmas = 4;
+  // Sigma of Gamma over that share; 0 … 2. Too small: sigma is less than the error of contacts whose shear is
+  // not quite the difference of two maps. Too large: it is more.
+  double unexplained_sigma = 0.5;
+  // Floor of sigma, Gamma; 0.001 … 0.05: maps are linear in between, and of a grip that is never quite still.
+  // `sliplab coverage --methods closing --of histories`. Too small: sigma is less than the error over a
+  // grasp. Too large: fine sensors are wasted.
+  double least_sigma = 0.015;
+  // Sigma of Gamma beyond which the frame's whole profile is given; Gamma, 0.005 … 0.3. Too small: frames of
+  // one closing count for more than they say. Too large: a parabola stands for a likelihood that is none.
+  double open_sigma = 0.02;
+  // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1.
+  double max_friction_share = 0.5;
+};
+
+class Closing final : public SlipMethod {
+ public:
+  // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
+  Closing(const TaxelLayout& layout, Range friction_expected, const ClosingOptions& options = {});
+  Method name() const noexcept override { return Method::closing; }
+  MethodSettings settings() const noexcept override {
+    return {.memory_bytes = sizeof(*this) + (ClosingMaps::kMaps + 1) * sizeof(float) * layout_.size()};
+  }
+
+  // Records the frame if the gripper closes and nothing pulls.
+  void observe(const Frame& frame, const ContactPatch& patch) noexcept override;
+  // Another contact: its closing is recorded anew.
+  void forget() noexcept override { maps_.clear(); }
+
+  // Not in the model if the closing was not recorded from its beginning, if the contact has moved since, or
+  // if the shear is no difference of two maps: another load history.
+  FrameEstimate estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
+
+ private:
+  // Trial margins, evenly in 0 … 1.
+  static constexpr std::size_t kStepsOfProfile = 5;  // odd: one lies in the middle of a profile's step
+  static constexpr std::size_t kSteps = kStepsOfProfile * MarginProfile::kSteps;
+
+  // How one trial margin explains the shear.
+  struct Trial {
+    double gamma = 0;
+    double friction = 0;      // > 0; 0: none
+    double nats = 0;          // that the prior has against this friction
+    double misfit = 0;        // half the squared residual in units of noise, and half the logarithm of noise
+    double residual_pa2 = 0;  // sum of squares
+    double noise_pa2 = 0;     // variance of one taxel's residual
+    double map_share = 0;     // the maps' part of it
+  };
+
+  bool recorded(const ContactPatch& patch) const noexcept;
+  bool unmoved(const ContactPatch& patch, const ClosingMaps::Sum& today) const noexcept;
+  Trial judge(double gamma, const ContactPatch& patch, const ClosingMaps::Sum& today,
+              const ClosingMaps::PerMap& products, double shear_square_pa2) const noexcept;
+  void weigh(FrameEstimate& out) const noexcept;
+  void give_profile(FrameEstimate& out) const noexcept;
+
+  TaxelLayout layout_;
+  FrictionPrior prior_;
+  ClosingOptions options_;
+  ClosingMaps maps_;
+  std::vector<float> shear_pa_;  // along the pull
+  std::array<Trial, kSteps> trials_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,86 @@
+// Pressure maps of one contact, recorded while the gripper closed: the pressure on each taxel as a function
+// of the normal force. Frames of nearly the same force are averaged, so that a map has less noise than a
+// frame. Estimate thread; nothing allocates after construction.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace slipd {
+
+class ClosingMaps {
+ public:
+  // The most maps that are kept.
+  static constexpr std::size_t kMaps = 32;
+  using PerMap = std::array<double, kMaps>;
+
+  // A weighted sum of at most four maps; a weight of 0 for those that are not in it.
+  struct Sum {
+    static constexpr std::size_t kTerms = 4;
+    std::array<std::size_t, kTerms> map{};
+    std::array<double, kTerms> weight{};
+  };
+
+  // taxels: of each frame, > 0.
+  explicit ClosingMaps(std::size_t taxels);
+
+  // Another contact: no maps.
+  void clear() noexcept;
+
+  // Frames in the mean that a frame of this force would be added to.
+  double frames_like(double normal_n) const noexcept;
+  // Adds a frame. normal_pa: of each taxel, Pa. normal_n: their resultant, N, > 0.
+  void add(std::span<const float> normal_pa, double normal_n) noexcept;
+
+  // Maps, in order of their forces.
+  std::size_t size() const noexcept { return size_; }
+  // The mean force of a map, N; rising with `map`, which is below size().
+  double force_n(std::size_t map) const noexcept { return maps_[order_[map]].force_n; }
+  // Frames in its mean.
+  double frames(std::size_t map) const noexcept { return maps_[order_[map]].frames; }
+
+  // The map of a force as a sum of the two that lie about it, or of the first one and no pressure; above the
+  // last force, of the last two as they go on. normal_n >= 0, size() > 0.
+  Sum at(double normal_n) const noexcept;
+  // a - b.
+  static Sum difference(const Sum& a, const Sum& b) noexcept;
+
+  // Sums over taxels of a map's pressure by each taxel's value; for maps below size().
+  PerMap products(std::span<const float> values) const noexcept;
+  // The same of a sum of maps, from what products() gave.
+  static double product(const Sum& sum, const PerMap& products) noexcept;
+  // The sum over taxels of the squares of a sum of maps, Pa^2, less what noise adds to it.
+  // noise_pa: standard deviation of one taxel in one frame.
+  double square_pa2(const Sum& sum, double noise_pa) const noexcept;
+  // Variance of one taxel of a sum of maps, over that of a frame's.
+  double noise_share(const Sum& sum) const noexcept;
+
+ private:
+  struct Map {
+    double frames = 0;  // 0: there is none
+    double force_n = 0;
+  };
+
+  std::span<float> values_of(std::size_t slot) noexcept {
+    return std::span(values_).subspan(slot * taxels_, taxels_);
+  }
+  std::span<const float> values_of(std::size_t slot) const noexcept {
+    return std::span(values_).subspan(slot * taxels_, taxels_);
+  }
+  void halve() noexcept;
+  void join(std::size_t into, std::size_t first, std::size_t second) noexcept;
+  void sort_out() noexcept;
+
+  std::size_t taxels_;
+  std::vector<float> values_;  // kMaps maps, one after the other
+  // By slot: of forces whose square root is between slot and slot + 1 times root_step_.
+  std::array<Map, kMaps> maps_;
+  std::array<PerMap, kMaps> products_{};  // of the maps of two slots, Pa^2
+  double root_step_ = 0;                  // sqrt(N); 0: no map yet
+  std::size_t size_ = 0;
+  std::array<std::size_t, kMaps> order_{};  // slots that have a map
+};
+
+}  // namespace slipd

@@ -1,0 +1,583 @@
+#include "core/estimate/imprint_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "core/estimate/posterior_sums.hpp"
+#include "core/simd/instruction_sets.hpp"
+
+namespace slipd {
+namespace {
+
+using contact::FeltTensor;
+using Sheet = contact::SubsurfaceSheet;
+
+constexpr std::size_t kProfileSteps = MarginProfile::kSteps;
+
+double gamma_of_profile_step(std::size_t j) noexcept {
+  return (static_cast<double>(j) + 0.5) / kProfileSteps;
+}
+
+// An ellipse's axes are apart by at least this, log of their ratio: else its angle means nothing.
+constexpr double kLeastLogAxes = 1e-3;
+
+// Rows of a sheet, by Sheet::Of.
+struct SheetRows {
+  explicit SheetRows(const Sheet& sheet) noexcept {
+    for (std::size_t of = 0; of < Sheet::kRows; ++of) {
+      for (std::size_t c = 0; c < Sheet::kComponents; ++c)
+        row[of][c] = sheet.row(static_cast<Sheet::Of>(of), static_cast<Sheet::Component>(c)).data();
+    }
+  }
+  [[gnu::always_inline]] FeltTensor at(Sheet::Of of, std::size_t i) const noexcept {
+    const auto& r = row[of];
+    return {r[0][i], r[1][i], r[2][i], r[3][i], r[4][i], r[5][i]};
+  }
+  std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
+};
+
+[[gnu::always_inline]] inline FeltTensor sum(double a, const FeltTensor& t, double b,
+                                             const FeltTensor& r) noexcept {
+  return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny,
+          a * t.xx + b * r.xx, a * t.xy + b * r.xy, a * t.yy + b * r.yy};
+}
+
+struct Felt {
+  double n = 0, x = 0, y = 0;
+};
+
+// Of a pressure and of a shear along (c, s), with the tensor of each.
+[[gnu::always_inline]] inline Felt felt_of(double p, const FeltTensor& of_p, double q, double c, double s,
+                                           const FeltTensor& of_q) noexcept {
+  return {p * of_p.nn + q * (c * of_q.nx + s * of_q.ny), p * of_p.nx + q * (c * of_q.xx + s * of_q.xy),
+          p * of_p.ny + q * (c * of_q.xy + s * of_q.yy)};
+}
+
+// What the slopes of all residuals are made of: both domes' rows, and the unknowns in the form that loops
+// take.
+struct SlopeInput {
+  SheetRows outer, inner;
+  contact::Ellipse wide, narrow;
+  double peak, shear, k, rest, dk;  // p0, p0 T/(1 - Gamma), cbrt(Gamma), 1 - Gamma, dk/dGamma
+  double c, s;                      // of the pull's direction
+  double c2, s2, turn;              // of twice the ellipse's angle; angle by a step across
+  double per_size, per_normal, per_shear;
+  const double* data;
+  double* residuals;
+  std::array<double*, 9> column;
+  std::size_t count;
+};
+// Columns, as ImprintFit::Unknown.
+enum Column : std::uint8_t {
+  at_x,
+  at_y,
+  at_size,
+  at_peak,
+  at_load,
+  at_margin,
+  at_direction,
+  at_along,
+  at_across
+};
+
+template <bool kElliptic>
+[[gnu::always_inline]] inline void fill_slopes(const SlopeInput& by) noexcept {
+  const std::size_t n = by.count;
+  const double c = by.c, s = by.s, p = by.peak, q = by.shear, k = by.k;
+#pragma omp simd
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto put = [&](Column column, double normal, double x, double y) {
+      double* const to = by.column[column] + i;
+      to[0] = by.per_normal * normal;
+      to[n] = by.per_shear * x;
+      to[2 * n] = by.per_shear * y;
+    };
+    const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
+      return felt_of(p, o, q, c, s, sum(1, o, -k, in));
+    };
+    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
+                     m = sum(1, o, -k, in);
+    const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
+               turned = felt_of(0, o, q, -s, c, m);
+    by.residuals[i] = by.per_normal * (all.n - by.data[i]);
+    by.residuals[n + i] = by.per_shear * (all.x - by.data[n + i]);
+    by.residuals[2 * n + i] = by.per_shear * (all.y - by.data[2 * n + i]);
+    const Felt mu = moved(by.outer.at(Sheet::d_u, i), by.inner.at(Sheet::d_u, i)),
+               mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
+    put(at_x, -mu.n, -mu.x, -mu.y);
+    put(at_y, -mv.n, -mv.x, -mv.y);
+    const FeltTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
+    FeltTensor so = sum(by.wide.a_m, oa, 0, oa), si = sum(by.narrow.a_m, ia, 0, ia);
+    if constexpr (kElliptic) {
+      const FeltTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
+      const Felt longer = moved(sum(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
+                                sum(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
+                 angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
+      const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
+      put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
+          by.c2 * longer.y + y * angle.y);
+      put(at_across, by.s2 * longer.n + x * angle.n, by.s2 * longer.x + x * angle.x,
+          by.s2 * longer.y + x * angle.y);
+      so = sum(1, so, by.wide.b_m, ob);
+      si = sum(1, si, by.narrow.b_m, ib);
+    }
+    const Felt grown = moved(so, si), by_k = felt_of(0, o, q, c, s, sum(-1, in, -1, si));
+    put(at_size, by.per_size * grown.n, by.per_size * grown.x, by.per_size * grown.y);
+    put(at_peak, all.n / p, all.x / p, all.y / p);
+    put(at_load, p / by.rest * shear.n, p / by.rest * shear.x, p / by.rest * shear.y);
+    put(at_margin, q / by.rest * shear.n + by.dk * by_k.n, q / by.rest * shear.x + by.dk * by_k.x,
+        q / by.rest * shear.y + by.dk * by_k.y);
+    put(at_direction, turned.n, turned.x, turned.y);
+  }
+}
+
+[[gnu::always_inline]] inline double product(const double* one, const double* two,
+                                             std::size_t count) noexcept {
+  double all = 0;
+#pragma omp simd reduction(+ : all)
+  for (std::size_t i = 0; i < count; ++i) all += one[i] * two[i];
+  return all;
+}
+
+// Products of the columns with each other, the lower half row by row, and then with the residuals.
+[[gnu::always_inline]] inline void fill_products(const SlopeInput& by, int unknowns, double* to) noexcept {
+  const std::size_t rows = 3 * by.count;
+  const auto count = static_cast<std::size_t>(unknowns);
+  for (std::size_t row = 0; row < count; ++row) {
+    for (std::size_t col = 0; col <= row; ++col) *to++ = product(by.column[row], by.column[col], rows);
+  }
+  for (std::size_t row = 0; row < count; ++row) *to++ = product(by.column[row], by.residuals, rows);
+}
+
+[[gnu::always_inline]] inline void linearise(const SlopeInput& by, int unknowns, double* products) noexcept {
+  if (unknowns > at_along) {
+    fill_slopes<true>(by);
+  } else {
+    fill_slopes<false>(by);
+  }
+  fill_products(by, unknowns, products);
+}
+
+// As in core/contact/dome_sheet.cpp.
+struct ImprintKernels {
+  using Kernel = void (*)(const SlopeInput&, int, double*) noexcept;
+  Kernel linearised;
+  static const ImprintKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+void linearise_on_baseline(const SlopeInput& by, int unknowns, double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+const ImprintKernels ImprintKernels::baseline{linearise_on_baseline};
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void linearise_on_avx2(const SlopeInput& by, int unknowns,
+                                                   double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void linearise_on_avx512(const SlopeInput& by, int unknowns,
+                                                                      double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+const ImprintKernels ImprintKernels::avx2{linearise_on_avx2};
+const ImprintKernels ImprintKernels::avx512{linearise_on_avx512};
+#endif
+
+}  // namespace
+
+ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m,
+                       const FitOptions& fit, const ImprintFitOptions& options)
+    : layout_(layout),
+      fit_(fit),
+      options_(options),
+      prior_{.expected = friction_expected, .spread = fit.prior.scene_spread},
+      depth_m_(depth_m),
+      outer_(layout.size(), layout.side_m(), depth_m),
+      inner_(layout.size(), layout.side_m(), depth_m) {
+  for (auto* list : {&x_, &y_, &u_, &v_}) list->resize(layout.size());
+  const auto rows = 3 * static_cast<Eigen::Index>(layout.size());
+  data_.resize(rows);
+  residuals_.resize(rows);
+  slopes_.resize(rows, kMost);
+  best_kernels<ImprintKernels>();  // not first within a frame
+}
+
+std::size_t ImprintFit::memory_bytes() const noexcept {
+  const std::size_t components = depth_m_ > 0 ? std::size_t{Sheet::kComponents} : 1;
+  return sizeof(*this) +
+         layout_.size() * sizeof(double) * (4 + 3 * (2 + kMost) + 2 * Sheet::kRows * components);
+}
+
+// In a frame with x along the resultant. Under a skin, what lies around the disc is felt as well.
+void ImprintFit::collect(const ContactPatch& patch) noexcept {
+  count_ = 0;
+  const double c = patch.direction_x, s = patch.direction_y;
+  const auto take = [&](std::uint32_t i) {
+    const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
+    x_[count_] = c * x + s * y;
+    y_[count_] = c * y - s * x;
+    u_[count_] = i;
+    ++count_;
+  };
+  if (!(depth_m_ > 0)) {
+    patch.for_each_inside(take);
+  } else {
+    const double reach = 1.06 * patch.radius_m + 0.71 * layout_.side_m() + options_.reach_depths * depth_m_;
+    const bool all = layout_.size() <= kFewTaxels;
+    for (std::uint32_t i = 0; i < layout_.size(); ++i) {
+      const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
+      if (all || x * x + y * y < reach * reach) take(i);
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(count_);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto i = static_cast<std::uint32_t>(u_[static_cast<std::size_t>(j)]);
+    const double qx = patch.taxels.shear_x_pa[i], qy = patch.taxels.shear_y_pa[i];
+    data_[j] = patch.taxels.normal_pa[i];
+    data_[n + j] = c * qx + s * qy;
+    data_[2 * n + j] = c * qy - s * qx;
+  }
+}
+
+// The felt pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P.
+ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
+  constexpr double kLeastShare = 0.4;  // of the felt radius
+  const double felt = patch.radius_m;
+  const double a = std::sqrt(std::max(felt * felt - options_.start_spread * depth_m_ * depth_m_,
+                                      kLeastShare * kLeastShare * felt * felt));
+  Full at = Full::Zero();
+  at[load] = ratio.load;
+  at[center_x] = -depth_m_ * ratio.load;
+  at[size] = a;
+  at[peak] = 1.5 * patch.normal_n / (std::numbers::pi * a * a);
+  at[margin] = depth_m_ > 0 ? options_.start_gamma
+                            : std::clamp(gamma_of_moment_ratio(ratio.value), fit_.min_start, fit_.max_start);
+  return at;
+}
+
+contact::Ellipse ImprintFit::ellipse_of(const Full& at, double scale) noexcept {
+  const double apart = std::hypot(at[along], at[across]), stretch = std::exp(0.5 * apart);
+  return {scale * at[size] * stretch, scale * at[size] / stretch, 0.5 * std::atan2(at[across], at[along])};
+}
+
+void ImprintFit::place(const Full& at) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    u_[i] = x_[i] - at[center_x];
+    v_[i] = y_[i] - at[center_y];
+  }
+}
+
+double ImprintFit::evaluate(const Full& from, int unknowns, Vector& gradient, Square& hessian) noexcept {
+  Full at = from;
+  if (unknowns == kRound) {
+    at[along] = at[across] = 0;
+  } else if (std::hypot(at[along], at[across]) < kLeastLogAxes) {
+    at[along] = kLeastLogAxes;
+    at[across] = 0;
+  }
+  place(at);
+  const double k = std::cbrt(at[margin]), rest = 1 - at[margin], apart = std::hypot(at[along], at[across]);
+  const contact::Ellipse wide = ellipse_of(at, 1), narrow = ellipse_of(at, k);
+  outer_.evaluate(wide, {u_.data(), count_}, {v_.data(), count_});
+  inner_.evaluate(narrow, {u_.data(), count_}, {v_.data(), count_});
+  const double per_apart = apart > 0 ? 1 / apart : 0;
+  SlopeInput by{.outer = SheetRows(outer_),
+                .inner = SheetRows(inner_),
+                .wide = wide,
+                .narrow = narrow,
+                .peak = at[peak],
+                .shear = at[peak] * at[load] / rest,
+                .k = k,
+                .rest = rest,
+                .dk = 1 / (3 * k * k),
+                .c = std::cos(at[direction]),
+                .s = std::sin(at[direction]),
+                .c2 = at[along] * per_apart,
+                .s2 = at[across] * per_apart,
+                .turn = 0.5 * per_apart,
+                .per_size = 1 / at[size],
+                .per_normal = 1 / noise_normal_,
+                .per_shear = 1 / noise_shear_,
+                .data = data_.data(),
+                .residuals = residuals_.data(),
+                .column = {},
+                .count = count_};
+  for (int j = 0; j < unknowns; ++j) by.column[static_cast<std::size_t>(j)] = slopes_.col(j).data();
+  std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
+  best_kernels<ImprintKernels>().linearised(by, unknowns, products.data());
+  gradient.resize(unknowns);
+  hessian.resize(unknowns, unknowns);
+  const double* next = products.data();
+  for (int row = 0; row < unknowns; ++row) {
+    for (int col = 0; col <= row; ++col) hessian(row, col) = hessian(col, row) = *next++;
+  }
+  for (int row = 0; row < unknowns; ++row) gradient[row] = *next++;
+  return 0.5 * residuals_.head(3 * static_cast<Eigen::Index>(count_)).squaredNorm();
+}
+
+void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
+  constexpr double kMostFall = 3;  // of the peak pressure in one step: it stays above 0
+  Vector trial_gradient;
+  Square trial_hessian;
+  double damping = fit_.first_damping;
+  best.converged = false;
+  best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
+  for (int step_number = 0; step_number < kMostSteps && !best.converged; ++step_number, ++steps_) {
+    Square damped = best.hessian;
+    damped.diagonal() *= 1 + damping;
+    const Vector step = -damped.ldlt().solve(best.gradient);
+    Full trial = best.at;
+    trial.head(unknowns) += step;
+    trial[margin] = std::clamp(trial[margin], fit_.min_gamma, fit_.max_gamma);
+    trial[size] = std::clamp(trial[size], best.at[size] / fit_.max_radius_factor,
+                             best.at[size] * fit_.max_radius_factor);
+    const double apart = std::hypot(trial[along], trial[across]);
+    if (apart > options_.max_log_axes) {
+      trial[along] *= options_.max_log_axes / apart;
+      trial[across] *= options_.max_log_axes / apart;
+    }
+    if (!trial.allFinite()) break;
+    trial[peak] = std::max(trial[peak], best.at[peak] / kMostFall);
+    const double trial_cost = evaluate(trial, unknowns, trial_gradient, trial_hessian);
+    if (trial_cost <= best.cost) {
+      const auto moved = (trial - best.at).head(unknowns).array().abs();
+      const double moved_sigmas = (moved * best.hessian.diagonal().array().sqrt()).maxCoeff();
+      best.converged = best.cost - trial_cost < options_.settled_nats;
+      best.at = trial;
+      best.cost = trial_cost;
+      best.gradient = trial_gradient;
+      best.hessian = trial_hessian;
+      damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
+      best.converged = best.converged || moved_sigmas < fit_.converged_sigmas;
+    } else {
+      damping *= fit_.damping_factor;
+      best.converged = damping > fit_.max_damping || -0.5 * step.dot(best.gradient) < options_.settled_nats;
+    }
+  }
+}
+
+// Root mean squares of what is left over, each channel with its share of the unknowns.
+void ImprintFit::measure_noise(const Minimum& best, int unknowns) noexcept {
+  const auto n = static_cast<Eigen::Index>(count_);
+  const double used = 1 - unknowns / (3.0 * static_cast<double>(n));
+  const double floor_pa = fit_.noise_floor * best.at[peak];
+  noise_normal_ = std::max(floor_pa, noise_normal_ * std::sqrt(residuals_.head(n).squaredNorm() /
+                                                               (used * static_cast<double>(n))));
+  noise_shear_ = std::max(floor_pa, noise_shear_ * std::sqrt(residuals_.segment(n, 2 * n).squaredNorm() /
+                                                             (used * 2 * static_cast<double>(n))));
+}
+
+// By one step of Newton's method from the best round contact.
+bool ImprintFit::shows_ellipse(const Minimum& round) noexcept {
+  Vector gradient;
+  Square hessian;
+  evaluate(round.at, kMost, gradient, hessian);
+  const Vector step = -hessian.ldlt().solve(gradient);
+  const Square covariance = hessian.ldlt().solve(Square::Identity(kMost, kMost));
+  const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
+  const Eigen::Vector2d axes = step.tail<2>();
+  const double squares = axes.dot(spread.ldlt().solve(axes));
+  return squares > options_.elliptic_sigmas * options_.elliptic_sigmas;
+}
+
+// As Fit::residual_pressure, about the ellipse: part by part, where it lies clearly above noise.
+double ImprintFit::residual_pressure(const Full& at) const noexcept {
+  struct Part {
+    double off = 0, taxels = 0;
+  };
+  std::array<Part, 16> parts;
+  const double half = 0.5 * at[size] * at[size];
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double u = u_[i], v = v_[i];
+    Part& part = parts[(u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) + (std::fabs(u) > std::fabs(v) ? 4U : 0U) +
+                       (u * u + v * v > half ? 8U : 0U)];
+    part.off += noise_normal_ * residuals_[static_cast<Eigen::Index>(i)];
+    part.taxels += 1;
+  }
+  double squares = 0;
+  for (const Part& part : parts) squares += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
+  const double fitted = elliptic_ ? 6 : 4, free = static_cast<double>(parts.size()) - fitted;
+  const double by_noise = noise_normal_ * noise_normal_;
+  if (squares < (free + fit_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
+  return std::sqrt((squares - free * by_noise) / static_cast<double>(count_)) / at[peak];
+}
+
+bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum,
+                          FrameEstimate& out) const noexcept {
+  const Full& at = minimum.at;
+  const Vector scale = minimum.hessian.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return false;
+  const Square even = scale.asDiagonal() * minimum.hessian * scale.asDiagonal();
+  const auto decomposed = even.ldlt();
+  const auto unit = [&](int which) -> Vector {
+    Vector column = Vector::Zero(scale.size());
+    column[which] = 1;
+    return decomposed.solve(column);
+  };
+  const double variance = unit(margin)[margin] * scale[margin] * scale[margin];
+  const double load_variance = unit(load)[load] * scale[load] * scale[load];
+  if (!(variance > 0) || !std::isfinite(variance)) return false;
+  out.gamma = at[margin];
+  out.sigma = std::sqrt(variance);
+  const double mobilised = 1 - out.gamma;
+  out.friction = at[load] / mobilised;
+  out.friction_sigma =
+      out.sigma < fit_.max_friction_share * mobilised && load_variance > 0
+          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(load_variance) / at[load])
+          : std::numeric_limits<double>::infinity();
+  const double c = patch.direction_x, s = patch.direction_y;
+  out.center_x_m = patch.center_x_m + c * at[center_x] - s * at[center_y];
+  out.center_y_m = patch.center_y_m + s * at[center_x] + c * at[center_y];
+  out.radius_m = at[size];
+  out.normal_n = 2.0 / 3 * std::numbers::pi * at[size] * at[size] * at[peak];
+  out.shear_n = at[load] * out.normal_n;
+  return true;
+}
+
+// As Fit::weigh_by_prior: the likelihood of each margin, with place and shape held and the load best for it.
+void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept {
+  const Square covariance = hessian.ldlt().solve(Square::Identity(hessian.rows(), hessian.cols()));
+  const double held =
+      1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
+  const double kept = held / covariance(margin, margin);
+  const double share = kept > 0 && kept < 1 ? std::max(kept, fit_.min_profile_share) : 1;
+  const double c = std::cos(at[direction]), s = std::sin(at[direction]);
+  const double p = at[peak], wn = 1 / noise_normal_, ws = 1 / noise_shear_;
+  const std::size_t n = count_;
+  std::array<double, kProfileSteps> nats, friction;
+  auto& profile = out.profile;
+  double least = std::numeric_limits<double>::infinity(), least_nats = least;
+  const SheetRows outer(outer_);
+  for (std::size_t j = 0; j < kProfileSteps; ++j) {
+    const double gamma = gamma_of_profile_step(j), k = std::cbrt(gamma), q = p / (1 - gamma);
+    inner_.evaluate_values(ellipse_of(at, k), {u_.data(), n}, {v_.data(), n});
+    const SheetRows inner(inner_);
+    double square = 0, product = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const FeltTensor o = outer.at(Sheet::value, i), m = sum(1, o, -k, inner.at(Sheet::value, i));
+      const Felt g = felt_of(0, o, q, c, s, m);
+      const double left_n = data_[static_cast<Eigen::Index>(i)] - p * o.nn,
+                   left_x = data_[static_cast<Eigen::Index>(n + i)] - p * o.nx,
+                   left_y = data_[static_cast<Eigen::Index>(2 * n + i)] - p * o.ny;
+      square += wn * wn * g.n * g.n + ws * ws * (g.x * g.x + g.y * g.y);
+      product += wn * wn * g.n * left_n + ws * ws * (g.x * left_x + g.y * left_y);
+    }
+    const double t = std::max(fit_.min_traction_ratio, product / square);
+    friction[j] = t / (1 - gamma);
+    profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product);
+    nats[j] = profile.misfit[j] + prior_.nats_against(friction[j]);
+    least = std::min(least, profile.misfit[j]);
+    least_nats = std::min(least_nats, nats[j]);
+  }
+  for (double& value : profile.misfit) value -= least;
+  profile.known = true;
+  PosteriorSums margins, frictions;
+  for (std::size_t j = 0; j < kProfileSteps; ++j) {
+    const double w = std::exp(least_nats - nats[j]);
+    margins.add(w, gamma_of_profile_step(j));
+    frictions.add(w, friction[j]);
+  }
+  constexpr double kStep = 1.0 / kProfileSteps;
+  const double mobilised = std::max(1 - margins.mean(), kStep / 2);
+  out.gamma = margins.mean();
+  out.sigma = std::sqrt(margins.variance() + variance_of_step(kStep));
+  out.friction = frictions.mean();
+  out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
+}
+
+// Round first; anew from another margin where it ends at an end of the range; then what noise is left over,
+// and the ellipse if there is one.
+ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
+  Minimum best;
+  best.at = start(patch, ratio);
+  const double floor_pa = fit_.noise_floor * best.at[peak];
+  const bool skin = depth_m_ > 0;
+  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa);
+  noise_shear_ = skin ? noise_normal_ : std::max(patch.noise_shear_pa, floor_pa);
+  minimise(kRound, best);
+  if (best.at[margin] < fit_.min_start || best.at[margin] > fit_.max_start) {
+    Minimum other;
+    other.at = start(patch, ratio);
+    other.at[margin] = options_.other_gamma;
+    minimise(kRound, other);
+    if (other.cost < best.cost) best = other;
+  }
+  // Where only the noise's size changes, and not that of one channel against the others, the minimum stays.
+  const auto weights_changed = [&](int unknowns) {
+    const double before = noise_shear_ / noise_normal_;
+    evaluate(best.at, unknowns, best.gradient, best.hessian);
+    measure_noise(best, unknowns);
+    return std::fabs(std::log(noise_shear_ / noise_normal_ / before)) > options_.other_weights;
+  };
+  const bool changed = skin && weights_changed(kRound);
+  elliptic_ = shows_ellipse(best);
+  const int unknowns = elliptic_ ? int{kMost} : int{kRound};
+  if (elliptic_ || changed) minimise(unknowns, best);
+  if (skin && elliptic_ && weights_changed(unknowns)) minimise(unknowns, best);
+  best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
+  return best;
+}
+
+double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) noexcept {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  count_ = layout_.size();
+  const double c = std::cos(truth.pull_rad), s = std::sin(truth.pull_rad);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double x = layout_.x_m()[i] - truth.x_m, y = layout_.y_m()[i] - truth.y_m;
+    x_[i] = c * x + s * y;
+    y_[i] = c * y - s * x;
+  }
+  data_.setZero();
+  noise_normal_ = noise_shear_ = 1;
+  const contact::Ellipse& ellipse = truth.ellipse;
+  const double log_axes = std::log(ellipse.a_m / ellipse.b_m),
+               twice = 2 * (ellipse.angle_rad - truth.pull_rad);
+  Full at = Full::Zero();
+  at[size] = std::sqrt(ellipse.a_m * ellipse.b_m);
+  at[peak] = 1;
+  at[load] = truth.load;
+  at[margin] = truth.gamma;
+  at[along] = log_axes * std::cos(twice);
+  at[across] = log_axes * std::sin(twice);
+  Vector gradient;
+  Square hessian;
+  evaluate(at, ellipse.round() ? int{kRound} : int{kMost}, gradient, hessian);
+  const double greatest = residuals_.head(static_cast<Eigen::Index>(count_)).maxCoeff();
+  const Vector scale = hessian.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return kInfinite;
+  const Square even = scale.asDiagonal() * hessian * scale.asDiagonal();
+  Vector unit = Vector::Zero(scale.size());
+  unit[margin] = 1;
+  const Vector column = even.ldlt().solve(unit);
+  const double variance = column[margin] * scale[margin] * scale[margin];
+  return variance > 0 && std::isfinite(variance) ? noise_share * greatest * std::sqrt(variance) : kInfinite;
+}
+
+FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
+  FrameEstimate out;
+  steps_ = 0;
+  elliptic_ = false;
+  collect(patch);
+  if (!(ratio.load > 0) || count_ < kMost) return out;
+  const Minimum minimum = fit_contact(patch, ratio);
+  const Full& at = minimum.at;
+  if (layout_.size() <= kFewTaxels) {
+    weigh_by_prior(at, minimum.hessian, out);
+    out.in_model = minimum.converged;
+    return out;
+  }
+  if (!minimum.converged || !describe(patch, minimum, out)) return out;
+  const double residual = residual_pressure(at);
+  if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
+  out.in_model = residual < options_.max_residual;
+  out.common_sigma = fit_.pressure_sigma * residual;
+  out.sigma = std::hypot(out.sigma, out.common_sigma);
+  out.friction_sigma =
+      std::hypot(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);
+  return out;
+}
+
+}  // namespace slipd

@@ -1,0 +1,141 @@
+// Maximum likelihood for contacts that are elliptic or felt through a skin (docs/theory.md §10.8): as Fit,
+// with the shear's second component, its direction and the ellipse unknown as well.
+//
+// Unknown are the centre, the mean radius s (a b = s^2), the peak pressure p0, the load T = Q/P, Gamma, the
+// direction of the pull, and of an ellipse e (cos 2 phi, sin 2 phi) with e = log(a/b) and phi its long axis:
+//   p = p0 D(1),   q = p0 T (D(1) - k D(k)) / (1 - Gamma),   k^3 = Gamma,
+// D(x) the dome of unit height over the ellipse x times as large, and what is felt of it at the taxels'
+// depth. A round contact is fitted first; an ellipse only where one step from there shows that it is none.
+//
+// Under a skin no taxel is free of the contact, so that noise is measured by what the fit leaves over.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "core/contact/scene.hpp"
+#include "core/contact/subsurface.hpp"
+#include "core/estimate/fit_options.hpp"
+#include "core/estimate/method.hpp"
+
+namespace slipd {
+
+// Checked with `sliplab tradeoff --imprints`. side: a taxel's side.
+struct ImprintFitOptions {
+  // Taxels count that lie within this many depths of the skin outside the patch's disc; 0 … 5. Too small: the
+  // shear's flank, which shows the margin, is left out. Too large: costs time.
+  double reach_depths = 1;
+  // What of the skin's spread is taken off the felt radius at the start, over d^2; 0 … 5. Too small and too
+  // large: more steps.
+  double start_spread = 3;
+  // Gamma from which the fit starts under a skin, and from which it starts anew where it ends at one end of
+  // its range; Gamma, within FitOptions' range.
+  double start_gamma = 0.5;
+  double other_gamma = 0.9;
+  // An ellipse is fitted where one step away from a round contact is at least so many standard deviations
+  // long; 2 … 6. Too small: costs time for nothing. Too large: ellipses are read as round contacts.
+  double elliptic_sigmas = 3;
+  // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
+  // refused. Too large: noise makes needles of small contacts.
+  double max_log_axes = 1.1;
+  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05. Too
+  // small: more steps, for nothing. Too large: it stops before the minimum.
+  double settled_nats = 2e-3;
+  // Change of the shear's noise over the pressure's, log, from which on the fit is done again; 0.02 … 0.5.
+  // Too small: costs time. Too large: channels are weighed wrongly.
+  double other_weights = 0.15;
+  // Residual of the pressure, of its peak, from which on the contact is none of this kind; 0.005 … 0.1. Too
+  // small: real skins are refused. Too large: double contacts and edges are answered.
+  double max_residual = 0.03;
+};
+
+// A contact that is known.
+struct KnownImprint {
+  // Its centre, m.
+  double x_m = 0, y_m = 0;
+  // The ellipse that it covers; 0 < a, b.
+  contact::Ellipse ellipse;
+  // Q/P > 0, Gamma in (0, 1), and the direction of Q from x to y, rad.
+  double load = 0, gamma = 0, pull_rad = 0;
+};
+
+class ImprintFit {
+ public:
+  // depth_m: of the taxels, >= 0, known.
+  ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
+             const ImprintFitOptions& options = {});
+
+  // Estimate thread. Allocates nothing. `start`: of the moments, at depth 0; under a skin only its load is
+  // used. in_model as that of Fit.
+  FrameEstimate estimate(const ContactPatch& patch, const MomentRatio& start) noexcept;
+
+  // As those of Fit.
+  static constexpr std::size_t kFewTaxels = 40;
+  static constexpr int kMostSteps = 15;
+  // The Cramér–Rao bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all
+  // channels, over the greatest pressure felt; of a round ellipse without its axes unknown. Infinite where
+  // the frame has no information. Changes what the fit holds of its last frame.
+  double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
+
+  int steps() const noexcept { return steps_; }         // that the last frame took
+  bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
+  std::size_t memory_bytes() const noexcept;
+
+ private:
+  enum Unknown {
+    center_x,
+    center_y,
+    size,
+    peak,
+    load,
+    margin,
+    direction,
+    kRound,
+    along = kRound,
+    across,
+    kMost
+  };
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
+  using Full = Eigen::Matrix<double, kMost, 1>;
+
+  struct Minimum {
+    Full at;
+    Square hessian;
+    Vector gradient;
+    double cost = 0;
+    bool converged = false;
+  };
+  void collect(const ContactPatch& patch) noexcept;
+  Full start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
+  void place(const Full& at) noexcept;
+  static contact::Ellipse ellipse_of(const Full& at, double scale) noexcept;
+  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian, by so many
+  // unknowns.
+  double evaluate(const Full& at, int unknowns, Vector& gradient, Square& hessian) noexcept;
+  void minimise(int unknowns, Minimum& best) noexcept;
+  Minimum fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept;
+  bool shows_ellipse(const Minimum& round) noexcept;
+  void measure_noise(const Minimum& at, int unknowns) noexcept;
+  double residual_pressure(const Full& at) const noexcept;
+  bool describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept;
+  void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;
+
+  TaxelLayout layout_;
+  FitOptions fit_;
+  ImprintFitOptions options_;
+  FrictionPrior prior_;
+  double depth_m_;
+  contact::SubsurfaceSheet outer_, inner_;
+  std::size_t count_ = 0;
+  double noise_normal_ = 1, noise_shear_ = 1;
+  int steps_ = 0;
+  bool elliptic_ = false;
+  std::vector<double> x_, y_, u_, v_;
+  // Of each taxel normal, shear along the resultant and across it.
+  Eigen::VectorXd data_, residuals_;
+  Eigen::Matrix<double, Eigen::Dynamic, kMost> slopes_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,69 @@
+// The margin under force and torque from how far out the shear lies, where a taxel is too coarse to show which
+// part slips (docs/theory.md §10.7): what moments are for a pull (§7.1). For loads that rose in a straight
+// line, on round contacts. Estimate thread; allocates nothing.
+#pragma once
+
+#include "core/estimate/hertz_deviation.hpp"
+#include "core/estimate/method.hpp"
+#include "core/estimate/turning_load.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+// Gamma of a load that rose in a straight line: `ratio` is the moment ratio of (10.5), `spin_share` the
+// object's spin times a over that and its speed together, 0 (a pull) … 1 (a torque alone). 0 … 1.
+double gamma_of_turning_ratio(double ratio, double spin_share) noexcept;
+
+// Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with `sliplab
+// torque --sides 16,32`.
+struct TurningMomentsOptions {
+  HertzDeviationOptions deviation;
+  // Error of the ratio by square taxels, over (side/a)^2; 0 … 1. Too small: sigma is less than the error on
+  // coarse arrays. Too large: it is more, and they are refused.
+  double rim_error = 0.1;
+  // Floor of the ratio's sigma: of the relation to Gamma, and of ways that are not quite straight; 0 … 0.1.
+  // Too small and too large: as above.
+  double ratio_floor = 0.015;
+  // The ratio of fourth moments agrees with that of a half space within this, this much over (side/a)^2, and
+  // this many standard deviations of the ratio; 0.02 … 0.2, 0 … 1, 2 … 8. Too small: half spaces are refused.
+  // Too large: skins whose points give by themselves, and other histories, pass.
+  double fourth_slack = 0.05;
+  double fourth_rim = 0.1;
+  double fourth_sigmas = 3;
+  // Contacts with a smaller side/a are left to the taxels that slip, which ask for no half space; 0 … 0.4. Too
+  // small: skins whose points give by themselves get margins that are too low. Too large: coarse arrays get no
+  // answer.
+  double least_coarse = 0.15;
+  // A ratio with more noise shows neither history nor half space; 0.005 … 0.1. Too small: light loads get no
+  // answer. Too large: other histories and skins pass.
+  double max_noise = 0.02;
+  // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
+  // frames near slip unanswered. Too large: other histories pass.
+  double range_sigmas = 3;
+  // Friction is given below this relative standard deviation; 0.02 … 0.3. Too small: only heavy loads are
+  // answered. Too large: friction that says little.
+  double max_sigma = 0.15;
+};
+
+class TurningMoments {
+ public:
+  explicit TurningMoments(const TaxelLayout& layout, const TurningMomentsOptions& options = {});
+
+  // `loaded`: as SlippingTaxels takes it; `load`: of that frame, bending. in_model is false for contacts that
+  // are cut or not round, and for other histories as far as the ratio shows them. `turning` is set.
+  FrameEstimate estimate(const ContactPatch& loaded, const TurningLoadResult& load) const noexcept;
+
+ private:
+  // Of (10.5), its standard deviation by noise, and the same ratio of fourth moments.
+  struct Ratio {
+    double value = 0, noise = 0, fourth = 0;
+  };
+  bool half_space(const Ratio& ratio, double gamma, double coarse) const noexcept;
+  Ratio ratio_of(const ContactPatch& patch, double along, double spin) const noexcept;
+
+  TurningMomentsOptions options_;
+  double side_m_, area_m2_;
+};
+
+}  // namespace slipd

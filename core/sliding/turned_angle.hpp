@@ -1,0 +1,100 @@
+// By which angle the object has turned over the skin since the contact settled (docs/theory.md §13.2). The
+// pressure's pattern turns with the object: its moments of two, three and four arms about the contact's
+// centre, with their directions. A round contact has none, and its angle is not known. Estimate thread; fixed
+// memory.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <optional>
+
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+// Checked with tests/core/sliding/turned_angle_test.cpp. side: a taxel's side; a: the contact's radius.
+struct TurnedAngleOptions {
+  // Time between frames that are looked at, s, 0.005 … 0.05; slower sensors' frames all are. Too small: costs
+  // time. Too large: more noise, and fast turns are ambiguous.
+  double spacing_s = 0.02;
+  // Share of the newest frame in the pattern that is followed; 0.05 … 1. Too small: the angle lags behind.
+  // Too large: noise.
+  double newest_share = 0.4;
+  // Frames whose mean is the pattern that angles are counted from; 1 … 50. Too small: its noise is in each
+  // angle. Too large: a turn soon after the grip is not counted.
+  int reference_frames = 5;
+  // A moment that does not exceed noise and rim by this many standard deviations has no direction; 3 … 10.
+  // Too small: round contacts get angles. Too large: weak features give none.
+  double clear_sigmas = 4;
+  // What square taxels on a round rim make of each part of a moment, over (side/a)^3; 0 … 0.5. The most of
+  // Hertz contacts anywhere on a grid, side/a from 0.1 to 1, is 0.6 of these, 4 of the root mean square. Too
+  // small: the grid's own directions pass for the object's. Too large: coarse arrays give no angle.
+  double rim_share = 0.16;
+  // An angle with a larger standard deviation is not given; rad, 0.02 … 0.3. Too small: weak features give
+  // none. Too large: angles that say little.
+  double max_sigma_rad = 0.1;
+  // After a pause as long as this without an angle the count has ended; s, 0.1 … 2. Too small: lost frames
+  // end it. Too large: a turn by more than half the angle between two arms is counted wrongly.
+  double max_gap_s = 0.5;
+  // A pattern that has not turned after the contact slid under its torque for this time belongs to the
+  // sensor; s, 0.05 … 1. Too small: slow turns are not given at first. Too large: 0 is given for an object
+  // that turns.
+  double pinned_s = 0.15;
+  // Standard deviations that the angle has to move by until then; 2 … 6. Too small: noise passes for a turn.
+  // Too large: as above.
+  double moved_sigmas = 3;
+};
+
+struct TurnedAngle {
+  // Since the contact settled, positive from x to y, not limited to one turn; rad.
+  double angle_rad = 0;
+  // Its standard deviation, rad, > 0.
+  double sigma_rad = 0;
+};
+
+// Not thread-safe. Allocates nothing.
+class TurnFollower {
+ public:
+  explicit TurnFollower(const TaxelLayout& layout, const TurnedAngleOptions& options = {});
+
+  // The contact was lost.
+  void forget() noexcept;
+  // A frame in contact. `settled`: the grip has closed (FieldCourse::settled), from when on angles are
+  // counted. `slides_turning`: the load with its torque is all that friction carries. nullopt: the contact
+  // does not show the angle, or has not settled.
+  std::optional<TurnedAngle> update(std::int64_t time_ns, const ContactPatch& patch, bool settled,
+                                    bool slides_turning) noexcept;
+
+ private:
+  static constexpr int kLeastArms = 2;
+  static constexpr std::size_t kOrders = 3;  // two, three and four arms
+  using Moments = std::array<std::complex<double>, kOrders>;
+  // Of one frame: sum p (x + iy)^m over sum p r^2, lengths over a, and the standard deviation of each part by
+  // noise.
+  struct Pattern {
+    Moments moments{};
+    std::array<double, kOrders> noise{};
+  };
+  Pattern pattern_of(const ContactPatch& patch) const noexcept;
+  void take(const ContactPatch& patch, bool settled) noexcept;
+  std::optional<TurnedAngle> compare(double rim) const noexcept;
+  bool pinned(std::int64_t time_ns, const TurnedAngle& now, bool slides_turning) noexcept;
+
+  TurnedAngleOptions options_;
+  double side_m_;
+  bool can_;  // the layout has taxels
+  Pattern newest_, reference_;
+  int frames_ = 0;      // in the reference
+  bool begun_ = false;  // there is a newest_
+  bool ended_ = false;  // no angle until the contact is lost
+  double angle_rad_ = 0;
+  bool pinned_ = false;
+  double pinned_angle_rad_ = 0;  // when it began to slide under its torque
+  std::int64_t looked_ns_ = 0, known_ns_ = 0;
+  std::optional<std::int64_t> slides_since_ns_;
+  std::optional<TurnedAngle> answer_;
+};
+
+}  // namespace slipd

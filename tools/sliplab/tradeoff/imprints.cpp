@@ -1,0 +1,133 @@
+#include "tools/sliplab/tradeoff/imprints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/estimate/fit.hpp"
+#include "core/estimate/imprint_fit.hpp"
+#include "core/model/dataset.hpp"
+#include "core/numeric/random.hpp"
+
+namespace sliplab {
+namespace {
+
+using namespace slipd;
+
+constexpr double kImprintNoise = 0.01;
+constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
+
+struct ImprintCase {
+  double depth_mm, axes, depth_taken;
+};
+constexpr ImprintCase kCases[] = {{0, 1, 1},   {0.5, 1, 1},  {1, 1, 1},     {2, 1, 1},
+                                  {0, 1.5, 1}, {0, 2, 1},    {0.5, 1.5, 1}, {1, 2, 1},
+                                  {2, 1.5, 1}, {1, 1, 0.75}, {1, 1, 1.25}};
+
+Scene imprint_scene() {
+  Scene scene;
+  scene.objects = paper_objects();
+  scene.offset_m = 0.002;
+  scene.noise = kImprintNoise;
+  return scene;
+}
+
+double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase& of, std::size_t contacts,
+                std::uint64_t seed) {
+  // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
+  const Range friction = expected_friction(scene);
+  ImprintFit fit(layout, expected_friction(scene), 1e-3 * of.depth_mm, {});
+  double sum = 0;
+  for (std::size_t i = 0; i < contacts; ++i) {
+    const ContactDraw draw = draw_contact(scene, seed, i);
+    const RandomStream random = RandomStream(seed ^ 0x6c696d6974ULL).stream(i);
+    const double gamma = random.uniform(0, 0.001, 0.999);
+    const auto pair =
+        contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
+    const double a = pair.contact_radius_m(draw.normal_n), root = std::sqrt(of.axes);
+    const KnownImprint truth{.x_m = draw.x_m,
+                             .y_m = draw.y_m,
+                             .ellipse = {a * root, a / root, std::numbers::pi * random.uniform(1)},
+                             .load = (1 - gamma) * draw.friction,
+                             .gamma = gamma,
+                             .pull_rad = 2 * std::numbers::pi * random.uniform(2)};
+    const double alone = fit.least_sigma(truth, kImprintNoise / std::numbers::sqrt3);
+    const double range = std::min(1.0, truth.load / friction.low) - truth.load / friction.high;
+    sum += std::sqrt(2 / std::numbers::pi) / std::sqrt(1 / (alone * alone) + 12 / (range * range));
+  }
+  return sum / static_cast<double>(contacts);
+}
+
+}  // namespace
+
+std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const Tell& tell) {
+  constexpr double kPad = 0.016;
+  std::vector<ImprintLine> lines;
+  const Scene scene = imprint_scene();
+  double step = 0;
+  for (const std::string& name : options.layouts) {
+    if (name == "wrench" || name == "4") continue;
+    const std::size_t side = std::stoul(name);
+    const TaxelLayout layout = TaxelLayout::grid(side, side, kPad / static_cast<double>(side));
+    for (const ImprintCase& of : kCases) {
+      tell(step++ / static_cast<double>(std::size(kCases) * options.layouts.size()), name.c_str());
+      Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken);
+      SlipMethod* const method = &fit;
+      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes};
+      lines.push_back(
+          {name, of.depth_mm, of.axes, of.depth_taken, std::numeric_limits<double>::quiet_NaN(),
+           measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::sensor,
+                                    kImprintNoise, options.contacts, options.seed + 1)
+               .front()});
+      if (of.depth_taken == 1)
+        lines.back().guide =
+            guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
+    }
+  }
+  return lines;
+}
+
+void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
+  std::printf(
+      "Method fit under a skin and on ellipses: %zu contacts, up to 2 mm off the middle of a +-8 mm pad, "
+      "Gamma "
+      "uniform, 1 %% of sensor noise.\n  taxels  depth mm  axes  depth taken   guide  mean err     95 %%  "
+      "answered  1 "
+      "sigma  2 sigma   safer   p50 us   p99 us\n",
+      contacts);
+  for (const ImprintLine& line : lines) {
+    const TradeoffRow& row = line.row;
+    std::printf(
+        "%8s %9.2g %5.2g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  %7.1f  "
+        "%7.1f\n",
+        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, line.guide, row.mean_error,
+        row.p95_error, 100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma,
+        100 * row.claims_safer, row.p50_us, row.p99_us);
+  }
+}
+
+nlohmann::ordered_json imprints_to_json(const std::vector<ImprintLine>& lines, std::size_t contacts) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const ImprintLine& line : lines) {
+    const TradeoffRow& row = line.row;
+    rows.push_back({{"layout", line.layout},
+                    {"depth_mm", line.depth_mm},
+                    {"axes", line.axes},
+                    {"depth_taken", line.depth_taken},
+                    {"guide", line.guide},
+                    {"mean_error", row.mean_error},
+                    {"p95_error", row.p95_error},
+                    {"answered", row.answered},
+                    {"within_sigma", row.within_sigma},
+                    {"within_two_sigma", row.within_two_sigma},
+                    {"claims_safer", row.claims_safer},
+                    {"p50_us", row.p50_us},
+                    {"p99_us", row.p99_us}});
+  }
+  return {{"contacts", contacts}, {"rows", std::move(rows)}};
+}
+
+}  // namespace sliplab

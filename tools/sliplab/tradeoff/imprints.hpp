@@ -1,0 +1,30 @@
+// Accuracy under a skin and on elliptic contacts, against the Cramér–Rao guide.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/sliplab/tradeoff/measure.hpp"
+
+namespace sliplab {
+
+// One layout, skin and shape; the noise is that of the sensor, 1 %.
+struct ImprintLine {
+  std::string layout;   // as in TradeoffOptions
+  double depth_mm = 0;  // of the taxels
+  double axes = 1;      // long over short axis
+  // The depth that the method was given over the true one.
+  double depth_taken = 1;
+  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong.
+  double guide = 0;
+  slipd::TradeoffRow row;  // of method fit
+};
+
+// On the layouts of the options that are arrays.
+std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const Tell& tell);
+
+void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts);
+nlohmann::ordered_json imprints_to_json(const std::vector<ImprintLine>& lines, std::size_t contacts);
+
+}  // namespace sliplab
