@@ -24,6 +24,7 @@ inline SensorSetup setup_of(TaxelLayout layout, nlohmann::json options, double r
   return {.name = "left",
           .layout = std::move(layout),
           .rate_hz = rate_hz,
+          .profile = {},
           .device = nlohmann::json::object(),
           .options = std::move(options)};
 }
