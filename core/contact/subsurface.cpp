@@ -227,10 +227,10 @@ void use_gauss(double side_m, std::vector<double>& at, std::vector<double>& weig
 void choose_gauss(double side_m, double depth_m, std::vector<double>& at, std::vector<double>& weight) {
   if (!(depth_m > 0)) return use_gauss<20>(side_m, at, weight);  // lines, each of them exact
   const double ratio = side_m / depth_m;
-  if (ratio <= 0.75) return use_gauss<2>(side_m, at, weight);
+  if (ratio <= 0.55) return use_gauss<2>(side_m, at, weight);
   if (ratio <= 1.5) return use_gauss<3>(side_m, at, weight);
   if (ratio <= 2.2) return use_gauss<4>(side_m, at, weight);
-  if (ratio <= 4.2) return use_gauss<6>(side_m, at, weight);
+  if (ratio <= 4.2) return use_gauss<8>(side_m, at, weight);
   if (ratio <= 8.5) return use_gauss<10>(side_m, at, weight);
   use_gauss<20>(side_m, at, weight);
 }

@@ -45,7 +45,8 @@ class SubsurfaceSheet {
 
   // Room for so many taxels. side_m: of their squares, m. depth_m >= 0. Averages are Gauss-Legendre sums, of
   // more points the less deep the taxels lie; at depth 0 they are exact along x. They agree with the integral
-  // to 1e-4 of the dome's height.
+  // to 1e-4 of the dome's height (at depth 0, at the rim of
+  // taxels no larger than a fifth of the radius, to 5e-4).
   SubsurfaceSheet(std::size_t most_taxels, double side_m, double depth_m);
 
   // Averages of a dome of unit height about the origin at taxels (u, v), along the sensor's axes. Round domes

@@ -16,7 +16,8 @@ WHY = {
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
     "queries": "Asio asks the kernel anew before each wait, which Redis does not; and the sensor at 1 kHz goes on meanwhile, three threads of slipd on the cores that its clients share",
     "shared read": "a whole record is copied under a version that is read before and after, and the clock is read",
-    "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes, and the estimate between them",
+    "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the floor's are "
+                       "woken at once again, and the estimate between them",
     "shared readers": "readers take the slots' cache lines away, which slipd's thread has to fetch again",
     "training": "the columns are computed, where the peer's time begins with them in memory",
     "startup": "the device's drivers are mapped, the model read and its tree built; auto tries its methods on 48 contacts first",

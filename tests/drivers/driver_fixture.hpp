@@ -21,8 +21,12 @@ struct OwnedSlot {
 };
 
 inline SensorSetup setup_of(TaxelLayout layout, nlohmann::json options, double rate_hz = 1000) {
-  return {"left", std::move(layout),        rate_hz,           0.01, 0.5e6, 0.45,
-          "",     nlohmann::json::object(), std::move(options)};
+  return {.name = "left",
+          .layout = std::move(layout),
+          .rate_hz = rate_hz,
+          .profile = {},
+          .device = nlohmann::json::object(),
+          .options = std::move(options)};
 }
 
 // The text of the DriverError that `action` throws; empty if it throws none.

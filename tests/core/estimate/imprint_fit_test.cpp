@@ -167,7 +167,7 @@ TEST(Chains, UnderASkinFollowAGrasp) {
     if (estimate.state != State::ok) continue;
     ++answered;
     error += std::fabs(*estimate.gamma - (1 - load));
-    force += estimate.normal_n;
+    force += estimate.normal_n.value_or(0);
     EXPECT_LT(*estimate.gamma - (1 - load), 0.1);
   }
   EXPECT_GT(answered, 0.9 * pulled);

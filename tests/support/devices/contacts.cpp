@@ -11,8 +11,12 @@ std::vector<Contact> scripted(const DeviceModel& model, double rate_hz, const nl
   const std::chrono::nanoseconds period(std::llround(1e9 / rate_hz));
   std::vector<Contact> contacts;
   for (std::size_t sensor = 0; sensor < model.sensors; ++sensor) {
-    const SensorSetup setup{
-        .name = std::string(model.name), .layout = model.layout, .rate_hz = rate_hz, .device = {}, .options = options};
+    const SensorSetup setup{.name = std::string(model.name),
+                            .layout = model.layout,
+                            .rate_hz = rate_hz,
+                            .profile = {},
+                            .device = {},
+                            .options = options};
     sim::SensorSettings settings = sim::parse_options(setup).sensor;
     settings.imperfections.seed += sensor;
     const auto felt = std::make_shared<sim::SimulatedSensor>(model.layout, settings);
