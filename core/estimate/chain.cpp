@@ -63,6 +63,14 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   return options;
 }
 
+// The friction filter follows a contact by moments that the disc feels, which a skin changes: under one each
+// frame stands for itself. After an unloading or a regrip its margin is then too low.
+EstimatorSettings followed(const ChainSetup& setup) {
+  EstimatorSettings settings = setup.estimator;
+  if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup)) settings.tracking = false;
+  return settings;
+}
+
 std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
   return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
                                setup.scene.skin.depth_m);
@@ -168,7 +176,7 @@ struct EstimatorChain::Impl {
         turning_load(s.layout),
         slipping(s.layout),
         turning_moments(s.layout),
-        tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
+        tracker(followed(s), expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         turn(s.layout),
