@@ -5,40 +5,72 @@
 #include <sys/un.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstring>
-#include <nlohmann/json.hpp>
+#include <span>
 #include <system_error>
 
 #include "clients/c/slipd.h"
+#include "core/storage/descriptor_passing.hpp"
 
 namespace slipd::client {
 namespace {
 
 constexpr std::size_t kPieceBytes = std::size_t{64} * 1024;
+// Longest line, bytes. A frame of a million taxels fits; more is an error of the other end.
+constexpr std::size_t kLongestLine = std::size_t{64} << 20;
+
+const char* why_not_connected(int error) {
+  switch (error) {
+    case ENOENT:
+      return "slipd does not run here, nothing is there: start it (systemctl start slipd), or give the path "
+             "of "
+             "its socket";
+    case ECONNREFUSED:
+      return "slipd does not run here, nobody listens: it has stopped or is just starting (systemctl status "
+             "slipd)";
+    case EACCES:
+    case EPERM:
+      return "not permitted: become a member of the group slipd (usermod -aG slipd USER), and log in again";
+    case EAGAIN:
+      return "slipd accepts no connections now; try again";
+    default:
+      return nullptr;
+  }
+}
 
 [[noreturn]] void disconnected(const std::string& path, int error) {
-  std::string what = std::generic_category().message(error);
-  if (error == EACCES || error == EPERM)
-    what = "not permitted: become a member of the group slipd, and log in again";
-  if (error == ENOENT || error == ECONNREFUSED)
-    what = "slipd does not run here: start it, or give the path of its socket";
-  if (error == EAGAIN) what = "slipd accepts no connections now; try again";
-  throw Failure(SLIPD_DISCONNECTED, path + ": " + what);
+  const char* const why = why_not_connected(error);
+  throw Failure(SLIPD_DISCONNECTED,
+                path + ": " + (why != nullptr ? why : std::generic_category().message(error)));
 }
 
 [[noreturn]] void gone() {
   throw Failure(SLIPD_DISCONNECTED, "slipd has closed the connection: it was stopped or restarted");
 }
 
+[[noreturn]] void foreign(const std::string& why) {
+  throw Failure(SLIPD_DISCONNECTED, "what answers is not slipd: it " + why);
+}
+
 }  // namespace
+
+void throw_error_of(const Json& message, bool ours) {
+  const auto error = message.find("error");
+  if (error == message.end()) return;
+  if (!error->is_object()) foreign("sends an error without a text");
+  const auto code = error->find("code"), text = error->find("message");
+  throw Failure(ours ? SLIPD_REFUSED : SLIPD_DISCONNECTED,
+                text != error->end() && text->is_string() ? text->get<std::string>() : "slipd refuses this",
+                ours && code != error->end() && code->is_number_integer() ? code->get<int>() : 0);
+}
 
 void Connection::connect(const std::string& path) {
   if (connected()) return;
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) throw Failure(SLIPD_INVALID, path + ": too long for a socket");
+  if (path.empty() || path.size() >= sizeof address.sun_path)
+    throw Failure(SLIPD_INVALID, "the socket's path \"" + path + "\" must have 1 to " +
+                                     std::to_string(sizeof address.sun_path - 1) + " bytes");
   path.copy(address.sun_path, path.size());
   UniqueFd made(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!made) disconnected(path, errno);
@@ -52,7 +84,7 @@ void Connection::close() noexcept {
   socket_ = {};
   passed_ = {};
   input_.clear();
-  begin_ = 0;
+  begin_ = searched_ = 0;
 }
 
 // False: it is not ready in time.
@@ -71,31 +103,16 @@ std::uint64_t Connection::request(std::string_view method, std::string_view para
   const std::uint64_t id = ++last_id_;
   std::string text = R"({"jsonrpc":"2.0","id":)" + std::to_string(id) + R"(,"method":")";
   text.append(method).append(R"(","params":)").append(params).append("}\n");
-  iovec piece{text.data(), text.size()};
-  msghdr message{};
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  if (descriptor >= 0) {
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-    cmsghdr* const item = CMSG_FIRSTHDR(&message);
-    item->cmsg_level = SOL_SOCKET;
-    item->cmsg_type = SCM_RIGHTS;
-    item->cmsg_len = CMSG_LEN(sizeof(int));
-    std::memcpy(CMSG_DATA(item), &descriptor, sizeof descriptor);
-  }
-  while (piece.iov_len > 0) {
-    const auto sent = sendmsg(socket_.get(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (sent < 0 && errno == EAGAIN) {
+  for (std::size_t sent = 0; sent < text.size();) {
+    // The descriptor goes with the first byte.
+    const auto more = send_passing(socket_.get(), std::string_view(text).substr(sent),
+                                   sent == 0 ? descriptor : -1, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (more >= 0) {
+      sent += static_cast<std::size_t>(more);
+    } else if (errno == EAGAIN) {
       if (!wait_for(POLLOUT, until)) throw Failure(SLIPD_TIMEOUT, "slipd does not read in time");
-    } else if (sent < 0 && errno != EINTR) {
+    } else if (errno != EINTR) {
       gone();
-    } else if (sent > 0) {
-      piece.iov_base = static_cast<char*>(piece.iov_base) + sent;
-      piece.iov_len -= static_cast<std::size_t>(sent);
-      message.msg_control = nullptr;  // the descriptor went with the first byte
-      message.msg_controllen = 0;
     }
   }
   return id;
@@ -104,56 +121,53 @@ std::uint64_t Connection::request(std::string_view method, std::string_view para
 // False: nothing came in time.
 bool Connection::receive(Clock::time_point until) {
   input_.erase(0, begin_);
+  searched_ -= begin_;
   begin_ = 0;
   const std::size_t had = input_.size();
+  if (had > kLongestLine) foreign("sends a line without end");
   input_.resize(had + kPieceBytes);
-  iovec piece{input_.data() + had, kPieceBytes};
-  msghdr message{};
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  auto got = recvmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  PassedDescriptors passed;
+  const auto got = receive_passed(socket_.get(), std::span(input_).subspan(had), passed, MSG_DONTWAIT);
   const int error = errno;
   input_.resize(had + static_cast<std::size_t>(std::max<ssize_t>(0, got)));
   if (got < 0 && (error == EAGAIN || error == EINTR)) {
     return Clock::now() < until && wait_for(POLLIN, until);
   }
   if (got <= 0) gone();
-  for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
-    if (item->cmsg_level != SOL_SOCKET || item->cmsg_type != SCM_RIGHTS) continue;
-    int number = -1;
-    std::memcpy(&number, CMSG_DATA(item), sizeof number);
-    passed_ = UniqueFd(number);
-  }
+  if (passed.count > 0) passed_ = std::move(passed.files[passed.count - 1]);
   return true;
 }
 
-bool Connection::line(std::string_view& text, Clock::time_point until) {
+bool Connection::message(Json& out, Clock::time_point until) {
   for (;;) {
-    const std::size_t end = input_.find('\n', begin_);
-    if (end != std::string::npos) {
-      text = std::string_view(input_).substr(begin_, end - begin_);
-      begin_ = end + 1;
-      return true;
+    const std::size_t end = input_.find('\n', searched_);
+    if (end == std::string::npos) {
+      searched_ = input_.size();
+      if (!receive(until)) return false;
+      continue;
     }
-    if (!receive(until)) return false;
+    const std::string_view line = std::string_view(input_).substr(begin_, end - begin_);
+    begin_ = searched_ = end + 1;
+    out = Json::parse(line, nullptr, false);
+    if (!out.is_object()) foreign("does not speak JSON-RPC: " + std::string(line.substr(0, 60)));
+    return true;
   }
 }
 
-std::string Connection::answer(std::uint64_t id, Clock::time_point until) {
-  std::string_view text;
-  while (line(text, until)) {
-    const nlohmann::json message = nlohmann::json::parse(text, nullptr, false);
-    if (!message.is_object()) continue;
-    const nlohmann::json& its_id = message.value("id", nlohmann::json());
-    if (const auto error = message.find("error"); error != message.end()) {
-      if (its_id != id && !its_id.is_null()) continue;
-      throw Failure(its_id.is_null() ? SLIPD_DISCONNECTED : SLIPD_REFUSED,
-                    error->value("message", "slipd refuses this"));
+Json Connection::answer(std::uint64_t id, Clock::time_point until, const std::function<void(Json&&)>& other) {
+  Json message;
+  while (this->message(message, until)) {
+    const auto its_id = message.find("id");
+    const bool ours = its_id != message.end() && *its_id == id;
+    const bool nobodys = its_id == message.end() || its_id->is_null();
+    if (ours || nobodys) throw_error_of(message, ours);
+    if (!ours) {
+      if (other) other(std::move(message));
+      continue;
     }
-    if (its_id == id && message.contains("result")) return message["result"].dump();
+    const auto result = message.find("result");
+    if (result == message.end()) foreign("answers with neither a result nor an error");
+    return std::move(*result);
   }
   throw Failure(SLIPD_TIMEOUT, "slipd does not answer in time");
 }

@@ -1,9 +1,11 @@
-// A connection to slipd's socket: lines out, lines in, descriptors both ways. One thread's own. Functions
-// throw Failure or std::bad_alloc.
+// A connection to slipd's socket: messages out, messages in, descriptors both ways. libslipd and slipctl are
+// built on it. One thread's own. Functions throw Failure or std::bad_alloc.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -13,17 +15,27 @@
 namespace slipd::client {
 
 using Clock = std::chrono::steady_clock;
+// Keys in the order in which slipd sends them.
+using Json = nlohmann::ordered_json;
 
-// What a function of slipd.h returns instead of a result.
+// What a function of slipd.h returns instead of a result. what() says, for people, what to do.
 class Failure : public std::runtime_error {
  public:
-  Failure(int code, const std::string& text) : std::runtime_error(text), code_(code) {}
+  Failure(int code, const std::string& text, int rpc_code = 0)
+      : std::runtime_error(text), code_(code), rpc_code_(rpc_code) {}
   // SLIPD_DISCONNECTED, …
   int code() const noexcept { return code_; }
+  // Of SLIPD_REFUSED: the error's code, docs/socket.md. Otherwise 0.
+  int rpc_code() const noexcept { return rpc_code_; }
 
  private:
   int code_;
+  int rpc_code_;
 };
+
+// Throws the error of a message that has one: SLIPD_REFUSED if `ours`, else SLIPD_DISCONNECTED, because slipd
+// sends errors without a request before it closes the connection.
+void throw_error_of(const Json& message, bool ours);
 
 class Connection {
  public:
@@ -34,14 +46,13 @@ class Connection {
   void connect(const std::string& path);
   void close() noexcept;
 
-  // Sends a request; `descriptor` -1: none. Returns its id.
+  // Sends a request; `params`: JSON text; `descriptor` -1: none. Returns its id.
   std::uint64_t request(std::string_view method, std::string_view params, int descriptor,
                         Clock::time_point until);
-  // The next line that has arrived by `until`, without its end. False: none. The line is valid until the next
-  // call.
-  bool line(std::string_view& text, Clock::time_point until);
-  // The answer to a request, as the JSON text of the result. Throws away other lines.
-  std::string answer(std::uint64_t id, Clock::time_point until);
+  // The next message, a JSON object that has arrived by `until`. False: none.
+  bool message(Json& out, Clock::time_point until);
+  // The result of a request. Messages before it go to `other`, or are thrown away.
+  Json answer(std::uint64_t id, Clock::time_point until, const std::function<void(Json&&)>& other = {});
   // The descriptor that came last.
   UniqueFd take_descriptor() noexcept { return std::move(passed_); }
 
@@ -52,7 +63,8 @@ class Connection {
   UniqueFd socket_;
   UniqueFd passed_;
   std::string input_;
-  std::size_t begin_ = 0;  // of what is not yet handed out
+  std::size_t begin_ = 0;     // of what is not yet handed out
+  std::size_t searched_ = 0;  // from begin_ to here there is no end of line
   std::uint64_t last_id_ = 0;
 };
 

@@ -6,8 +6,7 @@
 #include <cstring>
 #include <ctime>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <string>
+#include <optional>
 #include <string_view>
 
 namespace slipd::client {
@@ -50,18 +49,13 @@ void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now
   estimate.sliding_for_s = kUnknown;
 }
 
-double number(const nlohmann::json& values, const char* key, double factor = 1) {
-  const auto found = values.find(key);
-  return found != values.end() && found->is_number() ? factor * found->get<double>() : kUnknown;
+double known(const std::optional<double>& value, double factor = 1) noexcept {
+  return value ? factor * *value : kUnknown;
 }
 
 template <std::size_t N>
-int index_of(const nlohmann::json& values, const char* key, const std::array<const char*, N>& names,
-             int other) {
-  const auto found = values.find(key);
-  if (found == values.end() || !found->is_string()) return other;
-  const auto& name = found->get_ref<const std::string&>();
-  const auto* const at = std::find(names.begin(), names.end(), std::string_view(name));
+int index_of(std::string_view name, const std::array<const char*, N>& names, int other) noexcept {
+  const auto* const at = std::find(names.begin(), names.end(), name);
   return at == names.end() ? other : static_cast<int>(at - names.begin());
 }
 
@@ -117,44 +111,39 @@ void fill(slipd_estimate& estimate, const char* name, const board_layout::Record
   judge_age(estimate, since_ns, std::max(now_ns, since_ns), max_age_s);
 }
 
-void fill(slipd_estimate& estimate, const nlohmann::json& values, const nlohmann::json& age_ms,
-          std::int64_t read_ns, double max_age_s) {
-  const std::string name = values.contains("sensor") && !values.contains("grasp")
-                               ? values.value("sensor", std::string())
-                               : values.value("grasp", std::string());
-  clear(estimate, name.c_str(), SLIPD_STATE_STALE);
-  estimate.state = index_of(values, "state", kStates, SLIPD_STATE_FAULT);
-  estimate.alert = index_of(values, "alert", kAlerts, SLIPD_ALERT_SLIP);
-  estimate.sliding = index_of(values, "sliding", kSlidings, SLIPD_SLIDING_UNKNOWN);
-  estimate.simulated = values.value("simulated", false) ? 1 : 0;
-  estimate.sequence = values.value("seq", std::uint64_t{0});
-  estimate.dropped = values.value("dropped", std::uint64_t{0});
-  if (estimate.state == SLIPD_STATE_OK) estimate.gamma = number(values, "gamma");
-  estimate.sigma = number(values, "sigma");
-  estimate.gamma_low = number(values, "gamma_low");
-  estimate.friction = number(values, "friction");
-  estimate.friction_sigma = number(values, "friction_sigma");
-  estimate.normal_n = number(values, "normal_n");
-  estimate.shear_n = number(values, "shear_n");
-  estimate.torque_nm = number(values, "torque_nmm", 1e-3);
-  estimate.torque_sigma_nm = number(values, "torque_sigma_nmm", 1e-3);
-  if (const auto center = values.find("center_mm"); center != values.end() && center->size() == 2) {
-    estimate.center_x_m = 1e-3 * (*center)[0].get<double>();
-    estimate.center_y_m = 1e-3 * (*center)[1].get<double>();
-  }
-  estimate.radius_m = number(values, "radius_mm", 1e-3);
-  estimate.time_to_slip_s = number(values, "time_to_slip_ms", 1e-3);
-  estimate.grip_increase_n = number(values, "grip_increase_n");
-  estimate.grip_increase_sigma_n = number(values, "grip_increase_sigma_n");
-  estimate.sliding_for_s = number(values, "sliding_for_ms", 1e-3);
+void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t read_ns,
+          double max_age_s) noexcept {
+  clear(estimate, values.name.c_str(), SLIPD_STATE_STALE);
+  // A name that this library does not have is of a newer slipd: no margin, and no alert that is missed.
+  estimate.state = index_of(values.state, kStates, SLIPD_STATE_FAULT);
+  estimate.alert = index_of(values.alert, kAlerts, SLIPD_ALERT_SLIP);
+  estimate.sliding = index_of(values.sliding, kSlidings, SLIPD_SLIDING_UNKNOWN);
+  estimate.simulated = values.simulated ? 1 : 0;
+  estimate.sequence = values.sequence;
+  estimate.dropped = values.dropped;
+  if (estimate.state == SLIPD_STATE_OK) estimate.gamma = known(values.gamma);
+  estimate.sigma = known(values.sigma);
+  estimate.gamma_low = known(values.gamma_low);
+  estimate.friction = known(values.friction);
+  estimate.friction_sigma = known(values.friction_sigma);
+  estimate.normal_n = known(values.normal_n);
+  estimate.shear_n = known(values.shear_n);
+  estimate.torque_nm = known(values.torque_nmm, 1e-3);
+  estimate.torque_sigma_nm = known(values.torque_sigma_nmm, 1e-3);
+  estimate.center_x_m = known(values.center_x_mm, 1e-3);
+  estimate.center_y_m = known(values.center_y_mm, 1e-3);
+  estimate.radius_m = known(values.radius_mm, 1e-3);
+  estimate.time_to_slip_s = known(values.time_to_slip_ms, 1e-3);
+  estimate.grip_increase_n = known(values.grip_increase_n);
+  estimate.grip_increase_sigma_n = known(values.grip_increase_sigma_n);
+  estimate.sliding_for_s = known(values.sliding_for_ms, 1e-3);
   const std::int64_t now_ns = monotonic_ns();
   std::int64_t since_ns = now_ns;
-  if (age_ms.is_number()) {
+  if (values.age_ms) {
     // Two clocks count: one may be set, the other does not see what waited in the socket.
-    const auto sent_age_ns = static_cast<std::int64_t>(1e6 * age_ms.get<double>());
-    since_ns = read_ns - sent_age_ns;
-    if (const auto time_ns = values.find("time_ns"); time_ns != values.end() && time_ns->is_number_integer())
-      since_ns = std::min(since_ns, now_ns - (clock_ns(CLOCK_REALTIME) - time_ns->get<std::int64_t>()));
+    since_ns = read_ns - static_cast<std::int64_t>(1e6 * *values.age_ms);
+    if (values.time_ns != 0)
+      since_ns = std::min(since_ns, now_ns - (clock_ns(CLOCK_REALTIME) - values.time_ns));
     estimate.time_ns = since_ns;
   }
   judge_age(estimate, since_ns, now_ns, max_age_s);

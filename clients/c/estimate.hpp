@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 
 #include "board_layout/layout.hpp"
+#include "clients/c/estimate_values.hpp"
 #include "clients/c/slipd.h"
 
 namespace slipd::client {
@@ -19,9 +19,8 @@ void clear(slipd_estimate& estimate, const char* name, int state) noexcept;
 void fill(slipd_estimate& estimate, const char* name, const board_layout::Record& record, std::int64_t now_ns,
           double max_age_s) noexcept;
 
-// Of an estimate or grasp on the socket. `read_ns`: when it was read, CLOCK_MONOTONIC. `age_ms`: of its frame
-// when it was sent. Throws nlohmann::json::exception for a message that is none of slipd's.
-void fill(slipd_estimate& estimate, const nlohmann::json& values, const nlohmann::json& age_ms,
-          std::int64_t read_ns, double max_age_s);
+// Of an estimate or grasp on the socket. `read_ns`: when it was read, CLOCK_MONOTONIC.
+void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t read_ns,
+          double max_age_s) noexcept;
 
 }  // namespace slipd::client

@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 
-#include "core/contact/hertz.hpp"
 #include "core/estimate/alert.hpp"
+#include "core/estimate/chain_parts.hpp"
 #include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
-#include "core/estimate/fit.hpp"
-#include "core/estimate/moments.hpp"
 #include "core/estimate/slipping_taxels.hpp"
-#include "core/estimate/svd_knn.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/estimate/turning_load.hpp"
@@ -43,118 +38,12 @@ constexpr double kOneSided95 = 1.645;
 // large: light pulls get no margin from their shape.
 constexpr double kClearSigmas = 3;
 
-// One force vector, or a skin without the curvature that makes a contact Hertzian.
-bool only_forces(const ChainSetup& setup) {
-  return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
-         std::isinf(setup.scene.skin.radius_m);
-}
-
-// Friction is weighed over a grasp's frames because no single one determines it.
-bool weighed_over_time(const ChainSetup& setup) {
-  return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
-}
-
-// On few taxels a contact reaches beyond the pad, or falls between them: their sums miss traction that is
-// locked in after an unloading.
-TrackerOptions tracker_options(const ChainSetup& setup) {
-  TrackerOptions options;
-  if (!only_forces(setup) && setup.layout.size() <= Fit::kFewTaxels)
-    options.least_sigma = options.few_taxels_sigma;
-  return options;
-}
-
 // The friction filter follows a contact by moments that the disc feels, which a skin changes: under one each
 // frame stands for itself. After an unloading or a regrip its margin is then too low.
 EstimatorSettings followed(const ChainSetup& setup) {
   EstimatorSettings settings = setup.estimator;
   if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup)) settings.tracking = false;
   return settings;
-}
-
-std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
-  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
-                               setup.scene.skin.depth_m);
-}
-
-// `auto`: of the methods that need no training, the one whose error on this scene is least within the time
-// given.
-std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
-  // Contacts by which the methods are compared, 10 to 1000. Too few: chance decides. Too many: opening the
-  // sensor takes long.
-  constexpr std::size_t kContacts = 48;
-  // Differs from the seed of training, 1, so that the contacts are new ones.
-  constexpr std::uint64_t kSeed = 2;
-  std::vector<std::unique_ptr<SlipMethod>> methods;
-  methods.push_back(std::make_unique<Moments>(setup.layout));
-  methods.push_back(make_fit(setup));
-  work_precision.processor = processor_name();
-  Scene scene = setup.scene;
-  if (scene.objects.empty()) scene.objects = paper_objects();
-  std::vector<SlipMethod*> all;
-  all.reserve(methods.size());
-  for (const auto& method : methods) all.push_back(method.get());
-  work_precision.rows =
-      measure_tradeoff(setup.layout, scene, all, NoiseKind::relative, scene.noise, kContacts, kSeed);
-  return std::move(methods[choose(work_precision.rows, setup.estimator.budget_us)]);
-}
-
-std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
-                                        WorkPrecision& work_precision) {
-  if (only_forces(setup)) return nullptr;
-  if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
-      setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
-    throw std::invalid_argument(
-        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs "
-        "method "
-        "fit or auto");
-  }
-  if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
-    throw std::invalid_argument("the estimator needs a model trained for this very layout");
-  }
-  if (always_fits(setup)) return make_fit(setup);
-  // No other method knows what rubber over the taxels spreads.
-  if (setup.scene.skin.depth_m > 0) return make_fit(setup);
-  switch (setup.estimator.method) {
-    case MethodChoice::automatic:
-      return choose_method(setup, work_precision);
-    case MethodChoice::fit:
-      return make_fit(setup);
-    case MethodChoice::closing:
-      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
-    case MethodChoice::moments:
-      return std::make_unique<Moments>(setup.layout);
-    case MethodChoice::svd_knn:
-    case MethodChoice::registered:
-      work_precision = model->data().work_precision;
-      return std::make_unique<SvdKnn>(model);
-  }
-  throw std::invalid_argument("there is no such estimator");
-}
-
-// Bounds of a^3/P = 3 R/(4 E*) over the contacts that the scene expects; for the stiffest one against the
-// sharpest object, for the softest one against the flattest.
-PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
-  PlausibilityLimits limits{
-      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),
-      .flat = std::isinf(setup.scene.skin.radius_m)};
-  if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
-  const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
-  const contact::Body skin = contact::body_of(setup.scene.skin);
-  const auto m3_per_n = [&](double radius_m, double modulus_pa, double poisson) {
-    const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
-    return std::pow(pair.contact_radius_m(1), 3);
-  };
-  if (setup.scene.skin.depth_m > 0) return limits;  // what is felt is wider than the contact
-  limits.least_m3_per_n = std::numeric_limits<double>::infinity();
-  for (const ObjectFamily& family : objects) {
-    const double flattest_m =
-        family.flat_share > 0 ? std::numeric_limits<double>::infinity() : family.radius_m.high;
-    limits.least_m3_per_n = std::min(
-        limits.least_m3_per_n, m3_per_n(family.radius_m.low, family.modulus_pa.high, family.poisson.high));
-    limits.greatest_m3_per_n =
-        std::max(limits.greatest_m3_per_n, m3_per_n(flattest_m, family.modulus_pa.low, family.poisson.low));
-  }
-  return limits;
 }
 
 // Of a sensor whose taxels' shear means nothing by itself (flat skin): taxels that carry more than this of P
@@ -184,6 +73,9 @@ struct EstimatorChain::Impl {
         alert(s.alerts) {
     const Range expected = expected_friction(s.scene);
     known = s.friction.value_or(expected);
+    if (method && s.estimator.method == MethodChoice::automatic && !weighed_over_time(s) &&
+        !(s.scene.skin.depth_m > 0))
+      closing = std::make_unique<Closing>(s.layout, expected);
     usual_friction = std::sqrt(known.range.low * known.range.high);
   }
 
@@ -193,6 +85,7 @@ struct EstimatorChain::Impl {
     unseen.reset();
     turning_load.reset();
     if (method) method->forget();
+    if (closing) closing->forget();
     turn.forget();
   }
 
@@ -298,6 +191,7 @@ struct EstimatorChain::Impl {
       return;
     }
     if (method) method->observe(frame, patch);
+    if (closing) closing->observe(frame, patch);
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
@@ -335,12 +229,26 @@ struct EstimatorChain::Impl {
     out.sigma.reset();
   }
 
+  // By the method, or of a contact that it does not have by the pressures of its closing.
+  FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+    shape_by = method->name();
+    FrameEstimate estimate = method->estimate(frame, patch);
+    if (estimate.in_model || !closing) return estimate;
+    FrameEstimate by_closing = closing->estimate(frame, patch);
+    if (!by_closing.in_model) return estimate;
+    shape_by = closing->name();
+    by_closing.moments = estimate.moments;
+    by_closing.moments_sigma = estimate.moments_sigma;
+    by_closing.moments_common_sigma = estimate.moments_common_sigma;
+    return by_closing;
+  }
+
   // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
   // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
   // nothing of it.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
-    if (load.turning != Turning::bending) return method->estimate(frame, patch);
+    if (load.turning != Turning::bending) return estimate_pull(frame, patch);
     FrameEstimate estimate = slipping.estimate(loaded);
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
@@ -358,6 +266,7 @@ struct EstimatorChain::Impl {
     const bool shaped =
         method && (patch.count >= kFewInside || few) &&
         (load.turning == Turning::bending ? !few : patch.shear_n > kClearSigmas * patch.shear_sigma_n);
+    shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
     // Under a skin the disc feels a part of the forces only.
@@ -371,8 +280,7 @@ struct EstimatorChain::Impl {
       out.shear_x_n = felt_share * patch.shear_x_n;
       out.shear_y_n = felt_share * patch.shear_y_n;
     }
-    tracker.update(acting, shaped ? &frame_estimate : nullptr, method ? method->name() : Method::friction,
-                   out, course);
+    tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) {
@@ -404,6 +312,8 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
+  std::unique_ptr<Closing> closing;    // of `auto`, for shapes that the method does not have; else null
+  Method shape_by = Method::friction;  // what this frame's own margin is by
   TurningLoad turning_load;
   SlippingTaxels slipping;
   TurningMoments turning_moments;
@@ -419,18 +329,6 @@ struct EstimatorChain::Impl {
   AlertLogic alert;
   SlipForecast forecast;
 };
-
-bool always_fits(const ChainSetup& setup) {
-  return setup.sensor_class == SensorClass::array3 && !only_forces(setup) &&
-         setup.layout.size() <= Fit::kFewTaxels && setup.estimator.tracking;
-}
-
-bool needs_model(const ChainSetup& setup) {
-  return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
-         !(setup.scene.skin.depth_m > 0) &&  // which no trained method can carry
-         (setup.estimator.method == MethodChoice::svd_knn ||
-          setup.estimator.method == MethodChoice::registered);
-}
 
 EstimatorChain::EstimatorChain(const ChainSetup& setup, std::shared_ptr<const Model> model)
     : impl_(std::make_unique<Impl>(setup, std::move(model))) {}

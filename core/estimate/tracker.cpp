@@ -99,8 +99,10 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
     // A frame that shows friction by itself knows it better than the lighter ones before it, whose taxels
     // nearly slipped.
-    out.friction = frame_estimate->friction;
-    out.friction_sigma = frame_estimate->friction_sigma;
+    if (frame_estimate->friction_sigma < options_.frame_known_sigma * frame_estimate->friction) {
+      out.friction = frame_estimate->friction;
+      out.friction_sigma = frame_estimate->friction_sigma;
+    }
     return MeanSigma{frame_estimate->gamma, frame_estimate->sigma};
   }
   const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known) &&

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slipd {
 
@@ -20,24 +21,41 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
+// Compared in newtons, the torque over one and the same lever: a grip that is tightened lowers what is asked of
+// friction, and leaves no field that seems to slip.
 void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
-  constexpr double kSigmas = 2;  // what noise may be of the pull
+  constexpr double kSigmas = 2;  // what noise may be of the load
+  constexpr double kClear = 5;   // times that: there is a load whose way can be followed
+  // T_max of Hertz over mu P a.
+  constexpr double kTurnLever = 3 * std::numbers::pi / 16;
   if (!(patch.normal_n > 0)) return;
-  const double ratio = out.pull_n / patch.normal_n, noise = kSigmas * out.pull_sigma_n / patch.normal_n;
-  constexpr double kClear = 2;  // times what noise may be
-  if (ratio > kClear * noise) follow_way(patch, ratio);
+  const double lever_m = kTurnLever * (most_n_ > 0 ? most_radius_m_ : patch.radius_m);
+  const double load_n = lever_m > 0 ? std::hypot(patch.shear_n, patch.torque_nm / lever_m) : patch.shear_n;
+  const double noise_n =
+      kSigmas *
+      std::hypot(patch.shear_sigma_n, lever_m > 0 ? patch.torque_sigma_nm / lever_m : 0, out.pull_sigma_n);
+  if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n_)
+    follow_way(patch, load_n, noise_n);
   out.straight =
-      way_.straight && !(patch.normal_n > (1 + options_.tightened_share) * way_.normal_n && way_.normal_n > 0);
-  out.risen = ratio + noise >= options_.risen_share * most_ratio_;
-  if (ratio - noise <= most_ratio_ && patch.normal_n <= options_.regripped * most_normal_n_) return;
-  most_ratio_ = std::max(0.0, ratio - noise);
-  most_normal_n_ = patch.normal_n;
+      way_.straight && load_n + noise_n >= options_.rising_share * most_n_ &&
+      !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
+  out.risen = load_n + noise_n >= options_.risen_share * most_n_;
+  if (load_n - noise_n <= most_n_) return;
+  most_n_ = load_n - noise_n;
+  most_radius_m_ = patch.radius_m;
 }
 
 // What lies across the present load of each step of its way.
-void TurningLoad::follow_way(const ContactPatch& patch, double ratio) noexcept {
-  if (ratio < options_.followed_share * most_ratio_ || !(patch.radius_m > 0)) return;
-  const double lever_m = patch.radius_m;
+void TurningLoad::follow_way(const ContactPatch& patch, double load_n, double noise_n) noexcept {
+  const double lever_m = patch.radius_m, noise = noise_n / patch.normal_n;
+  if (!(lever_m > 0)) return;
+  if (load_n > options_.grown * way_.load_n) {
+    way_.normal_n = patch.normal_n;
+    way_.load_n = load_n;
+  } else if (patch.normal_n < (1 + options_.tightened_share) * way_.normal_n) {
+    way_.normal_n = std::min(way_.normal_n, patch.normal_n);
+    way_.load_n = std::max(way_.load_n, load_n);
+  }
   const LoadPoint now{patch.shear_x_n / patch.normal_n, patch.shear_y_n / patch.normal_n,
                       patch.torque_nm / (patch.normal_n * lever_m)};
   LoadPoint step{};
@@ -49,11 +67,8 @@ void TurningLoad::follow_way(const ContactPatch& patch, double ratio) noexcept {
     along += step[i] * now[i];
   }
   if (!(squares > options_.step_share * options_.step_share * length)) return;
-  way_.across += std::sqrt(std::max(0.0, squares - along * along / length));
+  way_.across += std::sqrt(std::max(0.0, squares - along * along / length - 2 * noise * noise));
   way_.last = now;
-  const bool anew = ratio > options_.grown * way_.ratio;
-  if (anew) way_.ratio = ratio;
-  way_.normal_n = anew ? patch.normal_n : std::min(way_.normal_n, patch.normal_n);
   way_.straight = way_.across < options_.straight_share * std::sqrt(length);
 }
 

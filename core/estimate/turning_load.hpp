@@ -41,28 +41,26 @@ struct TurningLoadOptions {
   // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `sliplab torque` on 4
   // x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
   double coarse_sigma_share = 0.2;
-  // A load that asks for less of friction than this share of the most that it asked for has fallen; 0.8 …
-  // 0.99. Too small: fields that slipped before and stick now are read as slipping. Too large: noise of a
-  // load that rises is taken for a fall.
+  // A load below this share of the most that it was has fallen; 0.8 … 0.99. Too small: fields that slipped
+  // before and stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.
   double risen_share = 0.97;
-  // A grip stronger by this factor than at that most begins anew; 1.3 … 4. Too small: regrips are read as if
-  // they had slipped. Too large: after a light touch under load nothing is read.
-  double regripped = 2;
   // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
   double kept_share = 0.8;
   // The load's way is followed in steps of this share of the load, above this share of the most that it was;
-  // 0.01 … 0.2, 0.2 … 0.8. Too small: noise makes it crooked. Too large: bends go unnoticed.
-  double step_share = 0.05;
+  // 0.02 … 0.3, 0.2 … 0.8. Too small: noise makes it crooked. Too large: bends go unnoticed.
+  double step_share = 0.1;
   double followed_share = 0.5;
   // The way has been straight while its parts across the load are at most this share of the load; 0.03 …
   // 0.3. Too small: few loads are. Too large: histories are read as a load that only rose.
   double straight_share = 0.12;
-  // And while the grip is at most this much stronger than when the load rose; share, 0.02 … 0.2. Too small:
-  // shaking grips count as regrips. Too large: as above.
-  double tightened_share = 0.05;
-  // A load that has grown by this factor since is compared with a grip of its own; 1.3 … 4. Too small:
+  // And while the grip is at most this much stronger than when the load rose, and the load at least this share
+  // of the most that it was; 0.005 … 0.05, 0.95 … 0.995. Too near 1: noise is a regrip, or a fall. Too far
+  // from it: the rim that turned back is read as a load near slip.
+  double tightened_share = 0.015;
+  double rising_share = 0.99;
+  // A load that is this many times what the looser grip carried has a grip of its own; 1.5 … 5. Too small:
   // regrips pass. Too large: a light touch while the gripper closes makes a regrip of all that follows.
-  double grown = 2;
+  double grown = 3;
 };
 
 enum class Turning : std::uint8_t {
@@ -76,10 +74,11 @@ struct TurningLoadResult {
   // The pull without torque that is as near to slip, N, and its standard deviation; |Q| and its own where
   // turning is none.
   double pull_n = 0, pull_sigma_n = 0;
-  // Whether the load asks for as much of friction as it ever did in this grasp: else what slipped may stick
-  // again, with less than friction.
+  // Whether force and torque are as large as they ever were in this grasp: else what slipped may stick again,
+  // with less than friction.
   bool risen = true;
-  // Whether force and torque came in a straight line and at a constant grip since the contact began.
+  // Whether force and torque came in a straight line and at a constant grip since the contact began, and are
+  // as large as ever.
   bool straight = true;
   // The motion in which the object would slide: its speed along the pull and its spin, for a power of friction
   // P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the torque's
@@ -94,7 +93,7 @@ class TurningLoad {
   // A new grasp.
   void reset() noexcept {
     bent_ = false;
-    most_ratio_ = most_normal_n_ = 0;
+    most_n_ = most_radius_m_ = 0;
     way_ = {};
   }
 
@@ -105,22 +104,22 @@ class TurningLoad {
  private:
   bool clear(const ContactPatch& patch) const noexcept;
   void follow(const ContactPatch& patch, TurningLoadResult& out) noexcept;
-  void follow_way(const ContactPatch& patch, double ratio) noexcept;
+  void follow_way(const ContactPatch& patch, double load_n, double noise_n) noexcept;
 
   TurningLoadOptions options_;
   PressureCells cells_;
   contact::LimitSurface unit_hertz_;
   double side_m_;
   bool one_taxel_;
-  bool bent_ = false;                          // the last frame's field was
-  double most_ratio_ = 0, most_normal_n_ = 0;  // the most pull over P of this grasp, and P then
+  bool bent_ = false;                      // the last frame's field was
+  double most_n_ = 0, most_radius_m_ = 0;  // the most load of this grasp, N, and a then
   // Force over P along both axes and torque over P a.
   using LoadPoint = std::array<double, 3>;
   struct Way {
     LoadPoint last{};     // where the last step ended
     double across = 0;    // lengths across the load, summed over the steps
-    double normal_n = 0;  // least P since the load was half of what it is, 0: it has not begun
-    double ratio = 0;     // pull over P then
+    double normal_n = 0;  // least P that counts, 0: there was no load
+    double load_n = 0;    // the most load at this grip, N
     bool straight = true;
   };
   Way way_;

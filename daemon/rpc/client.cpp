@@ -7,10 +7,10 @@
 #include <asio/post.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <new>
 #include <utility>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "daemon/rpc/descriptors.hpp"
 #include "daemon/rpc/rpc.hpp"
 
@@ -25,7 +25,6 @@ constexpr std::size_t kMaxNotifications = 256;  // queued for one client
 constexpr std::size_t kMostOwedBytes = std::size_t{512} * 1024;
 constexpr int kMaxLinesAtOnce = 4;
 constexpr int kMaxResponsesPending = 16;  // responses expected before reading stops
-constexpr std::size_t kMaxPassedFds = 4;
 constexpr std::uint64_t kFewClients = 4;  // clients that had input since this one's last
 constexpr auto kLinger = seconds(1);
 
@@ -93,27 +92,15 @@ void Client::on_readable() {
 
 void Client::receive() {
   std::array<char, std::size_t{16} * 1024> bytes;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int) * kMaxPassedFds)> control;
-  iovec piece{bytes.data(), bytes.size()};
-  msghdr message{};
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  const auto got = recvmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  PassedDescriptors passed;
+  const auto got = receive_passed(socket_.native_handle(), bytes, passed, MSG_DONTWAIT);
   if (got < 0) {
     if (errno != EAGAIN && errno != EINTR) close();
     return;
   }
-  for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
-    if (item->cmsg_level != SOL_SOCKET || item->cmsg_type != SCM_RIGHTS) continue;
-    const std::size_t count = (item->cmsg_len - CMSG_LEN(0)) / sizeof(int);
-    for (std::size_t i = 0; i < count; ++i) {
-      int fd = -1;
-      std::memcpy(&fd, CMSG_DATA(item) + i * sizeof(int), sizeof fd);
-      passed_.push_back(out_of_the_way(UniqueFd(fd)));
-      if (passed_.size() > kMaxPassedFds) passed_.pop_front();
-    }
+  for (std::size_t i = 0; i < passed.count; ++i) {
+    passed_.push_back(out_of_the_way(std::move(passed.files[i])));
+    if (passed_.size() > kMostPassed) passed_.pop_front();
   }
   if (got == 0) {
     input_ended_ = true;
@@ -224,23 +211,8 @@ void Client::flush() {
 
 // Sends what the socket takes of output_. Its descriptor goes with the first byte.
 ssize_t Client::send_some() noexcept {
-  constexpr int kFlags = MSG_DONTWAIT | MSG_NOSIGNAL;
-  if (!output_fd_)
-    return send(socket_.native_handle(), output_.data() + sent_, output_.size() - sent_, kFlags);
-  iovec piece{output_.data() + sent_, output_.size() - sent_};
-  msghdr message{};
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  cmsghdr* const item = CMSG_FIRSTHDR(&message);
-  item->cmsg_level = SOL_SOCKET;
-  item->cmsg_type = SCM_RIGHTS;
-  item->cmsg_len = CMSG_LEN(sizeof(int));
-  const int number = output_fd_.get();
-  std::memcpy(CMSG_DATA(item), &number, sizeof number);
-  const auto sent = sendmsg(socket_.native_handle(), &message, kFlags);
+  const auto sent = send_passing(socket_.native_handle(), std::string_view(output_).substr(sent_),
+                                 output_fd_.get(), MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent > 0) output_fd_ = {};
   return sent;
 }

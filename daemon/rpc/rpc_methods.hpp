@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "daemon/record/recorder.hpp"
-#include "daemon/record/request_rate.hpp"
 #include "daemon/rpc/client.hpp"
 #include "daemon/rpc/estimate_text.hpp"
+#include "daemon/rpc/frame_requests.hpp"
 #include "daemon/rpc/method_table.hpp"
+#include "daemon/rpc/rebias_requests.hpp"
+#include "daemon/rpc/recording_requests.hpp"
 #include "daemon/rpc/rpc.hpp"
 #include "daemon/telemetry/service_context.hpp"
 
@@ -31,14 +33,14 @@ class RpcMethods {
 
   // Responds to pending `frame` requests whose copies are there, unless the time for such answers is used up:
   // they get at most half of the thread's. Then it returns when to call it again.
-  std::optional<std::chrono::steady_clock::time_point> complete_frames();
+  std::optional<std::chrono::steady_clock::time_point> complete_frames() { return frames_.complete(); }
 
-  // Requests of batches that were refused because the answers to the others were too large already.
-  std::uint64_t refused() const noexcept { return refused_; }
+  // Requests that were refused because the answers to others are too large, or are not read.
+  std::uint64_t refused() const noexcept { return refused_ + frames_.refused(); }
 
   // Responds to pending `rebias` requests that are complete and, if `late`, to those whose deadline has
   // passed.
-  void complete_rebias(bool late);
+  void complete_rebias(bool late) { rebias_.complete(late); }
 
   // Responds to all pending requests with an error.
   void fail_pending();
@@ -56,32 +58,14 @@ class RpcMethods {
   std::string gamma(const Params& params);
   void subscribe(Client& client, const Params& params, const rpc::Reply& reply);
   void unsubscribe(Client& client, const Params& params, const rpc::Reply& reply);
-  void attach(Client& client, const Params& params, const rpc::Reply& reply);
-  void frame(Client& client, const Params& params, const rpc::Reply& reply);
-  void complete_frames_of(std::size_t sensor);
-  void rebias(Client& client, const Params& params, const rpc::Reply& reply);
-  nlohmann::ordered_json flight(const Params& params);
-  void record(Client& client, const Params& params, const rpc::Reply& reply);
 
   ServiceContext& context_;
-  Recorder& recorder_;
+  FrameRequests frames_;
+  RebiasRequests rebias_;
+  RecordingRequests recordings_;
   std::map<std::string, Method, std::less<>> methods_;
-  struct PendingRebias {
-    rpc::Reply reply;
-    std::size_t sensor = 0;
-    std::uint32_t request = 0;
-    std::chrono::steady_clock::time_point deadline;
-  };
   std::vector<EstimateText> cached_texts_;  // per sensor, of method gamma
-  struct PendingFrame {
-    rpc::Reply reply;
-    OwedPart promised;
-  };
-  std::vector<std::vector<PendingFrame>> pending_frames_;  // per sensor
-  std::chrono::steady_clock::time_point next_frames_{};    // no frame is answered before
-  std::vector<RequestRate> record_rates_;                  // per sensor
-  std::uint64_t refused_ = 0;
-  std::vector<PendingRebias> pending_rebias_;
+  std::uint64_t refused_ = 0;               // of batches
 };
 
 }  // namespace slipd

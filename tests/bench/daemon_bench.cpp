@@ -1,6 +1,6 @@
 // daemon-bench [--brief] [PART…]: the real slipd, from its device to its clients. Prints one JSON object a
-// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, each with its floors. --brief:
-// each for a moment only, as a test of the program.
+// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, shared, each with its floors.
+// --brief: each for a moment only, as a test of the program.
 #include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>

@@ -15,6 +15,10 @@ WHY = {
     "latency": "acquire wakes estimate, estimate wakes io, io wakes the client, and each also keeps its accounts",
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
     "queries": "Asio asks the kernel anew before each wait, which Redis does not; and the sensor at 1 kHz goes on meanwhile, three threads of slipd on the cores that its clients share",
+    "shared read": "a whole record is copied under a version that is read before and after, and the clock is read",
+    "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the floor's are "
+                       "woken at once again, and the estimate between them",
+    "shared readers": "readers take the slots' cache lines away, which slipd's thread has to fetch again",
     "training": "the columns are computed, where the peer's time begins with them in memory",
     "startup": "the device's drivers are mapped, the model read and its tree built; auto tries its methods on 48 contacts first",
     "memory": "most of it is code that several processes share",
@@ -75,6 +79,10 @@ def estimator_goals(of):
                    of.floor_us(f"step/{side}"), limit, WHY["fit"])
 
 
+def percent(share):
+    return None if share is None else 100 * share
+
+
 def pipeline_goals(of):
     way, hand = of.one("floor", name="frame to client", method="registered"), of.one("latency", method="registered")
     for quantile, limit in (("p50_us", 1.25), ("p99_us", 2)):
@@ -103,6 +111,24 @@ def socket_goals(of):
                    WHY["queries"], peer=REDIS)
 
 
+def shared_goals(of):
+    reads, ours, redis = of.one("shared reads"), of.one("shared rate", server="slipd"), of.one("shared rate", server="redis")
+    yield Goal("latest record of the shared memory", reads.get("record_ns"), "ns", "its bytes copied", reads.get("memcpy_ns"), 5,
+               WHY["shared read"])
+    yield Goal("latest estimate of the shared memory, reads", ours.get("per_s"), "a second", "Redis GET, 1 client", redis.get("per_s"), 100,
+               WHY["shared read"], more=True, peer=REDIS)
+    for quantile in ("p50_us", "p99_us"):
+        way = of.one("shared delivery", side=100)
+        yield Goal(f"frame complete to waiting reader at 1 kHz, moments, 100 x 100, {quantile[:3]}", way.get("reader", {}).get(quantile), "µs",
+                   "subscriber of the socket", way.get("subscriber", {}).get(quantile), 0.5, WHY["shared delivery"])
+    least = of.one("shared delivery", side=4)
+    yield Goal("frame complete to waiting reader at 1 kHz, moments, 4 x 4, p50", least.get("reader", {}).get("p50_us"), "µs", "futex wake",
+               least.get("futex wake", {}).get("p50_us"), 3, WHY["shared delivery"])
+    crowd = of.one("shared readers", looking=100)
+    yield Goal("CPU of slipd beside 100 readers that look 100 times a second", percent(crowd.get("cpu")), "% of a core", "without readers",
+               percent(crowd.get("cpu_alone")), 1.01, WHY["shared readers"])
+
+
 def training_goals(of):
     ours, theirs = of.training.get("training", {}), of.trained_by_peer.get("training", {})
     yield Goal("data, SVD and index of 10000 x 16000", ours.get("seconds"), "s", "scikit-learn's SVD and index of data that is there",
@@ -126,5 +152,5 @@ def program_goals(of):
 
 
 def goals(of):
-    for group in (estimator_goals, pipeline_goals, socket_goals, training_goals, program_goals):
+    for group in (estimator_goals, pipeline_goals, socket_goals, shared_goals, training_goals, program_goals):
         yield from group(of)

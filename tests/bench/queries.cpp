@@ -1,19 +1,13 @@
 // The parts of daemon-bench that ask: slipd, Redis and a server that only echoes, by the same clients.
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <csignal>
 #include <map>
 #include <memory>
 #include <string>
-#include <system_error>
-#include <thread>
 
 #include "tests/bench/daemon_parts.hpp"
 #include "tests/bench/floors.hpp"
 #include "tests/bench/load.hpp"
+#include "tests/bench/redis.hpp"
 #include "tests/bench/running.hpp"
 
 namespace slipd::bench {
@@ -25,7 +19,6 @@ using namespace std::chrono_literals;
 using std::chrono::milliseconds;
 
 constexpr int kRounds = 5;
-constexpr const char* kGet = "*2\r\n$3\r\nGET\r\n$1\r\nk\r\n";
 
 Asking gamma_query(const Daemon& daemon, int clients, int subscribers) {
   return {.socket = daemon.socket(),
@@ -43,56 +36,6 @@ json to_json(const Asked& asked) {
   values.update({{"per_s", asked.per_second}, {"bytes", asked.answer_bytes}});
   return values;
 }
-
-std::string ask_once(int fd, const std::string& request) {
-  std::array<char, 4096> answer{};
-  ssize_t got = -1;
-  if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size()))
-    got = recv(fd, answer.data(), answer.size(), 0);
-  if (got <= 0) throw std::runtime_error("redis-server does not answer");
-  return {answer.data(), static_cast<std::size_t>(got)};
-}
-
-// redis-server in a folder, answering on a socket without writing anything to disk.
-class Redis {
- public:
-  // None where it is not installed; says so. Has answered when it returns.
-  static std::unique_ptr<Redis> start() {
-    if (std::filesystem::exists(kServer)) return std::unique_ptr<Redis>(new Redis);
-    say("refused", {{"peer", "Redis"},
-                    {"why", "redis-server is not installed"},
-                    {"remedy", "install redis-server (tools/setup --bench does)"}});
-    return nullptr;
-  }
-  std::filesystem::path socket() const { return folder_.file("r.sock"); }
-  void set(const std::string& value) const {
-    const int fd = connect_to(socket());
-    ask_once(fd, "*3\r\n$3\r\nSET\r\n$1\r\nk\r\n$" + std::to_string(value.size()) + "\r\n" + value + "\r\n");
-    close(fd);
-  }
-
- private:
-  static constexpr const char* kServer = "/usr/bin/redis-server";
-
-  Redis()
-      : program_(folder_, "redis",
-                 {kServer, "--port", "0", "--unixsocket", socket().string(), "--save", "", "--appendonly",
-                  "no", "--dir", folder_.path().string()}) {
-    for (;;) {
-      try {
-        const int fd = connect_to(socket());
-        ask_once(fd, kGet);
-        close(fd);
-        return;
-      } catch (const std::system_error&) {
-        if (program_.wait(1ms)) throw std::runtime_error("redis-server has ended: " + program_.errors());
-      }
-    }
-  }
-
-  TempFolder folder_;
-  testing::Program program_;
-};
 
 // The run with the median throughput: a machine that others use as well is slower now and then.
 const Asked& usual_of(std::vector<Asked>& asked) {
@@ -131,7 +74,7 @@ void queries() {
     echoed.socket = folder.file("echo.sock");
     std::map<std::string, Asking> servers{{"slipd", gamma_query(daemon, clients, 0)}, {"echo", echoed}};
     if (redis)
-      servers["redis"] = {.socket = redis->socket(), .request = kGet, .newlines = 2, .clients = clients};
+      servers["redis"] = {.socket = redis->socket(), .request = kRedisGet, .newlines = 2, .clients = clients};
     in_turn(servers, clients, whole / kRounds);
   }
   for (const int subscribers : {1, 10, 100}) {

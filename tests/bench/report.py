@@ -160,6 +160,34 @@ is shown.
 {table(["server", "clients", "subscribers", "queries/s", "p50", "p99", "p99.9", "notifications/s"], list(client_rows(of)))}"""
 
 
+def shared_section(of):
+    reads = of.one("shared reads")
+    costs = [[what, number(reads.get(key))] for what, key in
+             (("a record's bytes copied", "memcpy_ns"), ("the latest record", "record_ns"), ("slipd_latest()", "latest_ns"),
+              ("slipd writes a record", "write_ns"), ("the same, and wakes one who does not wait", "write_and_wake_nobody_ns"))]
+    rates = [[each["server"], number(each["per_s"], 0)] for each in of.of("shared rate")]
+    hands = [[f"{each['side']} x {each['side']}", who, *waits(each[who])] for each in of.of("shared delivery")
+             for who in ("reader", "subscriber", "futex wake")]
+    crowds = [[each["looking"], each["waiting"], number(100 * each["cpu_alone"]), number(100 * each["cpu"])] for each in of.of("shared readers")]
+    return f"""## Shared memory
+
+Each copied record has {number(reads.get("bytes"), 0)} bytes; ns, the least of several runs:
+
+{table(["", "ns"], costs)}
+Reads a second of one reader of the latest estimate (`slipd_latest`), and GETs of one client of redis-server for a value of the size of a
+record, in turn:
+
+{table(["server", "reads/s"], rates)}
+From a complete frame at 1 kHz until a reader that waits (`slipd_wait`) has its estimate, beside a subscriber of the socket, in turn, and
+what one thread takes to wake another; moments:
+
+{table(["taxels", "", "p50", "p99", "p99.9", "max"], hands)}
+What readers cost slipd, % of a core, with and without them in turn, 100 x 100 at 1 kHz. One that looks reads a hundred times a second; one
+that waits is woken for each estimate:
+
+{table(["readers that look", "that wait", "slipd alone", "beside them"], crowds)}"""
+
+
 def between_section(of):
     decode = [[name.removeprefix("decode/"), int(each["packets"]), int(each["taxels"]), *waits(each)[:3]]
               for name, each in of.paths.items() if name.startswith("decode/")]
@@ -227,7 +255,7 @@ longest of all frames measured.
 {refused_text(of)}## How the goals are defined
 
 {GOALS}"""
-    sections = [head, estimators_section(of, picture), pipeline_section(of, picture), socket_section(of, picture), between_section(of),
+    sections = [head, estimators_section(of, picture), pipeline_section(of, picture), socket_section(of, picture), shared_section(of), between_section(of),
                 training_section(of), program_section(of)]
     return "\n".join(section.rstrip() + "\n" for section in sections)
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -65,6 +66,17 @@ Usage usage_of(pid_t pid) {
     take("RssAnon:", usage.own_mb);
   }
   return usage;
+}
+
+double thread_cpu_s(pid_t pid) {
+  double sum_s = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
+    std::ifstream file(task.path() / "schedstat");
+    double ran_ns = 0;
+    file >> ran_ns;
+    sum_s += 1e-9 * ran_ns;
+  }
+  return sum_s;
 }
 
 }  // namespace slipd::bench

@@ -28,4 +28,7 @@ struct Usage {
 };
 Usage usage_of(pid_t pid);
 
+// CPU time of the process's running threads so far, s, to the nanosecond.
+double thread_cpu_s(pid_t pid);
+
 }  // namespace slipd::bench

@@ -1,18 +1,24 @@
 // The part of daemon-bench on the board in shared memory: what reading a record costs beside copying its
-// bytes and a GET of Redis, and how long after a frame a waiting reader has its estimate, beside a subscriber
-// of the socket.
+// bytes and a GET of Redis, how long after a frame a waiting reader has its estimate, beside a subscriber of
+// the socket and a bare futex, and what readers cost slipd.
 #include <benchmark/benchmark.h>
 #include <slipd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <functional>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "clients/c/board_view.hpp"
 #include "daemon/board/shared_board.hpp"
 #include "tests/bench/daemon_parts.hpp"
 #include "tests/bench/floors.hpp"
+#include "tests/bench/load.hpp"
+#include "tests/bench/redis.hpp"
 #include "tests/bench/running.hpp"
 #include "tests/support/subscriber.hpp"
 
@@ -23,7 +29,7 @@ using testing::Daemon;
 using testing::TempFolder;
 using namespace std::chrono_literals;
 
-constexpr int kTurns = 5;        // of reader and subscriber
+constexpr int kTurns = 5;        // of what is compared, one after the other
 constexpr double kPatience = 5;  // s
 
 // ns of one call, the least of several runs: others use the machine as well.
@@ -64,6 +70,42 @@ void reads(slipd_client* client) {
   say("shared reads", values);
 }
 
+// Of the latest estimate by one reader, without a pause.
+double reads_per_s(slipd_client* client, std::chrono::nanoseconds how_long) {
+  constexpr int kBetweenLooks = 100;
+  slipd_estimate now;
+  std::uint64_t reads = 0;
+  const std::int64_t begin = now_ns(), until = begin + how_long.count();
+  std::int64_t end = begin;
+  for (; end < until; end = now_ns()) {
+    for (int i = 0; i < kBetweenLooks; ++i) slipd_latest(client, "left", 1, &now);
+    reads += kBetweenLooks;
+  }
+  return static_cast<double>(reads) / (1e-9 * static_cast<double>(end - begin));
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The same number by shared memory and by GETs of one client, in turn.
+void rates(slipd_client* client) {
+  const auto redis = Redis::start();
+  if (redis) redis->set(std::string(sizeof(board_layout::Record), 'x'));
+  const auto each = std::chrono::duration_cast<std::chrono::milliseconds>(length(5s)) / (2 * kTurns);
+  std::vector<double> ours, theirs;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    ours.push_back(reads_per_s(client, each));
+    if (redis)
+      theirs.push_back(
+          ask_for({.socket = redis->socket(), .request = kRedisGet, .newlines = 2}, each).per_second);
+  }
+  say("shared rate", {{"server", "slipd"}, {"per_s", median_of(ours)}});
+  if (redis) say("shared rate", {{"server", "redis"}, {"per_s", median_of(theirs)}});
+}
+
 // From the sample to the estimate in the hands of a reader that waits for it.
 std::vector<std::int64_t> waited(slipd_client* client, std::chrono::nanoseconds how_long) {
   std::vector<std::int64_t> times;
@@ -88,25 +130,27 @@ std::vector<std::int64_t> subscribed(const Daemon& daemon, std::chrono::nanoseco
   return times;
 }
 
-void delivery(const Daemon& daemon, slipd_client* client) {
+void delivery(const Daemon& daemon, slipd_client* client, std::size_t side) {
   std::vector<std::int64_t> reader, socket;
   const auto each = std::chrono::nanoseconds(length(10s)) / (2 * kTurns);
   for (int turn = 0; turn < kTurns; ++turn) {
     for (const auto ns : waited(client, each)) reader.push_back(ns);
     for (const auto ns : subscribed(daemon, each)) socket.push_back(ns);
   }
-  json values{{"reader", to_json(quantiles_of(reader))},
+  json values{{"side", side},
+              {"reader", to_json(quantiles_of(reader))},
               {"subscriber", to_json(quantiles_of(socket))},
               {"futex wake", to_json(futex_wake(length(1s)))}};
   say("shared delivery", values);
 }
 
-// CPU time of slipd at 1 kHz with readers that read a thousand times a second, and that wait.
-void readers(const Daemon& daemon) {
-  const auto cpu_share = [&](int polling, int waiting) {
-    std::vector<std::jthread> all;
-    for (int i = 0; i < polling + waiting; ++i) {
-      all.emplace_back([&, waits = i >= polling](const std::stop_token& stop) {
+// Readers in threads of their own, during its lifetime: each looks a hundred times a second, or is woken for
+// each estimate.
+class Readers {
+ public:
+  Readers(const Daemon& daemon, int looking, int waiting) {
+    for (int i = 0; i < looking + waiting; ++i) {
+      all_.emplace_back([&daemon, waits = i >= looking](const std::stop_token& stop) {
         slipd_client* client = nullptr;
         slipd_open(&client, daemon.socket().c_str());
         slipd_attach(client, waits ? "left" : nullptr, kPatience);
@@ -116,38 +160,61 @@ void readers(const Daemon& daemon) {
             slipd_wait(client, "left", 1, 0.1, &now);
           } else {
             slipd_latest(client, "left", 1, &now);
-            std::this_thread::sleep_for(1ms);
+            std::this_thread::sleep_for(10ms);
           }
         }
         slipd_close(client);
       });
     }
-    std::this_thread::sleep_for(length(500ms));
-    const double before = usage_of(daemon.program().pid()).cpu_s;
+  }
+
+ private:
+  std::vector<std::jthread> all_;
+};
+
+// CPU time of slipd at 1 kHz beside readers and without any, in turn; shares of a core.
+void readers(const Daemon& daemon) {
+  const auto cpu_share = [&] {
+    std::this_thread::sleep_for(length(500ms));  // until all are attached
+    const double before_s = thread_cpu_s(daemon.program().pid());
     const std::int64_t begin = now_ns();
-    std::this_thread::sleep_for(length(4s));
-    return (usage_of(daemon.program().pid()).cpu_s - before) / (1e-9 * static_cast<double>(now_ns() - begin));
+    std::this_thread::sleep_for(length(2s));
+    return (thread_cpu_s(daemon.program().pid()) - before_s) / (1e-9 * static_cast<double>(now_ns() - begin));
   };
-  for (const auto& [polling, waiting] : {std::pair{0, 0}, {10, 0}, {0, 1}, {0, 4}, {0, 20}})
-    say("shared readers",
-        {{"polling", polling}, {"waiting", waiting}, {"cpu_share", cpu_share(polling, waiting)}});
+  for (const auto& [looking, waiting] : {std::pair{100, 0}, {0, 1}, {0, 4}, {0, 20}}) {
+    std::vector<double> alone, beside;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      alone.push_back(cpu_share());
+      const Readers some(daemon, looking, waiting);
+      beside.push_back(cpu_share());
+    }
+    say("shared readers", {{"looking", looking},
+                           {"waiting", waiting},
+                           {"cpu_alone", median_of(alone)},
+                           {"cpu", median_of(beside)}});
+  }
 }
 
 }  // namespace
 
 void shared() {
-  const TempFolder folder;
-  const Daemon daemon(config(folder, json::array({trial("left", 100, 1000)}), "moments"),
-                      testing::trial_drivers(), state());
-  wait_for_estimates(daemon, 100);
-  slipd_client* client = nullptr;
-  slipd_open(&client, daemon.socket().c_str());
-  if (slipd_attach(client, "left", kPatience) != SLIPD_DONE)
-    throw std::runtime_error(slipd_error_text(client));
-  reads(client);
-  delivery(daemon, client);
-  slipd_close(client);
-  readers(daemon);
+  for (const std::size_t side : {4, 100}) {
+    const TempFolder folder;
+    const Daemon daemon(config(folder, json::array({trial("left", side, 1000)}), "moments"),
+                        testing::trial_drivers(), state());
+    wait_for_estimates(daemon, 100);
+    slipd_client* client = nullptr;
+    slipd_open(&client, daemon.socket().c_str());
+    if (slipd_attach(client, "left", kPatience) != SLIPD_DONE)
+      throw std::runtime_error(slipd_error_text(client));
+    delivery(daemon, client, side);
+    if (side == 100) {
+      reads(client);
+      rates(client);
+    }
+    slipd_close(client);
+    if (side == 100) readers(daemon);
+  }
 }
 
 }  // namespace slipd::bench

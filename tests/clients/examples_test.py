@@ -1,9 +1,13 @@
-"""The programs in examples/, each in a loop with a simulated gripper that overshoots and relaxes."""
+"""The programs in examples/, each in a loop with a simulated gripper that overshoots and relaxes.
+
+The one on CAN needs the bus that SLIPD_TEST_CAN names, vcan0 unless it is set; tests/vm/guest/can_gripper.sh runs it where there is one."""
 import json, os, signal, socket, subprocess, sys, tempfile, threading, time, unittest
 
 from python_test import PATIENCE_S, Daemon
 
 BUILD, SOURCE = os.environ["SLIPD_BINARY_DIR"], os.environ["SLIPD_SOURCE_DIR"]
+BUS = os.environ.get("SLIPD_TEST_CAN", "vcan0")
+CAN_PERIOD_MS = 50  # one that slipd can keep on an emulated processor
 PROGRAMS = {"c": [os.path.join(BUILD, "examples", "example-gripper-c")],
             "cpp": [os.path.join(BUILD, "examples", "example-gripper-cpp")],
             "python": [sys.executable, os.path.join(SOURCE, "examples", "gripper.py")]}
@@ -12,19 +16,19 @@ PROGRAMS = {"c": [os.path.join(BUILD, "examples", "example-gripper-c")],
 class Pulled(Daemon):
     """slipd with one finger of pillars whose object is pulled at until it slides, unless it is gripped harder; at last harder than firmly."""
 
-    def __init__(self):
+    def __init__(self, rate_hz=200, **more):
         self.folder = tempfile.TemporaryDirectory()
         self.socket = os.path.join(self.folder.name, "socket")
         self.settings = os.path.join(self.folder.name, "slipd.json")
         self.skin = os.path.join(self.folder.name, "skin")
         cycle = [{"ms": 300, "normal_n": 0, "shear_n": 0, "friction": 0.6}, {"ms": 90, "normal_n": [0, 2]}, {"ms": 600},
                  {"ms": 3000, "shear_n": [0, 4]}, {"ms": 600000}]
-        finger = {"name": "left", "driver": "sim", "rate_hz": 200, "layout": {"grid": [3, 3], "pitch_mm": 7},
+        finger = {"name": "left", "driver": "sim", "rate_hz": rate_hz, "layout": {"grid": [3, 3], "pitch_mm": 7},
                   "skin": {"radius_mm": "flat", "modulus_mpa": 1, "poisson": 0.49},
                   "options": {"preset": "pillars", "noise": 0, "cycle": cycle, "grip_input": self.skin}}
         scene = {"normal_n": [0.5, 10], "friction": [0.3, 1], "flat_share": 0.5, "radius_mm": [10, 50], "modulus_mpa": [1, 200000]}
         with open(self.settings, "w") as file:
-            json.dump({"socket": {"path": self.socket}, "realtime": {"mode": "off"}, "sensors": [finger], "objects": [scene]}, file)
+            json.dump({"socket": {"path": self.socket}, "realtime": {"mode": "off"}, "sensors": [finger], "objects": [scene], **more}, file)
         self.start()
 
 
@@ -67,8 +71,8 @@ class Gripper:
 class Example:
     """A running example, and the lines that it has printed."""
 
-    def __init__(self, language, daemon, gripper):
-        self.process = subprocess.Popen([*PROGRAMS[language], "left", daemon.socket, gripper.path], stdout=subprocess.PIPE, text=True)
+    def __init__(self, command):
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.lines, self.more = [], threading.Condition()
         self.reader = threading.Thread(target=self.read)
         self.reader.start()
@@ -106,7 +110,11 @@ class Examples(unittest.TestCase):
         self.addCleanup(daemon.close)
         gripper = Gripper(daemon)
         self.addCleanup(gripper.close)
-        example = Example(language, daemon, gripper)
+        self.holds(daemon, gripper, [*PROGRAMS[language], "left", daemon.socket, gripper.path])
+
+    def holds(self, daemon, gripper, command, gone_state="disconnected"):
+        """What each loop must do with an object that is pulled at, and with a slipd that is killed and comes back."""
+        example = Example(command)
         self.addCleanup(example.close)
         # It is pulled at: it grips harder than at first.
         pulled = example.await_line(lambda state, alert, force: alert != "none" and force > 2)
@@ -118,13 +126,23 @@ class Examples(unittest.TestCase):
         daemon.end(signal.SIGKILL)
         gone = example.await_line(lambda state, alert, force: state in ("disconnected", "stale") and force >= 6, pulled)
         self.assertIn("margin nan", example.lines[gone])
-        example.await_line(lambda state, alert, force: state == "disconnected", pulled)
+        example.await_line(lambda state, alert, force: state == gone_state, pulled)
         # It goes on with the next one, and does not let go.
         daemon.start()
         back = example.await_line(lambda state, alert, force: state not in ("disconnected", "stale"), gone)
         self.assertGreaterEqual(float(example.lines[back].split()[5]), 6)
         for line in example.lines:
             self.assertTrue(line.startswith("ok ") or "margin nan" in line, line)
+
+    @unittest.skipUnless(os.path.exists(f"/sys/class/net/{BUS}"),
+                         f"there is no {BUS}: modprobe vcan; ip link add {BUS} type vcan; ip link set {BUS} up")
+    def test_c_on_can(self):
+        daemon = Pulled(rate_hz=50, can={"interface": BUS, "allow_simulated": True, "period_ms": CAN_PERIOD_MS})
+        self.addCleanup(daemon.close)
+        gripper = Gripper(daemon)
+        self.addCleanup(gripper.close)
+        self.holds(daemon, gripper, [os.path.join(BUILD, "examples", "example-gripper-can"), BUS, "5A0", "0", str(CAN_PERIOD_MS),
+                                     gripper.path], gone_state="stale")
 
     def test_c_on_shared_memory(self):
         self.each("c")

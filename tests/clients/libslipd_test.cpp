@@ -272,29 +272,5 @@ TEST_F(Libslipd, TheCppHeaderHasTheSame) {
   EXPECT_TRUE(connection.next(kAnyAge, kPatienceS).is_new());
 }
 
-// The file of symbols, one "NAME@VERSION" a line, is what Debian's tools compare as well.
-TEST(LibslipdInterface, IsWhatTheSymbolsFileLists) {
-  const auto listed = run({"/usr/bin/nm", "-D", "--defined-only", "--with-symbol-versions",
-                           std::string(SLIPD_BINARY_DIR) + "/lib/libslipd.so.0"});
-  ASSERT_EQ(listed.code, 0) << listed.errors;
-  std::set<std::string> exported, expected;
-  std::istringstream lines(listed.output);
-  for (std::string address, kind, symbol; lines >> address >> kind >> symbol;) {
-    const auto at = symbol.find("@@");
-    if (at != std::string::npos) symbol.erase(at, 1);
-    exported.insert(symbol);
-  }
-  exported.erase("LIBSLIPD_0");  // the version itself
-  std::ifstream file(std::string(SLIPD_SOURCE_DIR) + "/packaging/libslipd0/symbols");
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string symbol;
-    words >> symbol;
-    if (line.starts_with(" ") && !symbol.starts_with("LIBSLIPD_0")) expected.insert(symbol);
-  }
-  EXPECT_EQ(exported, expected);
-  EXPECT_GE(expected.size(), 20U);
-}
-
 }  // namespace
 }  // namespace slipd::testing

@@ -68,7 +68,9 @@ class Protocol(unittest.TestCase):
 
     def test_the_clients_ask_for_methods_and_parameters_that_exist(self):
         python = self.asked(text_of("clients", "python", "slipd", "__init__.py"), r'(?:call|request)\("([\w.]+)"', r'"(\w+)":')
-        c = self.asked(text_of("clients", "c", "slipd.cpp"), r'(?:call|request)\((?:\*?s, )?"([\w.]+)"', r'\{"(\w+)":')
+        folder = os.path.join(SOURCE, "clients", "c")
+        sources = "".join(text_of("clients", "c", name) for name in os.listdir(folder) if name.endswith(".cpp"))
+        c = self.asked(sources, r'(?:call|request)\((?:\*?s, )?"([\w.]+)"', r'\{"(\w+)":')
         self.assertLessEqual({"gamma", "sensors", "status", "frame", "record", "subscribe", "attach"}, set(python))
         self.assertLessEqual({"gamma", "sensors", "status", "frame", "subscribe", "attach"}, set(c) | {"sensors", "status"})
         for client in (python, c):

@@ -141,7 +141,7 @@ class WithSlipd(unittest.TestCase):
         self.daemon.process.send_signal(signal.SIGHUP)
         self.looked(board, "left", lambda each: board.generation != before and each.state == "ok")
         self.daemon.end(signal.SIGKILL)
-        self.looked(board, "left", lambda each: each.state == "disconnected")
+        self.looked(board, "left", lambda each: each.state == "disconnected", 1)
         self.daemon.start()
         self.looked(board, "left", lambda each: each.state == "ok")
 

@@ -8,9 +8,9 @@
 
 #include <algorithm>
 #include <asio/io_context.hpp>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "daemon/rpc/server.hpp"
 #include "daemon/rt/clock.hpp"
 #include "tests/fuzz/demand.hpp"
@@ -43,21 +43,8 @@ class Peer {
 
   void say(const std::string& text, bool with_descriptor) {
     if (text.empty()) return;
-    iovec piece{const_cast<char*>(text.data()), text.size()};
-    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))]{};
-    msghdr message{};
-    message.msg_iov = &piece;
-    message.msg_iovlen = 1;
     const UniqueFd file(with_descriptor ? memfd_create("record", MFD_CLOEXEC) : -1);
-    if (file) {
-      message.msg_control = control;
-      message.msg_controllen = sizeof control;
-      cmsghdr* const item = CMSG_FIRSTHDR(&message);
-      *item = {.cmsg_len = CMSG_LEN(sizeof(int)), .cmsg_level = SOL_SOCKET, .cmsg_type = SCM_RIGHTS};
-      const int number = file.get();
-      std::memcpy(CMSG_DATA(item), &number, sizeof number);
-    }
-    if (sendmsg(fd_.get(), &message, MSG_NOSIGNAL) > 0)
+    if (send_passing(fd_.get(), text, file.get(), MSG_NOSIGNAL) > 0)
       lines_ += static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   }
 

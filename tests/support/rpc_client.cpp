@@ -9,6 +9,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/storage/descriptor_passing.hpp"
+
 namespace slipd::testing {
 
 using nlohmann::json;
@@ -32,21 +34,8 @@ RpcClient::~RpcClient() {
 bool RpcClient::send(const std::string& bytes, int descriptor) {
   std::size_t sent = 0;
   while (sent < bytes.size()) {
-    iovec piece{const_cast<char*>(bytes.data()) + sent, bytes.size() - sent};
-    msghdr message{};
-    message.msg_iov = &piece;
-    message.msg_iovlen = 1;
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-    if (descriptor >= 0 && sent == 0) {
-      message.msg_control = control.data();
-      message.msg_controllen = control.size();
-      cmsghdr* const item = CMSG_FIRSTHDR(&message);
-      item->cmsg_level = SOL_SOCKET;
-      item->cmsg_type = SCM_RIGHTS;
-      item->cmsg_len = CMSG_LEN(sizeof(int));
-      std::memcpy(CMSG_DATA(item), &descriptor, sizeof descriptor);
-    }
-    const auto done = sendmsg(fd_, &message, MSG_NOSIGNAL);
+    const auto done =
+        send_passing(fd_, std::string_view(bytes).substr(sent), sent == 0 ? descriptor : -1, MSG_NOSIGNAL);
     if (done < 0) return false;
     sent += static_cast<std::size_t>(done);
   }

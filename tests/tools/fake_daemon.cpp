@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/storage/descriptor_passing.hpp"
+
 namespace slipctl::testing {
 namespace {
 
@@ -20,20 +22,6 @@ bool readable(int fd, int stop) {
   pollfd wanted[] = {{fd, POLLIN, 0}, {stop, POLLIN, 0}};
   while (::poll(wanted, 2, -1) < 0) continue;
   return wanted[1].revents == 0;
-}
-
-ssize_t receive(int client, std::array<char, 4096>& bytes, int& passed_fd) {
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  iovec part{bytes.data(), bytes.size()};
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  const ssize_t count = ::recvmsg(client, &message, MSG_CMSG_CLOEXEC);
-  if (const cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr && header->cmsg_type == SCM_RIGHTS)
-    std::memcpy(&passed_fd, CMSG_DATA(header), sizeof passed_fd);
-  return count;
 }
 
 bool send_all(int client, std::string_view bytes) {
@@ -78,7 +66,9 @@ void FakeDaemon::converse(int client) {
   Asked asked;
   while (readable(client, stop_.get())) {
     std::array<char, 4096> bytes;
-    const ssize_t count = receive(client, bytes, asked.passed_fd);
+    slipd::PassedDescriptors passed;
+    const ssize_t count = slipd::receive_passed(client, bytes, passed, 0);
+    if (passed.count > 0) asked.passed_fd = passed.files[0].release();
     if (count <= 0) return;
     received.append(bytes.data(), static_cast<std::size_t>(count));
     for (std::size_t end = received.find('\n'); end != std::string::npos; end = received.find('\n')) {

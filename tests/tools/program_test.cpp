@@ -89,8 +89,8 @@ TEST(Program, EndsWithOneWithoutADaemonAndSaysWhatToDo) {
     const Ran ran = slipctl_with({"--socket", "/nowhere/slipd.sock", command});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_THAT(ran.out, IsEmpty());
-    EXPECT_THAT(ran.err,
-                AllOf(StartsWith("slipctl: no daemon at /nowhere/slipd.sock"), HasSubstr("--socket PATH")));
+    EXPECT_THAT(ran.err, AllOf(StartsWith("slipctl: /nowhere/slipd.sock: slipd does not run here"),
+                               HasSubstr("--socket PATH")));
   }
 }
 

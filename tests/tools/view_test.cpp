@@ -94,8 +94,8 @@ TEST(View, FillsTheBarInProportionToTheMargin) {
 
 TEST(View, ShowsGraspsBelowTheirSensors) {
   WatchState state = watch_sample(2);
-  EstimateView grasp = *state.sensors[0].latest;
-  grasp.sensor = "gripper";
+  EstimateValues grasp = *state.sensors[0].latest;
+  grasp.name = "gripper";
   grasp.gamma = 0.31;
   grasp.alert = "warn";
   state.grasps = {grasp};

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-EstimateView estimate(std::uint64_t sequence, const std::string& alert, double gamma = 0.5) {
+EstimateValues estimate(std::uint64_t sequence, const std::string& alert, double gamma = 0.5) {
   nlohmann::json sample = estimate_sample("left", sequence, gamma);
   sample["alert"] = alert;
   return estimate_from(sample);
@@ -52,7 +52,7 @@ TEST(WatchStatistics, CountsNoSlipWithoutOne) {
 TEST(WatchStatistics, MeasuresTheMarginsAgainstTheTruth) {
   WatchStatistics statistics;
   for (int i = 0; i < 10; ++i) {
-    EstimateView each = estimate(static_cast<std::uint64_t>(i), "none", 0.5);
+    EstimateValues each = estimate(static_cast<std::uint64_t>(i), "none", 0.5);
     each.true_gamma = 0.5 + 0.01 * i;
     statistics.take(each, true);
   }
@@ -62,7 +62,7 @@ TEST(WatchStatistics, MeasuresTheMarginsAgainstTheTruth) {
 
 TEST(WatchStatistics, ClaimsNoErrorWithoutATruth) {
   WatchStatistics statistics;
-  EstimateView real = estimate(1, "none");
+  EstimateValues real = estimate(1, "none");
   real.true_gamma.reset();
   statistics.take(real, true);
   EXPECT_TRUE(totals(statistics)["mean_error"].is_null());

@@ -1,17 +1,18 @@
-// The client of slipd's socket: JSON-RPC 2.0, one object a line, over a Unix stream socket.
+// slipctl's side of the socket: libslipd's connection, with errors that tell a person at a terminal what to
+// do.
 //
 // Synchronous; called from one thread. A request waits for its answer; notifications that arrive meanwhile
-// are kept in order for next(). Every error is an exception whose text states the remedy.
+// are kept in order for next().
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "clients/c/connection.hpp"
 #include "core/storage/unique_fd.hpp"
 
 namespace slipctl {
@@ -49,7 +50,7 @@ class RpcClient {
   // Sends a request and waits for its result. `passed_fd`, if not -1, is sent along (SCM_RIGHTS); the caller
   // keeps its own. Throws RpcError for an error answer, ClientError for no answer within `timeout`.
   nlohmann::ordered_json call(const std::string& method,
-                              nlohmann::ordered_json params = nlohmann::ordered_json::object(),
+                              const nlohmann::ordered_json& params = nlohmann::ordered_json::object(),
                               std::chrono::milliseconds timeout = std::chrono::seconds(5),
                               int passed_fd = -1);
 
@@ -58,23 +59,14 @@ class RpcClient {
   std::optional<Notification> next(std::chrono::milliseconds timeout);
 
   // For poll(): readable when next() can return another notification.
-  int fd() const noexcept { return socket_.get(); }
+  int fd() const noexcept { return connection_.fd(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  void send_line(const std::string& line, int passed_fd) const;
-  std::optional<nlohmann::ordered_json> receive(Clock::time_point deadline);
-  std::optional<std::string> take_line();
-  bool wait_readable(Clock::time_point deadline) const;
-  void read_some();
-  void keep_notification(nlohmann::ordered_json& message);
+  void keep(nlohmann::ordered_json&& message);
 
   std::string path_;
-  UniqueFd socket_;
-  std::string received_;
-  std::size_t searched_ = 0;  // the first bytes of received_, which contain no end of line
+  slipd::client::Connection connection_;
   std::deque<Notification> waiting_;
-  std::int64_t last_id_ = 0;
 };
 
 }  // namespace slipctl

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "clients/c/json_values.hpp"
 #include "tools/slipctl/client.hpp"
 
 namespace slipctl {
@@ -9,36 +10,12 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-const json& member(const json& object, const char* key) {
-  static const json nothing;
-  if (!object.is_object()) return nothing;
-  const auto found = object.find(key);
-  return found == object.end() ? nothing : *found;
-}
-
-std::string text(const json& object, const char* key, const char* otherwise = "") {
-  const json& value = member(object, key);
-  return value.is_string() ? value.get<std::string>() : otherwise;
-}
-
-std::optional<double> number(const json& object, const char* key) {
-  const json& value = member(object, key);
-  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
-}
-
-std::uint64_t count(const json& object, const char* key) {
-  const json& value = member(object, key);
-  return value.is_number_integer() && value >= 0 ? value.get<std::uint64_t>() : 0;
-}
-
-std::int64_t integer(const json& object, const char* key) {
-  const json& value = member(object, key);
-  return value.is_number_integer() ? value.get<std::int64_t>() : 0;
-}
-
-bool flag(const json& object, const char* key) {
-  return member(object, key) == true;
-}
+using slipd::client::count;
+using slipd::client::flag;
+using slipd::client::integer;
+using slipd::client::member;
+using slipd::client::number;
+using slipd::client::text;
 
 std::vector<double> numbers(const json& object, const char* key) {
   const json& values = member(object, key);
@@ -59,50 +36,9 @@ std::vector<SensorInfo> sensors_from(const json& result) {
   return sensors;
 }
 
-EstimateView estimate_from(const json& in) {
-  EstimateView out;
-  out.sensor = text(in, "sensor");
-  out.state = text(in, "state", "stale");
-  out.alert = text(in, "alert", "none");
-  out.alert_cause = text(in, "alert_cause");
-  out.sliding = text(in, "sliding");
-  out.sliding_for_ms = number(in, "sliding_for_ms");
-  out.method = text(in, "method");
-  out.sequence = count(in, "seq");
-  out.time_ns = integer(in, "time_ns");
-  out.gamma = number(in, "gamma");
-  out.sigma = number(in, "sigma");
-  out.friction = number(in, "friction");
-  out.friction_sigma = number(in, "friction_sigma");
-  if (const auto value = number(in, "class")) out.slip_class = static_cast<int>(*value);
-  out.normal_n = number(in, "normal_n");
-  out.shear_n = number(in, "shear_n");
-  out.torque_nmm = number(in, "torque_nmm");
-  out.torque_sigma_nmm = number(in, "torque_sigma_nmm");
-  if (const json& center = member(in, "center_mm");
-      center.is_array() && center.size() == 2 && center[0].is_number() && center[1].is_number()) {
-    out.center_x_mm = center[0].get<double>();
-    out.center_y_mm = center[1].get<double>();
-  }
-  out.radius_mm = number(in, "radius_mm");
-  out.a_over_r = number(in, "a_over_r");
-  out.time_to_slip_ms = number(in, "time_to_slip_ms");
-  out.grip_increase_n = number(in, "grip_increase_n");
-  out.latency_us = number(in, "latency_us");
-  out.age_ms = number(in, "age_ms");
-  out.true_gamma = number(member(in, "truth"), "gamma");
-  out.true_friction = number(member(in, "truth"), "friction");
-  out.dropped = count(in, "dropped");
-  out.simulated = flag(in, "simulated");
-  return out;
-}
-
-std::vector<EstimateView> grasps_from(const json& result) {
-  std::vector<EstimateView> grasps;
-  for (const json& each : member(result, "grasps")) {
-    grasps.push_back(estimate_from(each));
-    grasps.back().sensor = text(each, "grasp");
-  }
+std::vector<EstimateValues> grasps_from(const json& result) {
+  std::vector<EstimateValues> grasps;
+  for (const json& each : member(result, "grasps")) grasps.push_back(estimate_from(each));
   return grasps;
 }
 

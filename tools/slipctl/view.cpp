@@ -15,8 +15,8 @@ constexpr Style kPlain{};
 constexpr Style kStrong{std::nullopt, std::nullopt, true};
 constexpr Style kSimulated{kViolet, std::nullopt, true};
 
-const EstimateView& estimate_of(const SensorWatch& sensor) {
-  static const EstimateView nothing_yet;
+const EstimateValues& estimate_of(const SensorWatch& sensor) {
+  static const EstimateValues nothing_yet;
   return sensor.latest ? *sensor.latest : nothing_yet;
 }
 
@@ -33,18 +33,18 @@ std::string pace(const SensorWatch& sensor) {
 }
 
 // An alert that does not come from the margin says so.
-std::string alert_text(const EstimateView& estimate) {
+std::string alert_text(const EstimateValues& estimate) {
   return estimate.alert_cause == "sliding" ? estimate.alert + ": slides" : estimate.alert;
 }
 
-std::string sliding_text(const EstimateView& estimate) {
+std::string sliding_text(const EstimateValues& estimate) {
   if (estimate.sliding.empty()) return "–";
   if (!estimate.sliding_for_ms) return estimate.sliding;
   return estimate.sliding + " " + fixed(*estimate.sliding_for_ms / 1000, 1, "s");
 }
 
 void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
-  const EstimateView& estimate = estimate_of(sensor);
+  const EstimateValues& estimate = estimate_of(sensor);
   int right = text_up_to(canvas, box.columns, box.row, " " + alert_text(estimate) + " ",
                          alert_style(estimate.alert)) -
               1;
@@ -58,7 +58,7 @@ void draw_title(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
 }
 
 void draw_margin(Canvas& canvas, const Box& box, const SensorWatch& sensor) {
-  const EstimateView& estimate = estimate_of(sensor);
+  const EstimateValues& estimate = estimate_of(sensor);
   constexpr int kStateColumns = 14;
   std::string numbers = "  " + with_sigma(estimate.gamma, estimate.sigma);
   if (sensor.info.simulated) numbers += "  true " + fixed(estimate.true_gamma, 2);
@@ -81,7 +81,7 @@ void draw_last_seconds(Canvas& canvas, const Box& box, const SensorWatch& sensor
 using Figure = std::pair<const char*, std::string>;
 
 std::vector<Figure> figures_of(const SensorWatch& sensor) {
-  const EstimateView& r = estimate_of(sensor);
+  const EstimateValues& r = estimate_of(sensor);
   std::vector<Figure> figures{
       {"normal", fixed(r.normal_n, 2, "N")},
       {"shear", fixed(r.shear_n, 2, "N")},
@@ -129,7 +129,7 @@ void draw_maps(Canvas& canvas, const Box& box, const SensorWatch& sensor, Colour
   int at = 0;
   if (!sensor.frame.normal_pa.empty() && limit >= 6) {
     const int columns = map_columns(sensor.frame, inner.rows, limit);
-    const EstimateView& estimate = estimate_of(sensor);
+    const EstimateValues& estimate = estimate_of(sensor);
     const auto friction = estimate.friction ? estimate.friction : estimate.true_friction;
     canvas.text(0, box.row, "pressure ≤ " + fixed(sensor.peak_pa / 1000, 1, "kPa"), kFaint,
                 columns + kGap - 1);
@@ -156,10 +156,10 @@ void draw_sensor(Canvas& canvas, const Box& box, const SensorWatch& sensor, doub
 }
 
 // One row: name, state, bar, number, alert.
-void draw_grasp(Canvas& canvas, int row, const EstimateView& grasp) {
+void draw_grasp(Canvas& canvas, int row, const EstimateValues& grasp) {
   constexpr int kNameColumns = 14;
   constexpr int kNumberColumns = 26;
-  canvas.text(0, row, grasp.sensor, kStrong, kNameColumns - 1);
+  canvas.text(0, row, grasp.name, kStrong, kNameColumns - 1);
   const int bar_columns = std::max(0, canvas.columns() - kNameColumns - kNumberColumns);
   draw_bar(canvas, {kNameColumns, row, bar_columns, 1}, grasp.gamma, std::nullopt);
   canvas.text(kNameColumns + bar_columns + 2, row, grasp.gamma ? fixed(grasp.gamma, 2) : grasp.state, kPlain,
@@ -200,7 +200,7 @@ Canvas draw_watch(const WatchState& state, int columns, int rows, ColourDepth de
 }
 
 std::string plain_line(const SensorWatch& sensor, double elapsed_s) {
-  const EstimateView& estimate = estimate_of(sensor);
+  const EstimateValues& estimate = estimate_of(sensor);
   std::string line = fixed(elapsed_s, 2, "s") + "  " + sensor.info.name + "  " + estimate.state +
                      "  margin " + with_sigma(estimate.gamma, estimate.sigma);
   if (estimate.true_gamma) line += "  true " + fixed(estimate.true_gamma, 2);

@@ -176,7 +176,7 @@ class Watcher {
     if (!notification) return false;
     const bool is_estimate = notification->method == "estimate";
     if (!is_estimate && notification->method != "alert") return true;
-    const EstimateView view = estimate_from(notification->params);
+    const EstimateValues view = estimate_from(notification->params);
     statistics_.take(view, is_estimate);
     if (!is_estimate) return true;
     take_estimate(state_, view);

@@ -4,10 +4,9 @@
 
 namespace slipctl {
 
-void take_estimate(WatchState& state, const EstimateView& estimate) {
-  const auto sensor = std::find_if(state.sensors.begin(), state.sensors.end(), [&](const SensorWatch& each) {
-    return each.info.name == estimate.sensor;
-  });
+void take_estimate(WatchState& state, const EstimateValues& estimate) {
+  const auto sensor = std::find_if(state.sensors.begin(), state.sensors.end(),
+                                   [&](const SensorWatch& each) { return each.info.name == estimate.name; });
   if (sensor == state.sensors.end()) return;
   sensor->latest = estimate;
   sensor->history.push_back({state.elapsed_s, estimate.gamma});

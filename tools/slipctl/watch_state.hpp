@@ -20,11 +20,11 @@ inline constexpr double kHistorySeconds = 10;
 
 struct SensorWatch {
   SensorInfo info;
-  std::optional<EstimateView> latest;  // absent: none has arrived
-  std::deque<MarginPoint> history;     // of the last kHistorySeconds, oldest first
-  TaxelFrame frame;                    // the latest; empty: none
-  double peak_pa = 0;                  // highest pressure so far, the map's scale
-  std::optional<SensorCounts> counts;  // absent: not requested yet
+  std::optional<EstimateValues> latest;  // absent: none has arrived
+  std::deque<MarginPoint> history;       // of the last kHistorySeconds, oldest first
+  TaxelFrame frame;                      // the latest; empty: none
+  double peak_pa = 0;                    // highest pressure so far, the map's scale
+  std::optional<SensorCounts> counts;    // absent: not requested yet
 };
 
 struct WatchState {
@@ -32,11 +32,11 @@ struct WatchState {
   bool connected = true;             // false: slipd is gone; the watch waits for it
   double elapsed_s = 0;              // since the watch began
   std::vector<SensorWatch> sensors;  // those that are watched
-  std::vector<EstimateView> grasps;  // `sensor` is the grasp's name
+  std::vector<EstimateValues> grasps;
 };
 
 // Stores an estimate as the latest one and in the history. Ignores sensors that are not watched.
-void take_estimate(WatchState& state, const EstimateView& estimate);
+void take_estimate(WatchState& state, const EstimateValues& estimate);
 
 void take_frame(SensorWatch& sensor, TaxelFrame frame);
 

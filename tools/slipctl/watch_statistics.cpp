@@ -37,8 +37,8 @@ std::string shares(const SensorStatistics& statistics) {
 
 }  // namespace
 
-void WatchStatistics::take(const EstimateView& estimate, bool is_estimate) {
-  SensorStatistics& sensor = sensors_[estimate.sensor];
+void WatchStatistics::take(const EstimateValues& estimate, bool is_estimate) {
+  SensorStatistics& sensor = sensors_[estimate.name];
   // An alert event and its estimate arrive in either order: the first of them counts the rise.
   if (estimate.sequence >= sensor.sequence) {
     if (estimate.alert != sensor.alert) {

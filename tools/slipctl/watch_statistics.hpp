@@ -33,7 +33,7 @@ struct SensorStatistics {
 
 class WatchStatistics {
  public:
-  void take(const EstimateView& estimate,
+  void take(const EstimateValues& estimate,
             bool is_estimate);  // estimate or event; events count for alerts only
   bool slip_seen() const;
 

@@ -397,7 +397,7 @@ class Board:
         self._socket: socket.socket | None = None
         self._memory: mmap.mmap | None = None
         self._slots: dict[str, int] = {}
-        self._next_attempt, self._pause_s = 0.0, _RETRY_FIRST_S
+        self._next_attempt, self._pause_s, self._period_ns = 0.0, _RETRY_FIRST_S, 0
 
     def __enter__(self) -> Board:
         return self
@@ -466,12 +466,18 @@ class Board:
     @property
     def alive(self) -> bool:
         """Whether slipd writes the memory that is mapped."""
-        if self._memory is None or self._word("<I", 72) != 0:
-            return False
-        return time.monotonic_ns() - self._word("<q", 64) <= _BEATS_MISSED * self._period_ns
+        return self._heartbeat_age_s <= 1e-9 * _BEATS_MISSED * self._period_ns
 
-    def _alive_or_attached(self) -> bool:
-        if self.alive:
+    @property
+    def _heartbeat_age_s(self) -> float:
+        """Infinite if nothing is mapped, or slipd has closed it."""
+        if self._memory is None or self._word("<I", 72) != 0:
+            return float("inf")
+        return 1e-9 * (time.monotonic_ns() - self._word("<q", 64))
+
+    def _alive_or_attached(self, max_age_s: float) -> bool:
+        """Whether there is memory whose heartbeat is young: as old as the caller allows estimates to be, as libslipd has it."""
+        if self.alive or self._heartbeat_age_s <= max_age_s:
             return True
         if time.monotonic() < self._next_attempt:
             return False
@@ -480,11 +486,11 @@ class Board:
             self.attach()
         except OSError:
             return False
-        return self.alive
+        return self.alive or self._heartbeat_age_s <= max_age_s
 
     def latest(self, name: str, max_age_s: float) -> Estimate:
         """The latest estimate of a sensor or grasp. Raises SlipdError if there is none of this name."""
-        if not self._alive_or_attached():
+        if not self._alive_or_attached(max_age_s):
             return _without(name, "disconnected", max_age_s)
         if name not in self._slots:
             raise SlipdError(-32001, f"there is no sensor or grasp {name!r}; there are: " + ", ".join(sorted(self._slots)))

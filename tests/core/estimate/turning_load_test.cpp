@@ -193,7 +193,8 @@ TEST(TurningLoad, SaysWhetherTheLoadCameInAStraightLine) {
     return load.of(patch).straight;
   };
   for (int i = 0; i <= 100; ++i) EXPECT_TRUE(pull_and_turn(0.004 * i, 1.2e-5 * i)) << i;
-  for (int i = 100; i >= 60; --i) EXPECT_TRUE(pull_and_turn(0.004 * i, 1.2e-5 * i)) << "on the same line";
+  EXPECT_FALSE(pull_and_turn(0.3, 9e-4)) << "fallen";
+  EXPECT_TRUE(pull_and_turn(0.4, 1.2e-3)) << "back on the same line";
   patch.normal_n = 2.4;
   EXPECT_FALSE(pull_and_turn(0.4, 1.2e-3)) << "tightened";
   load.reset();

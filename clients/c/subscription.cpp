@@ -1,0 +1,117 @@
+// The functions of slipd.h for estimates as they come on the socket, and for connecting again.
+#include <sys/epoll.h>
+#include <sys/timerfd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "clients/c/client.hpp"
+#include "clients/c/estimate.hpp"
+#include "clients/c/json_values.hpp"
+
+using namespace slipd::client;
+using slipd::UniqueFd;
+
+namespace {
+
+constexpr std::array<std::pair<int, const char*>, 3> kEvents{
+    {{SLIPD_EVENT_ESTIMATE, "estimate"}, {SLIPD_EVENT_ALERT, "alert"}, {SLIPD_EVENT_STATE, "state"}}};
+
+void arm(const UniqueFd& timer, double pause_s) noexcept {
+  itimerspec when{};
+  when.it_value.tv_sec = static_cast<time_t>(pause_s);
+  when.it_value.tv_nsec = static_cast<long>(1e9 * (pause_s - std::floor(pause_s))) + 1;
+  timerfd_settime(timer.get(), 0, &when, nullptr);
+}
+
+void start_subscription(slipd_client& s, Clock::time_point until) {
+  s.events.connect(s.path);
+  watch(s.epoll, s.events.fd());
+  s.subscribed_by = s.events.request("subscribe", s.subscription, -1, until);
+}
+
+// A descriptor that is closed leaves the epoll by itself.
+void lose_subscription(slipd_client& s) noexcept {
+  s.events.close();
+  arm(s.timer, s.pause_s);
+  s.pause_s = std::min(2 * s.pause_s, kLastPause);
+}
+
+// True: the message is a notification, which fills `estimate`.
+bool take_event(slipd_client& s, const Json& message, double max_age_s, slipd_estimate& estimate) {
+  throw_error_of(message, member(message, "id") == s.subscribed_by);
+  const auto params = message.find("params");
+  if (params == message.end()) {
+    s.pause_s = kFirstPause;  // the answer: it is subscribed
+    return false;
+  }
+  fill(estimate, estimate_from(*params), monotonic_ns(), max_age_s);
+  const std::string event = text(message, "method", "estimate");
+  for (const auto& [bit, name] : kEvents) {
+    if (event == name) estimate.event = bit;
+  }
+  return true;
+}
+
+int next_event(slipd_client& s, double max_age_s, Clock::time_point until, slipd_estimate& estimate) {
+  if (s.subscription.empty())
+    throw Failure(SLIPD_INVALID, "there is no subscription: call slipd_subscribe first");
+  try {
+    for (;;) {
+      if (s.events.connected()) {
+        Json message;
+        if (!s.events.message(message, until)) return SLIPD_TIMEOUT;
+        if (take_event(s, message, max_age_s, estimate)) return SLIPD_DONE;
+        continue;
+      }
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
+      epoll_event due{};
+      if (epoll_wait(s.epoll.get(), &due, 1,
+                     static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000))) <= 0)
+        return SLIPD_TIMEOUT;
+      arm(s.timer, kLongestTimeout);  // no longer readable
+      start_subscription(s, Clock::now() + std::chrono::seconds(1));
+    }
+  } catch (...) {
+    lose_subscription(s);
+    clear(estimate, "", SLIPD_STATE_DISCONNECTED);
+    throw;
+  }
+}
+
+}  // namespace
+
+int slipd_subscribe(slipd_client* s, const char* sensor, double max_rate_hz, int events, double timeout_s) {
+  return guarded(s, [&] {
+    const auto until = after(timeout_s);
+    Json params = Json::object();
+    if (sensor != nullptr) params["sensors"] = {sensor};
+    if (max_rate_hz > 0) params["max_rate_hz"] = max_rate_hz;
+    for (const auto& [bit, name] : kEvents) {
+      if ((events & bit) != 0) params["events"].push_back(name);
+    }
+    s->events.close();
+    s->subscription = params.dump(-1, ' ', true, Json::error_handler_t::replace);
+    s->pause_s = kFirstPause;
+    try {
+      start_subscription(*s, until);
+      s->events.answer(s->subscribed_by, until);
+    } catch (...) {
+      s->events.close();
+      s->subscription.clear();
+      throw;
+    }
+    return SLIPD_DONE;
+  });
+}
+
+int slipd_fd(const slipd_client* s) {
+  return s == nullptr ? -1 : s->epoll.get();
+}
+
+int slipd_next(slipd_client* s, double max_age_s, double timeout_s, struct slipd_estimate* estimate) {
+  if (estimate == nullptr) return SLIPD_INVALID;
+  clear(*estimate, "", SLIPD_STATE_STALE);
+  return guarded(s, [&] { return next_event(*s, max_age_s, after(timeout_s), *estimate); });
+}

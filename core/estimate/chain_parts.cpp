@@ -1,0 +1,133 @@
+#include "core/estimate/chain_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/contact/hertz.hpp"
+#include "core/estimate/closing.hpp"
+#include "core/estimate/fit.hpp"
+#include "core/estimate/moments.hpp"
+#include "core/estimate/svd_knn.hpp"
+#include "core/estimate/tradeoff.hpp"
+
+namespace slipd {
+namespace {
+
+std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
+  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
+                               setup.scene.skin.depth_m);
+}
+
+// `auto`: of the methods that need no training, the one whose error on this scene is least within the time
+// given.
+std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
+  // Contacts by which the methods are compared, 10 to 1000. Too few: chance decides. Too many: opening the
+  // sensor takes long.
+  constexpr std::size_t kContacts = 48;
+  // Differs from the seed of training, 1, so that the contacts are new ones.
+  constexpr std::uint64_t kSeed = 2;
+  std::vector<std::unique_ptr<SlipMethod>> methods;
+  methods.push_back(std::make_unique<Moments>(setup.layout));
+  methods.push_back(make_fit(setup));
+  work_precision.processor = processor_name();
+  Scene scene = setup.scene;
+  if (scene.objects.empty()) scene.objects = paper_objects();
+  std::vector<SlipMethod*> all;
+  all.reserve(methods.size());
+  for (const auto& method : methods) all.push_back(method.get());
+  work_precision.rows =
+      measure_tradeoff(setup.layout, scene, all, NoiseKind::relative, scene.noise, kContacts, kSeed);
+  return std::move(methods[choose(work_precision.rows, setup.estimator.budget_us)]);
+}
+
+}  // namespace
+
+bool only_forces(const ChainSetup& setup) {
+  return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
+         std::isinf(setup.scene.skin.radius_m);
+}
+
+bool weighed_over_time(const ChainSetup& setup) {
+  return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
+}
+
+TrackerOptions tracker_options(const ChainSetup& setup) {
+  TrackerOptions options;
+  if (!only_forces(setup) && setup.layout.size() <= Fit::kFewTaxels)
+    options.least_sigma = options.few_taxels_sigma;
+  return options;
+}
+
+std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
+                                        WorkPrecision& work_precision) {
+  if (only_forces(setup)) return nullptr;
+  if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
+      setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
+    throw std::invalid_argument(
+        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs "
+        "method fit or auto");
+  }
+  if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
+    throw std::invalid_argument("the estimator needs a model trained for this very layout");
+  }
+  if (always_fits(setup)) return make_fit(setup);
+  // No other method knows what rubber over the taxels spreads.
+  if (setup.scene.skin.depth_m > 0) return make_fit(setup);
+  switch (setup.estimator.method) {
+    case MethodChoice::automatic:
+      return choose_method(setup, work_precision);
+    case MethodChoice::fit:
+      return make_fit(setup);
+    case MethodChoice::closing:
+      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
+    case MethodChoice::moments:
+      return std::make_unique<Moments>(setup.layout);
+    case MethodChoice::svd_knn:
+    case MethodChoice::registered:
+      work_precision = model->data().work_precision;
+      return std::make_unique<SvdKnn>(model);
+  }
+  throw std::invalid_argument("there is no such estimator");
+}
+
+PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
+  PlausibilityLimits limits{
+      .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),
+      .flat = std::isinf(setup.scene.skin.radius_m)};
+  if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
+  const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
+  const contact::Body skin = contact::body_of(setup.scene.skin);
+  const auto m3_per_n = [&](double radius_m, double modulus_pa, double poisson) {
+    const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
+    return std::pow(pair.contact_radius_m(1), 3);
+  };
+  if (setup.scene.skin.depth_m > 0) return limits;  // what is felt is wider than the contact
+  limits.least_m3_per_n = std::numeric_limits<double>::infinity();
+  for (const ObjectFamily& family : objects) {
+    const double flattest_m =
+        family.flat_share > 0 ? std::numeric_limits<double>::infinity() : family.radius_m.high;
+    limits.least_m3_per_n = std::min(
+        limits.least_m3_per_n, m3_per_n(family.radius_m.low, family.modulus_pa.high, family.poisson.high));
+    limits.greatest_m3_per_n =
+        std::max(limits.greatest_m3_per_n, m3_per_n(flattest_m, family.modulus_pa.low, family.poisson.low));
+  }
+  return limits;
+}
+
+bool always_fits(const ChainSetup& setup) {
+  return setup.sensor_class == SensorClass::array3 && !only_forces(setup) &&
+         setup.layout.size() <= Fit::kFewTaxels && setup.estimator.tracking;
+}
+
+bool needs_model(const ChainSetup& setup) {
+  return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
+         !(setup.scene.skin.depth_m > 0) &&  // which no trained method can carry
+         (setup.estimator.method == MethodChoice::svd_knn ||
+          setup.estimator.method == MethodChoice::registered);
+}
+
+}  // namespace slipd

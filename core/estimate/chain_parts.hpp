@@ -1,0 +1,36 @@
+// What the chain of a sensor is made of, by its setup: the method, and the options and limits of the other
+// parts. Set-up only; any thread.
+#pragma once
+
+#include <memory>
+
+#include "core/estimate/chain.hpp"
+#include "core/estimate/method.hpp"
+#include "core/estimate/tracker.hpp"
+#include "core/model/model.hpp"
+#include "core/model/work_precision.hpp"
+#include "core/plausibility/limits.hpp"
+
+namespace slipd {
+
+// One force vector, or a skin without the curvature that makes a contact Hertzian.
+bool only_forces(const ChainSetup& setup);
+
+// Friction is weighed over a grasp's frames because no single one determines it.
+bool weighed_over_time(const ChainSetup& setup);
+
+// On few taxels a contact reaches beyond the pad, or falls between them: their sums miss traction that is
+// locked in after an unloading.
+TrackerOptions tracker_options(const ChainSetup& setup);
+
+// The method of single frames; null where only forces are felt. `work_precision` becomes what was measured to
+// choose it, or with its model. Throws std::invalid_argument if the method needs a model of this layout and
+// has none, or cannot read taxels under a skin.
+std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
+                                        WorkPrecision& work_precision);
+
+// Bounds of a^3/P = 3 R/(4 E*) over the contacts that the scene expects; for the stiffest one against the
+// sharpest object, for the softest one against the flattest.
+PlausibilityLimits plausibility_limits(const ChainSetup& setup);
+
+}  // namespace slipd

@@ -1,0 +1,73 @@
+// Bytes on a Unix socket with file descriptors beside them (SCM_RIGHTS; unix(7)). Any one thread for each
+// socket. Nothing allocates or throws.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string_view>
+
+#include "core/storage/unique_fd.hpp"
+
+namespace slipd {
+
+// Most descriptors that are taken from one message. The kernel closes those beyond.
+inline constexpr std::size_t kMostPassed = 4;
+
+// Sends what the socket takes of `bytes`, as send(2) with `flags` does, and with their first byte a copy of
+// `descriptor`; negative: none. Returns the number of bytes sent, -1 with errno if none was: then the
+// descriptor was not sent either.
+inline ssize_t send_passing(int socket, std::string_view bytes, int descriptor, int flags) noexcept {
+  if (descriptor < 0) return send(socket, bytes.data(), bytes.size(), flags);
+  iovec piece{const_cast<char*>(bytes.data()), bytes.size()};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof descriptor)> control{};
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  cmsghdr* const item = CMSG_FIRSTHDR(&message);
+  item->cmsg_level = SOL_SOCKET;
+  item->cmsg_type = SCM_RIGHTS;
+  item->cmsg_len = CMSG_LEN(sizeof descriptor);
+  std::memcpy(CMSG_DATA(item), &descriptor, sizeof descriptor);
+  return sendmsg(socket, &message, flags);
+}
+
+// What came beside received bytes: `count` descriptors, oldest first, which programs that are started later
+// do not inherit.
+struct PassedDescriptors {
+  std::array<UniqueFd, kMostPassed> files;
+  std::size_t count = 0;
+};
+
+// Receives into `bytes`, as recv(2) with `flags` does, and replaces `passed` by the descriptors that came.
+// Returns the number of bytes; 0: the other end has closed; -1: errno says why.
+inline ssize_t receive_passed(int socket, std::span<char> bytes, PassedDescriptors& passed,
+                              int flags) noexcept {
+  iovec piece{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(kMostPassed * sizeof(int))> control{};
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  passed = {};
+  const ssize_t got = recvmsg(socket, &message, flags | MSG_CMSG_CLOEXEC);
+  if (got < 0) return got;
+  for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
+    if (item->cmsg_level != SOL_SOCKET || item->cmsg_type != SCM_RIGHTS) continue;
+    const std::size_t sent = (item->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (std::size_t i = 0; i < sent && passed.count < kMostPassed; ++i) {
+      int descriptor = -1;
+      std::memcpy(&descriptor, CMSG_DATA(item) + i * sizeof descriptor, sizeof descriptor);
+      passed.files[passed.count++] = UniqueFd(descriptor);
+    }
+  }
+  return got;
+}
+
+}  // namespace slipd

@@ -1,0 +1,31 @@
+// The methods `record` and `flight`: recordings that clients ask for. Called from one thread: io.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "daemon/record/recorder.hpp"
+#include "daemon/record/request_rate.hpp"
+#include "daemon/rpc/client.hpp"
+#include "daemon/rpc/rpc.hpp"
+#include "daemon/telemetry/service_context.hpp"
+
+namespace slipd {
+
+class RecordingRequests {
+ public:
+  // `context` and `recorder` outlive it.
+  RecordingRequests(ServiceContext& context, Recorder& recorder);
+
+  // Records into the descriptor that the client passed; responds when the recording ends. Throws rpc::Error.
+  void record(Client& client, const nlohmann::json& params, const rpc::Reply& reply);
+  // Triggers the flight recorder for one sensor or for all. Throws rpc::Error.
+  nlohmann::ordered_json flight(const nlohmann::json& params);
+
+ private:
+  ServiceContext& context_;
+  Recorder& recorder_;
+  std::vector<RequestRate> rates_;  // per sensor
+};
+
+}  // namespace slipd
