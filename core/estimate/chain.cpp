@@ -38,6 +38,14 @@ constexpr double kOneSided95 = 1.645;
 // large: light pulls get no margin from their shape.
 constexpr double kClearSigmas = 3;
 
+// The friction filter follows a contact by moments that the disc feels, which a skin changes: under one each
+// frame stands for itself. After an unloading or a regrip its margin is then too low.
+EstimatorSettings followed(const ChainSetup& setup) {
+  EstimatorSettings settings = setup.estimator;
+  if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup)) settings.tracking = false;
+  return settings;
+}
+
 // Of a sensor whose taxels' shear means nothing by itself (flat skin): taxels that carry more than this of P
 // against each other, share, 0.05 … 0.5, take the margin away: the object is turned, hooked, or pulled at in
 // several places, and what the sum says of it is too safe. Quiet grasps of real pillars reach 0.066; a round
@@ -57,7 +65,7 @@ struct EstimatorChain::Impl {
         turning_load(s.layout),
         slipping(s.layout),
         turning_moments(s.layout),
-        tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
+        tracker(followed(s), expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         turn(s.layout),

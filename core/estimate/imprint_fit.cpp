@@ -405,6 +405,43 @@ double ImprintFit::residual_pressure(const Full& at) const noexcept {
   return std::sqrt((squares - free * by_noise) / static_cast<double>(count_)) / at[peak];
 }
 
+// As Fit::ring_misfit: noise averages out in a ring, another history of the load does not.
+double ImprintFit::ring_misfit(const Full& at) const noexcept {
+  constexpr std::size_t kRings = 12;
+  struct Ring {
+    double off = 0, held = 0, taxels = 0;
+  };
+  std::array<Ring, kRings> rings;
+  const contact::Ellipse ellipse = ellipse_of(at, 1);
+  const double c = std::cos(ellipse.angle_rad), s = std::sin(ellipse.angle_rad);
+  const double pull_x = std::cos(at[direction]), pull_y = std::sin(at[direction]);
+  const double limit_pa = at[peak] * at[load] / (1 - at[margin]);
+  const auto held = outer_.row(Sheet::value, Sheet::xx);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double along_a = (c * u_[i] + s * v_[i]) / ellipse.a_m,
+                 along_b = (c * v_[i] - s * u_[i]) / ellipse.b_m;
+    const auto which = static_cast<std::size_t>(std::hypot(along_a, along_b) * kRings);
+    Ring& ring = rings[std::min(which, kRings - 1)];
+    const auto row = static_cast<Eigen::Index>(count_ + i),
+               across_row = static_cast<Eigen::Index>(2 * count_ + i);
+    ring.off += noise_shear_ * (pull_x * residuals_[row] + pull_y * residuals_[across_row]);
+    ring.held += limit_pa * held[i];
+    ring.taxels += 1;
+  }
+  // What is left of the shear is noise and misfit: noise is hardly more than that of the pressure.
+  constexpr double kMostNoise = 1.5;
+  const double noise_pa = std::min(noise_shear_, kMostNoise * noise_normal_);
+  double misfit = 0;
+  int used = 0;
+  for (const Ring& ring : rings) {
+    if (ring.taxels < 1) continue;
+    const double uneven = fit_.uneven_share * ring.held;
+    misfit += ring.off * ring.off / (noise_pa * noise_pa * ring.taxels + uneven * uneven);
+    ++used;
+  }
+  return used > 0 ? misfit / used : 0;
+}
+
 bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum,
                           FrameEstimate& out) const noexcept {
   const Full& at = minimum.at;
@@ -570,9 +607,9 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
     return out;
   }
   if (!minimum.converged || !describe(patch, minimum, out)) return out;
-  const double residual = residual_pressure(at);
+  const double residual = residual_pressure(at), misfit = ring_misfit(at);
   if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
-  out.in_model = residual < options_.max_residual;
+  out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit;
   out.common_sigma = fit_.pressure_sigma * residual;
   out.sigma = std::hypot(out.sigma, out.common_sigma);
   out.friction_sigma =

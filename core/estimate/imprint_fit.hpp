@@ -119,6 +119,8 @@ class ImprintFit {
   bool shows_ellipse(const Minimum& round) noexcept;
   void measure_noise(const Minimum& at, int unknowns) noexcept;
   double residual_pressure(const Full& at) const noexcept;
+  // Mean square of the shear's residuals, ring by ring, over noise and what a real skin is uneven by.
+  double ring_misfit(const Full& at) const noexcept;
   bool describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept;
   void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;
 
