@@ -68,7 +68,10 @@ SettingsError::SettingsError(std::vector<std::string> problems)
 
 Scene Settings::scene_of(const SensorSettings& sensor) const {
   const SensorSetup& setup = sensor.setup;
-  return {{setup.skin_radius_m, setup.skin_modulus_pa, setup.skin_poisson, setup.skin_depth_m}, objects, offset_m, noise};
+  return {{setup.skin_radius_m, setup.skin_modulus_pa, setup.skin_poisson, setup.skin_depth_m},
+          objects,
+          offset_m,
+          noise};
 }
 
 Settings parse_settings(const std::string& text, const std::string& name, DriverCatalogue& drivers) {

@@ -157,7 +157,7 @@ struct DriverModule {
 };
 
 // Version of this contract. A module of another version is not loaded.
-inline constexpr std::uint32_t kDriverAbi = 5;
+inline constexpr std::uint32_t kDriverAbi = 6;
 // The symbol that a module exports.
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 

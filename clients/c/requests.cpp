@@ -31,14 +31,18 @@ char* copy_of(const std::string& text) {
 
 // Age of the oldest frame of the sensors in `members`, ms; absent: one of them has none.
 std::optional<double> oldest_ms(const Json& sensors, const Json& members) {
+  if (members.empty()) return std::nullopt;
   double oldest = 0;
   for (const Json& name : members) {
+    bool found = false;
     for (const Json& sensor : sensors) {
       if (member(sensor, "sensor") != name) continue;
       const auto age_ms = number(sensor, "age_ms");
       if (!age_ms) return std::nullopt;
       oldest = std::max(oldest, *age_ms);
+      found = true;
     }
+    if (!found) return std::nullopt;
   }
   return oldest;
 }

@@ -94,6 +94,7 @@ int slipd_subscribe(slipd_client* s, const char* sensor, double max_rate_hz, int
     s->events.close();
     s->subscription = params.dump(-1, ' ', true, Json::error_handler_t::replace);
     s->pause_s = kFirstPause;
+    arm(s->timer, kLongestTimeout);  // not readable for an earlier subscription
     try {
       start_subscription(*s, until);
       s->events.answer(s->subscribed_by, until);

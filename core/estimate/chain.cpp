@@ -8,6 +8,7 @@
 #include "core/estimate/chain_parts.hpp"
 #include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
+#include "core/estimate/moments.hpp"
 #include "core/estimate/slipping_taxels.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
@@ -89,6 +90,12 @@ struct EstimatorChain::Impl {
     turn.forget();
   }
 
+  // The contact goes on, or another one has come, and what it does is not seen.
+  void lose_sight() noexcept {
+    forget();
+    turning_load.lose_way();
+  }
+
   // What the forces did since the last frame was not measured: sigma grows with it.
   void widen_by_unseen_motion(const ContactPatch& patch, Estimate& out) noexcept {
     unseen.update(patch, out.friction.value_or(usual_friction));
@@ -145,14 +152,17 @@ struct EstimatorChain::Impl {
                                     patch.shear_n + kOneSided95 * patch.shear_sigma_n + internal_n);
     double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
-    out.gamma_low = low;
+    // Under a skin the disc feels less of the shear than of the pressure.
+    const bool felt_less = setup.scene.skin.depth_m > 0 && !out.gamma;
+    out.gamma_low = felt_less && patch.shear_n > kClearSigmas * patch.shear_sigma_n ? 0 : low;
   }
 
   // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
   // all the same.
   void refuse(const Judgement& judgement, const Frame& frame, const ContactPatch& patch,
               Estimate& out) noexcept {
-    if (judgement.health == Health::jump || ++refused > kFramesRemembered) forget();
+    refused = std::min(refused + 1, kFramesRemembered + 1);
+    if (judgement.health == Health::jump || refused > kFramesRemembered) lose_sight();
     if (judgement.health == Health::jump) {
       gate.judge(frame, patch);
     } else {
@@ -216,8 +226,8 @@ struct EstimatorChain::Impl {
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. Up to what real
-  // pads show of it a torque is left to gamma_low; beyond it there is no margin by the force alone.
+  // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. Up to what
+  // real pads show of it a torque is left to gamma_low; beyond it there is no margin by the force alone.
   void judge_torque(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
     // Of what the contact carries, 0.1 … 0.5; quiet grasps of real pillars reach 0.27. Too small: such grasps
     // lose their margin. Too large: margins under a torque are too safe.
@@ -233,10 +243,12 @@ struct EstimatorChain::Impl {
   FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
     shape_by = method->name();
     FrameEstimate estimate = method->estimate(frame, patch);
-    // Sigma by a shape that the method does not have, from which on closing may give a better margin; Gamma,
-    // 0.02 … 0.1. Too small: two methods run for one margin. Too large: ellipses get a coarse margin.
+    // Sigma by a shape that is not Hertz's, from which on closing may give a better margin; Gamma, 0.02 …
+    // 0.1. Too small: two methods run for one margin. Too large: ellipses get a coarse margin.
     constexpr double kUnlikeSigma = 0.03;
     if (!closing || (estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
+    // A round contact that the method refuses has another history, of which closing shows no more.
+    if (moment_ratio(patch, setup.layout).deviation.sigma() < kUnlikeSigma) return estimate;
     FrameEstimate by_closing = closing->estimate(frame, patch);
     if (!by_closing.in_model || (estimate.in_model && estimate.sigma < by_closing.sigma)) return estimate;
     shape_by = closing->name();
@@ -291,10 +303,21 @@ struct EstimatorChain::Impl {
       out.sigma.reset();
       out.state = State::out_of_model;
     }
+    const bool forces_known = frame_estimate.in_model && frame_estimate.normal_n > 0;
+    if (setup.scene.skin.depth_m > 0 && out.gamma && !forces_known) refuse_margin(out);
     if (!frame_estimate.in_model || frame_estimate.turning) return;
     out.center_x_m = frame_estimate.center_x_m;
     out.center_y_m = frame_estimate.center_y_m;
     out.radius_m = frame_estimate.radius_m;
+  }
+
+  // The forces that the margin needs are not those that the disc feels.
+  static void refuse_margin(Estimate& out) noexcept {
+    out.state = State::out_of_model;
+    out.gamma.reset();
+    out.sigma.reset();
+    out.friction.reset();
+    out.friction_sigma.reset();
   }
 
   // Adds the share of the force that neighbours stand for to the margin's sigma.
@@ -334,7 +357,7 @@ struct EstimatorChain::Impl {
 };
 
 EstimatorChain::EstimatorChain(const ChainSetup& setup, std::shared_ptr<const Model> model)
-    : impl_(std::make_unique<Impl>(setup, std::move(model))) {}
+    : impl_(std::make_unique<Impl>(with_felt_skin(setup), std::move(model))) {}
 EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;
@@ -353,7 +376,7 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   out.sequence = frame.sequence;
   out.time_ns = frame.time_ns;
   if (!frame.zeroed) {
-    in.forget();
+    in.lose_sight();
     out.state = in.setup.sensor_class == SensorClass::normal ? State::no_shear : State::unzeroed;
     in.detect_sliding(frame, false, out);
     in.alert.judge(out);

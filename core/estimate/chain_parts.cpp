@@ -51,6 +51,13 @@ bool only_forces(const ChainSetup& setup) {
          std::isinf(setup.scene.skin.radius_m);
 }
 
+ChainSetup with_felt_skin(const ChainSetup& setup) {
+  constexpr double kThinnest = 1.0 / 9;
+  ChainSetup felt = setup;
+  if (felt.scene.skin.depth_m < kThinnest * setup.layout.side_m()) felt.scene.skin.depth_m = 0;
+  return felt;
+}
+
 bool weighed_over_time(const ChainSetup& setup) {
   return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
 }

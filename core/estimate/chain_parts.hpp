@@ -23,6 +23,10 @@ bool weighed_over_time(const ChainSetup& setup);
 // locked in after an unloading.
 TrackerOptions tracker_options(const ChainSetup& setup);
 
+// `setup`, without a skin if that is thinner than a ninth of a taxel's side: a taxel's average of what is
+// felt through it would take hundreds of points, and is within some per cent what is felt without it.
+ChainSetup with_felt_skin(const ChainSetup& setup);
+
 // The method of single frames; null where only forces are felt. `work_precision` becomes what was measured to
 // choose it, or with its model. Throws std::invalid_argument if the method needs a model of this layout and
 // has none, or cannot read taxels under a skin.

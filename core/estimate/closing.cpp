@@ -16,7 +16,7 @@ Closing::Closing(const TaxelLayout& layout, Range friction_expected, const Closi
       shear_pa_(layout.size()) {}
 
 void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
-  if (patch.normal_n < options_.least_force_sigmas * patch.normal_sigma_n) return;
+  if (!(patch.normal_n > 0) || patch.normal_n < options_.least_force_sigmas * patch.normal_sigma_n) return;
   if (patch.shear_n > options_.most_shear * patch.normal_n &&
       patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n)
     return;
@@ -109,10 +109,13 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
   if (!recorded(patch)) return out;
   const ClosingMaps::Sum today = maps_.at(patch.normal_n);
   if (!unmoved(patch, today)) return out;
-  double shear_square_pa2 = 0;
+  double shear_square_pa2 = 0, across_pa2 = 0;
   for (std::uint32_t i = 0; i < layout_.size(); ++i) {
     shear_pa_[i] = static_cast<float>(patch.shear_along_pa(i));
     shear_square_pa2 += static_cast<double>(shear_pa_[i]) * shear_pa_[i];
+    const double across_pa =
+        patch.direction_x * patch.taxels.shear_y_pa[i] - patch.direction_y * patch.taxels.shear_x_pa[i];
+    across_pa2 += across_pa * across_pa;
   }
   const ClosingMaps::PerMap products = maps_.products(shear_pa_);
   const Trial* best = nullptr;
@@ -123,7 +126,9 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
   }
   if (best == nullptr) return out;
   const auto taxels = static_cast<double>(layout_.size());
-  const double excess_pa2 = best->residual_pa2 - best->noise_pa2 * taxels;
+  // Shear across the pull is none of a load that came in one direction.
+  across_pa2 = std::max(0.0, across_pa2 - taxels * patch.noise_shear_pa * patch.noise_shear_pa);
+  const double excess_pa2 = best->residual_pa2 - best->noise_pa2 * taxels + across_pa2;
   const bool clear = excess_pa2 > options_.clear_sigmas * best->noise_pa2 * std::sqrt(2 * taxels);
   const double explained_pa2 = shear_square_pa2 - best->residual_pa2;
   const double unexplained = clear ? std::sqrt(excess_pa2 / std::max(explained_pa2, excess_pa2)) : 0;

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/posterior_sums.hpp"
-#include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
@@ -25,166 +25,6 @@ double gamma_of_profile_step(std::size_t j) noexcept {
 
 // An ellipse's axes are apart by at least this, log of their ratio: else its angle means nothing.
 constexpr double kLeastLogAxes = 1e-3;
-
-// Rows of a sheet, by Sheet::Of.
-struct SheetRows {
-  explicit SheetRows(const Sheet& sheet) noexcept {
-    for (std::size_t of = 0; of < Sheet::kRows; ++of) {
-      for (std::size_t c = 0; c < Sheet::kComponents; ++c)
-        row[of][c] = sheet.row(static_cast<Sheet::Of>(of), static_cast<Sheet::Component>(c)).data();
-    }
-  }
-  [[gnu::always_inline]] FeltTensor at(Sheet::Of of, std::size_t i) const noexcept {
-    const auto& r = row[of];
-    return {r[0][i], r[1][i], r[2][i], r[3][i], r[4][i], r[5][i]};
-  }
-  std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
-};
-
-[[gnu::always_inline]] inline FeltTensor sum(double a, const FeltTensor& t, double b,
-                                             const FeltTensor& r) noexcept {
-  return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny,
-          a * t.xx + b * r.xx, a * t.xy + b * r.xy, a * t.yy + b * r.yy};
-}
-
-struct Felt {
-  double n = 0, x = 0, y = 0;
-};
-
-// Of a pressure and of a shear along (c, s), with the tensor of each.
-[[gnu::always_inline]] inline Felt felt_of(double p, const FeltTensor& of_p, double q, double c, double s,
-                                           const FeltTensor& of_q) noexcept {
-  return {p * of_p.nn + q * (c * of_q.nx + s * of_q.ny), p * of_p.nx + q * (c * of_q.xx + s * of_q.xy),
-          p * of_p.ny + q * (c * of_q.xy + s * of_q.yy)};
-}
-
-// What the slopes of all residuals are made of: both domes' rows, and the unknowns in the form that loops
-// take.
-struct SlopeInput {
-  SheetRows outer, inner;
-  contact::Ellipse wide, narrow;
-  double peak, shear, k, rest, dk;  // p0, p0 T/(1 - Gamma), cbrt(Gamma), 1 - Gamma, dk/dGamma
-  double c, s;                      // of the pull's direction
-  double c2, s2, turn;              // of twice the ellipse's angle; angle by a step across
-  double per_size, per_normal, per_shear;
-  const double* data;
-  double* residuals;
-  std::array<double*, 9> column;
-  std::size_t count;
-};
-// Columns, as ImprintFit::Unknown.
-enum Column : std::uint8_t {
-  at_x,
-  at_y,
-  at_size,
-  at_peak,
-  at_load,
-  at_margin,
-  at_direction,
-  at_along,
-  at_across
-};
-
-template <bool kElliptic>
-[[gnu::always_inline]] inline void fill_slopes(const SlopeInput& by) noexcept {
-  const std::size_t n = by.count;
-  const double c = by.c, s = by.s, p = by.peak, q = by.shear, k = by.k;
-#pragma omp simd
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto put = [&](Column column, double normal, double x, double y) {
-      double* const to = by.column[column] + i;
-      to[0] = by.per_normal * normal;
-      to[n] = by.per_shear * x;
-      to[2 * n] = by.per_shear * y;
-    };
-    const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
-      return felt_of(p, o, q, c, s, sum(1, o, -k, in));
-    };
-    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
-                     m = sum(1, o, -k, in);
-    const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
-               turned = felt_of(0, o, q, -s, c, m);
-    by.residuals[i] = by.per_normal * (all.n - by.data[i]);
-    by.residuals[n + i] = by.per_shear * (all.x - by.data[n + i]);
-    by.residuals[2 * n + i] = by.per_shear * (all.y - by.data[2 * n + i]);
-    const Felt mu = moved(by.outer.at(Sheet::d_u, i), by.inner.at(Sheet::d_u, i)),
-               mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
-    put(at_x, -mu.n, -mu.x, -mu.y);
-    put(at_y, -mv.n, -mv.x, -mv.y);
-    const FeltTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
-    FeltTensor so = sum(by.wide.a_m, oa, 0, oa), si = sum(by.narrow.a_m, ia, 0, ia);
-    if constexpr (kElliptic) {
-      const FeltTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
-      const Felt longer = moved(sum(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
-                                sum(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
-                 angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
-      const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
-      put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
-          by.c2 * longer.y + y * angle.y);
-      put(at_across, by.s2 * longer.n + x * angle.n, by.s2 * longer.x + x * angle.x,
-          by.s2 * longer.y + x * angle.y);
-      so = sum(1, so, by.wide.b_m, ob);
-      si = sum(1, si, by.narrow.b_m, ib);
-    }
-    const Felt grown = moved(so, si), by_k = felt_of(0, o, q, c, s, sum(-1, in, -1, si));
-    put(at_size, by.per_size * grown.n, by.per_size * grown.x, by.per_size * grown.y);
-    put(at_peak, all.n / p, all.x / p, all.y / p);
-    put(at_load, p / by.rest * shear.n, p / by.rest * shear.x, p / by.rest * shear.y);
-    put(at_margin, q / by.rest * shear.n + by.dk * by_k.n, q / by.rest * shear.x + by.dk * by_k.x,
-        q / by.rest * shear.y + by.dk * by_k.y);
-    put(at_direction, turned.n, turned.x, turned.y);
-  }
-}
-
-[[gnu::always_inline]] inline double product(const double* one, const double* two,
-                                             std::size_t count) noexcept {
-  double all = 0;
-#pragma omp simd reduction(+ : all)
-  for (std::size_t i = 0; i < count; ++i) all += one[i] * two[i];
-  return all;
-}
-
-// Products of the columns with each other, the lower half row by row, and then with the residuals.
-[[gnu::always_inline]] inline void fill_products(const SlopeInput& by, int unknowns, double* to) noexcept {
-  const std::size_t rows = 3 * by.count;
-  const auto count = static_cast<std::size_t>(unknowns);
-  for (std::size_t row = 0; row < count; ++row) {
-    for (std::size_t col = 0; col <= row; ++col) *to++ = product(by.column[row], by.column[col], rows);
-  }
-  for (std::size_t row = 0; row < count; ++row) *to++ = product(by.column[row], by.residuals, rows);
-}
-
-[[gnu::always_inline]] inline void linearise(const SlopeInput& by, int unknowns, double* products) noexcept {
-  if (unknowns > at_along) {
-    fill_slopes<true>(by);
-  } else {
-    fill_slopes<false>(by);
-  }
-  fill_products(by, unknowns, products);
-}
-
-// As in core/contact/dome_sheet.cpp.
-struct ImprintKernels {
-  using Kernel = void (*)(const SlopeInput&, int, double*) noexcept;
-  Kernel linearised;
-  static const ImprintKernels baseline, avx2, avx512;  // chosen by best_kernels
-};
-void linearise_on_baseline(const SlopeInput& by, int unknowns, double* products) noexcept {
-  linearise(by, unknowns, products);
-}
-const ImprintKernels ImprintKernels::baseline{linearise_on_baseline};
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void linearise_on_avx2(const SlopeInput& by, int unknowns,
-                                                   double* products) noexcept {
-  linearise(by, unknowns, products);
-}
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void linearise_on_avx512(const SlopeInput& by, int unknowns,
-                                                                      double* products) noexcept {
-  linearise(by, unknowns, products);
-}
-const ImprintKernels ImprintKernels::avx2{linearise_on_avx2};
-const ImprintKernels ImprintKernels::avx512{linearise_on_avx512};
-#endif
 
 }  // namespace
 
@@ -202,7 +42,7 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
   data_.resize(rows);
   residuals_.resize(rows);
   slopes_.resize(rows, kMost);
-  best_kernels<ImprintKernels>();  // not first within a frame
+  choose_imprint_loops();
 }
 
 std::size_t ImprintFit::memory_bytes() const noexcept {
@@ -284,30 +124,31 @@ double ImprintFit::evaluate(const Full& from, int unknowns, Vector& gradient, Sq
   outer_.evaluate(wide, {u_.data(), count_}, {v_.data(), count_});
   inner_.evaluate(narrow, {u_.data(), count_}, {v_.data(), count_});
   const double per_apart = apart > 0 ? 1 / apart : 0;
-  SlopeInput by{.outer = SheetRows(outer_),
-                .inner = SheetRows(inner_),
-                .wide = wide,
-                .narrow = narrow,
-                .peak = at[peak],
-                .shear = at[peak] * at[load] / rest,
-                .k = k,
-                .rest = rest,
-                .dk = 1 / (3 * k * k),
-                .c = std::cos(at[direction]),
-                .s = std::sin(at[direction]),
-                .c2 = at[along] * per_apart,
-                .s2 = at[across] * per_apart,
-                .turn = 0.5 * per_apart,
-                .per_size = 1 / at[size],
-                .per_normal = 1 / noise_normal_,
-                .per_shear = 1 / noise_shear_,
-                .data = data_.data(),
-                .residuals = residuals_.data(),
-                .column = {},
-                .count = count_};
+  ImprintSlopes by{.outer = ImprintRows(outer_),
+                   .inner = ImprintRows(inner_),
+                   .wide = wide,
+                   .narrow = narrow,
+                   .peak = at[peak],
+                   .shear = at[peak] * at[load] / rest,
+                   .k = k,
+                   .rest = rest,
+                   .dk = 1 / (3 * k * k),
+                   .c = std::cos(at[direction]),
+                   .s = std::sin(at[direction]),
+                   .c2 = at[along] * per_apart,
+                   .s2 = at[across] * per_apart,
+                   .turn = 0.5 * per_apart,
+                   .per_size = 1 / at[size],
+                   .per_normal = 1 / noise_normal_,
+                   .per_shear = 1 / noise_shear_,
+                   .surface = !(depth_m_ > 0),
+                   .data = data_.data(),
+                   .residuals = residuals_.data(),
+                   .column = {},
+                   .count = count_};
   for (int j = 0; j < unknowns; ++j) by.column[static_cast<std::size_t>(j)] = slopes_.col(j).data();
   std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
-  best_kernels<ImprintKernels>().linearised(by, unknowns, products.data());
+  linearise_imprint(by, unknowns, products.data());
   gradient.resize(unknowns);
   hessian.resize(unknowns, unknowns);
   const double* next = products.data();
@@ -487,14 +328,14 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   std::array<double, kProfileSteps> nats, friction;
   auto& profile = out.profile;
   double least = std::numeric_limits<double>::infinity(), least_nats = least;
-  const SheetRows outer(outer_);
+  const ImprintRows outer(outer_);
   for (std::size_t j = 0; j < kProfileSteps; ++j) {
     const double gamma = gamma_of_profile_step(j), k = std::cbrt(gamma), q = p / (1 - gamma);
     inner_.evaluate_values(ellipse_of(at, k), {u_.data(), n}, {v_.data(), n});
-    const SheetRows inner(inner_);
+    const ImprintRows inner(inner_);
     double square = 0, product = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      const FeltTensor o = outer.at(Sheet::value, i), m = sum(1, o, -k, inner.at(Sheet::value, i));
+      const FeltTensor o = outer.at(Sheet::value, i), m = combined(1, o, -k, inner.at(Sheet::value, i));
       const Felt g = felt_of(0, o, q, c, s, m);
       const double left_n = data_[static_cast<Eigen::Index>(i)] - p * o.nn,
                    left_x = data_[static_cast<Eigen::Index>(n + i)] - p * o.nx,
@@ -601,6 +442,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   if (!(ratio.load > 0) || count_ < kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
   const Full& at = minimum.at;
+  if (!(at[load] > 0)) return out;  // the same contact, pulled the other way
   if (layout_.size() <= kFewTaxels) {
     weigh_by_prior(at, minimum.hessian, out);
     out.in_model = minimum.converged;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/contact/limit_surface.hpp"
@@ -95,6 +96,12 @@ class TurningLoad {
     bent_ = false;
     most_n_ = most_radius_m_ = 0;
     way_ = {};
+  }
+
+  // After reset(), if a load may be there already: its way is not known, and not straight, until reset().
+  void lose_way() noexcept {
+    way_.across = std::numeric_limits<double>::infinity();
+    way_.straight = false;
   }
 
   // `patch` is in contact. A sensor of one taxel has the torque in patch.torque_nm and the contact's radius

@@ -148,7 +148,8 @@ std::optional<TurnedAngle> TurnFollower::update(std::int64_t time_ns, const Cont
   angle_rad_ = now->angle_rad;
   now->sigma_rad = std::hypot(now->sigma_rad, lag);
   known_ns_ = time_ns;
-  if (!pinned(time_ns, *now, slides_turning)) answer_ = now;
+  const bool sharp = now->sigma_rad <= options_.max_sigma_rad;
+  if (!pinned(time_ns, *now, slides_turning) && sharp) answer_ = now;
   return answer_;
 }
 

@@ -92,7 +92,8 @@ void EstimatorFactory::make(const Job& job) {
 
 const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& runtime) {
   Scene scene = settings_.scene_of(runtime.settings);
-  if (const auto& skin = job.feed->info.skin) scene.skin = {skin->radius_m, skin->modulus_pa, skin->poisson, skin->depth_m};
+  if (const auto& skin = job.feed->info.skin)
+    scene.skin = {skin->radius_m, skin->modulus_pa, skin->poisson, skin->depth_m};
   const ChainSetup setup{.layout = job.feed->info.layout,
                          .sensor_class = job.feed->info.sensor_class,
                          .scene = scene,

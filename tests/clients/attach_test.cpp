@@ -135,6 +135,10 @@ TEST_F(Attach, ReadersThatAreKilledLeaveNothingBehind) {
         slipd_attach(s, "left", 10);
         for (;;) slipd_wait(s, "left", 1, 1, &estimate);
       }
+      if (child < 0) {
+        ADD_FAILURE() << "fork";
+        break;
+      }
       children.push_back(child);
     }
     for (const pid_t child : children) {

@@ -9,6 +9,7 @@
 #include <string.h>
 
 static const double kAttachTimeoutS = 1;
+static const double kSubscribeTimeoutS = 300; /* on a busy machine */
 
 static const char *code_name(int code) {
   switch (code) {
@@ -77,7 +78,7 @@ int main(int argc, char **argv) {
       code = latest(slipd, name, max_age_s, &now);
     } else if (strcmp(verb, "subscribe") == 0) {
       subscribed_age_s = max_age_s;
-      code = slipd_subscribe(slipd, name, 0, SLIPD_EVENT_ESTIMATE, kAttachTimeoutS);
+      code = slipd_subscribe(slipd, name, 0, SLIPD_EVENT_ESTIMATE, kSubscribeTimeoutS);
     } else if (strcmp(verb, "next") == 0) {
       code = slipd_next(slipd, subscribed_age_s, subscribed_age_s, &now);
     } else {

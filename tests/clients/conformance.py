@@ -4,6 +4,7 @@ import json, math, sys
 import slipd
 
 TIMEOUT_S = 1.0
+SUBSCRIBE_TIMEOUT_S = 300.0  # on a busy machine
 
 
 def answer(code, estimate=None):
@@ -32,7 +33,7 @@ class Commands:
         return "disconnected" if estimate.at_state == "disconnected" else "done", estimate
 
     def subscribe(self, name, max_age_s):
-        self.client.timeout_s = TIMEOUT_S
+        self.client.timeout_s = SUBSCRIBE_TIMEOUT_S
         self.estimates = self.client.estimates(name, max_age_s=max_age_s)
         self.first = next(self.estimates)  # the subscription is made by the first one
         return "done", None

@@ -1,0 +1,139 @@
+#include "core/estimate/imprint_slopes.hpp"
+
+#include "core/simd/instruction_sets.hpp"
+
+namespace slipd {
+namespace {
+
+using contact::FeltTensor;
+using Sheet = contact::SubsurfaceSheet;
+
+// Columns, as ImprintFit::Unknown.
+enum Column : std::uint8_t {
+  at_x,
+  at_y,
+  at_size,
+  at_peak,
+  at_load,
+  at_margin,
+  at_direction,
+  at_along,
+  at_across
+};
+
+template <bool kElliptic>
+[[gnu::always_inline]] inline void fill_slopes(const ImprintSlopes& by) noexcept {
+  const std::size_t n = by.count;
+  const double c = by.c, s = by.s, p = by.peak, q = by.shear, k = by.k;
+#pragma omp simd
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto put = [&](Column column, double normal, double x, double y) {
+      double* const to = by.column[column] + i;
+      to[0] = by.per_normal * normal;
+      to[n] = by.per_shear * x;
+      to[2 * n] = by.per_shear * y;
+    };
+    const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
+      return felt_of(p, o, q, c, s, combined(1, o, -k, in));
+    };
+    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
+                     m = combined(1, o, -k, in);
+    const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
+               turned = felt_of(0, o, q, -s, c, m);
+    by.residuals[i] = by.per_normal * (all.n - by.data[i]);
+    by.residuals[n + i] = by.per_shear * (all.x - by.data[n + i]);
+    by.residuals[2 * n + i] = by.per_shear * (all.y - by.data[2 * n + i]);
+    const Felt mu = moved(by.outer.at(Sheet::d_u, i), by.inner.at(Sheet::d_u, i)),
+               mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
+    put(at_x, -mu.n, -mu.x, -mu.y);
+    put(at_y, -mv.n, -mv.x, -mv.y);
+    const FeltTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
+    FeltTensor so = combined(by.wide.a_m, oa, 0, oa), si = combined(by.narrow.a_m, ia, 0, ia);
+    if constexpr (kElliptic) {
+      const FeltTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
+      const Felt longer = moved(combined(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
+                                combined(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
+                 angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
+      const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
+      put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
+          by.c2 * longer.y + y * angle.y);
+      put(at_across, by.s2 * longer.n + x * angle.n, by.s2 * longer.x + x * angle.x,
+          by.s2 * longer.y + x * angle.y);
+      so = combined(1, so, by.wide.b_m, ob);
+      si = combined(1, si, by.narrow.b_m, ib);
+    } else if (by.surface) {
+      so = combined(1, so, by.wide.b_m, by.outer.at(Sheet::d_b, i));
+      si = combined(1, si, by.narrow.b_m, by.inner.at(Sheet::d_b, i));
+    }
+    const Felt grown = moved(so, si), by_k = felt_of(0, o, q, c, s, combined(-1, in, -1, si));
+    put(at_size, by.per_size * grown.n, by.per_size * grown.x, by.per_size * grown.y);
+    put(at_peak, all.n / p, all.x / p, all.y / p);
+    put(at_load, p / by.rest * shear.n, p / by.rest * shear.x, p / by.rest * shear.y);
+    put(at_margin, q / by.rest * shear.n + by.dk * by_k.n, q / by.rest * shear.x + by.dk * by_k.x,
+        q / by.rest * shear.y + by.dk * by_k.y);
+    put(at_direction, turned.n, turned.x, turned.y);
+  }
+}
+
+[[gnu::always_inline]] inline double product(const double* one, const double* two,
+                                             std::size_t count) noexcept {
+  double all = 0;
+#pragma omp simd reduction(+ : all)
+  for (std::size_t i = 0; i < count; ++i) all += one[i] * two[i];
+  return all;
+}
+
+// Products of the columns with each other, the lower half row by row, and then with the residuals.
+[[gnu::always_inline]] inline void fill_products(const ImprintSlopes& by, int unknowns, double* to) noexcept {
+  const std::size_t rows = 3 * by.count;
+  const auto count = static_cast<std::size_t>(unknowns);
+  for (std::size_t row = 0; row < count; ++row) {
+    for (std::size_t col = 0; col <= row; ++col) *to++ = product(by.column[row], by.column[col], rows);
+  }
+  for (std::size_t row = 0; row < count; ++row) *to++ = product(by.column[row], by.residuals, rows);
+}
+
+[[gnu::always_inline]] inline void linearise(const ImprintSlopes& by, int unknowns,
+                                             double* products) noexcept {
+  if (unknowns > at_along) {
+    fill_slopes<true>(by);
+  } else {
+    fill_slopes<false>(by);
+  }
+  fill_products(by, unknowns, products);
+}
+
+// As in core/contact/dome_sheet.cpp.
+struct ImprintKernels {
+  using Kernel = void (*)(const ImprintSlopes&, int, double*) noexcept;
+  Kernel linearised;
+  static const ImprintKernels baseline, avx2, avx512;  // chosen by best_kernels
+};
+void linearise_on_baseline(const ImprintSlopes& by, int unknowns, double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+const ImprintKernels ImprintKernels::baseline{linearise_on_baseline};
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void linearise_on_avx2(const ImprintSlopes& by, int unknowns,
+                                                   double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void linearise_on_avx512(const ImprintSlopes& by, int unknowns,
+                                                                      double* products) noexcept {
+  linearise(by, unknowns, products);
+}
+const ImprintKernels ImprintKernels::avx2{linearise_on_avx2};
+const ImprintKernels ImprintKernels::avx512{linearise_on_avx512};
+#endif
+
+}  // namespace
+
+void choose_imprint_loops() noexcept {
+  best_kernels<ImprintKernels>();
+}
+
+void linearise_imprint(const ImprintSlopes& by, int unknowns, double* products) noexcept {
+  best_kernels<ImprintKernels>().linearised(by, unknowns, products);
+}
+
+}  // namespace slipd
