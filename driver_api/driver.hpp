@@ -56,7 +56,7 @@ struct SkinInfo {
   double depth_m = 0;
 };
 
-// What a driver knows of one sensor once its device is open.
+// What a driver reports of one sensor once its device is open.
 struct SensorInfo {
   // What the sensor measures.
   SensorClass sensor_class = SensorClass::array3;
