@@ -67,7 +67,7 @@ class Disconnected(ConnectionError):
 
 @dataclass(frozen=True)
 class Estimate:
-    """What slipd knows of one sensor or of one grasp. None: unknown."""
+    """An estimate of one sensor or of one grasp. None: unknown."""
 
     name: str  # of the sensor or grasp
     max_age_s: float  # older ones have state "stale"
