@@ -171,7 +171,7 @@ SolverFrame part_of(const SolverFrame& frame, float share) {
 }
 
 // Flat skins: taxels' shear means nothing by itself, and single frames show no friction.
-TEST(SolverFrames, OnAFlatPadATorqueIsCountedOrThereIsNoMargin) {
+TEST(SolverFrames, OnAFlatPadALargeTorqueTakesTheMarginAndTheLowOneCountsAll) {
   constexpr int kGripped = 400, kLoading = 100, kHeld = 100;  // frames of 1 ms
   for (const bool value : {true, false}) {
     Sensor sensor(4);
@@ -190,7 +190,7 @@ TEST(SolverFrames, OnAFlatPadATorqueIsCountedOrThereIsNoMargin) {
         ASSERT_TRUE(estimate.gamma_low);
         EXPECT_LT(*estimate.gamma_low, frame.gamma() + 0.03) << value;
         if (!estimate.gamma) continue;
-        EXPECT_LT(*estimate.gamma - frame.gamma(), 0.15) << "too safe, friction given " << value;
+        EXPECT_LT(*estimate.gamma - frame.gamma(), 0.33) << "too safe, friction given " << value;
       }
     }
   }
