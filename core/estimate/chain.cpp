@@ -216,8 +216,8 @@ struct EstimatorChain::Impl {
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. A torque that
-  // is no larger than on real pads is left to gamma_low; with a larger one there is no margin.
+  // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. A torque
+  // that is no larger than on real pads is left to gamma_low; with a larger one there is no margin.
   void judge_torque(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
     // Of what the contact carries, 0.1 … 0.5; quiet grasps of real pillars reach 0.27. Too small: such grasps
     // lose their margin. Too large: margins under a torque are too safe.
