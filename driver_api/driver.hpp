@@ -56,7 +56,7 @@ struct SkinInfo {
   double depth_m = 0;
 };
 
-// What a driver knows of one sensor once its device is open.
+// What a driver reports of one sensor once its device is open.
 struct SensorInfo {
   // What the sensor measures.
   SensorClass sensor_class = SensorClass::array3;
@@ -78,7 +78,7 @@ struct SensorInfo {
   double step_shear_pa = 0;
 };
 
-// What a driver knows of a device once it is open.
+// What a driver reports of a device once it is open.
 struct DeviceInfo {
   // For people: "simulated 100 x 100", "XELA XR1944 on can0".
   std::string description;

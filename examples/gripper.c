@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 static const double kFirstGripN = 2;   /* when it closes on an object */
-static const double kFirmN = 6;       /* when it does not know: holds each object, breaks none */
+static const double kFirmN = 6;       /* without a margin: holds each object, breaks none */
 static const double kMostN = 8;        /* what no object is harmed by */
 static const double kShareMore = 1.1;  /* on an alert without advice */
 static const double kMaxAgeS = 0.1;    /* some frames, and less than the time in which an object slips */

@@ -14,7 +14,7 @@
 namespace {
 
 constexpr double kFirstGripN = 2;   // when it closes on an object
-constexpr double kFirmN = 6;        // when it does not know: holds each object, breaks none
+constexpr double kFirmN = 6;        // without a margin: holds each object, breaks none
 constexpr double kMostN = 8;        // what no object is harmed by
 constexpr double kShareMore = 1.1;  // on an alert without advice
 constexpr double kMaxAgeS = 0.1;    // some frames, and less than the time in which an object slips

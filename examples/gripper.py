@@ -8,7 +8,7 @@ import sys
 import slipd
 
 FIRST_GRIP_N = 2.0  # when it closes on an object
-FIRM_N = 6.0  # when it does not know: holds each object, breaks none
+FIRM_N = 6.0  # without a margin: holds each object, breaks none
 MOST_N = 8.0  # what no object is harmed by
 SHARE_MORE = 1.1  # on an alert without advice
 MAX_AGE_S = 0.1  # some frames, and less than the time in which an object slips

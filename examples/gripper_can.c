@@ -1,6 +1,7 @@
 /* A gripper's loop in C, on slipd's CAN frames: gripper-can INTERFACE BASE_ID NUMBER PERIOD_MS [GRIP_INPUT]
- * as in: gripper-can can0 5A0 0 10. NUMBER: of the sensor or grasp in slipd's configuration, sensors first. Needs the kernel's
- * SocketCAN and slip_can.h only. Prints a line for each change of state or force. GRIP_INPUT: datagram socket of a simulated sensor. */
+ * as in: gripper-can can0 5A0 0 10. NUMBER: of the sensor or grasp in slipd's configuration, sensors first. GRIP_INPUT:
+ * datagram socket of a simulated sensor. Needs only the kernel's SocketCAN and slip_can.h. Prints a line for each change of
+ * state or force. */
 #include <errno.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -19,7 +20,7 @@
 #include "slip_can.h"
 
 static const double kFirstGripN = 2;  /* when it closes on an object */
-static const double kFirmN = 6;       /* when it does not know: holds each object, breaks none */
+static const double kFirmN = 6;       /* without a margin: holds each object, breaks none */
 static const double kMostN = 8;       /* what no object is harmed by */
 static const double kShareMore = 1.1; /* on an alert without advice */
 
@@ -66,7 +67,7 @@ static int open_bus(const char *interface, const struct slip_can *slip) {
   return -1;
 }
 
-/* All frames that wait: the first one in the queue can be old. Returns what was heard; closes a bus that has gone. */
+/* Reads all pending frames: the first one in the queue can be old. Returns SLIP_CAN_HEARD_… of all; closes a bus that is gone. */
 static int hear_all(int *bus, struct slip_can *slip) {
   struct can_frame frame;
   int heard = 0;
@@ -78,12 +79,12 @@ static int hear_all(int *bus, struct slip_can *slip) {
       close(*bus);
       *bus = -1;
     } else if (got >= 0 || errno != EINTR) {
-      return heard; /* no more frames, or the interface is down: then silence says so */
+      return heard; /* no more frames, or the interface is down, which ends the margin by silence */
     }
   }
 }
 
-/* The force after what was heard. It never lets go by itself: when to do so depends on the task. */
+/* The next force. It never lets go by itself: when to do so depends on the task. */
 static double next_force(double force_n, const struct slip_can_reading *now, int heard) {
   const int lost = now->state == SLIP_CAN_STALE || now->state == SLIP_CAN_FAULT;
   if (force_n == 0) return lost ? 0 : kFirstGripN;

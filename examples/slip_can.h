@@ -1,5 +1,5 @@
-/* The margin of one sensor or grasp from slipd's CAN frames, by the rules for receivers of docs/can.md. No socket, no clock and no
- * allocation in here, so that it runs on a microcontroller and can be tried with recorded frames. C11 or C++20.
+/* The margin of one sensor or grasp from slipd's CAN frames, by the rules for receivers of docs/can.md. It uses no socket, no
+ * clock and no allocation, so that it runs on a microcontroller and can be tested with recorded frames. C11 or C++20.
  *
  *   struct slip_can slip = slip_can_begin(0x5A0, 0, 0.010);   // base_id, number, period_s of slipd's section can
  *   for each frame of the bus:  heard = slip_can_hear(&slip, id, data, length, now_s);
@@ -12,9 +12,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { SLIP_CAN_OK = 0, SLIP_CAN_STALE = 6, SLIP_CAN_FAULT = 7 };  /* State; slipd has others without a margin between them */
+enum { SLIP_CAN_OK = 0, SLIP_CAN_STALE = 6, SLIP_CAN_FAULT = 7 };  /* State; those between have no margin either */
 enum { SLIP_CAN_HEARD_ESTIMATE = 1, SLIP_CAN_HEARD_ALERT = 2, SLIP_CAN_HEARD_HEARTBEAT = 4 };
-enum { SLIP_CAN_PERIODS = 3 };  /* silence that ends a margin, and frames after it that may have waited in a queue */
+enum { SLIP_CAN_PERIODS = 3 };  /* of silence end a margin; then as many frames are ignored */
 
 /* What may be used now. */
 struct slip_can_reading {
@@ -57,7 +57,7 @@ static inline bool slip_can_silent(const struct slip_can *s, double now_s) {
   return s->heard_s < 0 || now_s - s->heard_s > periods * s->period_s;
 }
 
-/* Rules 1 and 2: whole, and not a repetition. */
+/* Rules 1 and 2: undamaged, and not a repetition. */
 static inline bool slip_can_is_new(int *counter, uint32_t id, const uint8_t *data, unsigned length) {
   if (length != 8 || slip_can_crc8(id, data) != data[7]) return false;
   const int now = data[6] >> 4;
@@ -109,7 +109,7 @@ static inline int slip_can_hear(struct slip_can *s, uint32_t id, const uint8_t *
   return 0;
 }
 
-/* What may be used now, after all frames that wait were heard (rule 11). */
+/* What may be used now, after all pending frames were read (rule 11). */
 static inline struct slip_can_reading slip_can_now(const struct slip_can *s, double now_s) {
   struct slip_can_reading now = s->last;
   if (slip_can_silent(s, now_s)) {

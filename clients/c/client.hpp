@@ -1,5 +1,5 @@
-// slipd_client, which the functions of slipd.h share, and how they return: no exception crosses the
-// interface. A client belongs to one thread at a time.
+// slipd_client, which the functions of slipd.h share, and the return of their errors as codes: no exception
+// crosses the interface. A client belongs to one thread at a time.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ int note(slipd_client& s, int code, const char* text) noexcept;
 // Adds a connection to the descriptors of slipd_fd().
 void watch(const UniqueFd& epoll, int fd);
 
-// The result of a request, on a new connection if slipd has left the one that there is. Throws Failure.
+// The result of a request, on a new connection if slipd has closed the present one. Throws Failure.
 Json call(slipd_client& s, std::string_view method, std::string_view params, int descriptor,
           Clock::time_point until);
 

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 // Keys in the order in which slipd sends them.
 using Json = nlohmann::ordered_json;
 
-// What a function of slipd.h returns instead of a result. what() says, for people, what to do.
+// What a function of slipd.h returns instead of a result. what() states the remedy.
 class Failure : public std::runtime_error {
  public:
   Failure(int code, const std::string& text, int rpc_code = 0)

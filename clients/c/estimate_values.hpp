@@ -45,7 +45,7 @@ struct EstimateValues {
   bool simulated = false;
 };
 
-// Of a sensor or a grasp. What has no state is a fault, what has no alert a slip.
+// Of a sensor or a grasp. A message without a state gives state fault, one without an alert gives alert slip.
 EstimateValues estimate_from(const Json& message);
 
 }  // namespace slipd::client

@@ -1,7 +1,7 @@
-// What taxels feel of a contact whose object is no sphere, or whose taxels lie under a skin. Ciavarella
-// (1998) and Jäger (1998): pressure and shear of any shape are the same signed sums as a sphere's
-// (docs/theory.md §4.1), with the shape's own pressure at the force of each term, so that a LoadHistory and
-// its margin hold for it as well. Set-up and device threads; allocates in its constructor only.
+// What taxels read of a contact with an object that is no sphere, or under a skin. Pressure and shear of any
+// shape are the same signed sums as a sphere's, with the shape's own pressure at the force of each term
+// (Ciavarella 1998a, 1998b; Jäger 1998; docs/theory.md §4.1, §4.6). So a LoadHistory and its margin hold for
+// it as well. Set-up and device threads; allocates in its constructor only.
 #pragma once
 
 #include <cstddef>
@@ -42,7 +42,7 @@ class ImprintSheet {
             std::span<float> shear_x_pa, std::span<float> shear_y_pa) noexcept;
 
  private:
-  // Adds the traction of a disc term: of force_n, `share` of it pressure, and shear.
+  // The tractions of a disc term, each over the term's force_n.
   struct Force {
     double normal = 0, shear_x = 0, shear_y = 0;  // over force_n
   };

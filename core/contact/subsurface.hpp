@@ -1,11 +1,12 @@
-// What taxels under a skin feel of a contact on its surface. The skin is taken for an elastic half space; the
-// stresses at depth d on a plane parallel to the surface are those of Boussinesq (1885) and Cerruti (1882),
-// and they do not depend on Poisson's ratio. In Fourier space (k: wave number) a normal traction p and a
-// shear q_x are felt as
+// What taxels under a skin read of a contact on its surface. The skin is modelled as an elastic half space.
+// The stresses at depth d on a plane parallel to the surface are those of Boussinesq (1885) and Cerruti
+// (1882); they do not depend on Poisson's ratio. In Fourier space (k: wave number) a normal traction p and a
+// shear q_x are read as
 //   normal:   (1 + k d) e^(-k d) p - i k_x d e^(-k d) q_x
-//   shear x:  -i k_x d e^(-k d) p + (1 - d k_x^2/k) e^(-k d) q_x      shear y:  ... - d k_x k_y/k e^(-k d)
-//   q_x
-// so pressing alone is felt as shear that points outwards, and a pull as pressure ahead and suction behind.
+//   shear x:  -i k_x d e^(-k d) p + (1 - d k_x^2/k) e^(-k d) q_x
+//   shear y:  -i k_y d e^(-k d) p - (d k_x k_y/k) e^(-k d) q_x
+// So a normal load is read as shear, too, which points outwards, and a pull as pressure, too: positive ahead
+// of the contact, negative behind it.
 //
 // Tractions of a contact are sums of domes sqrt(1 - x^2/a^2 - y^2/b^2), for which all of this has a closed
 // form (docs/theory.md §5.4).
@@ -43,10 +44,9 @@ class SubsurfaceSheet {
   // dome) and by the angle.
   enum Of : unsigned char { value, d_u, d_v, d_a, d_b, d_angle, kRows };
 
-  // Room for so many taxels. side_m: of their squares, m. depth_m >= 0. Averages are Gauss-Legendre sums, of
-  // more points the less deep the taxels lie; at depth 0 they are exact along x. They agree with the integral
-  // to 1e-4 of the dome's height (at depth 0, at the rim of
-  // taxels no larger than a fifth of the radius, to 5e-4).
+  // Room for so many taxels. side_m: of their squares, m. depth_m >= 0. Averages are Gauss-Legendre sums,
+  // with more points at smaller depths; at depth 0 they are exact along x. They agree with the integral to
+  // 1e-4 of the dome's height, at depth 0 at the rim to 5e-4 for taxels of at most a fifth of the radius.
   SubsurfaceSheet(std::size_t most_taxels, double side_m, double depth_m);
 
   // Averages of a dome of unit height about the origin at taxels (u, v), along the sensor's axes. Round domes

@@ -4,8 +4,8 @@
 //
 // The potential of a dome over an ellipse with the half axes a and b (A = a^2, B = b^2) is
 //   psi = (a b/4) integral over s > l of (1 - x^2/(A+s) - y^2/(B+s) - z^2/s) ds/D(s),   D^2 = (A+s)(B+s) s,
-// where l is the confocal coordinate: x^2/(A+l) + y^2/(B+l) + z^2/l = 1. Its second derivatives are algebraic
-// but for two elliptic integrals, and all that is felt consists of them.
+// where l is the confocal coordinate: x^2/(A+l) + y^2/(B+l) + z^2/l = 1. The tractions at depth consist of
+// its second derivatives, which are algebraic but for two elliptic integrals.
 #pragma once
 
 #include <algorithm>
@@ -162,8 +162,8 @@ template <bool kRound>
           at.w * at.ex * at.ex + at.jx, at.w * at.ex * at.ey, at.w * at.ey * at.ey + at.jy};
 }
 
-// The derivative where x, y, A and B change so fast; the last two are how fast I_z - I_a and I_z - I_b change
-// with A and B.
+// The derivative along a change (dx, dy, da, db) of x, y, A and B. dza, dzb: the change of I_z - I_a and
+// I_z - I_b that da and db cause.
 [[gnu::always_inline]] inline FeltTensor slope_of(const Common& at, double dx, double dy, double da,
                                                   double db, double dza, double dzb) noexcept {
   const double dl = (2 * at.ex * dx + 2 * at.ey * dy - at.ex * at.ex * da - at.ey * at.ey * db) / at.g;

@@ -39,8 +39,8 @@ constexpr double kOneSided95 = 1.645;
 // large: light pulls get no margin from their shape.
 constexpr double kClearSigmas = 3;
 
-// The friction filter follows a contact by moments that the disc feels, which a skin changes: under one each
-// frame stands for itself. After an unloading or a regrip its margin is then too low.
+// The friction filter follows a contact by moments of the shear, which a skin changes. So under a skin frames
+// are estimated without the frames before, and after an unloading or a regrip the margin is too low.
 EstimatorSettings followed(const ChainSetup& setup) {
   EstimatorSettings settings = setup.estimator;
   if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup)) settings.tracking = false;
@@ -49,7 +49,7 @@ EstimatorSettings followed(const ChainSetup& setup) {
 
 // Of a sensor whose taxels' shear means nothing by itself (flat skin): taxels that carry more than this of P
 // against each other, share, 0.05 … 0.5, take the margin away: the object is turned, hooked, or pulled at in
-// several places, and what the sum says of it is too safe. Quiet grasps of real pillars reach 0.066; a round
+// several places, and the margin of the sum is too safe. Quiet grasps of real pillars reach 0.066; a round
 // contact that slipped and was unloaded has 0.45 mu of P locked in (docs/theory.md §4.1). Too small: margins
 // come and go. Too large: such a grip is called safe.
 constexpr double kMaxInternalShare = 0.25;
@@ -226,8 +226,8 @@ struct EstimatorChain::Impl {
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
-  // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. Up to what
-  // real pads show of it a torque is left to gamma_low; beyond it there is no margin by the force alone.
+  // Pressing makes a torque on a flat pad as well, most where the object is held off its middle. A torque
+  // that is no larger than on real pads is left to gamma_low; with a larger one there is no margin.
   void judge_torque(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
     // Of what the contact carries, 0.1 … 0.5; quiet grasps of real pillars reach 0.27. Too small: such grasps
     // lose their margin. Too large: margins under a torque are too safe.
@@ -239,12 +239,12 @@ struct EstimatorChain::Impl {
     out.sigma.reset();
   }
 
-  // By the method, or of a contact that it does not have by the pressures of its closing.
+  // By the method, or where it refuses the frame or has a greater sigma by the pressures of the closing.
   FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
     shape_by = method->name();
     FrameEstimate estimate = method->estimate(frame, patch);
-    // Sigma by a shape that is not Hertz's, from which on closing may give a better margin; Gamma, 0.02 …
-    // 0.1. Too small: two methods run for one margin. Too large: ellipses get a coarse margin.
+    // Sigma by the method's contact model from which on closing may give a better margin; Gamma, 0.02 … 0.1.
+    // Too small: two methods run for one margin. Too large: ellipses get an imprecise margin.
     constexpr double kUnlikeSigma = 0.03;
     if (!closing || (estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
     // A round contact that the method refuses has another history, of which closing shows no more.
@@ -258,9 +258,9 @@ struct EstimatorChain::Impl {
     return by_closing;
   }
 
-  // One frame by itself: by the method, or where torque has bent the field by taxels that slip, or by moments
-  // where none is seen to. What slipped under a heavier load sticks again with less than friction, and says
-  // nothing of it.
+  // One frame by itself: by the method; where torque has bent the field by taxels that slip, and where none
+  // is seen to slip by moments. Taxels that slipped under a heavier load stick again at lower ratios, which
+  // do not show friction.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
     if (load.turning != Turning::bending) return estimate_pull(frame, patch);
@@ -284,7 +284,7 @@ struct EstimatorChain::Impl {
     shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    // Under a skin the disc feels a part of the forces only.
+    // Under a skin the disc reads only a part of the forces.
     ContactPatch acting = loaded;
     if (frame_estimate.in_model && frame_estimate.normal_n > 0) {
       acting.shear_n = loaded.shear_n * frame_estimate.shear_n / patch.shear_n;
@@ -338,7 +338,7 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
-  std::unique_ptr<Closing> closing;    // of `auto`, for shapes that the method does not have; else null
+  std::unique_ptr<Closing> closing;    // of `auto`, for frames that do not fit the method; else null
   Method shape_by = Method::friction;  // what this frame's own margin is by
   TurningLoad turning_load;
   SlippingTaxels slipping;

@@ -74,15 +74,13 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
   if (only_forces(setup)) return nullptr;
   if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
       setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
-    throw std::invalid_argument(
-        "the estimator's method takes taxels for those of the surface; a skin with depth_mm above 0 needs "
-        "method fit or auto");
+    throw std::invalid_argument("a skin with depth_mm above 0 needs the estimator's method fit or auto");
   }
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
   if (always_fits(setup)) return make_fit(setup);
-  // No other method knows what rubber over the taxels spreads.
+  // No other method corrects for rubber over the taxels.
   if (setup.scene.skin.depth_m > 0) return make_fit(setup);
   switch (setup.estimator.method) {
     case MethodChoice::automatic:
@@ -112,7 +110,7 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
     const contact::BodyPair pair = contact::make_body_pair(skin, {radius_m, modulus_pa, poisson});
     return std::pow(pair.contact_radius_m(1), 3);
   };
-  if (setup.scene.skin.depth_m > 0) return limits;  // what is felt is wider than the contact
+  if (setup.scene.skin.depth_m > 0) return limits;  // the pressure that is read is wider than the contact
   limits.least_m3_per_n = std::numeric_limits<double>::infinity();
   for (const ObjectFamily& family : objects) {
     const double flattest_m =
@@ -132,7 +130,7 @@ bool always_fits(const ChainSetup& setup) {
 
 bool needs_model(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::array3 && !only_forces(setup) && !always_fits(setup) &&
-         !(setup.scene.skin.depth_m > 0) &&  // which no trained method can carry
+         !(setup.scene.skin.depth_m > 0) &&  // no trained method corrects for it
          (setup.estimator.method == MethodChoice::svd_knn ||
           setup.estimator.method == MethodChoice::registered);
 }

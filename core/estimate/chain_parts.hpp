@@ -1,4 +1,4 @@
-// What the chain of a sensor is made of, by its setup: the method, and the options and limits of the other
+// Makes the parts of a sensor's chain from its setup: the method, and the options and limits of the other
 // parts. Set-up only; any thread.
 #pragma once
 
@@ -27,9 +27,9 @@ TrackerOptions tracker_options(const ChainSetup& setup);
 // felt through it would take hundreds of points, and is within some per cent what is felt without it.
 ChainSetup with_felt_skin(const ChainSetup& setup);
 
-// The method of single frames; null where only forces are felt. `work_precision` becomes what was measured to
-// choose it, or with its model. Throws std::invalid_argument if the method needs a model of this layout and
-// has none, or cannot read taxels under a skin.
+// The method of single frames; null where only forces are measured. Sets `work_precision` to what was
+// measured for the choice, or to that of the model. Throws std::invalid_argument if the method needs a model
+// of this layout and there is none, or if it cannot read taxels under a skin.
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
                                         WorkPrecision& work_precision);
 

@@ -1,8 +1,8 @@
-// The margin of a contact of any shape (docs/theory.md §10.9): a contact that was pressed, and then pulled,
-// has the shear q = mu (p(P) - p(P*)) with Gamma = P*/P (Ciavarella 1998, Jäger 1998), where p(P) is its
+// The margin of a contact of any shape (docs/theory.md §10.9). A contact that was pressed and then pulled has
+// the shear q = mu (p(P) - p(P*)) with Gamma = P*/P (Ciavarella 1998a, 1998b; Jäger 1998), where p(P) is its
 // pressure under the normal force P. These pressures were recorded while the gripper closed. So the method
 // assumes no radius and no shape, and gains that a taxel's axes share, and dead taxels, cancel. Exact for
-// axisymmetric and plane contacts of similar materials; of others the error is some per cent of the shear.
+// axisymmetric and plane contacts of similar materials; for others the error is some per cent of the shear.
 #pragma once
 
 #include <array>
@@ -19,43 +19,43 @@ namespace slipd {
 struct ClosingOptions {
   FrictionPriorOptions prior;
 
-  // Shear of a frame that still counts as closing, of its normal force, or of the shear's noise; 0.005 … 0.1
-  // and 1 … 5. Too small: a sensor whose pressing is felt as shear records nothing. Too large: frames of a
-  // pull are taken for pressing.
+  // The greatest shear of a frame that counts as closing: as a share of its normal force, or in standard
+  // deviations of the shear; 0.005 … 0.1 and 1 … 5. Too small: a sensor that reads shear under a normal load
+  // records nothing. Too large: frames with a pull are recorded.
   double most_shear = 0.03;
   double most_shear_sigmas = 3;
-  // Pressure below which a frame is not recorded; standard deviations of the normal force, 3 … 30. Too small:
-  // maps of noise. Too large: margins near gross slip have no map.
+  // Normal force below which a frame is not recorded; standard deviations, 3 … 30. Too small: maps of noise.
+  // Too large: margins near gross slip have no map.
   double least_force_sigmas = 8;
-  // Frames of one force that are recorded; 4 … 256. Too few: maps have as much noise as frames. Too many: a
-  // held grasp goes on to cost time.
+  // Frames of one force that are recorded; 4 … 256. Too few: maps have as much noise as frames. Too many:
+  // recording costs time in a held grasp.
   double enough_frames = 32;
-  // Maps without which no margin is given; 4 … 32. Too few: the course between them is guessed. Too many: a
+  // The least number of maps for a margin; 4 … 32. Too few: interpolation between them is wrong. Too many: a
   // quick grip has no margin.
   std::size_t least_maps = 8;
-  // The first map's force, of today's, at most; 0.05 … 0.5. Too large: the closing was not seen from its
-  // beginning, and small margins are guessed. Too small: slow sensors get no margin.
+  // The greatest force of the first map, over the frame's; 0.05 … 0.5. Too large: the beginning of the
+  // closing was not recorded, and small margins are extrapolated. Too small: slow sensors get no margin.
   double most_first_force = 0.25;
-  // Today's force may exceed the greatest recorded one by this factor; 1 … 1.2. Too small: noise. Too large:
-  // the contact has grown unseen.
+  // The frame's force may exceed the greatest recorded one by this factor; 1 … 1.2. Too small: noise takes
+  // the margin away. Too large: the contact has grown beyond its maps.
   double most_growth = 1.05;
-  // 1 - cos^2 between today's pressure and the map of its force, beyond noise; 0.001 … 0.05. Too small: real
-  // skins that creep get no margin. Too large: a contact that has moved since, or rolled, is believed.
+  // 1 - cos^2 between the frame's pressure and the map of its force, beyond noise; 0.001 … 0.05. Too small:
+  // real skins that creep get no margin. Too large: a contact that has moved or rolled since gets one.
   double most_unlike = 0.01;
-  // Shear that is not explained, of all: square root of the ratio of the sums of squares, 0.05 … 0.4, and
-  // standard deviations of noise from which on it counts; 2 … 6. Too small: real contacts are refused. Too
-  // large: another load history passes.
+  // The greatest share of the shear that is not explained: square root of the ratio of the sums of squares,
+  // 0.05 … 0.4; and the standard deviations of noise from which on it counts; 2 … 6. Too small: real contacts
+  // are refused. Too large: another load history passes.
   double most_unexplained = 0.2;
   double clear_sigmas = 4;
   // Sigma of Gamma over that share; 0 … 2. Too small: sigma is less than the error of contacts whose shear is
   // not quite the difference of two maps. Too large: it is more.
   double unexplained_sigma = 0.5;
-  // Floor of sigma, Gamma; 0.001 … 0.05: maps are linear in between, and of a grip that is never quite still.
-  // `sliplab coverage --methods closing --of histories`. Too small: sigma is less than the error over a
-  // grasp. Too large: fine sensors are wasted.
+  // Floor of sigma, Gamma; 0.001 … 0.05. It covers the interpolation between maps, and a grip that is never
+  // quite still. By `sliplab coverage --methods closing --of histories`. Too small: sigma is less than the
+  // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
   double least_sigma = 0.015;
   // Sigma of Gamma beyond which the frame's whole profile is given; Gamma, 0.005 … 0.3. Too small: frames of
-  // one closing count for more than they say. Too large: a parabola stands for a likelihood that is none.
+  // one closing, whose error is common, count too much. Too large: the likelihood is no parabola any more.
   double open_sigma = 0.02;
   // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1.
   double max_friction_share = 0.5;

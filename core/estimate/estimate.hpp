@@ -1,4 +1,4 @@
-// What slipd says of one frame. Trivially copyable, so that it crosses threads by plain copies.
+// The estimate of one frame. Trivially copyable, so that it crosses threads by plain copies.
 #pragma once
 
 #include <algorithm>

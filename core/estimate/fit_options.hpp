@@ -39,7 +39,7 @@ struct FitOptions {
   double noise_floor = 1e-4;
 
   // Ellipticity of the pressure (HertzDeviation) from which on an ellipse is fitted; 0.05 … 0.3. Too small:
-  // costs time for nothing. Too large: ellipses are read as round contacts, with the sigma of that.
+  // costs time for nothing. Too large: ellipses are read as round contacts, and sigma does not cover it.
   double elliptic_from = 0.1;
 
   // What a real skin deviates, ring by ring, of mu p; 0 … 0.1. Too small: real skins are refused. Too large:
@@ -60,14 +60,14 @@ struct FitOptions {
   // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
   double friction_sigma_factor = 2;
   // Sigma of Gamma, of 1 - Gamma, below which friction is given by the parabola; 0.1 … 1. Too small: friction
-  // is given late. Too large: its sigma is not meant.
+  // is given late. Too large: its sigma is wrong, because the likelihood is no parabola.
   double max_friction_share = 0.5;
 
   // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:
-  // costs time. Too large: a parabola stands for a likelihood that is none.
+  // costs time. Too large: the likelihood is no parabola any more.
   double open_sigma = 0.04;
   // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
-  // small: profiles of small contacts say nothing. Too large: they say too much.
+  // small: profiles of small contacts have no weight. Too large: they have too much.
   double min_profile_share = 0.1;
   // The least traction ratio of a profile's point; 1e-9 … 1e-3. Keeps its friction above 0.
   double min_traction_ratio = 1e-6;

@@ -1,13 +1,14 @@
-// Maximum likelihood for contacts that are elliptic or felt through a skin (docs/theory.md §10.8): as Fit,
-// with the shear's second component, its direction and the ellipse unknown as well.
+// Maximum likelihood for contacts that are elliptic or under a skin (docs/theory.md §10.8): as Fit, but both
+// components of the shear are fitted, and the direction of the pull and the ellipse are unknown as well.
 //
 // Unknown are the centre, the mean radius s (a b = s^2), the peak pressure p0, the load T = Q/P, Gamma, the
-// direction of the pull, and of an ellipse e (cos 2 phi, sin 2 phi) with e = log(a/b) and phi its long axis:
+// direction of the pull, and for an ellipse e (cos 2 phi, sin 2 phi) with e = log(a/b) and the direction phi
+// of the long axis:
 //   p = p0 D(1),   q = p0 T (D(1) - k D(k)) / (1 - Gamma),   k^3 = Gamma,
-// D(x) the dome of unit height over the ellipse x times as large, and what is felt of it at the taxels'
-// depth. A round contact is fitted first; an ellipse only where one step from there shows that it is none.
+// with D(x) the dome of unit height over the ellipse x times as large, as it is read at the taxels' depth. A
+// round contact is fitted first, and an ellipse only where one step from there shows that it is not round.
 //
-// Under a skin no taxel is free of the contact, so that noise is measured by what the fit leaves over.
+// Under a skin no taxel is free of the contact, so that the noise is that of the residuals.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,34 +24,34 @@ namespace slipd {
 
 // Checked with `sliplab tradeoff --imprints`. side: a taxel's side.
 struct ImprintFitOptions {
-  // Taxels count that lie within this many depths of the skin outside the patch's disc; 0 … 5. Too small: the
-  // shear's flank, which shows the margin, is left out. Too large: costs time.
+  // Taxels up to this many depths outside the patch's disc are used; 0 … 5. Too small: the shear's flank,
+  // which shows the margin, is left out. Too large: costs time.
   double reach_depths = 1;
-  // What of the skin's spread is taken off the felt radius at the start, over d^2; 0 … 5. Too small and too
-  // large: more steps.
+  // What the start subtracts from the square of the measured radius for the skin's spread, over depth^2; 0 …
+  // 5. Too small and too large: more steps.
   double start_spread = 3;
-  // Gamma from which the fit starts under a skin, and from which it starts anew where it ends at one end of
-  // its range; Gamma, within FitOptions' range.
+  // Gamma from which the fit starts under a skin, and from which it starts anew if it ends at an end of the
+  // range; Gamma, within FitOptions' range.
   double start_gamma = 0.5;
   double other_gamma = 0.9;
   // An ellipse is fitted where one step away from a round contact is at least so many standard deviations
   // long; 2 … 6. Too small: costs time for nothing. Too large: ellipses are read as round contacts.
   double elliptic_sigmas = 3;
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
-  // refused. Too large: noise makes needles of small contacts.
+  // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;
   // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05. Too
   // small: more steps, for nothing. Too large: it stops before the minimum.
   double settled_nats = 2e-3;
-  // Change of the shear's noise over the pressure's, log, from which on the fit is done again; 0.02 … 0.5.
-  // Too small: costs time. Too large: channels are weighed wrongly.
+  // Change of the log of the shear's noise over the pressure's from which on the fit is repeated; 0.02 … 0.5.
+  // Too small: costs time. Too large: channels have wrong weights.
   double other_weights = 0.15;
-  // Residual of the pressure, of its peak, from which on the contact is none of this kind; 0.005 … 0.1. Too
-  // small: real skins are refused. Too large: double contacts and edges are answered.
+  // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
+  // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;
 };
 
-// A contact that is known.
+// The true parameters of a contact, for the Cramér–Rao bound.
 struct KnownImprint {
   // Its centre, m.
   double x_m = 0, y_m = 0;
@@ -74,8 +75,8 @@ class ImprintFit {
   static constexpr std::size_t kFewTaxels = 40;
   static constexpr int kMostSteps = 15;
   // The Cramér–Rao bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all
-  // channels, over the greatest pressure felt; of a round ellipse without its axes unknown. Infinite where
-  // the frame has no information. Changes what the fit holds of its last frame.
+  // channels, over the greatest pressure that is read; for a round contact the axes are not unknowns.
+  // Infinite where the frame has no information. Overwrites the results of the last frame.
   double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
 
   int steps() const noexcept { return steps_; }         // that the last frame took

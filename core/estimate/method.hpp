@@ -52,8 +52,8 @@ struct FrameEstimate {
   contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;
-  // Forces of the contact by the model, N, where they are not those that the disc feels: under a skin. 0:
-  // those of the patch.
+  // Forces of the contact by the model, N, where the disc reads only a part of them: under a skin. 0: those
+  // of the patch.
   double normal_n = 0, shear_n = 0;
   MarginProfile profile;  // of methods that weigh every margin, where the frame leaves it open
 };

@@ -97,8 +97,8 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
                              std::max(0.0, 1 - load / bounds_->high));
   margin.sigma = std::hypot(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
   if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
-    // A frame that shows friction by itself knows it better than the lighter ones before it, whose taxels
-    // nearly slipped.
+    // A frame that shows friction by itself has a better value of it than the frames before under a lighter
+    // load, whose taxels nearly slipped.
     if (frame_estimate->friction_sigma < options_.frame_known_sigma * frame_estimate->friction) {
       out.friction = frame_estimate->friction;
       out.friction_sigma = frame_estimate->friction_sigma;

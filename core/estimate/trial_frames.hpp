@@ -25,8 +25,8 @@ class TrialFrames {
   // Exact averages of the contact over each taxel. One taxel alone is one force vector for the whole pad.
   void feel(const contact::LoadHistory& contact, double center_x_m, double center_y_m);
 
-  // The same of a contact of any shape or under a skin, its pull in a direction of the plane, and what is
-  // sensed of it, with noise.
+  // The same of a contact of any shape or under a skin, with its pull along direction_rad, from x to y.
+  // Returns what is sensed of it, with noise.
   Frame sense_imprint(contact::ImprintSheet& imprint, const contact::LoadHistory& contact, double center_x_m,
                       double center_y_m, double direction_rad, const RandomStream& random);
 

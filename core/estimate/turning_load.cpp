@@ -21,11 +21,11 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
-// Compared in newtons, the torque over one and the same lever: a grip that is tightened lowers what is asked
-// of friction, and leaves no field that seems to slip.
+// Loads are compared in newtons, the torque over one and the same lever: a grip that is tightened lowers the
+// friction that the load needs, but the load has not fallen.
 void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
   constexpr double kSigmas = 2;  // what noise may be of the load
-  constexpr double kClear = 5;   // times that: there is a load whose way can be followed
+  constexpr double kClear = 5;   // times that: there is a load whose path can be followed
   // T_max of Hertz over mu P a.
   constexpr double kTurnLever = 3 * std::numbers::pi / 16;
   if (!(patch.normal_n > 0)) return;
@@ -44,7 +44,7 @@ void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noex
   most_radius_m_ = patch.radius_m;
 }
 
-// What lies across the present load of each step of its way.
+// Sums up the part of each step of the path that is across the present load.
 void TurningLoad::follow_way(const ContactPatch& patch, double load_n, double noise_n) noexcept {
   const double lever_m = patch.radius_m, noise = noise_n / patch.normal_n;
   if (!(lever_m > 0)) return;

@@ -1,6 +1,6 @@
-// What force and torque of a contact ask of friction together (docs/theory.md §6.6), as the pull without
-// torque that asks for as much: all that compares |Q|/P with friction then holds for a contact that turns,
-// too. Without a torque above noise it is Q itself. Estimate thread; allocates in its constructor only.
+// The pull without torque that needs as much friction as force and torque of a contact together
+// (docs/theory.md §6.6): what compares |Q|/P with friction then holds for a contact that turns, too. Without
+// a torque above noise it is Q itself. Estimate thread; allocates in its constructor only.
 #pragma once
 
 #include <array>
@@ -42,25 +42,26 @@ struct TurningLoadOptions {
   // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `sliplab torque` on 4
   // x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
   double coarse_sigma_share = 0.2;
-  // A load below this share of the most that it was has fallen; 0.8 … 0.99. Too small: fields that slipped
-  // before and stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.
+  // A load below this share of its maximum has fallen; 0.8 … 0.99. Too small: fields that slipped before and
+  // stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.
   double risen_share = 0.97;
   // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
   double kept_share = 0.8;
-  // The load's way is followed in steps of this share of the load, above this share of the most that it was;
-  // 0.02 … 0.3, 0.2 … 0.8. Too small: noise makes it crooked. Too large: bends go unnoticed.
+  // The load path is followed in steps of this share of the load, above this share of the load's maximum;
+  // 0.02 … 0.3, 0.2 … 0.8. Too small: noise bends the path. Too large: bends are not detected.
   double step_share = 0.1;
   double followed_share = 0.5;
-  // The way has been straight while its parts across the load are at most this share of the load; 0.03 …
-  // 0.3. Too small: few loads are. Too large: histories are read as a load that only rose.
+  // The path is straight while the sum of its steps across the load is at most this share of the load; 0.03 …
+  // 0.3. Too small: few paths are straight. Too large: other histories are read as a load that only rose.
   double straight_share = 0.12;
-  // And while the grip is at most this much stronger than when the load rose, and the load at least this
-  // share of the most that it was; 0.005 … 0.05, 0.95 … 0.995. Too near 1: noise is a regrip, or a fall. Too
-  // far from it: the rim that turned back is read as a load near slip.
+  // And while the normal force is above the reference grip by at most this share, and the load is at least
+  // this share of its maximum; 0.005 … 0.05, 0.95 … 0.995. Too strict: noise is taken for a regrip, or for a
+  // fall. Too lax: a rim whose slip has reversed is read as a load near slip.
   double tightened_share = 0.015;
   double rising_share = 0.99;
-  // A load that is this many times what the looser grip carried has a grip of its own; 1.5 … 5. Too small:
-  // regrips pass. Too large: a light touch while the gripper closes makes a regrip of all that follows.
+  // A load this many times the largest one at the reference grip makes the present grip the reference; 1.5 …
+  // 5. Too small: regrips pass. Too large: after a light touch while the gripper closes, every grip is taken
+  // for a regrip.
   double grown = 3;
 };
 
@@ -75,11 +76,11 @@ struct TurningLoadResult {
   // The pull without torque that is as near to slip, N, and its standard deviation; |Q| and its own where
   // turning is none.
   double pull_n = 0, pull_sigma_n = 0;
-  // Whether force and torque are as large as they ever were in this grasp: else what slipped may stick again,
-  // with less than friction.
+  // Whether force and torque are at their maximum in this grasp: else taxels that slipped may stick again, at
+  // ratios below friction.
   bool risen = true;
-  // Whether force and torque came in a straight line and at a constant grip since the contact began, and are
-  // as large as ever.
+  // Whether force and torque rose in a straight line at a constant grip since the contact began, and are at
+  // their maximum.
   bool straight = true;
   // The motion in which the object would slide: its speed along the pull and its spin, for a power of
   // friction P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the
@@ -120,7 +121,7 @@ class TurningLoad {
   bool one_taxel_;
   bool bent_ = false;                      // the last frame's field was
   double most_n_ = 0, most_radius_m_ = 0;  // the most load of this grasp, N, and a then
-  // Force over P along both axes and torque over P a.
+  // A point of the load path: force over P along both axes and torque over P a.
   using LoadPoint = std::array<double, 3>;
   struct Way {
     LoadPoint last{};     // where the last step ended

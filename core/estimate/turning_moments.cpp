@@ -32,8 +32,8 @@ struct Levers {
 
 }  // namespace
 
-// Of frames of the boundary-element solver, straight loads with spin shares of 0.4 to 1, round, tilted and
-// elliptic with axes of 1.3 : 1: within 0.035, on the low side by 0.003 on average.
+// Error on frames of the boundary-element solver, straight loads with spin shares of 0.4 to 1 on round,
+// tilted and elliptic contacts with axes of 1.3 : 1: at most 0.035, too low by 0.003 on average.
 double gamma_of_turning_ratio(double ratio, double spin_share) noexcept {
   constexpr double kBySpin = 0.05;  // half of what a contact that sticks all over has: 5/3 to 8/5
   return gamma_of_moment_ratio(1 + (ratio - 1) * (1 + kBySpin * spin_share));

@@ -1,6 +1,6 @@
-// The margin under force and torque from how far out the shear lies, where a taxel is too coarse to show
-// which part slips (docs/theory.md §10.7): what moments are for a pull (§7.1). For loads that rose in a
-// straight line, on round contacts. Estimate thread; allocates nothing.
+// The margin under force and torque from how far out the shear lies (docs/theory.md §10.7), where taxels are
+// too coarse to resolve the part that slips: as the moment ratio does for a pull (§7.1). For loads that rose
+// in a straight line, on round contacts. Estimate thread; allocates nothing.
 #pragma once
 
 #include "core/estimate/hertz_deviation.hpp"
@@ -11,8 +11,8 @@
 
 namespace slipd {
 
-// Gamma of a load that rose in a straight line: `ratio` is the moment ratio of (10.5), `spin_share` the
-// object's spin times a over that and its speed together, 0 (a pull) … 1 (a torque alone). 0 … 1.
+// Gamma, 0 … 1, of a load that rose in a straight line. `ratio`: the moment ratio of (10.5). `spin_share`:
+// the object's spin times a over the sum of that and its speed, 0 (a pull) … 1 (a torque alone).
 double gamma_of_turning_ratio(double ratio, double spin_share) noexcept;
 
 // Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with `sliplab
@@ -22,27 +22,27 @@ struct TurningMomentsOptions {
   // Error of the ratio by square taxels, over (side/a)^2; 0 … 1. Too small: sigma is less than the error on
   // coarse arrays. Too large: it is more, and they are refused.
   double rim_error = 0.1;
-  // Floor of the ratio's sigma: of the relation to Gamma, and of ways that are not quite straight; 0 … 0.1.
+  // Floor of the ratio's sigma: of the relation to Gamma, and of paths that are not quite straight; 0 … 0.1.
   // Too small and too large: as above.
   double ratio_floor = 0.015;
-  // The ratio of fourth moments agrees with that of a half space within this, this much over (side/a)^2, and
-  // this many standard deviations of the ratio; 0.02 … 0.2, 0 … 1, 2 … 8. Too small: half spaces are refused.
-  // Too large: skins whose points give by themselves, and other histories, pass.
+  // The ratio of fourth moments agrees with that of a half space within the sum of the first, the second
+  // times (side/a)^2 and the third in standard deviations of the ratio; 0.02 … 0.2, 0 … 1, 2 … 8. Too small:
+  // half spaces are refused. Too large: Winkler foundations and other histories pass.
   double fourth_slack = 0.05;
   double fourth_rim = 0.1;
   double fourth_sigmas = 3;
-  // Contacts with a smaller side/a are left to the taxels that slip, which ask for no half space; 0 … 0.4.
-  // Too small: skins whose points give by themselves get margins that are too low. Too large: coarse arrays
-  // get no answer.
+  // Contacts with a smaller side/a are left to SlippingTaxels, which assumes no half space; 0 … 0.4. Too
+  // small: skins like a Winkler foundation get margins that are too low. Too large: coarse arrays get no
+  // answer.
   double least_coarse = 0.15;
-  // A ratio with more noise shows neither history nor half space; 0.005 … 0.1. Too small: light loads get no
-  // answer. Too large: other histories and skins pass.
+  // The greatest noise of the ratio: with more, neither the history nor the half space is checked;
+  // 0.005 … 0.1. Too small: light loads get no answer. Too large: other histories and skins pass.
   double max_noise = 0.02;
   // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
   // frames near slip unanswered. Too large: other histories pass.
   double range_sigmas = 3;
   // A margin is given below this standard deviation of friction, relative; 0.02 … 0.3. Too small: only heavy
-  // loads are answered. Too large: margins that say little.
+  // loads get an answer. Too large: margins are imprecise.
   double max_sigma = 0.15;
   // And friction below this one; 0.02 … 0.2. Too small: friction is learnt late. Too large: it is off by more
   // than a tenth.

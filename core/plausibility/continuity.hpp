@@ -32,10 +32,10 @@ struct ContinuityOptions {
   double least_unlike_fast = 0.02;
   double usual_factor = 8;
   double noise_factor = 4;
-  // Frames further apart than fast_step_s: a contact that grips harder or less in one frame changes by what
-  // Hertz says of its size; this times it is allowed for, 1 … 3, if its centre moved by less than this share
-  // of its radius, 0.05 … 0.5. Too small: a gripper that answers an alert at once loses its margin. Too large:
-  // a contact of another force, at the same place, is believed.
+  // For frames further apart than fast_step_s. A contact whose force changes in one frame changes its size as
+  // Hertz's theory predicts. The first, 1 … 3, times that change is allowed if the centre moved by less than
+  // the second, 0.05 … 0.5, times the radius. Too small: a gripper that closes at once on an alert loses its
+  // margin. Too large: another contact of another force at the same place passes.
   double growth_factor = 1.5;
   double growth_moved_share = 0.25;
   // All pressures changed by this factor, though less unlike than this; 5 … 100 and 0.01 … 0.2. A contact

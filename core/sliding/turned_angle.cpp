@@ -75,8 +75,8 @@ void TurnFollower::take(const ContactPatch& patch, bool settled) noexcept {
   }
 }
 
-// Each moment gives an angle up to turns of its own symmetry, of which the one next to the last angle is
-// taken. What changed the moment's length may have changed its direction as much.
+// Each moment gives an angle up to multiples of its own symmetry; the one nearest to the last angle is taken.
+// A change of the moment's length may come with as large a change of its direction.
 std::optional<TurnedAngle> TurnFollower::compare(double rim) const noexcept {
   std::array<double, kOrders> angles{}, weights{};
   double weight = 0, sum = 0;
@@ -108,8 +108,8 @@ std::optional<TurnedAngle> TurnFollower::compare(double rim) const noexcept {
   return found;
 }
 
-// Whether the contact slid turning and its pattern did not turn: it is the sensor's own, or of an object that
-// looks the same from each side.
+// Whether the contact slid and turned while its pattern did not turn: the pattern is the sensor's own, or the
+// object is symmetric.
 bool TurnFollower::pinned(std::int64_t time_ns, const TurnedAngle& now, bool slides_turning) noexcept {
   if (pinned_ && std::fabs(now.angle_rad - pinned_angle_rad_) > (options_.moved_sigmas + 1) * now.sigma_rad)
     pinned_ = false;

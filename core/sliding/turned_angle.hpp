@@ -1,7 +1,7 @@
-// By which angle the object has turned over the skin since the contact settled (docs/theory.md §13.2). The
-// pressure's pattern turns with the object: its moments of two, three and four arms about the contact's
-// centre, with their directions. A round contact has none, and its angle is not known. Estimate thread; fixed
-// memory.
+// The angle by which the object has turned over the skin since the contact settled (docs/theory.md §13.2).
+// The pressure's pattern turns with the object, and with it the directions of its moments of two, three and
+// four arms about the contact's centre. A round contact has no such moments, and its angle is unknown.
+// Estimate thread; fixed memory.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ namespace slipd {
 
 // Checked with tests/core/sliding/turned_angle_test.cpp. side: a taxel's side; a: the contact's radius.
 struct TurnedAngleOptions {
-  // Time between frames that are looked at, s, 0.005 … 0.05; slower sensors' frames all are. Too small: costs
-  // time. Too large: more noise, and fast turns are ambiguous.
+  // Time between frames that are used, s, 0.005 … 0.05; of slower sensors all frames are used. Too small:
+  // costs time. Too large: more noise, and fast turns are ambiguous.
   double spacing_s = 0.02;
   // Share of the newest frame in the pattern that is followed; 0.05 … 1. Too small: the angle lags behind.
   // Too large: noise.
@@ -28,15 +28,16 @@ struct TurnedAngleOptions {
   // A moment that does not exceed noise and rim by this many standard deviations has no direction; 3 … 10.
   // Too small: round contacts get angles. Too large: weak features give none.
   double clear_sigmas = 4;
-  // What square taxels on a round rim make of each part of a moment, over (side/a)^3; 0 … 0.5. The most of
-  // Hertz contacts anywhere on a grid, side/a from 0.1 to 1, is 0.6 of these, 4 of the root mean square. Too
-  // small: the grid's own directions pass for the object's. Too large: coarse arrays give no angle.
+  // Error of each part of a moment by square taxels on a round rim, over (side/a)^3; 0 … 0.5. On Hertz
+  // contacts anywhere on a grid, side/a from 0.1 to 1, the largest is 0.6 of this, and 4 times their root
+  // mean square. Too small: the grid's own directions pass for the object's. Too large: coarse arrays give no
+  // angle.
   double rim_share = 0.16;
   // An angle with a larger standard deviation is not given; rad, 0.02 … 0.3. Too small: weak features give
-  // none. Too large: angles that say little.
+  // none. Too large: angles are imprecise.
   double max_sigma_rad = 0.1;
-  // After a pause as long as this without an angle the count has ended; s, 0.1 … 2. Too small: lost frames
-  // end it. Too large: a turn by more than half the angle between two arms is counted wrongly.
+  // After so long without an angle none is given until the contact is lost; s, 0.1 … 2. Too small: lost
+  // frames end the count. Too large: a turn by more than half the angle between two arms is counted wrongly.
   double max_gap_s = 0.5;
   // A pattern that has not turned after the contact slid under its torque for this time belongs to the
   // sensor; s, 0.05 … 1. Too small: slow turns are not given at first. Too large: 0 is given for an object
@@ -61,9 +62,9 @@ class TurnFollower {
 
   // The contact was lost.
   void forget() noexcept;
-  // A frame in contact. `settled`: the grip has closed (FieldCourse::settled), from when on angles are
-  // counted. `slides_turning`: the load with its torque is all that friction carries. nullopt: the contact
-  // does not show the angle, or has not settled.
+  // A frame in contact. `settled`: the grip has closed (FieldCourse::settled); angles are counted from then
+  // on. `slides_turning`: force and torque are at the limit of friction. nullopt: the contact does not show
+  // the angle, or has not settled.
   std::optional<TurnedAngle> update(std::int64_t time_ns, const ContactPatch& patch, bool settled,
                                     bool slides_turning) noexcept;
 

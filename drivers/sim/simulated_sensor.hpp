@@ -31,8 +31,8 @@ struct SensorSettings {
   // Of the object's centre of mass beside the contact, m: each tangential force brings the torque force times
   // lever. 0: none.
   double lever_m = 0;
-  // Shape of the contact and depth of the taxels. The shape with preset ideal and without torque, on several
-  // taxels; the depth with preset ideal, and instead of its own with preset magnetic_skin.
+  // Shape of the contact and depth of the taxels. A shape other than round needs preset ideal, several taxels
+  // and no torque. The depth is for preset ideal; above 0 it replaces the depth of preset magnetic_skin.
   contact::Imprint imprint;
   std::vector<Phase> cycle;            // the load, at least one phase
   ImperfectionSettings imperfections;  // default: none
@@ -101,8 +101,8 @@ class SimulatedSensor {
   std::optional<double> grip_n_;
   std::int64_t elapsed_ns_ = 0;
   std::uint64_t number_ = 0;
-  // True values of the taxels, kept while the load is constant; across the pull only with a torque
-  // or an imprint.
+  // True values of the taxels, kept while the load is constant; across the pull only with a torque or an
+  // imprint.
   std::vector<float> normal_pa_, shear_pa_, across_pa_;
   bool moved_ = true;  // the load changed after they were computed
 };

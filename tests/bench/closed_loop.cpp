@@ -1,6 +1,6 @@
 // closed-loop [--lever MM] [TASKS [SEED [TRACE.csv]]]: whether a gripper that receives slipd's CAN messages
 // holds what a gripper without them drops, and at what force. Each task is carried twice from the same seed,
-// in frame time. --lever: objects that hang so far off their centre of mass. Prints a table; writes the first
+// in frame time. --lever: objects are held so far off their centre of mass. Prints a table; writes the first
 // task over time as CSV.
 #include <algorithm>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// slipctl's side of the socket: libslipd's connection, with errors that tell a person at a terminal what to
-// do.
+// slipctl's side of the socket: libslipd's connection, with errors for a person at a terminal. Each states
+// the remedy.
 //
 // Synchronous; called from one thread. A request waits for its answer; notifications that arrive meanwhile
 // are kept in order for next().

@@ -67,7 +67,7 @@ class Disconnected(ConnectionError):
 
 @dataclass(frozen=True)
 class Estimate:
-    """What slipd knows of one sensor or of one grasp. None: unknown."""
+    """An estimate of one sensor or of one grasp. None: unknown."""
 
     name: str  # of the sensor or grasp
     max_age_s: float  # older ones have state "stale"
@@ -470,13 +470,13 @@ class Board:
 
     @property
     def _heartbeat_age_s(self) -> float:
-        """Infinite if nothing is mapped, or slipd has closed it."""
+        """Infinite if no memory is mapped, or slipd has closed it."""
         if self._memory is None or self._word("<I", 72) != 0:
             return float("inf")
         return 1e-9 * (time.monotonic_ns() - self._word("<q", 64))
 
     def _alive_or_attached(self, max_age_s: float) -> bool:
-        """Whether there is memory whose heartbeat is young: as old as the caller allows estimates to be, as libslipd has it."""
+        """Whether memory is mapped whose heartbeat is no older than the caller allows estimates to be, as in libslipd."""
         if self.alive or self._heartbeat_age_s <= max_age_s:
             return True
         if time.monotonic() < self._next_attempt:

@@ -13,8 +13,8 @@
 namespace slipd::gripper {
 
 // One object: lifted with a margin of 0.5 to 0.65, swung by up to a fifth of its weight, while friction falls
-// in steps of 10 to 30 % until the first grip cannot hold it any more. With a lever it hangs that far off its
-// centre of mass, and all margins are those of force and torque.
+// in steps of 10 to 30 % until the first grip cannot hold it any more. With a lever it is held that far off
+// its centre of mass, and all margins are those of force and torque.
 struct CarryTask {
   sim::SensorSettings sensor;
   GripperSettings gripper;

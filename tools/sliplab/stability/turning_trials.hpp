@@ -1,5 +1,5 @@
-// Trials of the estimator chain with contacts under force and torque at their extremes: torque that vanishes,
-// force that vanishes, both, friction that vanishes, slip that begins, and layouts that cannot feel a torque.
+// Trials of the estimator chain with contacts under force and torque at their extremes: torque near 0, force
+// near 0, both near 0, friction near 0, the begin of slip, and layouts that do not measure a torque.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,8 @@ inline constexpr TurningAxis kTurningAxes[] = {TurningAxis::mixture, TurningAxis
 std::string_view name_of(TurningAxis axis) noexcept;  // as in tables: "mixture", …
 std::vector<double> places_on(TurningAxis axis);
 
-// Mixture and share of the load are drawn where the axis does not say them. Contacts on a row of taxels and
-// on one taxel are followed over time and given their friction, the others are single frames.
+// Mixture and share of the load are drawn where the axis does not set them. Contacts on a row of taxels and
+// on one taxel are followed over time with known friction; the others are single frames.
 std::vector<RobustnessRow> measure_turning(const TrialSetup& setup, const Done& done);
 
 }  // namespace sliplab

@@ -14,7 +14,7 @@ struct ImprintLine {
   std::string layout;   // as in TradeoffOptions
   double depth_mm = 0;  // of the taxels
   double axes = 1;      // long over short axis
-  // The depth that the method was given over the true one.
+  // The depth that the method is set to, over the true one.
   double depth_taken = 1;
   // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong.
   double guide = 0;
