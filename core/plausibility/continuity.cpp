@@ -19,9 +19,9 @@ double unlikeness_of_sizes(double ratio) noexcept {
   if (ratio >= kAlike) return 0;
   if (ratio <= 0) return 1;
   const double square = ratio * ratio;
-  const double cosine =
-      2 * ratio * ((1 + square) / (4 * square) -
-                   (1 - square) * (1 - square) / (8 * square * ratio) * std::log((1 + ratio) / (1 - ratio)));
+  const double cosine = 2 * ratio *
+                        ((1 + square) / (4 * square) - (1 - square) * (1 - square) / (8 * square * ratio) *
+                                                           std::log((1 + ratio) / (1 - ratio)));
   return std::clamp(1 - cosine * cosine, 0.0, 1.0);
 }
 
@@ -50,10 +50,8 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
       static_cast<double>(probes);
   const double by_noise = noise_pa2 / pattern.square_pa2 + noise_pa2 / pattern.square_before_pa2;
   const bool known = unlikeness_.frames >= options.learning_frames;
-  const double least =
-      fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
-  const bool jumped = known && unlikeness > least &&
-                      unlikeness > options.usual_factor * unlikeness_.mean &&
+  const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
+  const bool jumped = known && unlikeness > least && unlikeness > options.usual_factor * unlikeness_.mean &&
                       unlikeness > options.noise_factor * by_noise;
   if (!jumped) unlikeness_.learn(unlikeness, options.memory_frames);
   return jumped;

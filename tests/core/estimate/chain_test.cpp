@@ -91,7 +91,7 @@ TEST_F(Chain, TheContactRadiusIsGivenRelativeToTheSkinRadiusToo) {
 }
 
 constexpr MethodChoice kChoices[] = {MethodChoice::automatic, MethodChoice::svd_knn, MethodChoice::registered,
-                                     MethodChoice::moments, MethodChoice::fit, MethodChoice::closing};
+                                     MethodChoice::moments,   MethodChoice::fit,     MethodChoice::closing};
 
 ChainSetup setup_of(MethodChoice method, std::size_t columns, std::size_t rows) {
   ChainSetup setup = setup_16();
