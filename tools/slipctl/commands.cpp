@@ -16,8 +16,8 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-json ask(const CommonOptions& common, const char* method, json params = json::object()) {
-  return RpcClient(common.socket).call(method, std::move(params));
+json ask(const CommonOptions& common, const char* method, const json& params = json::object()) {
+  return RpcClient(common.socket).call(method, params);
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ class Watcher {
     nlohmann::ordered_json params{{"events", {"estimate", "alert"}}};
     if (!options_.sensors.empty()) params["sensors"] = options_.sensors;
     if (!options_.summary) params["max_rate_hz"] = options_.json ? options_.lines_per_s : kViewRateHz;
-    client_->call("subscribe", std::move(params));
+    client_->call("subscribe", params);
   }
 
   void wait() {

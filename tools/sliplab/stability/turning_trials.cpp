@@ -35,7 +35,7 @@ bool feels_shape(TurningAxis axis) noexcept {
 }
 
 TaxelLayout layout_of(const TrialSetup& setup, TurningAxis axis) {
-  const TaxelLayout whole = layout_of(setup);
+  TaxelLayout whole = layout_of(setup);
   if (axis == TurningAxis::one_row) return TaxelLayout::grid(setup.side, 1, whole.side_m());
   if (axis == TurningAxis::one_taxel)
     return TaxelLayout::wrench(whole.side_m() * static_cast<double>(setup.side));
