@@ -47,8 +47,10 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
 
 std::size_t ImprintFit::memory_bytes() const noexcept {
   const std::size_t components = depth_m_ > 0 ? std::size_t{Sheet::kComponents} : 1;
-  return sizeof(*this) +
-         layout_.size() * sizeof(double) * (4 + 3 * (2 + kMost) + 2 * Sheet::kRows * components);
+  // Places; data, residual and slopes of three channels; both sheets' rows.
+  constexpr std::size_t kPlaces = 4, kOfChannels = 3 * (std::size_t{2} + kMost),
+                        kRows = 2 * std::size_t{Sheet::kRows};
+  return sizeof(*this) + layout_.size() * sizeof(double) * (kPlaces + kOfChannels + kRows * components);
 }
 
 // In a frame with x along the resultant. Under a skin, what lies around the disc is felt as well.
