@@ -154,7 +154,9 @@ TEST_F(Attach, ReadersThatAreKilledLeaveNothingBehind) {
     least_growth = std::min(least_growth, now > memory ? now - memory : 0);
     memory = now;
   }
+#ifndef __SANITIZE_ADDRESS__  // it keeps what was freed; its own leak check runs when slipd ends
   EXPECT_LT(least_growth, kLeaked) << "memory grows in each series";
+#endif
   EXPECT_EQ(threads(slipd), tasks);
   EXPECT_GT(view.record(0).number, begun);
   EXPECT_FALSE(view.closed());
