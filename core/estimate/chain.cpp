@@ -234,9 +234,7 @@ struct EstimatorChain::Impl {
     constexpr double kByPressing = 0.3;
     const double carried_n = out.friction.value_or(usual_friction) * patch.normal_n;
     if (!out.gamma || loaded.shear_n - patch.shear_n <= kByPressing * carried_n) return;
-    out.state = State::out_of_model;
-    out.gamma.reset();
-    out.sigma.reset();
+    refuse_margin(State::out_of_model, out);
   }
 
   // By the method, or where it refuses the frame or has a greater sigma by the pressures of the closing.
@@ -298,26 +296,25 @@ struct EstimatorChain::Impl {
     tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
-    if (!method && course.field.internal_share > kMaxInternalShare) {
-      out.gamma.reset();
-      out.sigma.reset();
-      out.state = State::out_of_model;
-    }
+    if (!method && course.field.internal_share > kMaxInternalShare) refuse_margin(State::out_of_model, out);
     const bool forces_known = frame_estimate.in_model && frame_estimate.normal_n > 0;
-    if (setup.scene.skin.depth_m > 0 && out.gamma && !forces_known) refuse_margin(out);
+    if (setup.scene.skin.depth_m > 0 && out.gamma && !forces_known) {
+      // Margin and friction need other forces than the disc feels.
+      refuse_margin(State::out_of_model, out);
+      out.friction.reset();
+      out.friction_sigma.reset();
+    }
     if (!frame_estimate.in_model || frame_estimate.turning) return;
     out.center_x_m = frame_estimate.center_x_m;
     out.center_y_m = frame_estimate.center_y_m;
     out.radius_m = frame_estimate.radius_m;
   }
 
-  // The forces that the margin needs are not those that the disc feels.
-  static void refuse_margin(Estimate& out) noexcept {
-    out.state = State::out_of_model;
+  // No margin, and why.
+  static void refuse_margin(State why, Estimate& out) noexcept {
+    out.state = why;
     out.gamma.reset();
     out.sigma.reset();
-    out.friction.reset();
-    out.friction_sigma.reset();
   }
 
   // Adds the share of the force that neighbours stand for to the margin's sigma.
@@ -325,10 +322,7 @@ struct EstimatorChain::Impl {
     if (out.gamma_low) *out.gamma_low = std::max(0.0, *out.gamma_low - kOneSided95 * left_out_share);
     if (!out.sigma || left_out_share <= 0) return;
     out.sigma = std::hypot(*out.sigma, left_out_share);
-    if (*out.sigma <= setup.estimator.sigma_max) return;
-    out.state = State::learning;
-    out.gamma.reset();
-    out.sigma.reset();
+    if (*out.sigma > setup.estimator.sigma_max) refuse_margin(State::learning, out);
   }
 
   ChainSetup setup;

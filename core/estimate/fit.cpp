@@ -9,19 +9,12 @@
 #include <numbers>
 
 #include "core/estimate/moments.hpp"
-#include "core/estimate/posterior_sums.hpp"
+#include "core/estimate/profile_posterior.hpp"
 
 namespace slipd {
 namespace {
 
 constexpr std::size_t kRings = 12;
-constexpr std::size_t kSteps = MarginProfile::kSteps;
-
-// The middle of step j of a profile.
-double gamma_of_step(std::size_t j) noexcept {
-  return (static_cast<double>(j) + 0.5) / kSteps;
-}
-
 // Hertz: p0 = 3 P/(2 pi a^2).
 double peak_pressure(const ContactPatch& patch) noexcept {
   return 1.5 * patch.normal_n / (std::numbers::pi * patch.radius_m * patch.radius_m);
@@ -190,14 +183,13 @@ double Fit::profile_share(const Square& hessian) const noexcept {
 // weighed instead: the likelihood of each margin, times the prior of the friction that it would need.
 void Fit::weigh_by_prior(const Vector& at, const Square& hessian, FrameEstimate& out) noexcept {
   const double share = profile_share(hessian);
-  std::array<double, kSteps> nats, friction;
+  ProfileFriction friction;
   auto& profile = out.profile;
-  double least = std::numeric_limits<double>::infinity(), least_nats = least;
   const auto n = static_cast<Eigen::Index>(count_);
   const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
   Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
-  for (std::size_t j = 0; j < kSteps; ++j) {
-    const double gamma = gamma_of_step(j);
+  for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
+    const double gamma = MarginProfile::gamma_of(j);
     sheet_.evaluate(std::cbrt(gamma) * at[radius], {u_.data(), count_}, {v_.data(), count_},
                     {inner_.value.data(), count_}, {inner_.d_x.data(), count_}, {inner_.d_u.data(), count_},
                     {inner_.d_v.data(), count_});
@@ -206,24 +198,8 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, FrameEstimate&
     const double t = std::max(options_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
-    nats[j] = profile.misfit[j] + prior_.nats_against(friction[j]);
-    least = std::min(least, profile.misfit[j]);
-    least_nats = std::min(least_nats, nats[j]);
   }
-  for (double& value : profile.misfit) value -= least;
-  profile.known = true;
-  PosteriorSums margins, frictions;
-  for (std::size_t j = 0; j < kSteps; ++j) {
-    const double w = std::exp(least_nats - nats[j]);
-    margins.add(w, gamma_of_step(j));
-    frictions.add(w, friction[j]);
-  }
-  constexpr double kStep = 1.0 / kSteps;
-  const double mobilised = std::max(1 - margins.mean(), kStep / 2);
-  out.gamma = margins.mean();
-  out.sigma = std::sqrt(margins.variance() + variance_of_step(kStep));
-  out.friction = frictions.mean();
-  out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
+  weigh_profile(friction, prior_, out);
 }
 
 Fit::Minimum Fit::minimise(const Vector& start) noexcept {

@@ -9,19 +9,13 @@
 #include <numbers>
 
 #include "core/estimate/imprint_slopes.hpp"
-#include "core/estimate/posterior_sums.hpp"
+#include "core/estimate/profile_posterior.hpp"
 
 namespace slipd {
 namespace {
 
 using contact::FeltTensor;
 using Sheet = contact::SubsurfaceSheet;
-
-constexpr std::size_t kProfileSteps = MarginProfile::kSteps;
-
-double gamma_of_profile_step(std::size_t j) noexcept {
-  return (static_cast<double>(j) + 0.5) / kProfileSteps;
-}
 
 // An ellipse's axes are apart by at least this, log of their ratio: else its angle means nothing.
 constexpr double kLeastLogAxes = 1e-3;
@@ -327,12 +321,11 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   const double c = std::cos(at[direction]), s = std::sin(at[direction]);
   const double p = at[peak], wn = 1 / noise_normal_, ws = 1 / noise_shear_;
   const std::size_t n = count_;
-  std::array<double, kProfileSteps> nats, friction;
+  ProfileFriction friction;
   auto& profile = out.profile;
-  double least = std::numeric_limits<double>::infinity(), least_nats = least;
   const ImprintRows outer(outer_);
-  for (std::size_t j = 0; j < kProfileSteps; ++j) {
-    const double gamma = gamma_of_profile_step(j), k = std::cbrt(gamma), q = p / (1 - gamma);
+  for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
+    const double gamma = MarginProfile::gamma_of(j), k = std::cbrt(gamma), q = p / (1 - gamma);
     inner_.evaluate_values(ellipse_of(at, k), {u_.data(), n}, {v_.data(), n});
     const ImprintRows inner(inner_);
     double square = 0, product = 0;
@@ -348,24 +341,8 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
     const double t = std::max(fit_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product);
-    nats[j] = profile.misfit[j] + prior_.nats_against(friction[j]);
-    least = std::min(least, profile.misfit[j]);
-    least_nats = std::min(least_nats, nats[j]);
   }
-  for (double& value : profile.misfit) value -= least;
-  profile.known = true;
-  PosteriorSums margins, frictions;
-  for (std::size_t j = 0; j < kProfileSteps; ++j) {
-    const double w = std::exp(least_nats - nats[j]);
-    margins.add(w, gamma_of_profile_step(j));
-    frictions.add(w, friction[j]);
-  }
-  constexpr double kStep = 1.0 / kProfileSteps;
-  const double mobilised = std::max(1 - margins.mean(), kStep / 2);
-  out.gamma = margins.mean();
-  out.sigma = std::sqrt(margins.variance() + variance_of_step(kStep));
-  out.friction = frictions.mean();
-  out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
+  weigh_profile(friction, prior_, out);
 }
 
 // Round first; anew from another margin where it ends at an end of the range; then what noise is left over,

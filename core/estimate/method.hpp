@@ -21,6 +21,9 @@ struct MarginProfile {
   bool known = false;
   std::array<double, kSteps> misfit{};
 
+  // The middle of step j.
+  static constexpr double gamma_of(std::size_t j) noexcept { return (static_cast<double>(j) + 0.5) / kSteps; }
+
   double at(double gamma) const noexcept {  // linear in between, constant beyond the ends
     const double place = std::clamp(gamma * kSteps - 0.5, 0.0, kSteps - 1.0);
     const auto low = std::min(static_cast<std::size_t>(place), kSteps - 2);
