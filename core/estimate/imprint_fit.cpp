@@ -358,18 +358,29 @@ double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) no
   return variance > 0 && std::isfinite(variance) ? noise_share * greatest * std::sqrt(variance) : kInfinite;
 }
 
+double ImprintFit::misfit_nats() const noexcept {
+  if (!fitted_) return std::numeric_limits<double>::quiet_NaN();
+  const std::size_t n = model_.count();
+  const auto left = model_.residuals();
+  const auto taxels = static_cast<double>(n);
+  const double normal_pa = model_.noise().normal_pa * std::sqrt(squares_of(left.first(n)) / taxels),
+               shear_pa = model_.noise().shear_pa * std::sqrt(squares_of(left.subspan(n)) / (2 * taxels));
+  return taxels * (std::log(normal_pa) + 2 * std::log(shear_pa));
+}
+
 FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   // The disc that forces are summed over, see PatchOptions.
   constexpr double kReachFactor = 1.06, kReachSides = 0.71;
   FrameEstimate out;
   steps_ = 0;
-  elliptic_ = false;
+  elliptic_ = fitted_ = false;
   model_.collect(patch,
                  kReachFactor * patch.radius_m + kReachSides * layout_.side_m() +
                      options_.reach_depths * depth_m_,
                  kFewTaxels);
   if (!(ratio.load > 0) || model_.count() < Model::kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
+  fitted_ = true;
   const Full& at = minimum.at;
   if (!(at[Model::load] > 0)) return out;  // the same contact, pulled the other way
   if (layout_.size() <= kFewTaxels) {

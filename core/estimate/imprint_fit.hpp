@@ -89,7 +89,14 @@ class ImprintFit {
   // Infinite where the frame has no information. Overwrites the results of the last frame.
   double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
 
-  int steps() const noexcept { return steps_; }         // that the last frame took
+  // Half of -2 log likelihood of the last frame, nats up to a constant, with the noise of its own residuals: of
+  // fits of one frame at several depths, the likeliest depth has the least. The fits must use the same taxels:
+  // reach_depths times the depth must be alike. NaN for a frame that was not fitted.
+  double misfit_nats() const noexcept;
+  // The last frame's taxels, residuals and noise.
+  const ImprintModel& model() const noexcept { return model_; }
+
+  int steps() const noexcept { return steps_; }  // that the last frame took
   bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
   std::size_t memory_bytes() const noexcept { 
     return sizeof(*this) + model_.memory_bytes() + 6 * sizeof(double) * layout_.size();
@@ -139,6 +146,7 @@ class ImprintFit {
   ImprintModel model_;
   // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the pressure's.
   std::vector<double> shear_, unsheared_;
+  bool fitted_ = false;
   int steps_ = 0;
   bool elliptic_ = false;
 };

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -74,6 +75,8 @@ class ImprintModel {
 
   // Of the taxels in use.
   std::size_t count() const noexcept { return count_; }
+  // Their numbers in the layout, after use_all.
+  std::span<const std::uint32_t> taxels() const noexcept { return {taxel_.data(), count_}; }
   // Of the last evaluation, in units of noise: pressures of all taxels in use, then the shears along x and y.
   std::span<const double> residuals() const noexcept { return {residuals_.data(), 3 * count_}; }
   // Pa, in the same order.
