@@ -197,7 +197,7 @@ struct DiagnosticArray {
 struct SlipEstimate {
   static constexpr std::string_view kName = "slipd_msgs/msg/SlipEstimate";
   static constexpr std::string_view kTypeHash =
-      "0000000000000000000000000000000000000000000000000000000000000000";
+      "66d4c031db64c4e3b6da6dca3bd1fca874b4213012840a47a0a93f2e1877e1da";
   static constexpr std::string_view kConstants =
       "uint8 STATE_OK=0\nuint8 STATE_NO_CONTACT=1\nuint8 STATE_LEARNING=2\nuint8 STATE_OUT_OF_MODEL=3\n"
       "uint8 STATE_NO_SHEAR=4\nuint8 STATE_UNZEROED=5\nuint8 STATE_STALE=6\nuint8 STATE_FAULT=7\n"
@@ -307,7 +307,7 @@ struct ParticipantEntitiesInfo {
   static constexpr std::string_view kName = "rmw_dds_common/msg/ParticipantEntitiesInfo";
   // Of kGidBytes; Humble has no hashes.
   static constexpr std::string_view kTypeHash =
-      "0000000000000000000000000000000000000000000000000000000000000000";
+      "91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e";
   Gid<BYTES> gid;
   std::vector<NodeEntitiesInfo<BYTES>> node_entities_info_seq;
   template <class Self, class Visit>
