@@ -8,7 +8,7 @@ DAEMON = os.environ.get("SLIPD_PROGRAM", os.path.join(BUILD, "bin", "slipd"))
 BRIDGE = os.path.join(BUILD, "bin", "slipd-ros2")
 PATIENCE_S = 300  # for what hangs
 FLOAT32_ROUNDING = 1e-6  # a number below 2 as a float32
-STATE_OK, STATE_DISCONNECTED = 0, 8
+STATE_DISCONNECTED = 8
 
 
 def messages(file):
@@ -90,20 +90,25 @@ class Export(Programs):
         self.assertEqual(head["profile"], "ros2")
         self.assertEqual(head["topics"]["/slipd/left/wrench"], "geometry_msgs/msg/WrenchStamped")
         self.assertEqual(int(head["messages"]), sum(map(len, topics.values())))
-        for leaf in ("wrench", "taxels", "margin", "estimate"):
-            self.assertEqual(len(topics[f"/slipd/left/{leaf}"]), len(frames), leaf)
-        for i, frame in enumerate(frames):
-            self.compare(frame, *(topics[f"/slipd/left/{leaf}"][i][1] for leaf in ("taxels", "margin", "estimate")))
-        self.assertGreater(sum(frame.estimate["state"] == STATE_OK for frame in frames), 100, "margins were compared")
+        estimated = [frame for frame in frames if frame.estimate is not None]  # the others were skipped
+        for leaf, of in (("wrench", frames), ("taxels", frames), ("margin", estimated), ("estimate", estimated)):
+            self.assertEqual(len(topics[f"/slipd/left/{leaf}"]), len(of), leaf)
+        for frame, (_, cloud) in zip(frames, topics["/slipd/left/taxels"]):
+            self.compare_taxels(frame, cloud)
+        for frame, (_, margin), (_, estimate) in zip(estimated, topics["/slipd/left/margin"], topics["/slipd/left/estimate"]):
+            self.compare_estimate(frame, margin, estimate)
+        self.assertGreater(sum(frame.estimate["state"] == "ok" for frame in estimated), 100, "margins were compared")
 
-    def compare(self, frame, cloud, margin, estimate):
+    def compare_taxels(self, frame, cloud):
         values = struct.unpack(f"<{6 * len(frame.normal_pa)}f", bytes.fromhex(cloud["data"]))
         self.assertEqual(list(values[3::6]), list(frame.normal_pa))
         self.assertEqual(list(values[4::6]), list(frame.shear_x_pa))
         self.assertEqual(list(values[5::6]), list(frame.shear_y_pa))
+
+    def compare_estimate(self, frame, margin, estimate):
         self.assertEqual(int(estimate["sequence"]), frame.seq)
-        self.assertEqual(estimate["state"], frame.estimate["state"])
-        known = frame.estimate["gamma"] if frame.estimate["state"] == STATE_OK else None
+        self.assertEqual(state_name(estimate["state"]), frame.estimate["state"])
+        known = frame.estimate["gamma"] if frame.estimate["state"] == "ok" else None
         if known is None:
             self.assertTrue(math.isnan(number(margin["data"])) and math.isnan(number(estimate["margin"])))
         else:
@@ -148,7 +153,7 @@ class Live(Programs):
         compared = 0
         for _, message in published:
             one = truth.get(int(message["sequence"]))
-            if one is None or slipd_state(message["state"]) != one.at_state:  # too old by then
+            if one is None or state_name(message["state"]) != one.at_state:  # too old by then
                 continue
             compared += 1
             margin = number(message["margin"])
@@ -160,7 +165,7 @@ class Live(Programs):
         return compared
 
 
-def slipd_state(state):
+def state_name(state):
     return ("ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault", "disconnected")[state]
 
 
