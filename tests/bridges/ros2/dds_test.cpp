@@ -49,7 +49,7 @@ PointCloud2 sample_cloud() {
   const std::array<double, 3> x{0, 1, 2};
   const std::array<float, 3> pa{1, 2, 3};
   PointCloud2 cloud;
-  fill_cloud({.frame_id = "f"}, {x, x, pa, pa, pa}, cloud);
+  fill_cloud({.stamp = {}, .frame_id = "f"}, {x, x, pa, pa, pa}, cloud);
   return cloud;
 }
 

@@ -77,7 +77,9 @@ TEST_F(Mcap, HoldsEveryMessageInOrderAndItsChecksumsHold) {
   float next = 0;
   int found = 0;
   for (const Record& record : records_of(bytes, kMagicBytes, bytes.size() - kMagicBytes)) {
-    if (record.op == 0x0F) EXPECT_EQ(number_at<std::uint32_t>(record.content, 0), crc_of(bytes.substr(0, record.at)));
+    if (record.op == 0x0F) {
+      EXPECT_EQ(number_at<std::uint32_t>(record.content, 0), crc_of(bytes.substr(0, record.at)));
+    }
     if (record.op == 0x02) {
       const auto summary = number_at<std::uint64_t>(record.content, 0);
       EXPECT_EQ(number_at<std::uint32_t>(record.content, 16), crc_of(bytes.substr(summary, record.at + 9 + 16 - summary)));
