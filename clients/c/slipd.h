@@ -143,6 +143,10 @@ int slipd_fd(const slipd_client *s);
  * SLIPD_DISCONNECTED: slipd is away; it was said so by this return value and state, once for each attempt to
  * connect: 50 ms after the loss, then after twice the last pause, at most 2 s. */
 int slipd_next(slipd_client *s, double max_age_s, double timeout_s, struct slipd_estimate *estimate);
+/* The estimate that slipd_next() returned last, as slipd sent it: a JSON object of docs/socket.md, which has more than
+ * struct slipd_estimate. Its state and age are those when slipd sent it. "" if there is none, or no memory left. Valid
+ * until the next call with `s`. */
+const char *slipd_event_text(const slipd_client *s);
 
 /* --- By shared memory: no system call to read, one to wait. ----------------------------------------------------- */
 
