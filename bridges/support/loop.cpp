@@ -11,18 +11,24 @@
 #include <utility>
 
 namespace slipd::bridges {
+
+// Not in the anonymous namespace: members of Loop's structs have these types.
+namespace loop_detail {
+struct Release {
+  void operator()(sd_event* event) const noexcept { sd_event_unref(event); }
+  void operator()(sd_event_source* source) const noexcept { sd_event_source_disable_unref(source); }
+};
+using EventSource = std::unique_ptr<sd_event_source, Release>;
+}  // namespace loop_detail
+
+using loop_detail::EventSource;
+
 namespace {
 
 int succeeded(int code, const char* what) {
   if (code < 0) throw std::system_error(-code, std::generic_category(), what);
   return code;
 }
-
-struct Release {
-  void operator()(sd_event* event) const noexcept { sd_event_unref(event); }
-  void operator()(sd_event_source* source) const noexcept { sd_event_source_disable_unref(source); }
-};
-using EventSource = std::unique_ptr<sd_event_source, Release>;
 
 std::uint64_t microseconds_of(std::chrono::nanoseconds pause) {
   return static_cast<std::uint64_t>(
@@ -32,7 +38,7 @@ std::uint64_t microseconds_of(std::chrono::nanoseconds pause) {
 }  // namespace
 
 struct Loop::State {
-  std::unique_ptr<sd_event, Release> event;
+  std::unique_ptr<sd_event, loop_detail::Release> event;
   std::exception_ptr failure;
 
   // Keeps an exception from unwinding through libsystemd.
