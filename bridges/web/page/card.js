@@ -9,6 +9,7 @@ export class Card {
   #value = make("span");
   #sigma = make("small");
   #low = make("p", { class: "low" });
+  #truth = make("p", { class: "low true" });
   #state = make("p", { class: "state" });
   #alert = make("span", { class: "alert" });
   #simulated = make("span", { class: "simulated", hidden: true }, "simulated");
@@ -22,7 +23,7 @@ export class Card {
     const title = `card-${kind}-${name}`;
     this.element = make("article", { class: "card", "aria-labelledby": title, "data-name": name, "data-kind": kind },
       make("div", { class: "head" }, make("h2", { id: title }, name), make("span", { class: "kind" }, kind), this.#simulated, this.#alert),
-      make("div", { class: "measure" }, this.#dial.element, make("div", {}, this.#number, this.#low)),
+      make("div", { class: "measure" }, this.#dial.element, make("div", {}, this.#number, this.#low, this.#truth)),
       this.#state,
       make("dl", { class: "facts" }, ...fact("slides", "Sliding"), ...fact("advice", "Advice"), ...fact("soon", "Slips in"),
         ...fact("forces", "Forces"), ...(kind === "grasp" ? fact("first", "First to slide") : fact("friction", "Friction"))),
@@ -35,8 +36,8 @@ export class Card {
     const known = isNumber(estimate.gamma);
     setText(this.#value, known ? estimate.gamma.toFixed(2) : "–");
     setText(this.#sigma, known && isNumber(estimate.sigma) ? ` ± ${estimate.sigma.toFixed(2)}` : "");
-    const truth = isNumber(estimate.truth?.gamma) ? ` · true ${estimate.truth.gamma.toFixed(2)}` : "";
-    setText(this.#low, isNumber(estimate.gamma_low) ? `at least ${estimate.gamma_low.toFixed(2)} (95 %)${truth}` : `no lower bound${truth}`);
+    setText(this.#low, isNumber(estimate.gamma_low) ? `at least ${estimate.gamma_low.toFixed(2)} (95 %)` : "no lower bound");
+    setText(this.#truth, isNumber(estimate.truth?.gamma) ? `true ${estimate.truth.gamma.toFixed(2)}` : "");
     setText(this.#state, stateWords(estimate.state));
     setData(this.#state, "state", estimate.state);
     setText(this.#alert, alertWords(estimate));

@@ -110,7 +110,7 @@ function marks(context, points, x, height) {
     const fill = colour(level === "warn" ? "mid-fill" : "bad-fill");
     if (i > 0 && points[i - 1].alert !== level) upright(context, x(points[i].t), height, fill, level === "warn" ? 1 : 1.5);
     let end = i;
-    while (end + 1 < points.length && points[end + 1].alert === level) ++end;
+    while (end + 1 < points.length && joined(points, end + 1) && points[end + 1].alert === level) ++end;
     context.fillStyle = fill;
     context.fillRect(x(points[i].t), kTop - 2, Math.max(2, x(points[end].t) - x(points[i].t)), level === "warn" ? 3 : 6);
     i = end;

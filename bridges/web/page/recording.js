@@ -10,6 +10,8 @@ const kCauses = [null, "margin", "sliding"];
 // How a block begins: a map of eight, its first key "block", a number of 8 bytes.
 const kBlock = [0xa8, 0x65, 0x62, 0x6c, 0x6f, 0x63, 0x6b, 0x1b];
 
+const kScaled = 100;  // frames that the scale is taken from
+
 class Cut extends Error {}
 
 // Items of CBOR (RFC 8949) with given lengths, as slipd writes them.
@@ -123,6 +125,20 @@ function addForces(point, area_m2) {
   point.shear = Math.hypot(sum(x), sum(y));
 }
 
+// The same scale in all frames, so that they compare: the peaks of some of them.
+function peaksOf(points) {
+  let peak = 0, shear = 0;
+  for (let i = 0; i < points.length; i += Math.ceil(points.length / kScaled)) {
+    const [normal, x, y] = points[i].taxels.map(taxels);
+    for (let j = 0; j < normal.length; ++j) {
+      if (normal[j] > peak) peak = normal[j];
+      const square = x[j] * x[j] + y[j] * y[j];
+      if (square > shear) shear = square;
+    }
+  }
+  return { peak, peakShear: Math.sqrt(shear) };
+}
+
 function findBlock(bytes, from) {
   for (let at = bytes.indexOf(kBlock[0], from); at >= 0; at = bytes.indexOf(kBlock[0], at + 1)) {
     if (kBlock.every((value, i) => bytes[at + i] === value)) return at;
@@ -161,13 +177,6 @@ export function readRecording(buffer) {
   }
   const layout = layoutOf(about);
   const usual = points.filter((point) => point.taxels.every(Boolean));
-  for (const point of usual) addForces(point, layout.area_m2);
-  // The same scale in all frames, so that they compare.
-  let peak = 0, peakShear = 0;
-  for (const { taxels: [normal, x, y] } of usual) {
-    for (const value of taxels(normal)) if (value > peak) peak = value;
-    const sx = taxels(x), sy = taxels(y);
-    for (let i = 0; i < sx.length; ++i) peakShear = Math.max(peakShear, sx[i] * sx[i] + sy[i] * sy[i]);
-  }
-  return { ...about, layout, points: usual, damaged, peak, peakShear: Math.sqrt(peakShear) };
+  for (const point of usual) if (point.state === null) addForces(point, layout.area_m2);
+  return { ...about, layout, points: usual, damaged, ...peaksOf(usual) };
 }

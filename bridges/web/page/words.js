@@ -34,7 +34,7 @@ const kHealth = {
 
 const kSliding = {
   none: "does not slide",
-  disturbed: "disturbed: the load changed, nothing says that it slid",
+  disturbed: "disturbed: the load changed",
   translation: "slides along",
   rotation: "turns",
 };
