@@ -1,5 +1,7 @@
 #include "bridges/web/server.hpp"
 
+#include <slipd.h>
+
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -104,7 +106,7 @@ Server::Server(const Settings& settings, std::function<void()> changed)
   state.serving.rules = std::make_unique<RequestRules>(
       host_names(settings.address, at.address().is_loopback(), at.port(), settings.hosts),
       settings.token_file.empty() ? std::string{} : read_token(settings.token_file));
-  state.serving.hello = shared(hello_message(SLIPD_VERSION, settings.max_age_ms));
+  state.serving.hello = shared(hello_message(slipd_version(), settings.max_age_ms));
   const bool six = at.address().is_v6();
   bridges::log(bridges::LogLevel::notice, "serves http://" + (six ? "[" + settings.address + "]" : settings.address) +
                                               ":" + std::to_string(at.port()) + "/");
