@@ -65,10 +65,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void take(beast::error_code error) {
     if (error == http::error::end_of_stream || error == asio::error::connection_reset) return close();
     if (error == beast::error::timeout) {
-      serving_.counts.add(Count::slow);
+      if (parser_->got_some()) serving_.counts.add(Count::slow);  // else nothing more was asked for
       return close();
     }
-    const bool body = !error && (parser_->chunked() || parser_->content_length().value_or(0) > 0);
+    const bool body = error ? error == http::error::body_limit
+                            : parser_->chunked() || parser_->content_length().value_or(0) > 0;
     if (error || body) {
       serving_.counts.add(Count::malformed);
       const auto status = body ? http::status::payload_too_large : http::status::bad_request;

@@ -10,7 +10,7 @@ export class Card {
   #sigma = make("small");
   #low = make("p", { class: "low" });
   #truth = make("p", { class: "low true" });
-  #state = make("p", { class: "state" });
+  #state = make("span", { class: "state" });
   #alert = make("span", { class: "alert" });
   #simulated = make("span", { class: "simulated", hidden: true }, "simulated");
   #facts = {};
@@ -19,12 +19,12 @@ export class Card {
   constructor(name, kind, choose) {
     const fact = (key, label) => [make("dt", {}, label), (this.#facts[key] = make("dd"))];
     this.#number.append(this.#value, this.#sigma);
-    this.button = choose ? make("button", { type: "button", "aria-pressed": "false", onclick: choose }, "Details") : null;
+    this.button = choose ? make("button", { type: "button", "aria-pressed": "false", "aria-label": `Details of ${name}`, onclick: choose }, "Details") : null;
     const title = `card-${kind}-${name}`;
     this.element = make("article", { class: "card", "aria-labelledby": title, "data-name": name, "data-kind": kind },
-      make("div", { class: "head" }, make("h2", { id: title }, name), make("span", { class: "kind" }, kind), this.#simulated, this.#alert),
+      make("div", { class: "head" }, make("h2", { id: title }, name), make("span", { class: "kind" }, kind), this.#simulated),
       make("div", { class: "measure" }, this.#dial.element, make("div", {}, this.#number, this.#low, this.#truth)),
-      this.#state,
+      make("div", { class: "verdict" }, this.#alert, this.#state),
       make("dl", { class: "facts" }, ...fact("slides", "Sliding"), ...fact("advice", "Advice"), ...fact("soon", "Slips in"),
         ...fact("forces", "Forces"), ...(kind === "grasp" ? fact("first", "First to slide") : fact("friction", "Friction"))),
       this.button ? make("div", { class: "bar" }, this.button) : null);

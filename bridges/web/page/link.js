@@ -4,6 +4,7 @@
 // taken it; slipd-web sends the next one only then, so that a slow page gets fewer and never old ones.
 
 const kSilentMs = 800;  // without a message, the connection counts as lost
+const kConnectMs = 5000;  // for the first one
 const kLookMs = 100;    // between two looks at the clock
 const kFirstPauseMs = 250, kLastPauseMs = 2000;
 
@@ -64,7 +65,8 @@ export class Link extends EventTarget {
   }
 
   #check() {
-    if (this.#socket && performance.now() - this.#heard > kSilentMs) this.#again();
+    const patience = this.#lost ? kConnectMs : kSilentMs;
+    if (this.#socket && performance.now() - this.#heard > patience) this.#again();
   }
 
   #again() {

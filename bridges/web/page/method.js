@@ -11,7 +11,7 @@ const kMethods = {
 };
 
 export class MethodPage {
-  element = make("div");
+  element = make("div", { class: "stack" });
 
   hide() {}
 
@@ -49,7 +49,7 @@ export class MethodPage {
       make("div", { class: "head" }, make("h2", { id: name }, sensor.name), sensor.simulated ? make("span", { class: "simulated" }, "simulated") : null,
         make("span", { class: "kind" }, `${sensor.taxels ?? "–"} taxels, ${sensor.class ?? "class not known"}`)),
       make("p", {}, ...why(sensor, rows)),
-      rows.length === 0 ? null : make("canvas", { class: "plot small", role: "img", "data-plot": sensor.name,
+      rows.length < 2 ? null : make("canvas", { class: "plot small", role: "img", "data-plot": sensor.name,
                                                   "aria-label": "Mean error against time of each method; the table has the numbers" }),
       rows.length === 0 ? make("p", { class: "empty" }, sensor.trouble ?? "Nothing has been measured for this sensor yet.") : table,
       make("p", { class: "note" }, leftOut(sensor, rows)));
@@ -89,7 +89,7 @@ function drawTradeoff(canvas, sensor) {
   const [left, right] = span(rows.map((row) => row.p50_us)), [bottom, top] = span(rows.map((row) => row.mean_error));
   const x = (value) => 60 + (Math.log10(value) - left) / (right - left) * (width - 130);
   const y = (value) => height - 26 - (Math.log10(value) - bottom) / (top - bottom) * (height - 42);
-  context.font = "12px system-ui, sans-serif";
+  context.font = `${0.78 * parseFloat(getComputedStyle(document.documentElement).fontSize)}px system-ui, sans-serif`;
   context.strokeStyle = colour("line");
   context.fillStyle = colour("faint");
   for (let power = left; power <= right; ++power) {

@@ -1,7 +1,14 @@
 // Lines over time on a canvas: a band about one of them, marks for alerts, gaps where nothing is known.
 import { colour, fixed, isNumber, sized } from "./dom.js";
 
-const kLeft = 44, kRight = 10, kTop = 8, kBottom = 20;
+const kRight = 10, kTop = 8;
+let edge = 44, foot = 20, letters = 12;  // px, by the size of the page's text
+
+function measure() {
+  letters = Math.round(0.78 * parseFloat(getComputedStyle(document.documentElement).fontSize));
+  edge = Math.round(3.5 * letters);
+  foot = Math.round(1.7 * letters);
+}
 
 // A step of an axis that people read easily: 1, 2 or 5 times a power of ten.
 function step(range, most) {
@@ -14,18 +21,19 @@ function step(range, most) {
 // `range`: [first, last] s; `relative`: times are said as before the last; `cursor`: a time to mark.
 export function drawPlot(canvas, points, { lines, range, low, high, unit = "", relative = false, cursor = null, alerts = true }) {
   const { context, width, height } = sized(canvas);
+  measure();
   const [first, last] = range;
   const begin = firstAt(points, first), end = firstAt(points, last) + 1;
   const shown = points.slice(Math.max(0, begin - 1), end + 1);
   const [bottom, top] = ends(shown, lines, low, high);
-  const x = (t) => kLeft + (t - first) / (last - first) * (width - kLeft - kRight);
-  const y = (value) => height - kBottom - (value - bottom) / (top - bottom) * (height - kTop - kBottom);
+  const x = (t) => edge + (t - first) / (last - first) * (width - edge - kRight);
+  const y = (value) => height - foot - (value - bottom) / (top - bottom) * (height - kTop - foot);
   context.clearRect(0, 0, width, height);
-  context.font = "12px system-ui, sans-serif";
+  context.font = `${letters}px system-ui, sans-serif`;
   axes(context, { width, height, first, last, bottom, top, x, y, unit, relative });
   context.save();
   context.beginPath();
-  context.rect(kLeft, kTop - 2, width - kLeft - kRight, height - kTop - kBottom + 4);
+  context.rect(edge, kTop - 2, width - edge - kRight, height - kTop - foot + 4);
   context.clip();
   if (alerts) marks(context, shown, x, height);
   for (const line of lines) {
@@ -34,7 +42,7 @@ export function drawPlot(canvas, points, { lines, range, low, high, unit = "", r
   }
   if (cursor !== null) upright(context, x(cursor), height, colour("ink"), 2);
   context.restore();
-  return (pixel) => first + (pixel - kLeft) / (width - kLeft - kRight) * (last - first);
+  return (pixel) => first + (pixel - edge) / (width - edge - kRight) * (last - first);
 }
 
 // The first point at or after `t`; points are in order.
@@ -74,22 +82,22 @@ function axes(context, { width, height, first, last, bottom, top, x, y, unit, re
   for (let value = Math.ceil(bottom / up - 1e-9) * up; value <= top + 1e-9; value += up) {
     const at = Math.round(y(value)) + 0.5;
     context.beginPath();
-    context.moveTo(kLeft, at);
+    context.moveTo(edge, at);
     context.lineTo(width - kRight, at);
     context.stroke();
-    context.fillText(fixed(value, Math.max(0, -Math.floor(Math.log10(up) + 1e-9))), kLeft - 6, at);
+    context.fillText(fixed(value, Math.max(0, -Math.floor(Math.log10(up) + 1e-9))), edge - 6, at);
   }
   context.textBaseline = "alphabetic";
-  const across = step(last - first, Math.max(2, width / 110)), origin = relative ? last : 0;
+  const across = step(last - first, Math.max(2, width / (9 * letters))), origin = relative ? last : 0;
   for (let t = Math.ceil((first - origin) / across - 1e-9) * across; t <= last - origin + 1e-9; t += across) {
     const text = fixed(t, Math.max(0, -Math.floor(Math.log10(across) + 1e-9)));
     const at = x(t + origin);
-    context.textAlign = at > width - 34 ? "right" : "center";
+    context.textAlign = at > width - 3 * letters ? "right" : "center";
     context.fillText(`${text} s`, Math.min(at, width - 4), height - 5);
   }
   if (unit) {
     context.textAlign = "left";
-    context.fillText(unit, kLeft + 5, kTop + 12);
+    context.fillText(unit, edge + 5, kTop + letters);
   }
 }
 
@@ -98,7 +106,7 @@ function upright(context, at, height, stroke, width) {
   context.lineWidth = width;
   context.beginPath();
   context.moveTo(at, kTop - 2);
-  context.lineTo(at, height - kBottom);
+  context.lineTo(at, height - foot);
   context.stroke();
 }
 

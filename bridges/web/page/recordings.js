@@ -105,7 +105,7 @@ class Player {
       make("div", { class: "head" }, make("h2", {}, this.file), simulated,
         make("span", { class: "kind" }, `${recording.sensor}, ${this.points.length} frames, ${fixed(this.last - this.first, 1, "s")}${damaged}, ` +
           `from ${new Date(recording.start_realtime_ns / 1e6).toLocaleString()}`)),
-      make("div", { class: "bar" }, button("⏮", "One frame back", () => this.#step(-1)), this.play, button("⏭", "One frame on", () => this.#step(1)),
+      make("div", { class: "bar" }, button("◀|", "One frame back", () => this.#step(-1)), this.play, button("|▶", "One frame on", () => this.#step(1)),
         this.scrub, this.speed, this.moment),
       make("div", { class: "bar", role: "group", "aria-label": "Slips" }, alerts.length === 0 ? "No slip alert in it." : "Slips:",
         ...alerts.slice(0, 12).map((point) => button(fixed(point.t, 2, "s"), `Go to the slip at ${fixed(point.t, 2, "s")}`, () => this.#go(point.t)))),

@@ -5,12 +5,19 @@ import json
 import os
 import socket
 import struct
+import tempfile
 import time
 import unittest
 
 from bed import PATIENCE, Bed, WebSocket, awaited
 
 HEAD_S = 5  # slipd-web gives a head this long
+
+
+def status_of_upgrade(bed, **how):
+    page = WebSocket(bed.port, **how)
+    page.close()
+    return page.status
 
 
 class Hostile(unittest.TestCase):
@@ -66,11 +73,9 @@ class Hostile(unittest.TestCase):
     def test_pages_of_other_sites_are_refused(self):
         for origin in ("http://evil.example", "null", f"http://127.0.0.1:{self.bed.port}.evil.example", "", f"ftp://127.0.0.1:{self.bed.port}"):
             self.assertEqual(self.bed.get("/", Origin=origin)[0], 403, origin)
-        self.assertEqual(WebSocket(self.bed.port, headers=["Origin: http://evil.example"]).status, 403)
+        self.assertEqual(self.upgraded(headers=["Origin: http://evil.example"]), 403)
         self.assertEqual(self.counted("refused_origin"), 6)
-        page = WebSocket(self.bed.port, headers=[f"Origin: http://127.0.0.1:{self.bed.port}"])
-        self.assertEqual(page.status, 101)
-        page.close()
+        self.assertEqual(self.upgraded(headers=[f"Origin: http://127.0.0.1:{self.bed.port}"]), 101)
 
     def test_it_is_read_only(self):
         for method in ("POST", "PUT", "DELETE", "OPTIONS", "PATCH"):
@@ -148,15 +153,13 @@ class Hostile(unittest.TestCase):
     def test_no_more_live_pages_than_allowed(self):
         pages = [WebSocket(self.bed.port) for _ in range(4)]
         self.assertEqual({page.status for page in pages}, {101})
-        self.assertEqual(WebSocket(self.bed.port).status, 503)
+        self.assertEqual(self.upgraded(), 503)
         for page in pages:
             page.close()
-        awaited("room again", lambda: self.upgraded())
+        awaited("room again", lambda: self.upgraded() == 101)
 
-    def upgraded(self):
-        page = WebSocket(self.bed.port)
-        page.close()
-        return page.status == 101
+    def upgraded(self, **how):
+        return status_of_upgrade(self.bed, **how)
 
     def ends(self, *messages, **how):
         """The close code with which a WebSocket is ended; None: without one."""
@@ -213,7 +216,6 @@ class Hostile(unittest.TestCase):
 
 class Token(unittest.TestCase):
     def test_nothing_is_served_without_the_token(self):
-        import tempfile
         with tempfile.NamedTemporaryFile("w", suffix=".token") as file:
             file.write("0123456789abcdef0123\n")
             file.flush()
@@ -221,7 +223,7 @@ class Token(unittest.TestCase):
             try:
                 for target in ("/", "/app.js", "/api/counts", "/?token=wrong", "/?token="):
                     self.assertEqual(bed.get(target)[0], 401, target)
-                self.assertEqual(WebSocket(bed.port).status, 401)
+                self.assertEqual(status_of_upgrade(bed), 401)
                 status, headers, _ = bed.get("/?token=0123456789abcdef0123")
                 self.assertEqual((status, headers["Location"]), (303, "./"))
                 self.assertIn("HttpOnly", headers["Set-Cookie"])
@@ -229,7 +231,7 @@ class Token(unittest.TestCase):
                 cookie = headers["Set-Cookie"].split(";")[0]
                 self.assertEqual(bed.get("/", Cookie=cookie)[0], 200)
                 self.assertEqual(bed.get("/", Authorization="Bearer 0123456789abcdef0123")[0], 200)
-                self.assertEqual(WebSocket(bed.port, headers=["Cookie: a=b; " + cookie]).status, 101)
+                self.assertEqual(status_of_upgrade(bed, headers=["Cookie: a=b; " + cookie]), 101)
                 self.assertEqual(bed.get("/", Cookie=cookie[:-1])[0], 401)
                 self.assertEqual(bed.get("/", Cookie=cookie + "0")[0], 401)
             finally:
