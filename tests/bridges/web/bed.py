@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 BUILD = Path(os.environ["SLIPD_BINARY_DIR"])
-PATIENCE = 120  # s; only what hangs takes this long
+PATIENCE = float(os.environ.get("SLIPD_PATIENCE_S", 120))  # s; only what hangs takes this long
 
 # A grasp of two fingers: grips, is loaded until it slips, holds, is let go. The object hangs beside the fingers, so it turns.
 CYCLE = [
