@@ -62,6 +62,23 @@ function(slipd_driver name)
   install(TARGETS slipd_driver_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/slipd COMPONENT driver_${name})
 endfunction()
 
+# slipd_bridge(name SOURCES … LINKS …): library slipd_bridge_NAME of SOURCES, which tests link, and program slipd-NAME of main.cpp,
+# in component bridge_NAME with the example NAME.json in /etc/slipd and the unit slipd-NAME.service.in. The schema NAME.schema.json is
+# embedded as slipd_NAME_schema.
+function(slipd_bridge name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  slipd_library(slipd_bridge_${name} SOURCES ${ARG_SOURCES} LINKS slipd_bridge_support ${ARG_LINKS})
+  slipd_embed(slipd_bridge_${name} slipd_${name}_schema ${CMAKE_CURRENT_SOURCE_DIR}/${name}.schema.json)
+  add_executable(slipd-${name} main.cpp)
+  target_link_libraries(slipd-${name} PRIVATE slipd_bridge_${name})
+  target_compile_definitions(slipd-${name} PRIVATE SLIPD_VERSION="${PROJECT_VERSION}")
+  install(TARGETS slipd-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT bridge_${name})
+  install(FILES ${name}.json DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/slipd COMPONENT bridge_${name})
+  install(FILES ${name}.schema.json DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd COMPONENT bridge_${name})
+  configure_file(slipd-${name}.service.in ${PROJECT_BINARY_DIR}/systemd/slipd-${name}.service @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/systemd/slipd-${name}.service DESTINATION lib/systemd/system COMPONENT bridge_${name})
+endfunction()
+
 # slipd_embed(target symbol file): the file's bytes as `extern const std::string_view symbol` in namespace slipd,
 # declared in generated/embedded/<symbol>.hpp.
 function(slipd_embed target symbol file)

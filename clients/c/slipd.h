@@ -91,7 +91,9 @@ struct slipd_estimate {
   double grip_increase_sigma_n;
   double sliding_for_s;
   int64_t valid_until_ns;       /* CLOCK_MONOTONIC at which it becomes older than allowed; see slipd_margin() */
-  double reserved[8];
+  double shear_x_n, shear_y_n;  /* components of shear_n along the sensor's x and y, N; NaN: of a grasp, and in
+                                   shared memory, which does not have them */
+  double reserved[6];
 };
 
 /* "0.1.0" */
@@ -143,6 +145,10 @@ int slipd_fd(const slipd_client *s);
  * SLIPD_DISCONNECTED: slipd is away; it was said so by this return value and state, once for each attempt to
  * connect: 50 ms after the loss, then after twice the last pause, at most 2 s. */
 int slipd_next(slipd_client *s, double max_age_s, double timeout_s, struct slipd_estimate *estimate);
+/* The estimate that slipd_next() returned last, as slipd sent it: a JSON object of docs/socket.md, which has more than
+ * struct slipd_estimate. Its state and age are those when slipd sent it. "" if there is none, or no memory left. Valid
+ * until the next call with `s`. */
+const char *slipd_event_text(const slipd_client *s);
 
 /* --- By shared memory: no system call to read, one to wait. ----------------------------------------------------- */
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "clients/c/client.hpp"
@@ -39,7 +40,7 @@ void lose_subscription(slipd_client& s) noexcept {
 }
 
 // True: the message is a notification, which fills `estimate`.
-bool take_event(slipd_client& s, const Json& message, double max_age_s, slipd_estimate& estimate) {
+bool take_event(slipd_client& s, Json& message, double max_age_s, slipd_estimate& estimate) {
   throw_error_of(message, member(message, "id") == s.subscribed_by);
   const auto params = message.find("params");
   if (params == message.end()) {
@@ -51,6 +52,7 @@ bool take_event(slipd_client& s, const Json& message, double max_age_s, slipd_es
   for (const auto& [bit, name] : kEvents) {
     if (event == name) estimate.event = bit;
   }
+  s.last_event = std::move(*params);
   return true;
 }
 
@@ -114,5 +116,16 @@ int slipd_fd(const slipd_client* s) {
 int slipd_next(slipd_client* s, double max_age_s, double timeout_s, struct slipd_estimate* estimate) {
   if (estimate == nullptr) return SLIPD_INVALID;
   clear(*estimate, "", SLIPD_STATE_STALE);
+  if (s != nullptr) s->last_event = nullptr;
   return guarded(s, [&] { return next_event(*s, max_age_s, after(timeout_s), *estimate); });
+}
+
+const char* slipd_event_text(const slipd_client* s) {
+  if (s == nullptr || s->last_event.is_null()) return "";
+  try {
+    s->last_event_text = s->last_event.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return s->last_event_text.c_str();
+  } catch (const std::exception&) {
+    return "";
+  }
 }

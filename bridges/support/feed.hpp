@@ -1,0 +1,81 @@
+// What a slipd has and says, for a bridge: its sensors and grasps, and its estimates as they come, by
+// libslipd. It connects again by itself. One thread's own: that of the loop.
+#pragma once
+
+#include <slipd.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "bridges/support/inventory.hpp"
+#include "bridges/support/loop.hpp"
+
+namespace slipd::bridges {
+
+struct FeedOptions {
+  // slipd's socket.
+  std::string socket = SLIPD_SOCKET;
+  // SLIPD_EVENT_… bits to subscribe to, of all sensors; 0: no subscription, the inventory only.
+  int events = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
+  // Highest rate of estimates of one sensor, Hz; 0: all. slipd thins them, so a low rate costs little.
+  double max_rate_hz = 0;
+  // Older estimates arrive as `stale`, without a margin, s. Less than a period of the sensor: every estimate
+  // may be stale.
+  double max_age_s = 0.1;
+  // How often the inventory is asked for, which finds what a reload changed and a slipd that is away. Too
+  // small costs slipd requests; too large lets a change of the configuration wait.
+  std::chrono::milliseconds refresh{5000};
+  // How long slipd may take for one answer, s. The loop stands still meanwhile.
+  double answer_timeout_s = 1;
+};
+
+struct FeedListener {
+  // slipd serves, with this inventory: after connecting, and when the inventory has changed. May be empty.
+  std::function<void(const Inventory&)> serves;
+  // slipd is away; `why` is libslipd's text. Once for each time that it goes, and at the start if it is not
+  // there. May be empty.
+  std::function<void(std::string_view why)> away;
+  // An estimate. `estimate.event` says which event it is; `text` is the JSON object that slipd sent
+  // (docs/socket.md), whose age and state were those at sending. After `serves`, and for a sensor of its
+  // inventory. May be empty if there is no subscription.
+  std::function<void(const slipd_estimate& estimate, std::string_view text)> estimate;
+};
+
+class Feed {
+ public:
+  // Connects from the loop; slipd need not run. Throws std::bad_alloc, std::system_error.
+  Feed(Loop& loop, FeedOptions options, FeedListener listener);
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
+  bool connected() const noexcept { return connected_; }
+  // The last one, also while slipd is away.
+  const Inventory& inventory() const noexcept { return inventory_; }
+  // For further calls of libslipd, such as slipd_attach and slipd_latest.
+  slipd_client* client() const noexcept { return client_.get(); }
+
+ private:
+  void refresh();
+  void take_events();
+  void take(const slipd_estimate& estimate);
+  bool ask();
+  void lose(std::string_view why);
+
+  struct Close {
+    void operator()(slipd_client* client) const noexcept { slipd_close(client); }
+  };
+  FeedOptions options_;
+  FeedListener listener_;
+  std::unique_ptr<slipd_client, Close> client_;
+  Inventory inventory_;
+  bool connected_ = false;
+  bool told_ = false;  // of being connected or away
+  bool subscribed_ = false;
+  Loop::Timer timer_;
+  Loop::Watch watch_;
+};
+
+}  // namespace slipd::bridges
