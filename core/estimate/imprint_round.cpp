@@ -311,17 +311,18 @@ RoundImprint::RoundImprint(double side_m, double depth_m)
     : side_m_(side_m),
       depth_m_(depth_m),
       step_m_(kStepDepths * depth_m),
-      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m),
-      u_(kPoints * kMostNodes),
-      v_(kPoints * kMostNodes),
-      functions_(kUsed * (kMostNodes + kGhosts)),
-      table_(kPerNode * kMostNodes) {
+      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m) {
+  if (!(depth_m > 0)) return;  // never used
+  u_.resize(kPoints * kMostNodes);
+  v_.resize(kPoints * kMostNodes);
+  functions_.resize(kUsed * (kMostNodes + kGhosts));
+  table_.resize(kPerNode * kMostNodes);
   best_kernels<RoundKernels>();  // not first within a fit
 }
 
 std::size_t RoundImprint::memory_bytes() const noexcept {
   constexpr std::size_t kRows = std::size_t{Sheet::kRows} * Sheet::kComponents + 2;
-  return sizeof(double) * (kRows * kPoints * kMostNodes + functions_.size() + table_.size());
+  return sizeof(double) * (kRows * u_.size() + functions_.size() + table_.size());
 }
 
 std::size_t RoundImprint::parts_of(Sheet::Detail detail) const noexcept {
