@@ -92,6 +92,16 @@ service must be allowed for them, and no more.")
   endif()
 endforeach()
 
+if(TARGET slipd-ros2)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/bridges/ros2/slipd_msgs DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd/ros2 COMPONENT bridge_ros2)
+  slipd_package(bridge_ros2 slipd-ros2 COMPONENTS bridge_ros2 SCRIPTS slipd-ros2 RECOMMENDS slipd DEPENDS ""
+    SUMMARY "slip margin of tactile sensors as a ROS 2 node"
+    TEXT "Publishes the estimates of slipd on ROS 2 topics by DDS: the margin,\n\
+forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
+Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
+and PlotJuggler.")
+endif()
+
 # The pages, beside the package's papers.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/slipd COMPONENT slipd
   FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")

@@ -15,11 +15,22 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
 
 #include "bridges/support/loop.hpp"
 #include "bridges/support/settings_file.hpp"
 
 namespace slipd::bridges {
+
+// A command-line option that sets a text of the settings, over what the file says.
+struct Override {
+  // As the user calls it: "--record".
+  const char* option;
+  // The key at the top of the settings.
+  const char* key;
+  // One sentence for --help.
+  const char* help;
+};
 
 struct Program {
   // As the user calls it: "slipd-mqtt".
@@ -30,6 +41,8 @@ struct Program {
   std::string_view schema;
   // Rules that a schema cannot state.
   FurtherCheck further = {};
+  // Beside the options that all programs have.
+  std::vector<Override> overrides = {};
 };
 
 // What runs while the loop does: it serves from its constructor to its destructor.

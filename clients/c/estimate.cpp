@@ -76,7 +76,8 @@ void clear(slipd_estimate& estimate, const char* name, int state) noexcept {
        {&estimate.gamma, &estimate.sigma, &estimate.gamma_low, &estimate.friction, &estimate.friction_sigma,
         &estimate.normal_n, &estimate.shear_n, &estimate.torque_nm, &estimate.torque_sigma_nm,
         &estimate.center_x_m, &estimate.center_y_m, &estimate.radius_m, &estimate.time_to_slip_s,
-        &estimate.grip_increase_n, &estimate.grip_increase_sigma_n, &estimate.sliding_for_s})
+        &estimate.grip_increase_n, &estimate.grip_increase_sigma_n, &estimate.sliding_for_s,
+        &estimate.shear_x_n, &estimate.shear_y_n})
     *value = kUnknown;
 }
 
@@ -128,6 +129,8 @@ void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t r
   estimate.friction_sigma = known(values.friction_sigma);
   estimate.normal_n = known(values.normal_n);
   estimate.shear_n = known(values.shear_n);
+  estimate.shear_x_n = known(values.shear_x_n);
+  estimate.shear_y_n = known(values.shear_y_n);
   estimate.torque_nm = known(values.torque_nmm, 1e-3);
   estimate.torque_sigma_nm = known(values.torque_sigma_nmm, 1e-3);
   estimate.center_x_m = known(values.center_x_mm, 1e-3);

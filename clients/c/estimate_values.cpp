@@ -22,6 +22,8 @@ EstimateValues estimate_from(const Json& in) {
   if (const auto value = number(in, "class")) out.slip_class = static_cast<int>(*value);
   out.normal_n = number(in, "normal_n");
   out.shear_n = number(in, "shear_n");
+  out.shear_x_n = number(in, "shear_x_n");
+  out.shear_y_n = number(in, "shear_y_n");
   out.torque_nmm = number(in, "torque_nmm");
   out.torque_sigma_nmm = number(in, "torque_sigma_nmm");
   if (const Json& center = member(in, "center_mm");

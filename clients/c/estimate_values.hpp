@@ -27,6 +27,7 @@ struct EstimateValues {
   std::optional<int> slip_class;                // 1 (slip) … 5
   std::optional<double> normal_n;               // normal force, N
   std::optional<double> shear_n;                // tangential force, N
+  std::optional<double> shear_x_n, shear_y_n;   // its components, N; absent of a grasp
   std::optional<double> torque_nmm;             // torque about the contact's normal, N mm
   std::optional<double> torque_sigma_nmm;       // its standard deviation, N mm
   std::optional<double> center_x_mm;            // contact centre, mm

@@ -91,7 +91,9 @@ struct slipd_estimate {
   double grip_increase_sigma_n;
   double sliding_for_s;
   int64_t valid_until_ns;       /* CLOCK_MONOTONIC at which it becomes older than allowed; see slipd_margin() */
-  double reserved[8];
+  double shear_x_n, shear_y_n;  /* components of shear_n along the sensor's x and y, N; NaN: of a grasp, and in
+                                   shared memory, which does not have them */
+  double reserved[6];
 };
 
 /* "0.1.0" */

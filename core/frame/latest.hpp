@@ -23,6 +23,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -33,7 +34,7 @@ namespace slipd {
 // memory-model test.
 template <typename T, template <typename> class Atomic = std::atomic>
 class Latest {
-  static_assert(std::is_trivially_copyable_v<T>);
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(std::uint64_t) == 0);
 
  public:
   // Called from one thread, before any other uses it.
@@ -59,27 +60,29 @@ class Latest {
 
   // Called from any thread. Lock-free: repeats only if a store ended meanwhile.
   T load() const noexcept {
-    std::array<std::uint64_t, kWords> words{};
+    // The words go to their places at once: a second copy of them would wait for the stores of the first.
+    T value;
+    auto* const bytes = reinterpret_cast<std::byte*>(&value);
     for (;;) {
       const std::uint32_t index = current_.load(std::memory_order_acquire);
       const Copy& copy = copies_[index];
       const std::uint64_t before = copy.version.load(std::memory_order_acquire);
       // Acquire on each word: keeps the load of `after` behind it, and pairs with the release in store.
-      for (std::size_t i = 0; i < kWords; ++i) words[i] = copy.words[i].load(std::memory_order_acquire);
+      for (std::size_t i = 0; i < kWords; ++i) {
+        const std::uint64_t word = copy.words[i].load(std::memory_order_acquire);
+        std::memcpy(bytes + sizeof word * i, &word, sizeof word);
+      }
       const std::uint64_t after = copy.version.load(std::memory_order_relaxed);
       // A reader that was preempted may find this copy filled anew but not yet published. It has then seen
       // the new words, and with them that current_ points to the other copy.
       // Relaxed, as `after` is: the acquire of the words keeps both loads behind them.
       const bool published = current_.load(std::memory_order_relaxed) == index;
-      if (before == after && (before & 1) == 0 && published) break;
+      if (before == after && (before & 1) == 0 && published) return value;
     }
-    T value;
-    std::memcpy(static_cast<void*>(&value), words.data(), sizeof(T));
-    return value;
   }
 
  private:
-  static constexpr std::size_t kWords = (sizeof(T) + 7) / 8;
+  static constexpr std::size_t kWords = sizeof(T) / sizeof(std::uint64_t);
   struct alignas(64) Copy {
     Atomic<std::uint64_t> version{0};
     std::array<Atomic<std::uint64_t>, kWords> words{};

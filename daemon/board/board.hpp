@@ -176,6 +176,10 @@ struct Board {
   SharedBoard shared;
   // Notified after something was written that io waits for.
   IoWakeup io_wakeup;
+  // Whether io is to be woken for each event. If not, it is woken when a state or alert changed, and when the
+  // queue is half full. Written by one thread: io, read by one: estimate. Relaxed: no other memory is read
+  // because of it; an event that still finds it false is taken with the next one.
+  std::atomic<bool> wake_for_each_event{true};
 };
 
 }  // namespace slipd

@@ -8,6 +8,9 @@ namespace {
 
 using Clock = Doorbell::Clock;
 constexpr std::chrono::milliseconds kLongestSleep{200};
+// Free places of Board::events below which io is woken to empty it. Fewer: events may be lost while io is
+// busy.
+constexpr std::size_t kFewFreeEvents = 1024;
 // While clients may read the heartbeat: half of its period leaves as much for a round and for waking.
 constexpr std::chrono::nanoseconds kLongestSleepShared{board_layout::kHeartbeatPeriodNs / 2};
 
@@ -55,7 +58,10 @@ void EstimateLoop::run(const std::atomic<bool>& stop) noexcept {
         wake_at = std::min(wake_at, Clock::time_point(deadline));
       }
     }
-    if (grasp_evaluator_.evaluate() && output_ != nullptr) output_->ring();
+    if (grasp_evaluator_.evaluate()) {
+      board_.io_wakeup.notify();
+      if (output_ != nullptr) output_->ring();
+    }
     heartbeat_.fetch_add(1, std::memory_order_relaxed);
     if (!busy) bell_.wait(rung, wake_at);
   }
@@ -86,7 +92,7 @@ bool EstimateLoop::process(SensorState& state) noexcept {
   } else {
     publish_no_data(state, link, monotonic_ns());
   }
-  if (state.event_pending) push_event(state);
+  if (state.event_pending) push_event(state, true);
   if (state.runtime->status.frame_copy.fill_if_requested(state.held)) board_.io_wakeup.notify();
   return slot != nullptr;
 }
@@ -167,16 +173,18 @@ void EstimateLoop::publish(SensorState& state) noexcept {
   state.last_output_alert = estimate.alert;
   state.last_output_state = estimate.state;
   if (state.event_pending) ++state.events_lost;  // this one replaces the one that did not fit
-  push_event(state);
+  push_event(state, changed);
 }
 
-void EstimateLoop::push_event(SensorState& state) noexcept {
+// Without a subscriber io sleeps while nothing changes: a wake for each frame would be most of what it does.
+void EstimateLoop::push_event(SensorState& state, bool changed) noexcept {
   const auto sensor = static_cast<std::uint32_t>(&state - states_.data());
   state.event_pending = !board_.events.push(Event{state.published.estimate, sensor, state.events_lost});
   if (state.event_pending) return;
   state.runtime->status.events_lost.fetch_add(state.events_lost, std::memory_order_relaxed);
   state.events_lost = 0;
-  board_.io_wakeup.notify();
+  const bool wanted = changed || board_.wake_for_each_event.load(std::memory_order_relaxed);
+  if (wanted || board_.events.write_available() < kFewFreeEvents) board_.io_wakeup.notify();
 }
 
 void EstimateLoop::adopt_instance(SensorState& state, EstimatorInstance* instance) noexcept {

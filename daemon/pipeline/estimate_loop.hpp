@@ -52,7 +52,7 @@ class EstimateLoop {
   void publish(SensorState& state) noexcept;
   void publish_shared() noexcept;
   void publish_shared(const SensorState& state) noexcept;
-  void push_event(SensorState& state) noexcept;
+  void push_event(SensorState& state, bool changed) noexcept;
   void adopt_instance(SensorState& state, EstimatorInstance* instance) noexcept;
 
   Board& board_;

@@ -46,7 +46,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       published_ns_(estimate.published_ns),
       state_(estimate.state),
       simulated_(simulated) {
-  constexpr std::size_t kUsualBytes = 832;
+  constexpr std::size_t kUsualBytes = 888;
   const bool answered = time_ns_ != 0 && estimate.state != State::stale && estimate.state != State::fault;
   const auto gamma = estimate.state == State::ok ? estimate.gamma : std::nullopt;
   text_.reserve(kUsualBytes);
@@ -62,6 +62,8 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("friction_sigma", estimate.friction_sigma)
       .number("normal_n", estimate.normal_n)
       .number("shear_n", estimate.shear_n)
+      .number("shear_x_n", estimate.shear_x_n)
+      .number("shear_y_n", estimate.shear_y_n)
       .number("torque_nmm", estimate.torque_nm, 1e3)
       .number("torque_sigma_nmm", estimate.torque_sigma_nm, 1e3)
       .number("turned_deg", estimate.turned_rad, kDegPerRad)

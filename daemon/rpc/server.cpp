@@ -3,6 +3,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -54,7 +56,7 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
       last_estimated_(context.board.sensors.size()),
       last_measured_(std::chrono::steady_clock::now()) {
   make_room_for(context.settings.socket.max_clients);
-  clients_.owner.on_line = [this](const auto& client, std::string_view line) { methods_.line(client, line); };
+  clients_.owner.on_line = [this](const auto& client, std::string_view line) { handle(client, line); };
   clients_.owner.on_closed = [this](const auto& client) {
     clients_.dropped_by_closed += client->dropped();
     clients_.all.erase(client);
@@ -72,6 +74,7 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
   context_.latency_last_minute.resize(context.board.sensors.size());
   accept_when_ready();
   wait_for_events();
+  judge_wakes();
   schedule_statistics();
 }
 
@@ -138,17 +141,38 @@ void Server::wait_for_events() {
 
 void Server::drain_events() {
   context_.board.io_wakeup.clear();
+  take_events();
+  if (context_.board.events.read_available() > 0) context_.board.io_wakeup.notify();
+  context_.board.shared.wake_others();
+  trigger_on_grasp_slip();
+  complete_frames();
+  methods_.complete_rebias(false);
+}
+
+void Server::take_events() {
   Event event;
   // Only events that are queued now, so that a steady flow does not block the clients.
   for (std::size_t left = context_.board.events.read_available();
        left > 0 && context_.board.events.pop(event); --left) {
     dispatch(event);
   }
-  if (context_.board.events.read_available() > 0) context_.board.io_wakeup.notify();
-  context_.board.shared.wake_others();
-  trigger_on_grasp_slip();
-  complete_frames();
-  methods_.complete_rebias(false);
+}
+
+// A subscription begins with the events after it, so those that wait are taken before.
+void Server::handle(const std::shared_ptr<Client>& client, std::string_view line) {
+  std::atomic<bool>& wake = context_.board.wake_for_each_event;
+  const bool asleep = !wake.load(std::memory_order_relaxed);
+  if (asleep) take_events();
+  methods_.line(client, line);
+  if (asleep && !client->subscriptions.empty()) wake.store(true, std::memory_order_relaxed);
+}
+
+// The flight recorder adds estimates to their frames while both are new.
+void Server::judge_wakes() {
+  const bool subscribed = std::any_of(clients_.all.begin(), clients_.all.end(),
+                                      [](const auto& client) { return !client->subscriptions.empty(); });
+  context_.board.wake_for_each_event.store(subscribed || context_.flight != nullptr,
+                                           std::memory_order_relaxed);
 }
 
 void Server::complete_frames() {
@@ -216,7 +240,11 @@ void Server::notify_subscribers(const Event& event, EventKind kind) {
 void Server::schedule_statistics() {
   statistics_timer_.expires_after(1s);
   statistics_timer_.async_wait(while_alive([this] {
-    had_memory([this] { update_statistics(); });
+    judge_wakes();
+    had_memory([this] {
+      take_events();
+      update_statistics();
+    });
     schedule_statistics();
   }));
 }

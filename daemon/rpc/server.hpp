@@ -53,6 +53,9 @@ class Server {
   void reject(const UniqueFd& socket);
   void wait_for_events();
   void drain_events();
+  void take_events();
+  void handle(const std::shared_ptr<Client>& client, std::string_view line);
+  void judge_wakes();
   void complete_frames();
   void dispatch(const Event& event);
   void notify_subscribers(const Event& event, EventKind kind);

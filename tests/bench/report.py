@@ -208,7 +208,7 @@ Both sides of the mailbox in one thread take {mailbox} ns, an estimate onto the 
 def training_section(of):
     ours, theirs = of.training, of.trained_by_peer.get("training")
     rows = [[what, number(ours[part]["seconds"]), number(ours[part]["svd_s"]), number(ours[part]["highest_mb"], 0)] for part, what in
-            (("training", "slipd, data + SVD + tree"), ("folded", "slipd without noise, folded to an eighth (exact only so)"))
+            (("training", "slipd, data + SVD + tree"), ("held", "slipd, SVD + tree of data that is there"), ("folded", "slipd without noise, folded to an eighth (exact only so)"))
             if part in ours]
     if theirs:
         rows.append([f"scikit-learn, SVD + tree of data that is there ({number(theirs['data_mb'], 0)} MB of it)", number(theirs["seconds"]),

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <vector>
 
 #include "core/model/fold.hpp"
 #include "core/model/frame_columns.hpp"
@@ -65,6 +66,24 @@ void train_on(const ColumnSource& columns, const char* name) {
             << std::endl;
 }
 
+// Columns that are there when training begins, as a peer's are.
+class HeldColumns : public ColumnSource {
+ public:
+  explicit HeldColumns(const ColumnSource& made)
+      : rows_(made.rows()), columns_(made.columns()), values_(rows_ * columns_) {
+    made.fill(0, columns_, values_.data());
+  }
+  std::size_t rows() const noexcept override { return rows_; }
+  std::size_t columns() const noexcept override { return columns_; }
+  void fill(std::size_t first, std::size_t count, float* out) const override {
+    std::copy_n(values_.begin() + static_cast<std::ptrdiff_t>(first * rows_), count * rows_, out);
+  }
+
+ private:
+  std::size_t rows_, columns_;
+  std::vector<float> values_;
+};
+
 void write(const ColumnSource& columns, const char* file) {
   constexpr std::size_t kAtOnce = 100;
   std::ofstream out(file, std::ios::binary);
@@ -96,6 +115,7 @@ int main(int argc, char** argv) try {
   const auto folded = fold(layout);
   const FrameColumns eighth(TaxelSet(layout, *folded), paper_scene(0), 1, choice);
   train_on(eighth, "folded");
+  train_on(HeldColumns(noisy), "held");  // last: it takes the memory that the others are measured without
 } catch (const std::exception& error) {
   std::cerr << "training-bench: " << error.what() << '\n';
   return 1;

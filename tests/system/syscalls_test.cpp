@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "tests/support/daemon.hpp"
@@ -25,9 +26,12 @@ std::string thread_named(pid_t process, const std::string& name) {
   throw std::runtime_error("slipd has no thread " + name);
 }
 
-// The system calls of one thread during 500 frames; a write is listed with its target. Empty: strace is not
-// permitted here.
-std::set<std::string> calls_of(const std::string& thread) {
+constexpr std::uint64_t kFrames = 500;
+const std::string kWakeOfIo = "write to anon_inode:[eventfd]";
+
+// How often one thread makes each system call during kFrames frames or a little more; a write is listed with
+// its target. Empty: strace is not permitted here.
+std::map<std::string, std::uint64_t> calls_of(const std::string& thread) {
   const TempFolder folder;
   const json sensor{
       {"name", "left"}, {"driver", "trial"}, {"layout", {{"grid", {12, 12}}, {"pitch_mm", 1.2}}}};
@@ -44,11 +48,11 @@ std::set<std::string> calls_of(const std::string& thread) {
     std::error_code error;
     const bool looking = std::filesystem::file_size(log, error) > 0 && !error;
     if (looking && begun == 0) begun = estimated(status);
-    return strace.wait(std::chrono::milliseconds(0)) || (looking && estimated(status) >= begun + 500);
+    return strace.wait(std::chrono::milliseconds(0)) || (looking && estimated(status) >= begun + kFrames);
   });
   strace.signal(SIGINT);
   strace.wait();
-  std::set<std::string> calls;
+  std::map<std::string, std::uint64_t> calls;
   std::ifstream lines(log);
   for (std::string line; std::getline(lines, line);) {
     const auto bracket = line.find('(');
@@ -60,7 +64,7 @@ std::set<std::string> calls_of(const std::string& thread) {
       std::error_code error;
       call += " to " + std::filesystem::read_symlink(fd, error).string();
     }
-    calls.insert(call);
+    ++calls[call];
   }
   return calls;
 }
@@ -70,12 +74,20 @@ void expect_only(const std::string& thread, const std::set<std::string>& allowed
   if (!std::filesystem::exists(kStrace)) GTEST_SKIP() << "strace is not installed";
   const auto calls = calls_of(thread);
   if (calls.empty()) GTEST_SKIP() << "strace may not look at other processes here";
-  for (const std::string& call : calls)
+  for (const auto& [call, times] : calls)
     EXPECT_TRUE(allowed.count(call) > 0) << thread << " makes the call " << call;
 }
 
 TEST(SystemCalls, OfEstimateAreSleepingAndWakingIo) {
-  expect_only("estimate", {"futex", "restart_syscall", "write to anon_inode:[eventfd]"});
+  expect_only("estimate", {"futex", "restart_syscall", kWakeOfIo});
+}
+
+TEST(SystemCalls, OfEstimateDoNotWakeIoForEachFrameWithoutASubscriber) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer makes calls of its own";
+  if (!std::filesystem::exists(kStrace)) GTEST_SKIP() << "strace is not installed";
+  auto calls = calls_of("estimate");
+  if (calls.empty()) GTEST_SKIP() << "strace may not look at other processes here";
+  EXPECT_LT(calls[kWakeOfIo], kFrames / 5);
 }
 
 // The trial driver sleeps until its next frame is due; that call is the driver's own.

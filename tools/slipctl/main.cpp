@@ -10,6 +10,7 @@
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/commands.hpp"
 #include "tools/slipctl/decode.hpp"
+#include "tools/slipctl/export.hpp"
 #include "tools/slipctl/plot.hpp"
 #include "tools/slipctl/probe.hpp"
 #include "tools/slipctl/watch.hpp"
@@ -26,6 +27,7 @@ struct Choices {
   bool force = false;
   DecodeOptions decode;
   PlotOptions plot;
+  ExportOptions exporting;
   int exit_code = 0;
 };
 
@@ -79,6 +81,22 @@ void add_plot(CLI::App& app, Choices& choices) {
   command->callback([&] {
     choices.plot.json = choices.common.json;
     plot(choices.plot);
+  });
+}
+
+void add_export(CLI::App& app, Choices& choices) {
+  ExportOptions& exporting = choices.exporting;
+  exporting.prefix = "/slipd";
+  CLI::App* command = app.add_subcommand("export", "write a recording as MCAP of ROS 2 messages, or as CSV");
+  command->add_option("file", exporting.file)->required();
+  CLI::Option* mcap = command->add_option("--mcap", exporting.mcap, "the MCAP file to write");
+  CLI::Option* csv = command->add_option("--csv", exporting.csv, "the CSV file to write");
+  command->add_option("--prefix", exporting.prefix, "what the topics of the MCAP file begin with")
+      ->capture_default_str();
+  command->add_flag("--force", exporting.force, "replace files that exist");
+  command->callback([&exporting, &choices, mcap, csv] {
+    if (mcap->empty() && csv->empty()) throw CLI::RequiredError("--mcap or --csv");
+    choices.exit_code = export_recording(exporting) ? 0 : 1;
   });
 }
 
@@ -150,6 +168,7 @@ int main(int argc, char** argv) try {
   add_questions(app, choices);
   add_record(app, choices);
   add_plot(app, choices);
+  add_export(app, choices);
   add_watch(app, choices);
   add_devices(app, choices);
   try {

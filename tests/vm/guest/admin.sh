@@ -37,12 +37,12 @@ sensor '"driver": "can", "profile": "xela-xr1944", "device": { "interface": "lo"
 systemctl reload slipd || fail "a good configuration is refused: $(why)"
 awaits "an interface that is none of CAN is called that" eval 'trouble | grep -q "no CAN interface"'
 sensor '"driver": "can", "profile": "xela-xr1944", "device": { "interface": "can0" }'
-systemctl reload slipd
+systemctl reload slipd || fail "a reload is refused: $(why)"
 awaits "a silent bus is no sensor that works" eval 'as alice slipctl sensors | grep -q "open, no frames"'
 
 # Modbus: the unit denies the address.
 sensor '"driver": "modbus", "profile": "onrobot-rg2-ft", "device": { "host": "127.0.0.1" }'
-systemctl reload slipd
+systemctl reload slipd || fail "a reload is refused: $(why)"
 awaits "a denied address names the setting" eval 'trouble | grep -q "IPAddressAllow=127.0.0.1"'
 
 # HID: the module was not loaded by any device before the service started.

@@ -1,0 +1,157 @@
+#include "bridges/ros2/dds/node.hpp"
+
+#include <algorithm>
+#include <memory>
+
+namespace slipd::ros2 {
+namespace {
+
+// How long a write may wait for a reader, ns: not at all, as samples that do not fit replace older ones.
+constexpr dds_duration_t kNoWaiting = 0;
+// Participants of one computer that find each other without multicast. DDS' port numbers allow 120 a domain.
+constexpr int kMostLocalParticipants = 99;
+
+dds_entity_t made(dds_entity_t entity, const std::string& what, const std::string& remedy) {
+  if (entity < 0) throw DdsError(what + ": " + dds_strretcode(entity) + "; " + remedy);
+  return entity;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<' || c == '&' || c == '"') {
+      out += "&#" + std::to_string(static_cast<int>(c)) + ";";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+// Cyclone's configuration. It replaces what the environment's CYCLONEDDS_URI says, so that the settings file holds.
+std::string configuration(const NodeOptions& options) {
+  std::string interfaces;
+  for (const std::string& name : options.interfaces) {
+    const bool address = name.find_first_of(".:") != std::string::npos;
+    interfaces += std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
+  }
+  std::string peers;
+  for (const std::string& peer : options.peers) peers += "<Peer address=\"" + escaped(peer) + "\"/>";
+  return "<CycloneDDS><Domain Id=\"any\"><General>" +
+         (interfaces.empty() ? "" : "<Interfaces>" + interfaces + "</Interfaces>") + "<AllowMulticast>" +
+         (options.multicast ? "true" : "false") + "</AllowMulticast></General><Discovery>" +
+         "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+         std::to_string(kMostLocalParticipants) + "</MaxAutoParticipantIndex>" +
+         (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") + "</Discovery></Domain></CycloneDDS>";
+}
+
+struct DeleteQos {
+  void operator()(dds_qos_t* qos) const noexcept { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, DeleteQos>;
+
+Qos make_qos() {
+  return Qos(dds_create_qos());
+}
+
+void set_user_data(dds_qos_t& qos, const std::string& text) {
+  dds_qset_userdata(&qos, text.data(), text.size());
+}
+
+template <std::size_t BYTES>
+Gid<BYTES> gid_of(dds_entity_t entity) {
+  dds_guid_t guid{};
+  dds_get_guid(entity, &guid);
+  Gid<BYTES> gid;
+  std::copy(std::begin(guid.v), std::end(guid.v), gid.data.begin());
+  return gid;
+}
+
+}  // namespace
+
+Node::Node(const NodeOptions& options) : options_(options) {
+  domain_ = made(dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
+                 "see `network` in the settings: the interfaces must exist, and have multicast if that is on");
+  try {
+    const Qos qos = make_qos();
+    // ROS 2 counts a participant with an enclave among its own.
+    set_user_data(*qos, "enclave=/;");
+    participant_ = made(dds_create_participant(options.domain, qos.get(), nullptr), "DDS participant",
+                        "is the network interface up, and are there fewer than 100 participants on this computer?");
+    const WriterOptions last{.depth = 1, .reliable = true};
+    if (options.humble) {
+      using Type = DdsType<ParticipantEntitiesInfo<kHumbleGidBytes>>;
+      // The type of Humble under the name that both have.
+      const dds_topic_descriptor_t& own = Type::descriptor();
+      const std::string name = dds_name(ParticipantEntitiesInfo<kHumbleGidBytes>::kName);
+      const dds_topic_descriptor_t renamed{
+          own.m_size, own.m_align, own.m_flagset, own.m_nkeys,          name.c_str(),    own.m_keys,
+          own.m_nops, own.m_ops,   own.m_meta,    own.type_information, own.type_mapping, own.restrict_data_representation};
+      discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true);
+    } else {
+      using Info = ParticipantEntitiesInfo<kGidBytes>;
+      discovery_ = make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true);
+    }
+    announce();
+  } catch (...) {
+    dds_delete(domain_);
+    throw;
+  }
+}
+
+Node::~Node() {
+  dds_delete(domain_);  // and all that is in it
+}
+
+dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::string& topic, std::string_view hash,
+                               const WriterOptions& options, bool transient) {
+  const std::string remedy = "is another program of this computer using the domain in this process?";
+  const Qos qos = make_qos();
+  dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, kNoWaiting);
+  dds_qset_durability(qos.get(), transient ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, options.depth);
+  const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
+  dds_qset_data_representation(qos.get(), 1, &representation);
+  if (!hash.empty()) set_user_data(*qos, "typehash=RIHS01_" + std::string(hash) + ";");
+  const dds_entity_t entity = made(dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), "topic " + topic, remedy);
+  const dds_entity_t writer = dds_create_writer(participant_, entity, qos.get(), nullptr);
+  dds_delete(entity);  // the writer keeps it
+  return made(writer, "writer of " + topic, remedy);
+}
+
+dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_view topic, std::string_view hash,
+                              const WriterOptions& options) {
+  const dds_entity_t writer =
+      make_writer(type, "rt" + std::string(topic), options_.humble ? std::string_view() : hash, options, false);
+  writers_.push_back(writer);
+  return writer;
+}
+
+void Node::remove_writer(dds_entity_t writer) noexcept {
+  std::erase(writers_, writer);
+  dds_delete(writer);
+}
+
+void Node::announce() {
+  if (options_.humble) {
+    write_entities<kHumbleGidBytes>();
+  } else {
+    write_entities<kGidBytes>();
+  }
+}
+
+template <std::size_t BYTES>
+void Node::write_entities() {
+  ParticipantEntitiesInfo<BYTES> info;
+  info.gid = gid_of<BYTES>(participant_);
+  NodeEntitiesInfo<BYTES>& node = info.node_entities_info_seq.emplace_back();
+  node.node_namespace.text = options_.name_space;
+  node.node_name.text = options_.name;
+  for (const dds_entity_t writer : writers_) node.writer_gid_seq.push_back(gid_of<BYTES>(writer));
+  typename DdsType<ParticipantEntitiesInfo<BYTES>>::Sample sample{};
+  SampleMemory memory;
+  DdsType<ParticipantEntitiesInfo<BYTES>>::fill(info, sample, memory);
+  dds_write(discovery_, &sample);
+}
+
+}  // namespace slipd::ros2

@@ -1,0 +1,102 @@
+// A ROS 2 node by DDS alone: a participant that ROS 2 lists under the node's name, and writers of topics with ROS 2's names, types
+// and QoS. Cyclone DDS starts threads of its own. Writers may be made and deleted in one thread, and write in any.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/ros2/dds/samples.hpp"
+#include "bridges/ros2/messages/definition.hpp"
+
+namespace slipd::ros2 {
+
+// what() says what failed and what to do.
+class DdsError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct NodeOptions {
+  // ROS_DOMAIN_ID of the nodes that are to see this one, 0 to 101.
+  unsigned domain = 0;
+  // Names or addresses of network interfaces; empty: Cyclone's choice of one.
+  std::vector<std::string> interfaces{"lo"};
+  // Whether to find others and send to many by multicast. The loopback interface usually has none.
+  bool multicast = false;
+  // Hosts that are asked by unicast.
+  std::vector<std::string> peers{"127.0.0.1"};
+  // The node's name and namespace, as ROS 2 shows them.
+  std::string name = "slipd";
+  std::string name_space = "/";
+  // Of Humble and before: identifiers of 24 bytes in ros_discovery_info, and no type hashes.
+  bool humble = false;
+};
+
+// QoS of a writer.
+struct WriterOptions {
+  // Samples kept for readers that have not yet acknowledged them, or for lost ones to be sent again, 1 or more. Too few: a reader that
+  // is slow for a moment loses samples. More: memory.
+  int depth = 10;
+  // Whether lost samples are sent again.
+  bool reliable = true;
+};
+
+class Node {
+ public:
+  // Throws DdsError.
+  explicit Node(const NodeOptions& options);
+  ~Node();
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  // Tells other nodes which writers there are: after making and after deleting some.
+  void announce();
+
+ private:
+  template <class T>
+  friend class Writer;
+
+  // `hash`: 64 hexadecimal digits of the type hash; empty: none. Throws DdsError.
+  dds_entity_t make_writer(const dds_topic_descriptor_t& type, const std::string& topic, std::string_view hash,
+                           const WriterOptions& options, bool transient);
+  dds_entity_t add_writer(const dds_topic_descriptor_t& type, std::string_view topic, std::string_view hash,
+                          const WriterOptions& options);
+  void remove_writer(dds_entity_t writer) noexcept;
+  template <std::size_t BYTES>
+  void write_entities();
+
+  NodeOptions options_;
+  dds_entity_t domain_ = 0, participant_ = 0, discovery_ = 0;
+  std::vector<dds_entity_t> writers_;
+};
+
+// Of a topic "/slipd/left/margin".
+template <class T>
+class Writer {
+ public:
+  // `node` must live longer. Throws DdsError.
+  Writer(Node& node, std::string_view topic, const WriterOptions& options)
+      : node_(node), writer_(node.add_writer(DdsType<T>::descriptor(), topic, T::kTypeHash, options)) {}
+  ~Writer() { node_.remove_writer(writer_); }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  // Sends a message to all readers. False: Cyclone has not taken it.
+  bool write(const T& message) const {
+    typename DdsType<T>::Sample sample{};
+    SampleMemory memory;
+    DdsType<T>::fill(message, sample, memory);
+    return dds_write(writer_, &sample) == DDS_RETCODE_OK;
+  }
+
+ private:
+  Node& node_;
+  dds_entity_t writer_;
+};
+
+}  // namespace slipd::ros2

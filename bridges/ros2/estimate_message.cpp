@@ -1,0 +1,63 @@
+#include "bridges/ros2/estimate_message.hpp"
+
+#include <ctime>
+#include <utility>
+
+#include "bridges/ros2/messages/sensor_messages.hpp"
+
+namespace slipd::ros2 {
+namespace {
+
+std::int64_t clock_now_ns(clockid_t clock) noexcept {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+}  // namespace
+
+Moment Moment::now() noexcept {
+  return {clock_now_ns(CLOCK_MONOTONIC), clock_now_ns(CLOCK_REALTIME)};
+}
+
+void fill_message(const slipd_estimate& from, const Moment& now, SlipEstimate& to) {
+  const std::int64_t since_ns = from.time_ns == 0 ? 0 : now.monotonic_ns - from.time_ns;
+  to.header.stamp = time_of(now.realtime_ns - since_ns);
+  to.name = from.name;
+  to.state = static_cast<std::uint8_t>(from.state);
+  to.alert = static_cast<std::uint8_t>(from.alert);
+  to.sliding = static_cast<std::uint8_t>(from.sliding);
+  to.simulated = from.simulated != 0;
+  to.sequence = from.sequence;
+  to.dropped = from.dropped;
+  to.age = from.age_s;
+  to.margin = slipd_margin(&from);
+  to.margin_sigma = from.sigma;
+  to.margin_low = from.gamma_low;
+  to.friction = from.friction;
+  to.friction_sigma = from.friction_sigma;
+  to.normal_force = from.normal_n;
+  to.shear_force = from.shear_n;
+  to.shear_force_x = from.shear_x_n;
+  to.shear_force_y = from.shear_y_n;
+  to.torque = from.torque_nm;
+  to.torque_sigma = from.torque_sigma_nm;
+  to.center_x = from.center_x_m;
+  to.center_y = from.center_y_m;
+  to.radius = from.radius_m;
+  to.time_to_slip = from.time_to_slip_s;
+  to.grip_increase = from.grip_increase_n;
+  to.grip_increase_sigma = from.grip_increase_sigma_n;
+  to.sliding_for = from.sliding_for_s;
+}
+
+void clear_message(std::uint8_t state, const Moment& now, SlipEstimate& to) {
+  SlipEstimate none;
+  none.name = std::move(to.name);
+  none.header.frame_id = std::move(to.header.frame_id);
+  none.header.stamp = time_of(now.realtime_ns);
+  none.state = state;
+  to = std::move(none);
+}
+
+}  // namespace slipd::ros2

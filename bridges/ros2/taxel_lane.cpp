@@ -1,0 +1,86 @@
+#include "bridges/ros2/taxel_lane.hpp"
+
+#include <slipd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "bridges/ros2/messages/sensor_messages.hpp"
+
+namespace slipd::ros2 {
+namespace {
+
+// How long slipd may take for a frame, s: also how long the end of the thread may take.
+constexpr double kAnswer = 0.5;
+
+// An array of numbers; null is unknown, and so is all of an array that is absent.
+template <class T>
+std::vector<T> numbers(const nlohmann::json& frame, const char* key, T factor, std::size_t size) {
+  std::vector<T> values(size, static_cast<T>(kUnknown));
+  const auto found = frame.find(key);
+  if (found == frame.end() || !found->is_array() || found->size() != size) return values;
+  for (std::size_t i = 0; i < size; ++i) {
+    if ((*found)[i].is_number()) values[i] = factor * (*found)[i].get<T>();
+  }
+  return values;
+}
+
+// The answer to `frame` as a cloud. Throws nlohmann::json::exception.
+void fill_from_answer(const char* answer, Header& header, PointCloud2& cloud) {
+  const nlohmann::json frame = nlohmann::json::parse(answer);
+  const std::size_t taxels = frame.at("normal_pa").size();
+  const auto x = numbers(frame, "x_mm", 1e-3, taxels);
+  const auto y = numbers(frame, "y_mm", 1e-3, taxels);
+  const auto normal = numbers(frame, "normal_pa", 1.0F, taxels);
+  const auto shear_x = numbers(frame, "shear_x_pa", 1.0F, taxels);
+  const auto shear_y = numbers(frame, "shear_y_pa", 1.0F, taxels);
+  header.stamp = time_of(frame.at("time_ns").get<std::int64_t>());
+  fill_cloud(header, {x, y, normal, shear_x, shear_y}, cloud);
+}
+
+struct CloseClient {
+  void operator()(slipd_client* client) const noexcept { slipd_close(client); }
+};
+
+}  // namespace
+
+TaxelLane::TaxelLane(std::string socket, double rate_hz, std::vector<TaxelSource> sources)
+    : socket_(std::move(socket)),
+      rate_hz_(rate_hz),
+      sources_(std::move(sources)),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void TaxelLane::run(const std::stop_token& stop) {
+  slipd_client* made = nullptr;
+  if (slipd_open(&made, socket_.c_str()) != SLIPD_DONE) return;
+  const std::unique_ptr<slipd_client, CloseClient> client(made);
+  const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz_));
+  auto due = std::chrono::steady_clock::now();
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  PointCloud2 cloud;
+  while (!stopped.wait_until(lock, stop, due, [&] { return stop.stop_requested(); }) && !stop.stop_requested()) {
+    for (TaxelSource& source : sources_) {
+      char* answer = nullptr;
+      // Without an answer there are no taxels; the loop's thread says that slipd is away.
+      if (slipd_frame(client.get(), source.sensor.c_str(), kAnswer, &answer) != SLIPD_DONE) continue;
+      const std::unique_ptr<char, void (*)(char*)> owned(answer, slipd_free);
+      try {
+        Header header;
+        header.frame_id = source.frame_id;
+        fill_from_answer(answer, header, cloud);
+        if (cloud.width > 0) source.output->put_now(cloud, Moment::now());
+      } catch (const nlohmann::json::exception&) {  // a sensor that has had no frame yet
+      }
+    }
+    due = std::max(due + period, std::chrono::steady_clock::now());
+  }
+}
+
+}  // namespace slipd::ros2

@@ -1,0 +1,114 @@
+// fastdds-reader DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast DDS, the library behind ROS 2's
+// default middleware, and prints a line for each message: TOPIC, the writer's user data, and the bytes as hexadecimal text. Ends when each
+// topic has brought MESSAGES of them. Topics without their prefix `rt`, types as ROS 2 names them on DDS.
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+using namespace eprosima::fastdds::dds;
+using eprosima::fastrtps::rtps::SerializedPayload_t;
+
+namespace {
+
+constexpr std::uint32_t kMostBytes = 1 << 20;
+
+// A type of which nothing is known but its name: samples are their bytes.
+class AnyType : public TopicDataType {
+ public:
+  explicit AnyType(const std::string& name) {
+    setName(name.c_str());
+    m_typeSize = kMostBytes;
+    m_isGetKeyDefined = false;
+  }
+  bool serialize(void*, SerializedPayload_t*) override { return false; }
+  bool deserialize(SerializedPayload_t* payload, void* data) override {
+    static_cast<std::vector<unsigned char>*>(data)->assign(payload->data, payload->data + payload->length);
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void*) override {
+    return [] { return kMostBytes; };
+  }
+  void* createData() override { return new std::vector<unsigned char>; }
+  void deleteData(void* data) override { delete static_cast<std::vector<unsigned char>*>(data); }
+  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t*, bool) override { return false; }
+};
+
+std::mutex mutex;
+std::condition_variable changed;
+std::map<std::string, int> counts;
+std::map<std::string, std::string> user_data;  // by topic
+
+class Discovery : public DomainParticipantListener {
+  void on_publisher_discovery(DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
+    const auto& bytes = info.info.m_qos.m_userData.getValue();
+    const std::lock_guard<std::mutex> lock(mutex);
+    user_data[info.info.topicName().to_string()] = std::string(bytes.begin(), bytes.end());
+  }
+};
+
+class Printer : public DataReaderListener {
+ public:
+  explicit Printer(std::string topic) : topic_(std::move(topic)) {}
+  void on_data_available(DataReader* reader) override {
+    std::vector<unsigned char> sample;
+    SampleInfo info;
+    while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      std::printf("%s %s ", topic_.c_str(), user_data["rt" + topic_].c_str());
+      for (const unsigned char byte : sample) std::printf("%02x", byte);
+      std::printf("\n");
+      ++counts[topic_];
+      changed.notify_all();
+    }
+  }
+
+ private:
+  std::string topic_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 5) return 2;
+  Discovery discovery;
+  DomainParticipant* const participant = DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<unsigned>(std::atoi(argv[1])), PARTICIPANT_QOS_DEFAULT, &discovery, StatusMask::none());
+  if (participant == nullptr) return 1;
+  Subscriber* const subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
+  DataReaderQos qos = DATAREADER_QOS_DEFAULT;
+  qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = VOLATILE_DURABILITY_QOS;
+  qos.history().kind = KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 10;
+  const int wanted = std::atoi(argv[2]);
+  std::size_t topics = 0;
+  for (int i = 3; i + 1 < argc; i += 2, ++topics) {
+    TypeSupport type(new AnyType(argv[i + 1]));
+    type.register_type(participant);
+    Topic* const topic = participant->create_topic(std::string("rt") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
+    if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), StatusMask::data_available()) == nullptr) return 1;
+  }
+  std::unique_lock<std::mutex> lock(mutex);
+  changed.wait(lock, [&] {
+    if (counts.size() < topics) return false;
+    for (const auto& [topic, count] : counts)
+      if (count < wanted) return false;
+    return true;
+  });
+  std::fflush(stdout);
+  std::_Exit(0);  // Fast DDS would take seconds to end its threads
+}
