@@ -4,6 +4,7 @@
 #include <systemd/sd-event.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <exception>
 #include <list>
@@ -28,6 +29,11 @@ namespace {
 int succeeded(int code, const char* what) {
   if (code < 0) throw std::system_error(-code, std::generic_category(), what);
   return code;
+}
+
+// A loop that has ended serves nothing more: what destructors still ask of it is done.
+void succeeded_or_ended(int code, const char* what) {
+  if (code != -ESTALE) succeeded(code, what);
 }
 
 std::uint64_t microseconds_of(std::chrono::nanoseconds pause) {
@@ -115,7 +121,8 @@ Loop::Watch::Watch(Loop& loop, int fd, std::uint32_t events, Ready ready)
 }
 
 void Loop::Watch::want(std::uint32_t events) {
-  if (source_) succeeded(sd_event_source_set_io_events(source_->source.get(), events), "watch a descriptor");
+  if (source_)
+    succeeded_or_ended(sd_event_source_set_io_events(source_->source.get(), events), "watch a descriptor");
 }
 
 Loop::Timer::Timer(Loop& loop, std::function<void()> due)
@@ -133,12 +140,13 @@ Loop::Timer::Timer(Loop& loop, std::function<void()> due)
 Loop::Timer::~Timer() = default;
 
 void Loop::Timer::start(std::chrono::nanoseconds pause) {
-  succeeded(sd_event_source_set_time_relative(source_->source.get(), microseconds_of(pause)), "timer");
-  succeeded(sd_event_source_set_enabled(source_->source.get(), SD_EVENT_ONESHOT), "timer");
+  succeeded_or_ended(sd_event_source_set_time_relative(source_->source.get(), microseconds_of(pause)),
+                     "timer");
+  succeeded_or_ended(sd_event_source_set_enabled(source_->source.get(), SD_EVENT_ONESHOT), "timer");
 }
 
 void Loop::Timer::stop() {
-  succeeded(sd_event_source_set_enabled(source_->source.get(), SD_EVENT_OFF), "timer");
+  succeeded_or_ended(sd_event_source_set_enabled(source_->source.get(), SD_EVENT_OFF), "timer");
 }
 
 bool Loop::Timer::running() const {

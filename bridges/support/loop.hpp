@@ -1,8 +1,8 @@
 // The event loop of a bridge: descriptors, timers and signals in one thread, by sd-event of libsystemd, which
 // takes signals by signalfd and feeds systemd's watchdog. One thread's own.
 //
-// A handler may destroy its own Watch or Timer. An exception from a handler ends run(), which throws it
-// again.
+// A handler may destroy its own Watch or Timer. After stop() watches and timers call no handler, and changes
+// of them do nothing. An exception from a handler ends run(), which throws it again.
 #pragma once
 
 #include <chrono>

@@ -71,6 +71,18 @@ TEST(Loop, CallsATimerOnceForEachStart) {
   EXPECT_FALSE(timer.running());
 }
 
+TEST(Loop, AllowsDestructorsToUseItAfterItsEnd) {
+  const Pipe pipe;
+  Loop loop;
+  Loop::Watch watch(loop, pipe.ends[0], EPOLLIN, [](std::uint32_t) { FAIL(); });
+  Loop::Timer end(loop, [&] { loop.stop(); });
+  end.start({});
+  loop.run();
+  watch.want(EPOLLOUT);
+  end.start({});
+  end.stop();
+}
+
 TEST(Loop, TakesSignals) {
   Loop loop;
   int calls = 0;

@@ -1,0 +1,207 @@
+#include "bridges/mqtt/broker.hpp"
+
+#include <mosquitto.h>
+#include <poll.h>
+#include <sys/epoll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace slipd::mqtt {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string text_of(int code) {
+  return code == MOSQ_ERR_ERRNO ? std::generic_category().message(errno) : mosquitto_strerror(code);
+}
+
+void succeeded(int code, const std::string& what) {
+  if (code != MOSQ_ERR_SUCCESS) throw std::runtime_error(what + ": " + text_of(code));
+}
+
+std::string first_line_of(const std::string& file) {
+  std::ifstream in(file);
+  std::string line;
+  if (!in || !std::getline(in, line)) throw std::runtime_error("the password cannot be read from " + file);
+  return line;
+}
+
+const char* or_null(const std::string& text) {
+  return text.empty() ? nullptr : text.c_str();
+}
+
+std::chrono::milliseconds since(Clock::time_point begin) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
+}
+
+}  // namespace
+
+MosquittoLibrary::MosquittoLibrary() {
+  mosquitto_lib_init();
+}
+MosquittoLibrary::~MosquittoLibrary() {
+  mosquitto_lib_cleanup();
+}
+
+void Broker::Free::operator()(mosquitto* client) const noexcept {
+  mosquitto_destroy(client);
+}
+
+Broker::Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::string& client_id,
+               const LastWill& will, BrokerListener listener, BrokerLimits limits)
+    : loop_(loop),
+      listener_(std::move(listener)),
+      limits_(limits),
+      name_(settings.host + ":" + std::to_string(settings.port)),
+      client_(mosquitto_new(client_id.c_str(), true, this)),
+      begun_(Clock::now()),
+      time_(loop, [this] { look_at_time(); }),
+      failing_(loop, [this] { listener_.lost(failure_); }) {
+  if (!client_) throw std::bad_alloc();
+  try {
+    set_up(settings, will);
+    connect(settings);
+  } catch (const std::runtime_error& error) {
+    lose(error.what());
+  }
+}
+
+Broker::~Broker() = default;
+
+void Broker::set_up(const BrokerSettings& settings, const LastWill& will) {
+  mosquitto_connect_callback_set(client_.get(), &Broker::on_connect);
+  mosquitto_publish_callback_set(client_.get(), &Broker::on_publish);
+  mosquitto_disconnect_callback_set(client_.get(), &Broker::on_disconnect);
+  succeeded(mosquitto_int_option(client_.get(), MOSQ_OPT_TCP_NODELAY, 1), "TCP_NODELAY");
+  succeeded(mosquitto_will_set(client_.get(), will.topic.c_str(), static_cast<int>(will.payload.size()),
+                               will.payload.data(), 1, true),
+            "the last will");
+  if (!settings.user.empty()) {
+    const std::string password = settings.password_file.empty() ? "" : first_line_of(settings.password_file);
+    succeeded(mosquitto_username_pw_set(client_.get(), settings.user.c_str(), or_null(password)),
+              "the password");
+  }
+  if (!settings.tls) return;
+  const TlsSettings& tls = *settings.tls;
+  succeeded(mosquitto_tls_set(client_.get(), or_null(tls.ca_file), nullptr, or_null(tls.cert_file),
+                              or_null(tls.key_file), nullptr),
+            "the certificates " + tls.ca_file + " " + tls.cert_file);
+  constexpr int kVerify = 1;  // SSL_VERIFY_PEER
+  succeeded(mosquitto_tls_opts_set(client_.get(), kVerify, nullptr, nullptr), "TLS");
+}
+
+void Broker::connect(const BrokerSettings& settings) {
+  const int code = mosquitto_connect_async(client_.get(), settings.host.c_str(), settings.port,
+                                           static_cast<int>(settings.keepalive.count()));
+  if (!fine(code)) return;
+  time_.start(limits_.period);
+  watch_socket();
+}
+
+// Watches libmosquitto's socket, for writing while it has something to write.
+void Broker::watch_socket() {
+  const int fd = mosquitto_socket(client_.get());
+  const std::uint32_t events = EPOLLIN | (mosquitto_want_write(client_.get()) ? std::uint32_t{EPOLLOUT} : 0U);
+  if (fd < 0) {
+    watch_ = {};
+  } else if (fd == watched_) {
+    watch_.want(events);
+  } else {
+    watch_ = bridges::Loop::Watch(loop_, fd, events, [this](std::uint32_t came) { serve(came); });
+  }
+  watched_ = fd;
+}
+
+void Broker::serve(std::uint32_t events) {
+  constexpr int kPacketsAtOnce = 16;
+  int code = MOSQ_ERR_SUCCESS;
+  if ((events & ~std::uint32_t{EPOLLOUT}) != 0) code = mosquitto_loop_read(client_.get(), kPacketsAtOnce);
+  if (code == MOSQ_ERR_SUCCESS && (events & EPOLLOUT) != 0) code = mosquitto_loop_write(client_.get(), 1);
+  if (!fine(code)) return;
+  watch_socket();
+  if (writable()) listener_.writable();
+}
+
+void Broker::look_at_time() {
+  if (!accepted_ && since(begun_) > limits_.accept) {
+    lose("does not accept the connection in " + std::to_string(limits_.accept.count()) + " ms");
+    return;
+  }
+  const int code = mosquitto_loop_misc(client_.get());
+  if (!fine(code)) return;
+  time_.start(limits_.period);
+  watch_socket();
+}
+
+std::chrono::milliseconds Broker::held() const {
+  return accepted_ ? since(accepted_at_) : std::chrono::milliseconds(0);
+}
+
+bool Broker::writable() const {
+  return accepted_ && failure_.empty() && !mosquitto_want_write(client_.get());
+}
+
+int Broker::publish(const std::string& topic, const std::string& payload, int qos, bool retain) {
+  int message = 0;
+  const int code = mosquitto_publish(client_.get(), &message, topic.c_str(), static_cast<int>(payload.size()),
+                                     payload.data(), qos, retain);
+  if (!fine(code)) return 0;
+  watch_socket();
+  return message;
+}
+
+void Broker::leave(std::chrono::milliseconds patience) {
+  const auto until = Clock::now() + patience;
+  while (mosquitto_want_write(client_.get())) {
+    pollfd ready{mosquitto_socket(client_.get()), POLLOUT, 0};
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    if (ready.fd < 0 || left <= 0 || poll(&ready, 1, static_cast<int>(left)) <= 0) break;
+    if (mosquitto_loop_write(client_.get(), 1) != MOSQ_ERR_SUCCESS) break;
+  }
+  told_ = true;  // no lost() from here on
+  watch_ = {};
+  mosquitto_disconnect(client_.get());
+}
+
+// Notes a failure of the library. False: there was one, now or before.
+bool Broker::fine(int code) {
+  if (code != MOSQ_ERR_SUCCESS) lose(text_of(code));
+  return failure_.empty();
+}
+
+// The listener is told from the loop, when nothing of this object runs.
+void Broker::lose(const std::string& why) {
+  if (told_) return;
+  told_ = true;
+  failure_ = name_ + ": " + why;
+  watch_ = {};
+  watched_ = -1;
+  time_.stop();
+  failing_.start({});
+}
+
+void Broker::on_connect(mosquitto*, void* self, int code) {
+  Broker& broker = *static_cast<Broker*>(self);
+  if (code != 0) {
+    broker.lose(mosquitto_connack_string(code));
+    return;
+  }
+  broker.accepted_ = true;
+  broker.accepted_at_ = Clock::now();
+  broker.listener_.accepted();
+}
+
+void Broker::on_publish(mosquitto*, void* self, int message) {
+  static_cast<Broker*>(self)->listener_.acknowledged(message);
+}
+
+void Broker::on_disconnect(mosquitto*, void* self, int code) {
+  static_cast<Broker*>(self)->lose(code == 0 ? "it has ended" : text_of(code));
+}
+
+}  // namespace slipd::mqtt

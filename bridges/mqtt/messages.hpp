@@ -1,0 +1,71 @@
+// What slipd-mqtt publishes, as JSON text (messages.schema.json). Pure. Any one thread.
+#pragma once
+
+#include <slipd.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "bridges/support/inventory.hpp"
+
+namespace slipd::mqtt {
+
+// What is known of the alerts of this gripper.
+struct AlertCounts {
+  // Random name of the store. Numbers of one series are never used twice.
+  std::string series;
+  // Number of the last alert, from 1; 0: there was none.
+  std::int64_t last = 0;
+  // Alerts that no broker has acknowledged.
+  std::int64_t waiting = 0;
+  // Alerts of this series that a full or failing store dropped.
+  std::int64_t dropped = 0;
+};
+
+// An estimate as slipd sent it. If `estimate` is too old by now, state is "stale" and margin and advice are
+// null. Empty if `text` is no JSON object.
+std::string estimate_message(const slipd_estimate& estimate, std::string_view text);
+
+// State, health and alert of a sensor. `text`: what slipd sent.
+std::string state_message(const slipd_estimate& estimate, std::string_view text);
+// The same of a sensor when slipd is away.
+std::string away_message(const std::string& sensor, std::int64_t now_ns);
+
+// An alert: a record of the sample's moment. `number` is that of the alert, `dropped` as in AlertCounts.
+std::string alert_message(std::string_view text, const std::string& series, std::int64_t number,
+                          std::int64_t dropped);
+
+// What a status and a summary are made of.
+struct Gripper {
+  // Version of slipd-mqtt.
+  std::string version;
+  // None: slipd is away.
+  std::optional<bridges::Inventory> slipd;
+  AlertCounts alerts;
+  // Why slipd is away; empty if it is not.
+  std::string trouble;
+};
+
+// Birth and every change: online, versions, sensors, grasps, and a hash of these.
+std::string online_message(const Gripper& gripper, std::int64_t now_ns);
+// Last will, and at an orderly end. `now_ns` 0: unknown, as of a last will.
+std::string offline_message(std::int64_t now_ns);
+
+// Latest state and margin of a sensor for the summary.
+struct SensorLine {
+  std::string state = "stale";
+  std::string alert = "none";
+  // NaN unless state is ok and the estimate young.
+  double gamma = 0;
+};
+// Retained, once a period: time, sensors, alerts of the last hour.
+std::string summary_message(const Gripper& gripper, const std::map<std::string, SensorLine>& sensors,
+                            std::int64_t alerts_last_hour, std::int64_t now_ns);
+
+// Same for grippers with the same sensors and grasps: 16 hexadecimal digits.
+std::string inventory_hash(const bridges::Inventory& inventory);
+
+}  // namespace slipd::mqtt

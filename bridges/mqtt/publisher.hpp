@@ -1,0 +1,95 @@
+// slipd-mqtt itself: slipd's estimates to topics of one broker at a time. One thread's own: that of the loop.
+//
+// Estimates, states, status and summary have one place each, in which the newest replaces what was not sent
+// yet: a slow or absent broker costs no memory. Alerts go through the store on disk and stay there until a
+// broker has acknowledged them; at most kWindow of them are on their way, in the order of their numbers.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "bridges/mqtt/alert_store.hpp"
+#include "bridges/mqtt/broker.hpp"
+#include "bridges/mqtt/broker_turns.hpp"
+#include "bridges/mqtt/messages.hpp"
+#include "bridges/mqtt/settings.hpp"
+#include "bridges/support/feed.hpp"
+#include "bridges/support/program.hpp"
+
+namespace slipd::mqtt {
+
+class Publisher : public bridges::Service {
+ public:
+  // Alerts on their way without an acknowledgement. More fill a fast link better; all are sent again after a
+  // loss.
+  static constexpr std::size_t kWindow = 16;
+
+  // Throws std::runtime_error if the store cannot be used.
+  Publisher(Settings settings, std::string version, bridges::Loop& loop);
+  // Publishes that it is offline.
+  ~Publisher() override;
+
+ private:
+  // The newest message of one topic that was not sent yet.
+  struct Pending {
+    std::string payload;
+    bool retain = false;
+    std::chrono::steady_clock::time_point expires = std::chrono::steady_clock::time_point::max();
+  };
+
+  bridges::FeedListener feed_listener();
+  bridges::FeedOptions feed_options() const;
+  void take(const slipd_estimate& estimate, std::string_view text);
+  void take_alert(const slipd_estimate& estimate, std::string_view text);
+  void note_serving(const bridges::Inventory& inventory);
+  void note_away(std::string_view why);
+  void note_state(const std::string& sensor, std::string payload);
+
+  void connect();
+  void note_accepted();
+  void note_acknowledged(int message);
+  void note_lost(const std::string& why);
+  void check_progress();
+
+  void put(const std::string& topic, Pending message);
+  void put_retained(const std::string& topic, std::string payload);
+  void put_status();
+  void put_summary();
+  void send();
+  void send_alerts();
+  std::string topic_of(const std::string& sensor, const char* kind) const;
+  std::string host_topic(const char* kind) const;
+  Gripper gripper() const;
+  std::int64_t alerts_last_hour();
+
+  Settings settings_;
+  std::string version_;
+  bridges::Loop& loop_;
+  AlertStore store_;
+  BrokerTurns turns_;
+  std::minstd_rand random_;
+
+  // What is known of slipd.
+  std::optional<bridges::Inventory> slipd_;
+  std::string trouble_{"not asked yet"};
+  std::map<std::string, slipd_estimate> latest_;                   // of each sensor
+  std::map<std::string, std::string> states_;                      // payload of each sensor's topic `state`
+  std::deque<std::chrono::steady_clock::time_point> alert_times_;  // of the last hour
+
+  // What waits for the broker, by topic.
+  std::map<std::string, Pending> pending_;
+  std::map<int, std::int64_t> on_their_way_;           // number of libmosquitto → of the alert
+  std::int64_t sent_ = 0;                              // number of the last alert given to this connection
+  std::chrono::steady_clock::time_point progress_at_;  // last acknowledgement, or when the window was empty
+  std::int64_t told_dropped_ = 0;
+
+  MosquittoLibrary library_;
+  std::unique_ptr<Broker> broker_;
+  bridges::Loop::Timer connecting_, summary_, flush_;
+  bridges::Feed feed_;
+};
+
+}  // namespace slipd::mqtt

@@ -1,0 +1,115 @@
+// The messages fit the schema that is in the tree, and carry a margin only in state ok and while it is young.
+#include "bridges/mqtt/messages.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "schema/json_text.hpp"
+#include "schema/schema.hpp"
+
+namespace slipd::mqtt {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kSent =
+    R"({"sensor":"left","seq":12,"time_ns":1790000000000000000,"state":"ok","gamma":0.62,"sigma":0.01,"class":4,)"
+    R"("gamma_low":0.59,"normal_n":2.1,"shear_n":0.36,"torque_nmm":0.4,"friction":0.45,"time_to_slip_ms":20.5,)"
+    R"("grip_increase_n":0.5,"alert":"warn","alert_cause":"margin","sliding":"none","health":"good","simulated":true,)"
+    R"("dropped":0})";
+
+slipd_estimate estimate_in(int state, double valid_for_s) {
+  slipd_estimate estimate{};
+  std::strcpy(estimate.name, "left");
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  estimate.state = state;
+  estimate.gamma = state == SLIPD_STATE_OK ? 0.62 : std::numeric_limits<double>::quiet_NaN();
+  estimate.valid_until_ns =
+      now.tv_sec * 1'000'000'000LL + now.tv_nsec + static_cast<std::int64_t>(1e9 * valid_for_s);
+  return estimate;
+}
+
+json checked(const std::string& text, const std::string& kind) {
+  std::ifstream file(SLIPD_SOURCE_DIR "/bridges/mqtt/messages.schema.json");
+  json schema = parse_json_text(std::string{std::istreambuf_iterator<char>(file), {}});
+  schema.erase("type");
+  schema["$ref"] = "#/$defs/" + kind;
+  json value = json::parse(text);
+  for (const Problem& problem : check(schema, value)) ADD_FAILURE() << problem.in(kind) << "\n" << text;
+  return value;
+}
+
+bridges::Inventory inventory() {
+  return {"0.1.0", {{"left", "sim", "array3", 16, 100, true}}, {{"gripper", {"left"}}}};
+}
+
+TEST(MqttMessages, AnEstimateIsWhatSlipdSent) {
+  const json sent = checked(estimate_message(estimate_in(SLIPD_STATE_OK, 100), kSent), "estimate");
+  EXPECT_EQ(sent, json::parse(kSent));
+}
+
+TEST(MqttMessages, AnEstimateThatIsTooOldHasNoMargin) {
+  const json sent = checked(estimate_message(estimate_in(SLIPD_STATE_STALE, -1), kSent), "estimate");
+  EXPECT_EQ(sent.at("state"), "stale");
+  for (const char* key : {"gamma", "class", "gamma_low", "grip_increase_n", "time_to_slip_ms"})
+    EXPECT_TRUE(sent.at(key).is_null()) << key;
+  EXPECT_EQ(sent.at("normal_n"), 2.1);
+}
+
+TEST(MqttMessages, AnotherStateThanOkHasNoMarginWhateverSlipdSent) {
+  const json sent = checked(estimate_message(estimate_in(SLIPD_STATE_FAULT, 100), kSent), "estimate");
+  EXPECT_EQ(sent.at("state"), "fault");
+  EXPECT_TRUE(sent.at("gamma").is_null());
+}
+
+TEST(MqttMessages, AnAlertIsIdentifiedAndComplete) {
+  const json sent = checked(alert_message(kSent, std::string(32, 'a'), 7, 2), "alert");
+  EXPECT_EQ(sent.at("number"), 7);
+  EXPECT_EQ(sent.at("dropped"), 2);
+  EXPECT_EQ(sent.at("alert"), "warn");
+  EXPECT_EQ(sent.at("gamma"), 0.62);
+  checked(alert_message("{}", std::string(32, 'a'), 1, 0), "alert");
+  checked(alert_message("no JSON", std::string(32, 'a'), 1, 0), "alert");
+}
+
+TEST(MqttMessages, StatesFitTheSchema) {
+  EXPECT_EQ(checked(state_message(estimate_in(SLIPD_STATE_OK, 100), kSent), "state").at("state"), "ok");
+  EXPECT_EQ(checked(away_message("left", 5), "state").at("state"), "disconnected");
+}
+
+TEST(MqttMessages, TheStatusSaysWhetherSlipdServes) {
+  const AlertCounts alerts{std::string(32, 'a'), 7, 2, 1};
+  const json there = checked(online_message({"0.1.0", inventory(), alerts, ""}, 5), "status");
+  EXPECT_EQ(there.at("slipd"), "0.1.0");
+  EXPECT_EQ(there.at("sensors").at(0).at("name"), "left");
+  const json away = checked(online_message({"0.1.0", std::nullopt, alerts, "gone"}, 5), "status");
+  EXPECT_TRUE(away.at("slipd").is_null());
+  EXPECT_TRUE(checked(offline_message(0), "status").at("time_ns").is_null());
+}
+
+TEST(MqttMessages, TheSummaryHasAMarginOnlyWhereItIsKnown) {
+  const json sent = checked(
+      summary_message({"0.1.0", inventory(), {}, ""},
+                      {{"left", {"ok", "none", 0.5}}, {"right", {"stale", "none", std::nan("")}}}, 3, 5),
+      "summary");
+  EXPECT_EQ(sent.at("sensors").at(0).at("gamma"), 0.5);
+  EXPECT_TRUE(sent.at("sensors").at(1).at("gamma").is_null());
+}
+
+TEST(MqttMessages, TheHashIsThatOfSensorsAndGrasps) {
+  bridges::Inventory other = inventory();
+  EXPECT_EQ(inventory_hash(other), inventory_hash(inventory()));
+  other.version = "9";
+  EXPECT_EQ(inventory_hash(other), inventory_hash(inventory()));
+  other.sensors[0].rate_hz = 50;
+  EXPECT_NE(inventory_hash(other), inventory_hash(inventory()));
+}
+
+}  // namespace
+}  // namespace slipd::mqtt

@@ -1,0 +1,131 @@
+"""A stand-in for slipd's socket: sensors with recorded-like estimates and alerts on command. One thread serves any number of sockets,
+so that hundreds of grippers fit on a machine."""
+import json, math, os, selectors, socket, threading, time
+
+
+class FakeSlipd:
+    """One slipd. `estimate` and `alert` may be called from any thread; what a client does not take in time is dropped."""
+
+    def __init__(self, path, sensors, server):
+        self.path, self.sensors, self.server = path, list(sensors), server
+        self.sequence = 0
+        self.clients = []  # [socket, input, events, next due, period]
+        self.lock = threading.Lock()
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(path)
+        self.listener.listen(16)
+        self.listener.setblocking(False)
+        server.add(self.listener, self._accept)
+
+    def close(self):
+        with self.lock:
+            clients, self.clients = self.clients, []
+        for client in clients:
+            self.server.remove(client["socket"])
+        self.server.remove(self.listener)
+        os.unlink(self.path)
+
+    def message(self, sensor, **members):
+        self.sequence += 1
+        gamma = 0.5 + 0.4 * math.sin(self.sequence / 50)
+        return {"sensor": sensor, "seq": self.sequence, "time_ns": time.time_ns(), "state": "ok", "gamma": gamma, "sigma": 0.02,
+                "class": min(4, int(5 * gamma)) + 1, "gamma_low": gamma - 0.03, "friction": 0.45, "friction_sigma": 0.02, "normal_n": 2.1,
+                "shear_n": 0.36, "torque_nmm": 0.4, "torque_sigma_nmm": 0.02, "turned_deg": None, "turned_sigma_deg": None,
+                "center_mm": [0.1, -0.4], "radius_mm": 3.1, "a_over_r": 0.31, "time_to_slip_ms": None, "grip_increase_n": 0.0,
+                "grip_increase_sigma_n": 0.1, "alert": "none", "alert_cause": None, "sliding": "none", "sliding_for_ms": 812,
+                "method": "registered", "health": "good", "simulated": True, "latency_us": 35.2, "age_ms": 0.8} | members
+
+    def send(self, event, params):
+        line = (json.dumps({"jsonrpc": "2.0", "method": event, "params": params | {"dropped": 0}}) + "\n").encode()
+        with self.lock:
+            for client in self.clients:
+                if event in client["events"]:
+                    try:
+                        client["socket"].send(line, socket.MSG_DONTWAIT)
+                    except OSError:
+                        pass
+
+    def estimate(self, sensor, **members):
+        self.send("estimate", self.message(sensor, **members))
+
+    def alert(self, sensor, level="slip", **members):
+        params = self.message(sensor, alert=level, alert_cause="margin" if level != "none" else None, gamma=0.1, **members)
+        self.send("alert", params)
+        return params["seq"]
+
+    def subscribers(self):
+        with self.lock:
+            return sum("estimate" in client["events"] for client in self.clients)
+
+    def _accept(self):
+        connection, _ = self.listener.accept()
+        client = {"socket": connection, "input": b"", "events": ()}
+        with self.lock:
+            self.clients.append(client)
+        self.server.add(connection, lambda: self._read(client))
+
+    def _read(self, client):
+        try:
+            got = client["socket"].recv(65536)
+        except OSError:
+            got = b""
+        if not got:
+            with self.lock:
+                if client in self.clients:
+                    self.clients.remove(client)
+            self.server.remove(client["socket"])
+            return
+        *lines, client["input"] = (client["input"] + got).split(b"\n")
+        for line in lines:
+            request = json.loads(line)
+            answer = self._answer(client, request["method"], request.get("params") or {})
+            client["socket"].sendall((json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": answer}) + "\n").encode())
+
+    def _answer(self, client, method, params):
+        if method == "version":
+            return {"name": "slipd", "version": "0.1.0", "protocol": 1}
+        if method == "sensors":
+            return {"sensors": [{"name": name, "driver": "sim", "class": "wrench", "taxels": 1, "rate_hz": 100.0, "simulated": True}
+                                for name in self.sensors]}
+        if method == "gamma":
+            return {"sensors": [self.message(name) for name in self.sensors], "grasps": []}
+        if method == "subscribe":
+            client["events"] = tuple(params.get("events", ["estimate"]))
+            return {"subscription": 1}
+        return {}
+
+
+class Server:
+    """The thread that serves FakeSlipds."""
+
+    def __init__(self):
+        self.selector = selectors.DefaultSelector()
+        self.wake, self.woken = socket.socketpair()
+        self.selector.register(self.woken, selectors.EVENT_READ, lambda: self.woken.recv(4096))
+        self.ends = False
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def add(self, sock, handler):
+        self.selector.register(sock, selectors.EVENT_READ, handler)
+        self.wake.send(b"x")
+
+    def remove(self, sock):
+        try:
+            self.selector.unregister(sock)
+        except (KeyError, ValueError):
+            pass
+        sock.close()
+
+    def close(self):
+        self.ends = True
+        self.wake.send(b"x")
+        self.thread.join()
+
+    def _run(self):
+        while not self.ends:
+            for key, _ in self.selector.select():
+                try:
+                    key.data()
+                except OSError:
+                    pass
