@@ -1,7 +1,7 @@
 # Debian packages, by `cpack -G DEB` or tools/package. A component of the installation that is not named here is in none.
 #   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
-#   slipd-mqtt, slipd-modbus     estimates on MQTT, and for PLCs
+#   slipd-mqtt, slipd-modbus, slipd-ros2  estimates on MQTT, for PLCs, and as a ROS 2 node
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
 #   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
