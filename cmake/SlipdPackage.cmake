@@ -151,5 +151,10 @@ Alerts are kept on disk until a broker has acknowledged them.")
 slipd_package(bridge_modbus slipd-modbus COMPONENTS bridge_modbus SECTION net DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors for PLCs"
   TEXT "Serves the estimates of slipd as input registers of Modbus TCP.")
+slipd_package(bridge_web slipd-web COMPONENTS bridge_web SECTION web SCRIPTS slipd-web DEPENDS "${slipd_bridge_depends}"
+  SUMMARY "slip margin of tactile sensors in a browser"
+  TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\
+minute, recordings, and the measured error of its methods. It only reads,\n\
+and listens on this computer unless it is told otherwise.")
 
 include(CPack)

@@ -176,7 +176,7 @@ class Player {
     this.scrub.setAttribute("aria-valuetext", fixed(this.t, 3, "s"));
     this.moment.href = `#/recordings/${encodeURIComponent(this.file)}@${this.t.toFixed(3)}`;
     setText(this.rows.Time, `${fixed(point.t, 3, "s")}, frame ${point.seq}`);
-    setText(this.rows.State, point.state ? stateWords(point.state) : "the recording has no estimates");
+    setText(this.rows.State, point.state ? stateWords(point.state) : "this frame has no estimate");
     setText(this.rows.Margin, withSigma(point.gamma, point.sigma, 2) + (point.truth === null ? "" : ` (true ${fixed(point.truth, 2)})`));
     setText(this.rows.Alert, alertWords(point));
     setText(this.rows.Forces, `${fixed(point.normal, 2, "N")} normal, ${fixed(point.shear, 2, "N")} shear`);
