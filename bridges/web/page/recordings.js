@@ -27,13 +27,13 @@ export class RecordingsPage {
     const answer = await fetch("api/recordings").then((response) => response.json()).catch((error) => ({ trouble: String(error) }));
     const rows = (answer.recordings ?? []).map((each) => make("tr", {},
       make("td", {}, make("a", { href: `#/recordings/${encodeURIComponent(each.file)}` }, each.file)),
-      make("td", {}, new Date(each.written_ms).toLocaleString()), make("td", {}, bytes(each.bytes)),
-      make("td", {}, make("a", { href: `recordings/${encodeURIComponent(each.file)}`, download: each.file, "aria-label": `Download ${each.file}` }, "Download"))));
+      make("td", {}, make("a", { href: `recordings/${encodeURIComponent(each.file)}`, download: each.file, "aria-label": `Download ${each.file}` }, bytes(each.bytes))),
+      make("td", {}, new Date(each.written_ms).toLocaleString())));
     const none = answer.trouble ?? "There are no recordings. The flight recorder writes one at each slip (recorder in slipd.json); slipctl record writes others.";
     this.element.replaceChildren(make("section", { class: "card" }, make("h2", {}, "Recordings"),
       rows.length === 0 ? make("p", { class: "empty" }, none)
         : make("div", { class: "scroll" }, make("table", {},
-          make("thead", {}, make("tr", {}, ...["File", "Written", "Size", ""].map((text) => make("th", { scope: "col" }, text)))),
+          make("thead", {}, make("tr", {}, ...["File", "Download", "Written"].map((text) => make("th", { scope: "col" }, text)))),
           make("tbody", {}, ...rows)))));
   }
 
