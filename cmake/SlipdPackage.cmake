@@ -150,5 +150,10 @@ forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
 Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
 and PlotJuggler.")
 endif()
+slipd_package(bridge_web slipd-web COMPONENTS bridge_web SECTION web SCRIPTS slipd-web DEPENDS "${slipd_bridge_depends}"
+  SUMMARY "slip margin of tactile sensors in a browser"
+  TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\
+minute, recordings, and the measured error of its methods. It only reads,\n\
+and listens on this computer unless it is told otherwise.")
 
 include(CPack)

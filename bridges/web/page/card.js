@@ -60,6 +60,7 @@ export class Card {
   }
 
   #forces(estimate) {
+    if (!isNumber(estimate.normal_n)) return "–";
     const torque = isNumber(estimate.torque_nmm) ? `, ${fixed(estimate.torque_nmm, 1, "N mm")}` : "";
     return `${fixed(estimate.normal_n, 2, "N")} normal, ${fixed(estimate.shear_n, 2, "N")} shear${torque}`;
   }

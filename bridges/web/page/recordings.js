@@ -27,13 +27,13 @@ export class RecordingsPage {
     const answer = await fetch("api/recordings").then((response) => response.json()).catch((error) => ({ trouble: String(error) }));
     const rows = (answer.recordings ?? []).map((each) => make("tr", {},
       make("td", {}, make("a", { href: `#/recordings/${encodeURIComponent(each.file)}` }, each.file)),
-      make("td", {}, new Date(each.written_ms).toLocaleString()), make("td", {}, bytes(each.bytes)),
-      make("td", {}, make("a", { href: `recordings/${encodeURIComponent(each.file)}`, download: each.file, "aria-label": `Download ${each.file}` }, "Download"))));
+      make("td", {}, make("a", { href: `recordings/${encodeURIComponent(each.file)}`, download: each.file, "aria-label": `Download ${each.file}` }, bytes(each.bytes))),
+      make("td", {}, new Date(each.written_ms).toLocaleString())));
     const none = answer.trouble ?? "There are no recordings. The flight recorder writes one at each slip (recorder in slipd.json); slipctl record writes others.";
     this.element.replaceChildren(make("section", { class: "card" }, make("h2", {}, "Recordings"),
       rows.length === 0 ? make("p", { class: "empty" }, none)
         : make("div", { class: "scroll" }, make("table", {},
-          make("thead", {}, make("tr", {}, ...["File", "Written", "Size", ""].map((text) => make("th", { scope: "col" }, text)))),
+          make("thead", {}, make("tr", {}, ...["File", "Download", "Written"].map((text) => make("th", { scope: "col" }, text)))),
           make("tbody", {}, ...rows)))));
   }
 
@@ -176,7 +176,7 @@ class Player {
     this.scrub.setAttribute("aria-valuetext", fixed(this.t, 3, "s"));
     this.moment.href = `#/recordings/${encodeURIComponent(this.file)}@${this.t.toFixed(3)}`;
     setText(this.rows.Time, `${fixed(point.t, 3, "s")}, frame ${point.seq}`);
-    setText(this.rows.State, point.state ? stateWords(point.state) : "the recording has no estimates");
+    setText(this.rows.State, point.state ? stateWords(point.state) : "this frame has no estimate");
     setText(this.rows.Margin, withSigma(point.gamma, point.sigma, 2) + (point.truth === null ? "" : ` (true ${fixed(point.truth, 2)})`));
     setText(this.rows.Alert, alertWords(point));
     setText(this.rows.Forces, `${fixed(point.normal, 2, "N")} normal, ${fixed(point.shear, 2, "N")} shear`);

@@ -54,7 +54,7 @@ export function alertWords(estimate) {
   if (!estimate.alert) return "no alert known";
   if (estimate.alert === "none") return "no alert";
   const cause = estimate.alert_cause ? `: ${estimate.alert_cause}` : "";
-  return `${estimate.alert === "warn" ? "⚠ warn" : "⛔ slip"}${cause}`;
+  return `${estimate.alert === "warn" ? "⚠ warn" : "✕ slip"}${cause}`;
 }
 
 export function alertLevel(estimate) {

@@ -87,7 +87,8 @@ def main():
     count, seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 20, float(sys.argv[2]) if len(sys.argv) > 2 else 30
     bed = Bed(one_sensor)
     try:
-        for pages in ([], [Page(bed.port) for _ in range(count)]):
+        for wanted in (0, count):
+            pages = [Page(bed.port) for _ in range(wanted)]
             result = measured(bed, pages, seconds)
             print(f"{len(pages)} pages: slipd-web {100 * result['slipd-web']:.1f} % of a core, slipd {100 * result['slipd']:.1f} %, "
                   f"each page {result['lives']:.1f} estimates/s and {result['pictures']:.1f} pictures/s; latency µs {latency(bed)}; {bed.counts()}")
