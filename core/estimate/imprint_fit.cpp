@@ -306,7 +306,16 @@ void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, M
 void ImprintFit::fit_all(Minimum& best) noexcept {
   const bool skin = depth_m_ > 0;
   model_.use_all();
+  // At an end of its range the margin has no slope to come back by.
+  best.at[Model::margin] = std::clamp(best.at[Model::margin], fit_.min_start, fit_.max_start);
   minimise(unknowns(), best);
+  if (!best.converged) {  // from afar it takes another way
+    Minimum other = best;
+    other.at[Model::margin] = options_.start_gamma;
+    minimise(unknowns(), other);
+    best.current = false;
+    if (other.converged) best = other;
+  }
   if (skin && weights_change(unknowns(), best)) minimise(unknowns(), best);
   if (!elliptic_ && shows_ellipse(best)) {
     elliptic_ = true;

@@ -87,7 +87,12 @@ struct FileFrames::Impl {
         bias(setup.layout),
         unzeroed(!list.zeroed()),
         gain(sensor.gain),
-        slot(setup.layout.size()) {
+        memory(3 * setup.layout.size()) {
+    const std::size_t taxels = setup.layout.size();
+    const std::span<float> all(memory);
+    slot.normal_pa = all.first(taxels);
+    slot.shear_x_pa = all.subspan(taxels, taxels);
+    slot.shear_y_pa = all.last(taxels);
     if (gain.size() == 1) gain.assign(setup.layout.size(), gain.front());
   }
 
@@ -96,7 +101,8 @@ struct FileFrames::Impl {
   BiasEstimator bias;
   bool unzeroed, biased = false;
   std::vector<float> gain;
-  Slot slot;
+  std::vector<float> memory;  // of slot
+  FrameSlot slot;
   std::string fault;
 };
 
@@ -111,10 +117,10 @@ const ChainSetup& FileFrames::setup() const noexcept {
   return impl_->chain;
 }
 Frame FileFrames::frame() const noexcept {
-  return impl_->slot.slot.view();
+  return impl_->slot.view();
 }
 std::int64_t FileFrames::time_ns() const noexcept {
-  return impl_->slot.slot.time_ns;
+  return impl_->slot.time_ns;
 }
 const std::string& FileFrames::fault() const noexcept {
   return impl_->fault;
@@ -124,8 +130,8 @@ FileFrames::Outcome FileFrames::next() {
   Impl& in = *impl_;
   if (in.biased) in.bias.judge();
   in.biased = false;
-  replay::ReadOutcome outcome = in.list.next(in.slot.slot);
-  while (outcome == replay::ReadOutcome::none) outcome = in.list.next(in.slot.slot);
+  replay::ReadOutcome outcome = in.list.next(in.slot);
+  while (outcome == replay::ReadOutcome::none) outcome = in.list.next(in.slot);
   switch (outcome) {
     case replay::ReadOutcome::end:
       return Outcome::end;
@@ -137,10 +143,10 @@ FileFrames::Outcome FileFrames::next() {
     default:
       break;
   }
-  in.slot.slot.zeroed = true;
-  if (in.unzeroed) in.bias.apply(in.slot.slot);
+  in.slot.zeroed = true;
+  if (in.unzeroed) in.bias.apply(in.slot);
   in.biased = in.unzeroed;
-  apply_gain(in.gain, in.slot.slot);
+  apply_gain(in.gain, in.slot);
   return Outcome::frame;
 }
 
