@@ -216,7 +216,11 @@ void Server::refresh() {
   const std::span registers(mapping_->tab_input_registers, std::size_t{kRegisters});
   attach();
   const bool alive = attached_ && slipd_heartbeat_age(feed_.client()) < kAliveWithin;
-  if (alive) alive_ms_ = monotonic_ms();
+  if (alive) {
+    alive_ms_ = monotonic_ms();
+  } else {
+    attached_ = false;  // a slipd that was started again has another board
+  }
   write_header({alive, alive_ms_, static_cast<int>(names_.size())}, registers);
   for (std::size_t i = 0; i < std::size_t{kMostBlocks}; ++i) {
     slipd_estimate estimate = nothing_known();

@@ -76,16 +76,19 @@ bridges::FeedListener Publisher::feed_listener() {
   return listener;
 }
 
+// When a message of it would show a margin that has expired.
+std::chrono::steady_clock::time_point Publisher::expiry_of(const slipd_estimate& estimate) const {
+  if (estimate.state != SLIPD_STATE_OK) return Clock::time_point::max();
+  const std::chrono::duration<double> left(std::max(0.0, settings_.max_age_s - estimate.age_s));
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(left);
+}
+
 void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
   latest_[estimate.name] = estimate;
   if (estimate.event == SLIPD_EVENT_ALERT) {
     take_alert(estimate, text);
   } else if (estimate.event == SLIPD_EVENT_ESTIMATE) {
-    const std::chrono::duration<double> left(settings_.max_age_s -
-                                             std::min(estimate.age_s, settings_.max_age_s));
-    put(topic_of(estimate.name, "estimate"),
-        {estimate_message(estimate, text), false,
-         Clock::now() + std::chrono::duration_cast<Clock::duration>(left)});
+    put(topic_of(estimate.name, "estimate"), {estimate_message(estimate, text), false, expiry_of(estimate)});
   }
   if (estimate.event != SLIPD_EVENT_ESTIMATE || !states_.contains(estimate.name))
     note_state(estimate.name, state_message(estimate, text));

@@ -42,6 +42,7 @@ class Publisher : public bridges::Service {
 
   bridges::FeedListener feed_listener();
   bridges::FeedOptions feed_options() const;
+  std::chrono::steady_clock::time_point expiry_of(const slipd_estimate& estimate) const;
   void take(const slipd_estimate& estimate, std::string_view text);
   void take_alert(const slipd_estimate& estimate, std::string_view text);
   void note_serving(const bridges::Inventory& inventory);

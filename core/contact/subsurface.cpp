@@ -19,6 +19,7 @@ struct Points {
 struct DomePoint {
   double a, b, cosine, sine, depth, side;
   double u = 0, v = 0, weight = 0;
+  subsurface::IntegralTable table = {};
 };
 
 // From the ellipse's axes to the sensor's.
@@ -61,12 +62,14 @@ struct DomePoint {
 }
 
 using Sheet = SubsurfaceSheet;
+using subsurface::IntegralTable;
+using subsurface::Shape;
 
 [[gnu::always_inline]] inline void round_slopes(const DomePoint& of, const Points& to) noexcept {
   const std::size_t n = Sheet::kComponents * to.count;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
-    const auto at = subsurface::common<true>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
+    const auto at = subsurface::common<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
     const double a2 = 2 * of.a;
     double* const row = to.rows + i;
     add(subsurface::value_of(at), of.weight, row, to.count);
@@ -80,7 +83,7 @@ using Sheet = SubsurfaceSheet;
 [[gnu::always_inline]] inline void round_values(const DomePoint& of, const Points& to) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i)
-    add(felt_value<true>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight, to.rows + i,
+    add(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight, to.rows + i,
         to.count);
 }
 
@@ -90,7 +93,7 @@ using Sheet = SubsurfaceSheet;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a, b2 = 2 * of.b;
-    const auto at = subsurface::common<false>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u);
+    const auto at = subsurface::common<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table);
     const FeltTensor value = turned(subsurface::value_of(at), c, s),
                      d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
                      d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s);
@@ -111,8 +114,38 @@ using Sheet = SubsurfaceSheet;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v;
-    add(turned(felt_value<false>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u), c, s), of.weight,
+    add(turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s), of.weight,
         to.rows + i, to.count);
+  }
+}
+
+// Hermite's cubics through the integrals and their slopes dI_a/dm = -2/((A + m^2) sqrt((A + m^2)(B + m^2))).
+[[gnu::always_inline]] inline void fill_integrals(double aa, double bb, double shorter, double first,
+                                                  double per_step, double* to) noexcept {
+  constexpr int kNodes = IntegralTable::kIntervals + 1;
+  constexpr double kLast = 1 - 1e-6;
+  double ia[kNodes], ib[kNodes], da[kNodes], db[kNodes];
+#pragma omp simd
+  for (int i = 0; i < kNodes; ++i) {
+    const double place = std::min(first + i / per_step, kLast), rest = 1 / (1 - place);
+    const double m = shorter * place * rest, al = aa + m * m, bl = bb + m * m;
+    const subsurface::AxisIntegrals at = subsurface::axis_integrals(aa, bb, m * m);
+    const double slope = -2 * shorter * rest * rest / (per_step * std::sqrt(al * bl));
+    ia[i] = at.a;
+    ib[i] = at.b;
+    da[i] = slope / al;
+    db[i] = slope / bl;
+  }
+  for (int i = 0; i < IntegralTable::kIntervals; ++i, to += IntegralTable::kPerInterval) {
+    const double rise_a = ia[i + 1] - ia[i], rise_b = ib[i + 1] - ib[i];
+    to[0] = ia[i];
+    to[1] = da[i];
+    to[2] = 3 * rise_a - 2 * da[i] - da[i + 1];
+    to[3] = da[i] + da[i + 1] - 2 * rise_a;
+    to[4] = ib[i];
+    to[5] = db[i];
+    to[6] = 3 * rise_b - 2 * db[i] - db[i + 1];
+    to[7] = db[i] + db[i + 1] - 2 * rise_b;
   }
 }
 
@@ -180,6 +213,10 @@ template <auto kLoop>
 void felt_on_baseline(const DomePoint& of, const Points& to) noexcept {
   kLoop(of, to);
 }
+void integrals_on_baseline(double aa, double bb, double shorter, double first, double per_step,
+                           double* to) noexcept {
+  fill_integrals(aa, bb, shorter, first, per_step, to);
+}
 #if defined(__x86_64__)
 template <auto kLoop>
 [[gnu::target("avx2,fma")]] void felt_on_avx2(const DomePoint& of, const Points& to) noexcept {
@@ -190,22 +227,30 @@ template <auto kLoop>
                                                                  const Points& to) noexcept {
   kLoop(of, to);
 }
+[[gnu::target("avx2,fma")]] void integrals_on_avx2(double aa, double bb, double shorter, double first,
+                                                   double per_step, double* to) noexcept {
+  fill_integrals(aa, bb, shorter, first, per_step, to);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void integrals_on_avx512(double aa, double bb, double shorter,
+                                                                      double first, double per_step,
+                                                                      double* to) noexcept {
+  fill_integrals(aa, bb, shorter, first, per_step, to);
+}
 #endif
 
 struct SubsurfaceKernels {
   using Kernel = void (*)(const DomePoint&, const Points&) noexcept;
+  void (*integrals)(double, double, double, double, double, double*) noexcept;
   Kernel round, round_value, elliptic, elliptic_value, surface, surface_value;
   static const SubsurfaceKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-const SubsurfaceKernels SubsurfaceKernels::baseline{
-    felt_on_baseline<round_slopes>,    felt_on_baseline<round_values>,   felt_on_baseline<elliptic_slopes>,
+const SubsurfaceKernels SubsurfaceKernels::baseline{integrals_on_baseline, felt_on_baseline<round_slopes>,    felt_on_baseline<round_values>,   felt_on_baseline<elliptic_slopes>,
     felt_on_baseline<elliptic_values>, felt_on_baseline<surface_slopes>, felt_on_baseline<surface_values>};
 #if defined(__x86_64__)
-const SubsurfaceKernels SubsurfaceKernels::avx2{felt_on_avx2<round_slopes>,    felt_on_avx2<round_values>,
+const SubsurfaceKernels SubsurfaceKernels::avx2{integrals_on_avx2, felt_on_avx2<round_slopes>,    felt_on_avx2<round_values>,
                                                 felt_on_avx2<elliptic_slopes>, felt_on_avx2<elliptic_values>,
                                                 felt_on_avx2<surface_slopes>,  felt_on_avx2<surface_values>};
-const SubsurfaceKernels SubsurfaceKernels::avx512{
-    felt_on_avx512<round_slopes>,    felt_on_avx512<round_values>,   felt_on_avx512<elliptic_slopes>,
+const SubsurfaceKernels SubsurfaceKernels::avx512{integrals_on_avx512, felt_on_avx512<round_slopes>,    felt_on_avx512<round_values>,   felt_on_avx512<elliptic_slopes>,
     felt_on_avx512<elliptic_values>, felt_on_avx512<surface_slopes>, felt_on_avx512<surface_values>};
 #endif
 
@@ -235,6 +280,20 @@ void choose_gauss(double side_m, double depth_m, std::vector<double>& at, std::v
   use_gauss<20>(side_m, at, weight);
 }
 
+// The same within about 1e-2.
+void choose_rough(double side_m, double depth_m, std::vector<double>& at, std::vector<double>& weight) {
+  if (!(depth_m > 0)) return use_gauss<4>(side_m, at, weight);
+  const double ratio = side_m / depth_m;
+  if (ratio <= 0.55) {
+    at = {0.0};
+    weight = {1.0};
+    return;
+  }
+  if (ratio <= 2.2) return use_gauss<2>(side_m, at, weight);
+  if (ratio <= 4.2) return use_gauss<3>(side_m, at, weight);
+  use_gauss<4>(side_m, at, weight);
+}
+
 }  // namespace
 
 FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept {
@@ -245,7 +304,8 @@ FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, doub
     return {.nn = height, .xx = height, .yy = height};
   }
   return turned(
-      ellipse.round() ? felt_value<true>(a, a, depth_m, x, y) : felt_value<false>(a, b, depth_m, x, y), c, s);
+      ellipse.round() ? felt_value<Shape::round>(a, a, depth_m, x, y)
+                      : felt_value<Shape::elliptic>(a, b, depth_m, x, y), c, s);
 }
 
 SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m)
@@ -253,12 +313,17 @@ SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m
       depth_m_(depth_m),
       rows_(most * kRows * (depth_m > 0 ? std::size_t{kComponents} : 1)),
       zeros_(depth_m > 0 ? 0 : most) {
-  choose_gauss(side_m, depth_m, at_, weight_);
+  Rule& exact = rules_[static_cast<std::size_t>(Detail::exact)];
+  Rule& rough = rules_[static_cast<std::size_t>(Detail::rough)];
+  choose_gauss(side_m, depth_m, exact.at, exact.weight);
+  choose_rough(side_m, depth_m, rough.at, rough.weight);
+  rules_[static_cast<std::size_t>(Detail::centre)] = {{0.0}, {1.0}};
+  if (depth_m > 0) integrals_.resize(IntegralTable::kIntervals * IntegralTable::kPerInterval);
   best_kernels<SubsurfaceKernels>();  // not first within a fit
 }
 
 void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::span<const double> v,
-                          bool slopes) noexcept {
+                          bool slopes, const Rule& rule) noexcept {
   const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
   const bool surface = !(depth_m_ > 0), round = dome.round() && !surface;
   count_ = u.size();
@@ -272,33 +337,40 @@ void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::s
                   .side = side_m_};
   const Points to{u.data(), v.data(), rows_.data(), count_};
   if (surface) {
-    for (std::size_t j = 0; j < at_.size(); ++j) {
-      point.v = at_[j];
-      point.weight = weight_[j];
+    for (std::size_t j = 0; j < rule.at.size(); ++j) {
+      point.v = rule.at[j];
+      point.weight = rule.weight[j];
       (slopes ? kernels.surface : kernels.surface_value)(point, to);
     }
     return;
   }
   const auto kernel = round ? (slopes ? kernels.round : kernels.round_value)
                             : (slopes ? kernels.elliptic : kernels.elliptic_value);
-  for (std::size_t i = 0; i < at_.size(); ++i) {
-    for (std::size_t j = 0; j < at_.size(); ++j) {
-      point.u = at_[i];
-      point.v = at_[j];
-      point.weight = weight_[i] * weight_[j];
+  if (!round) {
+    point.table = {.coefficient = integrals_.data(), .shorter = std::min(dome.a_m, dome.b_m)};
+    point.table.first = depth_m_ / (depth_m_ + point.table.shorter);  // l is at least d^2
+    point.table.per_step = IntegralTable::kIntervals / (1 - point.table.first);
+    kernels.integrals(dome.a_m * dome.a_m, dome.b_m * dome.b_m, point.table.shorter, point.table.first,
+                      point.table.per_step, integrals_.data());
+  }
+  for (std::size_t i = 0; i < rule.at.size(); ++i) {
+    for (std::size_t j = 0; j < rule.at.size(); ++j) {
+      point.u = rule.at[i];
+      point.v = rule.at[j];
+      point.weight = rule.weight[i] * rule.weight[j];
       kernel(point, to);
     }
   }
 }
 
-void SubsurfaceSheet::evaluate(const Ellipse& dome, std::span<const double> u,
-                               std::span<const double> v) noexcept {
-  run(dome, u, v, true);
+void SubsurfaceSheet::evaluate(const Ellipse& dome, std::span<const double> u, std::span<const double> v,
+                               Detail detail) noexcept {
+  run(dome, u, v, true, rule_of(detail));
 }
 
 void SubsurfaceSheet::evaluate_values(const Ellipse& dome, std::span<const double> u,
-                                      std::span<const double> v) noexcept {
-  run(dome, u, v, false);
+                                      std::span<const double> v, Detail detail) noexcept {
+  run(dome, u, v, false, rule_of(detail));
 }
 
 }  // namespace slipd::contact

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,10 @@ class SubsurfaceSheet {
   // dome) and by the angle.
   enum Of : unsigned char { value, d_u, d_v, d_a, d_b, d_angle, kRows };
 
+  // What is summed for each taxel. exact: as the constructor says. rough: fewer points, for the steps of a fit
+  // that are not its last ones. centre: the value at its middle.
+  enum class Detail : std::uint8_t { exact, rough, centre };
+
   // Room for so many taxels. side_m: of their squares, m. depth_m >= 0. Averages are Gauss-Legendre sums,
   // with more points at smaller depths; at depth 0 they are exact along x. They agree with the integral to
   // 1e-4 of the dome's height, at depth 0 at the rim to 5e-4 for taxels of at most a fifth of the radius.
@@ -51,9 +56,11 @@ class SubsurfaceSheet {
 
   // Averages of a dome of unit height about the origin at taxels (u, v), along the sensor's axes. Round domes
   // under a skin are faster; their rows d_b and d_angle are not written.
-  void evaluate(const Ellipse& dome, std::span<const double> u, std::span<const double> v) noexcept;
+  void evaluate(const Ellipse& dome, std::span<const double> u, std::span<const double> v,
+                Detail detail = Detail::exact) noexcept;
   // The rows `value` alone.
-  void evaluate_values(const Ellipse& dome, std::span<const double> u, std::span<const double> v) noexcept;
+  void evaluate_values(const Ellipse& dome, std::span<const double> u, std::span<const double> v,
+                       Detail detail = Detail::exact) noexcept;
 
   // Of the last evaluation, as long as its lists.
   std::span<const double> row(Of of, Component component) const noexcept {
@@ -64,14 +71,20 @@ class SubsurfaceSheet {
   }
   double depth_m() const noexcept { return depth_m_; }
   // Points that a taxel's average is made of, along one side.
-  std::size_t points() const noexcept { return at_.size(); }
+  std::size_t points(Detail detail = Detail::exact) const noexcept { return rule_of(detail).at.size(); }
 
  private:
-  void run(const Ellipse& dome, std::span<const double> u, std::span<const double> v, bool slopes) noexcept;
+  struct Rule {
+    std::vector<double> at, weight;  // on a side, m
+  };
+  const Rule& rule_of(Detail detail) const noexcept { return rules_[static_cast<std::size_t>(detail)]; }
+  void run(const Ellipse& dome, std::span<const double> u, std::span<const double> v, bool slopes,
+           const Rule& rule) noexcept;
 
   std::size_t count_ = 0;
   double side_m_, depth_m_;
-  std::vector<double> at_, weight_;  // Gauss-Legendre on a side, m
+  std::array<Rule, 3> rules_;        // Gauss-Legendre, by Detail
+  std::vector<double> integrals_;    // of the ellipse evaluated, see IntegralTable
   std::vector<double> rows_;         // at depth 0 those of nn alone, which are xx and yy as well
   std::vector<double> zeros_;        // at depth 0 the other components
 };

@@ -51,6 +51,27 @@ namespace subsurface {
   return l;
 }
 
+// The same to 1e-9 of its value, by three steps of Halley's method and with one reciprocal for the three terms.
+[[gnu::always_inline]] inline double confocal_near(double aa, double bb, double zz, double xx,
+                                                   double yy) noexcept {
+  constexpr int kSteps = 3;
+  constexpr double kTiny = 1e-300;
+  const double rr = xx + yy;
+  const double along = rr / std::max(xx / aa + yy / bb, kTiny);
+  const double least = round_confocal(std::max(aa, bb), rr, zz);
+  double l = round_confocal(std::clamp(along, std::min(aa, bb), std::max(aa, bb)), rr, zz);
+#pragma GCC unroll 3
+  for (int i = 0; i < kSteps; ++i) {
+    const double al = aa + l, bl = bb + l, both = al * bl, over = 1 / (both * l);
+    const double pa = bl * l * over, pb = al * l * over, pz = both * over;
+    const double fx = xx * pa, fy = yy * pb, fz = zz * pz;
+    const double gx = fx * pa, gy = fy * pb, gz = fz * pz;
+    const double off = 1 - (fx + fy + fz), g = gx + gy + gz, h = gx * pa + gy * pb + gz * pz;
+    l = std::max(least, l - off * g / (g * g + off * h));
+  }
+  return l;
+}
+
 // Carlson's R_D(x, y, z) and R_D(x, z, y) by duplication (Carlson 1979), x, y, z > 0.
 struct Carlson {
   double of_z, of_y;
@@ -96,10 +117,36 @@ struct Integrals {
   return {za, za, by, by, 0, 0};
 }
 
-[[gnu::always_inline]] inline Integrals elliptic_integrals(double aa, double bb, double l, double pa,
-                                                           double pb, double per_d) noexcept {
+// I_a and I_b of one ellipse over l as cubics between nodes that are even in m/(m + b), with m = sqrt(l) and b
+// the shorter half axis: to 1e-6 of their greatest value.
+struct IntegralTable {
+  static constexpr int kIntervals = 48;
+  static constexpr std::size_t kPerInterval = 8;  // four coefficients of each
+  const double* coefficient = nullptr;
+  double shorter = 0, first = 0, per_step = 0;
+};
+struct AxisIntegrals {
+  double a, b;
+};
+[[gnu::always_inline]] inline AxisIntegrals axis_integrals(double aa, double bb, double l) noexcept {
   const Carlson rd = carlson_rd(l, bb + l, aa + l);
-  const double ia = 2.0 / 3 * rd.of_z, ib = 2.0 / 3 * rd.of_y, iz = 2 * per_d - ia - ib;
+  return {2.0 / 3 * rd.of_z, 2.0 / 3 * rd.of_y};
+}
+[[gnu::always_inline]] inline AxisIntegrals axis_integrals(const IntegralTable& of, double l) noexcept {
+  const double m = std::sqrt(l), place = (m / (m + of.shorter) - of.first) * of.per_step;
+  const double within = std::min(std::max(place, 0.0), IntegralTable::kIntervals - 1e-9);
+  const int interval = static_cast<int>(within);
+  const double t = within - interval;
+  const double* const c = of.coefficient;
+  const int i = static_cast<int>(IntegralTable::kPerInterval) * interval;
+  return {((c[i + 3] * t + c[i + 2]) * t + c[i + 1]) * t + c[i],
+          ((c[i + 7] * t + c[i + 6]) * t + c[i + 5]) * t + c[i + 4]};
+}
+
+[[gnu::always_inline]] inline Integrals elliptic_integrals(double aa, double bb, double l, double pa,
+                                                           double pb, double per_d,
+                                                           const AxisIntegrals& along) noexcept {
+  const double ia = along.a, ib = along.b, iz = 2 * per_d - ia - ib;
   // -1/2 integral of ds/((A+s)(B+s) D); where A and B are near, by their middle.
   const double apart = aa - bb, middle = 0.5 * (aa + bb);
   const bool near = std::fabs(apart) < 1e-4 * middle;
@@ -112,31 +159,31 @@ struct Integrals {
   return {iz - ia, iz - ib, z_by_a - a_by_a, z_by_a - both, z_by_b - both, z_by_b - b_by_b};
 }
 
-template <bool kRound>
-[[gnu::always_inline]] inline Integrals integrals(double aa, double bb, double l, double pa, double pb,
-                                                  double pz, double per_d) noexcept {
-  if constexpr (kRound) {
-    return round_integrals(aa, l, pa, pz, per_d);
-  } else {
-    return elliptic_integrals(aa, bb, l, pa, pb, per_d);
-  }
-}
-
 // What all derivatives share.
 struct Common {
   double a, b, aa, bb, z, l, pa, pb, pz, ex, ey, ez, g, per_d, w, jx, jy, c;
   double za_by_a, zb_by_a, za_by_b, zb_by_b;  // see Integrals
 };
 
-template <bool kRound>
-[[gnu::always_inline]] inline Common common(double a, double b, double z, double x, double y) noexcept {
+enum class Shape : unsigned char { round, elliptic, tabled };  // tabled: elliptic, integrals by a table
+
+template <Shape kShape>
+[[gnu::always_inline]] inline Common common(double a, double b, double z, double x, double y,
+                                            const IntegralTable& table = {}) noexcept {
+  constexpr bool kRound = kShape == Shape::round;
   Common at;
   at.a = a;
   at.b = b;
   at.aa = a * a;
   at.bb = b * b;
   at.z = z;
-  at.l = kRound ? round_confocal(at.aa, x * x + y * y, z * z) : confocal(at.aa, at.bb, z * z, x * x, y * y);
+  if constexpr (kRound) {
+    at.l = round_confocal(at.aa, x * x + y * y, z * z);
+  } else if constexpr (kShape == Shape::tabled) {
+    at.l = confocal_near(at.aa, at.bb, z * z, x * x, y * y);
+  } else {
+    at.l = confocal(at.aa, at.bb, z * z, x * x, y * y);
+  }
   at.pa = 1 / (at.aa + at.l);
   at.pb = kRound ? at.pa : 1 / (at.bb + at.l);
   at.pz = 1 / at.l;
@@ -147,7 +194,15 @@ template <bool kRound>
   at.per_d = std::sqrt(at.pa * at.pb * at.pz);
   at.w = z * a * b * at.per_d / at.g;
   at.c = 0.5 * z * a * b;
-  const Integrals in = integrals<kRound>(at.aa, at.bb, at.l, at.pa, at.pb, at.pz, at.per_d);
+  Integrals in;
+  if constexpr (kRound) {
+    in = round_integrals(at.aa, at.l, at.pa, at.pz, at.per_d);
+  } else if constexpr (kShape == Shape::tabled) {
+    in = elliptic_integrals(at.aa, at.bb, at.l, at.pa, at.pb, at.per_d, axis_integrals(table, at.l));
+  } else {
+    in = elliptic_integrals(at.aa, at.bb, at.l, at.pa, at.pb, at.per_d,
+                            axis_integrals(at.aa, at.bb, at.l));
+  }
   at.jx = at.c * in.za;
   at.jy = at.c * in.zb;
   at.za_by_a = in.za_by_a;
@@ -186,10 +241,10 @@ template <bool kRound>
 
 // The value alone at (x, y) along the axes from the dome's centre, depth z > 0 below; any unit of length.
 // Structs of many members would keep a loop scalar: derivatives are taken one by one.
-template <bool kRound>
-[[gnu::always_inline]] inline FeltTensor felt_value(double a, double b, double z, double x,
-                                                    double y) noexcept {
-  return subsurface::value_of(subsurface::common<kRound>(a, b, z, x, y));
+template <subsurface::Shape kShape>
+[[gnu::always_inline]] inline FeltTensor felt_value(double a, double b, double z, double x, double y,
+                                                    const subsurface::IntegralTable& table = {}) noexcept {
+  return subsurface::value_of(subsurface::common<kShape>(a, b, z, x, y, table));
 }
 
 }  // namespace slipd::contact

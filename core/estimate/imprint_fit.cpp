@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/profile_posterior.hpp"
@@ -15,10 +15,18 @@ namespace slipd {
 namespace {
 
 using contact::FeltTensor;
+using Model = ImprintModel;
 using Sheet = contact::SubsurfaceSheet;
 
-// An ellipse's axes are apart by at least this, log of their ratio: else its angle means nothing.
-constexpr double kLeastLogAxes = 1e-3;
+double product_of(std::span<const double> one, std::span<const double> two) noexcept {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t i = 0; i < one.size(); ++i) sum += one[i] * two[i];
+  return sum;
+}
+double squares_of(std::span<const double> values) noexcept {
+  return product_of(values, values);
+}
 
 }  // namespace
 
@@ -29,54 +37,9 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
       options_(options),
       prior_{.expected = friction_expected, .spread = fit.prior.scene_spread},
       depth_m_(depth_m),
-      outer_(layout.size(), layout.side_m(), depth_m),
-      inner_(layout.size(), layout.side_m(), depth_m) {
-  for (auto* list : {&x_, &y_, &u_, &v_}) list->resize(layout.size());
-  const auto rows = 3 * static_cast<Eigen::Index>(layout.size());
-  data_.resize(rows);
-  residuals_.resize(rows);
-  slopes_.resize(rows, kMost);
-  choose_imprint_loops();
-}
-
-std::size_t ImprintFit::memory_bytes() const noexcept {
-  const std::size_t components = depth_m_ > 0 ? std::size_t{Sheet::kComponents} : 1;
-  // Places; data, residual and slopes of three channels; both sheets' rows.
-  constexpr std::size_t kPlaces = 4, kOfChannels = 3 * (std::size_t{2} + kMost),
-                        kRows = 2 * std::size_t{Sheet::kRows};
-  return sizeof(*this) + layout_.size() * sizeof(double) * (kPlaces + kOfChannels + kRows * components);
-}
-
-// In a frame with x along the resultant. Under a skin, what lies around the disc is felt as well.
-void ImprintFit::collect(const ContactPatch& patch) noexcept {
-  count_ = 0;
-  const double c = patch.direction_x, s = patch.direction_y;
-  const auto take = [&](std::uint32_t i) {
-    const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
-    x_[count_] = c * x + s * y;
-    y_[count_] = c * y - s * x;
-    u_[count_] = i;
-    ++count_;
-  };
-  if (!(depth_m_ > 0)) {
-    patch.for_each_inside(take);
-  } else {
-    const double reach = 1.06 * patch.radius_m + 0.71 * layout_.side_m() + options_.reach_depths * depth_m_;
-    const bool all = layout_.size() <= kFewTaxels;
-    for (std::uint32_t i = 0; i < layout_.size(); ++i) {
-      const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
-      if (all || x * x + y * y < reach * reach) take(i);
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(count_);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const auto i = static_cast<std::uint32_t>(u_[static_cast<std::size_t>(j)]);
-    const double qx = patch.taxels.shear_x_pa[i], qy = patch.taxels.shear_y_pa[i];
-    data_[j] = patch.taxels.normal_pa[i];
-    data_[n + j] = c * qx + s * qy;
-    data_[2 * n + j] = c * qy - s * qx;
-  }
-}
+      model_(layout, depth_m),
+      shear_(3 * layout.size()),
+      unsheared_(3 * layout.size()) {}
 
 // The felt pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P.
 ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
@@ -85,135 +48,104 @@ ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio&
   const double a = std::sqrt(std::max(felt * felt - options_.start_spread * depth_m_ * depth_m_,
                                       kLeastShare * kLeastShare * felt * felt));
   Full at = Full::Zero();
-  at[load] = ratio.load;
-  at[center_x] = -depth_m_ * ratio.load;
-  at[size] = a;
-  at[peak] = 1.5 * patch.normal_n / (std::numbers::pi * a * a);
-  at[margin] = depth_m_ > 0 ? options_.start_gamma
-                            : std::clamp(gamma_of_moment_ratio(ratio.value), fit_.min_start, fit_.max_start);
+  at[Model::load] = ratio.load;
+  at[Model::center_x] = patch.center_x_m - depth_m_ * ratio.load * patch.direction_x;
+  at[Model::center_y] = patch.center_y_m - depth_m_ * ratio.load * patch.direction_y;
+  at[Model::direction] = std::atan2(patch.direction_y, patch.direction_x);
+  at[Model::size] = a;
+  at[Model::peak] = 1.5 * patch.normal_n / (std::numbers::pi * a * a);
+  at[Model::margin] = depth_m_ > 0
+                          ? options_.start_gamma
+                          : std::clamp(gamma_of_moment_ratio(ratio.value), fit_.min_start, fit_.max_start);
   return at;
 }
 
-contact::Ellipse ImprintFit::ellipse_of(const Full& at, double scale) noexcept {
-  const double apart = std::hypot(at[along], at[across]), stretch = std::exp(0.5 * apart);
-  return {scale * at[size] * stretch, scale * at[size] / stretch, 0.5 * std::atan2(at[across], at[along])};
-}
-
-void ImprintFit::place(const Full& at) noexcept {
-  for (std::size_t i = 0; i < count_; ++i) {
-    u_[i] = x_[i] - at[center_x];
-    v_[i] = y_[i] - at[center_y];
+ImprintFit::Full ImprintFit::stepped(const Full& from, const Vector& step) const noexcept {
+  constexpr double kMostFall = 3;  // of the peak pressure in one step: it stays above 0
+  Full to = from;
+  to.head(step.size()) += step;
+  to[Model::margin] = std::clamp(to[Model::margin], fit_.min_gamma, fit_.max_gamma);
+  to[Model::size] = std::clamp(to[Model::size], from[Model::size] / fit_.max_radius_factor,
+                               from[Model::size] * fit_.max_radius_factor);
+  const double apart = std::hypot(to[Model::along], to[Model::across]);
+  if (apart > options_.max_log_axes) {
+    to[Model::along] *= options_.max_log_axes / apart;
+    to[Model::across] *= options_.max_log_axes / apart;
   }
-}
-
-double ImprintFit::evaluate(const Full& from, int unknowns, Vector& gradient, Square& hessian) noexcept {
-  Full at = from;
-  if (unknowns == kRound) {
-    at[along] = at[across] = 0;
-  } else if (std::hypot(at[along], at[across]) < kLeastLogAxes) {
-    at[along] = kLeastLogAxes;
-    at[across] = 0;
-  }
-  place(at);
-  const double k = std::cbrt(at[margin]), rest = 1 - at[margin], apart = std::hypot(at[along], at[across]);
-  const contact::Ellipse wide = ellipse_of(at, 1), narrow = ellipse_of(at, k);
-  outer_.evaluate(wide, {u_.data(), count_}, {v_.data(), count_});
-  inner_.evaluate(narrow, {u_.data(), count_}, {v_.data(), count_});
-  const double per_apart = apart > 0 ? 1 / apart : 0;
-  ImprintSlopes by{.outer = ImprintRows(outer_),
-                   .inner = ImprintRows(inner_),
-                   .wide = wide,
-                   .narrow = narrow,
-                   .peak = at[peak],
-                   .shear = at[peak] * at[load] / rest,
-                   .k = k,
-                   .rest = rest,
-                   .dk = 1 / (3 * k * k),
-                   .c = std::cos(at[direction]),
-                   .s = std::sin(at[direction]),
-                   .c2 = at[along] * per_apart,
-                   .s2 = at[across] * per_apart,
-                   .turn = 0.5 * per_apart,
-                   .per_size = 1 / at[size],
-                   .per_normal = 1 / noise_normal_,
-                   .per_shear = 1 / noise_shear_,
-                   .surface = !(depth_m_ > 0),
-                   .data = data_.data(),
-                   .residuals = residuals_.data(),
-                   .column = {},
-                   .count = count_};
-  for (int j = 0; j < unknowns; ++j) by.column[static_cast<std::size_t>(j)] = slopes_.col(j).data();
-  std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
-  linearise_imprint(by, unknowns, products.data());
-  gradient.resize(unknowns);
-  hessian.resize(unknowns, unknowns);
-  const double* next = products.data();
-  for (int row = 0; row < unknowns; ++row) {
-    for (int col = 0; col <= row; ++col) hessian(row, col) = hessian(col, row) = *next++;
-  }
-  for (int row = 0; row < unknowns; ++row) gradient[row] = *next++;
-  return 0.5 * residuals_.head(3 * static_cast<Eigen::Index>(count_)).squaredNorm();
+  if (to.allFinite()) to[Model::peak] = std::max(to[Model::peak], from[Model::peak] / kMostFall);
+  return to;
 }
 
 void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
-  constexpr double kMostFall = 3;  // of the peak pressure in one step: it stays above 0
-  Vector trial_gradient;
-  Square trial_hessian;
+  Model::Normal trial_normal;
+  const double settled = model_.partial() ? options_.part_settled_nats : options_.settled_nats;
   double damping = fit_.first_damping;
   best.converged = false;
-  best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
+  model_.evaluate(best.at, unknowns, best.normal);
+  best.current = true;
   for (int step_number = 0; step_number < kMostSteps && !best.converged; ++step_number, ++steps_) {
-    Square damped = best.hessian;
+    Square damped = best.normal.hessian;
     damped.diagonal() *= 1 + damping;
-    const Vector step = -damped.ldlt().solve(best.gradient);
-    Full trial = best.at;
-    trial.head(unknowns) += step;
-    trial[margin] = std::clamp(trial[margin], fit_.min_gamma, fit_.max_gamma);
-    trial[size] = std::clamp(trial[size], best.at[size] / fit_.max_radius_factor,
-                             best.at[size] * fit_.max_radius_factor);
-    const double apart = std::hypot(trial[along], trial[across]);
-    if (apart > options_.max_log_axes) {
-      trial[along] *= options_.max_log_axes / apart;
-      trial[across] *= options_.max_log_axes / apart;
+    const Vector step = -damped.ldlt().solve(best.normal.gradient);
+    // Half the squared length of the step in standard deviations.
+    if (-0.5 * step.dot(best.normal.gradient) < settled) {
+      best.converged = true;
+      break;
     }
+    const Full trial = stepped(best.at, step);
     if (!trial.allFinite()) break;
-    trial[peak] = std::max(trial[peak], best.at[peak] / kMostFall);
-    const double trial_cost = evaluate(trial, unknowns, trial_gradient, trial_hessian);
-    if (trial_cost <= best.cost) {
+    model_.evaluate(trial, unknowns, trial_normal);
+    best.current = trial_normal.cost <= best.normal.cost;
+    if (best.current) {
       const auto moved = (trial - best.at).head(unknowns).array().abs();
-      const double moved_sigmas = (moved * best.hessian.diagonal().array().sqrt()).maxCoeff();
-      best.converged = best.cost - trial_cost < options_.settled_nats;
+      const double moved_sigmas = (moved * best.normal.hessian.diagonal().array().sqrt()).maxCoeff();
+      best.converged =
+          best.normal.cost - trial_normal.cost < settled || moved_sigmas < fit_.converged_sigmas;
       best.at = trial;
-      best.cost = trial_cost;
-      best.gradient = trial_gradient;
-      best.hessian = trial_hessian;
+      best.normal = trial_normal;
       damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
-      best.converged = best.converged || moved_sigmas < fit_.converged_sigmas;
     } else {
       damping *= fit_.damping_factor;
-      best.converged = damping > fit_.max_damping || -0.5 * step.dot(best.gradient) < options_.settled_nats;
+      best.converged = damping > fit_.max_damping;
     }
   }
 }
 
-// Root mean squares of what is left over, each channel with its share of the unknowns.
-void ImprintFit::measure_noise(const Minimum& best, int unknowns) noexcept {
-  const auto n = static_cast<Eigen::Index>(count_);
-  const double used = 1 - unknowns / (3.0 * static_cast<double>(n));
-  const double floor_pa = fit_.noise_floor * best.at[peak];
-  noise_normal_ = std::max(floor_pa, noise_normal_ * std::sqrt(residuals_.head(n).squaredNorm() /
-                                                               (used * static_cast<double>(n))));
-  noise_shear_ = std::max(floor_pa, noise_shear_ * std::sqrt(residuals_.segment(n, 2 * n).squaredNorm() /
-                                                             (used * 2 * static_cast<double>(n))));
+// The model's residuals are those of the minimum.
+void ImprintFit::refresh(int unknowns, Minimum& best) noexcept {
+  if (best.current) return;
+  model_.evaluate(best.at, unknowns, best.normal);
+  best.current = true;
+}
+
+// Noise: root mean squares of what is left over, each channel with its share of the unknowns. Where only its
+// size changes, and not that of one channel against the others, the minimum stays, and so does its Hessian but
+// for a factor: here the lesser of both channels', so that sigma is not less than it should be.
+bool ImprintFit::weights_change(int unknowns, Minimum& best) noexcept {
+  refresh(unknowns, best);
+  const std::size_t n = model_.count();
+  const auto taxels = static_cast<double>(n);
+  const double used = 1 - unknowns / (3 * taxels), floor_pa = fit_.noise_floor * best.at[Model::peak];
+  const auto left = model_.residuals();
+  const Model::Noise before = model_.noise();
+  const Model::Noise after{
+      std::max(floor_pa, before.normal_pa * std::sqrt(squares_of(left.first(n)) / (used * taxels))),
+      std::max(floor_pa, before.shear_pa * std::sqrt(squares_of(left.subspan(n)) / (used * 2 * taxels)))};
+  model_.change_noise(after);
+  const double normal = before.normal_pa / after.normal_pa, shear = before.shear_pa / after.shear_pa,
+               factor = std::min(normal * normal, shear * shear);
+  best.normal.hessian *= factor;
+  best.normal.gradient *= factor;
+  return std::fabs(std::log(normal / shear)) > options_.other_weights;
 }
 
 // By one step of Newton's method from the best round contact.
-bool ImprintFit::shows_ellipse(const Minimum& round) noexcept {
-  Vector gradient;
-  Square hessian;
-  evaluate(round.at, kMost, gradient, hessian);
-  const Vector step = -hessian.ldlt().solve(gradient);
-  const Square covariance = hessian.ldlt().solve(Square::Identity(kMost, kMost));
+bool ImprintFit::shows_ellipse(Minimum& round) noexcept {
+  refresh(Model::kRound, round);
+  Model::Normal normal;
+  model_.extend(round.at, normal);
+  const Vector step = -normal.hessian.ldlt().solve(normal.gradient);
+  const Square covariance = normal.hessian.ldlt().solve(Square::Identity(Model::kMost, Model::kMost));
   const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
   const Eigen::Vector2d axes = step.tail<2>();
   const double squares = axes.dot(spread.ldlt().solve(axes));
@@ -226,48 +158,48 @@ double ImprintFit::residual_pressure(const Full& at) const noexcept {
     double off = 0, taxels = 0;
   };
   std::array<Part, 16> parts;
-  const double half = 0.5 * at[size] * at[size];
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double u = u_[i], v = v_[i];
+  const double half = 0.5 * at[Model::size] * at[Model::size], noise_pa = model_.noise().normal_pa;
+  const auto left = model_.residuals(), all_u = model_.u(), all_v = model_.v();
+  for (std::size_t i = 0; i < model_.count(); ++i) {
+    const double u = all_u[i], v = all_v[i];
     Part& part = parts[(u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) + (std::fabs(u) > std::fabs(v) ? 4U : 0U) +
                        (u * u + v * v > half ? 8U : 0U)];
-    part.off += noise_normal_ * residuals_[static_cast<Eigen::Index>(i)];
+    part.off += noise_pa * left[i];
     part.taxels += 1;
   }
   double squares = 0;
   for (const Part& part : parts) squares += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
   const double fitted = elliptic_ ? 6 : 4, free = static_cast<double>(parts.size()) - fitted;
-  const double by_noise = noise_normal_ * noise_normal_;
+  const double by_noise = noise_pa * noise_pa;
   if (squares < (free + fit_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
-  return std::sqrt((squares - free * by_noise) / static_cast<double>(count_)) / at[peak];
+  return std::sqrt((squares - free * by_noise) / static_cast<double>(model_.count())) / at[Model::peak];
 }
 
 // As Fit::ring_misfit: noise averages out in a ring, another history of the load does not.
-double ImprintFit::ring_misfit(const Full& at) const noexcept {
+double ImprintFit::ring_misfit(const Full& at, std::span<const double> held) const noexcept {
   constexpr std::size_t kRings = 12;
   struct Ring {
     double off = 0, held = 0, taxels = 0;
   };
   std::array<Ring, kRings> rings;
-  const contact::Ellipse ellipse = ellipse_of(at, 1);
+  const contact::Ellipse ellipse = Model::ellipse_of(at, 1);
   const double c = std::cos(ellipse.angle_rad), s = std::sin(ellipse.angle_rad);
-  const double pull_x = std::cos(at[direction]), pull_y = std::sin(at[direction]);
-  const double limit_pa = at[peak] * at[load] / (1 - at[margin]);
-  const auto held = outer_.row(Sheet::value, Sheet::xx);
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double along_a = (c * u_[i] + s * v_[i]) / ellipse.a_m,
-                 along_b = (c * v_[i] - s * u_[i]) / ellipse.b_m;
+  const double pull_x = std::cos(at[Model::direction]), pull_y = std::sin(at[Model::direction]);
+  const double limit_pa = at[Model::peak] * at[Model::load] / (1 - at[Model::margin]);
+  const Model::Noise& noise = model_.noise();
+  const std::size_t n = model_.count();
+  const auto left = model_.residuals(), u = model_.u(), v = model_.v();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double along_a = (c * u[i] + s * v[i]) / ellipse.a_m, along_b = (c * v[i] - s * u[i]) / ellipse.b_m;
     const auto which = static_cast<std::size_t>(std::hypot(along_a, along_b) * kRings);
     Ring& ring = rings[std::min(which, kRings - 1)];
-    const auto row = static_cast<Eigen::Index>(count_ + i),
-               across_row = static_cast<Eigen::Index>(2 * count_ + i);
-    ring.off += noise_shear_ * (pull_x * residuals_[row] + pull_y * residuals_[across_row]);
+    ring.off += noise.shear_pa * (pull_x * left[n + i] + pull_y * left[2 * n + i]);
     ring.held += limit_pa * held[i];
     ring.taxels += 1;
   }
   // What is left of the shear is noise and misfit: noise is hardly more than that of the pressure.
   constexpr double kMostNoise = 1.5;
-  const double noise_pa = std::min(noise_shear_, kMostNoise * noise_normal_);
+  const double noise_pa = std::min(noise.shear_pa, kMostNoise * noise.normal_pa);
   double misfit = 0;
   int used = 0;
   for (const Ring& ring : rings) {
@@ -279,65 +211,73 @@ double ImprintFit::ring_misfit(const Full& at) const noexcept {
   return used > 0 ? misfit / used : 0;
 }
 
-bool ImprintFit::describe(const ContactPatch& patch, const Minimum& minimum,
-                          FrameEstimate& out) const noexcept {
+bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noexcept {
   const Full& at = minimum.at;
-  const Vector scale = minimum.hessian.diagonal().cwiseSqrt().cwiseInverse();
+  const Vector scale = minimum.normal.hessian.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return false;
-  const Square even = scale.asDiagonal() * minimum.hessian * scale.asDiagonal();
+  const Square even = scale.asDiagonal() * minimum.normal.hessian * scale.asDiagonal();
   const auto decomposed = even.ldlt();
   const auto unit = [&](int which) -> Vector {
     Vector column = Vector::Zero(scale.size());
     column[which] = 1;
     return decomposed.solve(column);
   };
-  const double variance = unit(margin)[margin] * scale[margin] * scale[margin];
-  const double load_variance = unit(load)[load] * scale[load] * scale[load];
+  const double variance = unit(Model::margin)[Model::margin] * scale[Model::margin] * scale[Model::margin];
+  const double load_variance = unit(Model::load)[Model::load] * scale[Model::load] * scale[Model::load];
   if (!(variance > 0) || !std::isfinite(variance)) return false;
-  out.gamma = at[margin];
+  out.gamma = at[Model::margin];
   out.sigma = std::sqrt(variance);
   const double mobilised = 1 - out.gamma;
-  out.friction = at[load] / mobilised;
+  out.friction = at[Model::load] / mobilised;
   out.friction_sigma =
       out.sigma < fit_.max_friction_share * mobilised && load_variance > 0
-          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(load_variance) / at[load])
+          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(load_variance) / at[Model::load])
           : std::numeric_limits<double>::infinity();
-  const double c = patch.direction_x, s = patch.direction_y;
-  out.center_x_m = patch.center_x_m + c * at[center_x] - s * at[center_y];
-  out.center_y_m = patch.center_y_m + s * at[center_x] + c * at[center_y];
-  out.radius_m = at[size];
-  out.normal_n = 2.0 / 3 * std::numbers::pi * at[size] * at[size] * at[peak];
-  out.shear_n = at[load] * out.normal_n;
+  out.center_x_m = at[Model::center_x];
+  out.center_y_m = at[Model::center_y];
+  out.radius_m = at[Model::size];
+  out.normal_n = 2.0 / 3 * std::numbers::pi * at[Model::size] * at[Model::size] * at[Model::peak];
+  out.shear_n = at[Model::load] * out.normal_n;
   return true;
 }
 
+// What the shear alone makes each taxel read for one Q/P, over it: `of_shear` of each channel.
+void ImprintFit::fill_shear(const Full& at, double gamma, const ImprintRows& outer) noexcept {
+  const Model::Detail detail = profile_detail();
+  const double k = std::cbrt(gamma), q = at[Model::peak] / (1 - gamma);
+  const double c = std::cos(at[Model::direction]), s = std::sin(at[Model::direction]);
+  const ImprintRows inner(model_.show_part(at, k, detail));
+  const std::size_t n = model_.count();
+  for (std::size_t i = 0; i < n; ++i) {
+    const FeltTensor o = outer.at(Sheet::value, i), m = combined(1, o, -k, inner.at(Sheet::value, i));
+    const Felt g = felt_of(0, o, q, c, s, m);
+    shear_[i] = g.n / model_.noise().normal_pa;
+    shear_[n + i] = g.x / model_.noise().shear_pa;
+    shear_[2 * n + i] = g.y / model_.noise().shear_pa;
+  }
+}
+
 // As Fit::weigh_by_prior: the likelihood of each margin, with place and shape held and the load best for it.
+// Taxels may be averaged roughly: only what another margin changes is.
 void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept {
   const Square covariance = hessian.ldlt().solve(Square::Identity(hessian.rows(), hessian.cols()));
-  const double held =
-      1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
-  const double kept = held / covariance(margin, margin);
+  const double held = 1 / (hessian(Model::margin, Model::margin) -
+                           hessian(Model::load, Model::margin) * hessian(Model::load, Model::margin) /
+                               hessian(Model::load, Model::load));
+  const double kept = held / covariance(Model::margin, Model::margin);
   const double share = kept > 0 && kept < 1 ? std::max(kept, fit_.min_profile_share) : 1;
-  const double c = std::cos(at[direction]), s = std::sin(at[direction]);
-  const double p = at[peak], wn = 1 / noise_normal_, ws = 1 / noise_shear_;
-  const std::size_t n = count_;
+  const std::size_t rows = 3 * model_.count();
+  const ImprintRows outer(model_.show(at, profile_detail()));
+  const auto residuals = model_.residuals();
+  fill_shear(at, at[Model::margin], outer);
+  for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[Model::load] * shear_[i] - residuals[i];
   ProfileFriction friction;
   auto& profile = out.profile;
-  const ImprintRows outer(outer_);
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
-    const double gamma = MarginProfile::gamma_of(j), k = std::cbrt(gamma), q = p / (1 - gamma);
-    inner_.evaluate_values(ellipse_of(at, k), {u_.data(), n}, {v_.data(), n});
-    const ImprintRows inner(inner_);
-    double square = 0, product = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const FeltTensor o = outer.at(Sheet::value, i), m = combined(1, o, -k, inner.at(Sheet::value, i));
-      const Felt g = felt_of(0, o, q, c, s, m);
-      const double left_n = data_[static_cast<Eigen::Index>(i)] - p * o.nn,
-                   left_x = data_[static_cast<Eigen::Index>(n + i)] - p * o.nx,
-                   left_y = data_[static_cast<Eigen::Index>(2 * n + i)] - p * o.ny;
-      square += wn * wn * g.n * g.n + ws * ws * (g.x * g.x + g.y * g.y);
-      product += wn * wn * g.n * left_n + ws * ws * (g.x * left_x + g.y * left_y);
-    }
+    const double gamma = MarginProfile::gamma_of(j);
+    fill_shear(at, gamma, outer);
+    const double square = squares_of({shear_.data(), rows}),
+                 product = product_of({shear_.data(), rows}, {unsheared_.data(), rows});
     const double t = std::max(fit_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product);
@@ -345,91 +285,113 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   weigh_profile(friction, prior_, out);
 }
 
-// Round first; anew from another margin where it ends at an end of the range; then what noise is left over,
+// Round first, anew from another margin where it ends at an end of the range; then the noise that is left over,
 // and the ellipse if there is one.
+void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
+  model_.use_part(options_.part_taxels);
+  minimise(Model::kRound, best);
+  if (best.at[Model::margin] < fit_.min_start || best.at[Model::margin] > fit_.max_start) {
+    Minimum other;
+    other.at = start(patch, ratio);
+    other.at[Model::margin] = options_.other_gamma;
+    minimise(Model::kRound, other);
+    best.current = false;
+    if (other.normal.cost < best.normal.cost) best = other;
+  }
+  const bool changed = depth_m_ > 0 && weights_change(Model::kRound, best);
+  elliptic_ = shows_ellipse(best);
+  if (elliptic_ || changed) minimise(unknowns(), best);
+  if (elliptic_ && depth_m_ > 0 && weights_change(unknowns(), best)) minimise(unknowns(), best);
+}
+
+void ImprintFit::fit_all(Minimum& best) noexcept {
+  const bool skin = depth_m_ > 0;
+  model_.use_all();
+  minimise(unknowns(), best);
+  if (skin && weights_change(unknowns(), best)) minimise(unknowns(), best);
+  if (!elliptic_ && shows_ellipse(best)) {
+    elliptic_ = true;
+    minimise(unknowns(), best);
+    if (skin && weights_change(unknowns(), best)) minimise(unknowns(), best);
+  }
+  refresh(unknowns(), best);
+}
+
 ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   Minimum best;
   best.at = start(patch, ratio);
-  const double floor_pa = fit_.noise_floor * best.at[peak];
-  const bool skin = depth_m_ > 0;
-  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa);
-  noise_shear_ = skin ? noise_normal_ : std::max(patch.noise_shear_pa, floor_pa);
-  minimise(kRound, best);
-  if (best.at[margin] < fit_.min_start || best.at[margin] > fit_.max_start) {
-    Minimum other;
-    other.at = start(patch, ratio);
-    other.at[margin] = options_.other_gamma;
-    minimise(kRound, other);
-    if (other.cost < best.cost) best = other;
-  }
-  // Where only the noise's size changes, and not that of one channel against the others, the minimum stays.
-  const auto weights_changed = [&](int unknowns) {
-    const double before = noise_shear_ / noise_normal_;
-    evaluate(best.at, unknowns, best.gradient, best.hessian);
-    measure_noise(best, unknowns);
-    return std::fabs(std::log(noise_shear_ / noise_normal_ / before)) > options_.other_weights;
-  };
-  const bool changed = skin && weights_changed(kRound);
-  elliptic_ = shows_ellipse(best);
-  const int unknowns = elliptic_ ? int{kMost} : int{kRound};
-  if (elliptic_ || changed) minimise(unknowns, best);
-  if (skin && elliptic_ && weights_changed(unknowns)) minimise(unknowns, best);
-  best.cost = evaluate(best.at, unknowns, best.gradient, best.hessian);
+  const double floor_pa = fit_.noise_floor * best.at[Model::peak],
+               normal_pa = std::max(patch.noise_normal_pa, floor_pa);
+  model_.set_noise({normal_pa, depth_m_ > 0 ? normal_pa : std::max(patch.noise_shear_pa, floor_pa)});
+  fit_part(patch, ratio, best);
+  fit_all(best);
   return best;
 }
 
 double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) noexcept {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  count_ = layout_.size();
-  const double c = std::cos(truth.pull_rad), s = std::sin(truth.pull_rad);
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double x = layout_.x_m()[i] - truth.x_m, y = layout_.y_m()[i] - truth.y_m;
-    x_[i] = c * x + s * y;
-    y_[i] = c * y - s * x;
-  }
-  data_.setZero();
-  noise_normal_ = noise_shear_ = 1;
+  model_.collect_nothing();
+  model_.set_noise({});
   const contact::Ellipse& ellipse = truth.ellipse;
-  const double log_axes = std::log(ellipse.a_m / ellipse.b_m),
-               twice = 2 * (ellipse.angle_rad - truth.pull_rad);
+  const double log_axes = std::log(ellipse.a_m / ellipse.b_m), twice = 2 * ellipse.angle_rad;
   Full at = Full::Zero();
-  at[size] = std::sqrt(ellipse.a_m * ellipse.b_m);
-  at[peak] = 1;
-  at[load] = truth.load;
-  at[margin] = truth.gamma;
-  at[along] = log_axes * std::cos(twice);
-  at[across] = log_axes * std::sin(twice);
-  Vector gradient;
-  Square hessian;
-  evaluate(at, ellipse.round() ? int{kRound} : int{kMost}, gradient, hessian);
-  const double greatest = residuals_.head(static_cast<Eigen::Index>(count_)).maxCoeff();
-  const Vector scale = hessian.diagonal().cwiseSqrt().cwiseInverse();
+  at[Model::center_x] = truth.x_m;
+  at[Model::center_y] = truth.y_m;
+  at[Model::size] = std::sqrt(ellipse.a_m * ellipse.b_m);
+  at[Model::peak] = 1;
+  at[Model::load] = truth.load;
+  at[Model::margin] = truth.gamma;
+  at[Model::direction] = truth.pull_rad;
+  at[Model::along] = log_axes * std::cos(twice);
+  at[Model::across] = log_axes * std::sin(twice);
+  Model::Normal normal;
+  model_.evaluate(at, ellipse.round() ? int{Model::kRound} : int{Model::kMost}, normal);
+  const auto pressures = model_.residuals().first(model_.count());
+  const double greatest = *std::max_element(pressures.begin(), pressures.end());
+  const Vector scale = normal.hessian.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return kInfinite;
-  const Square even = scale.asDiagonal() * hessian * scale.asDiagonal();
+  const Square even = scale.asDiagonal() * normal.hessian * scale.asDiagonal();
   Vector unit = Vector::Zero(scale.size());
-  unit[margin] = 1;
+  unit[Model::margin] = 1;
   const Vector column = even.ldlt().solve(unit);
-  const double variance = column[margin] * scale[margin] * scale[margin];
+  const double variance = column[Model::margin] * scale[Model::margin] * scale[Model::margin];
   return variance > 0 && std::isfinite(variance) ? noise_share * greatest * std::sqrt(variance) : kInfinite;
 }
 
+double ImprintFit::misfit_nats() const noexcept {
+  if (!fitted_) return std::numeric_limits<double>::quiet_NaN();
+  const std::size_t n = model_.count();
+  const auto left = model_.residuals();
+  const auto taxels = static_cast<double>(n);
+  const double normal_pa = model_.noise().normal_pa * std::sqrt(squares_of(left.first(n)) / taxels),
+               shear_pa = model_.noise().shear_pa * std::sqrt(squares_of(left.subspan(n)) / (2 * taxels));
+  return taxels * (std::log(normal_pa) + 2 * std::log(shear_pa));
+}
+
 FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
+  // The disc that forces are summed over, see PatchOptions.
+  constexpr double kReachFactor = 1.06, kReachSides = 0.71;
   FrameEstimate out;
   steps_ = 0;
-  elliptic_ = false;
-  collect(patch);
-  if (!(ratio.load > 0) || count_ < kMost) return out;
+  elliptic_ = fitted_ = false;
+  model_.collect(patch,
+                 kReachFactor * patch.radius_m + kReachSides * layout_.side_m() +
+                     options_.reach_depths * depth_m_,
+                 kFewTaxels);
+  if (!(ratio.load > 0) || model_.count() < Model::kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
+  fitted_ = true;
   const Full& at = minimum.at;
-  if (!(at[load] > 0)) return out;  // the same contact, pulled the other way
+  if (!(at[Model::load] > 0)) return out;  // the same contact, pulled the other way
   if (layout_.size() <= kFewTaxels) {
-    weigh_by_prior(at, minimum.hessian, out);
+    weigh_by_prior(at, minimum.normal.hessian, out);
     out.in_model = minimum.converged;
     return out;
   }
-  if (!minimum.converged || !describe(patch, minimum, out)) return out;
-  const double residual = residual_pressure(at), misfit = ring_misfit(at);
-  if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
+  if (!minimum.converged || !describe(minimum, out)) return out;
+  const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
+  const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
+  if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.normal.hessian, out);
   out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit;
   out.common_sigma = fit_.pressure_sigma * residual;
   out.sigma = std::hypot(out.sigma, out.common_sigma);

@@ -1,6 +1,8 @@
 // Maximum likelihood for contacts that are elliptic or under a skin (docs/theory.md §10.8): as Fit, but both
 // components of the shear are fitted, and the direction of the pull and the ellipse are unknown as well.
 //
+// A fit takes its first steps on some of the taxels, the last ones on all of them (docs/theory.md §10.8).
+//
 // Unknown are the centre, the mean radius s (a b = s^2), the peak pressure p0, the load T = Q/P, Gamma, the
 // direction of the pull, and for an ellipse e (cos 2 phi, sin 2 phi) with e = log(a/b) and the direction phi
 // of the long axis:
@@ -13,11 +15,14 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/contact/scene.hpp"
 #include "core/contact/subsurface.hpp"
 #include "core/estimate/fit_options.hpp"
+#include "core/estimate/imprint_model.hpp"
+#include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/method.hpp"
 
 namespace slipd {
@@ -40,12 +45,17 @@ struct ImprintFitOptions {
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;
-  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05. Too
-  // small: more steps, for nothing. Too large: it stops before the minimum.
+  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05; the same
+  // on some of the taxels, 0.01 … 1. Too small: more steps, for nothing. Too large: it stops before the
+  // minimum, and the last steps start far from it.
   double settled_nats = 2e-3;
+  double part_settled_nats = 0.1;
   // Change of the log of the shear's noise over the pressure's from which on the fit is repeated; 0.02 … 0.5.
   // Too small: costs time. Too large: channels have wrong weights.
   double other_weights = 0.15;
+  // Taxels that the first steps use at least, evenly chosen; 60 … 1000. Too small: the last steps start far
+  // from the minimum. Too large: costs time.
+  std::size_t part_taxels = 160;
   // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
   // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;
@@ -79,66 +89,66 @@ class ImprintFit {
   // Infinite where the frame has no information. Overwrites the results of the last frame.
   double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
 
-  int steps() const noexcept { return steps_; }         // that the last frame took
+  // Half of -2 log likelihood of the last frame, nats up to a constant, with the noise of its own residuals: of
+  // fits of one frame at several depths, the likeliest depth has the least. The fits must use the same taxels:
+  // reach_depths times the depth must be alike. NaN for a frame that was not fitted.
+  double misfit_nats() const noexcept;
+  // The last frame's taxels, residuals and noise.
+  const ImprintModel& model() const noexcept { return model_; }
+
+  int steps() const noexcept { return steps_; }  // that the last frame took
   bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
-  std::size_t memory_bytes() const noexcept;
+  std::size_t memory_bytes() const noexcept { 
+    return sizeof(*this) + model_.memory_bytes() + 6 * sizeof(double) * layout_.size();
+  }
 
  private:
-  enum Unknown {
-    center_x,
-    center_y,
-    size,
-    peak,
-    load,
-    margin,
-    direction,
-    kRound,
-    along = kRound,
-    across,
-    kMost
-  };
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
-  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
-  using Full = Eigen::Matrix<double, kMost, 1>;
+  using Unknown = ImprintModel::Unknown;
+  using Vector = ImprintModel::Vector;
+  using Square = ImprintModel::Square;
+  using Full = ImprintModel::Full;
 
   struct Minimum {
     Full at;
-    Square hessian;
-    Vector gradient;
-    double cost = 0;
+    ImprintModel::Normal normal;
     bool converged = false;
+    bool current = false;  // the model's last evaluation was this one
   };
-  void collect(const ContactPatch& patch) noexcept;
   Full start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
-  void place(const Full& at) noexcept;
-  static contact::Ellipse ellipse_of(const Full& at, double scale) noexcept;
-  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian, by so many
-  // unknowns.
-  double evaluate(const Full& at, int unknowns, Vector& gradient, Square& hessian) noexcept;
+  // A step that keeps the unknowns within their ranges.
+  Full stepped(const Full& from, const Vector& step) const noexcept;
   void minimise(int unknowns, Minimum& best) noexcept;
+  void refresh(int unknowns, Minimum& best) noexcept;
   Minimum fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept;
-  bool shows_ellipse(const Minimum& round) noexcept;
-  void measure_noise(const Minimum& at, int unknowns) noexcept;
+  void fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept;
+  void fit_all(Minimum& best) noexcept;
+  bool shows_ellipse(Minimum& round) noexcept;
+  // Whether the noise that is left over has other weights than before.
+  bool weights_change(int unknowns, Minimum& at) noexcept;
   double residual_pressure(const Full& at) const noexcept;
   // Mean square of the shear's residuals, ring by ring, over noise and what a real skin is uneven by.
-  double ring_misfit(const Full& at) const noexcept;
-  bool describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept;
+  // held: of each taxel, what it would read of a shear of 1 Pa at the middle that is as large as friction.
+  double ring_misfit(const Full& at, std::span<const double> held) const noexcept;
+  bool describe(const Minimum& minimum, FrameEstimate& out) const noexcept;
   void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;
+  void fill_shear(const Full& at, double gamma, const ImprintRows& outer) noexcept;
+  // Few taxels have no other margin than their profile's.
+  ImprintModel::Detail profile_detail() const noexcept {
+    return layout_.size() <= kFewTaxels ? ImprintModel::Detail::exact : ImprintModel::Detail::rough;
+  }
+  int unknowns() const noexcept { return elliptic_ ? int{ImprintModel::kMost} : int{ImprintModel::kRound}; }
 
   TaxelLayout layout_;
   FitOptions fit_;
   ImprintFitOptions options_;
   FrictionPrior prior_;
   double depth_m_;
-  contact::SubsurfaceSheet outer_, inner_;
-  std::size_t count_ = 0;
-  double noise_normal_ = 1, noise_shear_ = 1;
+  ImprintModel model_;
+  // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the pressure's.
+  std::vector<double> shear_, unsheared_;
+  bool fitted_ = false;
   int steps_ = 0;
   bool elliptic_ = false;
-  std::vector<double> x_, y_, u_, v_;
-  // Of each taxel normal, shear along the resultant and across it.
-  Eigen::VectorXd data_, residuals_;
-  Eigen::Matrix<double, Eigen::Dynamic, kMost> slopes_;
 };
 
 }  // namespace slipd

@@ -1,5 +1,8 @@
 #include "core/estimate/imprint_slopes.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
@@ -21,17 +24,27 @@ enum Column : std::uint8_t {
   at_across
 };
 
+// Slopes of so many taxels, which stay in the processor's nearest cache: those of the three channels by each
+// unknown; and their residuals.
+struct SlopeBlock {
+  static constexpr std::size_t kTaxels = 64, kRows = 3 * kTaxels;
+  alignas(64) std::array<std::array<double, kRows>, at_across + 1> column;
+  alignas(64) std::array<double, kRows> left;
+};
+
 template <bool kElliptic>
-[[gnu::always_inline]] inline void fill_slopes(const ImprintSlopes& by) noexcept {
+[[gnu::always_inline]] inline void fill_slopes(const ImprintSlopes& by, std::size_t first, std::size_t count,
+                                               SlopeBlock& block) noexcept {
   const std::size_t n = by.count;
   const double c = by.c, s = by.s, p = by.peak, q = by.shear, k = by.k;
 #pragma omp simd
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::size_t i = first + j;
     const auto put = [&](Column column, double normal, double x, double y) {
-      double* const to = by.column[column] + i;
+      double* const to = block.column[column].data() + j;
       to[0] = by.per_normal * normal;
-      to[n] = by.per_shear * x;
-      to[2 * n] = by.per_shear * y;
+      to[SlopeBlock::kTaxels] = by.per_shear * x;
+      to[2 * SlopeBlock::kTaxels] = by.per_shear * y;
     };
     const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
       return felt_of(p, o, q, c, s, combined(1, o, -k, in));
@@ -40,9 +53,14 @@ template <bool kElliptic>
                      m = combined(1, o, -k, in);
     const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
                turned = felt_of(0, o, q, -s, c, m);
-    by.residuals[i] = by.per_normal * (all.n - by.data[i]);
-    by.residuals[n + i] = by.per_shear * (all.x - by.data[n + i]);
-    by.residuals[2 * n + i] = by.per_shear * (all.y - by.data[2 * n + i]);
+    double* const left = by.residuals + i;
+    left[0] = by.residuals_given ? left[0] : by.per_normal * (all.n - by.data[i]);
+    left[n] = by.residuals_given ? left[n] : by.per_shear * (all.x - by.data[n + i]);
+    left[2 * n] = by.residuals_given ? left[2 * n] : by.per_shear * (all.y - by.data[2 * n + i]);
+    double* const left_here = block.left.data() + j;
+    left_here[0] = left[0];
+    left_here[SlopeBlock::kTaxels] = left[n];
+    left_here[2 * SlopeBlock::kTaxels] = left[2 * n];
     const Felt mu = moved(by.outer.at(Sheet::d_u, i), by.inner.at(Sheet::d_u, i)),
                mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
     put(at_x, -mu.n, -mu.x, -mu.y);
@@ -75,32 +93,45 @@ template <bool kElliptic>
   }
 }
 
-[[gnu::always_inline]] inline double product(const double* one, const double* two,
-                                             std::size_t count) noexcept {
+[[gnu::always_inline]] inline double product(const double* one, const double* two) noexcept {
   double all = 0;
 #pragma omp simd reduction(+ : all)
-  for (std::size_t i = 0; i < count; ++i) all += one[i] * two[i];
+  for (std::size_t i = 0; i < SlopeBlock::kRows; ++i) all += one[i] * two[i];
   return all;
 }
 
-// Products of the columns with each other, the lower half row by row, and then with the residuals.
-[[gnu::always_inline]] inline void fill_products(const ImprintSlopes& by, int unknowns, double* to) noexcept {
-  const std::size_t rows = 3 * by.count;
-  const auto count = static_cast<std::size_t>(unknowns);
-  for (std::size_t row = 0; row < count; ++row) {
-    for (std::size_t col = 0; col <= row; ++col) *to++ = product(by.column[row], by.column[col], rows);
+// Adds products of the columns with each other, the lower half row by row, and then with the residuals.
+[[gnu::always_inline]] inline void add_products(const SlopeBlock& block, std::size_t unknowns,
+                                                double* to) noexcept {
+  for (std::size_t row = 0; row < unknowns; ++row) {
+    for (std::size_t col = 0; col <= row; ++col)
+      *to++ += product(block.column[row].data(), block.column[col].data());
   }
-  for (std::size_t row = 0; row < count; ++row) *to++ = product(by.column[row], by.residuals, rows);
+  for (std::size_t row = 0; row < unknowns; ++row)
+    *to++ += product(block.column[row].data(), block.left.data());
+}
+
+template <bool kElliptic>
+[[gnu::always_inline]] inline void add_blocks(const ImprintSlopes& by, std::size_t unknowns,
+                                              double* products) noexcept {
+  SlopeBlock block;
+  for (std::size_t first = 0; first < by.count; first += SlopeBlock::kTaxels) {
+    const std::size_t count = std::min(SlopeBlock::kTaxels, by.count - first);
+    if (count < SlopeBlock::kTaxels) block = {};
+    fill_slopes<kElliptic>(by, first, count, block);
+    add_products(block, unknowns, products);
+  }
 }
 
 [[gnu::always_inline]] inline void linearise(const ImprintSlopes& by, int unknowns,
                                              double* products) noexcept {
+  const auto count = static_cast<std::size_t>(unknowns);
+  std::fill_n(products, count * (count + 1) / 2 + count, 0.0);
   if (unknowns > at_along) {
-    fill_slopes<true>(by);
+    add_blocks<true>(by, count, products);
   } else {
-    fill_slopes<false>(by);
+    add_blocks<false>(by, count, products);
   }
-  fill_products(by, unknowns, products);
 }
 
 // As in core/contact/dome_sheet.cpp.

@@ -55,16 +55,16 @@ struct ImprintSlopes {
   double c2, s2, turn;              // of twice the ellipse's angle; angle by a step across
   double per_size, per_normal, per_shear;
   bool surface;  // no skin: a step of a alone makes a round dome elliptic, too
+  bool residuals_given;  // and not computed
   const double* data;
   double* residuals;
-  std::array<double*, 9> column;
   std::size_t count;
 };
 // Chooses the loops that this processor can run; else the first frame would.
 void choose_imprint_loops() noexcept;
 
-// Fills residuals and columns of `by`, and `products` with the columns' products with each other, the lower
-// half row by row, and then with the residuals. unknowns: 7 of a round contact, 9 of an ellipse.
+// Fills the residuals of `by`, and `products` with the products of the slopes by each unknown with each other,
+// the lower half row by row, and then with the residuals. unknowns: 7 of a round contact, 9 of an ellipse.
 void linearise_imprint(const ImprintSlopes& by, int unknowns, double* products) noexcept;
 
 }  // namespace slipd

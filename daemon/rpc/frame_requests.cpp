@@ -1,7 +1,13 @@
 #include "daemon/rpc/frame_requests.hpp"
 
+#include <bit>
+#include <boost/archive/iterators/base64_from_binary.hpp>
+#include <boost/archive/iterators/transform_width.hpp>
+#include <cstddef>
+#include <cstring>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -19,6 +25,28 @@ constexpr std::size_t kFrameBytesPerTaxel = 40;
 // Of answers that all clients together have requested and not read, beyond which there are no more frames.
 constexpr std::size_t kMostOwedToAll = std::size_t{24} * 1024 * 1024;
 
+// float32, little-endian, as base64: a third of the time and of the bytes that digits take.
+std::string base64_of(const std::vector<float>& values) {
+  static_assert(std::endian::native == std::endian::little);
+  using namespace boost::archive::iterators;
+  using Digits = base64_from_binary<transform_width<const char*, 6, 8>>;
+  constexpr std::size_t kGroupDigits = 4;
+  const auto bytes = std::as_bytes(std::span(values));
+  std::string copy(bytes.size() + 1, 0);  // the iterator reads a byte more where the last group is not full
+  std::memcpy(copy.data(), bytes.data(), bytes.size());
+  std::string text(Digits(copy.data()), Digits(copy.data() + bytes.size()));
+  text.append((kGroupDigits - text.size() % kGroupDigits) % kGroupDigits, '=');
+  return text;
+}
+
+json values_json(const FrameCopy::Content& frame, const Now& now) {
+  return {{"seq", frame.sequence},
+          {"time_ns", now.realtime_of(frame.time_ns)},
+          {"normal_pa", base64_of(frame.normal_pa)},
+          {"shear_x_pa", base64_of(frame.shear_x_pa)},
+          {"shear_y_pa", base64_of(frame.shear_y_pa)}};
+}
+
 json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
   std::vector<double> x_mm(layout.x_m().begin(), layout.x_m().end());
   std::vector<double> y_mm(layout.y_m().begin(), layout.y_m().end());
@@ -32,6 +60,13 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
           {"shear_y_pa", frame.shear_y_pa},
           {"x_mm", x_mm},
           {"y_mm", y_mm}};
+}
+
+bool wants_base64(const nlohmann::json& params) {
+  const auto encoding = params.find("encoding");
+  if (encoding == params.end()) return false;
+  if (*encoding != "base64") throw rpc::Error(rpc::kInvalidParams, "encoding must be \"base64\" or absent");
+  return true;
 }
 
 }  // namespace
@@ -49,7 +84,8 @@ void FrameRequests::add(Client& client, const nlohmann::json& params, const Repl
     throw rpc::Error(rpc::kTooMuch,
                      "slipd keeps too many answers that its clients do not read; ask again later");
   }
-  pending_[sensor].push_back({reply, client.promise(kFrameBytesPerTaxel * layout->size())});
+  pending_[sensor].push_back(
+      {reply, client.promise(kFrameBytesPerTaxel * layout->size()), wants_base64(params)});
   status.frame_copy.request(layout->size());
   context_.ring_estimate();
 }
@@ -63,7 +99,7 @@ std::optional<std::chrono::steady_clock::time_point> FrameRequests::complete() {
   return std::nullopt;
 }
 
-// All get the same frame. Its text is made once.
+// All get the same frame. Its text is made once for each encoding.
 void FrameRequests::complete_of(std::size_t sensor) {
   SensorStatus& status = *context_.board.sensors[sensor];
   const FrameCopy::Content* frame = status.frame_copy.result();
@@ -71,17 +107,22 @@ void FrameRequests::complete_of(std::size_t sensor) {
   const auto waiting = std::exchange(pending_[sensor], {});
   const auto layout = status.facts().layout;
   const bool usable = frame->has_frame && layout && layout->size() == frame->normal_pa.size();
-  std::string text;
+  std::string digits, base64;
   const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
   try {
-    if (usable) text = frame_json(*frame, *layout, Now::read()).dump();
+    for (const Pending& wanted : waiting) {
+      std::string& text = wanted.base64 ? base64 : digits;
+      if (!usable || !text.empty()) continue;
+      const Now now = Now::read();
+      text = (wanted.base64 ? values_json(*frame, now) : frame_json(*frame, *layout, now)).dump();
+    }
   } catch (const std::bad_alloc&) {
     trouble = "slipd has not enough memory for this";
   }
   status.frame_copy.release();
   for (const Pending& wanted : waiting) {
     if (trouble == nullptr) {
-      wanted.reply.text(text);
+      wanted.reply.text(wanted.base64 ? base64 : digits);
     } else {
       wanted.reply.error(rpc::kNotPossible, trouble);
     }

@@ -34,6 +34,7 @@ class FrameRequests {
   struct Pending {
     rpc::Reply reply;
     OwedPart promised;
+    bool base64;
   };
   void complete_of(std::size_t sensor);
 

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   add_paper(app, common);
   add_picture(app, common);
   add_replay(app, common);
+  add_skin(app, common);
   add_stability(app, common);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,23 @@
+// The messages of the WebSocket (docs/web.md), as text. Any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace slipd::web {
+
+// {"type":"live","slipd":"ok","sensors":[…],"grasps":[…]} from slipd's answer to `gamma`. An estimate older than
+// max_age_ms, or without an age, is stale: it keeps its alert and loses every number that a margin could be
+// taken for. A grasp is as old as its oldest sensor. Throws std::exception for an answer of another form.
+std::string live_message(std::string_view gamma_answer, double max_age_ms);
+
+// The same while slipd is away; `why` is a sentence for people.
+std::string away_message(std::string_view why);
+
+// {"type":"status","sensors":[…],"status":{…}} from slipd's answers. Throws as above.
+std::string status_message(std::string_view sensors_answer, std::string_view status_answer);
+
+// The first message: {"type":"hello","protocol":1,"version","max_age_ms"}.
+std::string hello_message(std::string_view version, double max_age_ms);
+
+}  // namespace slipd::web

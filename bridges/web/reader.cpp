@@ -1,0 +1,214 @@
+#include "bridges/web/reader.hpp"
+
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "bridges/support/log.hpp"
+#include "bridges/web/live_message.hpp"
+#include "bridges/web/picture.hpp"
+
+namespace slipd::web {
+namespace {
+
+using Json = nlohmann::json;
+using namespace std::chrono_literals;
+
+constexpr double kAnswerS = 0.4;            // slipd may take this long; the page says that it is silent after 0.8 s
+constexpr double kOldAge = 1e6;             // s: the subscription is for its events, ages are judged elsewhere
+constexpr auto kStatusPeriod = 1s;          // the status has no events
+constexpr auto kLayoutPeriod = 5s;          // a reload may have changed where taxels are
+constexpr int kEvents = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
+
+slipd_client* opened(const std::string& socket) {
+  slipd_client* client = nullptr;
+  if (slipd_open(&client, socket.c_str()) != SLIPD_DONE) throw std::bad_alloc();
+  return client;
+}
+
+std::string quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+// An eventfd: the serving thread rings, the main thread hears.
+class Reader::Bell {
+ public:
+  Bell() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  }
+  ~Bell() { close(fd_); }
+  Bell(const Bell&) = delete;
+  Bell& operator=(const Bell&) = delete;
+
+  int fd() const noexcept { return fd_; }
+  void ring() const noexcept { eventfd_write(fd_, 1); }
+  void hear() const noexcept {
+    eventfd_t ignored = 0;
+    eventfd_read(fd_, &ignored);
+  }
+
+ private:
+  int fd_;
+};
+
+Reader::Reader(bridges::Loop& loop, Settings settings)
+    : loop_(loop),
+      settings_(std::move(settings)),
+      period_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.max_rate_hz))),
+      requests_(opened(settings_.slipd_socket)),
+      bell_(std::make_unique<Bell>()),
+      estimates_(loop, [this] { send_live(); }),
+      beat_(loop, [this] { send_live(); }),
+      status_(loop, [this] { send_status(); }),
+      pictures_(loop, [this] { send_pictures(); }),
+      rung_(loop, bell_->fd(), EPOLLIN, [this](std::uint32_t) { wanted_changed(); }) {
+  server_ = std::make_unique<Server>(settings_, [bell = bell_.get()] { bell->ring(); });
+}
+
+Reader::~Reader() = default;
+
+void Reader::wanted_changed() {
+  bell_->hear();
+  wanted_ = server_->wanted();
+  if (wanted_.browsers > 0 && !events_) begin();
+  if (wanted_.browsers == 0 && events_) end();
+  if (wanted_.method) send_method();
+  if (!wanted_.looks.empty() && !pictures_.running())
+    pictures_.start(std::max(Clock::duration::zero(), pictured_ + period_ - Clock::now()));
+}
+
+void Reader::begin() {
+  events_.reset(opened(settings_.slipd_socket));
+  event_ = bridges::Loop::Watch(loop_, slipd_fd(events_.get()), EPOLLIN, [this](std::uint32_t) { take_events(); });
+  status_.start(0s);
+  send_live();
+}
+
+// Until slipd has taken it. From then on libslipd renews it.
+void Reader::subscribe() {
+  subscribed_ = slipd_subscribe(events_.get(), nullptr, settings_.max_rate_hz, kEvents, kAnswerS) == SLIPD_DONE;
+  if (subscribed_) take_events();  // one read may have brought estimates behind the answer
+}
+
+// Nobody looks: slipd is not asked for anything.
+void Reader::end() {
+  for (auto* timer : {&estimates_, &beat_, &status_, &pictures_}) timer->stop();
+  event_ = {};
+  events_.reset();
+  subscribed_ = false;
+}
+
+// Something is new: the estimates are sent once the period has passed.
+void Reader::take_events() {
+  slipd_estimate estimate;
+  bool news = false;
+  for (;;) {
+    const int code = slipd_next(events_.get(), kOldAge, 0, &estimate);
+    if (code == SLIPD_TIMEOUT) break;
+    news = true;
+    if (code != SLIPD_DONE) break;
+  }
+  if (news && !estimates_.running())
+    estimates_.start(std::max(Clock::duration::zero(), sent_ + period_ - Clock::now()));
+}
+
+void Reader::send_live() {
+  sent_ = Clock::now();
+  estimates_.stop();
+  beat_.start(kHeartbeat);
+  try {
+    server_->publish_live(live_message(ask("gamma"), settings_.max_age_ms));
+    if (!away_.empty()) bridges::log(bridges::LogLevel::notice, "slipd is there again");
+    if (!away_.empty()) laid_out_.clear();
+    away_.clear();
+    if (!subscribed_) subscribe();
+  } catch (const std::exception& error) {
+    if (away_.empty()) bridges::log(bridges::LogLevel::warning, std::string("slipd is not reached: ") + error.what());
+    away_ = error.what();
+    server_->publish_live(away_message(away_));
+  }
+}
+
+void Reader::send_status() {
+  status_.start(kStatusPeriod);
+  if (!away_.empty()) return;
+  try {
+    server_->publish_status(status_message(ask("sensors"), ask("status")));
+  } catch (const std::exception&) {
+    // The next estimates say why.
+  }
+}
+
+void Reader::send_pictures() {
+  wanted_ = server_->wanted();
+  if (wanted_.looks.empty()) return;  // the server says when a browser is ready for the next one
+  pictured_ = Clock::now();
+  bool sent = away_.empty();
+  for (const std::string& sensor : wanted_.looks) sent = sent && send_picture(sensor);
+  pictures_.start(sent ? period_ : Clock::duration(kHeartbeat));
+}
+
+// False: there is none now.
+bool Reader::send_picture(const std::string& sensor) {
+  try {
+    const std::string name = R"({"sensor":)" + quoted(sensor);
+    auto& asked = laid_out_[sensor];
+    if (asked == Clock::time_point{} || Clock::now() - asked > kLayoutPeriod) {
+      server_->publish_layout(sensor, layout_picture(sensor, ask("frame", name + "}")));
+      asked = Clock::now();
+    }
+    server_->publish_picture(sensor, frame_picture(sensor, ask("frame", name + R"(,"encoding":"base64"})")));
+    return true;
+  } catch (const std::exception&) {
+    laid_out_.erase(sensor);  // a browser may look at what is no sensor
+    return false;
+  }
+}
+
+std::string Reader::tradeoff_of(const std::string& sensor) {
+  try {
+    return ask("tradeoff", R"({"sensor":)" + quoted(sensor) + "}");
+  } catch (const std::exception& error) {
+    return Json{{"trouble", error.what()}}.dump(-1, ' ', true, Json::error_handler_t::replace);
+  }
+}
+
+void Reader::send_method() {
+  wanted_.method = false;
+  Json answer;
+  try {
+    answer = Json::parse(ask("sensors"));
+    for (Json& sensor : answer.at("sensors")) {
+      Json tradeoff = Json::parse(tradeoff_of(sensor.at("name")));
+      if (tradeoff.contains("trouble")) {
+        sensor["trouble"] = tradeoff.at("trouble");
+      } else {
+        sensor["tradeoff"] = std::move(tradeoff);
+      }
+    }
+  } catch (const std::exception& error) {
+    answer = {{"trouble", std::string("slipd is not reached: ") + error.what()}};
+  }
+  server_->publish_method(answer.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
+
+std::string Reader::ask(const char* method, const std::string& params) {
+  char* text = nullptr;
+  if (slipd_call(requests_.get(), method, params.c_str(), -1, kAnswerS, &text) != SLIPD_DONE)
+    throw std::runtime_error(slipd_error_text(requests_.get()));
+  const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
+  return text;
+}
+
+}  // namespace slipd::web

@@ -1,0 +1,230 @@
+#include "core/estimate/imprint_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "core/estimate/imprint_slopes.hpp"
+
+namespace slipd {
+namespace {
+
+// An ellipse's axes are apart by at least this, log of their ratio: else its angle means nothing.
+constexpr double kLeastLogAxes = 1e-3;
+
+// Even numbers in 0 … 1 for successive taxels of a row, and of rows.
+double even_number(std::uint32_t taxel) noexcept {
+  constexpr double kGolden = 0.6180339887498949;
+  const double turns = kGolden * (taxel + 1);
+  return turns - std::floor(turns);
+}
+
+}  // namespace
+
+ImprintModel::ImprintModel(const TaxelLayout& layout, double depth_m)
+    : layout_(layout),
+      depth_m_(depth_m),
+      outer_(layout.size(), layout.side_m(), depth_m),
+      inner_(layout.size(), layout.side_m(), depth_m),
+      round_(layout.side_m(), depth_m),
+      taxel_(layout.size()) {
+  for (auto* list : {&x_, &y_, &u_, &v_}) list->resize(layout.size());
+  for (auto* list : {&all_data_, &data_, &residuals_}) list->resize(3 * layout.size());
+  choose_imprint_loops();
+}
+
+std::size_t ImprintModel::memory_bytes() const noexcept {
+  const std::size_t components = depth_m_ > 0 ? std::size_t{contact::SubsurfaceSheet::kComponents} : 1;
+  // Places and numbers; data twice and residuals of three channels; both sheets' rows.
+  constexpr std::size_t kPlaces = 5, kOfChannels = 9,
+                        kRows = 2 * std::size_t{contact::SubsurfaceSheet::kRows};
+  return layout_.size() * sizeof(double) * (kPlaces + kOfChannels + kRows * components) +
+         round_.memory_bytes();
+}
+
+void ImprintModel::collect(const ContactPatch& patch, double reach_m, std::size_t all_below) noexcept {
+  collected_ = 0;
+  const auto take = [&](std::uint32_t i) { taxel_[collected_++] = i; };
+  if (!(depth_m_ > 0)) {
+    patch.for_each_inside(take);
+  } else {
+    const bool all = layout_.size() <= all_below;
+    for (std::uint32_t i = 0; i < layout_.size(); ++i) {
+      const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
+      if (all || x * x + y * y < reach_m * reach_m) take(i);
+    }
+  }
+  for (std::size_t j = 0; j < collected_; ++j) {
+    const std::uint32_t i = taxel_[j];
+    all_data_[j] = patch.taxels.normal_pa[i];
+    all_data_[collected_ + j] = patch.taxels.shear_x_pa[i];
+    all_data_[2 * collected_ + j] = patch.taxels.shear_y_pa[i];
+  }
+  use_all();
+}
+
+void ImprintModel::collect_nothing() noexcept {
+  collected_ = layout_.size();
+  std::iota(taxel_.begin(), taxel_.end(), 0U);
+  std::fill(all_data_.begin(), all_data_.end(), 0.0);
+  use_all();
+}
+
+void ImprintModel::use_part(std::size_t taxels) noexcept {
+  const double share =
+      std::min(1.0, static_cast<double>(taxels) / static_cast<double>(std::max<std::size_t>(collected_, 1)));
+  count_ = 0;
+  for (std::size_t j = 0; j < collected_; ++j) {
+    if (share < 1 && even_number(taxel_[j]) >= share) continue;
+    u_[count_] = static_cast<double>(j);
+    ++count_;
+  }
+  choose(count_, Detail::rough);
+}
+
+void ImprintModel::use_all() noexcept {
+  for (std::size_t j = 0; j < collected_; ++j) u_[j] = static_cast<double>(j);
+  choose(collected_, Detail::exact);
+}
+
+// u_ has the places of those in use among the collected.
+void ImprintModel::choose(std::size_t count, Detail detail) noexcept {
+  count_ = count;
+  detail_ = detail;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const auto j = static_cast<std::size_t>(u_[i]);
+    x_[i] = layout_.x_m()[taxel_[j]];
+    y_[i] = layout_.y_m()[taxel_[j]];
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      data_[channel * count_ + i] = all_data_[channel * collected_ + j];
+  }
+}
+
+contact::Ellipse ImprintModel::ellipse_of(const Full& at, double scale) noexcept {
+  const double apart = std::hypot(at[along], at[across]), stretch = std::exp(0.5 * apart);
+  return {scale * at[size] * stretch, scale * at[size] / stretch, 0.5 * std::atan2(at[across], at[along])};
+}
+
+void ImprintModel::change_noise(const Noise& noise) noexcept {
+  const double normal = noise_.normal_pa / noise.normal_pa, shear = noise_.shear_pa / noise.shear_pa;
+  for (std::size_t i = 0; i < count_; ++i) residuals_[i] *= normal;
+  for (std::size_t i = count_; i < 3 * count_; ++i) residuals_[i] *= shear;
+  noise_ = noise;
+}
+
+void ImprintModel::place(const Full& at) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    u_[i] = x_[i] - at[center_x];
+    v_[i] = y_[i] - at[center_y];
+  }
+}
+
+const contact::SubsurfaceSheet& ImprintModel::show(const Full& at, Detail detail) noexcept {
+  place(at);
+  outer_.evaluate_values(ellipse_of(at, 1), u(), v(), detail);
+  return outer_;
+}
+
+const contact::SubsurfaceSheet& ImprintModel::show_part(const Full& at, double scale,
+                                                          Detail detail) noexcept {
+  inner_.evaluate_values(ellipse_of(at, scale), u(), v(), detail);
+  return inner_;
+}
+
+void ImprintModel::spread(const double* products, int unknowns, Normal& normal) noexcept {
+  normal.gradient.resize(unknowns);
+  normal.hessian.resize(unknowns, unknowns);
+  for (int row = 0; row < unknowns; ++row) {
+    for (int col = 0; col <= row; ++col) normal.hessian(row, col) = normal.hessian(col, row) = *products++;
+  }
+  for (int row = 0; row < unknowns; ++row) normal.gradient[row] = *products++;
+}
+
+bool ImprintModel::evaluate_round(const Full& at, Normal& normal) noexcept {
+  if (!(depth_m_ > 0)) return false;
+  double most_m2 = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double x = x_[i] - at[center_x], y = y_[i] - at[center_y];
+    most_m2 = std::max(most_m2, x * x + y * y);
+  }
+  const double reach_m = std::sqrt(most_m2) + layout_.side_m();  // the corners of their squares, too
+  if (!round_.pays(count_, reach_m, detail_, outer_.points(detail_))) return false;
+  RoundImprint::Products products;
+  round_.linearise({.x_m = at[center_x],
+                    .y_m = at[center_y],
+                    .radius_m = at[size],
+                    .peak_pa = at[peak],
+                    .load = at[load],
+                    .gamma = at[margin],
+                    .direction_rad = at[direction]},
+                   reach_m, detail_,
+                   {.x_m = x_.data(),
+                    .y_m = y_.data(),
+                    .data_pa = data_.data(),
+                    .residuals = residuals_.data(),
+                    .count = count_,
+                    .per_normal = 1 / noise_.normal_pa,
+                    .per_shear = 1 / noise_.shear_pa},
+                   products);
+  spread(products.data(), kRound, normal);
+  return true;
+}
+
+void ImprintModel::evaluate_sheets(const Full& from, int unknowns, Detail detail, bool residuals_given,
+                                   Normal& normal) noexcept {
+  Full at = from;
+  if (unknowns == kRound) {
+    at[along] = at[across] = 0;
+  } else if (std::hypot(at[along], at[across]) < kLeastLogAxes) {
+    at[along] = kLeastLogAxes;
+    at[across] = 0;
+  }
+  place(at);
+  const double k = std::cbrt(at[margin]), rest = 1 - at[margin], apart = std::hypot(at[along], at[across]);
+  const contact::Ellipse wide = ellipse_of(at, 1), narrow = ellipse_of(at, k);
+  outer_.evaluate(wide, u(), v(), detail);
+  inner_.evaluate(narrow, u(), v(), detail);
+  const double per_apart = apart > 0 ? 1 / apart : 0;
+  const ImprintSlopes by{.outer = ImprintRows(outer_),
+                   .inner = ImprintRows(inner_),
+                   .wide = wide,
+                   .narrow = narrow,
+                   .peak = at[peak],
+                   .shear = at[peak] * at[load] / rest,
+                   .k = k,
+                   .rest = rest,
+                   .dk = 1 / (3 * k * k),
+                   .c = std::cos(at[direction]),
+                   .s = std::sin(at[direction]),
+                   .c2 = at[along] * per_apart,
+                   .s2 = at[across] * per_apart,
+                   .turn = 0.5 * per_apart,
+                   .per_size = 1 / at[size],
+                   .per_normal = 1 / noise_.normal_pa,
+                   .per_shear = 1 / noise_.shear_pa,
+                   .surface = !(depth_m_ > 0),
+                   .residuals_given = residuals_given,
+                   .data = data_.data(),
+                   .residuals = residuals_.data(),
+                   .count = count_};
+  std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
+  linearise_imprint(by, unknowns, products.data());
+  spread(products.data(), unknowns, normal);
+}
+
+void ImprintModel::evaluate(const Full& at, int unknowns, Normal& normal) noexcept {
+  if (unknowns != kRound || !evaluate_round(at, normal))
+    evaluate_sheets(at, unknowns, detail_, false, normal);
+  double squares = 0;
+#pragma omp simd reduction(+ : squares)
+  for (std::size_t i = 0; i < 3 * count_; ++i) squares += residuals_[i] * residuals_[i];
+  normal.cost = 0.5 * squares;
+}
+
+void ImprintModel::extend(const Full& at, Normal& normal) noexcept {
+  evaluate_sheets(at, kMost, Detail::rough, true, normal);
+}
+
+}  // namespace slipd

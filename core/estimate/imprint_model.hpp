@@ -1,0 +1,116 @@
+// The contact model of ImprintFit on the taxels of one frame: residuals, their slopes and normal equations
+// (docs/theory.md §10.8). Estimate thread; nothing allocates after construction.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/contact/subsurface.hpp"
+#include "core/estimate/imprint_round.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+class ImprintModel {
+ public:
+  // Centre, m; mean radius sqrt(a b), m; peak pressure, Pa; Q/P; Gamma; direction of the pull, rad; and of an
+  // ellipse log(a/b) times cosine and sine of twice the direction of its long axis. Along the sensor's axes.
+  enum Unknown {
+    center_x,
+    center_y,
+    size,
+    peak,
+    load,
+    margin,
+    direction,
+    kRound,
+    along = kRound,
+    across,
+    kMost
+  };
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
+  using Full = Eigen::Matrix<double, kMost, 1>;
+  using Detail = contact::SubsurfaceSheet::Detail;
+  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
+  struct Normal {
+    double cost = 0;
+    Vector gradient;
+    Square hessian;
+  };
+  // Standard deviations of a taxel's pressure and of each of its shears, Pa, > 0.
+  struct Noise {
+    double normal_pa = 1, shear_pa = 1;
+  };
+
+  // depth_m: of the taxels, >= 0.
+  ImprintModel(const TaxelLayout& layout, double depth_m);
+
+  // The taxels within reach_m of the patch's centre (all of a layout of at most all_below taxels); at depth 0
+  // those of its disc.
+  void collect(const ContactPatch& patch, double reach_m, std::size_t all_below) noexcept;
+  // All taxels, and no pressure or shear on them.
+  void collect_nothing() noexcept;
+
+  // For the first steps of a fit: at least so many of the taxels, evenly chosen, and rough averages.
+  void use_part(std::size_t taxels) noexcept;
+  // For its last steps: all taxels, and exact averages.
+  void use_all() noexcept;
+  // Whether use_part is less than use_all.
+  bool partial() const noexcept { return detail_ != Detail::exact; }
+
+  void set_noise(const Noise& noise) noexcept { noise_ = noise; }
+  // The same after an evaluation, whose residuals are then in units of this noise.
+  void change_noise(const Noise& noise) noexcept;
+  const Noise& noise() const noexcept { return noise_; }
+
+  // By so many unknowns, kRound or kMost.
+  void evaluate(const Full& at, int unknowns, Normal& normal) noexcept;
+  // The same by kMost unknowns with the residuals of the last evaluation and rough slopes.
+  void extend(const Full& at, Normal& normal) noexcept;
+
+  // Of the taxels in use.
+  std::size_t count() const noexcept { return count_; }
+  // Their numbers in the layout, after use_all.
+  std::span<const std::uint32_t> taxels() const noexcept { return {taxel_.data(), count_}; }
+  // Of the last evaluation, in units of noise: pressures of all taxels in use, then the shears along x and y.
+  std::span<const double> residuals() const noexcept { return {residuals_.data(), 3 * count_}; }
+  // Pa, in the same order.
+  std::span<const double> data_pa() const noexcept { return {data_.data(), 3 * count_}; }
+  // Places from the centre of the last evaluation, or of show().
+  std::span<const double> u() const noexcept { return {u_.data(), count_}; }
+  std::span<const double> v() const noexcept { return {v_.data(), count_}; }
+  // Values of the dome of unit height over the whole contact; and then over a part of it, `scale` times as
+  // large.
+  const contact::SubsurfaceSheet& show(const Full& at, Detail detail) noexcept;
+  const contact::SubsurfaceSheet& show_part(const Full& at, double scale, Detail detail) noexcept;
+
+  static contact::Ellipse ellipse_of(const Full& at, double scale) noexcept;
+  std::size_t memory_bytes() const noexcept;
+
+ private:
+  void place(const Full& at) noexcept;
+  void choose(std::size_t count, Detail detail) noexcept;
+  bool evaluate_round(const Full& at, Normal& normal) noexcept;
+  void evaluate_sheets(const Full& at, int unknowns, Detail detail, bool residuals_given,
+                       Normal& normal) noexcept;
+  static void spread(const double* products, int unknowns, Normal& normal) noexcept;
+
+  TaxelLayout layout_;
+  double depth_m_;
+  contact::SubsurfaceSheet outer_, inner_;
+  RoundImprint round_;
+  std::size_t collected_ = 0, count_ = 0;
+  Detail detail_ = Detail::exact;
+  Noise noise_;
+  std::vector<std::uint32_t> taxel_;
+  std::vector<double> x_, y_, u_, v_;
+  // Of all collected taxels pressure, shear along x and shear along y; and of those in use.
+  std::vector<double> all_data_, data_, residuals_;
+};
+
+}  // namespace slipd

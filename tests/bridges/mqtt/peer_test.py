@@ -1,0 +1,253 @@
+"""slipd-mqtt with mosquitto as broker and Eclipse Paho as subscriber: neither has code of slipd. Skips if one is not installed."""
+import json, os, shutil, signal, socket, subprocess, sys, tempfile, unittest
+
+try:
+    import paho.mqtt.client as paho
+except ImportError:
+    paho = None
+MOSQUITTO = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin")
+if paho is None or MOSQUITTO is None:
+    print("skipped: mosquitto or python3-paho-mqtt is not installed: run tools/setup --peers")
+    sys.exit(77)
+
+from fake_slipd import FakeSlipd, Server
+from support import PATIENCE, Bridge, await_true
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return listener.getsockname()[1]
+
+
+class Mosquitto:
+    def __init__(self, folder, lines=(), listener=""):
+        self.port, self.folder = free_port(), folder
+        self.file = os.path.join(folder, f"mosquitto-{self.port}.conf")
+        store = os.path.join(folder, f"store-{self.port}")
+        os.mkdir(store)
+        with open(self.file, "w") as file:
+            file.write("\n".join([f"persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} 127.0.0.1",
+                                  listener, *(lines or ["allow_anonymous true"])]) + "\n")
+        self.start()
+
+    def start(self):
+        with open(os.path.join(self.folder, f"mosquitto-{self.port}.log"), "a") as log:
+            self.program = subprocess.Popen([MOSQUITTO, "-c", self.file], stdout=log, stderr=log)
+        def listens():
+            try:
+                socket.create_connection(("127.0.0.1", self.port)).close()
+                return True
+            except OSError:
+                return False
+        await_true(listens, "mosquitto")
+
+    def stop(self):
+        self.program.terminate()
+        self.program.wait(PATIENCE)
+
+    def kill(self):
+        self.program.kill()
+        self.program.wait()
+
+
+class Subscriber:
+    """Paho with a persistent session: every message, and the alerts in the order of their arrival."""
+
+    def __init__(self, port, name="subscriber", set_up=lambda client: None):
+        self.messages, self.retained, self.alerts = [], {}, []
+        self.ready = False
+        self.client = paho.Client(name, clean_session=False)
+        self.client.reconnect_delay_set(1, 1)
+        self.client.on_connect = lambda client, *_: client.subscribe("slipd/#", 1)
+        self.client.on_subscribe = lambda *_: setattr(self, "ready", True)
+        self.client.on_message = self._take
+        set_up(self.client)
+        self.client.connect("127.0.0.1", port, 5)
+        self.client.loop_start()
+        await_true(lambda: self.ready, "the subscription")
+
+    def _take(self, _client, _data, message):
+        payload = json.loads(message.payload) if message.payload else None
+        self.messages.append((message.topic, payload))
+        self.retained[message.topic] = payload
+        if message.topic.endswith("/alert"):
+            self.alerts.append(payload)
+
+    def numbers(self):
+        return [alert["number"] for alert in self.alerts]
+
+    def close(self):
+        self.client.disconnect()
+        self.client.loop_stop()
+
+
+class Peer(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.server = Server()
+        self.addCleanup(self.server.close)
+        self.slipd = FakeSlipd(os.path.join(self.folder, "s.sock"), ["left", "right"], self.server)
+
+    def broker(self, *arguments, **named):
+        broker = Mosquitto(self.folder, *arguments, **named)
+        self.addCleanup(broker.kill)
+        return broker
+
+    def bridge(self, *brokers, **more):
+        bridge = Bridge(self.folder, self.slipd.path, [b if isinstance(b, dict) else {"host": "127.0.0.1", "port": b.port, "keepalive_s": 5}
+                                                       for b in brokers], **more)
+        self.addCleanup(bridge.kill)
+        await_true(self.slipd.subscribers, "the subscription at slipd")
+        return bridge
+
+    def subscriber(self, *arguments, **named):
+        subscriber = Subscriber(*arguments, **named)
+        self.addCleanup(subscriber.close)
+        return subscriber
+
+    def test_birth_states_estimates_and_the_end(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        bridge = self.bridge(broker)
+        born = await_true(lambda: (reader.retained.get("slipd/gripper/status") or {}).get("slipd") and reader.retained["slipd/gripper/status"],
+                          "the birth; " + bridge.log())
+        self.assertEqual(born["status"], "online")
+        self.assertEqual([sensor["name"] for sensor in born["sensors"]], ["left", "right"])
+        self.slipd.estimate("left", gamma=0.62)
+        got = await_true(lambda: reader.retained.get("slipd/gripper/left/estimate"), "the estimate")
+        self.assertEqual((got["gamma"], got["state"]), (0.62, "ok"))
+        self.slipd.send("state", self.slipd.message("left", state="learning", gamma=None))
+        await_true(lambda: (reader.retained.get("slipd/gripper/left/state") or {}).get("state") == "learning", "the state")
+        late = self.subscriber(broker.port, "late")
+        await_true(lambda: (late.retained.get("slipd/gripper/left/state") or {}).get("state") == "learning", "the retained state")
+        self.assertNotIn("slipd/gripper/left/estimate", late.retained)
+        self.assertEqual(bridge.stop(), 0)
+        ended = await_true(lambda: reader.retained["slipd/gripper/status"]["status"] == "offline" and reader.retained["slipd/gripper/status"], "the end")
+        self.assertIsNotNone(ended["time_ns"])
+
+    def test_an_estimate_that_is_old_has_no_margin(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        self.bridge(broker)
+        self.slipd.estimate("left", age_ms=5000.0)
+        got = await_true(lambda: reader.retained.get("slipd/gripper/left/estimate"), "the estimate")
+        self.assertEqual((got["gamma"], got["gamma_low"], got["state"]), (None, None, "stale"))
+
+    def test_a_killed_bridge_leaves_its_last_will(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        bridge = self.bridge(broker)
+        await_true(lambda: (reader.retained.get("slipd/gripper/status") or {}).get("status") == "online", "the birth")
+        bridge.kill()
+        gone = await_true(lambda: reader.retained["slipd/gripper/status"]["status"] == "offline" and reader.retained["slipd/gripper/status"], "the will")
+        self.assertIsNone(gone["time_ns"])
+
+    def test_slipd_that_goes_makes_every_state_disconnected(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        self.bridge(broker)
+        self.slipd.estimate("left")
+        await_true(lambda: reader.retained.get("slipd/gripper/left/state"), "the state")
+        self.slipd.close()
+        for sensor in "left", "right":
+            await_true(lambda: (reader.retained.get(f"slipd/gripper/{sensor}/state") or {}).get("state") == "disconnected", "the loss")
+        self.assertIsNone(await_true(lambda: reader.retained["slipd/gripper/status"], "status")["slipd"])
+
+    # The broker dies three times and the bridge once while alerts come: each arrives, in order, and duplicates are recognisable.
+    def test_alerts_survive_broker_and_bridge(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        bridge = self.bridge(broker)
+        raised = 0
+        for turn in range(4):
+            for _ in range(50):
+                self.slipd.alert("left" if raised % 2 else "right")
+                raised += 1
+            await_true(lambda: max(reader.numbers(), default=0) >= raised - 25, "half of them; " + bridge.log())
+            if turn == 3:
+                break
+            broker.stop()
+            for _ in range(100):
+                self.slipd.alert("left")
+                raised += 1
+            if turn == 1:
+                bridge.kill()  # what was in slipd's socket is lost with it: count from what is on disk
+                raised = self.on_disk(bridge)
+                bridge.start()
+                await_true(self.slipd.subscribers, "the subscription at slipd")
+            broker.start()
+        await_true(lambda: len(set(reader.numbers())) >= raised, f"{raised} alerts, got {len(set(reader.numbers()))}; " + bridge.log())
+        first_seen = list(dict.fromkeys(reader.numbers()))
+        self.assertEqual(first_seen, list(range(1, len(first_seen) + 1)))
+        self.assertEqual(len({alert["series"] for alert in reader.alerts}), 1)
+        self.assertEqual({alert["dropped"] for alert in reader.alerts}, {0})
+
+    def on_disk(self, bridge):
+        import sqlite3
+        database = sqlite3.connect(bridge.settings.replace(".json", ".db"))
+        try:
+            return database.execute("SELECT seq FROM sqlite_sequence").fetchone()[0]
+        finally:
+            database.close()
+
+    def test_a_full_store_drops_the_oldest_and_says_so(self):
+        broker = self.broker()
+        reader = self.subscriber(broker.port)
+        bridge = self.bridge(broker, store={"max_alerts": 10})
+        await_true(lambda: "accepted" in bridge.log(), "the connection")
+        broker.stop()
+        await_true(lambda: "lost" in bridge.log() or "refused" in bridge.log(), "the loss")
+        for _ in range(25):
+            self.slipd.alert("left")
+        await_true(lambda: self.on_disk(bridge) == 25, "25 alerts")
+        broker.start()
+        await_true(lambda: len(set(reader.numbers())) == 10, f"10 alerts, got {reader.numbers()}; " + bridge.log())
+        self.assertEqual(sorted(set(reader.numbers())), list(range(16, 26)))
+        self.assertEqual(reader.alerts[-1]["dropped"], 15)
+
+    def test_the_next_broker_takes_over(self):
+        one, other = self.broker(), self.broker()
+        reader = self.subscriber(other.port)
+        bridge = self.bridge(one, other)
+        await_true(lambda: "accepted" in bridge.log(), "the first broker")
+        one.kill()
+        self.slipd.alert("left")
+        await_true(lambda: reader.numbers(), "the alert at the other; " + bridge.log())
+
+    def test_tls_and_a_password(self):
+        def openssl(*arguments):
+            subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=self.folder)
+        openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", "ca.key", "-out", "ca.crt", "-days", "2", "-subj", "/CN=test")
+        openssl("req", "-newkey", "rsa:2048", "-nodes", "-keyout", "server.key", "-out", "server.csr", "-subj", "/CN=localhost")
+        with open(os.path.join(self.folder, "names"), "w") as names:
+            names.write("subjectAltName=IP:127.0.0.1\n")
+        openssl("x509", "-req", "-in", "server.csr", "-CA", "ca.crt", "-CAkey", "ca.key", "-CAcreateserial", "-out", "server.crt", "-days", "2",
+                "-extfile", "names")
+        path = lambda name: os.path.join(self.folder, name)
+        subprocess.run([shutil.which("mosquitto_passwd", path="/usr/bin:/usr/sbin"), "-b", "-c", path("users"), "gripper", "secret"], check=True)
+        for name, text in ("password", "secret\n"), ("wrong", "guess\n"):
+            with open(path(name), "w") as file:
+                file.write(text)
+        broker = self.broker([f"password_file {path('users')}", "allow_anonymous false"],
+                             listener=f"cafile {path('ca.crt')}\ncertfile {path('server.crt')}\nkeyfile {path('server.key')}")
+        def secure(client):
+            client.tls_set(path("ca.crt"))
+            client.username_pw_set("gripper", "secret")
+        reader = self.subscriber(broker.port, set_up=secure)
+        settings = {"host": "127.0.0.1", "port": broker.port, "user": "gripper", "password_file": path("password"), "tls": {"ca_file": path("ca.crt")}}
+        self.bridge(settings, host="right")
+        self.slipd.alert("left")
+        await_true(reader.numbers, "the alert over TLS")
+        refused = Bridge(self.folder, self.slipd.path, [settings | {"password_file": path("wrong")}], host="wrong")
+        self.addCleanup(refused.kill)
+        await_true(lambda: "not authorised" in refused.log().lower() or "refused" in refused.log().lower(), "the refusal; " + refused.log())
+        stranger = Bridge(self.folder, self.slipd.path, [settings | {"tls": {}}], host="stranger")
+        self.addCleanup(stranger.kill)
+        await_true(lambda: "<4>127.0.0.1" in stranger.log(), "the refused certificate; " + stranger.log())
+        self.assertNotIn("accepted", stranger.log())
+
+
+if __name__ == "__main__":
+    unittest.main(warnings="ignore")

@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+"""The page in a real browser (Debian's Chromium), with the real slipd and simulated fingers.
+
+SLIPD_SCREENSHOTS=FOLDER keeps pictures of the page at three widths in both themes, for whoever changes it to look at.
+"""
+import json
+import os
+import shutil
+import signal
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+try:
+    from selenium import webdriver
+    from selenium.common.exceptions import StaleElementReferenceException
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+except ImportError:
+    webdriver = None
+
+import slipd
+from bed import Bed, awaited, two_fingers
+
+DRIVER = shutil.which("chromedriver")
+WIDTHS = {390: 844, 1280: 900, 2560: 1440}
+TOLD_WITHIN_MS = 1000
+
+
+def configured(folder):
+    return two_fingers(folder, recorder={"seconds": 4})
+
+
+def browser(width=1280, height=900):
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars", f"--window-size={width},{height}"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service(DRIVER), options=options)
+
+
+class Margins(threading.Thread):
+    """Every margin that slipd's own socket gives."""
+
+    def __init__(self, path):
+        super().__init__(daemon=True)
+        self.path, self.seen, self.states, self.stopping = path, set(), set(), False
+        self.start()
+
+    def run(self):
+        with slipd.Client(str(self.path)) as client:
+            for estimate in client.estimates(max_age_s=10):
+                self.seen.add(estimate.gamma)
+                self.states.add(estimate.state)
+                if self.stopping:
+                    return
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bed = Bed(configured)
+        cls.browser = browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.quit()
+        cls.bed.close()
+
+    def setUp(self):
+        if self.bed.slipd.process.poll() is not None:
+            self.bed.start_slipd()
+        self.browser.get_log("browser")
+        self.open("#/live")
+        self.card("left", "ok")
+
+    def open(self, where):
+        self.browser.get("about:blank")
+        self.browser.get(self.bed.url + where)
+
+    def script(self, text, *arguments):
+        return self.browser.execute_script(text, *arguments)
+
+    def all(self, selector):
+        return self.browser.find_elements(By.CSS_SELECTOR, selector)
+
+    def card(self, name, state):
+        """Waits until a card shows this state."""
+        return awaited(f"{name} {state}", lambda: self.all(f'.card[data-name="{name}"][data-state="{state}"]'))[0]
+
+    def no_errors(self):
+        self.assertEqual([entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")], [])
+
+    def test_the_page_shows_the_margins_of_the_socket(self):
+        margins = Margins(self.bed.folder / "slipd.sock")
+        awaited("margins", lambda: len(margins.seen) > 10)
+        # What is on the page from now on was sent after the thread had begun.
+        shown = self.browser.execute_async_script("""
+          const done = arguments[arguments.length - 1], seen = new Set(), begin = performance.now();
+          let first = null;
+          const look = () => {
+            const now = performance.now();
+            for (const card of document.querySelectorAll('.card[data-kind="sensor"]')) {
+              const text = card.querySelector(".number span").textContent, value = card.dataset.gamma;
+              if (now - begin > 500 && value !== "") seen.add(JSON.stringify([Number(value), text]));
+            }
+            if (seen.size >= 40) done([...seen]); else requestAnimationFrame(look);
+          };
+          look();""")
+        awaited("the thread", lambda: all(json.loads(each)[0] in margins.seen for each in shown))
+        margins.stopping = True
+        for each in shown:
+            value, text = json.loads(each)
+            self.assertEqual(text, f"{value:.2f}")
+        self.no_errors()
+
+    def test_states_and_alerts_change_on_the_page(self):
+        for state, words in (("no_contact", "nothing touches"), ("learning", "let it slip once or give a friction"), ("ok", "the margin is measured")):
+            card = self.card("left", state) if state != "learning" else None
+            if card is None:
+                continue
+            awaited(words, lambda words=words, card=card: words in card.find_element(By.CSS_SELECTOR, ".state").text)
+        awaited("an alert of slip", lambda: self.all('.card[data-name="left"][data-alert="slip"]'))
+        awaited("no alert", lambda: self.all('.card[data-name="left"][data-alert="none"]'))
+        said = awaited("the alert for those who cannot see", lambda: self.script("return document.querySelector('.said').textContent"))
+        self.assertRegex(said, "(left|right|gripper): ")
+        self.no_errors()
+
+    def test_no_margin_is_shown_without_the_state_ok(self):
+        wrong = self.browser.execute_async_script("""
+          const done = arguments[arguments.length - 1], wrong = [], states = new Set(), begin = performance.now();
+          const look = () => {
+            for (const card of document.querySelectorAll(".card[data-name]")) {
+              states.add(card.dataset.state);
+              const number = card.querySelector(".number span").textContent, dial = card.querySelector(".dial");
+              if (card.dataset.state !== "ok" && (number !== "–" || dial.hasAttribute("aria-valuenow"))) wrong.push(card.dataset.state + number);
+            }
+            if (states.size >= 2 && performance.now() - begin > 4000) done(wrong); else requestAnimationFrame(look);
+          };
+          look();""")
+        self.assertEqual(wrong, [])
+
+    def test_simulated_is_marked(self):
+        for name in ("left", "right", "gripper"):
+            card = self.all(f'.card[data-name="{name}"]')[0]
+            self.assertTrue(card.find_element(By.CSS_SELECTOR, ".simulated").is_displayed(), name)
+
+    def test_pictures_of_the_sensor_that_is_looked_at_follow_each_other(self):
+        first = awaited("a picture", lambda: self.script("return document.querySelector('canvas.map').dataset.sequence"))
+        awaited("a later picture", lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence")) > int(first) + 3)
+        self.no_errors()
+
+    WATCH = """
+      window.told = null;
+      window.heard = performance.now();
+      const send = WebSocket.prototype.send;  // the page answers each message
+      WebSocket.prototype.send = function (text) { window.heard = performance.now(); return send.call(this, text); };
+      const sign = document.getElementById("link");
+      new MutationObserver(() => { if (sign.dataset.state === "away" && window.told === null) window.told = performance.now(); })
+        .observe(sign, { attributes: true });
+    """
+
+    def told(self, what, silent=False):
+        """How long it takes, ms: after `what`, or after the last message where there are none any more."""
+        self.script(self.WATCH)
+        before = self.script("return performance.now()")
+        what()
+        shown = awaited("the page says it", lambda: self.script("return window.told"))
+        if silent:
+            before = self.script("return window.heard")
+        state = awaited("no margin", lambda: self.all('.card[data-name="left"][data-state="disconnected"]'))[0]
+        self.assertEqual(state.find_element(By.CSS_SELECTOR, ".number span").text, "–")
+        return shown - before
+
+    def test_a_slipd_that_was_stopped_is_told_within_a_second(self):
+        self.assertLess(self.told(lambda: self.bed.slipd.signal(signal.SIGKILL)), TOLD_WITHIN_MS)
+        self.assertIn("slipd", self.all(".lost")[0].text)
+        self.bed.slipd.process.wait()
+        self.bed.start_slipd()
+        self.card("left", "ok")
+        self.assertFalse(self.all(".lost")[0].is_displayed())
+
+    def test_a_slipd_that_hangs_is_told_within_a_second(self):
+        try:
+            self.assertLess(self.told(lambda: self.bed.slipd.signal(signal.SIGSTOP)), TOLD_WITHIN_MS)
+        finally:
+            self.bed.slipd.signal(signal.SIGCONT)
+        self.card("left", "ok")
+
+    def test_a_slipd_web_that_hangs_is_told_within_a_second(self):
+        try:
+            self.assertLess(self.told(lambda: self.bed.web.signal(signal.SIGSTOP), silent=True), TOLD_WITHIN_MS)
+        finally:
+            self.bed.web.signal(signal.SIGCONT)
+        self.card("left", "ok")
+
+    def test_everything_that_is_used_has_a_name(self):
+        for where in ("#/live", "#/recordings", "#/method"):
+            self.script("location.hash = arguments[0]", where)
+            awaited(where, lambda where=where: self.all(f'nav a[href="{where}"][aria-current]'))
+            for element in self.all("a, button, input, select, canvas, [role=meter], section, article"):
+                try:
+                    if element.is_displayed():
+                        self.assertTrue(element.accessible_name, element.get_attribute("outerHTML")[:120]) if element.tag_name != "section" else None
+                except StaleElementReferenceException:
+                    pass
+            self.assertEqual(len(self.all("h1")), 1)
+            self.assertEqual(self.all("main")[0].aria_role, "main")
+
+    def test_the_keyboard_reaches_everything(self):
+        reached = set()
+        for _ in range(20):
+            self.browser.switch_to.active_element.send_keys(Keys.TAB)
+            reached.add(self.script("return document.activeElement.textContent.trim().slice(0, 12) || document.activeElement.tagName"))
+        self.assertLessEqual({"Live", "Recordings", "Method", "Details", "60 s"}, reached)
+        details = self.all('.card[data-name="gripper"] button')[0]
+        details.send_keys(Keys.ENTER)
+        self.assertEqual(details.get_attribute("aria-pressed"), "true")
+
+    def test_scripts_within_the_page_do_not_run(self):
+        self.script("""const script = document.createElement("script"); script.textContent = "window.inside = true"; document.body.append(script);
+                       const image = document.createElement("img"); image.src = "https://elsewhere.example/x.png"; document.body.append(image);""")
+        self.assertIsNone(self.script("return window.inside ?? null"))
+        awaited("two reports", lambda: len([e for e in self.browser.get_log("browser") if "Content Security Policy" in e["message"]]) >= 1)
+
+    def test_recordings_are_listed_and_play(self):
+        with slipd.Client(str(self.bed.folder / "slipd.sock")) as client:
+            awaited("a recording", lambda: list((self.bed.folder / "recordings").glob("*.rec")))
+            del client
+        self.script("location.hash = '#/recordings'")
+        link = awaited("the list", lambda: self.all("td a"))[0]
+        name = link.text
+        recording = slipd.open(self.bed.folder / "recordings" / name)
+        frames = {frame.seq: frame for frame in recording}
+        link.click()
+        scrub = awaited("the player", lambda: self.all("input[type=range]"))[0]
+        self.assertAlmostEqual(float(scrub.get_attribute("max")), max(frame.time_s for frame in frames.values()), places=3)
+        play = self.all('button[aria-label="Play or pause"]')[0]
+        at = lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence"))
+        before = at()
+        self.all('option[value="0.02"]')[0].click()  # so slow that it does not end meanwhile
+        play.click()
+        awaited("it plays", lambda: at() > before + 5)
+        play.click()
+        self.assertIn("Play", play.text)
+        before = at()
+        self.all('button[aria-label="One frame on"]')[0].click()
+        self.assertEqual(at(), before + 1)
+        moment = frames[before + 1]
+        shown = self.all(".facts")[-1].text
+        self.assertIn(f"{moment.time_s:.3f} s", shown)
+        if moment.estimate["gamma"] is not None and moment.estimate["state"] == "ok":
+            self.assertIn(f"{moment.estimate['gamma']:.2f}", shown)
+        address = self.all(".bar a")[0].get_attribute("href")
+        self.browser.get("about:blank")
+        self.browser.get(address)
+        awaited("the player", lambda: self.all("input[type=range]"))
+        self.assertEqual(at(), before + 1)
+        self.no_errors()
+
+    def test_the_method_is_explained(self):
+        self.script("location.hash = '#/method'")
+        text = awaited("the sensor", lambda: [each.text for each in self.all("main .card") if "moments" in each.text])[0]
+        self.assertIn("second moments", text)
+        self.no_errors()
+
+    def test_pictures_at_all_sizes(self):
+        folder = os.environ.get("SLIPD_SCREENSHOTS")
+        pages = {"live": "#/live", "recordings": "#/recordings", "method": "#/method"}
+        for width, height in WIDTHS.items():
+            self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+            for theme in ("light", "dark"):
+                self.script("localStorage.setItem('theme', arguments[0])", theme)
+                self.open("#/live")
+                self.card("left", "ok")
+                self.assertLessEqual(self.script("return document.documentElement.scrollWidth"), width)
+                if folder:
+                    self.keep(Path(folder), pages, width, theme)
+        self.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        self.no_errors()
+
+    def keep(self, folder, pages, width, theme):
+        folder.mkdir(parents=True, exist_ok=True)
+        self.browser.set_script_timeout(60)
+        self.browser.execute_async_script("setTimeout(arguments[0], 9000)")  # a history to look at
+        for name, where in pages.items():
+            self.script("location.hash = arguments[0]", where)
+            if name == "live":
+                awaited("a good moment", lambda: self.script("""const card = document.querySelector('.card[data-name="left"]');
+                  return card.dataset.state === "ok" && card.dataset.gamma > 0.1 && card.dataset.gamma < 0.7"""))
+            else:
+                awaited(name, lambda: self.all("main .card"))
+            self.browser.save_screenshot(str(folder / f"{name}-{width}-{theme}.png"))
+
+
+if __name__ == "__main__":
+    if webdriver is None or DRIVER is None:
+        print("chromium-driver and python3-selenium are not installed (tools/setup --peers): skipped")
+        sys.exit(77)
+    unittest.main()

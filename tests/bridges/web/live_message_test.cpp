@@ -1,0 +1,77 @@
+#include "bridges/web/live_message.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace slipd::web {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kMaxAgeMs = 100;
+
+Json sensor(const char* name, const Json& age_ms, const char* state = "ok") {
+  return {{"sensor", name},   {"state", state},          {"gamma", 0.5},  {"sigma", 0.01},     {"gamma_low", 0.4},
+          {"class", 3},       {"grip_increase_n", 0.1},  {"alert", "warn"}, {"alert_cause", "margin"},
+          {"age_ms", age_ms}, {"simulated", true},       {"sliding", "none"}};
+}
+
+Json message_of(const Json& sensors, const Json& grasps = Json::array()) {
+  return Json::parse(live_message(Json{{"sensors", sensors}, {"grasps", grasps}}.dump(), kMaxAgeMs));
+}
+
+TEST(LiveMessage, PassesAYoungMarginOn) {
+  const Json message = message_of({sensor("left", 5)});
+  EXPECT_EQ(message.at("slipd"), "ok");
+  EXPECT_EQ(message.at("sensors").at(0), sensor("left", 5));
+}
+
+TEST(LiveMessage, HasNoMarginThatIsTooOld) {
+  for (const Json& age : {Json(100.1), Json(1e9), Json(nullptr), Json("young")}) {
+    const Json estimate = message_of({sensor("left", age)}).at("sensors").at(0);
+    EXPECT_EQ(estimate.at("state"), "stale") << age;
+    for (const char* key : {"gamma", "sigma", "gamma_low", "class", "grip_increase_n", "sliding"})
+      EXPECT_TRUE(estimate.at(key).is_null()) << key;
+    EXPECT_EQ(estimate.at("alert"), "warn");
+  }
+}
+
+TEST(LiveMessage, HasNoMarginOutsideStateOk) {
+  for (const char* state : {"learning", "fault", "out_of_model", "a state of a newer slipd"}) {
+    const Json estimate = message_of({sensor("left", 5, state)}).at("sensors").at(0);
+    EXPECT_TRUE(estimate.at("gamma").is_null());
+    EXPECT_EQ(estimate.at("state"), state);
+  }
+  EXPECT_EQ(message_of({sensor("left", 500, "fault")}).at("sensors").at(0).at("state"), "fault");
+}
+
+TEST(LiveMessage, AGraspIsAsOldAsItsOldestSensor) {
+  const auto grasp = [](const Json& members) {
+    return Json{{"grasp", "g"}, {"sensors", members}, {"state", "ok"}, {"gamma", 0.3}, {"alert", "none"}, {"first", {{"sensor", "a"}, {"gamma", 0.2}}}};
+  };
+  const Json sensors = {sensor("a", 5), sensor("b", 500), sensor("c", 20)};
+  Json of = message_of(sensors, {grasp({"a", "c"})}).at("grasps").at(0);
+  EXPECT_EQ(of.at("state"), "ok");
+  EXPECT_EQ(of.at("age_ms"), 20);
+  EXPECT_EQ(of.at("simulated"), true);
+  for (const Json& members : {Json{"a", "b"}, Json{"a", "nobody"}, Json::array()}) {
+    of = message_of(sensors, {grasp(members)}).at("grasps").at(0);
+    EXPECT_EQ(of.at("state"), "stale") << members;
+    EXPECT_TRUE(of.at("gamma").is_null() && of.at("first").is_null());
+  }
+}
+
+TEST(LiveMessage, RefusesWhatIsNoAnswer) {
+  for (const char* text : {"", "{}", "[]", R"({"sensors":1,"grasps":2})", R"({"sensors":[{}],"grasps":[]})"})
+    EXPECT_ANY_THROW(live_message(text, kMaxAgeMs)) << text;
+}
+
+TEST(LiveMessage, SaysWhySlipdIsAway) {
+  const Json message = Json::parse(away_message("it \"sleeps\"\xff"));
+  EXPECT_EQ(message.at("slipd"), "away");
+  EXPECT_TRUE(message.at("sensors").empty());
+}
+
+}  // namespace
+}  // namespace slipd::web

@@ -1,0 +1,144 @@
+// `sliplab skin`: how deep a sensor's taxels lie under its skin, by recordings of presses; and whether its shear
+// has the signs and the order of its layout.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "config/settings.hpp"
+#include "core/estimate/tradeoff.hpp"
+#include "tools/sliplab/command.hpp"
+#include "tools/sliplab/replay/frames.hpp"
+#include "tools/sliplab/skin/depth.hpp"
+#include "tools/sliplab/skin/shear_order.hpp"
+
+namespace sliplab {
+namespace {
+
+using namespace slipd;
+
+struct SkinOptions {
+  std::string scene, sensor;
+  std::vector<std::string> files;
+  std::size_t frames = 40;
+};
+
+struct SkinReport {
+  std::string sensor;
+  std::optional<SkinDepth> depth;
+  ShearOrder order;
+  std::size_t presses = 0;
+};
+
+std::vector<PressFrame> read_all(FileFrames& source) {
+  std::vector<PressFrame> frames;
+  for (;;) {
+    const FileFrames::Outcome outcome = source.next();
+    if (outcome == FileFrames::Outcome::end) return frames;
+    if (outcome == FileFrames::Outcome::corrupt) continue;
+    const Frame frame = source.frame();
+    frames.push_back({{frame.normal_pa.begin(), frame.normal_pa.end()},
+                      {frame.shear_x_pa.begin(), frame.shear_x_pa.end()},
+                      {frame.shear_y_pa.begin(), frame.shear_y_pa.end()}});
+  }
+}
+
+// All files of one sensor together: some frames of each.
+SkinReport measure(const Settings& settings, const std::string& sensor,
+                   const std::vector<FileOfSensor>& files, std::size_t most) {
+  SkinReport out{.sensor = sensor, .depth = {}, .order = {}};
+  std::vector<PressFrame> presses;
+  std::optional<ChainSetup> setup;
+  for (const FileOfSensor& file : files) {
+    FileFrames source(settings, file);
+    setup = source.setup();
+    if (setup->sensor_class != SensorClass::array3)
+      throw WrongUse("sensor " + sensor + " has no taxels with pressure and shear");
+    const auto own = press_frames(setup->layout, read_all(source), std::max<std::size_t>(1, most / files.size()));
+    presses.insert(presses.end(), own.begin(), own.end());
+    if (!source.fault().empty()) std::cerr << "sliplab: " << source.fault() << '\n';
+  }
+  out.presses = presses.size();
+  PatchFinder finder(setup->layout);
+  for (const PressFrame& press : presses)
+    out.order.add(setup->layout, finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa}));
+  if (advice_on(out.order.verdict()).empty())
+    out.depth = skin_depth(setup->layout, expected_friction(setup->scene), presses);
+  return out;
+}
+
+void print(const SkinReport& report) {
+  constexpr double kMm = 1e3;
+  std::printf("%s: %zu frames of presses\n", report.sensor.c_str(), report.presses);
+  const std::string_view advice = advice_on(report.order.verdict());
+  if (!advice.empty()) {
+    std::printf("  %.*s.\n  Put that right first: a depth from such shear means nothing.\n",
+                static_cast<int>(advice.size()), advice.data());
+    return;
+  }
+  if (!report.depth) {
+    std::printf("  no depth: press harder, with something round, and so that the whole contact is on the pad.\n");
+    return;
+  }
+  const SkinDepth& depth = *report.depth;
+  if (depth.depth_m > 0) {
+    std::printf("  depth %.3g +- %.2g mm (one standard deviation)\n", kMm * depth.depth_m, kMm * depth.sigma_m);
+  } else {
+    std::printf("  taxels lie at the surface\n");
+  }
+  if (depth.gain_spread) std::printf("  gains differ by %.1f %% (one standard deviation)\n", 100 * *depth.gain_spread);
+  std::printf("  write into the scene: \"skin\": { \"depth_mm\": %.3g }\n", kMm * depth.depth_m);
+}
+
+nlohmann::ordered_json skin_json(const SkinReport& report) {
+  nlohmann::ordered_json out{{"sensor", report.sensor},
+                             {"frames", report.presses},
+                             {"correlations", report.order.correlations()},
+                             {"advice", advice_on(report.order.verdict())}};
+  if (!report.depth) return out;
+  out["depth_mm"] = 1e3 * report.depth->depth_m;
+  out["depth_sigma_mm"] = 1e3 * report.depth->sigma_m;
+  if (report.depth->gain_spread) out["gain_spread"] = *report.depth->gain_spread;
+  return out;
+}
+
+void run_skin(const Common& common, const SkinOptions& options) {
+  const Settings settings = load_scene(options.scene);
+  const std::vector<FileOfSensor> files = files_of(settings, options.sensor, options.files);
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const SensorSettings& sensor : settings.sensors) {
+    std::vector<FileOfSensor> own;
+    for (const FileOfSensor& file : files) {
+      if (file.sensor == sensor.setup.name) own.push_back(file);
+    }
+    if (own.empty()) continue;
+    const SkinReport report = measure(settings, sensor.setup.name, own, options.frames);
+    if (common.json) {
+      all.push_back(skin_json(report));
+    } else {
+      print(report);
+    }
+  }
+  if (common.json) std::cout << all.dump(2) << '\n';
+}
+
+}  // namespace
+
+void add_skin(CLI::App& app, const Common& common) {
+  auto* command = app.add_subcommand(
+      "skin", "how deep taxels lie under the skin, and whether shear has the layout's signs, by presses");
+  auto options = std::make_shared<SkinOptions>();
+  command->add_option("--scene", options->scene, "the configuration")->required()->check(CLI::ExistingFile);
+  command->add_option("recordings", options->files,
+                      "CSVs or recordings of presses, instead of the scene's; SENSOR=FILE for one sensor");
+  command->add_option("--sensor", options->sensor, "only this sensor of the scene");
+  command->add_option("--frames", options->frames, "frames to use at most")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->callback([&common, options] { run_skin(common, *options); });
+}
+
+}  // namespace sliplab
