@@ -83,8 +83,8 @@ using subsurface::Shape;
 [[gnu::always_inline]] inline void round_values(const DomePoint& of, const Points& to) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i)
-    add(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight, to.rows + i,
-        to.count);
+    add(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight,
+        to.rows + i, to.count);
 }
 
 [[gnu::always_inline]] inline void elliptic_slopes(const DomePoint& of, const Points& to) noexcept {
@@ -93,7 +93,8 @@ using subsurface::Shape;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a, b2 = 2 * of.b;
-    const auto at = subsurface::common<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table);
+    const auto at =
+        subsurface::common<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table);
     const FeltTensor value = turned(subsurface::value_of(at), c, s),
                      d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
                      d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s);
@@ -114,8 +115,8 @@ using subsurface::Shape;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v;
-    add(turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s), of.weight,
-        to.rows + i, to.count);
+    add(turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s),
+        of.weight, to.rows + i, to.count);
   }
 }
 
@@ -244,14 +245,28 @@ struct SubsurfaceKernels {
   Kernel round, round_value, elliptic, elliptic_value, surface, surface_value;
   static const SubsurfaceKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-const SubsurfaceKernels SubsurfaceKernels::baseline{integrals_on_baseline, felt_on_baseline<round_slopes>,    felt_on_baseline<round_values>,   felt_on_baseline<elliptic_slopes>,
-    felt_on_baseline<elliptic_values>, felt_on_baseline<surface_slopes>, felt_on_baseline<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::baseline{integrals_on_baseline,
+                                                    felt_on_baseline<round_slopes>,
+                                                    felt_on_baseline<round_values>,
+                                                    felt_on_baseline<elliptic_slopes>,
+                                                    felt_on_baseline<elliptic_values>,
+                                                    felt_on_baseline<surface_slopes>,
+                                                    felt_on_baseline<surface_values>};
 #if defined(__x86_64__)
-const SubsurfaceKernels SubsurfaceKernels::avx2{integrals_on_avx2, felt_on_avx2<round_slopes>,    felt_on_avx2<round_values>,
-                                                felt_on_avx2<elliptic_slopes>, felt_on_avx2<elliptic_values>,
-                                                felt_on_avx2<surface_slopes>,  felt_on_avx2<surface_values>};
-const SubsurfaceKernels SubsurfaceKernels::avx512{integrals_on_avx512, felt_on_avx512<round_slopes>,    felt_on_avx512<round_values>,   felt_on_avx512<elliptic_slopes>,
-    felt_on_avx512<elliptic_values>, felt_on_avx512<surface_slopes>, felt_on_avx512<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx2{integrals_on_avx2,
+                                                felt_on_avx2<round_slopes>,
+                                                felt_on_avx2<round_values>,
+                                                felt_on_avx2<elliptic_slopes>,
+                                                felt_on_avx2<elliptic_values>,
+                                                felt_on_avx2<surface_slopes>,
+                                                felt_on_avx2<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx512{integrals_on_avx512,
+                                                  felt_on_avx512<round_slopes>,
+                                                  felt_on_avx512<round_values>,
+                                                  felt_on_avx512<elliptic_slopes>,
+                                                  felt_on_avx512<elliptic_values>,
+                                                  felt_on_avx512<surface_slopes>,
+                                                  felt_on_avx512<surface_values>};
 #endif
 
 template <unsigned kPoints>
@@ -303,9 +318,9 @@ FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, doub
     const double height = std::sqrt(std::max(0.0, 1 - x * x / (a * a) - y * y / (b * b)));
     return {.nn = height, .xx = height, .yy = height};
   }
-  return turned(
-      ellipse.round() ? felt_value<Shape::round>(a, a, depth_m, x, y)
-                      : felt_value<Shape::elliptic>(a, b, depth_m, x, y), c, s);
+  return turned(ellipse.round() ? felt_value<Shape::round>(a, a, depth_m, x, y)
+                                : felt_value<Shape::elliptic>(a, b, depth_m, x, y),
+                c, s);
 }
 
 SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m)

@@ -45,8 +45,8 @@ class SubsurfaceSheet {
   // dome) and by the angle.
   enum Of : unsigned char { value, d_u, d_v, d_a, d_b, d_angle, kRows };
 
-  // What is summed for each taxel. exact: as the constructor says. rough: fewer points, for the steps of a fit
-  // that are not its last ones. centre: the value at its middle.
+  // What is summed for each taxel. exact: as the constructor says. rough: fewer points, for the steps of a
+  // fit that are not its last ones. centre: the value at its middle.
   enum class Detail : std::uint8_t { exact, rough, centre };
 
   // Room for so many taxels. side_m: of their squares, m. depth_m >= 0. Averages are Gauss-Legendre sums,
@@ -83,10 +83,10 @@ class SubsurfaceSheet {
 
   std::size_t count_ = 0;
   double side_m_, depth_m_;
-  std::array<Rule, 3> rules_;        // Gauss-Legendre, by Detail
-  std::vector<double> integrals_;    // of the ellipse evaluated, see IntegralTable
-  std::vector<double> rows_;         // at depth 0 those of nn alone, which are xx and yy as well
-  std::vector<double> zeros_;        // at depth 0 the other components
+  std::array<Rule, 3> rules_;      // Gauss-Legendre, by Detail
+  std::vector<double> integrals_;  // of the ellipse evaluated, see IntegralTable
+  std::vector<double> rows_;       // at depth 0 those of nn alone, which are xx and yy as well
+  std::vector<double> zeros_;      // at depth 0 the other components
 };
 
 }  // namespace slipd::contact

@@ -51,7 +51,8 @@ namespace subsurface {
   return l;
 }
 
-// The same to 1e-9 of its value, by three steps of Halley's method and with one reciprocal for the three terms.
+// The same to 1e-9 of its value, by three steps of Halley's method and with one reciprocal for the three
+// terms.
 [[gnu::always_inline]] inline double confocal_near(double aa, double bb, double zz, double xx,
                                                    double yy) noexcept {
   constexpr int kSteps = 3;
@@ -117,8 +118,8 @@ struct Integrals {
   return {za, za, by, by, 0, 0};
 }
 
-// I_a and I_b of one ellipse over l as cubics between nodes that are even in m/(m + b), with m = sqrt(l) and b
-// the shorter half axis: to 1e-6 of their greatest value.
+// I_a and I_b of one ellipse over l as cubics between nodes that are even in m/(m + b), with m = sqrt(l) and
+// b the shorter half axis: to 1e-6 of their greatest value.
 struct IntegralTable {
   static constexpr int kIntervals = 48;
   static constexpr std::size_t kPerInterval = 8;  // four coefficients of each
@@ -200,8 +201,7 @@ template <Shape kShape>
   } else if constexpr (kShape == Shape::tabled) {
     in = elliptic_integrals(at.aa, at.bb, at.l, at.pa, at.pb, at.per_d, axis_integrals(table, at.l));
   } else {
-    in = elliptic_integrals(at.aa, at.bb, at.l, at.pa, at.pb, at.per_d,
-                            axis_integrals(at.aa, at.bb, at.l));
+    in = elliptic_integrals(at.aa, at.bb, at.l, at.pa, at.pb, at.per_d, axis_integrals(at.aa, at.bb, at.l));
   }
   at.jx = at.c * in.za;
   at.jy = at.c * in.zb;

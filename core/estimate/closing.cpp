@@ -52,13 +52,12 @@ Closing::Trial Closing::judge(double gamma, const ContactPatch& patch, const Clo
   trial.friction = product_pa2 / square_pa2;
   const double shear_pa2 = patch.noise_shear_pa * patch.noise_shear_pa;
   const double map_pa = trial.friction * patch.noise_normal_pa;
-  const double map_pa2 = map_pa * map_pa * maps_.noise_share(slipping);
+  const double noise_share = maps_.noise_share(slipping), map_pa2 = map_pa * map_pa * noise_share;
   trial.noise_pa2 = std::max(shear_pa2 + map_pa2, std::numeric_limits<double>::min());
   trial.map_share = map_pa2 / trial.noise_pa2;
   const auto taxels = static_cast<double>(layout_.size());
   // Of the maps as they are, with their noise.
-  const double noisy_pa2 =
-      square_pa2 + taxels * patch.noise_normal_pa * patch.noise_normal_pa * maps_.noise_share(slipping);
+  const double noisy_pa2 = square_pa2 + taxels * patch.noise_normal_pa * patch.noise_normal_pa * noise_share;
   trial.residual_pa2 = std::max(
       0.0, shear_square_pa2 - 2 * trial.friction * product_pa2 + trial.friction * trial.friction * noisy_pa2);
   trial.misfit = 0.5 * (trial.residual_pa2 / trial.noise_pa2 + taxels * std::log(trial.noise_pa2));

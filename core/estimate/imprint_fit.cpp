@@ -99,8 +99,7 @@ void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
     if (best.current) {
       const auto moved = (trial - best.at).head(unknowns).array().abs();
       const double moved_sigmas = (moved * best.normal.hessian.diagonal().array().sqrt()).maxCoeff();
-      best.converged =
-          best.normal.cost - trial_normal.cost < settled || moved_sigmas < fit_.converged_sigmas;
+      best.converged = best.normal.cost - trial_normal.cost < settled || moved_sigmas < fit_.converged_sigmas;
       best.at = trial;
       best.normal = trial_normal;
       damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
@@ -119,8 +118,8 @@ void ImprintFit::refresh(int unknowns, Minimum& best) noexcept {
 }
 
 // Noise: root mean squares of what is left over, each channel with its share of the unknowns. Where only its
-// size changes, and not that of one channel against the others, the minimum stays, and so does its Hessian but
-// for a factor: here the lesser of both channels', so that sigma is not less than it should be.
+// size changes, and not that of one channel against the others, the minimum stays, and so does its Hessian
+// but for a factor: here the lesser of both channels', so that sigma is not less than it should be.
 bool ImprintFit::weights_change(int unknowns, Minimum& best) noexcept {
   refresh(unknowns, best);
   const std::size_t n = model_.count();
@@ -261,9 +260,9 @@ void ImprintFit::fill_shear(const Full& at, double gamma, const ImprintRows& out
 // Taxels may be averaged roughly: only what another margin changes is.
 void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept {
   const Square covariance = hessian.ldlt().solve(Square::Identity(hessian.rows(), hessian.cols()));
-  const double held = 1 / (hessian(Model::margin, Model::margin) -
-                           hessian(Model::load, Model::margin) * hessian(Model::load, Model::margin) /
-                               hessian(Model::load, Model::load));
+  const double held = 1 / (hessian(Model::margin, Model::margin) - hessian(Model::load, Model::margin) *
+                                                                       hessian(Model::load, Model::margin) /
+                                                                       hessian(Model::load, Model::load));
   const double kept = held / covariance(Model::margin, Model::margin);
   const double share = kept > 0 && kept < 1 ? std::max(kept, fit_.min_profile_share) : 1;
   const std::size_t rows = 3 * model_.count();
@@ -285,8 +284,8 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   weigh_profile(friction, prior_, out);
 }
 
-// Round first, anew from another margin where it ends at an end of the range; then the noise that is left over,
-// and the ellipse if there is one.
+// Round first, anew from another margin where it ends at an end of the range; then the noise that is left
+// over, and the ellipse if there is one.
 void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
   model_.use_part(options_.part_taxels);
   minimise(Model::kRound, best);
@@ -374,10 +373,10 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   FrameEstimate out;
   steps_ = 0;
   elliptic_ = fitted_ = false;
-  model_.collect(patch,
-                 kReachFactor * patch.radius_m + kReachSides * layout_.side_m() +
-                     options_.reach_depths * depth_m_,
-                 kFewTaxels);
+  model_.collect(
+      patch,
+      kReachFactor * patch.radius_m + kReachSides * layout_.side_m() + options_.reach_depths * depth_m_,
+      kFewTaxels);
   if (!(ratio.load > 0) || model_.count() < Model::kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
   fitted_ = true;

@@ -45,8 +45,8 @@ struct ImprintFitOptions {
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;
-  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05; the same
-  // on some of the taxels, 0.01 … 1. Too small: more steps, for nothing. Too large: it stops before the
+  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05; the
+  // same on some of the taxels, 0.01 … 1. Too small: more steps, for nothing. Too large: it stops before the
   // minimum, and the last steps start far from it.
   double settled_nats = 2e-3;
   double part_settled_nats = 0.1;
@@ -89,16 +89,16 @@ class ImprintFit {
   // Infinite where the frame has no information. Overwrites the results of the last frame.
   double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
 
-  // Half of -2 log likelihood of the last frame, nats up to a constant, with the noise of its own residuals: of
-  // fits of one frame at several depths, the likeliest depth has the least. The fits must use the same taxels:
-  // reach_depths times the depth must be alike. NaN for a frame that was not fitted.
+  // Half of -2 log likelihood of the last frame, nats up to a constant, with the noise of its own residuals:
+  // of fits of one frame at several depths, the likeliest depth has the least. The fits must use the same
+  // taxels: reach_depths times the depth must be alike. NaN for a frame that was not fitted.
   double misfit_nats() const noexcept;
   // The last frame's taxels, residuals and noise.
   const ImprintModel& model() const noexcept { return model_; }
 
-  int steps() const noexcept { return steps_; }  // that the last frame took
+  int steps() const noexcept { return steps_; }         // that the last frame took
   bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
-  std::size_t memory_bytes() const noexcept { 
+  std::size_t memory_bytes() const noexcept {
     return sizeof(*this) + model_.memory_bytes() + 6 * sizeof(double) * layout_.size();
   }
 
@@ -144,7 +144,8 @@ class ImprintFit {
   FrictionPrior prior_;
   double depth_m_;
   ImprintModel model_;
-  // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the pressure's.
+  // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the
+  // pressure's.
   std::vector<double> shear_, unsheared_;
   bool fitted_ = false;
   int steps_ = 0;

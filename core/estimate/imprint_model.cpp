@@ -128,7 +128,7 @@ const contact::SubsurfaceSheet& ImprintModel::show(const Full& at, Detail detail
 }
 
 const contact::SubsurfaceSheet& ImprintModel::show_part(const Full& at, double scale,
-                                                          Detail detail) noexcept {
+                                                        Detail detail) noexcept {
   inner_.evaluate_values(ellipse_of(at, scale), u(), v(), detail);
   return inner_;
 }
@@ -188,27 +188,27 @@ void ImprintModel::evaluate_sheets(const Full& from, int unknowns, Detail detail
   inner_.evaluate(narrow, u(), v(), detail);
   const double per_apart = apart > 0 ? 1 / apart : 0;
   const ImprintSlopes by{.outer = ImprintRows(outer_),
-                   .inner = ImprintRows(inner_),
-                   .wide = wide,
-                   .narrow = narrow,
-                   .peak = at[peak],
-                   .shear = at[peak] * at[load] / rest,
-                   .k = k,
-                   .rest = rest,
-                   .dk = 1 / (3 * k * k),
-                   .c = std::cos(at[direction]),
-                   .s = std::sin(at[direction]),
-                   .c2 = at[along] * per_apart,
-                   .s2 = at[across] * per_apart,
-                   .turn = 0.5 * per_apart,
-                   .per_size = 1 / at[size],
-                   .per_normal = 1 / noise_.normal_pa,
-                   .per_shear = 1 / noise_.shear_pa,
-                   .surface = !(depth_m_ > 0),
-                   .residuals_given = residuals_given,
-                   .data = data_.data(),
-                   .residuals = residuals_.data(),
-                   .count = count_};
+                         .inner = ImprintRows(inner_),
+                         .wide = wide,
+                         .narrow = narrow,
+                         .peak = at[peak],
+                         .shear = at[peak] * at[load] / rest,
+                         .k = k,
+                         .rest = rest,
+                         .dk = 1 / (3 * k * k),
+                         .c = std::cos(at[direction]),
+                         .s = std::sin(at[direction]),
+                         .c2 = at[along] * per_apart,
+                         .s2 = at[across] * per_apart,
+                         .turn = 0.5 * per_apart,
+                         .per_size = 1 / at[size],
+                         .per_normal = 1 / noise_.normal_pa,
+                         .per_shear = 1 / noise_.shear_pa,
+                         .surface = !(depth_m_ > 0),
+                         .residuals_given = residuals_given,
+                         .data = data_.data(),
+                         .residuals = residuals_.data(),
+                         .count = count_};
   std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
   linearise_imprint(by, unknowns, products.data());
   spread(products.data(), unknowns, normal);

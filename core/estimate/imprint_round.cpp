@@ -36,8 +36,8 @@ constexpr bool is_odd(std::size_t function) noexcept {
          function == k_nr;
 }
 
-// The mean over a square, all directions of its sides alike, by its centre and eight points about it: exact to
-// the fourth power of the side. Five of the eight stand for all of them.
+// The mean over a square, all directions of its sides alike, by its centre and eight points about it: exact
+// to the fourth power of the side. Five of the eight stand for all of them.
 constexpr std::size_t kPoints = 6;
 constexpr double kRingSides = 0.48304589153964794;  // sqrt(7/30)
 constexpr std::array<double, kPoints> kWeight{2.0 / 7, 5.0 / 56, 5.0 / 28, 5.0 / 28, 5.0 / 28, 5.0 / 56};
@@ -96,12 +96,12 @@ struct Summing {
 [[gnu::always_inline]] inline void fill_inner(const Filling& by) noexcept {
   const double a = by.narrow_m, k = by.k;
   const auto add = [&](Sheet::Component component, Function moved, Function grown, Function by_k)
-                       __attribute__((always_inline)) {
-                         add_mean(by, Sheet::value, component, -k, moved);
-                         add_mean(by, Sheet::d_a, component, -k * a, grown);
-                         add_mean(by, Sheet::value, component, -1, by_k);
-                         add_mean(by, Sheet::d_a, component, -a, by_k);
-                       };
+      __attribute__((always_inline)) {
+    add_mean(by, Sheet::value, component, -k, moved);
+    add_mean(by, Sheet::d_a, component, -k * a, grown);
+    add_mean(by, Sheet::value, component, -1, by_k);
+    add_mean(by, Sheet::d_a, component, -a, by_k);
+  };
   add(Sheet::nx, m_nr, size_m_nr, k_nr);
   add(Sheet::xx, m_rr, size_m_rr, k_rr);
   add(Sheet::yy, m_tt, size_m_tt, k_tt);
@@ -155,12 +155,10 @@ struct Block {
 [[gnu::always_inline]] inline void interpolate(const Summing& by, std::size_t count, Block& block) noexcept {
   constexpr std::size_t kFunctions = RoundImprint::kFunctions;
   for (std::size_t i = 0; i < count; ++i) {
-    const double t = block.part[i], w = t * t * (3 - 2 * t), s0 = t * (1 - t) * (1 - t),
-                 s1 = t * t * (t - 1);
+    const double t = block.part[i], w = t * t * (3 - 2 * t), s0 = t * (1 - t) * (1 - t), s1 = t * t * (t - 1);
     const double dw = 6 * t * (1 - t) * by.per_step, ds0 = (1 - t) * (1 - 3 * t) * by.per_step,
                  ds1 = t * (3 * t - 2) * by.per_step;
-    const double* const low =
-        by.table + static_cast<std::size_t>(block.interval[i]) * RoundImprint::kPerNode;
+    const double* const low = by.table + static_cast<std::size_t>(block.interval[i]) * RoundImprint::kPerNode;
     const double* const high = low + RoundImprint::kPerNode;
     double* const value = block.value[i];
 #pragma omp simd
@@ -313,17 +311,18 @@ RoundImprint::RoundImprint(double side_m, double depth_m)
     : side_m_(side_m),
       depth_m_(depth_m),
       step_m_(kStepDepths * depth_m),
-      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m),
-      u_(kPoints * kMostNodes),
-      v_(kPoints * kMostNodes),
-      functions_(kUsed * (kMostNodes + kGhosts)),
-      table_(kPerNode * kMostNodes) {
+      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m) {
+  if (!(depth_m > 0)) return;  // never used
+  u_.resize(kPoints * kMostNodes);
+  v_.resize(kPoints * kMostNodes);
+  functions_.resize(kUsed * (kMostNodes + kGhosts));
+  table_.resize(kPerNode * kMostNodes);
   best_kernels<RoundKernels>();  // not first within a fit
 }
 
 std::size_t RoundImprint::memory_bytes() const noexcept {
   constexpr std::size_t kRows = std::size_t{Sheet::kRows} * Sheet::kComponents + 2;
-  return sizeof(double) * (kRows * kPoints * kMostNodes + functions_.size() + table_.size());
+  return sizeof(double) * (kRows * u_.size() + functions_.size() + table_.size());
 }
 
 std::size_t RoundImprint::parts_of(Sheet::Detail detail) const noexcept {
@@ -340,8 +339,8 @@ bool RoundImprint::pays(std::size_t count, double reach_m, Sheet::Detail detail,
   constexpr double kTaxel = 3;
   const std::size_t parts = parts_of(detail);
   return 2 * kPoints * nodes <
-         static_cast<double>(count) *
-             (2 * static_cast<double>(sheet_points * sheet_points) - kTaxel * static_cast<double>(parts * parts));
+         static_cast<double>(count) * (2 * static_cast<double>(sheet_points * sheet_points) -
+                                       kTaxel * static_cast<double>(parts * parts));
 }
 
 void RoundImprint::tabulate(const RoundTrial& trial, std::size_t nodes, double part_m) noexcept {
@@ -383,24 +382,23 @@ void RoundImprint::linearise(const RoundTrial& trial, double reach_m, Sheet::Det
   tabulate(trial, nodes, part_m);
   const double k = std::cbrt(trial.gamma), rest = 1 - trial.gamma;
   products.fill(0);
-  best_kernels<RoundKernels>().sum(
-      {.task = &task,
-       .table = table_.data(),
-       .x = trial.x_m,
-       .y = trial.y_m,
-       .per_step = 1 / step_m_,
-       .last = static_cast<double>(nodes - kGhosts - 1) - 1e-9,
-       .part_m = part_m,
-       .per_radius = 1 / trial.radius_m,
-       .parts = parts,
-       .p = trial.peak_pa,
-       .q = trial.peak_pa * trial.load / rest,
-       .k = k,
-       .rest = rest,
-       .dk = 1 / (3 * k * k),
-       .c = std::cos(trial.direction_rad),
-       .s = std::sin(trial.direction_rad)},
-      products);
+  best_kernels<RoundKernels>().sum({.task = &task,
+                                    .table = table_.data(),
+                                    .x = trial.x_m,
+                                    .y = trial.y_m,
+                                    .per_step = 1 / step_m_,
+                                    .last = static_cast<double>(nodes - kGhosts - 1) - 1e-9,
+                                    .part_m = part_m,
+                                    .per_radius = 1 / trial.radius_m,
+                                    .parts = parts,
+                                    .p = trial.peak_pa,
+                                    .q = trial.peak_pa * trial.load / rest,
+                                    .k = k,
+                                    .rest = rest,
+                                    .dk = 1 / (3 * k * k),
+                                    .c = std::cos(trial.direction_rad),
+                                    .s = std::sin(trial.direction_rad)},
+                                   products);
 }
 
 }  // namespace slipd

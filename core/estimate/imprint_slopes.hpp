@@ -54,7 +54,7 @@ struct ImprintSlopes {
   double c, s;                      // of the pull's direction
   double c2, s2, turn;              // of twice the ellipse's angle; angle by a step across
   double per_size, per_normal, per_shear;
-  bool surface;  // no skin: a step of a alone makes a round dome elliptic, too
+  bool surface;          // no skin: a step of a alone makes a round dome elliptic, too
   bool residuals_given;  // and not computed
   const double* data;
   double* residuals;
@@ -63,8 +63,9 @@ struct ImprintSlopes {
 // Chooses the loops that this processor can run; else the first frame would.
 void choose_imprint_loops() noexcept;
 
-// Fills the residuals of `by`, and `products` with the products of the slopes by each unknown with each other,
-// the lower half row by row, and then with the residuals. unknowns: 7 of a round contact, 9 of an ellipse.
+// Fills the residuals of `by`, and `products` with the products of the slopes by each unknown with each
+// other, the lower half row by row, and then with the residuals. unknowns: 7 of a round contact, 9 of an
+// ellipse.
 void linearise_imprint(const ImprintSlopes& by, int unknowns, double* products) noexcept;
 
 }  // namespace slipd

@@ -1,5 +1,5 @@
-// `sliplab skin`: how deep a sensor's taxels lie under its skin, by recordings of presses; and whether its shear
-// has the signs and the order of its layout.
+// `sliplab skin`: how deep a sensor's taxels lie under its skin, by recordings of presses; and whether its
+// shear has the signs and the order of its layout.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -57,7 +57,8 @@ SkinReport measure(const Settings& settings, const std::string& sensor,
     setup = source.setup();
     if (setup->sensor_class != SensorClass::array3)
       throw WrongUse("sensor " + sensor + " has no taxels with pressure and shear");
-    const auto own = press_frames(setup->layout, read_all(source), std::max<std::size_t>(1, most / files.size()));
+    const auto own =
+        press_frames(setup->layout, read_all(source), std::max<std::size_t>(1, most / files.size()));
     presses.insert(presses.end(), own.begin(), own.end());
     if (!source.fault().empty()) std::cerr << "sliplab: " << source.fault() << '\n';
   }
@@ -80,16 +81,19 @@ void print(const SkinReport& report) {
     return;
   }
   if (!report.depth) {
-    std::printf("  no depth: press harder, with something round, and so that the whole contact is on the pad.\n");
+    std::printf(
+        "  no depth: press harder, with something round, and so that the whole contact is on the pad.\n");
     return;
   }
   const SkinDepth& depth = *report.depth;
   if (depth.depth_m > 0) {
-    std::printf("  depth %.3g +- %.2g mm (one standard deviation)\n", kMm * depth.depth_m, kMm * depth.sigma_m);
+    std::printf("  depth %.3g +- %.2g mm (one standard deviation)\n", kMm * depth.depth_m,
+                kMm * depth.sigma_m);
   } else {
     std::printf("  taxels lie at the surface\n");
   }
-  if (depth.gain_spread) std::printf("  gains differ by %.1f %% (one standard deviation)\n", 100 * *depth.gain_spread);
+  if (depth.gain_spread)
+    std::printf("  gains differ by %.1f %% (one standard deviation)\n", 100 * *depth.gain_spread);
   std::printf("  write into the scene: \"skin\": { \"depth_mm\": %.3g }\n", kMm * depth.depth_m);
 }
 

@@ -146,8 +146,8 @@ TEST(SubsurfaceSheets, AverageOverTaxelsToTenThousandthsOfTheHeight) {
   RecordProperty("worst", std::to_string(worst));
 }
 
-// Where the square lies wholly within the dome at depth 0, slopes are smooth; where the rim crosses it, each of
-// the lines that it is summed of has a slope that jumps.
+// Where the square lies wholly within the dome at depth 0, slopes are smooth; where the rim crosses it, each
+// of the lines that it is summed of has a slope that jumps.
 bool crosses_rim(const Ellipse& dome, double u, double v, double side) {
   int inside = 0;
   for (const double x : {-0.5, 0.5}) {
@@ -190,9 +190,9 @@ TEST(SubsurfaceSheets, SlopesAreThoseOfTheValues) {
           for (std::size_t i = 0; i < u.size(); ++i) {
             const double truth = (plus.row(Sheet::value, c)[i] - minus.row(Sheet::value, c)[i]) / (2 * step);
             // Elliptic domes under a skin: by tables of integrals, of both the value and its slope.
-            const double most = depth > 0                               ? (round ? 1e-7 : 2e-6)
+            const double most = depth > 0                            ? (round ? 1e-7 : 2e-6)
                                 : crosses_rim(dome, u[i], v[i], 0.2) ? 0.12
-                                                                        : 1e-3;
+                                                                     : 1e-3;
             EXPECT_NEAR(sheet.row(of, c)[i], truth, most)
                 << depth << " " << b << " row " << of << " component " << c;
           }

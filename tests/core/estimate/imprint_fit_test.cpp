@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "core/contact/imprint.hpp"
 #include "core/estimate/chain.hpp"
 #include "core/estimate/fit.hpp"
+#include "core/estimate/imprint_round.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -173,6 +175,113 @@ TEST(Chains, UnderASkinFollowAGrasp) {
   EXPECT_GT(answered, 0.9 * pulled);
   EXPECT_LT(error / answered, 0.03);
   EXPECT_NEAR(force / answered, kGrip, 0.05 * kGrip);
+}
+
+// A round contact on a pad of +-8 mm, by the table of RoundImprint and by sheets.
+class RoundTrials {
+ public:
+  RoundTrials(std::size_t side, double depth_m)
+      : layout_(TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side))),
+        sheet_(layout_.size(), layout_.side_m(), depth_m),
+        round_(layout_.side_m(), depth_m),
+        data_(3 * layout_.size()),
+        left_(data_.size()) {}
+
+  // What taxels read, over the peak; and with data taken off, half the sum of squares.
+  const std::vector<double>& by_table(const RoundTrial& trial) {
+    round_.linearise(trial, 0.014, contact::SubsurfaceSheet::Detail::exact,
+                     {.x_m = layout_.x_m().data(),
+                      .y_m = layout_.y_m().data(),
+                      .data_pa = data_.data(),
+                      .residuals = left_.data(),
+                      .count = layout_.size(),
+                      .per_normal = 1,
+                      .per_shear = 1},
+                     products_);
+    return left_;
+  }
+  double cost(const RoundTrial& trial) {
+    double sum = 0;
+    for (const double x : by_table(trial)) sum += 0.5 * x * x;
+    return sum;
+  }
+  std::vector<double> by_sheets(const RoundTrial& trial) {
+    const std::size_t n = layout_.size();
+    std::vector<double> u, v, out(3 * n);
+    for (std::size_t i = 0; i < n; ++i) {
+      u.push_back(layout_.x_m()[i] - trial.x_m);
+      v.push_back(layout_.y_m()[i] - trial.y_m);
+    }
+    const double k = std::cbrt(trial.gamma), q = trial.peak_pa * trial.load / (1 - trial.gamma);
+    const auto add = [&](double scale, double pressed, double pulled) {
+      using Sheet = contact::SubsurfaceSheet;
+      sheet_.evaluate_values({scale * trial.radius_m, scale * trial.radius_m, 0}, u, v);
+      const auto of = [&](Sheet::Component which, std::size_t i) {
+        return sheet_.row(Sheet::value, which)[i];
+      };
+      const double x = pulled * std::cos(trial.direction_rad), y = pulled * std::sin(trial.direction_rad);
+      for (std::size_t i = 0; i < n; ++i) {
+        out[i] += pressed * of(Sheet::nn, i) + x * of(Sheet::nx, i) + y * of(Sheet::ny, i);
+        out[n + i] += pressed * of(Sheet::nx, i) + x * of(Sheet::xx, i) + y * of(Sheet::xy, i);
+        out[2 * n + i] += pressed * of(Sheet::ny, i) + x * of(Sheet::xy, i) + y * of(Sheet::yy, i);
+      }
+    };
+    add(1, trial.peak_pa, q);
+    add(k, 0, -k * q);
+    return out;
+  }
+  void read(const std::vector<double>& data) { data_ = data; }
+  double gradient(std::size_t unknown) const { return products_[28 + unknown]; }
+
+ private:
+  TaxelLayout layout_;
+  contact::SubsurfaceSheet sheet_;
+  RoundImprint round_;
+  RoundImprint::Products products_{};
+  std::vector<double> data_, left_;
+};
+
+constexpr RoundTrial kTrial{.x_m = 0.0007,
+                            .y_m = -0.0004,
+                            .radius_m = 0.004,
+                            .peak_pa = 1,
+                            .load = 0.3,
+                            .gamma = 0.4,
+                            .direction_rad = 0.7};
+
+TEST(RoundImprints, ByTheTableAreThoseOfSheetsToTenThousandthsOfThePeak) {
+  for (const std::size_t side : {std::size_t{16}, std::size_t{32}}) {
+    for (const double depth_m : {0.0005, 0.001, 0.002}) {
+      RoundTrials trials(side, depth_m);
+      const std::vector<double> table = trials.by_table(kTrial), sheets = trials.by_sheets(kTrial);
+      double worst = 0;
+      for (std::size_t i = 0; i < table.size(); ++i) worst = std::max(worst, std::fabs(table[i] - sheets[i]));
+      EXPECT_LT(worst, 2e-4) << side << " " << depth_m;  // each of both within 1e-4
+    }
+  }
+}
+
+TEST(RoundImprints, HaveTheGradientOfTheirCost) {
+  RoundTrials trials(32, 0.001);
+  RoundTrial other = kTrial;
+  other.radius_m *= 1.1;
+  other.gamma = 0.6;
+  other.x_m += 0.0003;
+  other.direction_rad += 0.3;
+  trials.read(trials.by_sheets(other));
+  using Field = double RoundTrial::*;
+  constexpr Field kFields[] = {&RoundTrial::x_m,          &RoundTrial::y_m,  &RoundTrial::radius_m,
+                               &RoundTrial::peak_pa,      &RoundTrial::load, &RoundTrial::gamma,
+                               &RoundTrial::direction_rad};
+  for (std::size_t i = 0; i < std::size(kFields); ++i) {
+    const double step = i < 3 ? 1e-7 : 1e-4;
+    RoundTrial more = kTrial, less = kTrial;
+    more.*kFields[i] += step;
+    less.*kFields[i] -= step;
+    const double slope = (trials.cost(more) - trials.cost(less)) / (2 * step);
+    static_cast<void>(trials.by_table(kTrial));
+    EXPECT_NEAR(trials.gradient(i), slope, 2e-3 * std::fabs(slope) + 1e-4) << i;
+  }
 }
 
 TEST(ImprintFit, AllocatesNothing) {

@@ -15,7 +15,8 @@ using namespace slipd;
 constexpr std::size_t kDepths = 13;
 // Searches, each between the neighbours of the last one's best.
 constexpr int kSearches = 2;
-// Below this share of a taxel's side a skin is the surface, see with_felt_skin in core/estimate/chain_parts.cpp.
+// Below this share of a taxel's side a skin is the surface, see with_felt_skin in
+// core/estimate/chain_parts.cpp.
 constexpr double kThinnestSides = 1.0 / 9;
 // The deepest that is tried, over the greatest radius felt.
 constexpr double kDeepestRadii = 1;
@@ -51,8 +52,7 @@ class DepthTrial {
       ImprintFit fit = fit_at(search.depth_m(i), reach_m);
       for (std::size_t j = 0; j < presses_.size(); ++j) {
         const PressFrame& press = presses_[j];
-        const ContactPatch& patch =
-            finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa});
+        const ContactPatch& patch = finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa});
         static_cast<void>(fit.estimate(patch, moment_ratio(patch, layout_)));
         out.of_frame[j][i] = fit.misfit_nats();
       }
@@ -75,8 +75,8 @@ class DepthTrial {
   mutable std::size_t used_ = 0;
 };
 
-// The lowest point of the parabola through three even points about the least, in steps from the first, and its
-// second derivative.
+// The lowest point of the parabola through three even points about the least, in steps from the first, and
+// its second derivative.
 struct Parabola {
   double at = 0, curvature = 0;
 };
@@ -143,7 +143,8 @@ std::vector<PressFrame> press_frames(const TaxelLayout& layout, const std::vecto
   }
   std::vector<PressFrame> out;
   const std::size_t count = std::min(most, pressed.size());
-  for (std::size_t i = 0; i < count; ++i) out.push_back(frames[pressed[(2 * i + 1) * pressed.size() / (2 * count)]]);
+  for (std::size_t i = 0; i < count; ++i)
+    out.push_back(frames[pressed[(2 * i + 1) * pressed.size() / (2 * count)]]);
   return out;
 }
 
@@ -152,8 +153,8 @@ std::optional<SkinDepth> skin_depth(const TaxelLayout& layout, Range friction_ex
   double radius_m = 0;
   PatchFinder finder(layout);
   for (const PressFrame& press : presses)
-    radius_m = std::max(
-        radius_m, finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa}).radius_m);
+    radius_m =
+        std::max(radius_m, finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa}).radius_m);
   const double thinnest_m = kThinnestSides * layout.side_m(), deepest_m = kDeepestRadii * radius_m;
   if (presses.empty() || !(deepest_m > 2 * thinnest_m)) return std::nullopt;
   const double reach_m = 0.5 * radius_m;
@@ -183,8 +184,9 @@ std::optional<SkinDepth> skin_depth(const TaxelLayout& layout, Range friction_ex
     square += own->at * own->at;
   }
   const double scatter =
-      count > 1 ? step * std::sqrt(std::max(0.0, square / count - mean * mean / (count * count)) / (count - 1))
-                : 0;
+      count > 1
+          ? step * std::sqrt(std::max(0.0, square / count - mean * mean / (count * count)) / (count - 1))
+          : 0;
   out.sigma_m = out.depth_m * std::max(by_noise, scatter);
   out.gain_spread = gain_spread_of(layout, trial.fit_at(out.depth_m, reach_m), presses);
   return out;

@@ -28,10 +28,12 @@ std::string_view advice_on(ShearOrderVerdict verdict) noexcept {
     case ShearOrderVerdict::both_reversed:
       return "shear points inwards under a press: the signs of both its components are wrong";
     case ShearOrderVerdict::transposed:
-      return "shear along x changes with the place along y under a press: x and y are exchanged, in the shear "
+      return "shear along x changes with the place along y under a press: x and y are exchanged, in the "
+             "shear "
              "or in the layout (columns for rows)";
     case ShearOrderVerdict::turned:
-      return "shear is turned by a quarter against the layout: x and y are exchanged, and one of them has the "
+      return "shear is turned by a quarter against the layout: x and y are exchanged, and one of them has "
+             "the "
              "wrong sign";
   }
   return {};

@@ -1,5 +1,5 @@
-// Whether a sensor's shear has the signs and the order of its layout. Taxels under rubber read a press as shear
-// that points away from its middle (docs/theory.md §5.4).
+// Whether a sensor's shear has the signs and the order of its layout. Taxels under rubber read a press as
+// shear that points away from its middle (docs/theory.md §5.4).
 #pragma once
 
 #include <array>
