@@ -134,11 +134,11 @@ C++, pkg-config and CMake files, the manual page, and examples.")
 # Programs that carry slipd's estimates elsewhere. libslipd is of this build, which dpkg-shlibdeps must be told.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 set(slipd_bridge_depends "${slipd_same_version}, libslipd0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-slipd_package(bridge_mqtt slipd-mqtt COMPONENTS bridge_mqtt SECTION net DEPENDS "${slipd_bridge_depends}"
+slipd_package(bridge_mqtt slipd-mqtt COMPONENTS bridge_mqtt SCRIPTS slipd-mqtt SECTION net DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors on MQTT"
   TEXT "Publishes the estimates, states and alerts of slipd to an MQTT broker.\n\
 Alerts are kept on disk until a broker has acknowledged them.")
-slipd_package(bridge_modbus slipd-modbus COMPONENTS bridge_modbus SECTION net DEPENDS "${slipd_bridge_depends}"
+slipd_package(bridge_modbus slipd-modbus COMPONENTS bridge_modbus SCRIPTS slipd-modbus SECTION net DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors for PLCs"
   TEXT "Serves the estimates of slipd as input registers of Modbus TCP.")
 if(TARGET slipd-ros2)

@@ -196,7 +196,8 @@ class Hostile(unittest.TestCase):
         for _ in range(20_000):
             self.slipd.estimate("left")
         await_true(lambda: hostile.connections > 1, "the second attempt; " + bridge.log())
-        self.assertLess(resident(), 40e6)
+        if "asan" not in os.environ["SLIPD_BINARY_DIR"]:  # which keeps what was freed
+            self.assertLess(resident(), 40e6)
         self.assertEqual(bridge.stop(), 0)
 
     def test_nobody_listens(self):
