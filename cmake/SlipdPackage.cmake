@@ -1,7 +1,7 @@
 # Debian packages, by `cpack -G DEB` or tools/package. A component of the installation that is not named here is in none.
 #   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
-#   slipd-mqtt, slipd-modbus     estimates on MQTT, and for PLCs
+#   slipd-mqtt, slipd-modbus, slipd-ros2  estimates on MQTT, for PLCs, and as a ROS 2 node
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
 #   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
@@ -92,16 +92,6 @@ service must be allowed for them, and no more.")
   endif()
 endforeach()
 
-if(TARGET slipd-ros2)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/bridges/ros2/slipd_msgs DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd/ros2 COMPONENT bridge_ros2)
-  slipd_package(bridge_ros2 slipd-ros2 COMPONENTS bridge_ros2 SCRIPTS slipd-ros2 RECOMMENDS slipd DEPENDS ""
-    SUMMARY "slip margin of tactile sensors as a ROS 2 node"
-    TEXT "Publishes the estimates of slipd on ROS 2 topics by DDS: the margin,\n\
-forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
-Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
-and PlotJuggler.")
-endif()
-
 # The pages, beside the package's papers.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/slipd COMPONENT slipd
   FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
@@ -151,6 +141,15 @@ Alerts are kept on disk until a broker has acknowledged them.")
 slipd_package(bridge_modbus slipd-modbus COMPONENTS bridge_modbus SECTION net DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors for PLCs"
   TEXT "Serves the estimates of slipd as input registers of Modbus TCP.")
+if(TARGET slipd-ros2)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/bridges/ros2/slipd_msgs DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd/ros2 COMPONENT bridge_ros2)
+  slipd_package(bridge_ros2 slipd-ros2 COMPONENTS bridge_ros2 SCRIPTS slipd-ros2 SECTION net DEPENDS "${slipd_bridge_depends}"
+    SUMMARY "slip margin of tactile sensors as a ROS 2 node"
+    TEXT "Publishes the estimates of slipd on ROS 2 topics by DDS: the margin,\n\
+forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
+Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
+and PlotJuggler.")
+endif()
 slipd_package(bridge_web slipd-web COMPONENTS bridge_web SECTION web SCRIPTS slipd-web DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors in a browser"
   TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\

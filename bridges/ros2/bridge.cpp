@@ -45,11 +45,12 @@ std::vector<Problem> check_settings(const nlohmann::json& settings) {
   const nlohmann::json& interfaces = network.at("interfaces");
   const bool loopback = std::find(interfaces.begin(), interfaces.end(), "lo") != interfaces.end();
   if (loopback && interfaces.size() > 1)
-    problems.push_back(problem_of("/network/interfaces", interfaces,
-                                  "lo beside others: name the others only, as nodes of this computer use them, too"));
-  if (!network.at("multicast").get<bool>() && network.at("peers").empty())
     problems.push_back(
-        problem_of("/network/peers", network.at("peers"), "no peers and no multicast: no node could be found; give one of them"));
+        problem_of("/network/interfaces", interfaces,
+                   "lo beside others: name the others only, as nodes of this computer use them, too"));
+  if (!network.at("multicast").get<bool>() && network.at("peers").empty())
+    problems.push_back(problem_of("/network/peers", network.at("peers"),
+                                  "no peers and no multicast: no node could be found; give one of them"));
   return problems;
 }
 
@@ -97,13 +98,14 @@ void Ros2Bridge::serve(const bridges::Inventory& inventory) {
   attached_ = !inventory.grasps.empty() && slipd_attach(feed_.client(), nullptr, kAttach) == SLIPD_DONE;
   const TopicOptions taxels = topic_options("taxels");
   if (!sources.empty()) {
-    taxels_ = std::make_unique<TaxelLane>(settings_.at("socket"), taxels.rate_hz > 0 ? taxels.rate_hz : kUsualTaxelRate,
-                                          std::move(sources));
+    taxels_ = std::make_unique<TaxelLane>(
+        settings_.at("socket"), taxels.rate_hz > 0 ? taxels.rate_hz : kUsualTaxelRate, std::move(sources));
   }
   node_.announce();
-  bridges::log(bridges::LogLevel::notice, "slipd " + inventory.version + ": " + std::to_string(inventory.sensors.size()) +
-                                              " sensors and " + std::to_string(inventory.grasps.size()) +
-                                              " grasps on topics " + settings_.at("prefix").get<std::string>() + "/…");
+  bridges::log(bridges::LogLevel::notice, "slipd " + inventory.version + ": " +
+                                              std::to_string(inventory.sensors.size()) + " sensors and " +
+                                              std::to_string(inventory.grasps.size()) + " grasps on topics " +
+                                              settings_.at("prefix").get<std::string>() + "/…");
 }
 
 void Ros2Bridge::add_subject(const std::string& name, const std::string& hardware, bool sensor,
@@ -112,7 +114,8 @@ void Ros2Bridge::add_subject(const std::string& name, const std::string& hardwar
   const std::string margin = topic_of(prefix, name, "margin");
   for (const auto& [other, subject] : subjects_) {
     if (topic_of(prefix, other, "margin") != margin) continue;
-    bridges::log(bridges::LogLevel::error, name + " has no topics: in ROS its name is that of " + other + "; rename one of them");
+    bridges::log(bridges::LogLevel::error,
+                 name + " has no topics: in ROS its name is that of " + other + "; rename one of them");
     return;
   }
   Subject& subject = subjects_[name];
@@ -208,7 +211,8 @@ void Ros2Bridge::watch_silence() {
   const Moment now = Moment::now();
   for (auto& [name, subject] : subjects_) {
     const bool was_taken = subject.taken_ns != 0;
-    const bool silent = !was_taken || static_cast<double>(now.monotonic_ns - subject.taken_ns) > kNsPerS * max_age_s_;
+    const bool silent =
+        !was_taken || static_cast<double>(now.monotonic_ns - subject.taken_ns) > kNsPerS * max_age_s_;
     if (!silent || (!was_taken && now.monotonic_ns - subject.published_ns < kSilentPeriodNs)) continue;
     subject.taken_ns = 0;
     clear_message(feed_.connected() ? SlipEstimate::kStale : SlipEstimate::kDisconnected, now, subject.last);
@@ -220,7 +224,8 @@ void Ros2Bridge::report() {
   const double rate = topic_options("diagnostics").rate_hz;
   report_.start(seconds(1 / (rate > 0 ? rate : kUsualReportRate)));
   const Moment now = Moment::now();
-  const double passed = reported_ns_ == 0 ? 0 : static_cast<double>(now.monotonic_ns - reported_ns_) / kNsPerS;
+  const double passed =
+      reported_ns_ == 0 ? 0 : static_cast<double>(now.monotonic_ns - reported_ns_) / kNsPerS;
   reported_ns_ = now.monotonic_ns;
   DiagnosticArray all;
   all.header.stamp = time_of(now.realtime_ns);
@@ -241,7 +246,7 @@ DiagnosticStatus Ros2Bridge::status_of(const Subject& subject, double seconds) c
   const SlipEstimate& last = subject.last;
   DiagnosticStatus status;
   const bool fine = last.state == SlipEstimate::kOk || last.state == SlipEstimate::kNoContact;
-  status.level.value = fine                                  ? DiagnosticStatus::kOk
+  status.level.value = fine                                 ? DiagnosticStatus::kOk
                        : last.state == SlipEstimate::kStale ? DiagnosticStatus::kStale
                        : last.state >= SlipEstimate::kFault ? DiagnosticStatus::kError
                                                             : DiagnosticStatus::kWarn;
@@ -250,7 +255,8 @@ DiagnosticStatus Ros2Bridge::status_of(const Subject& subject, double seconds) c
   status.hardware_id = subject.hardware;
   status.values = {{.key = "state", .value = slipd_state_name(last.state)},
                    {.key = "alert", .value = slipd_alert_name(last.alert)},
-                   {.key = "rate_hz", .value = seconds > 0 ? text_of(static_cast<double>(subject.received) / seconds) : ""},
+                   {.key = "rate_hz",
+                    .value = seconds > 0 ? text_of(static_cast<double>(subject.received) / seconds) : ""},
                    {.key = "age_s", .value = std::isfinite(last.age) ? text_of(last.age) : ""},
                    {.key = "dropped", .value = std::to_string(subject.dropped)},
                    {.key = "simulated", .value = last.simulated ? "true" : "false"}};

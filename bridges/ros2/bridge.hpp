@@ -1,7 +1,9 @@
-// slipd-ros2's service: slipd's estimates as they come, published on ROS 2 topics. The loop's thread, but for taxels.
+// slipd-ros2's service: slipd's estimates as they come, published on ROS 2 topics. The loop's thread, but for
+// taxels.
 //
-// Fail safe: a margin is a number only in state ok and while it is young. When slipd is away or silent, topics get messages without
-// numbers, at once and then once a second, so that a subscriber sees no old margin as the last one.
+// Fail safe: a margin is a number only in state ok and while it is young. When slipd is away or silent,
+// topics get messages without numbers, at once and then once a second, so that a subscriber sees no old
+// margin as the last one.
 #pragma once
 
 #include <map>
@@ -32,12 +34,12 @@ class Ros2Bridge final : public bridges::Service {
  private:
   // A sensor or grasp.
   struct Subject {
-    SlipEstimate last;             // what was published last
-    std::int64_t taken_ns = 0;     // when an estimate came last, CLOCK_MONOTONIC; 0: none has
-    std::int64_t published_ns = 0; // when anything was published last
-    std::uint64_t received = 0;    // estimates since the last diagnostics
-    std::uint64_t dropped = 0;     // estimates that slipd dropped since the start
-    std::string hardware;          // for diagnostics
+    SlipEstimate last;                // what was published last
+    std::int64_t taken_ns = 0;        // when an estimate came last, CLOCK_MONOTONIC; 0: none has
+    std::int64_t published_ns = 0;    // when anything was published last
+    std::uint64_t received = 0;       // estimates since the last diagnostics
+    std::uint64_t dropped = 0;        // estimates that slipd dropped since the start
+    std::string hardware;             // for diagnostics
     std::vector<std::string> grasps;  // to read when this sensor's estimate comes
     std::optional<Output<WrenchStamped>> wrench;
     std::optional<Output<Float32>> margin, margin_low;

@@ -14,11 +14,12 @@ struct Moment {
   static Moment now() noexcept;
 };
 
-// The stamp is the sample's time; without a sample, that of `now`. The margin is a number in state ok only, and only if the estimate
-// is still as young as its reader allowed.
+// The stamp is the sample's time; without a sample, that of `now`. The margin is a number in state ok only,
+// and only if the estimate is still as young as its reader allowed.
 void fill_message(const slipd_estimate& from, const Moment& now, SlipEstimate& to);
 
-// An estimate of which nothing is known: `state` is SlipEstimate::kStale or kDisconnected. Keeps name and frame.
+// An estimate of which nothing is known: `state` is SlipEstimate::kStale or kDisconnected. Keeps name and
+// frame.
 void clear_message(std::uint8_t state, const Moment& now, SlipEstimate& to);
 
 }  // namespace slipd::ros2

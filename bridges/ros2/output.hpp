@@ -32,7 +32,8 @@ class Output {
   void put(const T& message, const Moment& now) {
     if (now.monotonic_ns < next_ns_) return;
     // The grid of the rate, so that the mean rate is right; anew after a pause.
-    next_ns_ = next_ns_ + 2 * period_ns_ > now.monotonic_ns ? next_ns_ + period_ns_ : now.monotonic_ns + period_ns_;
+    next_ns_ =
+        next_ns_ + 2 * period_ns_ > now.monotonic_ns ? next_ns_ + period_ns_ : now.monotonic_ns + period_ns_;
     put_now(message, now);
   }
   // Publishes it at any rate.

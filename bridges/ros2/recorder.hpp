@@ -15,7 +15,8 @@ namespace slipd::ros2 {
 
 class Recorder {
  public:
-  // Empty `file`: records nothing. A file that exists is left, and one with a number behind its name is made. Throws McapError.
+  // Empty `file`: records nothing. A file that exists is left, and one with a number behind its name is made.
+  // Throws McapError.
   explicit Recorder(const std::string& file);
   ~Recorder();
   Recorder(const Recorder&) = delete;
@@ -36,7 +37,8 @@ class Recorder {
   }
 
  private:
-  std::uint16_t channel(std::string_view topic, const std::vector<Definition>& definitions, std::string_view hash);
+  std::uint16_t channel(std::string_view topic, const std::vector<Definition>& definitions,
+                        std::string_view hash);
   void append(std::uint16_t channel, std::int64_t realtime_ns);
   void fail(const std::exception& error);
 

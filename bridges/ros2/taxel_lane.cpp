@@ -65,7 +65,8 @@ void TaxelLane::run(const std::stop_token& stop) {
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
   PointCloud2 cloud;
-  while (!stopped.wait_until(lock, stop, due, [&] { return stop.stop_requested(); }) && !stop.stop_requested()) {
+  while (!stopped.wait_until(lock, stop, due, [&] { return stop.stop_requested(); }) &&
+         !stop.stop_requested()) {
     for (TaxelSource& source : sources_) {
       char* answer = nullptr;
       // Without an answer there are no taxels; the loop's thread says that slipd is away.

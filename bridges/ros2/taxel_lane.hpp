@@ -1,5 +1,6 @@
-// Publishes the taxels of sensors. It has a thread and a connection of its own: asking slipd for a frame of many taxels and reading its
-// text takes milliseconds, by which the margin in the loop's thread must not be late.
+// Publishes the taxels of sensors. It has a thread and a connection of its own: asking slipd for a frame of
+// many taxels and reading its text takes milliseconds, by which the margin in the loop's thread must not be
+// late.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,5 @@
-// A recording exported as CSV and as MCAP. tests/bridges/ros2/peers compares MCAP files with recordings sample by sample.
+// A recording exported as CSV and as MCAP. tests/bridges/ros2/peers compares MCAP files with recordings
+// sample by sample.
 #include "tools/slipctl/export.hpp"
 
 #include <gmock/gmock.h>

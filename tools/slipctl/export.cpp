@@ -65,9 +65,12 @@ ros2::SlipEstimate estimate_message(const RecordedEstimate& from, const ros2::He
 class McapSink final : public FrameSink {
  public:
   McapSink(const ExportOptions& options, const RecordingHeader& recording)
-      : writer_(options.mcap, {.library = "slipctl " SLIPD_VERSION, .overwrite = options.force}), recording_(recording) {
+      : writer_(options.mcap, {.library = "slipctl " SLIPD_VERSION, .overwrite = options.force}),
+        recording_(recording) {
     header_.frame_id = recording.sensor;
-    const auto topic = [&](std::string_view leaf) { return ros2::topic_of(options.prefix, recording.sensor, leaf); };
+    const auto topic = [&](std::string_view leaf) {
+      return ros2::topic_of(options.prefix, recording.sensor, leaf);
+    };
     wrench_ = writer_.add_channel<ros2::WrenchStamped>(topic("wrench"));
     taxels_ = writer_.add_channel<ros2::PointCloud2>(topic("taxels"));
     margin_ = writer_.add_channel<ros2::Float32>(topic("margin"));
@@ -78,8 +81,8 @@ class McapSink final : public FrameSink {
 
   void take(const RecordedFrame& frame) override {
     const slipd::FrameSlot& slot = frame.slot;
-    const ros2::Taxels taxels{recording_.layout.x_m(), recording_.layout.y_m(), slot.normal_pa, slot.shear_x_pa,
-                              slot.shear_y_pa};
+    const ros2::Taxels taxels{recording_.layout.x_m(), recording_.layout.y_m(), slot.normal_pa,
+                              slot.shear_x_pa, slot.shear_y_pa};
     header_.stamp = ros2::time_of(frame.realtime_ns);
     ros2::WrenchStamped wrench;
     wrench.header = header_;
@@ -92,7 +95,8 @@ class McapSink final : public FrameSink {
     put(taxels_, frame, cloud_);
     if (truth_) put(*truth_, frame, ros2::Float32{.data = static_cast<float>(slot.truth.gamma)});
     if (!frame.estimate) return;
-    const auto estimate = estimate_message(*frame.estimate, header_, frame, wrench.wrench, recording_.simulated);
+    const auto estimate =
+        estimate_message(*frame.estimate, header_, frame, wrench.wrench, recording_.simulated);
     put(margin_, frame, margin_of(estimate));
     put(estimate_, frame, estimate);
     if (estimate.alert != last_alert_) put(alert_, frame, estimate);
@@ -126,7 +130,8 @@ class CsvSink final : public FrameSink {
     out_.open(file_);
     if (!out_) throw ClientError("cannot write " + file_);
     line_ =
-        "time,realtime_ns,seq,state,alert,gamma,sigma,friction,normal_n,shear_n,torque_nm,turned_rad,truth_gamma,"
+        "time,realtime_ns,seq,state,alert,gamma,sigma,friction,normal_n,shear_n,torque_nm,turned_rad,truth_"
+        "gamma,"
         "truth_friction";
     for (std::size_t i = 1; i <= recording.layout.size(); ++i) {
       for (const char axis : {'x', 'y', 'z'}) line_ += ",txl" + std::to_string(i) + "_" + axis;
@@ -145,8 +150,9 @@ class CsvSink final : public FrameSink {
     add(frame.estimate ? to_string(static_cast<slipd::State>(estimate.state)) : "");
     add(frame.estimate ? to_string(static_cast<slipd::Alert>(estimate.alert)) : "");
     add(estimate.state == static_cast<std::uint8_t>(slipd::State::ok) ? estimate.gamma : slipd::kUnknown);
-    for (const double value : {estimate.sigma, estimate.friction, estimate.normal_n, estimate.shear_n,
-                               estimate.torque_nm, estimate.turned_rad, slot.truth.gamma, slot.truth.friction})
+    for (const double value :
+         {estimate.sigma, estimate.friction, estimate.normal_n, estimate.shear_n, estimate.torque_nm,
+          estimate.turned_rad, slot.truth.gamma, slot.truth.friction})
       add(value);
     for (std::size_t i = 0; i < slot.normal_pa.size(); ++i) {
       for (const float value : {slot.shear_x_pa[i], slot.shear_y_pa[i], slot.normal_pa[i]}) add(value);
@@ -161,7 +167,7 @@ class CsvSink final : public FrameSink {
  private:
   // The shortest text that is read back as the same number. An unknown number is an empty field.
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void add(T value) {
     if constexpr (std::is_floating_point_v<T>) {
       if (std::isnan(value)) return add(std::string_view());
@@ -189,7 +195,8 @@ class CsvSink final : public FrameSink {
   std::optional<std::int64_t> first_ns_;
 };
 
-std::uint64_t export_frames(slipd::RecordingReader& reader, const std::vector<std::unique_ptr<FrameSink>>& sinks) {
+std::uint64_t export_frames(slipd::RecordingReader& reader,
+                            const std::vector<std::unique_ptr<FrameSink>>& sinks) {
   const RecordingHeader& header = reader.header();
   const std::size_t taxels = header.layout.size();
   std::vector<float> normal(taxels);
@@ -217,7 +224,8 @@ bool export_recording(const ExportOptions& options) try {
   if (!options.mcap.empty()) sinks.push_back(std::make_unique<McapSink>(options, reader.header()));
   if (!options.csv.empty()) sinks.push_back(std::make_unique<CsvSink>(options, reader.header()));
   if (export_frames(reader, sinks) == 0)
-    throw ClientError(options.file + ": a recording without a frame" + (reader.has_fault() ? "; " + reader.fault() : ""));
+    throw ClientError(options.file + ": a recording without a frame" +
+                      (reader.has_fault() ? "; " + reader.fault() : ""));
   if (!reader.has_fault()) return true;
   std::cerr << "slipctl: " << reader.fault() << "; the rest is exported\n";
   return false;

@@ -13,8 +13,9 @@ struct ExportOptions {
   bool force = false;  // replace files that exist
 };
 
-// Writes what was asked for. True: the recording was whole; else what is missing was printed on stderr, and the rest was
-// written. Throws ClientError for a file that is no recording or has no frame, and for one that cannot be written.
+// Writes what was asked for. True: the recording was whole; else what is missing was printed on stderr, and
+// the rest was written. Throws ClientError for a file that is no recording or has no frame, and for one that
+// cannot be written.
 bool export_recording(const ExportOptions& options);
 
 }  // namespace slipctl

@@ -28,12 +28,14 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-// Cyclone's configuration. It replaces what the environment's CYCLONEDDS_URI says, so that the settings file holds.
+// Cyclone's configuration. It replaces what the environment's CYCLONEDDS_URI says, so that the settings file
+// holds.
 std::string configuration(const NodeOptions& options) {
   std::string interfaces;
   for (const std::string& name : options.interfaces) {
     const bool address = name.find_first_of(".:") != std::string::npos;
-    interfaces += std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
+    interfaces +=
+        std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
   }
   std::string peers;
   for (const std::string& peer : options.peers) peers += "<Peer address=\"" + escaped(peer) + "\"/>";
@@ -70,14 +72,16 @@ Gid<BYTES> gid_of(dds_entity_t entity) {
 }  // namespace
 
 Node::Node(const NodeOptions& options) : options_(options) {
-  domain_ = made(dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
-                 "see `network` in the settings: the interfaces must exist, and have multicast if that is on");
+  domain_ =
+      made(dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
+           "see `network` in the settings: the interfaces must exist, and have multicast if that is on");
   try {
     const Qos qos = make_qos();
     // ROS 2 counts a participant with an enclave among its own.
     set_user_data(*qos, "enclave=/;");
-    participant_ = made(dds_create_participant(options.domain, qos.get(), nullptr), "DDS participant",
-                        "is the network interface up, and are there fewer than 100 participants on this computer?");
+    participant_ =
+        made(dds_create_participant(options.domain, qos.get(), nullptr), "DDS participant",
+             "is the network interface up, and are there fewer than 100 participants on this computer?");
     const WriterOptions last{.depth = 1, .reliable = true};
     if (options.humble) {
       using Type = DdsType<ParticipantEntitiesInfo<kHumbleGidBytes>>;
@@ -85,12 +89,14 @@ Node::Node(const NodeOptions& options) : options_(options) {
       const dds_topic_descriptor_t& own = Type::descriptor();
       const std::string name = dds_name(ParticipantEntitiesInfo<kHumbleGidBytes>::kName);
       const dds_topic_descriptor_t renamed{
-          own.m_size, own.m_align, own.m_flagset, own.m_nkeys,          name.c_str(),    own.m_keys,
-          own.m_nops, own.m_ops,   own.m_meta,    own.type_information, own.type_mapping, own.restrict_data_representation};
+          own.m_size,   own.m_align,          own.m_flagset,    own.m_nkeys,
+          name.c_str(), own.m_keys,           own.m_nops,       own.m_ops,
+          own.m_meta,   own.type_information, own.type_mapping, own.restrict_data_representation};
       discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true);
     } else {
       using Info = ParticipantEntitiesInfo<kGidBytes>;
-      discovery_ = make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true);
+      discovery_ =
+          make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true);
     }
     announce();
   } catch (...) {
@@ -103,26 +109,28 @@ Node::~Node() {
   dds_delete(domain_);  // and all that is in it
 }
 
-dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::string& topic, std::string_view hash,
-                               const WriterOptions& options, bool transient) {
+dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::string& topic,
+                               std::string_view hash, const WriterOptions& options, bool transient) {
   const std::string remedy = "is another program of this computer using the domain in this process?";
   const Qos qos = make_qos();
-  dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, kNoWaiting);
+  dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       kNoWaiting);
   dds_qset_durability(qos.get(), transient ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, options.depth);
   const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &representation);
   if (!hash.empty()) set_user_data(*qos, "typehash=RIHS01_" + std::string(hash) + ";");
-  const dds_entity_t entity = made(dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), "topic " + topic, remedy);
+  const dds_entity_t entity =
+      made(dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), "topic " + topic, remedy);
   const dds_entity_t writer = dds_create_writer(participant_, entity, qos.get(), nullptr);
   dds_delete(entity);  // the writer keeps it
   return made(writer, "writer of " + topic, remedy);
 }
 
-dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_view topic, std::string_view hash,
-                              const WriterOptions& options) {
-  const dds_entity_t writer =
-      make_writer(type, "rt" + std::string(topic), options_.humble ? std::string_view() : hash, options, false);
+dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_view topic,
+                              std::string_view hash, const WriterOptions& options) {
+  const dds_entity_t writer = make_writer(type, "rt" + std::string(topic),
+                                          options_.humble ? std::string_view() : hash, options, false);
   writers_.push_back(writer);
   return writer;
 }

@@ -1,5 +1,6 @@
-// A ROS 2 node by DDS alone: a participant that ROS 2 lists under the node's name, and writers of topics with ROS 2's names, types
-// and QoS. Cyclone DDS starts threads of its own. Writers may be made and deleted in one thread, and write in any.
+// A ROS 2 node by DDS alone: a participant that ROS 2 lists under the node's name, and writers of topics with
+// ROS 2's names, types and QoS. Cyclone DDS starts threads of its own. Writers may be made and deleted in one
+// thread, and write in any.
 #pragma once
 
 #include <dds/dds.h>
@@ -39,8 +40,8 @@ struct NodeOptions {
 
 // QoS of a writer.
 struct WriterOptions {
-  // Samples kept for readers that have not yet acknowledged them, or for lost ones to be sent again, 1 or more. Too few: a reader that
-  // is slow for a moment loses samples. More: memory.
+  // Samples kept for readers that have not yet acknowledged them, or for lost ones to be sent again, 1 or
+  // more. Too few: a reader that is slow for a moment loses samples. More: memory.
   int depth = 10;
   // Whether lost samples are sent again.
   bool reliable = true;
@@ -62,8 +63,8 @@ class Node {
   friend class Writer;
 
   // `hash`: 64 hexadecimal digits of the type hash; empty: none. Throws DdsError.
-  dds_entity_t make_writer(const dds_topic_descriptor_t& type, const std::string& topic, std::string_view hash,
-                           const WriterOptions& options, bool transient);
+  dds_entity_t make_writer(const dds_topic_descriptor_t& type, const std::string& topic,
+                           std::string_view hash, const WriterOptions& options, bool transient);
   dds_entity_t add_writer(const dds_topic_descriptor_t& type, std::string_view topic, std::string_view hash,
                           const WriterOptions& options);
   void remove_writer(dds_entity_t writer) noexcept;

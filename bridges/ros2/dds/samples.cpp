@@ -60,7 +60,8 @@ void fill_participant(const ParticipantEntitiesInfo<BYTES>& from, Sample& to, Sa
   set_sequence(to.node_entities_info_seq, nodes, from.node_entities_info_seq.size());
 }
 
-void fill_status(const DiagnosticStatus& from, diagnostic_msgs_msg_dds__DiagnosticStatus_& to, SampleMemory& memory) {
+void fill_status(const DiagnosticStatus& from, diagnostic_msgs_msg_dds__DiagnosticStatus_& to,
+                 SampleMemory& memory) {
   to.level = from.level.value;
   to.name = text_of(from.name);
   to.message = text_of(from.message);
@@ -137,15 +138,15 @@ void DdsType<SlipEstimate>::fill(const SlipEstimate& from, Sample& to, SampleMem
   to.sliding_for = from.sliding_for;
 }
 
-void DdsType<ParticipantEntitiesInfo<kGidBytes>>::fill(const ParticipantEntitiesInfo<kGidBytes>& from, Sample& to,
-                                                       SampleMemory& memory) {
+void DdsType<ParticipantEntitiesInfo<kGidBytes>>::fill(const ParticipantEntitiesInfo<kGidBytes>& from,
+                                                       Sample& to, SampleMemory& memory) {
   fill_participant<rmw_dds_common_msg_dds__Gid_, rmw_dds_common_msg_dds__NodeEntitiesInfo_>(from, to, memory);
 }
 
-void DdsType<ParticipantEntitiesInfo<kHumbleGidBytes>>::fill(const ParticipantEntitiesInfo<kHumbleGidBytes>& from,
-                                                             Sample& to, SampleMemory& memory) {
-  fill_participant<rmw_dds_common_humble_msg_dds__Gid_, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_>(from, to,
-                                                                                                         memory);
+void DdsType<ParticipantEntitiesInfo<kHumbleGidBytes>>::fill(
+    const ParticipantEntitiesInfo<kHumbleGidBytes>& from, Sample& to, SampleMemory& memory) {
+  fill_participant<rmw_dds_common_humble_msg_dds__Gid_, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_>(
+      from, to, memory);
 }
 
 }  // namespace slipd::ros2

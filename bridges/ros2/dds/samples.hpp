@@ -1,7 +1,8 @@
 // Messages as samples of the types that idlc makes from idl/ros2.idl, for dds_write(). Any thread.
 //
-// Decision: Cyclone serialises these, by its stable interface. Writing the bytes of cdr.hpp as they are would need an implementation
-// of ddsi_sertype, which is internal and changes between releases. A test compares the bytes of both.
+// Decision: Cyclone serialises these, by its stable interface. Writing the bytes of cdr.hpp as they are would
+// need an implementation of ddsi_sertype, which is internal and changes between releases. A test compares the
+// bytes of both.
 #pragma once
 
 #include <dds/dds.h>
@@ -33,7 +34,8 @@ class SampleMemory {
   std::pmr::monotonic_buffer_resource resource_{usual_.data(), usual_.size()};
 };
 
-// For each message that is a topic: the sample's type, its descriptor, and `fill`. A sample points into its message.
+// For each message that is a topic: the sample's type, its descriptor, and `fill`. A sample points into its
+// message.
 template <class T>
 struct DdsType;
 
@@ -46,37 +48,49 @@ struct DdsType<Float32> {
 template <>
 struct DdsType<WrenchStamped> {
   using Sample = geometry_msgs_msg_dds__WrenchStamped_;
-  static const dds_topic_descriptor_t& descriptor() noexcept { return geometry_msgs_msg_dds__WrenchStamped__desc; }
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return geometry_msgs_msg_dds__WrenchStamped__desc;
+  }
   static void fill(const WrenchStamped& from, Sample& to, SampleMemory& memory);
 };
 template <>
 struct DdsType<PointCloud2> {
   using Sample = sensor_msgs_msg_dds__PointCloud2_;
-  static const dds_topic_descriptor_t& descriptor() noexcept { return sensor_msgs_msg_dds__PointCloud2__desc; }
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return sensor_msgs_msg_dds__PointCloud2__desc;
+  }
   static void fill(const PointCloud2& from, Sample& to, SampleMemory& memory);
 };
 template <>
 struct DdsType<DiagnosticArray> {
   using Sample = diagnostic_msgs_msg_dds__DiagnosticArray_;
-  static const dds_topic_descriptor_t& descriptor() noexcept { return diagnostic_msgs_msg_dds__DiagnosticArray__desc; }
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return diagnostic_msgs_msg_dds__DiagnosticArray__desc;
+  }
   static void fill(const DiagnosticArray& from, Sample& to, SampleMemory& memory);
 };
 template <>
 struct DdsType<SlipEstimate> {
   using Sample = slipd_msgs_msg_dds__SlipEstimate_;
-  static const dds_topic_descriptor_t& descriptor() noexcept { return slipd_msgs_msg_dds__SlipEstimate__desc; }
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return slipd_msgs_msg_dds__SlipEstimate__desc;
+  }
   static void fill(const SlipEstimate& from, Sample& to, SampleMemory& memory);
 };
 template <>
 struct DdsType<ParticipantEntitiesInfo<kGidBytes>> {
   using Sample = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
-  static const dds_topic_descriptor_t& descriptor() noexcept { return rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc; }
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc;
+  }
   static void fill(const ParticipantEntitiesInfo<kGidBytes>& from, Sample& to, SampleMemory& memory);
 };
 template <>
 struct DdsType<ParticipantEntitiesInfo<kHumbleGidBytes>> {
   using Sample = rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo_;
-  static const dds_topic_descriptor_t& descriptor() noexcept { return rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo__desc; }
+  static const dds_topic_descriptor_t& descriptor() noexcept {
+    return rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo__desc;
+  }
   static void fill(const ParticipantEntitiesInfo<kHumbleGidBytes>& from, Sample& to, SampleMemory& memory);
 };
 

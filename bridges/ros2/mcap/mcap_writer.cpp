@@ -33,9 +33,12 @@ std::uint32_t crc_of(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-McapWriter::McapWriter(std::string file, McapOptions options) : file_(std::move(file)), options_(std::move(options)) {
-  fd_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (options_.overwrite ? O_TRUNC : O_EXCL), kMode);
-  if (fd_ < 0 && errno == EEXIST) throw McapError(file_ + ": exists already; name another file, or give --force");
+McapWriter::McapWriter(std::string file, McapOptions options)
+    : file_(std::move(file)), options_(std::move(options)) {
+  fd_ =
+      ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (options_.overwrite ? O_TRUNC : O_EXCL), kMode);
+  if (fd_ < 0 && errno == EEXIST)
+    throw McapError(file_ + ": exists already; name another file, or give --force");
   if (fd_ < 0) refuse_file(file_, "cannot create it");
   put(kMagic);
   Bytes header;
@@ -61,7 +64,12 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, const std::vector<
       schema_ids_.try_emplace(name, static_cast<std::uint16_t>(schema_ids_.size() + 1));
   if (is_new) {
     Bytes& record = schemas_.emplace_back();
-    McapRecord(record, McapOp::schema).number(schema->second).text(name).text("ros2msg").text(msg_text(definitions)).end();
+    McapRecord(record, McapOp::schema)
+        .number(schema->second)
+        .text(name)
+        .text("ros2msg")
+        .text(msg_text(definitions))
+        .end();
     put(record);
   }
   const auto number = static_cast<std::uint16_t>(channels_.size());
@@ -81,7 +89,8 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, const std::vector<
 }
 
 void McapWriter::write(std::uint16_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> cdr) {
-  const bool long_enough = !chunk_.empty() && time_ns > chunk_first_ns_ && time_ns - chunk_first_ns_ > options_.chunk_ns;
+  const bool long_enough =
+      !chunk_.empty() && time_ns > chunk_first_ns_ && time_ns - chunk_first_ns_ > options_.chunk_ns;
   if (long_enough || chunk_.size() >= options_.chunk_bytes) end_chunk();
   if (chunk_.empty()) chunk_first_ns_ = chunk_last_ns_ = time_ns;
   if (messages_ == 0) first_ns_ = last_ns_ = time_ns;
@@ -126,7 +135,8 @@ void McapWriter::end_chunk() {
   chunk_messages_.clear();
 }
 
-void McapWriter::append_indexes(std::uint64_t chunk_at, std::uint64_t chunk_bytes, std::size_t compressed_bytes) {
+void McapWriter::append_indexes(std::uint64_t chunk_at, std::uint64_t chunk_bytes,
+                                std::size_t compressed_bytes) {
   const std::uint64_t indexes_at = written_;
   std::vector<std::pair<std::uint16_t, std::uint64_t>> offsets;
   for (auto& [channel, entries] : chunk_messages_) {

@@ -1,8 +1,9 @@
-// Writes MCAP files (mcap.dev/spec, version 0) of profile `ros2`: CDR messages in chunks that are compressed by LZ4,
-// with message indexes, chunk indexes, statistics, summary offsets and checksums. One thread at a time.
+// Writes MCAP files (mcap.dev/spec, version 0) of profile `ros2`: CDR messages in chunks that are compressed
+// by LZ4, with message indexes, chunk indexes, statistics, summary offsets and checksums. One thread at a
+// time.
 //
-// A file that was not closed, as after a loss of power, lacks its summary and its last chunk: readers that search from the
-// beginning still read the rest.
+// A file that was not closed, as after a loss of power, lacks its summary and its last chunk: readers that
+// search from the beginning still read the rest.
 #pragma once
 
 #include <boost/crc.hpp>
@@ -28,9 +29,11 @@ class McapError : public std::runtime_error {
 struct McapOptions {
   // The program that writes, for people.
   std::string library = "slipd";
-  // A chunk ends after so many bytes before compression. Fewer: compresses worse. More: readers that seek read more.
+  // A chunk ends after so many bytes before compression. Fewer: compresses worse. More: readers that seek
+  // read more.
   std::size_t chunk_bytes = std::size_t{1} << 20;
-  // A chunk ends before its messages span more, ns. Shorter: compresses worse. Longer: more is lost with power.
+  // A chunk ends before its messages span more, ns. Shorter: compresses worse. Longer: more is lost with
+  // power.
   std::uint64_t chunk_ns = 5'000'000'000;
   // Replaces a file that exists.
   bool overwrite = false;
@@ -45,8 +48,8 @@ class McapWriter {
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
-  // A topic, "/slipd/left/margin", of the first definition's type. `type_hash`: 64 hexadecimal digits. Returns the channel's
-  // number. Throws McapError.
+  // A topic, "/slipd/left/margin", of the first definition's type. `type_hash`: 64 hexadecimal digits.
+  // Returns the channel's number. Throws McapError.
   std::uint16_t add_channel(std::string_view topic, const std::vector<Definition>& definitions,
                             std::string_view type_hash);
   template <Message T>

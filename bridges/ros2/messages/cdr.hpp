@@ -1,5 +1,5 @@
-// Messages as bytes: CDR as DDS and MCAP carry it (OMG XTypes 1.3, 7.4: XCDR version 1, final, little-endian),
-// with the four bytes of the encapsulation header in front. Any thread.
+// Messages as bytes: CDR as DDS and MCAP carry it (OMG XTypes 1.3, 7.4: XCDR version 1, final,
+// little-endian), with the four bytes of the encapsulation header in front. Any thread.
 #pragma once
 
 #include <array>
@@ -19,12 +19,16 @@ namespace slipd::ros2 {
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
 
 template <class T>
-concept Message = requires { T::kName; };
+concept Message = requires {
+  T::kName;
+};
 
 // Appends fields to `out`, which it clears first. Alignment counts from the end of the header.
 class CdrWriter {
  public:
-  explicit CdrWriter(std::vector<std::uint8_t>& out) : out_(out) { out_.assign(kHeader.begin(), kHeader.end()); }
+  explicit CdrWriter(std::vector<std::uint8_t>& out) : out_(out) {
+    out_.assign(kHeader.begin(), kHeader.end());
+  }
 
   template <class T>
   void operator()(std::string_view /*name*/, const T& value) {
@@ -41,7 +45,7 @@ class CdrWriter {
   static constexpr std::array<std::uint8_t, 4> kHeader{0, 1, 0, 0};
 
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void put(T value) {
     const std::size_t at = grow(sizeof(T), sizeof(T));
     std::memcpy(out_.data() + at, &value, sizeof(T));

@@ -9,17 +9,18 @@ constexpr std::string_view kMiddle = "/msg/";
 
 std::string with_middle(std::string_view name, std::string_view middle) {
   const std::size_t at = name.find(kMiddle);
-  return std::string(name.substr(0, at)) + std::string(middle) + std::string(name.substr(at + kMiddle.size()));
+  return std::string(name.substr(0, at)) + std::string(middle) +
+         std::string(name.substr(at + kMiddle.size()));
 }
 
 // As Python's json.dumps writes it with the separators ", " and ": ".
 std::string individual_description(const Definition& definition) {
   std::string fields;
   for (const Field& field : definition.fields) {
-    fields += std::string(fields.empty() ? "" : ", ") + R"({"name": ")" + field.name + R"(", "type": {"type_id": )" +
-              std::to_string(field.type_id) + R"(, "capacity": )" + std::to_string(field.capacity) +
-              R"(, "string_capacity": )" + std::to_string(field.string_capacity) + R"(, "nested_type_name": ")" +
-              field.nested + R"("}})";
+    fields += std::string(fields.empty() ? "" : ", ") + R"({"name": ")" + field.name +
+              R"(", "type": {"type_id": )" + std::to_string(field.type_id) + R"(, "capacity": )" +
+              std::to_string(field.capacity) + R"(, "string_capacity": )" +
+              std::to_string(field.string_capacity) + R"(, "nested_type_name": ")" + field.nested + R"("}})";
   }
   return R"({"type_name": ")" + definition.name + R"(", "fields": [)" + fields + "]}";
 }

@@ -1,5 +1,5 @@
-// What a message consists of, made from its `fields`: as .msg text for recordings, and as the type description of
-// REP-2011 for type hashes. Any thread that may allocate.
+// What a message consists of, made from its `fields`: as .msg text for recordings, and as the type
+// description of REP-2011 for type hashes. Any thread that may allocate.
 #pragma once
 
 #include <algorithm>
@@ -64,7 +64,8 @@ std::string short_name(std::string_view name);
 // "std_msgs/msg/Header" as DDS has it: "std_msgs::msg::dds_::Header_".
 std::string dds_name(std::string_view name);
 
-// The .msg text of the first definition, and behind it those of all others, as MCAP's schema encoding `ros2msg` has it.
+// The .msg text of the first definition, and behind it those of all others, as MCAP's schema encoding
+// `ros2msg` has it.
 std::string msg_text(const std::vector<Definition>& definitions);
 // The .msg text of one definition alone.
 std::string msg_text(const Definition& definition);

@@ -1,9 +1,11 @@
-// The ROS 2 messages that slipd writes: the one table of their names, fields and order. The encoder (cdr.hpp),
-// the .msg text and the type hashes (definition.hpp) are all made from `fields`. Values; any thread.
+// The ROS 2 messages that slipd writes: the one table of their names, fields and order. The encoder
+// (cdr.hpp), the .msg text and the type hashes (definition.hpp) are all made from `fields`. Values; any
+// thread.
 //
 // Standard messages are those of the packages builtin_interfaces, std_msgs, geometry_msgs, sensor_msgs,
 // diagnostic_msgs and rmw_dds_common as released with Humble and Jazzy; the type hashes are those of Iron and
-// later, `RIHS01_` and SHA-256 of REP-2011's type description. tests/bridges/ros2 computes them from the fields.
+// later, `RIHS01_` and SHA-256 of REP-2011's type description. tests/bridges/ros2 computes them from the
+// fields.
 #pragma once
 
 #include <array>
@@ -270,8 +272,8 @@ struct SlipEstimate {
   }
 };
 
-// Bytes of the identifier of a DDS entity in rmw_dds_common: 24 in Humble and before, 16 in Iron and later. The
-// type's name is the same, so nodes of both kinds cannot read each other's.
+// Bytes of the identifier of a DDS entity in rmw_dds_common: 24 in Humble and before, 16 in Iron and later.
+// The type's name is the same, so nodes of both kinds cannot read each other's.
 inline constexpr std::size_t kHumbleGidBytes = 24;
 inline constexpr std::size_t kGidBytes = 16;
 

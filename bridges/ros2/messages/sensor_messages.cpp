@@ -22,10 +22,11 @@ constexpr std::array<const char*, 6> kPointFields{"x", "y", "z", "normal", "shea
 }  // namespace
 
 Time time_of(std::int64_t realtime_ns) noexcept {
-  const std::int64_t seconds = realtime_ns >= 0 ? realtime_ns / kNsPerS : (realtime_ns - (kNsPerS - 1)) / kNsPerS;
+  const std::int64_t seconds =
+      realtime_ns >= 0 ? realtime_ns / kNsPerS : (realtime_ns - (kNsPerS - 1)) / kNsPerS;
   Time time;
-  time.sec = static_cast<std::int32_t>(std::clamp<std::int64_t>(seconds, std::numeric_limits<std::int32_t>::min(),
-                                                                std::numeric_limits<std::int32_t>::max()));
+  time.sec = static_cast<std::int32_t>(std::clamp<std::int64_t>(
+      seconds, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
   time.nanosec = static_cast<std::uint32_t>(realtime_ns - seconds * kNsPerS);
   return time;
 }

@@ -29,8 +29,8 @@ TEST(Cdr, TextsHaveTheirLengthWithTheZeroAndDoublesAlignToEight) {
   message.header.frame_id = "ab";
   message.wrench.force = {1, 0, 0};
   const auto bytes = encoded(message);
-  const std::vector<std::uint8_t> begin{0, 1, 0, 0, 1, 0, 0, 0, 2, 0, 0,    0,   3, 0, 0,
-                                        0, 'a', 'b', 0, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F};
+  const std::vector<std::uint8_t> begin{0, 1, 0,   0,   1, 0, 0, 0, 2, 0, 0, 0, 3,    0,
+                                        0, 0, 'a', 'b', 0, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F};
   ASSERT_EQ(bytes.size(), 4U + 16U + 6U * 8U);
   EXPECT_THAT(std::vector(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(begin.size())),
               ElementsAreArray(begin));
@@ -43,12 +43,13 @@ TEST(Cdr, SequencesOfMessagesAlignEachElement) {
   message.status[0].level.value = 2;
   message.status[0].name = "n";
   message.status[0].values = {{.key = "k", .value = "v"}};
-  EXPECT_THAT(encoded(message),
-              ElementsAre(0, 1, 0, 0,                                      // header
-                          0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,  // stamp, "", padding
-                          1, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 'n', 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,  // 1, 2, "n", ""
-                          1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,                                        // "", 1
-                          2, 0, 0, 0, 'k', 0, 0, 0, 2, 0, 0, 0, 'v', 0));
+  EXPECT_THAT(
+      encoded(message),
+      ElementsAre(0, 1, 0, 0,                                      // header
+                  0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,  // stamp, "", padding
+                  1, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 'n', 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,  // 1, 2, "n", ""
+                  1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,                                        // "", 1
+                  2, 0, 0, 0, 'k', 0, 0, 0, 2, 0, 0, 0, 'v', 0));
 }
 
 TEST(Margins, AreNumbersInStateOkOnly) {

@@ -1,5 +1,5 @@
-// What Cyclone DDS puts on the wire for each message is what the encoder makes, so that recordings and topics have the same bytes;
-// and a reader with rclcpp's default QoS gets it, with the type hash in the user data.
+// What Cyclone DDS puts on the wire for each message is what the encoder makes, so that recordings and topics
+// have the same bytes; and a reader with rclcpp's default QoS gets it, with the type hash in the user data.
 #include <dds/ddsi/ddsi_serdata.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,8 @@ SlipEstimate sample_estimate() {
   estimate.alert = 1;
   estimate.sequence = 0x0102030405060708;
   double value = 0.5;
-  for (double* number : {&estimate.margin, &estimate.normal_force, &estimate.shear_force_x, &estimate.sliding_for})
+  for (double* number :
+       {&estimate.margin, &estimate.normal_force, &estimate.shear_force_x, &estimate.sliding_for})
     *number = value += 1.25;
   return estimate;
 }
@@ -72,7 +73,8 @@ class OnTheWire : public ::testing::Test {
     dds_set_status_mask(reader, DDS_SUBSCRIPTION_MATCHED_STATUS | DDS_DATA_AVAILABLE_STATUS);
     dds_waitset_attach(waiting, reader, 0);
     dds_subscription_matched_status_t matched{};
-    while (dds_get_subscription_matched_status(reader, &matched) == DDS_RETCODE_OK && matched.current_count == 0)
+    while (dds_get_subscription_matched_status(reader, &matched) == DDS_RETCODE_OK &&
+           matched.current_count == 0)
       ASSERT_GT(dds_waitset_wait(waiting, nullptr, 0, DDS_SECS(60)), 0);
     ASSERT_TRUE(writer.write(message));
     ddsi_serdata* taken = nullptr;
@@ -105,7 +107,8 @@ class OnTheWire : public ::testing::Test {
     void* data = nullptr;
     std::size_t bytes = 0;
     dds_qget_userdata(endpoint->qos, &data, &bytes);
-    EXPECT_EQ(std::string(static_cast<const char*>(data), bytes), "typehash=RIHS01_" + std::string(T::kTypeHash) + ";");
+    EXPECT_EQ(std::string(static_cast<const char*>(data), bytes),
+              "typehash=RIHS01_" + std::string(T::kTypeHash) + ";");
     EXPECT_EQ(std::string(endpoint->type_name), dds_name(T::kName));
     dds_free(data);
     dds_builtintopic_free_endpoint(endpoint);

@@ -32,9 +32,11 @@ std::string computed_hash() {
 
 // The public values of these types are in ROS 2's own .json descriptions.
 TEST(TypeHashes, OfStandardMessagesAreThePublicOnes) {
-  EXPECT_EQ(computed_hash<WrenchStamped>(), "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77");
+  EXPECT_EQ(computed_hash<WrenchStamped>(),
+            "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77");
   EXPECT_EQ(computed_hash<Float32>(), "7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2");
-  EXPECT_EQ(computed_hash<DiagnosticArray>(), "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
+  EXPECT_EQ(computed_hash<DiagnosticArray>(),
+            "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e");
   EXPECT_EQ(computed_hash<PointCloud2>(), "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
 }
 
@@ -44,14 +46,16 @@ TEST(TypeHashes, AreThoseThatTheFieldsGive) {
   EXPECT_EQ(DiagnosticArray::kTypeHash, computed_hash<DiagnosticArray>());
   EXPECT_EQ(PointCloud2::kTypeHash, computed_hash<PointCloud2>());
   EXPECT_EQ(SlipEstimate::kTypeHash, computed_hash<SlipEstimate>());
-  EXPECT_EQ(ParticipantEntitiesInfo<kGidBytes>::kTypeHash, computed_hash<ParticipantEntitiesInfo<kGidBytes>>());
+  EXPECT_EQ(ParticipantEntitiesInfo<kGidBytes>::kTypeHash,
+            computed_hash<ParticipantEntitiesInfo<kGidBytes>>());
 }
 
 TEST(MessageTexts, HaveAllMessagesThatTheyNeedOnce) {
   EXPECT_EQ(msg_text(definitions_of<WrenchStamped>()),
             "std_msgs/Header header\ngeometry_msgs/Wrench wrench\n" + std::string(80, '=') +
-                "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" + std::string(80, '=') +
-                "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n" + std::string(80, '=') +
+                "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" +
+                std::string(80, '=') + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n" +
+                std::string(80, '=') +
                 "\nMSG: geometry_msgs/Wrench\ngeometry_msgs/Vector3 force\ngeometry_msgs/Vector3 torque\n" +
                 std::string(80, '=') + "\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n");
 }

@@ -1,6 +1,4 @@
 // MCAP files, walked record by record from their bytes. tests/bridges/ros2/peers has readers of others.
-#include "bridges/ros2/mcap/mcap_writer.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lz4frame.h>
@@ -9,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "bridges/ros2/mcap/mcap_writer.hpp"
 #include "bridges/ros2/messages/cdr.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -82,7 +81,8 @@ TEST_F(Mcap, HoldsEveryMessageInOrderAndItsChecksumsHold) {
     }
     if (record.op == 0x02) {
       const auto summary = number_at<std::uint64_t>(record.content, 0);
-      EXPECT_EQ(number_at<std::uint32_t>(record.content, 16), crc_of(bytes.substr(summary, record.at + 9 + 16 - summary)));
+      EXPECT_EQ(number_at<std::uint32_t>(record.content, 16),
+                crc_of(bytes.substr(summary, record.at + 9 + 16 - summary)));
     }
     if (record.op != 0x06) continue;
     const auto size = number_at<std::uint64_t>(record.content, 16);
@@ -118,12 +118,15 @@ TEST_F(Mcap, ItsIndexesPointAtWhatTheySay) {
     ++chunks;
     const auto chunk_at = number_at<std::uint64_t>(record.content, 16);
     EXPECT_EQ(bytes[chunk_at], 0x06);
-    EXPECT_EQ(number_at<std::uint64_t>(bytes, chunk_at + 1) + 9, number_at<std::uint64_t>(record.content, 24));
-    ASSERT_EQ(number_at<std::uint32_t>(record.content, 32), 20U) << "two channels have messages in each chunk";
+    EXPECT_EQ(number_at<std::uint64_t>(bytes, chunk_at + 1) + 9,
+              number_at<std::uint64_t>(record.content, 24));
+    ASSERT_EQ(number_at<std::uint32_t>(record.content, 32), 20U)
+        << "two channels have messages in each chunk";
     for (const std::size_t entry : {36U, 46U}) {
       const auto index_at = number_at<std::uint64_t>(record.content, entry + 2);
       EXPECT_EQ(bytes[index_at], 0x07);
-      EXPECT_EQ(number_at<std::uint16_t>(bytes, index_at + 9), number_at<std::uint16_t>(record.content, entry));
+      EXPECT_EQ(number_at<std::uint16_t>(bytes, index_at + 9),
+                number_at<std::uint16_t>(record.content, entry));
     }
   }
   EXPECT_GT(chunks, 3);

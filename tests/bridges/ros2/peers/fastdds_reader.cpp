@@ -1,6 +1,13 @@
-// fastdds-reader DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast DDS, the library behind ROS 2's
-// default middleware, and prints a line for each message: TOPIC, the writer's user data, and the bytes as hexadecimal text. Ends when each
-// topic has brought MESSAGES of them. Topics without their prefix `rt`, types as ROS 2 names them on DDS.
+// fastdds-reader DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast
+// DDS, the library behind ROS 2's default middleware, and prints a line for each message: TOPIC, the writer's
+// user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them. Topics
+// without their prefix `rt`, types as ROS 2 names them on DDS.
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -9,12 +16,8 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
-
-#include <condition_variable>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -53,7 +56,8 @@ std::map<std::string, int> counts;
 std::map<std::string, std::string> user_data;  // by topic
 
 class Discovery : public DomainParticipantListener {
-  void on_publisher_discovery(DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
+  void on_publisher_discovery(DomainParticipant*,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
     const auto& bytes = info.info.m_qos.m_userData.getValue();
     const std::lock_guard<std::mutex> lock(mutex);
     user_data[info.info.topicName().to_string()] = std::string(bytes.begin(), bytes.end());
@@ -85,8 +89,14 @@ class Printer : public DataReaderListener {
 int main(int argc, char** argv) {
   if (argc < 5) return 2;
   Discovery discovery;
+  // This computer only, as with ROS_LOCALHOST_ONLY=1.
+  DomainParticipantQos own = PARTICIPANT_QOS_DEFAULT;
+  const auto loopback = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  loopback->interfaceWhiteList.emplace_back("127.0.0.1");
+  own.transport().use_builtin_transports = false;
+  own.transport().user_transports.push_back(loopback);
   DomainParticipant* const participant = DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<unsigned>(std::atoi(argv[1])), PARTICIPANT_QOS_DEFAULT, &discovery, StatusMask::none());
+      static_cast<unsigned>(std::atoi(argv[1])), own, &discovery, StatusMask::none());
   if (participant == nullptr) return 1;
   Subscriber* const subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
   DataReaderQos qos = DATAREADER_QOS_DEFAULT;
@@ -99,8 +109,11 @@ int main(int argc, char** argv) {
   for (int i = 3; i + 1 < argc; i += 2, ++topics) {
     TypeSupport type(new AnyType(argv[i + 1]));
     type.register_type(participant);
-    Topic* const topic = participant->create_topic(std::string("rt") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
-    if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), StatusMask::data_available()) == nullptr) return 1;
+    Topic* const topic =
+        participant->create_topic(std::string("rt") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
+    if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), StatusMask::data_available()) ==
+        nullptr)
+      return 1;
   }
   std::unique_lock<std::mutex> lock(mutex);
   changed.wait(lock, [&] {
