@@ -94,7 +94,7 @@ endforeach()
 
 # The pages, beside the package's papers.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/slipd COMPONENT slipd
-  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
 
 # For drivers of one's own: what a driver includes, and the one library that it may call.
 install(FILES ${PROJECT_SOURCE_DIR}/driver_api/driver.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/driver_api COMPONENT dev)

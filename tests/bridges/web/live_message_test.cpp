@@ -22,14 +22,14 @@ Json message_of(const Json& sensors, const Json& grasps = Json::array()) {
 }
 
 TEST(LiveMessage, PassesAYoungMarginOn) {
-  const Json message = message_of({sensor("left", 5)});
+  const Json message = message_of(Json::array({sensor("left", 5)}));
   EXPECT_EQ(message.at("slipd"), "ok");
   EXPECT_EQ(message.at("sensors").at(0), sensor("left", 5));
 }
 
 TEST(LiveMessage, HasNoMarginThatIsTooOld) {
   for (const Json& age : {Json(100.1), Json(1e9), Json(nullptr), Json("young")}) {
-    const Json estimate = message_of({sensor("left", age)}).at("sensors").at(0);
+    const Json estimate = message_of(Json::array({sensor("left", age)})).at("sensors").at(0);
     EXPECT_EQ(estimate.at("state"), "stale") << age;
     for (const char* key : {"gamma", "sigma", "gamma_low", "class", "grip_increase_n", "sliding"})
       EXPECT_TRUE(estimate.at(key).is_null()) << key;
@@ -39,24 +39,24 @@ TEST(LiveMessage, HasNoMarginThatIsTooOld) {
 
 TEST(LiveMessage, HasNoMarginOutsideStateOk) {
   for (const char* state : {"learning", "fault", "out_of_model", "a state of a newer slipd"}) {
-    const Json estimate = message_of({sensor("left", 5, state)}).at("sensors").at(0);
+    const Json estimate = message_of(Json::array({sensor("left", 5, state)})).at("sensors").at(0);
     EXPECT_TRUE(estimate.at("gamma").is_null());
     EXPECT_EQ(estimate.at("state"), state);
   }
-  EXPECT_EQ(message_of({sensor("left", 500, "fault")}).at("sensors").at(0).at("state"), "fault");
+  EXPECT_EQ(message_of(Json::array({sensor("left", 500, "fault")})).at("sensors").at(0).at("state"), "fault");
 }
 
 TEST(LiveMessage, AGraspIsAsOldAsItsOldestSensor) {
   const auto grasp = [](const Json& members) {
     return Json{{"grasp", "g"}, {"sensors", members}, {"state", "ok"}, {"gamma", 0.3}, {"alert", "none"}, {"first", {{"sensor", "a"}, {"gamma", 0.2}}}};
   };
-  const Json sensors = {sensor("a", 5), sensor("b", 500), sensor("c", 20)};
-  Json of = message_of(sensors, {grasp({"a", "c"})}).at("grasps").at(0);
+  const Json sensors = Json::array({sensor("a", 5), sensor("b", 500), sensor("c", 20)});
+  Json of = message_of(sensors, Json::array({grasp(Json::array({"a", "c"}))})).at("grasps").at(0);
   EXPECT_EQ(of.at("state"), "ok");
   EXPECT_EQ(of.at("age_ms"), 20);
   EXPECT_EQ(of.at("simulated"), true);
-  for (const Json& members : {Json{"a", "b"}, Json{"a", "nobody"}, Json::array()}) {
-    of = message_of(sensors, {grasp(members)}).at("grasps").at(0);
+  for (const Json& members : {Json::array({"a", "b"}), Json::array({"a", "nobody"}), Json::array()}) {
+    of = message_of(sensors, Json::array({grasp(members)})).at("grasps").at(0);
     EXPECT_EQ(of.at("state"), "stale") << members;
     EXPECT_TRUE(of.at("gamma").is_null() && of.at("first").is_null());
   }
