@@ -30,10 +30,14 @@ constexpr const char* kPolicy =
 
 Count count_of(Refusal refusal) {
   switch (refusal) {
-    case Refusal::host: return Count::refused_host;
-    case Refusal::origin: return Count::refused_origin;
-    case Refusal::token: return Count::refused_token;
-    default: return Count::refused_other;
+    case Refusal::host:
+      return Count::refused_host;
+    case Refusal::origin:
+      return Count::refused_origin;
+    case Refusal::token:
+      return Count::refused_token;
+    default:
+      return Count::refused_other;
   }
 }
 
@@ -55,8 +59,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     parser_->body_limit(0);
     // One time for the whole head: bytes that drip in do not prolong it.
     stream_.expires_after(std::chrono::seconds(serving_.limits.head_s));
-    http::async_read_header(stream_, input_, *parser_,
-                            [self = shared_from_this()](beast::error_code error, std::size_t) { self->take(error); });
+    http::async_read_header(
+        stream_, input_, *parser_,
+        [self = shared_from_this()](beast::error_code error, std::size_t) { self->take(error); });
   }
 
  private:
@@ -82,7 +87,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const auto& request = parser_->get();
     const auto field = [&](http::field name) {
       const auto at = request.find(name);
-      return at == request.end() ? std::string_view{} : std::string_view(at->value().data(), at->value().size());
+      return at == request.end() ? std::string_view{}
+                                 : std::string_view(at->value().data(), at->value().size());
     };
     RequestHead head;
     head.method = {request.method_string().data(), request.method_string().size()};
@@ -106,20 +112,28 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     }
     serving_.counts.add(Count::requests);
     switch (route.part) {
-      case Part::live: return go_live();
-      case Part::page: return answer_page(route.name);
-      case Part::login: return answer_login();
-      case Part::recordings: return answer_json(recordings_json(serving_.settings.recordings));
-      case Part::recording: return answer_recording(route.name);
-      case Part::method: return answer_method();
-      default: return answer_json(serving_.counts.json());
+      case Part::live:
+        return go_live();
+      case Part::page:
+        return answer_page(route.name);
+      case Part::login:
+        return answer_login();
+      case Part::recordings:
+        return answer_json(recordings_json(serving_.settings.recordings));
+      case Part::recording:
+        return answer_recording(route.name);
+      case Part::method:
+        return answer_method();
+      default:
+        return answer_json(serving_.counts.json());
     }
   }
 
   void go_live() {
     if (static_cast<int>(serving_.live.size()) >= serving_.settings.max_browsers) {
       serving_.counts.add(Count::too_many);
-      return answer_text(http::status::service_unavailable, "text/plain", "Too many live pages are open.\n", true);
+      return answer_text(http::status::service_unavailable, "text/plain", "Too many live pages are open.\n",
+                         true);
     }
     std::make_shared<LiveSession>(serving_, std::move(stream_))->run(parser_->release());
   }
@@ -153,20 +167,24 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (!head_only()) response.body() = std::move(content);
     const auto kept = std::make_shared<Text>(std::move(response));
     stream_.expires_after(std::chrono::seconds(serving_.limits.answer_s));
-    http::async_write(stream_, *kept, [self = shared_from_this(), kept, end](beast::error_code error, std::size_t) {
-      self->sent(error, end);
-    });
+    http::async_write(stream_, *kept,
+                      [self = shared_from_this(), kept, end](beast::error_code error, std::size_t) {
+                        self->sent(error, end);
+                      });
   }
 
-  void answer_json(std::string json) { answer_text(http::status::ok, "application/json", std::move(json), ends()); }
+  void answer_json(std::string json) {
+    answer_text(http::status::ok, "application/json", std::move(json), ends());
+  }
 
   void answer_page(const std::string& name) {
     const PageFile* const file = page_file(name);
     if (file != nullptr)
-      return answer_text(http::status::ok, std::string(file->type).c_str(), std::string(file->content), ends());
+      return answer_text(http::status::ok, std::string(file->type).c_str(), std::string(file->content),
+                         ends());
     serving_.counts.add(Count::refused_other);
-    answer_text(http::status::not_found, "text/plain; charset=utf-8", std::string(text_of(Refusal::unknown)) + "\n",
-                ends());
+    answer_text(http::status::not_found, "text/plain; charset=utf-8",
+                std::string(text_of(Refusal::unknown)) + "\n", ends());
   }
 
   void answer_login() {
@@ -174,8 +192,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     Text response{http::status::see_other, 11};
     set_fields(response, "text/plain");
     response.set(http::field::location, "./");
-    response.set(http::field::set_cookie,
-                 "slipd-token=" + serving_.rules->token() + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=31536000");
+    response.set(http::field::set_cookie, "slipd-token=" + serving_.rules->token() +
+                                              "; Path=/; HttpOnly; SameSite=Strict; Max-Age=31536000");
     response.keep_alive(!end);
     send(std::move(response), {}, end);
   }
@@ -183,8 +201,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void answer_recording(const std::string& name) {
     const int fd = open_recording(serving_.settings.recordings, name);
     if (fd < 0)
-      return answer_text(http::status::not_found, "text/plain; charset=utf-8", "There is no recording by this name.\n",
-                         ends());
+      return answer_text(http::status::not_found, "text/plain; charset=utf-8",
+                         "There is no recording by this name.\n", ends());
     beast::file_posix file;
     file.native_handle(fd);
     using File = http::response<http::basic_file_body<beast::file_posix>>;
@@ -215,7 +233,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     stream_.expires_after(std::chrono::seconds(serving_.limits.answer_s));
     const auto next = [self = shared_from_this(), file, pieces, end](beast::error_code error, std::size_t) {
       const bool done = pieces->is_done() || (self->head_only() && pieces->is_header_done());
-      if (error || done) return self->sent(error == http::error::end_of_stream ? beast::error_code{} : error, end);
+      if (error || done)
+        return self->sent(error == http::error::end_of_stream ? beast::error_code{} : error, end);
       self->send_piece(file, pieces, end);
     };
     if (pieces->is_header_done()) return http::async_write_some(stream_, *pieces, next);

@@ -9,12 +9,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kMarginKeys[] = {"gamma",           "sigma",
-                                       "gamma_low",       "class",
-                                       "time_to_slip_ms", "grip_increase_n",
-                                       "sliding",         "grip_increase_sigma_n",
-                                       "sliding_for_ms",  "a_over_r",
-                                       "first"};
+constexpr const char* kMarginKeys[] = {
+    "gamma",           "sigma",           "gamma_low", "class",
+    "time_to_slip_ms", "grip_increase_n", "sliding",   "grip_increase_sigma_n",
+    "sliding_for_ms",  "a_over_r",        "first"};
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -30,8 +28,8 @@ std::optional<double> age_of(const Json& estimate) {
 std::optional<double> oldest_of(const Json& members, const Json& sensors) {
   double oldest = 0;
   for (const Json& name : members) {
-    const auto at =
-        std::find_if(sensors.begin(), sensors.end(), [&](const Json& each) { return each.at("sensor") == name; });
+    const auto at = std::find_if(sensors.begin(), sensors.end(),
+                                 [&](const Json& each) { return each.at("sensor") == name; });
     const auto age = at == sensors.end() ? std::nullopt : age_of(*at);
     if (!age) return std::nullopt;
     oldest = std::max(oldest, *age);
@@ -67,7 +65,8 @@ std::string live_message(std::string_view gamma_answer, double max_age_ms) {
     judge(grasp, age, max_age_ms);
   }
   for (Json& sensor : sensors) judge(sensor, age_of(sensor), max_age_ms);
-  return text_of({{"type", "live"}, {"slipd", "ok"}, {"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}});
+  return text_of(
+      {{"type", "live"}, {"slipd", "ok"}, {"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}});
 }
 
 std::string away_message(std::string_view why) {

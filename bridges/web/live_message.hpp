@@ -6,9 +6,9 @@
 
 namespace slipd::web {
 
-// {"type":"live","slipd":"ok","sensors":[…],"grasps":[…]} from slipd's answer to `gamma`. An estimate older than
-// max_age_ms, or without an age, is stale: it keeps its alert and loses every number that a margin could be
-// taken for. A grasp is as old as its oldest sensor. Throws std::exception for an answer of another form.
+// {"type":"live","slipd":"ok","sensors":[…],"grasps":[…]} from slipd's answer to `gamma`. An estimate older
+// than max_age_ms, or without an age, is stale: it keeps its alert and loses every number that a margin could
+// be taken for. A grasp is as old as its oldest sensor. Throws std::exception for an answer of another form.
 std::string live_message(std::string_view gamma_answer, double max_age_ms);
 
 // The same while slipd is away; `why` is a sentence for people.

@@ -157,14 +157,15 @@ void LiveSession::write(const Message& message, bool text) {
   writing_ = true;
   under_way_ = message;
   stream_.text(text);
-  stream_.async_write(asio::buffer(*under_way_), [self = shared_from_this()](beast::error_code error, std::size_t) {
-    self->writing_ = false;
-    self->under_way_ = nullptr;
-    if (error) return;
-    self->serving_.counts.add(Count::messages);
-    self->serving_.update_wanted();
-    self->send_next();
-  });
+  stream_.async_write(asio::buffer(*under_way_),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        self->writing_ = false;
+                        self->under_way_ = nullptr;
+                        if (error) return;
+                        self->serving_.counts.add(Count::messages);
+                        self->serving_.update_wanted();
+                        self->send_next();
+                      });
 }
 
 void LiveSession::refuse(std::string_view why) {

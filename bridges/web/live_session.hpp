@@ -5,8 +5,8 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_static_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http/message.hpp>
 #include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <memory>
@@ -17,7 +17,8 @@
 
 namespace slipd::web {
 
-// What a page may send: "ready" (it took the last estimates), "drawn" (the last picture), "look NAME", "look".
+// What a page may send: "ready" (it took the last estimates), "drawn" (the last picture), "look NAME",
+// "look".
 enum class Word : std::uint8_t { ready, drawn, look, unknown };
 struct Said {
   Word word = Word::unknown;

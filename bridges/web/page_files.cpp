@@ -30,24 +30,23 @@ constexpr std::string_view kCss = "text/css; charset=utf-8", kHtml = "text/html;
 }  // namespace
 
 std::span<const PageFile> page_files() {
-  static const std::array kFiles{
-      PageFile{"app.js", kScript, web_app_js},
-      PageFile{"card.js", kScript, web_card_js},
-      PageFile{"dial.js", kScript, web_dial_js},
-      PageFile{"dom.js", kScript, web_dom_js},
-      PageFile{"history.js", kScript, web_history_js},
-      PageFile{"icon.svg", kSvg, web_icon_svg},
-      PageFile{"index.html", kHtml, web_index_html},
-      PageFile{"link.js", kScript, web_link_js},
-      PageFile{"live.js", kScript, web_live_js},
-      PageFile{"map.js", kScript, web_map_js},
-      PageFile{"method.js", kScript, web_method_js},
-      PageFile{"picture.js", kScript, web_picture_js},
-      PageFile{"plot.js", kScript, web_plot_js},
-      PageFile{"recording.js", kScript, web_recording_js},
-      PageFile{"recordings.js", kScript, web_recordings_js},
-      PageFile{"style.css", kCss, web_style_css},
-      PageFile{"words.js", kScript, web_words_js}};
+  static const std::array kFiles{PageFile{"app.js", kScript, web_app_js},
+                                 PageFile{"card.js", kScript, web_card_js},
+                                 PageFile{"dial.js", kScript, web_dial_js},
+                                 PageFile{"dom.js", kScript, web_dom_js},
+                                 PageFile{"history.js", kScript, web_history_js},
+                                 PageFile{"icon.svg", kSvg, web_icon_svg},
+                                 PageFile{"index.html", kHtml, web_index_html},
+                                 PageFile{"link.js", kScript, web_link_js},
+                                 PageFile{"live.js", kScript, web_live_js},
+                                 PageFile{"map.js", kScript, web_map_js},
+                                 PageFile{"method.js", kScript, web_method_js},
+                                 PageFile{"picture.js", kScript, web_picture_js},
+                                 PageFile{"plot.js", kScript, web_plot_js},
+                                 PageFile{"recording.js", kScript, web_recording_js},
+                                 PageFile{"recordings.js", kScript, web_recordings_js},
+                                 PageFile{"style.css", kCss, web_style_css},
+                                 PageFile{"words.js", kScript, web_words_js}};
   return kFiles;
 }
 

@@ -24,7 +24,8 @@ std::vector<float> floats_in(const Json& text) {
   using namespace boost::archive::iterators;
   using Bytes = transform_width<binary_from_base64<const char*>, 8, 6>;
   const auto& digits = text.get_ref<const std::string&>();
-  const std::size_t length = digits.size() - static_cast<std::size_t>(std::count(digits.begin(), digits.end(), '='));
+  const std::size_t length =
+      digits.size() - static_cast<std::size_t>(std::count(digits.begin(), digits.end(), '='));
   constexpr std::size_t kGroupDigits = 4, kGroupBytes = 3;
   const std::size_t bytes = length * kGroupBytes / kGroupDigits;
   if (digits.size() % kGroupDigits != 0 || digits.size() - length > 2 || bytes % sizeof(float) != 0)
@@ -91,8 +92,8 @@ std::string layout_picture(const std::string& sensor, std::string_view answer) {
   const Json frame = Json::parse(answer);
   const auto x = frame.at("x_mm").get<std::vector<float>>(), y = frame.at("y_mm").get<std::vector<float>>();
   if (x.size() != y.size()) throw std::runtime_error("slipd's frame has places of different numbers");
-  std::string message = with_head({{"kind", "layout"}, {"sensor", sensor}, {"taxels", x.size()}},
-                                  2 * x.size() * sizeof(float));
+  std::string message =
+      with_head({{"kind", "layout"}, {"sensor", sensor}, {"taxels", x.size()}}, 2 * x.size() * sizeof(float));
   for (const auto* axis : {&x, &y})
     message.append(reinterpret_cast<const char*>(axis->data()), axis->size() * sizeof(float));
   return message;

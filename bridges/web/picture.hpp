@@ -1,9 +1,12 @@
-// Frames as pictures for a canvas: a byte for each value, a quarter of what slipd's own numbers take. Messages of the
-// WebSocket are bytes: the head's length (uint32, little-endian), the head in JSON, the values. Any thread.
+// Frames as pictures for a canvas: a byte for each value, a quarter of what slipd's own numbers take.
+// Messages of the WebSocket are bytes: the head's length (uint32, little-endian), the head in JSON, the
+// values. Any thread.
 //
 //   {"kind":"layout","sensor","taxels"}: x and y of each taxel, mm, as float32, little-endian
-//   {"kind":"frame","sensor","taxels","seq","peak_pa","peak_shear_pa"}: of each taxel the pressure as a share of
-//     peak_pa in 255ths (uint8; below 0 is 0), then shear x, then y, as shares of peak_shear_pa in 127ths (int8)
+//   {"kind":"frame","sensor","taxels","seq","peak_pa","peak_shear_pa"}: of each taxel the pressure as a share
+//   of
+//     peak_pa in 255ths (uint8; below 0 is 0), then shear x, then y, as shares of peak_shear_pa in 127ths
+//     (int8)
 #pragma once
 
 #include <string>

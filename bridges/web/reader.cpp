@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -23,10 +23,10 @@ namespace {
 using Json = nlohmann::json;
 using namespace std::chrono_literals;
 
-constexpr double kAnswerS = 0.4;            // slipd may take this long; the page says that it is silent after 0.8 s
-constexpr double kOldAge = 1e6;             // s: the subscription is for its events, ages are judged elsewhere
-constexpr auto kStatusPeriod = 1s;          // the status has no events
-constexpr auto kLayoutPeriod = 5s;          // a reload may have changed where taxels are
+constexpr double kAnswerS = 0.4;    // slipd may take this long; the page says that it is silent after 0.8 s
+constexpr double kOldAge = 1e6;     // s: the subscription is for its events, ages are judged elsewhere
+constexpr auto kStatusPeriod = 1s;  // the status has no events
+constexpr auto kLayoutPeriod = 5s;  // a reload may have changed where taxels are
 constexpr int kEvents = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
 
 slipd_client* opened(const std::string& socket) {
@@ -65,7 +65,8 @@ class Reader::Bell {
 Reader::Reader(bridges::Loop& loop, Settings settings)
     : loop_(loop),
       settings_(std::move(settings)),
-      period_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.max_rate_hz))),
+      period_(std::chrono::duration_cast<Clock::duration>(
+          std::chrono::duration<double>(1 / settings_.max_rate_hz))),
       requests_(opened(settings_.slipd_socket)),
       bell_(std::make_unique<Bell>()),
       estimates_(loop, [this] { send_live(); }),
@@ -90,14 +91,16 @@ void Reader::wanted_changed() {
 
 void Reader::begin() {
   events_.reset(opened(settings_.slipd_socket));
-  event_ = bridges::Loop::Watch(loop_, slipd_fd(events_.get()), EPOLLIN, [this](std::uint32_t) { take_events(); });
+  event_ =
+      bridges::Loop::Watch(loop_, slipd_fd(events_.get()), EPOLLIN, [this](std::uint32_t) { take_events(); });
   status_.start(0s);
   send_live();
 }
 
 // Until slipd has taken it. From then on libslipd renews it.
 void Reader::subscribe() {
-  subscribed_ = slipd_subscribe(events_.get(), nullptr, settings_.max_rate_hz, kEvents, kAnswerS) == SLIPD_DONE;
+  subscribed_ =
+      slipd_subscribe(events_.get(), nullptr, settings_.max_rate_hz, kEvents, kAnswerS) == SLIPD_DONE;
   if (subscribed_) take_events();  // one read may have brought estimates behind the answer
 }
 
@@ -134,7 +137,8 @@ void Reader::send_live() {
     away_.clear();
     if (!subscribed_) subscribe();
   } catch (const std::exception& error) {
-    if (away_.empty()) bridges::log(bridges::LogLevel::warning, std::string("slipd is not reached: ") + error.what());
+    if (away_.empty())
+      bridges::log(bridges::LogLevel::warning, std::string("slipd is not reached: ") + error.what());
     away_ = error.what();
     server_->publish_live(away_message(away_));
   }

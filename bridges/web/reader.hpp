@@ -1,10 +1,10 @@
-// Asks slipd for what browsers need, and only while there are browsers: estimates as they come, at most as often
-// as the settings say, pictures of the sensors that are looked at, the status once a second. In the main thread,
-// by libslipd.
+// Asks slipd for what browsers need, and only while there are browsers: estimates as they come, at most as
+// often as the settings say, pictures of the sensors that are looked at, the status once a second. In the
+// main thread, by libslipd.
 //
-// A subscription wakes it when there is something new; the estimates themselves come from `gamma`, which has the
-// grasps and all fields. The page hears something at least every kHeartbeat, so that it can tell silence from a
-// sensor at rest.
+// A subscription wakes it when there is something new; the estimates themselves come from `gamma`, which has
+// the grasps and all fields. The page hears something at least every kHeartbeat, so that it can tell silence
+// from a sensor at rest.
 #pragma once
 
 #include <slipd.h>
@@ -57,7 +57,7 @@ class Reader : public bridges::Service {
   };
   bridges::Loop& loop_;
   Settings settings_;
-  Clock::duration period_;                          // between two estimates, and two pictures of a sensor
+  Clock::duration period_;                         // between two estimates, and two pictures of a sensor
   std::unique_ptr<slipd_client, Close> requests_;  // what has an answer
   std::unique_ptr<slipd_client, Close> events_;    // the subscription, while there are browsers
   std::unique_ptr<Bell> bell_;
@@ -66,9 +66,9 @@ class Reader : public bridges::Service {
   Clock::time_point sent_{}, pictured_{};
   Wanted wanted_;
   bool subscribed_ = false;
-  std::string away_;                                    // why slipd is not reached; empty: it is
+  std::string away_;                                   // why slipd is not reached; empty: it is
   std::map<std::string, Clock::time_point> laid_out_;  // when a sensor's layout was asked for
-  std::unique_ptr<Server> server_;                      // its thread uses bell_
+  std::unique_ptr<Server> server_;                     // its thread uses bell_
 };
 
 }  // namespace slipd::web

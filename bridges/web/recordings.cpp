@@ -33,7 +33,8 @@ bool look_at(const fs::path& path, Listed& out) {
 }  // namespace
 
 std::string recordings_json(const std::string& folder) {
-  if (folder.empty()) return R"({"trouble":"slipd-web has no folder of recordings (setting \"recordings\")."})";
+  if (folder.empty())
+    return R"({"trouble":"slipd-web has no folder of recordings (setting \"recordings\")."})";
   std::error_code error;
   std::vector<Listed> found;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {

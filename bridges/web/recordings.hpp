@@ -1,4 +1,5 @@
-// The recordings that slipd wrote, as the page lists and loads them. Called from the serving thread; waits for the disk.
+// The recordings that slipd wrote, as the page lists and loads them. Called from the serving thread; waits
+// for the disk.
 #pragma once
 
 #include <cstdint>

@@ -13,9 +13,8 @@ constexpr std::string_view kBearer = "Bearer ";
 constexpr std::size_t kLongestTarget = 512;
 
 bool same_letters(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 int hex_digit(char c) {
@@ -137,7 +136,8 @@ std::string_view text_of(Refusal refusal) noexcept {
       "",
       "This is not the page of that name. The setting \"hosts\" of slipd-web lists further names.",
       "Pages of other sites may not ask.",
-      "A token is needed: open this address with ?token=TOKEN once. The file of slipd-web's setting token_file has it.",
+      "A token is needed: open this address with ?token=TOKEN once. The file of slipd-web's setting "
+      "token_file has it.",
       "This page is read-only: GET and HEAD only.",
       "/live is a WebSocket, and nothing else is.",
       "There is nothing by this name."};

@@ -57,7 +57,8 @@ enum class Refusal : std::uint8_t { none, host, origin, token, method, upgrade, 
 // Names and token of this page.
 class RequestRules {
  public:
-  // `hosts`: what Host may be, with the port unless it is that of the scheme. `token`: empty: none is asked for.
+  // `hosts`: what Host may be, with the port unless it is that of the scheme. `token`: empty: none is asked
+  // for.
   RequestRules(std::vector<std::string> hosts, std::string token);
   // Whether a request to `route` may be answered.
   Refusal judge(const RequestHead& head, const Route& route) const;

@@ -108,8 +108,9 @@ Server::Server(const Settings& settings, std::function<void()> changed)
       settings.token_file.empty() ? std::string{} : read_token(settings.token_file));
   state.serving.hello = shared(hello_message(slipd_version(), settings.max_age_ms));
   const bool six = at.address().is_v6();
-  bridges::log(bridges::LogLevel::notice, "serves http://" + (six ? "[" + settings.address + "]" : settings.address) +
-                                              ":" + std::to_string(at.port()) + "/");
+  bridges::log(bridges::LogLevel::notice, "serves http://" +
+                                              (six ? "[" + settings.address + "]" : settings.address) + ":" +
+                                              std::to_string(at.port()) + "/");
   state.accept();
   state.thread = std::thread([&state] { state.serving.io.run(); });
 }

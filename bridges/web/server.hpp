@@ -1,6 +1,6 @@
-// The HTTP and WebSocket server: a thread of its own with Boost.Asio's loop. libslipd's requests wait for their
-// answers, so they are in the main thread (Reader), and nothing that browsers do waits for slipd, nor slipd's
-// answers for a browser.
+// The HTTP and WebSocket server: a thread of its own with Boost.Asio's loop. libslipd's requests wait for
+// their answers, so they are in the main thread (Reader), and nothing that browsers do waits for slipd, nor
+// slipd's answers for a browser.
 //
 // The functions below are called from the main thread. They hand text over to the serving thread.
 #pragma once

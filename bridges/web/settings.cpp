@@ -34,14 +34,16 @@ std::vector<Problem> further_problems(const nlohmann::json& json) {
   const auto parsed = boost::asio::ip::make_address(address.get<std::string>(), error);
   if (error) return {problem_of("/listen/address", address, "is no IP address; write one such as 127.0.0.1")};
   if (!parsed.is_loopback() && json.at("token_file").get<std::string>().empty())
-    return {problem_of("/listen/address", address,
-                       "others could look on: set token_file, or listen on 127.0.0.1 behind a reverse proxy")};
+    return {
+        problem_of("/listen/address", address,
+                   "others could look on: set token_file, or listen on 127.0.0.1 behind a reverse proxy")};
   return {};
 }
 
 std::string read_token(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error(file + ": cannot be read; token_file names a file that slipd-web may read");
+  if (!in)
+    throw std::runtime_error(file + ": cannot be read; token_file names a file that slipd-web may read");
   std::string token;
   std::getline(in, token);
   if (!token.empty() && token.back() == '\r') token.pop_back();
@@ -49,8 +51,9 @@ std::string read_token(const std::string& file) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';
   });
   if (!plain || token.size() < kShortestToken || token.size() > kLongestToken)
-    throw std::runtime_error(file + ": the first line must be the token, 16 to 256 letters, digits, - and _; "
-                                    "make one: openssl rand -hex 24");
+    throw std::runtime_error(file +
+                             ": the first line must be the token, 16 to 256 letters, digits, - and _; "
+                             "make one: openssl rand -hex 24");
   return token;
 }
 

@@ -1,5 +1,6 @@
-// Any bytes from browsers: slipd-web's connections on a real socket. The first byte says whether the rest is HTTP, or, after a
-// handshake, frames of a WebSocket, and into how many pieces it is cut. Every connection ends, and every answer begins as one of HTTP.
+// Any bytes from browsers: slipd-web's connections on a real socket. The first byte says whether the rest is
+// HTTP, or, after a handshake, frames of a WebSocket, and into how many pieces it is cut. Every connection
+// ends, and every answer begins as one of HTTP.
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -21,7 +22,8 @@ using fuzz::demand;
 using Tcp = boost::asio::ip::tcp;
 
 constexpr std::string_view kHandshake =
-    "GET /live HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+    "GET /live HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: "
+    "13\r\n"
     "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n";
 
 // One for all inputs: what one leaves behind, a later one would find.
@@ -57,7 +59,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t pieces = 1 + (data[0] >> 1) % 4, piece = std::max<std::size_t>(1, text.size() / pieces);
   boost::system::error_code error;
   for (std::size_t at = 0; at < text.size() && !error; at += piece) {
-    boost::asio::write(client, boost::asio::buffer(text.data() + at, std::min(piece, text.size() - at)), error);
+    boost::asio::write(client, boost::asio::buffer(text.data() + at, std::min(piece, text.size() - at)),
+                       error);
     world.serving.io.restart();
     world.serving.io.poll();
     answer_method(world.serving);
@@ -74,7 +77,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     heard.append(buffer, got);
     if (error && error != boost::asio::error::would_block) client.close(error);
   }
-  demand(world.serving.connections == 0 && world.serving.live.empty() && world.serving.waiting_for_method.empty());
+  demand(world.serving.connections == 0 && world.serving.live.empty() &&
+         world.serving.waiting_for_method.empty());
   demand(heard.empty() || heard.starts_with("HTTP/1.1 "));
   demand(heard.find("Access-Control-Allow") == heard.npos);
   return 0;

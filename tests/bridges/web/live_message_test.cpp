@@ -12,9 +12,9 @@ using Json = nlohmann::json;
 constexpr double kMaxAgeMs = 100;
 
 Json sensor(const char* name, const Json& age_ms, const char* state = "ok") {
-  return {{"sensor", name},   {"state", state},          {"gamma", 0.5},  {"sigma", 0.01},     {"gamma_low", 0.4},
-          {"class", 3},       {"grip_increase_n", 0.1},  {"alert", "warn"}, {"alert_cause", "margin"},
-          {"age_ms", age_ms}, {"simulated", true},       {"sliding", "none"}};
+  return {{"sensor", name},          {"state", state},   {"gamma", 0.5},           {"sigma", 0.01},
+          {"gamma_low", 0.4},        {"class", 3},       {"grip_increase_n", 0.1}, {"alert", "warn"},
+          {"alert_cause", "margin"}, {"age_ms", age_ms}, {"simulated", true},      {"sliding", "none"}};
 }
 
 Json message_of(const Json& sensors, const Json& grasps = Json::array()) {
@@ -48,7 +48,8 @@ TEST(LiveMessage, HasNoMarginOutsideStateOk) {
 
 TEST(LiveMessage, AGraspIsAsOldAsItsOldestSensor) {
   const auto grasp = [](const Json& members) {
-    return Json{{"grasp", "g"}, {"sensors", members}, {"state", "ok"}, {"gamma", 0.3}, {"alert", "none"}, {"first", {{"sensor", "a"}, {"gamma", 0.2}}}};
+    return Json{{"grasp", "g"}, {"sensors", members}, {"state", "ok"},
+                {"gamma", 0.3}, {"alert", "none"},    {"first", {{"sensor", "a"}, {"gamma", 0.2}}}};
   };
   const Json sensors = Json::array({sensor("a", 5), sensor("b", 500), sensor("c", 20)});
   Json of = message_of(sensors, Json::array({grasp(Json::array({"a", "c"}))})).at("grasps").at(0);

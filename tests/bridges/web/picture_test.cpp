@@ -22,8 +22,14 @@ std::string base64(const std::vector<float>& values) {
   return text;
 }
 
-std::string answer(const std::vector<float>& normal, const std::vector<float>& x, const std::vector<float>& y) {
-  return Json{{"seq", 7}, {"time_ns", 1}, {"normal_pa", base64(normal)}, {"shear_x_pa", base64(x)}, {"shear_y_pa", base64(y)}}.dump();
+std::string answer(const std::vector<float>& normal, const std::vector<float>& x,
+                   const std::vector<float>& y) {
+  return Json{{"seq", 7},
+              {"time_ns", 1},
+              {"normal_pa", base64(normal)},
+              {"shear_x_pa", base64(x)},
+              {"shear_y_pa", base64(y)}}
+      .dump();
 }
 
 struct Read {
@@ -66,8 +72,11 @@ TEST(Picture, OfValuesThatAreNoNumbersHasZeros) {
 }
 
 TEST(Picture, RefusesWhatIsNoFrame) {
-  for (const char* text : {"", "{}", R"({"seq":1,"normal_pa":[1],"shear_x_pa":"","shear_y_pa":""})", R"({"seq":1,"normal_pa":"AAA=","shear_x_pa":"","shear_y_pa":""})",
-                           R"({"seq":1,"normal_pa":"AAAAAA==","shear_x_pa":"","shear_y_pa":""})", R"({"seq":1,"normal_pa":"!!!!!!==","shear_x_pa":"AAAAAA==","shear_y_pa":"AAAAAA=="})"})
+  for (const char* text :
+       {"", "{}", R"({"seq":1,"normal_pa":[1],"shear_x_pa":"","shear_y_pa":""})",
+        R"({"seq":1,"normal_pa":"AAA=","shear_x_pa":"","shear_y_pa":""})",
+        R"({"seq":1,"normal_pa":"AAAAAA==","shear_x_pa":"","shear_y_pa":""})",
+        R"({"seq":1,"normal_pa":"!!!!!!==","shear_x_pa":"AAAAAA==","shear_y_pa":"AAAAAA=="})"})
     EXPECT_ANY_THROW(frame_picture("left", text)) << text;
 }
 

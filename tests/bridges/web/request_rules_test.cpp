@@ -34,9 +34,10 @@ TEST(Routes, LeadToEachPart) {
 }
 
 TEST(Routes, NeverLeadOutOfAFolder) {
-  for (const char* target : {"", "x", "*", "http://x/", "/..", "/a/b", "/recordings/", "/recordings/../a", "/recordings/..%2fa",
-                             "/recordings/%2e%2e", "/recordings/.a", "/recordings/a%5cb", "/recordings/a%00", "/recordings/a%",
-                             "/recordings/a%4", "/recordings/a%zz", "/a\x7f"})
+  for (const char* target :
+       {"", "x", "*", "http://x/", "/..", "/a/b", "/recordings/", "/recordings/../a", "/recordings/..%2fa",
+        "/recordings/%2e%2e", "/recordings/.a", "/recordings/a%5cb", "/recordings/a%00", "/recordings/a%",
+        "/recordings/a%4", "/recordings/a%zz", "/a\x7f"})
     EXPECT_EQ(route_of(target).part, Part::nothing) << target;
   EXPECT_EQ(route_of("/" + std::string(600, 'a')).part, Part::nothing);
 }
@@ -44,7 +45,8 @@ TEST(Routes, NeverLeadOutOfAFolder) {
 TEST(Rules, ServeOwnNamesOnly) {
   for (const char* own : {"127.0.0.1:8077", "localhost:8077", "LocalHost:8077", "gripper.example"})
     EXPECT_EQ(judged(rules(), asks("/", own)), Refusal::none) << own;
-  for (const char* other : {"", "127.0.0.1", "127.0.0.1:80", "evil.example", "gripper.example.evil", "127.0.0.1:8077 "})
+  for (const char* other :
+       {"", "127.0.0.1", "127.0.0.1:80", "evil.example", "gripper.example.evil", "127.0.0.1:8077 "})
     EXPECT_EQ(judged(rules(), asks("/", other)), Refusal::host) << other;
 }
 
@@ -56,7 +58,8 @@ TEST(Rules, RefusePagesOfOtherSites) {
     head.origin = own;
     EXPECT_EQ(judged(rules(), head), Refusal::none) << own;
   }
-  for (const char* other : {"", "null", "http://evil.example", "http://127.0.0.1:80", "ws://127.0.0.1:8077", "127.0.0.1:8077"}) {
+  for (const char* other :
+       {"", "null", "http://evil.example", "http://127.0.0.1:80", "ws://127.0.0.1:8077", "127.0.0.1:8077"}) {
     head.origin = other;
     EXPECT_EQ(judged(rules(), head), Refusal::origin) << other;
   }
@@ -79,7 +82,8 @@ TEST(Rules, OnlyTheWebSocketIsUpgraded) {
 
 TEST(Rules, AskForTheTokenOfEverything) {
   const RequestRules closed = rules("0123456789abcdef");
-  for (const char* target : {"/", "/live", "/api/counts", "/nothing/at/all", "/?token=0123456789abcdeF", "/?token="})
+  for (const char* target :
+       {"/", "/live", "/api/counts", "/nothing/at/all", "/?token=0123456789abcdeF", "/?token="})
     EXPECT_EQ(judged(closed, asks(target)), Refusal::token) << target;
   EXPECT_EQ(judged(closed, asks("/?token=0123456789abcdef")), Refusal::none);
   for (const char* cookie : {"slipd-token=0123456789abcdef", "a=b; slipd-token=0123456789abcdef; c=d"}) {
@@ -87,7 +91,8 @@ TEST(Rules, AskForTheTokenOfEverything) {
     head.cookie = cookie;
     EXPECT_EQ(judged(closed, head), Refusal::none) << cookie;
   }
-  for (const char* cookie : {"slipd-token=0123456789abcde", "slipd-token=0123456789abcdef0", "x-slipd-token=0123456789abcdef", ";;;", "slipd-token"}) {
+  for (const char* cookie : {"slipd-token=0123456789abcde", "slipd-token=0123456789abcdef0",
+                             "x-slipd-token=0123456789abcdef", ";;;", "slipd-token"}) {
     RequestHead head = asks("/");
     head.cookie = cookie;
     EXPECT_EQ(judged(closed, head), Refusal::token) << cookie;

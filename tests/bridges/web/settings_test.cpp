@@ -30,7 +30,8 @@ std::string problem_in(const std::string& text) {
 }
 
 TEST(WebSettings, TheExampleHasTheDefaults) {
-  const auto example = bridges::load_settings(SLIPD_SOURCE_DIR "/bridges/web/web.json", slipd_web_schema, further_problems);
+  const auto example =
+      bridges::load_settings(SLIPD_SOURCE_DIR "/bridges/web/web.json", slipd_web_schema, further_problems);
   EXPECT_EQ(example, parsed("{}"));
   const Settings settings = settings_from(example);
   EXPECT_EQ(settings.address, "127.0.0.1");
