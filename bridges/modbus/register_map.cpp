@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string_view>
 
 namespace slipd::modbus {
 namespace {
@@ -122,12 +123,12 @@ void write_all(std::span<const Register<Source>> table, const Source& source, st
                 out.subspan(static_cast<std::size_t>(each.offset)));
 }
 
-const char* name_of(RegisterType type) {
-  static constexpr std::array<const char*, 3> kNames{"u16", "s16", "u32"};
+std::string_view name_of(RegisterType type) {
+  static constexpr std::array<std::string_view, 3> kNames{"u16", "s16", "u32"};
   return kNames[static_cast<std::size_t>(type)];
 }
-const char* sentinel_of(RegisterType type) {
-  static constexpr std::array<const char*, 3> kSentinels{"0xFFFF", "0x8000", "0xFFFFFFFF"};
+std::string_view sentinel_of(RegisterType type) {
+  static constexpr std::array<std::string_view, 3> kSentinels{"0xFFFF", "0x8000", "0xFFFFFFFF"};
   return kSentinels[static_cast<std::size_t>(type)];
 }
 

@@ -122,7 +122,7 @@ void Ros2Bridge::add_subject(const std::string& name, const std::string& hardwar
   subject.last.name = name;
   subject.last.header.frame_id = settings_.at("frames").value(name, name);
   subject.hardware = hardware;
-  const auto open = [&]<class T>(std::optional<Output<T>>& output, const char* topic) {
+  const auto open = [&](auto& output, const char* topic) {
     const TopicOptions options = topic_options(topic);
     if (options.publish) output.emplace(node_, recorder_, topic_of(prefix, name, topic), options);
   };

@@ -61,11 +61,9 @@ void TaxelLane::run(const std::stop_token& stop) {
   const std::unique_ptr<slipd_client, CloseClient> client(made);
   const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz_));
   auto due = std::chrono::steady_clock::now();
-  std::mutex mutex;
-  std::condition_variable_any stopped;
-  std::unique_lock lock(mutex);
+  std::unique_lock lock(mutex_);
   PointCloud2 cloud;
-  while (!stopped.wait_until(lock, stop, due, [&] { return stop.stop_requested(); }) &&
+  while (!stopped_.wait_until(lock, stop, due, [&] { return stop.stop_requested(); }) &&
          !stop.stop_requested()) {
     for (TaxelSource& source : sources_) {
       char* answer = nullptr;

@@ -3,7 +3,9 @@
 // late.
 #pragma once
 
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -29,6 +31,8 @@ class TaxelLane {
   std::string socket_;
   double rate_hz_;
   std::vector<TaxelSource> sources_;
+  std::mutex mutex_;  // of stopped_ only, which ends a pause early
+  std::condition_variable_any stopped_;
   std::jthread thread_;
 };
 

@@ -135,6 +135,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return answer_text(http::status::service_unavailable, "text/plain", "Too many live pages are open.\n",
                          true);
     }
+    // cppcheck-suppress accessMoved ; nothing is read from this session afterwards
     std::make_shared<LiveSession>(serving_, std::move(stream_))->run(parser_->release());
   }
 

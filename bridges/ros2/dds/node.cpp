@@ -71,10 +71,11 @@ Gid<BYTES> gid_of(dds_entity_t entity) {
 
 }  // namespace
 
-Node::Node(const NodeOptions& options) : options_(options) {
-  domain_ =
-      made(dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
-           "see `network` in the settings: the interfaces must exist, and have multicast if that is on");
+Node::Node(const NodeOptions& options)
+    : options_(options),
+      domain_(made(
+          dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
+          "see `network` in the settings: the interfaces must exist, and have multicast if that is on")) {
   try {
     const Qos qos = make_qos();
     // ROS 2 counts a participant with an enclave among its own.
