@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <set>
 #include <thread>
 
@@ -87,6 +88,35 @@ TEST_F(Socket, AFrameHasAColumnForEveryTaxel) {
     EXPECT_EQ(frame[column].size(), 400U) << column;
   }
   EXPECT_NEAR(frame["x_mm"][0].get<double>(), -9.5 * 0.72, 1e-9);
+}
+
+// RFC 4648, section 4.
+std::vector<float> floats_of_base64(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned bits = 0;
+  int held = 0;
+  for (const char digit : text.substr(0, text.find('='))) {
+    bits = (bits << 6) | static_cast<unsigned>(digits.find(digit));
+    held += 6;
+    if (held >= 8) bytes.push_back(static_cast<char>(bits >> (held -= 8)));
+  }
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+TEST_F(Socket, AFrameInBase64IsTheFrameInDigits) {
+  auto client = daemon_.client();
+  json digits, base64;
+  do {  // frames go on between two requests
+    digits = client.result("frame", {{"sensor", "left"}});
+    base64 = client.result("frame", {{"sensor", "left"}, {"encoding", "base64"}});
+  } while (digits["seq"] != base64["seq"]);
+  for (const char* column : {"normal_pa", "shear_x_pa", "shear_y_pa"})
+    EXPECT_EQ(floats_of_base64(base64[column]), digits[column].get<std::vector<float>>()) << column;
+  EXPECT_FALSE(base64.contains("x_mm"));
+  EXPECT_EQ(client.call("frame", {{"sensor", "left"}, {"encoding", "hex"}})["error"]["code"], -32602);
 }
 
 TEST_F(Socket, WrongRequestsGetTheStandardsCodes) {
