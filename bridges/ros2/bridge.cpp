@@ -114,8 +114,10 @@ void Ros2Bridge::add_subject(const std::string& name, const std::string& hardwar
   const std::string margin = topic_of(prefix, name, "margin");
   for (const auto& [other, subject] : subjects_) {
     if (topic_of(prefix, other, "margin") != margin) continue;
-    bridges::log(bridges::LogLevel::error,
-                 name + " has no topics: in ROS its name is that of " + other + "; rename one of them");
+    bridges::log(bridges::LogLevel::error, std::string(name)
+                                               .append(" has no topics: in ROS its name is that of ")
+                                               .append(other)
+                                               .append("; rename one of them"));
     return;
   }
   Subject& subject = subjects_[name];

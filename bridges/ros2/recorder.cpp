@@ -18,7 +18,7 @@ std::string free_name(const std::string& file) {
   const std::string stem = path.stem();
   const std::string extension = path.extension();
   for (int i = 2; i < kMostFiles && std::filesystem::exists(path); ++i)
-    path.replace_filename(stem + "-" + std::to_string(i) + extension);
+    path.replace_filename(std::string(stem).append("-").append(std::to_string(i)).append(extension));
   return path;
 }
 
