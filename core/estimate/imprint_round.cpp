@@ -20,8 +20,8 @@ enum Function : std::uint8_t {
   m_nr,
   m_rr,
   m_tt,
-  kSloped,  // functions whose derivatives by r are needed
-  size_o_nn = kSloped,
+  sloped,  // functions whose derivatives by r are needed
+  size_o_nn = sloped,
   size_o_nr,
   size_m_nr,
   size_m_rr,
@@ -29,7 +29,7 @@ enum Function : std::uint8_t {
   k_nr,
   k_rr,
   k_tt,
-  kUsed
+  used
 };
 constexpr bool is_odd(std::size_t function) noexcept {
   return function == o_nr || function == m_nr || function == size_o_nr || function == size_m_nr ||
@@ -49,7 +49,7 @@ constexpr double kExactSides = 0.7, kRoughSides = 1.4;
 
 struct Filling {
   const Sheet* sheet;
-  double* functions;  // kUsed lists of `stride` nodes; the first kGhosts are at negative r
+  double* functions;  // `used` lists of `stride` nodes; the first kGhosts are at negative r
   double* table;
   std::size_t stride, nodes;
   double wide_m, narrow_m, k;
@@ -110,7 +110,7 @@ struct Summing {
 // Slopes by central differences of the fourth order, over one step.
 [[gnu::always_inline]] inline void fill_table(const Filling& by) noexcept {
   constexpr std::size_t kGhosts = RoundImprint::kGhosts;
-  for (std::size_t f = 0; f < kUsed; ++f) {
+  for (std::size_t f = 0; f < Function::used; ++f) {
     double* const list = by.functions + f * by.stride;
     const double sign = is_odd(f) ? -1 : 1;
     for (std::size_t j = 1; j <= kGhosts; ++j) list[kGhosts - j] = sign * list[kGhosts + j];
@@ -223,7 +223,7 @@ struct Polar {
 [[gnu::always_inline]] inline void sum_block(const Summing& by, std::size_t first, std::size_t count,
                                              Block& block, RoundImprint::Products& products) noexcept {
   const RoundTask& task = *by.task;
-  std::fill_n(&block.column[0][0][0], RoundImprint::kUnknowns * 3 * kBlock, 0.0);
+  std::fill_n(&block.column[0][0][0], std::size_t{RoundImprint::kUnknowns} * 3 * kBlock, 0.0);
   std::fill_n(&block.left[0][0], 3 * kBlock, 0.0);
   const auto parts = static_cast<double>(by.parts), weight = 1 / (parts * parts);
   for (std::size_t i = 0; i < by.parts; ++i) {
@@ -315,7 +315,7 @@ RoundImprint::RoundImprint(double side_m, double depth_m)
   if (!(depth_m > 0)) return;  // never used
   u_.resize(kPoints * kMostNodes);
   v_.resize(kPoints * kMostNodes);
-  functions_.resize(kUsed * (kMostNodes + kGhosts));
+  functions_.resize(Function::used * (kMostNodes + kGhosts));
   table_.resize(kPerNode * kMostNodes);
   best_kernels<RoundKernels>();  // not first within a fit
 }

@@ -139,7 +139,8 @@ void McapWriter::append_indexes(std::uint64_t chunk_at, std::uint64_t chunk_byte
                                 std::size_t compressed_bytes) {
   const std::uint64_t indexes_at = written_;
   std::vector<std::pair<std::uint16_t, std::uint64_t>> offsets;
-  for (auto& [channel, entries] : chunk_messages_) {
+  for (auto& [channel, messages] : chunk_messages_) {
+    auto& entries = messages;  // C++20 lets no lambda capture a structured binding by reference in clang 14
     std::stable_sort(entries.begin(), entries.end(),
                      [](const IndexEntry& a, const IndexEntry& b) { return a.time_ns < b.time_ns; });
     offsets.emplace_back(channel, written_);
