@@ -27,9 +27,9 @@ CYCLE = [
 
 def two_fingers(folder, **more):
     """A configuration of slipd: two simulated fingers of one grasp with torque."""
-    sensor = lambda name, seed: {"name": name, "driver": "sim", "options": {"seed": seed, "lever_mm": 3, "cycle": CYCLE, "noise": 0.01, "noise_kind": "relative"}}
+    sensor = lambda name, seed: {"name": name, "driver": "sim", "rate_hz": 200, "stale_after_ms": 1000, "layout": {"grid": [32, 32], "pitch_mm": 0.45}, "options": {"seed": seed, "lever_mm": 3, "cycle": CYCLE, "noise": 0.01, "noise_kind": "relative"}}
     return {"sensors": [sensor("left", 1), sensor("right", 2)], "grasps": [{"name": "gripper", "sensors": ["left", "right"]}],
-            "estimator": {"method": "moments"}, "socket": {"path": f"{folder}/slipd.sock"}, **more}
+            "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": f"{folder}/slipd.sock"}, **more}
 
 
 def awaited(what, found, patience=PATIENCE):
