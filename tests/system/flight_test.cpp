@@ -50,12 +50,14 @@ TEST(Flight, KeepsTheSecondsAroundARequest) {
   slot.shear_y_pa = std::span(memory).subspan(2 * taxels, taxels);
   std::size_t frames = 0;
   std::size_t ok_frames = 0, other_frames = 0;  // frames in state ok, and in any other state
+  std::size_t last_frames = 0;                  // after the last with an estimate
   std::optional<std::uint64_t> last;
   std::optional<RecordedEstimate> estimate;
   while (reader.next(slot, &estimate) == RecordingReader::Status::frame) {
     EXPECT_TRUE(!last || slot.sequence > *last);
     last = slot.sequence;
     ++frames;
+    last_frames = estimate ? 0 : last_frames + 1;
     if (estimate && estimate->state != 0) ++other_frames;
     if (!estimate || estimate->state != 0) continue;
     EXPECT_NEAR(estimate->gamma, 0.5, 0.1);
@@ -63,10 +65,11 @@ TEST(Flight, KeepsTheSecondsAroundARequest) {
   }
   EXPECT_TRUE(reader.fault().empty()) << reader.fault();
   EXPECT_LE(static_cast<double>(frames), 2 * kSeconds * kRateHz + 16);
-  // Each estimated frame has its estimate in the recording; each frame without an estimate was skipped.
+  // Each estimated frame has its estimate in the recording; each frame without an estimate was skipped. A
+  // recording may end before the estimates of its last frames have come.
   const json sensor = daemon.client().result("status")["sensors"][0];
   EXPECT_GT(ok_frames, 0U);
-  EXPECT_LE(frames, ok_frames + sensor["skipped"].get<std::uint64_t>() + other_frames);
+  EXPECT_LE(frames - last_frames, ok_frames + sensor["skipped"].get<std::uint64_t>() + other_frames);
 }
 
 TEST(Flight, KeepsWhatLedToASlip) {
