@@ -174,7 +174,7 @@ bool Broker::fine(int code) {
   return failure_.empty();
 }
 
-// The listener is told from the loop, when nothing of this object runs.
+// Calls listener_.lost later, from the loop: it may destroy this object.
 void Broker::lose(const std::string& why) {
   if (told_) return;
   told_ = true;

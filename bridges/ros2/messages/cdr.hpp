@@ -87,7 +87,7 @@ class CdrWriter {
   std::vector<std::uint8_t>& out_;
 };
 
-// The message with its header, in memory that may be used again.
+// Writes the message with its encapsulation header to `out`, whose memory is reused.
 template <Message T>
 void encode(const T& message, std::vector<std::uint8_t>& out) {
   CdrWriter(out).put(message);

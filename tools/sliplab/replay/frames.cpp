@@ -62,18 +62,6 @@ SensorSetup setup_of(const SensorSettings& sensor, const std::string& file) {
 }  // namespace
 
 struct FileFrames::Impl {
-  // A frame and its memory.
-  struct Slot {
-    explicit Slot(std::size_t taxels) : memory(3 * taxels) {
-      const std::span<float> all(memory);
-      slot.normal_pa = all.first(taxels);
-      slot.shear_x_pa = all.subspan(taxels, taxels);
-      slot.shear_y_pa = all.last(taxels);
-    }
-    std::vector<float> memory;
-    FrameSlot slot;
-  };
-
   Impl(const Settings& settings, const SensorSettings& sensor, const SensorSetup& setup)
       : list(setup, replay::parse_options(setup)),
         chain{.layout = setup.layout,
