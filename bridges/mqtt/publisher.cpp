@@ -1,11 +1,10 @@
 #include "bridges/mqtt/publisher.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "bridges/support/clock.hpp"
 #include "bridges/support/log.hpp"
 
 namespace slipd::mqtt {
@@ -13,6 +12,7 @@ namespace {
 
 using bridges::log;
 using bridges::LogLevel;
+using bridges::realtime_ns;
 using Clock = std::chrono::steady_clock;
 
 // A broker that has an alert for this long and does not acknowledge it is left.
@@ -24,13 +24,6 @@ constexpr std::chrono::milliseconds kLeavePatience{500};
 constexpr std::chrono::hours kSummaryWindow{1};
 // Times of alerts that are kept to count those of the last hour.
 constexpr std::size_t kMostAlertTimes = 100'000;
-
-std::int64_t realtime_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-  return std::int64_t{now.tv_sec} * kNsPerSecond + now.tv_nsec;
-}
 
 }  // namespace
 
