@@ -30,8 +30,8 @@ class ScaledInverse {
   }
 
  private:
-  using Vector = Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1, Eigen::ColMajor,
-                               Matrix::MaxRowsAtCompileTime, 1>;
+  using Vector =
+      Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime, 1>;
   Vector scale_;
   Eigen::LDLT<Matrix> decomposed_;
 };
