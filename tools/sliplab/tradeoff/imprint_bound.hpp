@@ -11,7 +11,7 @@ struct KnownImprint {
   // Its centre, m.
   double x_m = 0, y_m = 0;
   // The ellipse that it covers; 0 < a, b.
-  contact::Ellipse ellipse;
+  slipd::contact::Ellipse ellipse;
   // Q/P > 0, Gamma in (0, 1), and the direction of Q from x to y, rad.
   double load = 0, gamma = 0, pull_rad = 0;
 };
