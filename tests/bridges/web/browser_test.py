@@ -266,6 +266,8 @@ class Page(unittest.TestCase):
         self.script("location.hash = '#/method'")
         text = await_true(lambda: [each.text for each in self.all("main .card") if "moments" in each.text], "the sensor")[0]
         self.assertIn("second moments", text)
+        self.assertIn("The configuration names it", text)
+        self.assertNotIn("auto", text)
         self.no_errors()
 
     def test_pictures_at_all_sizes(self):
