@@ -6,7 +6,6 @@
 #include <netinet/tcp.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <array>
@@ -19,6 +18,7 @@
 #include <system_error>
 #include <utility>
 
+#include "bridges/support/clock.hpp"
 #include "bridges/support/log.hpp"
 
 namespace slipd::modbus {
@@ -38,12 +38,7 @@ constexpr std::chrono::milliseconds kAttachRetry{500};
 constexpr double kAttachTimeout = 0.5;  // s
 constexpr std::chrono::seconds kIdlePeriod{1};
 constexpr double kMillisecondsPerSecond = 1e3;
-
-std::int64_t monotonic_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
-}
+constexpr std::int64_t kNsPerMillisecond = 1'000'000;
 
 slipd_estimate nothing_known() {
   slipd_estimate none{};
@@ -217,7 +212,7 @@ void Server::refresh() {
   attach();
   const bool alive = attached_ && slipd_heartbeat_age(feed_.client()) < kAliveWithin;
   if (alive) {
-    alive_ms_ = monotonic_ms();
+    alive_ms_ = bridges::monotonic_ns() / kNsPerMillisecond;
   } else {
     attached_ = false;  // a slipd that was started again has another board
   }

@@ -1,11 +1,10 @@
 #include "bridges/mqtt/publisher.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "bridges/support/clock.hpp"
 #include "bridges/support/log.hpp"
 
 namespace slipd::mqtt {
@@ -13,6 +12,7 @@ namespace {
 
 using bridges::log;
 using bridges::LogLevel;
+using bridges::realtime_ns;
 using Clock = std::chrono::steady_clock;
 
 // A broker that has an alert for this long and does not acknowledge it is left.
@@ -28,17 +28,6 @@ constexpr std::chrono::seconds kSummaryAfterAlert{1};
 constexpr std::chrono::milliseconds kGraspPause{10};
 // How long slipd may take to answer. The loop stands still meanwhile.
 constexpr double kGraspTimeout = 1;  // s
-
-std::int64_t now_ns(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-  return std::int64_t{now.tv_sec} * kNsPerSecond + now.tv_nsec;
-}
-
-std::int64_t realtime_ns() {
-  return now_ns(CLOCK_REALTIME);
-}
 
 }  // namespace
 
@@ -132,7 +121,7 @@ void Publisher::ask_grasps() {
   // If it fails, the feed finds and says that slipd is away.
   if (slipd_call(feed_.client(), "gamma", nullptr, -1, kGraspTimeout, &text) != SLIPD_DONE) return;
   const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
-  for (const GraspEstimate& grasp : grasps_of(text, settings_.max_age_s, now_ns(CLOCK_MONOTONIC)))
+  for (const GraspEstimate& grasp : grasps_of(text, settings_.max_age_s, bridges::monotonic_ns()))
     take_grasp(grasp);
   want_grasp_estimates_ = false;
   send();

@@ -1,23 +1,14 @@
 #include "bridges/ros2/estimate_message.hpp"
 
-#include <ctime>
 #include <utility>
 
 #include "bridges/ros2/messages/sensor_messages.hpp"
+#include "bridges/support/clock.hpp"
 
 namespace slipd::ros2 {
-namespace {
-
-std::int64_t clock_now_ns(clockid_t clock) noexcept {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
-}
-
-}  // namespace
 
 Moment Moment::now() noexcept {
-  return {clock_now_ns(CLOCK_MONOTONIC), clock_now_ns(CLOCK_REALTIME)};
+  return {bridges::monotonic_ns(), bridges::realtime_ns()};
 }
 
 void fill_message(const slipd_estimate& from, const Moment& now, SlipEstimate& to) {

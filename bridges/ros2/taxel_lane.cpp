@@ -1,7 +1,5 @@
 #include "bridges/ros2/taxel_lane.hpp"
 
-#include <slipd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -43,22 +41,15 @@ void fill_from_answer(const char* answer, Header& header, PointCloud2& cloud) {
   fill_cloud(header, {x, y, normal, shear_x, shear_y}, cloud);
 }
 
-struct CloseClient {
-  void operator()(slipd_client* client) const noexcept { slipd_close(client); }
-};
-
 }  // namespace
 
-TaxelLane::TaxelLane(std::string socket, double rate_hz, std::vector<TaxelSource> sources)
-    : socket_(std::move(socket)),
+TaxelLane::TaxelLane(const std::string& socket, double rate_hz, std::vector<TaxelSource> sources)
+    : slipd_(socket),
       rate_hz_(rate_hz),
       sources_(std::move(sources)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void TaxelLane::run(const std::stop_token& stop) {
-  slipd_client* made = nullptr;
-  if (slipd_open(&made, socket_.c_str()) != SLIPD_DONE) return;
-  const std::unique_ptr<slipd_client, CloseClient> client(made);
   const auto period = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz_));
   auto due = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
@@ -68,7 +59,7 @@ void TaxelLane::run(const std::stop_token& stop) {
     for (TaxelSource& source : sources_) {
       char* answer = nullptr;
       // Without an answer there are no taxels; the loop's thread says that slipd is away.
-      if (slipd_frame(client.get(), source.sensor.c_str(), kAnswer, &answer) != SLIPD_DONE) continue;
+      if (slipd_frame(slipd_.get(), source.sensor.c_str(), kAnswer, &answer) != SLIPD_DONE) continue;
       const std::unique_ptr<char, void (*)(char*)> owned(answer, slipd_free);
       try {
         Header header;

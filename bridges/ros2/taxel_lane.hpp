@@ -3,6 +3,8 @@
 // late.
 #pragma once
 
+#include <slipd.hpp>
+
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -22,13 +24,14 @@ struct TaxelSource {
 
 class TaxelLane {
  public:
-  // Starts the thread: each source `rate_hz` times a second, above 0.
-  TaxelLane(std::string socket, double rate_hz, std::vector<TaxelSource> sources);
+  // Starts the thread: each source `rate_hz` times a second, above 0. slipd need not run. Throws
+  // std::bad_alloc.
+  TaxelLane(const std::string& socket, double rate_hz, std::vector<TaxelSource> sources);
 
  private:
   void run(const std::stop_token& stop);
 
-  std::string socket_;
+  client::Connection slipd_;  // the thread's
   double rate_hz_;
   std::vector<TaxelSource> sources_;
   std::mutex mutex_;  // of stopped_ only, which ends a pause early

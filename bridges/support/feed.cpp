@@ -3,7 +3,6 @@
 #include <sys/epoll.h>
 
 #include <algorithm>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -13,20 +12,14 @@ namespace {
 // Between two attempts while slipd is away.
 constexpr std::chrono::milliseconds kRetry{500};
 
-slipd_client* opened(const std::string& socket) {
-  slipd_client* client = nullptr;
-  if (slipd_open(&client, socket.c_str()) != SLIPD_DONE) throw std::bad_alloc();
-  return client;
-}
-
 }  // namespace
 
 Feed::Feed(Loop& loop, FeedOptions options, FeedListener listener)
     : options_(std::move(options)),
       listener_(std::move(listener)),
-      client_(opened(options_.socket)),
+      slipd_(options_.socket),
       timer_(loop, [this] { refresh(); }),
-      watch_(loop, slipd_fd(client_.get()), EPOLLIN, [this](std::uint32_t) { take_events(); }) {
+      watch_(loop, slipd_.fd(), EPOLLIN, [this](std::uint32_t) { take_events(); }) {
   timer_.start({});
 }
 
@@ -34,19 +27,25 @@ Feed::Feed(Loop& loop, FeedOptions options, FeedListener listener)
 // libslipd renews it.
 void Feed::refresh() {
   timer_.start(options_.refresh);
-  if (ask() && options_.events != 0 && !subscribed_) {
-    subscribed_ = slipd_subscribe(client_.get(), nullptr, options_.max_rate_hz, options_.events,
-                                  options_.answer_timeout_s) == SLIPD_DONE;
-    if (!subscribed_) lose(slipd_error_text(client_.get()));
-    take_events();  // one read may have brought estimates behind the answer
-  }
+  if (ask() && options_.events != 0 && !subscribed_) subscribe();
   if (!connected_) timer_.start(std::min(kRetry, options_.refresh));
+}
+
+void Feed::subscribe() {
+  try {
+    slipd_.subscribe({}, options_.max_rate_hz, options_.events, options_.answer_timeout_s);
+  } catch (const client::Error& error) {
+    lose(error.what());
+    return;
+  }
+  subscribed_ = true;
+  take_events();  // one read may have brought estimates behind the answer
 }
 
 // False: slipd is away.
 bool Feed::ask() {
   try {
-    Inventory now = ask_inventory(client_.get(), options_.answer_timeout_s);
+    Inventory now = ask_inventory(slipd_, options_.answer_timeout_s);
     const bool news = !connected_ || now != inventory_;
     inventory_ = std::move(now);
     connected_ = told_ = true;
@@ -70,14 +69,14 @@ void Feed::take_events() {
   if (!subscribed_) return;
   for (;;) {
     slipd_estimate estimate;
-    const int code = slipd_next(client_.get(), options_.max_age_s, 0, &estimate);
+    const int code = slipd_next(slipd_.get(), options_.max_age_s, 0, &estimate);
     if (code == SLIPD_TIMEOUT) return;
     if (code == SLIPD_DONE) {
       take(estimate);
       continue;
     }
     // A subscription that slipd refuses, say because it has too many clients, is asked for anew by the timer.
-    const std::string why = slipd_error_text(client_.get());
+    const std::string why = slipd_error_text(slipd_.get());
     if (code != SLIPD_DISCONNECTED) subscribed_ = false;
     lose(why);
     return;
@@ -86,12 +85,12 @@ void Feed::take_events() {
 
 void Feed::take(const slipd_estimate& estimate) {
   if (!connected_ || !inventory_.has_sensor(estimate.name)) {
-    const std::string text = slipd_event_text(client_.get());
+    const std::string text = slipd_event_text(slipd_.get());
     if (ask() && inventory_.has_sensor(estimate.name) && listener_.estimate)
       listener_.estimate(estimate, text);
     return;
   }
-  if (listener_.estimate) listener_.estimate(estimate, slipd_event_text(client_.get()));
+  if (listener_.estimate) listener_.estimate(estimate, slipd_event_text(slipd_.get()));
 }
 
 }  // namespace slipd::bridges

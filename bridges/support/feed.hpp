@@ -2,11 +2,10 @@
 // libslipd. It connects again by itself. One thread's own: that of the loop.
 #pragma once
 
-#include <slipd.h>
+#include <slipd.hpp>
 
 #include <chrono>
 #include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -55,21 +54,19 @@ class Feed {
   // The last one, also while slipd is away.
   const Inventory& inventory() const noexcept { return inventory_; }
   // For further calls of libslipd, such as slipd_attach and slipd_latest.
-  slipd_client* client() const noexcept { return client_.get(); }
+  slipd_client* client() const noexcept { return slipd_.get(); }
 
  private:
   void refresh();
+  void subscribe();
   void take_events();
   void take(const slipd_estimate& estimate);
   bool ask();
   void lose(std::string_view why);
 
-  struct Close {
-    void operator()(slipd_client* client) const noexcept { slipd_close(client); }
-  };
   FeedOptions options_;
   FeedListener listener_;
-  std::unique_ptr<slipd_client, Close> client_;
+  client::Connection slipd_;
   Inventory inventory_;
   bool connected_ = false;
   bool told_ = false;  // of being connected or away

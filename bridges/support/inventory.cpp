@@ -1,7 +1,6 @@
 #include "bridges/support/inventory.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -59,14 +58,6 @@ GraspFacts grasp_of(const json& object) {
   return facts;
 }
 
-std::string answer_to(slipd_client* client, const char* method, double timeout_s) {
-  char* text = nullptr;
-  if (slipd_call(client, method, nullptr, -1, timeout_s, &text) != SLIPD_DONE)
-    throw std::runtime_error(slipd_error_text(client));
-  const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
-  return text;
-}
-
 }  // namespace
 
 bool Inventory::has_sensor(std::string_view name) const {
@@ -84,10 +75,11 @@ Inventory inventory_of(std::string_view version, std::string_view sensors, std::
   return inventory;
 }
 
-Inventory ask_inventory(slipd_client* client, double timeout_s) {
-  const std::string version = answer_to(client, "version", timeout_s);
-  const std::string sensors = answer_to(client, "sensors", timeout_s);
-  return inventory_of(version, sensors, answer_to(client, "gamma", timeout_s));
+Inventory ask_inventory(client::Connection& slipd, double timeout_s) {
+  const auto answer_to = [&](const char* method) { return slipd.call(method, "{}", -1, timeout_s); };
+  const std::string version = answer_to("version");
+  const std::string sensors = answer_to("sensors");
+  return inventory_of(version, sensors, answer_to("gamma"));
 }
 
 }  // namespace slipd::bridges

@@ -1,7 +1,7 @@
 // Which sensors and grasps a slipd has, from its answers on the socket. Any one thread.
 #pragma once
 
-#include <slipd.h>
+#include <slipd.hpp>
 
 #include <string>
 #include <string_view>
@@ -50,6 +50,6 @@ struct Inventory {
 Inventory inventory_of(std::string_view version, std::string_view sensors, std::string_view gamma);
 
 // Asks slipd; each of three requests waits at most timeout_s. Throws std::runtime_error with libslipd's text.
-Inventory ask_inventory(slipd_client* client, double timeout_s);
+Inventory ask_inventory(client::Connection& slipd, double timeout_s);
 
 }  // namespace slipd::bridges

@@ -1,7 +1,6 @@
 #include "bridges/support/program.hpp"
 
 #include <systemd/sd-daemon.h>
-#include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <cinttypes>
@@ -11,6 +10,7 @@
 #include <map>
 #include <string>
 
+#include "bridges/support/clock.hpp"
 #include "bridges/support/log.hpp"
 
 namespace slipd::bridges {
@@ -50,11 +50,8 @@ nlohmann::json settings_of(const Program& program, const CommandLine& line) {
 }
 
 void tell_reloading() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  constexpr std::int64_t kUsPerSecond = 1'000'000, kNsPerUs = 1000;
-  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRId64,
-             std::int64_t{now.tv_sec} * kUsPerSecond + now.tv_nsec / kNsPerUs);
+  constexpr std::int64_t kNsPerUs = 1000;
+  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRId64, monotonic_ns() / kNsPerUs);
 }
 
 // SIGHUP: the service of the file as it is now. Settings with an error change nothing.

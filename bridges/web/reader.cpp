@@ -7,9 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <new>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -28,12 +26,6 @@ constexpr double kOldAge = 1e6;     // s: the subscription is for its events, ag
 constexpr auto kStatusPeriod = 1s;  // the status has no events
 constexpr auto kLayoutPeriod = 5s;  // a reload may have changed where taxels are
 constexpr int kEvents = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
-
-slipd_client* opened(const std::string& socket) {
-  slipd_client* client = nullptr;
-  if (slipd_open(&client, socket.c_str()) != SLIPD_DONE) throw std::bad_alloc();
-  return client;
-}
 
 std::string quoted(const std::string& text) {
   return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
@@ -67,7 +59,7 @@ Reader::Reader(bridges::Loop& loop, Settings settings)
       settings_(std::move(settings)),
       period_(std::chrono::duration_cast<Clock::duration>(
           std::chrono::duration<double>(1 / settings_.max_rate_hz))),
-      requests_(opened(settings_.slipd_socket)),
+      requests_(settings_.slipd_socket),
       bell_(std::make_unique<Bell>()),
       estimates_(loop, [this] { send_live(); }),
       beat_(loop, [this] { send_live(); }),
@@ -90,9 +82,8 @@ void Reader::wanted_changed() {
 }
 
 void Reader::begin() {
-  events_.reset(opened(settings_.slipd_socket));
-  event_ =
-      bridges::Loop::Watch(loop_, slipd_fd(events_.get()), EPOLLIN, [this](std::uint32_t) { take_events(); });
+  events_.emplace(settings_.slipd_socket);
+  event_ = bridges::Loop::Watch(loop_, events_->fd(), EPOLLIN, [this](std::uint32_t) { take_events(); });
   status_.start(0s);
   send_live();
 }
@@ -100,7 +91,7 @@ void Reader::begin() {
 // Until slipd has taken it. From then on libslipd renews it.
 void Reader::subscribe() {
   subscribed_ =
-      slipd_subscribe(events_.get(), nullptr, settings_.max_rate_hz, kEvents, kAnswerS) == SLIPD_DONE;
+      slipd_subscribe(events_->get(), nullptr, settings_.max_rate_hz, kEvents, kAnswerS) == SLIPD_DONE;
   if (subscribed_) take_events();  // one read may have brought estimates behind the answer
 }
 
@@ -117,7 +108,7 @@ void Reader::take_events() {
   slipd_estimate estimate;
   bool news = false;
   for (;;) {
-    const int code = slipd_next(events_.get(), kOldAge, 0, &estimate);
+    const int code = slipd_next(events_->get(), kOldAge, 0, &estimate);
     if (code == SLIPD_TIMEOUT) break;
     news = true;
     if (code != SLIPD_DONE) break;
@@ -208,11 +199,7 @@ void Reader::send_method() {
 }
 
 std::string Reader::ask(const char* method, const std::string& params) {
-  char* text = nullptr;
-  if (slipd_call(requests_.get(), method, params.c_str(), -1, kAnswerS, &text) != SLIPD_DONE)
-    throw std::runtime_error(slipd_error_text(requests_.get()));
-  const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
-  return text;
+  return requests_.call(method, params, -1, kAnswerS);
 }
 
 }  // namespace slipd::web

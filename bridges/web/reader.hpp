@@ -7,11 +7,12 @@
 // from a sensor at rest.
 #pragma once
 
-#include <slipd.h>
+#include <slipd.hpp>
 
 #include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "bridges/support/loop.hpp"
@@ -52,14 +53,11 @@ class Reader : public bridges::Service {
   std::string ask(const char* method, const std::string& params = "{}");
   std::string tradeoff_of(const std::string& sensor);
 
-  struct Close {
-    void operator()(slipd_client* client) const noexcept { slipd_close(client); }
-  };
   bridges::Loop& loop_;
   Settings settings_;
-  Clock::duration period_;                         // between two estimates, and two pictures of a sensor
-  std::unique_ptr<slipd_client, Close> requests_;  // what has an answer
-  std::unique_ptr<slipd_client, Close> events_;    // the subscription, while there are browsers
+  Clock::duration period_;                    // between two estimates, and two pictures of a sensor
+  client::Connection requests_;               // what has an answer
+  std::optional<client::Connection> events_;  // the subscription, while there are browsers
   std::unique_ptr<Bell> bell_;
   bridges::Loop::Timer estimates_, beat_, status_, pictures_;
   bridges::Loop::Watch event_, rung_;

@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "tests/bridges/support/await_output.hpp"
+#include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {
@@ -65,10 +65,7 @@ TEST(BridgeProgram, ReadsItsSettingsAgainOnlyIfTheyAreRight) {
   ASSERT_TRUE(await_output(printer, "word second"));
   folder.write("p.json", R"({"socket": 3, "word": "third"})");
   printer.signal(SIGHUP);
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (printer.errors().find("stay as they were") == std::string::npos &&
-         std::chrono::steady_clock::now() < until)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(await_errors(printer, "stay as they were"));
   EXPECT_THAT(printer.errors(), HasSubstr("/socket"));
   printer.signal(SIGTERM);
   EXPECT_EQ(printer.wait(), 0);

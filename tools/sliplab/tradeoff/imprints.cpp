@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "core/estimate/fit.hpp"
-#include "core/estimate/imprint_fit.hpp"
 #include "core/model/dataset.hpp"
 #include "core/numeric/random.hpp"
+#include "tools/sliplab/tradeoff/imprint_bound.hpp"
 
 namespace sliplab {
 namespace {
@@ -39,7 +39,7 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
                 std::uint64_t seed) {
   // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
   const Range friction = expected_friction(scene);
-  ImprintFit fit(layout, expected_friction(scene), 1e-3 * of.depth_mm, {});
+  ImprintModel model(layout, 1e-3 * of.depth_mm);
   double sum = 0;
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
@@ -54,7 +54,7 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
                              .load = (1 - gamma) * draw.friction,
                              .gamma = gamma,
                              .pull_rad = 2 * std::numbers::pi * random.uniform(2)};
-    const double alone = fit.least_sigma(truth, kImprintNoise / std::numbers::sqrt3);
+    const double alone = cramer_rao_sigma(model, truth, kImprintNoise / std::numbers::sqrt3);
     const double range = std::min(1.0, truth.load / friction.low) - truth.load / friction.high;
     sum += std::sqrt(2 / std::numbers::pi) / std::sqrt(1 / (alone * alone) + 12 / (range * range));
   }
