@@ -7,11 +7,11 @@ import selectors
 import sys
 import time
 
-from bed import Bed, WebSocket, awaited
+from bed import Bed, WebSocket
 
 
 def one_sensor(folder):
-    return {"sensors": [{"name": "left", "driver": "sim"}], "estimator": {"method": "moments"}, "socket": {"path": f"{folder}/slipd.sock"}}
+    return {"sensors": [{"name": "left", "driver": "sim"}], "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": f"{folder}/slipd.sock"}}
 
 
 def seconds_of(program):
