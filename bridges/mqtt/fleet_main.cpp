@@ -4,25 +4,31 @@
 // A line for each gripper, then one for each change (fleet.hpp); a line {"broker", "connected", "trouble"}
 // when the broker comes or goes, after which nothing of before holds.
 #include <sys/epoll.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include "bridges/mqtt/broker.hpp"
 #include "bridges/mqtt/broker_turns.hpp"
 #include "bridges/mqtt/fleet.hpp"
 #include "bridges/mqtt/settings.hpp"
+#include "bridges/support/clock.hpp"
 #include "bridges/support/loop.hpp"
 #include "bridges/support/settings_file.hpp"
 #include "embedded/slipd_mqtt_schema.hpp"
+#include "schema/settings_error.hpp"
 
 namespace slipd::mqtt {
 namespace {
@@ -45,10 +51,7 @@ struct Options {
 };
 
 Moment now() {
-  timespec time{};
-  clock_gettime(CLOCK_REALTIME, &time);
-  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-  return {std::chrono::steady_clock::now(), std::int64_t{time.tv_sec} * kNsPerSecond + time.tv_nsec};
+  return {std::chrono::steady_clock::now(), bridges::realtime_ns()};
 }
 
 class FleetProgram {
@@ -228,7 +231,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return slipd::mqtt::run(argc, argv);
-  } catch (const slipd::bridges::SettingsError& error) {
+  } catch (const slipd::SettingsError& error) {
     for (const std::string& problem : error.problems())
       std::fprintf(stderr, "slipctl fleet: %s\n", problem.c_str());
     return slipd::mqtt::kWrongUse;
