@@ -137,7 +137,8 @@ set(slipd_bridge_depends "${slipd_same_version}, libslipd0 (= ${PROJECT_VERSION}
 slipd_package(bridge_mqtt slipd-mqtt COMPONENTS bridge_mqtt SCRIPTS slipd-mqtt SECTION net DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors on MQTT"
   TEXT "Publishes the estimates, states and alerts of slipd to an MQTT broker.\n\
-Alerts are kept on disk until a broker has acknowledged them.")
+Alerts are kept on disk until a broker has acknowledged them. With it\n\
+slipctl fleet shows all grippers of a broker.")
 slipd_package(bridge_modbus slipd-modbus COMPONENTS bridge_modbus SCRIPTS slipd-modbus SECTION net DEPENDS "${slipd_bridge_depends}"
   SUMMARY "slip margin of tactile sensors for PLCs"
   TEXT "Serves the estimates of slipd as input registers of Modbus TCP.")
