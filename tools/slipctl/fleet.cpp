@@ -1,5 +1,6 @@
 #include "tools/slipctl/fleet.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
