@@ -144,7 +144,7 @@ Fleet::Worst Fleet::worst_of(const Gripper& gripper) {
     worst.all_known = worst.all_known && (state == "ok" || state == "no_contact");
     // A margin is worth more than no contact: with both, the gripper's state is ok.
     const std::size_t here = state == "no_contact" ? kStates.size() - 1 : place_of(kStates, state);
-    if (here < place || (here == place && state == "ok")) {
+    if (here < place || (state == "ok" && worst.state == "no_contact")) {
       worst.state = state;
       worst.name = name;
       place = here;

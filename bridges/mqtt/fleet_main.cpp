@@ -65,7 +65,7 @@ class FleetProgram {
         connecting_(loop, [this] { connect(); }),
         judging_(loop, [this] { judge_all(); }),
         quiet_(loop, [this] { complete(); }),
-        patience_(loop, [this] { give_up("it did not send all that it keeps in time"); }) {
+        patience_(loop, [this] { give_up(name_ + ": does not send in time what it keeps"); }) {
     connecting_.start({});
     if (options_.once) patience_.start(kOncePatience);
     // A reader that has gone is seen at once, not with the next line. A file cannot be watched.

@@ -109,8 +109,9 @@ class FleetView {
     }
     terminal_.reset();
     if (!ended_) return 0;
-    if (options_.once) std::cout << fleet_table(state_);
-    return process_.wait();
+    const int code = process_.wait();
+    if (options_.once && code == 0) std::cout << fleet_table(state_);
+    return code;
   }
 
  private:

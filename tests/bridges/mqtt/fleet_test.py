@@ -183,7 +183,7 @@ class Fleet(WithGrippers):
     def test_errors(self):
         port = free_port()
         nobody = subprocess.run([SLIPCTL, "fleet", "--once", "--broker", f"127.0.0.1:{port}"], capture_output=True, text=True, timeout=PATIENCE_S, check=False)
-        self.assertEqual((nobody.returncode, nobody.stdout.count("\n")), (1, 1))  # the table's heading
+        self.assertEqual((nobody.returncode, nobody.stdout), (1, ""))
         self.assertIn("refused", nobody.stderr)
         for arguments, what in ((["--broker", "h:port"], "port"), (["--broker", "h:70000"], "port"), (["--prefix", "#"], "topic_prefix"),
                                 (["--broker", "192.0.2.1", "--user", "u", "--password-file", "/p"], "in the clear"),
