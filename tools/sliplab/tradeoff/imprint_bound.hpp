@@ -16,9 +16,9 @@ struct KnownImprint {
   double load = 0, gamma = 0, pull_rad = 0;
 };
 
-// The bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all channels, over
-// the greatest pressure that is read; for a round contact the axes are not unknowns. Infinite where the frame
-// has no information. Overwrites what the model holds.
+// The bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all channels,
+// over the greatest pressure that is read; for a round contact the axes are not unknowns. Infinite where the
+// frame has no information. Overwrites what the model holds.
 double cramer_rao_sigma(slipd::ImprintModel& model, const KnownImprint& truth, double noise_share) noexcept;
 
 }  // namespace sliplab
