@@ -91,7 +91,7 @@ std::vector<std::string> Fleet::filters() const {
 std::string Fleet::take(std::string_view topic, std::string_view payload, bool retained, const Moment& now) {
   if (payload.size() > kLargestPayload || !topic.starts_with(prefix_ + "/")) return {};
   topic.remove_prefix(prefix_.size() + 1);
-  const std::string name(topic.substr(0, topic.find('/')));
+  std::string name(topic.substr(0, topic.find('/')));
   const std::string_view rest = topic.substr(std::min(topic.size(), name.size() + 1));
   const auto slash = rest.find('/');
   const bool of_host = rest == "status" || rest == "summary";
