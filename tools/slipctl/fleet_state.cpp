@@ -13,8 +13,6 @@
 namespace slipctl {
 namespace {
 
-using nlohmann::json;
-
 // Names come from the network: a control character would reach the terminal.
 std::string printable(std::string text) {
   constexpr unsigned char kDelete = 0x7f, kC1Lead = 0xc2, kC1End = 0xa0;
@@ -29,19 +27,19 @@ std::string printable(std::string text) {
   return text;
 }
 
-std::string text_at(const json& object, const char* key) {
+std::string text_at(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? printable(found->get<std::string>()) : std::string();
 }
 
 template <typename Number>
-std::optional<Number> number_at(const json& object, const char* key) {
+std::optional<Number> number_at(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number()) return std::nullopt;
   return found->get<Number>();
 }
 
-bool flag_at(const json& object, const char* key) {
+bool flag_at(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && *found == true;
 }
@@ -126,7 +124,7 @@ std::string totals(const FleetState& state) {
 }  // namespace
 
 std::string take_fleet_line(FleetState& state, const std::string& text) {
-  const json line = json::parse(text, nullptr, false);
+  const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
   if (!line.is_object()) return {};
   if (line.contains("broker")) {
     state.broker = text_at(line, "broker");
