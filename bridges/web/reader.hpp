@@ -15,6 +15,7 @@
 #include <optional>
 #include <string>
 
+#include "bridges/support/bell.hpp"
 #include "bridges/support/loop.hpp"
 #include "bridges/support/program.hpp"
 #include "bridges/web/server.hpp"
@@ -37,7 +38,6 @@ class Reader : public bridges::Service {
 
  private:
   using Clock = std::chrono::steady_clock;
-  class Bell;
 
   void wanted_changed();
   void begin();
@@ -58,7 +58,7 @@ class Reader : public bridges::Service {
   Clock::duration period_;                    // between two estimates, and two pictures of a sensor
   client::Connection requests_;               // what has an answer
   std::optional<client::Connection> events_;  // the subscription, while there are browsers
-  std::unique_ptr<Bell> bell_;
+  std::unique_ptr<bridges::Bell> bell_;
   bridges::Loop::Timer estimates_, beat_, status_, pictures_;
   bridges::Loop::Watch event_, rung_;
   Clock::time_point sent_{}, pictured_{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 namespace slipd::ros2 {
 namespace {
@@ -47,6 +48,10 @@ std::string configuration(const NodeOptions& options) {
          (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") + "</Discovery></Domain></CycloneDDS>";
 }
 
+struct DeleteListener {
+  void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
+};
+
 struct DeleteQos {
   void operator()(dds_qos_t* qos) const noexcept { dds_delete_qos(qos); }
 };
@@ -71,8 +76,9 @@ Gid<BYTES> gid_of(dds_entity_t entity) {
 
 }  // namespace
 
-Node::Node(const NodeOptions& options)
+Node::Node(const NodeOptions& options, std::function<void()> readers_changed)
     : options_(options),
+      readers_changed_(std::move(readers_changed)),
       domain_(made(
           dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
           "see `network` in the settings: the interfaces must exist, and have multicast if that is on")) {
@@ -93,11 +99,11 @@ Node::Node(const NodeOptions& options)
           own.m_size,   own.m_align,          own.m_flagset,    own.m_nkeys,
           name.c_str(), own.m_keys,           own.m_nops,       own.m_ops,
           own.m_meta,   own.type_information, own.type_mapping, own.restrict_data_representation};
-      discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true);
+      discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true, nullptr);
     } else {
       using Info = ParticipantEntitiesInfo<kGidBytes>;
-      discovery_ =
-          make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true);
+      discovery_ = make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true,
+                               nullptr);
     }
     announce();
   } catch (...) {
@@ -111,7 +117,8 @@ Node::~Node() {
 }
 
 dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::string& topic,
-                               std::string_view hash, const WriterOptions& options, bool transient) {
+                               std::string_view hash, const WriterOptions& options, bool transient,
+                               Readers* readers) {
   const std::string remedy = "is another program of this computer using the domain in this process?";
   const Qos qos = make_qos();
   dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
@@ -123,17 +130,29 @@ dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::st
   if (!hash.empty()) set_user_data(*qos, "typehash=RIHS01_" + std::string(hash) + ";");
   const dds_entity_t entity =
       made(dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), "topic " + topic, remedy);
-  const dds_entity_t writer = dds_create_writer(participant_, entity, qos.get(), nullptr);
+  const std::unique_ptr<dds_listener_t, DeleteListener> listener(dds_create_listener(readers));
+  if (readers != nullptr) {
+    readers->changed_ = &readers_changed_;
+    dds_lset_publication_matched_arg(listener.get(), &Node::count_readers, readers, true);
+  }
+  const dds_entity_t writer = dds_create_writer(participant_, entity, qos.get(), listener.get());
   dds_delete(entity);  // the writer keeps it
   return made(writer, "writer of " + topic, remedy);
 }
 
 dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_view topic,
-                              std::string_view hash, const WriterOptions& options) {
-  const dds_entity_t writer = make_writer(type, "rt" + std::string(topic),
-                                          options_.humble ? std::string_view() : hash, options, false);
+                              std::string_view hash, const WriterOptions& options, Readers& readers) {
+  const dds_entity_t writer = make_writer(
+      type, "rt" + std::string(topic), options_.humble ? std::string_view() : hash, options, false, &readers);
   writers_.push_back(writer);
   return writer;
+}
+
+// Cyclone ends calls of it before it deletes the writer.
+void Node::count_readers(dds_entity_t /*writer*/, dds_publication_matched_status_t status, void* readers) {
+  auto& of = *static_cast<Readers*>(readers);
+  of.count_.store(status.current_count, std::memory_order_relaxed);
+  if (*of.changed_) (*of.changed_)();
 }
 
 void Node::remove_writer(dds_entity_t writer) noexcept {

@@ -1,8 +1,13 @@
-// fastdds-reader DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast
+// fastdds-reader NETWORK DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast
 // DDS, the library behind ROS 2's default middleware, and prints a line for each message: TOPIC, the writer's
 // user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them. Topics
 // without their prefix `rt`, types as ROS 2 names them on DDS.
+//
+// NETWORK: `default`, Fast DDS's transports as they are, which a ROS 2 node has by default; `loopback`, the
+// loopback interface only, as with ROS_LOCALHOST_ONLY=1; `localhost`, all interfaces, but other nodes are found
+// on 127.0.0.1 only, as with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 
 #include <condition_variable>
 #include <cstdio>
@@ -86,17 +91,33 @@ class Printer : public DataReaderListener {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 5) return 2;
-  Discovery discovery;
-  // This computer only, as with ROS_LOCALHOST_ONLY=1.
+// Fast DDS asks as many participants of a peer as ROS 2 has it ask.
+constexpr std::uint32_t kPeers = 32;
+
+DomainParticipantQos qos_of(const std::string& network) {
   DomainParticipantQos own = PARTICIPANT_QOS_DEFAULT;
-  const auto loopback = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  loopback->interfaceWhiteList.emplace_back("127.0.0.1");
+  if (network == "default") return own;
+  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   own.transport().use_builtin_transports = false;
-  own.transport().user_transports.push_back(loopback);
+  own.transport().user_transports.push_back(udp);
+  if (network == "loopback") {
+    udp->interfaceWhiteList.emplace_back("127.0.0.1");
+    return own;
+  }
+  udp->maxInitialPeersRange = kPeers;
+  auto& discovery = own.wire_protocol().builtin;
+  discovery.metatrafficUnicastLocatorList.push_back(eprosima::fastrtps::rtps::Locator_t());
+  eprosima::fastrtps::rtps::Locator_t peer;
+  eprosima::fastrtps::rtps::IPLocator::setIPv4(peer, "127.0.0.1");
+  discovery.initialPeersList.push_back(peer);
+  return own;
+}
+
+int main(int argc, char** argv) {
+  if (argc < 6) return 2;
+  Discovery discovery;
   DomainParticipant* const participant = DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<unsigned>(std::atoi(argv[1])), own, &discovery, StatusMask::none());
+      static_cast<unsigned>(std::atoi(argv[2])), qos_of(argv[1]), &discovery, StatusMask::none());
   if (participant == nullptr) return 1;
   Subscriber* const subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
   DataReaderQos qos = DATAREADER_QOS_DEFAULT;
@@ -104,9 +125,9 @@ int main(int argc, char** argv) {
   qos.durability().kind = VOLATILE_DURABILITY_QOS;
   qos.history().kind = KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 10;
-  const int wanted = std::atoi(argv[2]);
+  const int wanted = std::atoi(argv[3]);
   std::size_t topics = 0;
-  for (int i = 3; i + 1 < argc; i += 2, ++topics) {
+  for (int i = 4; i + 1 < argc; i += 2, ++topics) {
     TypeSupport type(new AnyType(argv[i + 1]));
     type.register_type(participant);
     Topic* const topic =
