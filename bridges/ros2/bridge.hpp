@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "bridges/ros2/dds/host_network.hpp"
 #include "bridges/ros2/dds/node.hpp"
 #include "bridges/ros2/output.hpp"
 #include "bridges/ros2/recorder.hpp"
@@ -58,6 +59,7 @@ class Ros2Bridge final : public bridges::Service {
   void go_away(std::string_view why);
   bool estimates_wanted() const;
   void choose_rate();
+  void note_addresses();
   void take(const slipd_estimate& estimate);
   void take_grasps(const std::vector<std::string>& names);
   void publish(Subject& subject, const Moment& now, bool at_any_rate);
@@ -80,6 +82,9 @@ class Ros2Bridge final : public bridges::Service {
   bridges::Loop::Timer silence_, report_;
   bridges::Feed feed_;
   bridges::Loop::Watch readers_;
+  AddressChanges changes_;
+  std::vector<HostInterface> host_;  // after changes_, so that no change is missed
+  bridges::Loop::Watch addresses_;
 };
 
 }  // namespace slipd::ros2

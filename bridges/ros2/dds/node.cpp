@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "bridges/ros2/dds/host_network.hpp"
+
 namespace slipd::ros2 {
 namespace {
 
@@ -15,6 +17,10 @@ constexpr int kMostLocalParticipants = 99;
 dds_entity_t made(dds_entity_t entity, const std::string& what, const std::string& remedy) {
   if (entity < 0) throw DdsError(what + ": " + dds_strretcode(entity) + "; " + remedy);
   return entity;
+}
+
+bool host_only(const NodeOptions& options) {
+  return options.interfaces == std::vector<std::string>{kHost};
 }
 
 std::string escaped(const std::string& text) {
@@ -29,21 +35,28 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+std::string interface_element(const std::string& name) {
+  const bool address = name.find_first_of(".:") != std::string::npos;
+  return std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
+}
+
 // Cyclone's configuration. It replaces what the environment's CYCLONEDDS_URI says, so that the settings file
 // holds.
 std::string configuration(const NodeOptions& options) {
-  std::string interfaces;
-  for (const std::string& name : options.interfaces) {
-    const bool address = name.find_first_of(".:") != std::string::npos;
-    interfaces +=
-        std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
+  std::string interfaces, multicast;
+  if (host_only(options)) {
+    for (const HostInterface& one : host_interfaces()) interfaces += interface_element(one.name);
+    multicast = "<AllowMulticast>spdp</AllowMulticast><MulticastTimeToLive>0</MulticastTimeToLive>";
+  } else {
+    for (const std::string& name : options.interfaces) interfaces += interface_element(name);
+    multicast =
+        std::string("<AllowMulticast>") + (options.multicast ? "true" : "false") + "</AllowMulticast>";
   }
   std::string peers;
   for (const std::string& peer : options.peers) peers += "<Peer address=\"" + escaped(peer) + "\"/>";
   return "<CycloneDDS><Domain Id=\"any\"><General>" +
-         (interfaces.empty() ? "" : "<Interfaces>" + interfaces + "</Interfaces>") + "<AllowMulticast>" +
-         (options.multicast ? "true" : "false") + "</AllowMulticast></General><Discovery>" +
-         "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+         (interfaces.empty() ? "" : "<Interfaces>" + interfaces + "</Interfaces>") + multicast +
+         "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
          std::to_string(kMostLocalParticipants) + "</MaxAutoParticipantIndex>" +
          (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") + "</Discovery></Domain></CycloneDDS>";
 }
@@ -83,6 +96,11 @@ Node::Node(const NodeOptions& options, std::function<void()> readers_changed)
           dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
           "see `network` in the settings: the interfaces must exist, and have multicast if that is on")) {
   try {
+    if (host_only(options) && !receive_from_host_only(options.domain))
+      throw DdsError(
+          "DDS domain: the kernel does not limit its sockets to this computer, as Linux 5.7 and later do; "
+          "give "
+          "`network`.`interfaces` the name of an interface, such as lo, in the settings");
     const Qos qos = make_qos();
     // ROS 2 counts a participant with an enclave among its own.
     set_user_data(*qos, "enclave=/;");

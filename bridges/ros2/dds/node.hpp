@@ -27,8 +27,9 @@ class DdsError : public std::runtime_error {
 struct NodeOptions {
   // ROS_DOMAIN_ID of the nodes that are to see this one, 0 to 101.
   unsigned domain = 0;
-  // Names or addresses of network interfaces; empty: Cyclone's choice of one.
-  std::vector<std::string> interfaces{"lo"};
+  // Names or addresses of network interfaces; empty: Cyclone's choice of one; "host" alone: this computer
+  // only (host_network.hpp), for which `multicast` does not apply.
+  std::vector<std::string> interfaces{"host"};
   // Whether to find others and send to many by multicast. The loopback interface usually has none.
   bool multicast = false;
   // Hosts that are asked by unicast.

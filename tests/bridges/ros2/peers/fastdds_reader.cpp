@@ -1,11 +1,11 @@
-// fastdds-reader NETWORK DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast
-// DDS, the library behind ROS 2's default middleware, and prints a line for each message: TOPIC, the writer's
-// user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them. Topics
-// without their prefix `rt`, types as ROS 2 names them on DDS.
+// fastdds-reader NETWORK DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by
+// Fast DDS, the library behind ROS 2's default middleware, and prints a line for each message: TOPIC, the
+// writer's user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them.
+// Topics without their prefix `rt`, types as ROS 2 names them on DDS.
 //
 // NETWORK: `default`, Fast DDS's transports as they are, which a ROS 2 node has by default; `loopback`, the
-// loopback interface only, as with ROS_LOCALHOST_ONLY=1; `localhost`, all interfaces, but other nodes are found
-// on 127.0.0.1 only, as with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
+// loopback interface only, as with ROS_LOCALHOST_ONLY=1; `localhost`, all interfaces, but other nodes are
+// found on 127.0.0.1 only, as with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 

@@ -1,8 +1,8 @@
-// ros2-watcher SOCKET SENSOR DOMAIN SECONDS DEPTH LEAF…: subscribes to a sensor's estimates on slipd's socket and
-// on the topics margin, wrench or estimate at the same time, and prints one JSON object: for the socket and each
-// topic the samples, those lost between the first and the last, the latencies from the estimate and how much later
-// or earlier than its predecessor a sample came than it was made. DEPTH is that of the readers' history; 10 is
-// rclcpp's. The names of topics are those of slipd-ros2's default prefix.
+// ros2-watcher SOCKET SENSOR DOMAIN SECONDS DEPTH LEAF…: subscribes to a sensor's estimates on slipd's socket
+// and on the topics margin, wrench or estimate at the same time, and prints one JSON object: for the socket
+// and each topic the samples, those lost between the first and the last, the latencies from the estimate and
+// how much later or earlier than its predecessor a sample came than it was made. DEPTH is that of the
+// readers' history; 10 is rclcpp's. The names of topics are those of slipd-ros2's default prefix.
 #include <dds/dds.h>
 #include <poll.h>
 #include <slipd.h>
@@ -71,7 +71,8 @@ Sample read_sample(const std::string& leaf, const void* data, std::int64_t ahead
   Sample sample;
   if (leaf == "margin") sample.value = static_cast<const std_msgs_msg_dds__Float32_*>(data)->data;
   if (leaf == "wrench")
-    sample.stamp_ns = nanoseconds(static_cast<const geometry_msgs_msg_dds__WrenchStamped_*>(data)->header) - ahead_ns;
+    sample.stamp_ns =
+        nanoseconds(static_cast<const geometry_msgs_msg_dds__WrenchStamped_*>(data)->header) - ahead_ns;
   if (leaf == "estimate") {
     const auto& estimate = *static_cast<const slipd_msgs_msg_dds__SlipEstimate_*>(data);
     sample.stamp_ns = nanoseconds(estimate.header) - ahead_ns;
@@ -103,9 +104,10 @@ void take(dds_entity_t reader, void* arg) {
 }
 
 bool start(Topic& topic, dds_entity_t participant, const std::string& sensor, int depth) {
-  const dds_topic_descriptor_t* const type = topic.leaf == "margin"   ? &std_msgs_msg_dds__Float32__desc
-                                             : topic.leaf == "wrench" ? &geometry_msgs_msg_dds__WrenchStamped__desc
-                                                                      : &slipd_msgs_msg_dds__SlipEstimate__desc;
+  const dds_topic_descriptor_t* const type = topic.leaf == "margin" ? &std_msgs_msg_dds__Float32__desc
+                                             : topic.leaf == "wrench"
+                                                 ? &geometry_msgs_msg_dds__WrenchStamped__desc
+                                                 : &slipd_msgs_msg_dds__SlipEstimate__desc;
   const std::string name = "rt/slipd/" + sensor + "/" + topic.leaf;
   const dds_entity_t entity = dds_create_topic(participant, type, name.c_str(), nullptr, nullptr);
   dds_qos_t* const qos = dds_create_qos();
@@ -146,17 +148,20 @@ bool read_socket(slipd_client* client, std::int64_t until_ns) {
   return true;
 }
 
-// Which estimate a message is of; estimates.size(): none of them. `from`: a place in them before which it is not.
+// Which estimate a message is of; estimates.size(): none of them. `from`: a place in them before which it is
+// not.
 std::size_t estimate_of(const Topic& topic, const Sample& sample, std::size_t from) {
   const auto begin = estimates.begin() + static_cast<std::ptrdiff_t>(from);
   auto found = estimates.end();
   if (topic.leaf == "estimate") {
-    found = std::find_if(begin, estimates.end(), [&](const Estimate& one) { return one.sequence >= sample.sequence; });
+    found = std::find_if(begin, estimates.end(),
+                         [&](const Estimate& one) { return one.sequence >= sample.sequence; });
     if (found != estimates.end() && found->sequence != sample.sequence) found = estimates.end();
   } else if (topic.leaf == "wrench") {
     found = std::find_if(begin, estimates.end(),
                          [&](const Estimate& one) { return one.sample_ns > sample.stamp_ns - kSameStampNs; });
-    if (found != estimates.end() && found->sample_ns > sample.stamp_ns + kSameStampNs) found = estimates.end();
+    if (found != estimates.end() && found->sample_ns > sample.stamp_ns + kSameStampNs)
+      found = estimates.end();
   } else if (from > 0) {
     found = begin;  // margins have neither time nor number: they are counted, and compared
   } else {
@@ -185,8 +190,9 @@ Json report(const std::vector<std::pair<std::size_t, std::int64_t>>& pairs) {
     latencies.push_back(1e-3 * static_cast<double>(arrived_ns - estimates[place].made_ns));
     if (i == 0) continue;
     const auto [last, last_arrived_ns] = pairs[i - 1];
-    jitters.push_back(1e-3 * std::abs(static_cast<double>((arrived_ns - last_arrived_ns) -
-                                                          (estimates[place].made_ns - estimates[last].made_ns))));
+    jitters.push_back(1e-3 *
+                      std::abs(static_cast<double>((arrived_ns - last_arrived_ns) -
+                                                   (estimates[place].made_ns - estimates[last].made_ns))));
   }
   return {{"samples", pairs.size()}, {"latency_us", quantiles(latencies)}, {"jitter_us", quantiles(jitters)}};
 }
@@ -241,7 +247,9 @@ int main(int argc, char** argv) {
   if (slipd_open(&client, argv[1]) != SLIPD_DONE ||
       slipd_subscribe(client, argv[2], 0, SLIPD_EVENT_ESTIMATE, 10) != SLIPD_DONE)
     return fail(slipd_error_text(client));
-  if (dds_create_domain(domain, kConfiguration) < 0) return fail("no domain");
+  // With CYCLONEDDS_URI, say empty for what a ROS 2 node has by default, the environment configures Cyclone.
+  if (std::getenv("CYCLONEDDS_URI") == nullptr && dds_create_domain(domain, kConfiguration) < 0)
+    return fail("no domain");
   const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
   std::vector<std::unique_ptr<Topic>> topics;
   for (int i = 6; i < argc; ++i) {
