@@ -35,9 +35,11 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string interface_element(const std::string& name) {
+// `multicast`: also on an interface that says that it has none.
+std::string interface_element(const std::string& name, bool multicast) {
   const bool address = name.find_first_of(".:") != std::string::npos;
-  return std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
+  return std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"" +
+         (multicast ? " multicast=\"true\"" : "") + "/>";
 }
 
 // Cyclone's configuration. It replaces what the environment's CYCLONEDDS_URI says, so that the settings file
@@ -45,10 +47,11 @@ std::string interface_element(const std::string& name) {
 std::string configuration(const NodeOptions& options) {
   std::string interfaces, multicast;
   if (host_only(options)) {
-    for (const HostInterface& one : host_interfaces()) interfaces += interface_element(one.name);
+    // One without multicast would end it on all. The kernel has it on loopback, too.
+    for (const HostInterface& one : host_interfaces()) interfaces += interface_element(one.name, true);
     multicast = "<AllowMulticast>spdp</AllowMulticast><MulticastTimeToLive>0</MulticastTimeToLive>";
   } else {
-    for (const std::string& name : options.interfaces) interfaces += interface_element(name);
+    for (const std::string& name : options.interfaces) interfaces += interface_element(name, false);
     multicast =
         std::string("<AllowMulticast>") + (options.multicast ? "true" : "false") + "</AllowMulticast>";
   }

@@ -108,6 +108,8 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
+  // Cyclone's handle. Any thread.
+  dds_entity_t entity() const noexcept { return writer_; }
   // Whether there is a reader. Any thread.
   bool has_readers() const noexcept { return readers_.any(); }
   // Sends a message to all readers. False: Cyclone has not taken it.

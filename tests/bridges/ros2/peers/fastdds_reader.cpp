@@ -77,9 +77,15 @@ class Printer : public DataReaderListener {
     SampleInfo info;
     while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
       const std::lock_guard<std::mutex> lock(mutex);
-      std::printf("%s %s ", topic_.c_str(), user_data["rt" + topic_].c_str());
+      const std::string& data = user_data[topic_[0] == '/' ? "rt" + topic_ : topic_];
+      std::printf("%s %s ", topic_.c_str(), data.empty() ? "-" : data.c_str());
+      const auto& writer = info.sample_identity.writer_guid();
+      for (const unsigned char byte : writer.guidPrefix.value) std::printf("%02x", byte);
+      for (const unsigned char byte : writer.entityId.value) std::printf("%02x", byte);
+      std::printf(" ");
       for (const unsigned char byte : sample) std::printf("%02x", byte);
       std::printf("\n");
+      std::fflush(stdout);
       ++counts[topic_];
       changed.notify_all();
     }
@@ -122,23 +128,24 @@ int main(int argc, char** argv) {
   Subscriber* const subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
   DataReaderQos qos = DATAREADER_QOS_DEFAULT;
   qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = VOLATILE_DURABILITY_QOS;
   qos.history().kind = KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 10;
   const int wanted = std::atoi(argv[3]);
   std::size_t topics = 0;
   for (int i = 4; i + 1 < argc; i += 2, ++topics) {
+    const bool ros = argv[i][0] == '/';
     TypeSupport type(new AnyType(argv[i + 1]));
     type.register_type(participant);
     Topic* const topic =
-        participant->create_topic(std::string("rt") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
+        participant->create_topic(std::string(ros ? "rt" : "") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
+    qos.durability().kind = ros ? VOLATILE_DURABILITY_QOS : TRANSIENT_LOCAL_DURABILITY_QOS;
     if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), StatusMask::data_available()) ==
         nullptr)
       return 1;
   }
   std::unique_lock<std::mutex> lock(mutex);
   changed.wait(lock, [&] {
-    if (counts.size() < topics) return false;
+    if (wanted == 0 || counts.size() < topics) return false;
     for (const auto& [topic, count] : counts)
       if (count < wanted) return false;
     return true;

@@ -148,6 +148,10 @@ bool read_socket(slipd_client* client, std::int64_t until_ns) {
   return true;
 }
 
+bool same(float a, float b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
 // Which estimate a message is of; estimates.size(): none of them. `from`: a place in them before which it is
 // not.
 std::size_t estimate_of(const Topic& topic, const Sample& sample, std::size_t from) {
@@ -162,13 +166,8 @@ std::size_t estimate_of(const Topic& topic, const Sample& sample, std::size_t fr
                          [&](const Estimate& one) { return one.sample_ns > sample.stamp_ns - kSameStampNs; });
     if (found != estimates.end() && found->sample_ns > sample.stamp_ns + kSameStampNs)
       found = estimates.end();
-  } else if (from > 0) {
-    found = begin;  // margins have neither time nor number: they are counted, and compared
   } else {
-    // The first: that of the newest estimate when it was written.
-    const auto after = std::find_if(begin, estimates.end(),
-                                    [&](const Estimate& one) { return one.made_ns > sample.written_ns; });
-    found = after == begin ? estimates.end() : after - 1;
+    found = begin;  // margins have neither time nor number: they are counted, and compared
   }
   return static_cast<std::size_t>(found - estimates.begin());
 }
@@ -197,13 +196,30 @@ Json report(const std::vector<std::pair<std::size_t, std::int64_t>>& pairs) {
   return {{"samples", pairs.size()}, {"latency_us", quantiles(latencies)}, {"jitter_us", quantiles(jitters)}};
 }
 
-bool same(float a, float b) {
-  return a == b || (std::isnan(a) && std::isnan(b));
+// The place of the estimate that the first margin is of: the one at which most of the margins that follow are
+// those of the estimates, among those made before it was written.
+std::size_t first_of_margins(const Topic& topic) {
+  constexpr std::size_t kBack = 200, kCompared = 200;
+  if (topic.samples.empty()) return 0;
+  const auto after = std::find_if(estimates.begin(), estimates.end(), [&](const Estimate& one) {
+    return one.made_ns > topic.samples.front().written_ns;
+  });
+  const auto newest = static_cast<std::size_t>(after - estimates.begin());
+  std::size_t best = 0, most = 0;
+  for (std::size_t place = newest > kBack ? newest - kBack : 0; place < newest; ++place) {
+    std::size_t equal = 0;
+    for (std::size_t i = 0; i < std::min({kCompared, topic.samples.size(), estimates.size() - place}); ++i)
+      equal += same(topic.samples[i].value, estimates[place + i].gamma) ? 1U : 0U;
+    if (equal < most) continue;
+    most = equal;
+    best = place;
+  }
+  return best;
 }
 
 Json judge(Topic& topic) {
   std::vector<std::pair<std::size_t, std::int64_t>> pairs;
-  std::size_t from = 0, foreign = 0, different = 0;
+  std::size_t from = topic.leaf == "margin" ? first_of_margins(topic) : 0, foreign = 0, different = 0;
   for (const Sample& sample : topic.samples) {
     const std::size_t place = estimate_of(topic, sample, from);
     if (place >= estimates.size()) {
