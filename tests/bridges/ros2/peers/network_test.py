@@ -63,7 +63,7 @@ class Discovery(Bed):
     def test_ros_discovery_info_names_the_node_and_its_writers(self):
         for distribution, size in (("jazzy", GID_BYTES), ("humble", HUMBLE_GID_BYTES)):
             with self.subTest(distribution):
-                self.end(self.bridge)
+                self.end(self.bridge, signal.SIGKILL)  # it may not have come so far as to end in order
                 self.bridge = self.start_bridge(distribution=distribution, node="finger")
                 (_, hash_data, writer, _), *_ = self.read("default", 1, "/slipd/left/margin", FLOAT)
                 self.assertEqual(hash_data != "-", distribution == "jazzy", "only Iron and later have hashes")
