@@ -1,7 +1,7 @@
 # Debian packages, by `cpack -G DEB` or tools/package. A component of the installation that is not named here is in none.
 #   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
-#   slipd-mqtt, slipd-modbus, slipd-ros2  estimates on MQTT, for PLCs, and as a ROS 2 node
+#   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
 #   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
@@ -40,6 +40,7 @@ set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(slipd_same_version "slipd (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
 # slipd_package(group NAME package COMPONENTS … SUMMARY … TEXT … DEPENDS … [RECOMMENDS …] [SECTION …] [SCRIPTS folder])
+# folder: of Debian's control files, relative to packaging/
 macro(slipd_package group package)
   cmake_parse_arguments(PKG "" "SUMMARY;TEXT;DEPENDS;RECOMMENDS;SECTION;SCRIPTS" "COMPONENTS" ${ARGN})
   string(TOUPPER ${group} upper)
@@ -52,7 +53,8 @@ macro(slipd_package group package)
     set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${PKG_SECTION})
   endif()
   if(PKG_SCRIPTS)
-    file(GLOB CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${slipd_packaging}/${PKG_SCRIPTS}/*)
+    cmake_path(ABSOLUTE_PATH PKG_SCRIPTS BASE_DIRECTORY ${slipd_packaging} OUTPUT_VARIABLE scripts)
+    file(GLOB CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${scripts}/*)
   endif()
   foreach(component ${PKG_COMPONENTS})
     string(TOUPPER ${component} upper_component)
@@ -133,24 +135,32 @@ C++, pkg-config and CMake files, the manual page, and examples.")
 
 # Programs that carry slipd's estimates elsewhere. libslipd is of this build, which dpkg-shlibdeps must be told.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
-set(slipd_bridge_depends "${slipd_same_version}, libslipd0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-slipd_package(bridge_mqtt slipd-mqtt COMPONENTS bridge_mqtt SCRIPTS slipd-mqtt SECTION net DEPENDS "${slipd_bridge_depends}"
+# slipd_bridge_package(NAME SECTION … SUMMARY … TEXT …): package slipd-NAME of component bridge_NAME, with a unit and /etc/slipd/NAME.json.
+macro(slipd_bridge_package name)
+  set(SLIPD_BRIDGE ${name})
+  foreach(script conffiles postinst prerm postrm)
+    configure_file(${slipd_packaging}/bridge/${script}.in ${PROJECT_BINARY_DIR}/packaging/slipd-${name}/${script} @ONLY)
+  endforeach()
+  slipd_package(bridge_${name} slipd-${name} COMPONENTS bridge_${name} SCRIPTS ${PROJECT_BINARY_DIR}/packaging/slipd-${name}
+    DEPENDS "${slipd_same_version}, libslipd0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})" ${ARGN})
+endmacro()
+slipd_bridge_package(mqtt SECTION net
   SUMMARY "slip margin of tactile sensors on MQTT"
   TEXT "Publishes the estimates, states and alerts of slipd to an MQTT broker.\n\
 Alerts are kept on disk until a broker has acknowledged them.")
-slipd_package(bridge_modbus slipd-modbus COMPONENTS bridge_modbus SCRIPTS slipd-modbus SECTION net DEPENDS "${slipd_bridge_depends}"
+slipd_bridge_package(modbus SECTION net
   SUMMARY "slip margin of tactile sensors for PLCs"
   TEXT "Serves the estimates of slipd as input registers of Modbus TCP.")
 if(TARGET slipd-ros2)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/bridges/ros2/slipd_msgs DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd/ros2 COMPONENT bridge_ros2)
-  slipd_package(bridge_ros2 slipd-ros2 COMPONENTS bridge_ros2 SCRIPTS slipd-ros2 SECTION net DEPENDS "${slipd_bridge_depends}"
+  slipd_bridge_package(ros2 SECTION net
     SUMMARY "slip margin of tactile sensors as a ROS 2 node"
     TEXT "Publishes the estimates of slipd on ROS 2 topics by DDS: the margin,\n\
 forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
 Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
 and PlotJuggler.")
 endif()
-slipd_package(bridge_web slipd-web COMPONENTS bridge_web SECTION web SCRIPTS slipd-web DEPENDS "${slipd_bridge_depends}"
+slipd_bridge_package(web SECTION web
   SUMMARY "slip margin of tactile sensors in a browser"
   TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\
 minute, recordings, and the measured error of its methods. It only reads,\n\

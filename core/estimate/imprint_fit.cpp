@@ -8,8 +8,10 @@
 #include <numbers>
 #include <span>
 
+#include "core/contact/subsurface.hpp"
 #include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/profile_posterior.hpp"
+#include "core/numeric/scaled_inverse.hpp"
 
 namespace slipd {
 namespace {
@@ -212,24 +214,15 @@ double ImprintFit::ring_misfit(const Full& at, std::span<const double> held) con
 
 bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noexcept {
   const Full& at = minimum.at;
-  const Vector scale = minimum.normal.hessian.diagonal().cwiseSqrt().cwiseInverse();
-  if (!scale.allFinite()) return false;
-  const Square even = scale.asDiagonal() * minimum.normal.hessian * scale.asDiagonal();
-  const auto decomposed = even.ldlt();
-  const auto unit = [&](int which) -> Vector {
-    Vector column = Vector::Zero(scale.size());
-    column[which] = 1;
-    return decomposed.solve(column);
-  };
-  const double variance = unit(Model::margin)[Model::margin] * scale[Model::margin] * scale[Model::margin];
-  const double load_variance = unit(Model::load)[Model::load] * scale[Model::load] * scale[Model::load];
-  if (!(variance > 0) || !std::isfinite(variance)) return false;
+  const ScaledInverse<Square> inverse(minimum.normal.hessian);
+  const double variance = inverse.variance(Model::margin), load_variance = inverse.variance(Model::load);
+  if (!std::isfinite(variance)) return false;
   out.gamma = at[Model::margin];
   out.sigma = std::sqrt(variance);
   const double mobilised = 1 - out.gamma;
   out.friction = at[Model::load] / mobilised;
   out.friction_sigma =
-      out.sigma < fit_.max_friction_share * mobilised && load_variance > 0
+      out.sigma < fit_.max_friction_share * mobilised && std::isfinite(load_variance)
           ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(load_variance) / at[Model::load])
           : std::numeric_limits<double>::infinity();
   out.center_x_m = at[Model::center_x];
@@ -334,36 +327,6 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
   fit_part(patch, ratio, best);
   fit_all(best);
   return best;
-}
-
-double ImprintFit::least_sigma(const KnownImprint& truth, double noise_share) noexcept {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  model_.collect_nothing();
-  model_.set_noise({});
-  const contact::Ellipse& ellipse = truth.ellipse;
-  const double log_axes = std::log(ellipse.a_m / ellipse.b_m), twice = 2 * ellipse.angle_rad;
-  Full at = Full::Zero();
-  at[Model::center_x] = truth.x_m;
-  at[Model::center_y] = truth.y_m;
-  at[Model::size] = std::sqrt(ellipse.a_m * ellipse.b_m);
-  at[Model::peak] = 1;
-  at[Model::load] = truth.load;
-  at[Model::margin] = truth.gamma;
-  at[Model::direction] = truth.pull_rad;
-  at[Model::along] = log_axes * std::cos(twice);
-  at[Model::across] = log_axes * std::sin(twice);
-  Model::Normal normal;
-  model_.evaluate(at, ellipse.round() ? int{Model::kRound} : int{Model::kMost}, normal);
-  const auto pressures = model_.residuals().first(model_.count());
-  const double greatest = *std::max_element(pressures.begin(), pressures.end());
-  const Vector scale = normal.hessian.diagonal().cwiseSqrt().cwiseInverse();
-  if (!scale.allFinite()) return kInfinite;
-  const Square even = scale.asDiagonal() * normal.hessian * scale.asDiagonal();
-  Vector unit = Vector::Zero(scale.size());
-  unit[Model::margin] = 1;
-  const Vector column = even.ldlt().solve(unit);
-  const double variance = column[Model::margin] * scale[Model::margin] * scale[Model::margin];
-  return variance > 0 && std::isfinite(variance) ? noise_share * greatest * std::sqrt(variance) : kInfinite;
 }
 
 double ImprintFit::misfit_nats() const noexcept {

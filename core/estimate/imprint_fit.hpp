@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "core/contact/scene.hpp"
-#include "core/contact/subsurface.hpp"
 #include "core/estimate/fit_options.hpp"
 #include "core/estimate/imprint_model.hpp"
 #include "core/estimate/imprint_slopes.hpp"
@@ -61,16 +60,6 @@ struct ImprintFitOptions {
   double max_residual = 0.03;
 };
 
-// The true parameters of a contact, for the Cramér–Rao bound.
-struct KnownImprint {
-  // Its centre, m.
-  double x_m = 0, y_m = 0;
-  // The ellipse that it covers; 0 < a, b.
-  contact::Ellipse ellipse;
-  // Q/P > 0, Gamma in (0, 1), and the direction of Q from x to y, rad.
-  double load = 0, gamma = 0, pull_rad = 0;
-};
-
 class ImprintFit {
  public:
   // depth_m: of the taxels, >= 0, known.
@@ -84,10 +73,6 @@ class ImprintFit {
   // As those of Fit.
   static constexpr std::size_t kFewTaxels = 40;
   static constexpr int kMostSteps = 15;
-  // The Cramér–Rao bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all
-  // channels, over the greatest pressure that is read; for a round contact the axes are not unknowns.
-  // Infinite where the frame has no information. Overwrites the results of the last frame.
-  double least_sigma(const KnownImprint& truth, double noise_share) noexcept;
 
   // Half of -2 log likelihood of the last frame, nats up to a constant, with the noise of its own residuals:
   // of fits of one frame at several depths, the likeliest depth has the least. The fits must use the same

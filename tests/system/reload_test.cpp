@@ -6,8 +6,8 @@
 #include <signal.h>
 
 #include <fstream>
-#include <thread>
 
+#include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {
@@ -15,7 +15,6 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
-using namespace std::chrono_literals;
 
 bool serves(const json& gamma, const std::string& sensor) {
   return gamma["sensors"].size() == 1 && gamma["sensors"][0]["sensor"] == sensor;
@@ -120,12 +119,10 @@ TEST(Activation, ServesTheSocketThatItIsPassed) {
   const auto config = folder.write("c.json", config_with(folder, json::array({trial_sensor("left")})).dump());
   Program program(folder, "slipd",
                   {activate.string(), "--listen=" + socket.string(), (program_folder() / "slipd").string(),
-                   "--config", config.string(), "--driver-dir", trial_drivers().string()});
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (!std::filesystem::exists(socket)) {
-    ASSERT_LT(std::chrono::steady_clock::now(), until) << program.errors();
-    std::this_thread::sleep_for(5ms);
-  }
+                   "--config", config.string(), "--driver-dir", trial_drivers().string()},
+                  {{"SYSTEMD_LOG_LEVEL", "info"}});
+  // Its name is there from bind() on, connections are accepted from listen() on.
+  ASSERT_TRUE(await_errors(program, "Listening on " + socket.string()));
   RpcClient client(socket);
   EXPECT_EQ(client.result("version")["name"], "slipd");
   EXPECT_FALSE(std::filesystem::exists(folder.file("s.sock"))) << "socket.path is not served then";

@@ -1,6 +1,5 @@
 #include "tools/sliplab/cramer_rao_bound.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "core/contact/dome.hpp"
 #include "core/estimate/estimate.hpp"
+#include "core/numeric/scaled_inverse.hpp"
 
 namespace sliplab {
 
@@ -56,15 +56,7 @@ double cramer_rao_sigma(const TaxelLayout& layout, const contact::BodyPair& pair
   const double sigma_p = of_uniform * most_p,
                sigma_q = kind == NoiseKind::sensor ? sigma_p : of_uniform * most_q;
   const Square information = pressure / (sigma_p * sigma_p) + shear / (sigma_q * sigma_q);
-  // The unknowns differ by many decades: scaling to a unit diagonal improves the condition number.
-  const Vector scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  if (!scale.allFinite()) return std::numeric_limits<double>::infinity();
-  const Square even = scale.asDiagonal() * information * scale.asDiagonal();
-  const Vector column = even.ldlt().solve(Vector::Unit(margin));
-  const double variance = column[margin] * scale[margin] * scale[margin];
-  return variance > 0 && std::isfinite(variance) && column[margin] < 1e12
-             ? std::sqrt(variance)
-             : std::numeric_limits<double>::infinity();
+  return std::sqrt(ScaledInverse<Square>(information).variance(margin));
 }
 
 CramerRaoBound mean_cramer_rao_bound(const TaxelLayout& layout, const Scene& scene, NoiseKind kind,
