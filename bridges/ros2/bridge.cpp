@@ -183,7 +183,9 @@ void Ros2Bridge::choose_rate() {
 // Nodes that start from now on give the new addresses, which Cyclone DDS uses from the next start on.
 void Ros2Bridge::note_addresses() {
   changes_.take();
-  if (settings_.at("network").at("interfaces") != nlohmann::json::array({kHost}) || host_interfaces() == host_) return;
+  if (settings_.at("network").at("interfaces") != nlohmann::json::array({kHost}) ||
+      host_interfaces() == host_)
+    return;
   bridges::log(bridges::LogLevel::notice, "this computer's addresses have changed: the node starts anew");
   kill(getpid(), SIGHUP);
 }

@@ -7,12 +7,11 @@
 // from a sensor at rest.
 #pragma once
 
-#include <slipd.hpp>
-
 #include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
+#include <slipd.hpp>
 #include <string>
 
 #include "bridges/support/bell.hpp"

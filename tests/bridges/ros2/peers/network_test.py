@@ -34,9 +34,11 @@ class Bed(Programs):
         return lines_of(subprocess.run([READER, network, str(self.domain), str(messages), *topics], stdout=subprocess.PIPE, text=True,
                                        timeout=PATIENCE_S, check=True).stdout)
 
-    def watch(self, seconds, *leaves):
+    def watch(self, seconds, *leaves, participants=0):
+        """What the watcher counted; it brings so many more participants into the domain."""
         return json.loads(subprocess.run([WATCHER, self.socket, "left", str(self.domain), str(seconds), "100", *leaves],
-                                         stdout=subprocess.PIPE, timeout=PATIENCE_S, check=True).stdout)
+                                         stdout=subprocess.PIPE, timeout=PATIENCE_S, check=True,
+                                         env={**os.environ, "PARTICIPANTS": str(participants)}).stdout)
 
 
 class Network(Bed):
@@ -44,6 +46,11 @@ class Network(Bed):
         for network in ("default", "localhost", "loopback"):
             with self.subTest(network):
                 self.assertGreaterEqual(len(self.read(network, 3, "/slipd/left/margin", FLOAT)), 3)
+
+    def test_it_is_read_in_a_domain_of_fifty_participants(self):
+        counted = self.watch(2, "margin", "wrench", participants=50)
+        self.assertEqual([counted[leaf]["lost"] for leaf in ("margin", "wrench")], [0, 0])
+        self.assertGreater(counted["margin"]["samples"], 10)
 
     def test_a_node_of_cyclone_reads_it_with_its_default_network(self):
         os.environ["CYCLONEDDS_URI"] = ""

@@ -266,6 +266,10 @@ int main(int argc, char** argv) {
   // With CYCLONEDDS_URI, say empty for what a ROS 2 node has by default, the environment configures Cyclone.
   if (std::getenv("CYCLONEDDS_URI") == nullptr && dds_create_domain(domain, kConfiguration) < 0)
     return fail("no domain");
+  const char* const others = std::getenv("PARTICIPANTS");
+  for (int i = 0; others != nullptr && i < std::atoi(others); ++i) {
+    if (dds_create_participant(domain, nullptr, nullptr) < 0) return fail("no participant");
+  }
   const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
   std::vector<std::unique_ptr<Topic>> topics;
   for (int i = 6; i < argc; ++i) {
