@@ -63,6 +63,7 @@ bridges::FeedOptions Publisher::feed_options() const {
   options.socket = settings_.socket;
   options.max_rate_hz = settings_.rate_hz;
   options.max_age_s = settings_.max_age_s;
+  options.texts = true;
   return options;
 }
 
