@@ -106,14 +106,14 @@ std::vector<Figure> figures_of(const SensorWatch& sensor) {
 // Top down, then in a next column where there is room.
 void draw_figures(Canvas& canvas, const Box& box, const std::vector<Figure>& figures) {
   constexpr int kFigureColumns = 24;
-  constexpr int kLabelColumns = 10;
+  constexpr int kNameColumns = 10;
   int row = 0;
   int column = 0;
   for (const auto& [label, value] : figures) {
     if (column > 0 && column + kFigureColumns > box.columns) return;
     canvas.text(box.column + column, box.row + row, label, kFaint, std::max(0, box.columns - column));
-    canvas.text(box.column + column + kLabelColumns, box.row + row, value, kPlain,
-                std::max(0, std::min(kFigureColumns - kLabelColumns, box.columns - column - kLabelColumns)));
+    canvas.text(box.column + column + kNameColumns, box.row + row, value, kPlain,
+                std::max(0, std::min(kFigureColumns - kNameColumns, box.columns - column - kNameColumns)));
     if (++row < box.rows) continue;
     row = 0;
     column += kFigureColumns;
