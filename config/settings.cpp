@@ -16,12 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string joined(const std::vector<std::string>& problems) {
-  std::string text;
-  for (const auto& problem : problems) text += (text.empty() ? "" : "\n") + problem;
-  return text;
-}
-
 const std::string* string_at(const json& object, const char* key) {
   if (!object.is_object() || !object.contains(key) || !object[key].is_string()) return nullptr;
   return &object[key].get_ref<const std::string&>();
@@ -62,9 +56,6 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
 }
 
 }  // namespace
-
-SettingsError::SettingsError(std::vector<std::string> problems)
-    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 
 Scene Settings::scene_of(const SensorSettings& sensor) const {
   const SensorSetup& setup = sensor.setup;

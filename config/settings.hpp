@@ -14,6 +14,7 @@
 #include "core/estimate/settings.hpp"
 #include "core/plausibility/limits.hpp"
 #include "driver_api/driver.hpp"
+#include "schema/settings_error.hpp"
 
 namespace slipd {
 
@@ -136,17 +137,6 @@ struct Settings {
 
   // The scene of one sensor: its skin and what all sensors share.
   Scene scene_of(const SensorSettings& sensor) const;
-};
-
-// A configuration that cannot be used. what() is all problems, one a line.
-class SettingsError : public std::runtime_error {
- public:
-  explicit SettingsError(std::vector<std::string> problems);
-  // Each is `FILE: /json/pointer = value: what is wrong, the range and unit`.
-  const std::vector<std::string>& problems() const noexcept { return problems_; }
-
- private:
-  std::vector<std::string> problems_;
 };
 
 // Finds drivers by name. The daemon implements it with loadable modules, tests without. Called from one

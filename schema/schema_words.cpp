@@ -70,12 +70,6 @@ std::string wanted_of_type(const std::string& type, const json& schema) {
   return type == "object" ? "an object" : type;
 }
 
-std::string joined(const std::vector<std::string>& parts, const char* between) {
-  std::string text;
-  for (const auto& part : parts) text += (text.empty() ? "" : between) + part;
-  return text;
-}
-
 // The Damerau-Levenshtein distance (a transposition counts once), ignoring case.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const auto same = [](char x, char y) {
@@ -98,6 +92,12 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+std::string joined(const std::vector<std::string>& parts, const char* between) {
+  std::string text;
+  for (const auto& part : parts) text += (text.empty() ? "" : between) + part;
+  return text;
+}
 
 std::string kind_of(const json& value) {
   if (value.is_number_float()) return "a fraction";

@@ -1,8 +1,9 @@
-// Describes schemas and values in words. Private to schema.cpp.
+// Describes schemas and values in words. Private to this room.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 namespace slipd {
 
@@ -14,5 +15,8 @@ std::string wanted(const nlohmann::json& schema);
 
 // The value as JSON on one line, at most 80 bytes.
 std::string shown(const nlohmann::json& value);
+
+// All parts as one text, with `between` after each but the last.
+std::string joined(const std::vector<std::string>& parts, const char* between);
 
 }  // namespace slipd

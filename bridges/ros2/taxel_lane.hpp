@@ -3,11 +3,10 @@
 // late.
 #pragma once
 
-#include <slipd.hpp>
-
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <slipd.hpp>
 #include <string>
 #include <thread>
 #include <vector>

@@ -2,10 +2,9 @@
 // libslipd. It connects again by itself. One thread's own: that of the loop.
 #pragma once
 
-#include <slipd.hpp>
-
 #include <chrono>
 #include <functional>
+#include <slipd.hpp>
 #include <string>
 #include <string_view>
 

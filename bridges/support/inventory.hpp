@@ -2,7 +2,6 @@
 #pragma once
 
 #include <slipd.hpp>
-
 #include <string>
 #include <string_view>
 #include <vector>

@@ -8,18 +8,6 @@
 #include "schema/json_text.hpp"
 
 namespace slipd::bridges {
-namespace {
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
-  return text;
-}
-
-}  // namespace
-
-SettingsError::SettingsError(std::vector<std::string> problems)
-    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 
 nlohmann::json parse_settings(std::string_view text, const std::string& name, std::string_view schema,
                               const FurtherCheck& further) {

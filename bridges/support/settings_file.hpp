@@ -5,25 +5,14 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "schema/schema.hpp"
+#include "schema/settings_error.hpp"
 
 namespace slipd::bridges {
-
-// All that is wrong with a file, one line each: `FILE: /pointer = value: what is wrong, what to write
-// instead`.
-class SettingsError : public std::runtime_error {
- public:
-  explicit SettingsError(std::vector<std::string> problems);
-  const std::vector<std::string>& problems() const noexcept { return problems_; }
-
- private:
-  std::vector<std::string> problems_;
-};
 
 // Rules that a schema cannot state. Gets settings that fit the schema, and may return problems.
 using FurtherCheck = std::function<std::vector<Problem>(const nlohmann::json& settings)>;

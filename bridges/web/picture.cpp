@@ -4,7 +4,6 @@
 #include <bit>
 #include <boost/archive/iterators/binary_from_base64.hpp>
 #include <boost/archive/iterators/transform_width.hpp>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -17,10 +16,10 @@ namespace {
 using Json = nlohmann::json;
 static_assert(std::endian::native == std::endian::little);
 
-constexpr float kPressureSteps = 255, kShearSteps = 127;
+constexpr std::size_t kChannels = 3;  // pressure, shear x, shear y
 
-// Throws for text that is no base64 of whole float32.
-std::vector<float> floats_in(const Json& text) {
+// Throws for text that is no base64 of whole taxels: a byte of pressure and two of shear.
+std::string taxels_in(const Json& text) {
   using namespace boost::archive::iterators;
   using Bytes = transform_width<binary_from_base64<const char*>, 8, 6>;
   const auto& digits = text.get_ref<const std::string&>();
@@ -28,31 +27,11 @@ std::vector<float> floats_in(const Json& text) {
       digits.size() - static_cast<std::size_t>(std::count(digits.begin(), digits.end(), '='));
   constexpr std::size_t kGroupDigits = 4, kGroupBytes = 3;
   const std::size_t bytes = length * kGroupBytes / kGroupDigits;
-  if (digits.size() % kGroupDigits != 0 || digits.size() - length > 2 || bytes % sizeof(float) != 0)
-    throw std::runtime_error("slipd's frame is no base64 of float32");
-  std::vector<float> values(bytes / sizeof(float));
-  Bytes in(digits.data());
-  auto* const out = reinterpret_cast<char*>(values.data());
-  for (std::size_t i = 0; i < bytes; ++i, ++in) out[i] = *in;
+  if (digits.size() % kGroupDigits != 0 || digits.size() - length > 2 || bytes % kChannels != 0)
+    throw std::runtime_error("slipd's frame is no base64 of whole taxels");
+  std::string values(bytes, '\0');
+  std::copy_n(Bytes(digits.data()), bytes, values.begin());
   return values;
-}
-
-// The largest finite magnitude; at least 0.
-float peak_of(const std::vector<float>& values) {
-  float peak = 0;
-  for (const float value : values) {
-    if (std::isfinite(value)) peak = std::max(peak, std::abs(value));
-  }
-  return peak;
-}
-
-// What is not finite is 0.
-void append_steps(std::string& out, const std::vector<float>& values, float peak, float steps, float low) {
-  const float scale = peak > 0 ? steps / peak : 0;
-  for (const float value : values) {
-    const float step = std::isfinite(value) ? std::clamp(std::round(scale * value), low, steps) : 0;
-    out += static_cast<char>(static_cast<int>(step));
-  }
 }
 
 std::string with_head(const Json& head, std::size_t room) {
@@ -70,22 +49,14 @@ std::string with_head(const Json& head, std::size_t room) {
 
 std::string frame_picture(const std::string& sensor, std::string_view answer) {
   const Json frame = Json::parse(answer);
-  const auto normal = floats_in(frame.at("normal_pa"));
-  const auto x = floats_in(frame.at("shear_x_pa")), y = floats_in(frame.at("shear_y_pa"));
-  if (x.size() != normal.size() || y.size() != normal.size())
-    throw std::runtime_error("slipd's frame has channels of different sizes");
-  const float peak = peak_of(normal), shear = std::max(peak_of(x), peak_of(y));
-  std::string message = with_head({{"kind", "frame"},
-                                   {"sensor", sensor},
-                                   {"taxels", normal.size()},
-                                   {"seq", frame.at("seq")},
-                                   {"peak_pa", peak},
-                                   {"peak_shear_pa", shear}},
-                                  3 * normal.size());
-  append_steps(message, normal, peak, kPressureSteps, 0);
-  append_steps(message, x, shear, kShearSteps, -kShearSteps);
-  append_steps(message, y, shear, kShearSteps, -kShearSteps);
-  return message;
+  const std::string values = taxels_in(frame.at("values"));
+  const Json head{{"kind", "frame"},
+                  {"sensor", sensor},
+                  {"taxels", values.size() / kChannels},
+                  {"seq", frame.at("seq")},
+                  {"peak_pa", frame.at("peak_pa")},
+                  {"peak_shear_pa", frame.at("peak_shear_pa")}};
+  return with_head(head, values.size()) += values;
 }
 
 std::string layout_picture(const std::string& sensor, std::string_view answer) {

@@ -14,7 +14,7 @@
 
 namespace slipd::web {
 
-// From slipd's answer to `frame` with encoding base64. Throws std::exception for an answer of another form.
+// From slipd's answer to `frame` with encoding bytes. Throws std::exception for an answer of another form.
 std::string frame_picture(const std::string& sensor, std::string_view answer);
 
 // The places of taxels, from slipd's answer to `frame`. Throws as above.

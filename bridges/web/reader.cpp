@@ -77,8 +77,11 @@ void Reader::wanted_changed() {
   if (wanted_.browsers > 0 && !events_) begin();
   if (wanted_.browsers == 0 && events_) end();
   if (wanted_.method) send_method();
-  if (!wanted_.looks.empty() && !pictures_.running())
-    pictures_.start(std::max(Clock::duration::zero(), pictured_ + period_ - Clock::now()));
+  if (!wanted_.looks.empty() && !pictures_.running()) pictures_.start(until_next(pictured_));
+}
+
+Reader::Clock::duration Reader::until_next(Clock::time_point last) const {
+  return std::max(Clock::duration::zero(), last + period_ - Clock::now());
 }
 
 void Reader::begin() {
@@ -113,8 +116,7 @@ void Reader::take_events() {
     news = true;
     if (code != SLIPD_DONE) break;
   }
-  if (news && !estimates_.running())
-    estimates_.start(std::max(Clock::duration::zero(), sent_ + period_ - Clock::now()));
+  if (news && !estimates_.running()) estimates_.start(until_next(sent_));
 }
 
 void Reader::send_live() {
@@ -148,10 +150,12 @@ void Reader::send_status() {
 void Reader::send_pictures() {
   wanted_ = server_->wanted();
   if (wanted_.looks.empty()) return;  // the server says when a browser is ready for the next one
-  pictured_ = Clock::now();
+  // In step with the last one, so that neither a late timer nor the work below makes the rate lower.
+  const auto now = Clock::now();
+  pictured_ = now - pictured_ < 2 * period_ ? pictured_ + period_ : now;
   bool sent = away_.empty();
   for (const std::string& sensor : wanted_.looks) sent = sent && send_picture(sensor);
-  pictures_.start(sent ? period_ : Clock::duration(kHeartbeat));
+  pictures_.start(sent ? until_next(pictured_) : Clock::duration(kHeartbeat));
 }
 
 // False: there is none now.
@@ -163,7 +167,7 @@ bool Reader::send_picture(const std::string& sensor) {
       server_->publish_layout(sensor, layout_picture(sensor, ask("frame", name + "}")));
       asked = Clock::now();
     }
-    server_->publish_picture(sensor, frame_picture(sensor, ask("frame", name + R"(,"encoding":"base64"})")));
+    server_->publish_picture(sensor, frame_picture(sensor, ask("frame", name + R"(,"encoding":"bytes"})")));
     return true;
   } catch (const std::exception&) {
     laid_out_.erase(sensor);  // a browser may look at what is no sensor

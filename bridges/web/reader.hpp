@@ -7,12 +7,11 @@
 // from a sensor at rest.
 #pragma once
 
-#include <slipd.hpp>
-
 #include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
+#include <slipd.hpp>
 #include <string>
 
 #include "bridges/support/loop.hpp"
@@ -39,6 +38,8 @@ class Reader : public bridges::Service {
   using Clock = std::chrono::steady_clock;
   class Bell;
 
+  // How long it is until one period after `last`; at least 0.
+  Clock::duration until_next(Clock::time_point last) const;
   void wanted_changed();
   void begin();
   void subscribe();
@@ -61,7 +62,7 @@ class Reader : public bridges::Service {
   std::unique_ptr<Bell> bell_;
   bridges::Loop::Timer estimates_, beat_, status_, pictures_;
   bridges::Loop::Watch event_, rung_;
-  Clock::time_point sent_{}, pictured_{};
+  Clock::time_point sent_{}, pictured_{};  // of the estimates; when the pictures were due
   Wanted wanted_;
   bool subscribed_ = false;
   std::string away_;                                   // why slipd is not reached; empty: it is

@@ -2,8 +2,10 @@
 // through which the daemon and the tools reach the estimators.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/contact/scene.hpp"
@@ -35,6 +37,18 @@ struct ChainSetup {
 // taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs
 // over time.
 bool always_fits(const ChainSetup& setup);
+
+// Why a sensor's method is the one that it is.
+enum class MethodReason : std::uint8_t {
+  configured,  // estimator.method names it
+  automatic,   // `auto` chose it by error and time on the sensor's scene
+  few_taxels,  // see always_fits
+  skin,        // `auto`, under a skin of known depth, for which only fit corrects
+  forces,      // without taxels and curvature, friction and forces give the margin
+  no_shear     // there is no margin
+};
+std::string_view to_string(MethodReason reason) noexcept;  // as on the socket: "configured", "auto", …
+MethodReason why_method(const ChainSetup& setup);
 
 // Whether a trained model is needed, so that a scene that needs none never makes one.
 bool needs_model(const ChainSetup& setup);

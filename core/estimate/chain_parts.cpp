@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -126,6 +127,22 @@ PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
 bool always_fits(const ChainSetup& setup) {
   return setup.sensor_class == SensorClass::array3 && !only_forces(setup) &&
          setup.layout.size() <= Fit::kFewTaxels && setup.estimator.tracking;
+}
+
+std::string_view to_string(MethodReason reason) noexcept {
+  static constexpr std::string_view kNames[] = {"configured", "auto",   "few_taxels",
+                                                "skin",       "forces", "no_shear"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+MethodReason why_method(const ChainSetup& setup) {
+  const MethodChoice wanted = setup.estimator.method;
+  if (setup.sensor_class == SensorClass::normal) return MethodReason::no_shear;
+  if (only_forces(setup)) return MethodReason::forces;
+  if (wanted == MethodChoice::fit) return MethodReason::configured;
+  if (always_fits(setup)) return MethodReason::few_taxels;
+  if (wanted != MethodChoice::automatic) return MethodReason::configured;
+  return with_felt_skin(setup).scene.skin.depth_m > 0 ? MethodReason::skin : MethodReason::automatic;
 }
 
 bool needs_model(const ChainSetup& setup) {

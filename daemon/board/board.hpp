@@ -67,6 +67,8 @@ struct DeviceFacts {
   double rate_hz = 0;
   // The estimator's method; empty until there is an estimator.
   std::string method;
+  // Why it is this one, as to_string(MethodReason); empty until there is an estimator.
+  std::string method_reason;
   // Error against run time of the methods on this sensor's scene; without rows until it was measured.
   WorkPrecision tradeoff;
   // Why there is no device or no estimator, for people; empty: there is.

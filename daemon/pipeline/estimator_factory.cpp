@@ -117,6 +117,7 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
   const std::string method(to_string(instance->method));
   runtime.status.change_facts([&](DeviceFacts& facts) {
     facts.method = method;
+    facts.method_reason = to_string(why_method(setup));
     facts.tradeoff = instance->work_precision;
   });
   // An instance that the estimate thread did not take is retired here.

@@ -1,5 +1,6 @@
 #include "daemon/rpc/frame_requests.hpp"
 
+#include <array>
 #include <bit>
 #include <boost/archive/iterators/base64_from_binary.hpp>
 #include <boost/archive/iterators/transform_width.hpp>
@@ -11,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "daemon/rpc/frame_bytes.hpp"
 #include "daemon/rpc/request_params.hpp"
 #include "daemon/rt/clock.hpp"
 
@@ -25,13 +27,10 @@ constexpr std::size_t kFrameBytesPerTaxel = 40;
 // Of answers that all clients together have requested and not read, beyond which there are no more frames.
 constexpr std::size_t kMostOwedToAll = std::size_t{24} * 1024 * 1024;
 
-// float32, little-endian, as base64: a third of the time and of the bytes that digits take.
-std::string base64_of(const std::vector<float>& values) {
-  static_assert(std::endian::native == std::endian::little);
+std::string base64_of(std::span<const std::byte> bytes) {
   using namespace boost::archive::iterators;
   using Digits = base64_from_binary<transform_width<const char*, 6, 8>>;
   constexpr std::size_t kGroupDigits = 4;
-  const auto bytes = std::as_bytes(std::span(values));
   std::string copy(bytes.size() + 1, 0);  // the iterator reads a byte more where the last group is not full
   std::memcpy(copy.data(), bytes.data(), bytes.size());
   std::string text(Digits(copy.data()), Digits(copy.data() + bytes.size()));
@@ -39,12 +38,26 @@ std::string base64_of(const std::vector<float>& values) {
   return text;
 }
 
+// float32, little-endian: a third of the time and of the bytes that digits take.
 json values_json(const FrameCopy::Content& frame, const Now& now) {
+  static_assert(std::endian::native == std::endian::little);
+  const auto text_of = [](const std::vector<float>& values) {
+    return base64_of(std::as_bytes(std::span(values)));
+  };
   return {{"seq", frame.sequence},
           {"time_ns", now.realtime_of(frame.time_ns)},
-          {"normal_pa", base64_of(frame.normal_pa)},
-          {"shear_x_pa", base64_of(frame.shear_x_pa)},
-          {"shear_y_pa", base64_of(frame.shear_y_pa)}};
+          {"normal_pa", text_of(frame.normal_pa)},
+          {"shear_x_pa", text_of(frame.shear_x_pa)},
+          {"shear_y_pa", text_of(frame.shear_y_pa)}};
+}
+
+json bytes_json(const FrameCopy::Content& frame, const Now& now) {
+  const FrameBytes bytes = frame_bytes(frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa);
+  return {{"seq", frame.sequence},
+          {"time_ns", now.realtime_of(frame.time_ns)},
+          {"peak_pa", bytes.peak_pa},
+          {"peak_shear_pa", bytes.peak_shear_pa},
+          {"values", base64_of(std::as_bytes(std::span(bytes.values)))}};
 }
 
 json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
@@ -62,14 +75,15 @@ json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, cons
           {"y_mm", y_mm}};
 }
 
-bool wants_base64(const nlohmann::json& params) {
-  const auto encoding = params.find("encoding");
-  if (encoding == params.end()) return false;
-  if (*encoding != "base64") throw rpc::Error(rpc::kInvalidParams, "encoding must be \"base64\" or absent");
-  return true;
-}
-
 }  // namespace
+
+FrameRequests::Encoding FrameRequests::encoding_of(const nlohmann::json& params) {
+  const auto encoding = params.find("encoding");
+  if (encoding == params.end()) return Encoding::digits;
+  if (*encoding == "base64") return Encoding::base64;
+  if (*encoding == "bytes") return Encoding::bytes;
+  throw rpc::Error(rpc::kInvalidParams, "encoding must be \"base64\", \"bytes\" or absent");
+}
 
 FrameRequests::FrameRequests(ServiceContext& context)
     : context_(context), pending_(context.board.sensors.size()) {}
@@ -85,7 +99,7 @@ void FrameRequests::add(Client& client, const nlohmann::json& params, const Repl
                      "slipd keeps too many answers that its clients do not read; ask again later");
   }
   pending_[sensor].push_back(
-      {reply, client.promise(kFrameBytesPerTaxel * layout->size()), wants_base64(params)});
+      {reply, client.promise(kFrameBytesPerTaxel * layout->size()), encoding_of(params)});
   status.frame_copy.request(layout->size());
   context_.ring_estimate();
 }
@@ -107,14 +121,24 @@ void FrameRequests::complete_of(std::size_t sensor) {
   const auto waiting = std::exchange(pending_[sensor], {});
   const auto layout = status.facts().layout;
   const bool usable = frame->has_frame && layout && layout->size() == frame->normal_pa.size();
-  std::string digits, base64;
+  std::array<std::string, kEncodings> texts;
   const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
   try {
     for (const Pending& wanted : waiting) {
-      std::string& text = wanted.base64 ? base64 : digits;
+      std::string& text = texts[static_cast<std::size_t>(wanted.encoding)];
       if (!usable || !text.empty()) continue;
       const Now now = Now::read();
-      text = (wanted.base64 ? values_json(*frame, now) : frame_json(*frame, *layout, now)).dump();
+      switch (wanted.encoding) {
+        case Encoding::digits:
+          text = frame_json(*frame, *layout, now).dump();
+          break;
+        case Encoding::base64:
+          text = values_json(*frame, now).dump();
+          break;
+        case Encoding::bytes:
+          text = bytes_json(*frame, now).dump();
+          break;
+      }
     }
   } catch (const std::bad_alloc&) {
     trouble = "slipd has not enough memory for this";
@@ -122,7 +146,7 @@ void FrameRequests::complete_of(std::size_t sensor) {
   status.frame_copy.release();
   for (const Pending& wanted : waiting) {
     if (trouble == nullptr) {
-      wanted.reply.text(wanted.base64 ? base64 : digits);
+      wanted.reply.text(texts[static_cast<std::size_t>(wanted.encoding)]);
     } else {
       wanted.reply.error(rpc::kNotPossible, trouble);
     }

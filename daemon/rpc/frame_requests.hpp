@@ -31,11 +31,15 @@ class FrameRequests {
   std::uint64_t refused() const noexcept { return refused_; }
 
  private:
+  // The forms of a frame's text.
+  enum class Encoding : std::uint8_t { digits, base64, bytes };
+  static constexpr std::size_t kEncodings = 3;
   struct Pending {
     rpc::Reply reply;
     OwedPart promised;
-    bool base64;
+    Encoding encoding;
   };
+  static Encoding encoding_of(const nlohmann::json& params);
   void complete_of(std::size_t sensor);
 
   ServiceContext& context_;

@@ -25,8 +25,9 @@ std::vector<MethodFacts> make_methods() {
       {"status", {}, kObject, "Counts, rates, latencies, zeros, outputs, clients"},
       {"frame",
        {kSensor,
-        {"encoding", false, R"({"const":"base64"})",
-         "values as float32 in base64, without places; absent: as numbers"}},
+        {"encoding", false, R"({"enum":["base64","bytes"]})",
+         "values in base64, without places: base64 as float32, bytes as shares of their peaks, a byte each; "
+         "absent: as numbers"}},
        kObject,
        "One frame: pressure and shear of each taxel, and where it is"},
       {"tradeoff", {kSensor}, kObject, "Error against time of the estimators measured for a sensor"},

@@ -219,6 +219,7 @@ json sensors_json(const ServiceContext& context) {
          {"taxels", opened ? json(facts.layout->size()) : json(nullptr)},
          {"rate_hz", facts.rate_hz > 0 ? facts.rate_hz : setup.rate_hz},
          {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
+         {"method_reason", facts.method_reason.empty() ? json(nullptr) : json(facts.method_reason)},
          {"simulated", status.simulated.load(std::memory_order_relaxed)},
          {"connected", status.link.load(std::memory_order_relaxed) == DeviceLink::open},
          {"receiving", receiving(status, status.latest.load())},

@@ -62,7 +62,10 @@ TEST(Devices, ADeviceThatIsNotThereIsAFaultWithItsReasonAndTheOthersGoOn) {
   const json status = daemon.client().result("status");
   EXPECT_EQ(sensor_of(status, "gone")["trouble"], "trial device 7 is not there: plug it in");
   EXPECT_EQ(sensor_of(status, "stuck")["state"], "stale");
-  EXPECT_EQ(sensor_of(daemon.client().result("sensors"), "gone")["connected"], false);
+  const json listed = daemon.client().result("sensors");
+  EXPECT_EQ(sensor_of(listed, "gone")["connected"], false);
+  EXPECT_EQ(sensor_of(listed, "gone")["method_reason"], nullptr);
+  EXPECT_EQ(sensor_of(listed, "well")["method_reason"], "configured");
   EXPECT_EQ(daemon.client().call("frame", {{"sensor", "gone"}})["error"]["code"], -32003);
 }
 

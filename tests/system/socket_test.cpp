@@ -91,7 +91,7 @@ TEST_F(Socket, AFrameHasAColumnForEveryTaxel) {
 }
 
 // RFC 4648, section 4.
-std::vector<float> floats_of_base64(const std::string& text) {
+std::string bytes_of_base64(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
   unsigned bits = 0;
@@ -101,6 +101,11 @@ std::vector<float> floats_of_base64(const std::string& text) {
     held += 6;
     if (held >= 8) bytes.push_back(static_cast<char>(bits >> (held -= 8)));
   }
+  return bytes;
+}
+
+std::vector<float> floats_of_base64(const std::string& text) {
+  const std::string bytes = bytes_of_base64(text);
   std::vector<float> values(bytes.size() / sizeof(float));
   std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
   return values;
@@ -117,6 +122,26 @@ TEST_F(Socket, AFrameInBase64IsTheFrameInDigits) {
     EXPECT_EQ(floats_of_base64(base64[column]), digits[column].get<std::vector<float>>()) << column;
   EXPECT_FALSE(base64.contains("x_mm"));
   EXPECT_EQ(client.call("frame", {{"sensor", "left"}, {"encoding", "hex"}})["error"]["code"], -32602);
+}
+
+TEST_F(Socket, AFrameInBytesIsTheFrameToWithinHalfAStep) {
+  auto client = daemon_.client();
+  json digits, bytes;
+  do {
+    digits = client.result("frame", {{"sensor", "left"}});
+    bytes = client.result("frame", {{"sensor", "left"}, {"encoding", "bytes"}});
+  } while (digits["seq"] != bytes["seq"]);
+  const std::string values = bytes_of_base64(bytes["values"]);
+  const auto normal = digits["normal_pa"].get<std::vector<float>>();
+  const auto shear_y = digits["shear_y_pa"].get<std::vector<float>>();
+  ASSERT_EQ(values.size(), 3 * normal.size());
+  const double peak = bytes["peak_pa"], peak_shear = bytes["peak_shear_pa"];
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    const auto pressure = static_cast<unsigned char>(values[i]);
+    const auto shear = static_cast<signed char>(values[2 * normal.size() + i]);
+    EXPECT_NEAR(pressure / 255. * peak, std::max(0.F, normal[i]), peak / 509);
+    EXPECT_NEAR(shear / 127. * peak_shear, shear_y[i], peak_shear / 253);
+  }
 }
 
 TEST_F(Socket, WrongRequestsGetTheStandardsCodes) {

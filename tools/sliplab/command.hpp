@@ -38,6 +38,7 @@ void add_alerts(CLI::App& app, const Common& common);
 void add_overload(CLI::App& app, const Common& common);
 void add_replay(CLI::App& app, const Common& common);
 void add_skin(CLI::App& app, const Common& common);
+void add_merge(CLI::App& app);
 void add_picture(CLI::App& app, const Common& common);
 
 }  // namespace sliplab

@@ -3,7 +3,6 @@
 // to frame.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "tools/sliplab/histories/drive.hpp"
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/progress.hpp"
+#include "tools/sliplab/sweep/sweep.hpp"
 
 namespace sliplab {
 namespace {
@@ -31,6 +31,7 @@ struct HistoriesOptions {
   std::string noise_kind = "sensor";
   Sampling sensing;
   unsigned threads = 2;
+  Shard shard;  // of sides and methods
 };
 
 const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automatic},
@@ -45,6 +46,7 @@ struct MethodLine {
   std::string method;
   ErrorStatistics all;
   StatisticsByMove by_move;
+  std::size_t unit = 0;  // number of its side and method in the sweep
 };
 
 MethodLine measure(std::size_t side, const std::string& method, const HistoriesOptions& options,
@@ -72,7 +74,7 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
                           i == 0 ? watch : std::function<void(const GraspSample&)>{});
       },
       [&](double share) { bar.show(share, "grasps"); });
-  MethodLine line{side, method, {}, {}};
+  MethodLine line{.side = side, .method = method, .all = {}, .by_move = {}};
   for (const auto& grasp : grasps) {
     for (std::size_t move = 0; move < kMoves; ++move) {
       line.by_move[move].add(grasp[move]);
@@ -125,19 +127,19 @@ nlohmann::ordered_json as_json(const ErrorStatistics& statistics) {
           {"states", std::move(states)}};
 }
 
-nlohmann::ordered_json as_json(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
+  SweepResult sweep{{{"grasps", options.grasps},
+                     {"noise_kind", options.noise_kind},
+                     {"noise", options.sensing.noise},
+                     {"frame_ms", 1e3 * options.sensing.frame_s}},
+                    {}};
   for (const auto& line : lines) {
     nlohmann::ordered_json row{{"columns", line.side}, {"method", line.method}, {"all", as_json(line.all)}};
     for (std::size_t move = 0; move < kMoves; ++move)
       row["during"][std::string(name_of(static_cast<Move>(move)))] = as_json(line.by_move[move]);
-    rows.push_back(std::move(row));
+    sweep.add_row(line.unit, std::move(row));
   }
-  return {{"grasps", options.grasps},
-          {"noise_kind", options.noise_kind},
-          {"noise", options.sensing.noise},
-          {"frame_ms", 1e3 * options.sensing.frame_s},
-          {"rows", std::move(rows)}};
+  return sweep;
 }
 
 void write_table(const std::vector<MethodLine>& lines, const std::filesystem::path& folder) {
@@ -178,20 +180,24 @@ void plot_traces(const std::filesystem::path& folder, const std::vector<MethodLi
   plot(folder, "histories", script.str());
 }
 
-void run(const Common& common, HistoriesOptions options) {
+void run(const Common& common, const CLI::App& command, HistoriesOptions options) {
+  refuse_files(options.shard, common);
   options.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   if (!common.out.empty()) std::filesystem::create_directories(common.out);
   std::vector<MethodLine> lines;
+  std::size_t unit = 0;
   for (const std::size_t side : options.sides) {
     for (const auto& method : options.methods) {
+      if (!options.shard.has(unit++)) continue;
       std::string trace;
       lines.push_back(measure(side, method, options, common.seed, trace));
+      lines.back().unit = unit - 1;
       if (!common.out.empty())
         write_file(common.out / ("grasp-" + method + "-" + std::to_string(side) + ".csv"), trace);
     }
   }
-  if (common.json) {
-    std::cout << as_json(lines, options).dump(2) << '\n';
+  if (common.json || !options.shard.whole()) {
+    print_json(to_sweep(lines, options), options.shard, common, command);
   } else {
     print_table(lines, options);
   }
@@ -235,7 +241,8 @@ void add_histories(CLI::App& app, const Common& common) {
   command->add_option("--threads", options->threads, "threads to compute with")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  command->callback([&common, options] { run(common, *options); });
+  add_shard_option(*command, options->shard);
+  command->callback([&common, command, options] { run(common, *command, *options); });
 }
 
 }  // namespace sliplab

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   add_replay(app, common);
   add_skin(app, common);
   add_stability(app, common);
+  add_merge(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {

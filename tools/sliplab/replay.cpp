@@ -19,6 +19,7 @@ struct ReplayOptions {
   std::string scene, sensor, estimates;
   std::vector<std::string> files;
   std::filesystem::path picture, label;
+  Shard shard;  // of files and sensors
 };
 
 nlohmann::json summary_of(const ReplayRun& run) {
@@ -36,8 +37,11 @@ void print(const ReplayRun& run, const ReplaySummary& summary) {
   std::cerr << '\n';
 }
 
-void run_replay(const Common& common, const ReplayOptions& options) {
-  const std::vector<ReplayRun> runs = replay(options.scene, options.sensor, options.files);
+void run_replay(const Common& common, const CLI::App& command, const ReplayOptions& options) {
+  const bool json = common.json || !options.shard.whole();
+  if (json && options.estimates == "-" && !options.shard.whole())
+    throw WrongUse("a shard prints its part: write its estimates to a file, not to standard output");
+  const std::vector<ReplayRun> runs = replay(options.scene, options.sensor, options.files, options.shard);
   if (!options.estimates.empty()) {
     const std::string table = estimates_csv(runs);
     if (options.estimates == "-") {
@@ -46,19 +50,19 @@ void run_replay(const Common& common, const ReplayOptions& options) {
       write_file(options.estimates, table);
     }
   }
-  nlohmann::json all = nlohmann::json::array();
+  SweepResult sweep;
   for (const ReplayRun& run : runs) {
     nlohmann::json summary = summary_of(run);
-    if (!common.json) print(run, summarize(run));
+    if (!json) print(run, summarize(run));
     if (!options.label.empty()) {
       const LabelScore score = score_alerts(run, read_labels(options.label, run));
       summary["label"] = to_json(score);
-      if (!common.json) std::cerr << "  " << describe(score) << '\n';
+      if (!json) std::cerr << "  " << describe(score) << '\n';
     }
-    all.push_back(std::move(summary));
+    sweep.add_row(run.unit, std::move(summary));
     if (!run.fault.empty()) std::cerr << "sliplab: " << run.fault << '\n';
   }
-  if (common.json && options.estimates != "-") std::cout << all.dump(2) << '\n';
+  if (json && options.estimates != "-") print_json(sweep, options.shard, common, command);
   if (!options.picture.empty()) draw(runs, options.picture);
 }
 
@@ -76,7 +80,8 @@ void add_replay(CLI::App& app, const Common& common) {
   command->add_option("--picture", options->picture, "margin, forces and alerts over time, as SVG");
   command->add_option("--label", options->label,
                       "CSV with a column slip, 0 or 1 in each row: the alerts are scored against it");
-  command->callback([&common, options] { run_replay(common, *options); });
+  add_shard_option(*command, options->shard);
+  command->callback([&common, command, options] { run_replay(common, *command, *options); });
 }
 
 }  // namespace sliplab

@@ -2,9 +2,7 @@
 // parameters against many digits, the condition of the methods, and contacts that deviate from the model.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,7 +18,8 @@ namespace {
 struct StabilityOptions {
   TrialSetup setup;
   std::string noise_kind = "sensor";
-  std::vector<std::string> parts{"model", "extremes", "condition", "adversary", "torque"};
+  std::vector<std::string> parts{kStabilityParts.begin(), kStabilityParts.end()};
+  Shard shard;  // of the parts
 };
 
 std::vector<ContactModelError> worst_everywhere(const TrialSetup& setup, const Done& done) {
@@ -37,12 +36,14 @@ std::vector<ContactModelError> worst_everywhere(const TrialSetup& setup, const D
   return rows;
 }
 
-void run(const Common& common, StabilityOptions options) {
+void run(const Common& common, const CLI::App& command, StabilityOptions options) {
+  refuse_files(options.shard, common);
   options.setup.kind =
       options.noise_kind == "relative" ? slipd::NoiseKind::relative : slipd::NoiseKind::sensor;
   options.setup.seed = common.seed;
-  const auto wanted = [&](const char* part) {
-    return std::find(options.parts.begin(), options.parts.end(), part) != options.parts.end();
+  const auto wanted = [&](StabilityPart part) {
+    return options.shard.has(part) && std::find(options.parts.begin(), options.parts.end(),
+                                                kStabilityParts.at(part)) != options.parts.end();
   };
   Stability found;
   found.setup = options.setup;
@@ -53,11 +54,11 @@ void run(const Common& common, StabilityOptions options) {
       return
           [&bar, what, from, to = from + 0.2](double share) { bar.show(from + share * (to - from), what); };
     };
-    if (wanted("model")) found.model = worst_everywhere(found.setup, part("model"));
+    if (wanted(model_part)) found.model = worst_everywhere(found.setup, part("model"));
     from = 0.2;
-    if (wanted("extremes")) found.extremes = measure_extremes(found.setup, part("extremes"));
+    if (wanted(extremes_part)) found.extremes = measure_extremes(found.setup, part("extremes"));
     from = 0.4;
-    if (wanted("condition")) {
+    if (wanted(condition_part)) {
       bar.show(from, "training");
       auto methods = all_methods(found.setup);
       for (const auto& method : methods) found.methods.push_back(method.name);
@@ -65,12 +66,12 @@ void run(const Common& common, StabilityOptions options) {
       found.bits = bits_needed(found.setup, methods, part("bits"));
     }
     from = 0.6;
-    if (wanted("adversary")) found.perturbations = measure_perturbations(found.setup, part("adversary"));
+    if (wanted(adversary_part)) found.perturbations = measure_perturbations(found.setup, part("adversary"));
     from = 0.8;
-    if (wanted("torque")) found.turning = measure_turning(found.setup, part("torque"));
+    if (wanted(torque_part)) found.turning = measure_turning(found.setup, part("torque"));
   }
-  if (common.json) {
-    std::cout << to_json(found).dump(2) << '\n';
+  if (common.json || !options.shard.whole()) {
+    print_json(to_sweep(found, options.shard), options.shard, common, command);
   } else {
     print_table(found);
   }
@@ -88,7 +89,7 @@ void add_stability(CLI::App& app, const Common& common) {
       ->add_option("--parts", options->parts,
                    "parts to run, out of model, extremes, condition, adversary, torque; default: all")
       ->delimiter(',')
-      ->check(CLI::IsMember({"model", "extremes", "condition", "adversary", "torque"}));
+      ->check(CLI::IsMember(kStabilityParts));
   command->add_option("--side", options->setup.side, "taxels along each side of the pad")
       ->check(CLI::Range(8, 100))
       ->capture_default_str();
@@ -109,7 +110,8 @@ void add_stability(CLI::App& app, const Common& common) {
   command->add_option("--threads", options->setup.threads, "threads to compute with")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  command->callback([&common, options] { run(common, *options); });
+  add_shard_option(*command, options->shard);
+  command->callback([&common, command, options] { run(common, *command, *options); });
 }
 
 }  // namespace sliplab

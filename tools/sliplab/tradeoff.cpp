@@ -1,8 +1,6 @@
 // `sliplab tradeoff`: error against run time, for each method and setting on each layout and kind of noise.
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/progress.hpp"
@@ -12,29 +10,30 @@
 namespace sliplab {
 namespace {
 
-void run_imprints(const Common& common, const TradeoffOptions& options) {
+void run_imprints(const Common& common, const CLI::App& command, const TradeoffOptions& options) {
   std::vector<ImprintLine> lines;
   {
     ProgressBar bar("tradeoff");
     lines = measure_imprints(options, [&](double share, const char* layout) { bar.show(share, layout); });
   }
-  if (common.json) {
-    std::cout << imprints_to_json(lines, options.contacts).dump(2) << '\n';
+  if (common.json || !options.shard.whole()) {
+    print_json(imprints_to_sweep(lines, options.contacts), options.shard, common, command);
   } else {
     print_imprints(lines, options.contacts);
   }
 }
 
-void run(const Common& common, TradeoffOptions options, bool imprints) {
+void run(const Common& common, const CLI::App& command, TradeoffOptions options, bool imprints) {
+  refuse_files(options.shard, common);
   options.seed = common.seed;
-  if (imprints) return run_imprints(common, options);
+  if (imprints) return run_imprints(common, command, options);
   std::vector<Line> lines;
   {
     ProgressBar bar("tradeoff");
     lines = measure_tradeoffs(options, [&](double share, const char* layout) { bar.show(share, layout); });
   }
-  if (common.json) {
-    std::cout << to_json(lines, options.contacts).dump(2) << '\n';
+  if (common.json || !options.shard.whole()) {
+    print_json(to_sweep(lines, options.contacts), options.shard, common, command);
   } else {
     print_table(lines, options.contacts);
   }
@@ -65,7 +64,8 @@ void add_tradeoff(CLI::App& app, const Common& common) {
   command->add_flag(
       "--imprints", *imprints,
       "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
-  command->callback([&common, options, imprints] { run(common, *options, *imprints); });
+  add_shard_option(*command, options->shard);
+  command->callback([&common, command, options, imprints] { run(common, *command, *options, *imprints); });
 }
 
 }  // namespace sliplab

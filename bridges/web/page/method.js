@@ -1,6 +1,15 @@
 // The page "Method": for each sensor the error of each method against its time, which one runs and why, and what its scene leaves out.
 import { colour, fixed, isNumber, make, sized } from "./dom.js";
 
+// Why slipd uses a method, by method_reason of docs/socket.md.
+const kReasons = {
+  configured: "The configuration names it (estimator.method).",
+  few_taxels: "No single frame of a sensor of so few taxels tells its margin; fit weighs them over time, whatever estimator.method says.",
+  skin: "The taxels lie under rubber (skin.depth_mm), for which no other method corrects.",
+  forces: "The sensor gives a force only, or its skin is flat: nothing else tells its margin.",
+  no_shear: "The sensor measures no shear, so it has no margin.",
+};
+
 const kMethods = {
   "svd-knn": "compares the frame with trained ones in the positions of its training data",
   registered: "compares the frame with trained ones, on rings about the contact's centre",
@@ -60,15 +69,21 @@ function why(sensor, rows) {
   if (!sensor.method) return ["No method runs yet."];
   const meaning = kMethods[sensor.method] ? `: ${kMethods[sensor.method]}` : "";
   const said = [make("strong", {}, sensor.method), `${meaning}. `];
-  const budget = sensor.tradeoff?.budget_us, own = rows.find((row) => row.method === sensor.method);
-  const inBudget = rows.filter((row) => row.answered > 0 && row.p50_us <= budget);
-  const best = inBudget.reduce((least, row) => (!least || row.mean_error < least.mean_error ? row : least), null);
-  if (own && best && best.method === sensor.method)
-    said.push(`It has the smallest mean error (${fixed(own.mean_error, 3)}) of those that take at most ${fixed(budget, 0, "µs")} a frame (estimator.budget_us).`);
-  else if (own)
-    said.push(`The configuration, or what the sensor needs, chose it; its mean error is ${fixed(own.mean_error, 3)} at ${fixed(own.p50_us, 1, "µs")} a frame.`);
-  else said.push("Its error on single frames was not measured for this sensor.");
+  const own = rows.find((row) => row.method === sensor.method);
+  if (sensor.method_reason === "auto") said.push(chosen(sensor, rows, own));
+  else if (kReasons[sensor.method_reason]) said.push(kReasons[sensor.method_reason]);
+  said.push(own ? ` Its mean error is ${fixed(own.mean_error, 3)} at ${fixed(own.p50_us, 1, "µs")} a frame.`
+                : " Its error on single frames was not measured for this sensor.");
   return said;
+}
+
+// Why `auto` took it.
+function chosen(sensor, rows, own) {
+  const budget = sensor.tradeoff?.budget_us, limit = `${fixed(budget, 0, "µs")} a frame (estimator.budget_us)`;
+  const others = rows.map((row) => row.method).filter((method) => method !== sensor.method).join(", ");
+  if (!own || !isNumber(budget) || !others) return "Method auto chose it.";
+  return own.p50_us <= budget ? `Method auto chose it: of the methods within ${limit} it errs least and answers most.`
+                              : `Method auto chose it: it is faster than ${others}, and none takes at most ${limit}.`;
 }
 
 function leftOut(sensor, rows) {

@@ -2,6 +2,8 @@
 not installed."""
 import csv, json, os, re, shutil, socket, subprocess, sys, tempfile, time, unittest
 
+from awaiting import PATIENCE_S, await_true
+
 try:
     from pymodbus.client import ModbusTcpClient
 except ImportError:
@@ -12,21 +14,10 @@ if ModbusTcpClient is None and MBPOLL is None:
     sys.exit(77)
 
 BUILD, SOURCE = os.environ["SLIPD_BINARY_DIR"], os.environ["SLIPD_SOURCE_DIR"]
-PATIENCE = 120  # s; only what hangs takes this long
 with open(os.path.join(SOURCE, "bridges", "modbus", "registers.csv")) as file:
     ADDRESS = {row["name"]: int(row["address"]) for row in csv.DictReader(file)}
 BLOCK, SIZE = 16, 32
 UNKNOWN = 0xFFFF
-
-
-def await_true(condition, what):
-    until = time.monotonic() + PATIENCE
-    while time.monotonic() < until:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError("waited in vain for " + what)
 
 
 class Peer(unittest.TestCase):
@@ -60,7 +51,7 @@ class Peer(unittest.TestCase):
     def test_mbpoll(self):
         def poll(first, count):
             ran = subprocess.run([MBPOLL, "-m", "tcp", "-p", str(self.port), "-t", "3", "-0", "-r", str(first), "-c", str(count), "-1", "127.0.0.1"],
-                                 capture_output=True, text=True, timeout=PATIENCE)
+                                 capture_output=True, text=True, timeout=PATIENCE_S)
             return {int(at): int(value) & 0xFFFF for at, value in re.findall(r"\[(\d+)\]:\s+(-?\d+)", ran.stdout)}
         left = BLOCK + SIZE
         seen = await_true(lambda: (lambda r: r if r.get(left, 8) not in (6, 8) else None)(poll(0, 96)), "an estimate of left")
@@ -85,7 +76,7 @@ class Peer(unittest.TestCase):
         await_true(lambda: first < number() < 0x80000000, "a later frame")
         # A margin is there in state ok and only there, in one answer.
         oks = 0
-        until = time.monotonic() + PATIENCE
+        until = time.monotonic() + PATIENCE_S
         while oks < 20 and time.monotonic() < until:
             block = read(left, SIZE)
             self.assertEqual(block[0] == 0, block[2] != UNKNOWN, block)

@@ -2,7 +2,8 @@
 import os, socket, tempfile, threading, time, unittest
 
 from fake_slipd import FakeSlipd, Server
-from support import Bridge, await_true
+from awaiting import await_true
+from support import Bridge
 
 
 class HostileBroker:

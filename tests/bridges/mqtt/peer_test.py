@@ -11,7 +11,8 @@ if paho is None or MOSQUITTO is None:
     sys.exit(77)
 
 from fake_slipd import FakeSlipd, Server
-from support import PATIENCE, Bridge, await_true
+from awaiting import PATIENCE_S, await_true
+from support import Bridge
 
 
 def free_port():
@@ -43,7 +44,7 @@ class Mosquitto:
 
     def stop(self):
         self.program.terminate()
-        self.program.wait(PATIENCE)
+        self.program.wait(PATIENCE_S)
 
     def kill(self):
         self.program.kill()

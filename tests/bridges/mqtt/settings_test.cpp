@@ -19,7 +19,7 @@ Settings settings_from(const std::string& text) {
 std::vector<std::string> problems_of(const std::string& text) {
   try {
     settings_from(text);
-  } catch (const bridges::SettingsError& error) {
+  } catch (const SettingsError& error) {
     return error.problems();
   }
   return {};

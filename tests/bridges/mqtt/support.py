@@ -1,18 +1,9 @@
-"""slipd-mqtt under test: a program on a FakeSlipd, and waiting for events."""
-import json, os, subprocess, time
+"""slipd-mqtt under test: a program on a FakeSlipd."""
+import json, os, subprocess
+
+from awaiting import PATIENCE_S
 
 BUILD = os.environ["SLIPD_BINARY_DIR"]
-PATIENCE = 120  # s; only what hangs takes this long
-
-
-def await_true(condition, what):
-    until = time.monotonic() + PATIENCE
-    while time.monotonic() < until:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError("waited in vain for " + what)
 
 
 class Bridge:
@@ -36,7 +27,7 @@ class Bridge:
 
     def stop(self):
         self.program.terminate()
-        return self.program.wait(PATIENCE)
+        return self.program.wait(PATIENCE_S)
 
     def kill(self):
         self.program.kill()

@@ -11,11 +11,11 @@ import socket
 import struct
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
+from awaiting import PATIENCE_S, await_true
+
 BUILD = Path(os.environ["SLIPD_BINARY_DIR"])
-PATIENCE = float(os.environ.get("SLIPD_PATIENCE_S", 120))  # s; only what hangs takes this long
 
 # A grasp of two fingers: grips, is loaded until it slips, holds, is let go. The object hangs beside the fingers, so it turns.
 CYCLE = [
@@ -30,17 +30,6 @@ def two_fingers(folder, **more):
     sensor = lambda name, seed: {"name": name, "driver": "sim", "rate_hz": 200, "stale_after_ms": 1000, "layout": {"grid": [32, 32], "pitch_mm": 0.45}, "options": {"seed": seed, "lever_mm": 3, "cycle": CYCLE, "noise": 0.01, "noise_kind": "relative"}}
     return {"sensors": [sensor("left", 1), sensor("right", 2)], "grasps": [{"name": "gripper", "sensors": ["left", "right"]}],
             "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": f"{folder}/slipd.sock"}, **more}
-
-
-def awaited(what, found, patience=PATIENCE):
-    """What `found` returns once it is true."""
-    until = time.monotonic() + patience
-    while time.monotonic() < until:
-        value = found()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f"{what}: not within {patience} s")
 
 
 class Program:
@@ -62,7 +51,7 @@ class Program:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGCONT)
             self.process.terminate()
-        return self.process.wait(PATIENCE)
+        return self.process.wait(PATIENCE_S)
 
 
 class Bed:
@@ -83,7 +72,7 @@ class Bed:
 
     def start_slipd(self):
         self.slipd = Program(self.folder / "slipd.log", BUILD / "bin/slipd", "--config", self.config, env={"STATE_DIRECTORY": str(self.folder)})
-        awaited("slipd's socket", lambda: self._serves() or self._ended(self.slipd))
+        await_true(lambda: self._serves() or self._ended(self.slipd), "slipd's socket")
 
     def _serves(self):
         with socket.socket(socket.AF_UNIX) as client:
@@ -98,12 +87,12 @@ class Bed:
     def start_web(self):
         self.web = Program(self.folder / "web.log", BUILD / "bin/slipd-web", "--config", self.settings)
         serves = lambda: re.search(r"serves http://(.*):(\d+)/", self.web.said()) or self._ended(self.web)
-        self.port = int(awaited("slipd-web's port", serves)[2])
+        self.port = int(await_true(serves, "slipd-web's port")[2])
         self.url = f"http://127.0.0.1:{self.port}/"
 
     def get(self, target="/", method="GET", host=None, body=None, **headers):
         """(status, headers, body) of one request. `host`: instead of the right one; headers with _ for -."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
         with contextlib.closing(connection):
             connection.putrequest(method, target, skip_host=True, skip_accept_encoding=True)
             connection.putheader("Host", host if host is not None else f"127.0.0.1:{self.port}")
@@ -131,7 +120,7 @@ class WebSocket:
     """The least of a client of WebSockets (RFC 6455): no extension, no check of what slipd-web says."""
 
     def __init__(self, port, path="/live", headers=()):
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
         head = [f"GET {path} HTTP/1.1", f"Host: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
                 "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode(), *headers]
         self.socket.sendall(("\r\n".join(head) + "\r\n\r\n").encode())

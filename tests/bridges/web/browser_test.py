@@ -22,7 +22,8 @@ except ImportError:
     webdriver = None
 
 import slipd
-from bed import Bed, awaited, two_fingers
+from awaiting import await_true
+from bed import Bed, two_fingers
 
 DRIVER = shutil.which("chromedriver")
 WIDTHS = {390: 844, 1280: 900, 2560: 1440}
@@ -88,14 +89,14 @@ class Page(unittest.TestCase):
 
     def card(self, name, state):
         """Waits until a card shows this state."""
-        return awaited(f"{name} {state}", lambda: self.all(f'.card[data-name="{name}"][data-state="{state}"]'))[0]
+        return await_true(lambda: self.all(f'.card[data-name="{name}"][data-state="{state}"]'), f"{name} {state}")[0]
 
     def no_errors(self):
         self.assertEqual([entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")], [])
 
     def test_the_page_shows_the_margins_of_the_socket(self):
         margins = Margins(self.bed.folder / "slipd.sock")
-        awaited("margins", lambda: len(margins.seen) > 10)
+        await_true(lambda: len(margins.seen) > 10, "margins")
         # What is on the page from now on was sent after the thread had begun.
         shown = self.browser.execute_async_script("""
           const done = arguments[arguments.length - 1], seen = new Set(), begin = performance.now();
@@ -109,7 +110,7 @@ class Page(unittest.TestCase):
             if (seen.size >= 40) done([...seen]); else requestAnimationFrame(look);
           };
           look();""")
-        awaited("the thread", lambda: all(json.loads(each)[0] in margins.seen for each in shown))
+        await_true(lambda: all(json.loads(each)[0] in margins.seen for each in shown), "the thread")
         margins.stopping = True
         for each in shown:
             value, text = json.loads(each)
@@ -121,10 +122,10 @@ class Page(unittest.TestCase):
             card = self.card("left", state) if state != "learning" else None
             if card is None:
                 continue
-            awaited(words, lambda words=words, card=card: words in card.find_element(By.CSS_SELECTOR, ".state").text)
-        awaited("an alert of slip", lambda: self.all('.card[data-name="left"][data-alert="slip"]'))
-        awaited("no alert", lambda: self.all('.card[data-name="left"][data-alert="none"]'))
-        said = awaited("the alert for those who cannot see", lambda: self.script("return document.querySelector('.said').textContent"))
+            await_true(lambda words=words, card=card: words in card.find_element(By.CSS_SELECTOR, ".state").text, words)
+        await_true(lambda: self.all('.card[data-name="left"][data-alert="slip"]'), "an alert of slip")
+        await_true(lambda: self.all('.card[data-name="left"][data-alert="none"]'), "no alert")
+        said = await_true(lambda: self.script("return document.querySelector('.said').textContent"), "the alert for those who cannot see")
         self.assertRegex(said, "(left|right|gripper): ")
         self.no_errors()
 
@@ -148,8 +149,8 @@ class Page(unittest.TestCase):
             self.assertTrue(card.find_element(By.CSS_SELECTOR, ".simulated").is_displayed(), name)
 
     def test_pictures_of_the_sensor_that_is_looked_at_follow_each_other(self):
-        first = awaited("a picture", lambda: self.script("return document.querySelector('canvas.map').dataset.sequence"))
-        awaited("a later picture", lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence")) > int(first) + 3)
+        first = await_true(lambda: self.script("return document.querySelector('canvas.map').dataset.sequence"), "a picture")
+        await_true(lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence")) > int(first) + 3, "a later picture")
         self.no_errors()
 
     WATCH = """
@@ -167,10 +168,10 @@ class Page(unittest.TestCase):
         self.script(self.WATCH)
         before = self.script("return performance.now()")
         what()
-        shown = awaited("the page says it", lambda: self.script("return window.told"))
+        shown = await_true(lambda: self.script("return window.told"), "the page says it")
         if silent:
             before = self.script("return window.heard")
-        state = awaited("no margin", lambda: self.all('.card[data-name="left"][data-state="disconnected"]'))[0]
+        state = await_true(lambda: self.all('.card[data-name="left"][data-state="disconnected"]'), "no margin")[0]
         self.assertEqual(state.find_element(By.CSS_SELECTOR, ".number span").text, "–")
         return shown - before
 
@@ -199,7 +200,7 @@ class Page(unittest.TestCase):
     def test_everything_that_is_used_has_a_name(self):
         for where in ("#/live", "#/recordings", "#/method"):
             self.script("location.hash = arguments[0]", where)
-            awaited(where, lambda where=where: self.all(f'nav a[href="{where}"][aria-current]'))
+            await_true(lambda where=where: self.all(f'nav a[href="{where}"][aria-current]'), where)
             for element in self.all("a, button, input, select, canvas, [role=meter], section, article"):
                 try:
                     if element.is_displayed():
@@ -223,26 +224,26 @@ class Page(unittest.TestCase):
         self.script("""const script = document.createElement("script"); script.textContent = "window.inside = true"; document.body.append(script);
                        const image = document.createElement("img"); image.src = "https://elsewhere.example/x.png"; document.body.append(image);""")
         self.assertIsNone(self.script("return window.inside ?? null"))
-        awaited("two reports", lambda: len([e for e in self.browser.get_log("browser") if "Content Security Policy" in e["message"]]) >= 1)
+        await_true(lambda: len([e for e in self.browser.get_log("browser") if "Content Security Policy" in e["message"]]) >= 1, "two reports")
 
     def test_recordings_are_listed_and_play(self):
         with slipd.Client(str(self.bed.folder / "slipd.sock")) as client:
-            awaited("a recording", lambda: list((self.bed.folder / "recordings").glob("*.rec")))
+            await_true(lambda: list((self.bed.folder / "recordings").glob("*.rec")), "a recording")
             del client
         self.script("location.hash = '#/recordings'")
-        link = awaited("the list", lambda: self.all("td a"))[0]
+        link = await_true(lambda: self.all("td a"), "the list")[0]
         name = link.text
         recording = slipd.open(self.bed.folder / "recordings" / name)
         frames = {frame.seq: frame for frame in recording}
         link.click()
-        scrub = awaited("the player", lambda: self.all("input[type=range]"))[0]
+        scrub = await_true(lambda: self.all("input[type=range]"), "the player")[0]
         self.assertAlmostEqual(float(scrub.get_attribute("max")), max(frame.time_s for frame in frames.values()), places=3)
         play = self.all('button[aria-label="Play or pause"]')[0]
         at = lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence"))
         before = at()
         self.all('option[value="0.02"]')[0].click()  # so slow that it does not end meanwhile
         play.click()
-        awaited("it plays", lambda: at() > before + 5)
+        await_true(lambda: at() > before + 5, "it plays")
         play.click()
         self.assertIn("Play", play.text)
         before = at()
@@ -257,14 +258,16 @@ class Page(unittest.TestCase):
         address = self.all(".bar a")[0].get_attribute("href")
         self.browser.get("about:blank")
         self.browser.get(address)
-        awaited("the player", lambda: self.all("input[type=range]"))
+        await_true(lambda: self.all("input[type=range]"), "the player")
         self.assertEqual(at(), before + 1)
         self.no_errors()
 
     def test_the_method_is_explained(self):
         self.script("location.hash = '#/method'")
-        text = awaited("the sensor", lambda: [each.text for each in self.all("main .card") if "moments" in each.text])[0]
+        text = await_true(lambda: [each.text for each in self.all("main .card") if "moments" in each.text], "the sensor")[0]
         self.assertIn("second moments", text)
+        self.assertIn("The configuration names it", text)
+        self.assertNotIn("auto", text)
         self.no_errors()
 
     def test_pictures_at_all_sizes(self):
@@ -288,10 +291,10 @@ class Page(unittest.TestCase):
         for page, where in {"recordings": "#/recordings", "method": "#/method", "live": "#/live"}.items():
             self.script("location.hash = arguments[0]", where)
             if page == "live":
-                awaited("a good moment", lambda: self.script("""const card = document.querySelector('.card[data-name="left"]');
-                  return card.dataset.state === "ok" && card.dataset.gamma > 0.1 && card.dataset.gamma < 0.7"""))
+                await_true(lambda: self.script("""const card = document.querySelector('.card[data-name="left"]');
+                  return card.dataset.state === "ok" && card.dataset.gamma > 0.1 && card.dataset.gamma < 0.7"""), "a good moment")
             else:
-                awaited(page, lambda: self.all("main .card"))
+                await_true(lambda: self.all("main .card"), page)
             self.browser.save_screenshot(str(folder / f"{page}-{name}.png"))
 
 

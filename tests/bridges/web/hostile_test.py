@@ -9,7 +9,8 @@ import tempfile
 import time
 import unittest
 
-from bed import PATIENCE, Bed, WebSocket, awaited
+from awaiting import PATIENCE_S, await_true
+from bed import Bed, WebSocket
 
 HEAD_S = 5  # slipd-web gives a head this long
 
@@ -37,7 +38,7 @@ class Hostile(unittest.TestCase):
         return self.bed.counts()[name] - self.before[name]
 
     def raw(self, content, answer=True):
-        with socket.create_connection(("127.0.0.1", self.bed.port), timeout=PATIENCE) as client:
+        with socket.create_connection(("127.0.0.1", self.bed.port), timeout=PATIENCE_S) as client:
             client.sendall(content)
             out = b""
             with contextlib.suppress(ConnectionResetError):
@@ -106,12 +107,12 @@ class Hostile(unittest.TestCase):
         self.assertIn(b" 421 ", self.raw(b"GET / HTTP/1.1\r\n" + own + own + b"\r\n"))
 
     def test_a_slow_loris_is_closed_and_others_are_served_meanwhile(self):
-        slow = [socket.create_connection(("127.0.0.1", self.bed.port), timeout=PATIENCE) for _ in range(8)]
+        slow = [socket.create_connection(("127.0.0.1", self.bed.port), timeout=PATIENCE_S) for _ in range(8)]
         for client in slow:
             client.sendall(b"GET / HTTP/1.1\r\nA: ")
         open_ones = set(slow)
         begin = time.monotonic()
-        while open_ones and time.monotonic() - begin < PATIENCE:
+        while open_ones and time.monotonic() - begin < PATIENCE_S:
             self.assertEqual(self.bed.get("/")[0], 200)
             for client in list(open_ones):
                 client.settimeout(0.05)
@@ -130,19 +131,19 @@ class Hostile(unittest.TestCase):
             client.close()
 
     def test_no_more_connections_than_allowed(self):
-        idle = [socket.create_connection(("127.0.0.1", self.bed.port), timeout=PATIENCE) for _ in range(40)]
+        idle = [socket.create_connection(("127.0.0.1", self.bed.port), timeout=PATIENCE_S) for _ in range(40)]
         try:
             closed = 0
             for client in idle[25:]:
                 with contextlib.suppress(ConnectionResetError):
-                    client.settimeout(PATIENCE)
+                    client.settimeout(PATIENCE_S)
                     self.assertEqual(client.recv(1), b"")
                 closed += 1
             self.assertEqual(closed, 15)
         finally:
             for client in idle:
                 client.close()
-        awaited("room again", self.serves)
+        await_true(self.serves, "room again")
         self.assertGreaterEqual(self.counted("too_many"), 15)
 
     def serves(self):
@@ -156,7 +157,7 @@ class Hostile(unittest.TestCase):
         self.assertEqual(self.upgraded(), 503)
         for page in pages:
             page.close()
-        awaited("room again", lambda: self.upgraded() == 101)
+        await_true(lambda: self.upgraded() == 101, "room again")
 
     def upgraded(self, **how):
         return status_of_upgrade(self.bed, **how)

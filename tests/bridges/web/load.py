@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """load.py [PAGES [SECONDS]]: what live pages cost, by sockets that behave like them: each takes every estimate and every picture of one
-sensor of 100 x 100 taxels. Prints the processor time of slipd-web and slipd, and the estimate thread's latency, without and with pages.
-For docs/web.md; judges nothing. SLIPD_BINARY_DIR and SLIPD_SOURCE_DIR as for the tests."""
+sensor of 100 x 100 taxels. Prints the processor time of slipd-web and slipd, and the latency of slipd's estimates, without and with pages, twice, SECONDS
+each. For docs/web.md; judges nothing. SLIPD_BINARY_DIR and SLIPD_SOURCE_DIR as for the tests."""
 import os
+import re
 import selectors
+import socket
 import sys
 import time
 
-from bed import Bed, WebSocket, awaited
+from bed import Bed, WebSocket
 
 
 def one_sensor(folder):
-    return {"sensors": [{"name": "left", "driver": "sim"}], "estimator": {"method": "moments"}, "socket": {"path": f"{folder}/slipd.sock"}}
+    return {"sensors": [{"name": "left", "driver": "sim"}], "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": f"{folder}/slipd.sock"}}
 
 
 def seconds_of(program):
@@ -56,42 +58,60 @@ class Page:
         return head + content if len(data) >= head + content else None
 
 
-def latency(bed):
-    import json
-    import socket
-    with socket.socket(socket.AF_UNIX) as client:
-        client.connect(f"{bed.folder}/slipd.sock")
-        client.sendall(b'{"jsonrpc":"2.0","id":1,"method":"status"}\n')
-        text = b""
-        while not text.endswith(b"\n"):
-            text += client.recv(1 << 20)
-    return json.loads(text)["result"]["sensors"][0]["latency_last_minute_us"]
+class Latencies:
+    """From each frame's sample to its published estimate, µs, as slipd says with each estimate."""
+
+    VALUE = re.compile(rb'"latency_us":([0-9.]+)')
+
+    def __init__(self, folder):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.connect(f"{folder}/slipd.sock")
+        self.socket.sendall(b'{"jsonrpc":"2.0","id":1,"method":"subscribe"}\n')
+        self.socket.setblocking(False)
+        self.rest, self.values = b"", []
+
+    def take(self):
+        try:
+            while more := self.socket.recv(1 << 18):
+                lines, _, self.rest = (self.rest + more).rpartition(b"\n")
+                self.values += map(float, self.VALUE.findall(lines))
+        except BlockingIOError:
+            pass
+
+    def quantile(self, share):
+        return sorted(self.values)[int(share * (len(self.values) - 1))]
 
 
-def measured(bed, pages, seconds):
+def measured(bed, latencies, pages, seconds):
     selector = selectors.DefaultSelector()
+    selector.register(latencies.socket, selectors.EVENT_READ, latencies)
     for page in pages:
         selector.register(page.web.socket, selectors.EVENT_READ, page)
-    begin, web, daemon = time.monotonic(), seconds_of(bed.web), seconds_of(bed.slipd)
-    for page in pages:
         page.lives = page.pictures = 0
+    latencies.take()
+    latencies.values.clear()
+    begin, web, daemon = time.monotonic(), seconds_of(bed.web), seconds_of(bed.slipd)
     while (left := begin + seconds - time.monotonic()) > 0:
-        for key, _ in selector.select(min(left, 0.1)) if pages else [time.sleep(min(left, 0.1))] and []:
+        for key, _ in selector.select(left):
             key.data.take()
     passed = time.monotonic() - begin
-    return {"slipd-web": (seconds_of(bed.web) - web) / passed, "slipd": (seconds_of(bed.slipd) - daemon) / passed,
-            "lives": sum(p.lives for p in pages) / passed / max(1, len(pages)), "pictures": sum(p.pictures for p in pages) / passed / max(1, len(pages))}
+    each = max(1, len(pages)) * passed
+    return (f"{len(pages)} pages: slipd-web {100 * (seconds_of(bed.web) - web) / passed:.1f} % of a core, slipd {100 * (seconds_of(bed.slipd) - daemon) / passed:.1f} %; "
+            f"each page {sum(p.lives for p in pages) / each:.1f} estimates/s and {sum(p.pictures for p in pages) / each:.1f} pictures/s; "
+            f"latency p50 {latencies.quantile(0.5):.0f} µs, p99 {latencies.quantile(0.99):.0f} µs of {len(latencies.values)} estimates")
 
 
 def main():
-    count, seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 20, float(sys.argv[2]) if len(sys.argv) > 2 else 30
+    count, seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 20, float(sys.argv[2]) if len(sys.argv) > 2 else 20
     bed = Bed(one_sensor)
     try:
-        for wanted in (0, count):
+        latencies = Latencies(bed.folder)
+        for wanted in 2 * (0, count):
             pages = [Page(bed.port) for _ in range(wanted)]
-            result = measured(bed, pages, seconds)
-            print(f"{len(pages)} pages: slipd-web {100 * result['slipd-web']:.1f} % of a core, slipd {100 * result['slipd']:.1f} %, "
-                  f"each page {result['lives']:.1f} estimates/s and {result['pictures']:.1f} pictures/s; latency µs {latency(bed)}; {bed.counts()}")
+            print(measured(bed, latencies, pages, seconds), flush=True)
+            for page in pages:
+                page.web.close()
+        print(f"load average {os.getloadavg()[0]:.1f}; {bed.counts()}")
     finally:
         bed.close()
 

@@ -24,7 +24,7 @@ std::string problem_in(const std::string& text) {
   try {
     parsed(text);
     return "";
-  } catch (const bridges::SettingsError& error) {
+  } catch (const SettingsError& error) {
     return error.problems().at(0);
   }
 }

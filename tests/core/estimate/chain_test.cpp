@@ -127,6 +127,28 @@ TEST(ChainsMethod, IsTheConfiguredOneForMoreTaxelsAndWithoutTracking) {
   }
 }
 
+TEST(ChainsMethod, SaysWhyItIsTheOneThatItIs) {
+  const auto why = [](MethodChoice method, std::size_t columns, double depth_m = 0) {
+    ChainSetup setup = setup_of(method, columns, columns);
+    setup.scene.skin.depth_m = depth_m;
+    return why_method(setup);
+  };
+  constexpr double kDepth_m = 2e-3;  // a taxel's side
+  EXPECT_EQ(why(MethodChoice::moments, 8), MethodReason::configured);
+  EXPECT_EQ(why(MethodChoice::automatic, 8), MethodReason::automatic);
+  EXPECT_EQ(why(MethodChoice::automatic, 8, kDepth_m), MethodReason::skin);
+  EXPECT_EQ(why(MethodChoice::automatic, 8, kDepth_m / 100), MethodReason::automatic) << "it is not felt";
+  EXPECT_EQ(why(MethodChoice::fit, 8, kDepth_m), MethodReason::configured);
+  EXPECT_EQ(why(MethodChoice::moments, 4), MethodReason::few_taxels);
+  EXPECT_EQ(why(MethodChoice::automatic, 4), MethodReason::few_taxels);
+  EXPECT_EQ(why(MethodChoice::fit, 4), MethodReason::configured);
+  ChainSetup setup = setup_of(MethodChoice::moments, 8, 8);
+  setup.sensor_class = SensorClass::wrench;
+  EXPECT_EQ(why_method(setup), MethodReason::forces);
+  setup.sensor_class = SensorClass::normal;
+  EXPECT_EQ(why_method(setup), MethodReason::no_shear);
+}
+
 // Without shear, or with forces only, there is nothing to fit.
 TEST(ChainsMethod, IsNotFitWithoutAShape) {
   ChainSetup setup = setup_of(MethodChoice::svd_knn, 4, 4);

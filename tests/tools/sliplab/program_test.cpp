@@ -151,4 +151,34 @@ TEST_F(Sliplab, HistoriesPrintsTheAnswersAndDrawsAGrasp) {
   EXPECT_EQ(run({"histories", "--methods", "guess"}).exit_code, 2);
 }
 
+TEST_F(Sliplab, MergesTheShardsOfASweepToTheResultOfOneRun) {
+  const std::string scenes = SLIPD_SOURCE_DIR "/config/scenes/",
+                    data = SLIPD_SOURCE_DIR "/tests/data/eflesh/";
+  const std::vector<std::vector<std::string>> sweeps{
+      {"histories", "--grasps", "1", "--sides", "8,4", "--methods", "moments,fit"},
+      {"stability", "--contacts", "1", "--parts", "model,extremes"},
+      {"replay", "--scene", scenes + "eflesh.json", "--sensor", "left", "--file", data + "seq_000.csv",
+       "--file", data + "seq_002.csv"}};
+  for (const auto& sweep : sweeps) {
+    std::vector<std::string> words{"--json"}, merge{"merge"};
+    words.insert(words.end(), sweep.begin(), sweep.end());
+    const auto whole = run(words);
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    for (const std::string shard : {"2/3", "3/3", "1/3"}) {
+      words = sweep;
+      words.insert(words.end(), {"--shard", shard});
+      const auto part = run(words);
+      ASSERT_EQ(part.exit_code, 0) << part.err;
+      merge.push_back(write(sweep.front() + shard.substr(0, 1), part.out));
+    }
+    const auto joined = run(merge);
+    EXPECT_EQ(joined.exit_code, 0) << joined.err;
+    EXPECT_EQ(joined.out, whole.out) << sweep.front();
+    merge.pop_back();
+    const auto missing = run(merge);
+    EXPECT_EQ(missing.exit_code, 2);
+    EXPECT_THAT(missing.err, HasSubstr("missing: 1/3"));
+  }
+}
+
 }  // namespace

@@ -42,10 +42,17 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
 }  // namespace
 
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
-                              const std::vector<std::string>& files) {
+                              const std::vector<std::string>& files, const Shard& shard) {
   const Settings settings = load_scene(scene);
   std::vector<ReplayRun> runs;
-  for (const FileOfSensor& job : files_of(settings, sensor, files)) runs.push_back(play(settings, job));
+  std::size_t unit = 0;
+  for (const FileOfSensor& job : files_of(settings, sensor, files)) {
+    if (shard.has(unit)) {
+      runs.push_back(play(settings, job));
+      runs.back().unit = unit;
+    }
+    ++unit;
+  }
   return runs;
 }
 

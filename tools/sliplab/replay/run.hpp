@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
+#include "tools/sliplab/sweep/sweep.hpp"
 
 namespace sliplab {
 
@@ -25,13 +26,15 @@ struct ReplayRun {
   std::vector<ReplayRow> rows;
   // Where and why the file could not be read to its end; empty: it was.
   std::string fault;
+  // Its number in the sweep over files and sensors.
+  std::size_t unit = 0;
 };
 
 // Plays each file through each sensor of the scene that is called `sensor`, or through all if that is empty.
 // `files` is empty for those that the scene names. As many files as sensors, with files of their own in the
-// scene, belong to them in order; SENSOR=FILE names the sensor. Throws slipd::SettingsError, WrongUse or
-// slipd::DriverError.
+// scene, belong to them in order; SENSOR=FILE names the sensor. A shard plays only some of them. Throws
+// slipd::SettingsError, WrongUse or slipd::DriverError.
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
-                              const std::vector<std::string>& files);
+                              const std::vector<std::string>& files, const Shard& shard = {});
 
 }  // namespace sliplab

@@ -235,7 +235,7 @@ void print_table(const Stability& found) {
   }
 }
 
-nlohmann::ordered_json to_json(const Stability& found) {
+SweepResult to_sweep(const Stability& found, const Shard& shard) {
   nlohmann::ordered_json model = nlohmann::ordered_json::array();
   for (const auto& row : found.model) {
     model.push_back({{"along", name_of(row.axis)},
@@ -257,17 +257,28 @@ nlohmann::ordered_json to_json(const Stability& found) {
     for (std::size_t m = 0; m < row.by_method.size(); ++m) line[found.methods[m]] = row.by_method[m];
     bits.push_back(std::move(line));
   }
-  return {{"columns", found.setup.side},
-          {"noise_kind", noise_name(found.setup.kind)},
-          {"noise", found.setup.noise},
-          {"contacts", found.setup.contacts},
-          {"model", std::move(model)},
-          {"extremes", json_of(found.extremes)},
-          {"condition", std::move(condition)},
-          {"bits", std::move(bits)},
-          {"adversary", json_of(found.perturbations)},
-          {"turning", json_of(found.turning)},
-          {"not_finite", not_finite(found.turning)}};
+  const nlohmann::ordered_json none = nlohmann::ordered_json::array();
+  SweepResult sweep{{{"columns", found.setup.side},
+                     {"noise_kind", noise_name(found.setup.kind)},
+                     {"noise", found.setup.noise},
+                     {"contacts", found.setup.contacts},
+                     {"model", none},
+                     {"extremes", none},
+                     {"condition", none},
+                     {"bits", none},
+                     {"adversary", none},
+                     {"turning", none},
+                     {"not_finite", 0}},
+                    {}};
+  const auto add = [&](StabilityPart part, nlohmann::ordered_json value) {
+    if (shard.has(part)) sweep.units.push_back({part, std::move(value)});
+  };
+  add(model_part, {{"model", std::move(model)}});
+  add(extremes_part, {{"extremes", json_of(found.extremes)}});
+  add(condition_part, {{"condition", std::move(condition)}, {"bits", std::move(bits)}});
+  add(adversary_part, {{"adversary", json_of(found.perturbations)}});
+  add(torque_part, {{"turning", json_of(found.turning)}, {"not_finite", not_finite(found.turning)}});
+  return sweep;
 }
 
 void write_files(const Stability& found, const std::filesystem::path& folder) {

@@ -1,16 +1,21 @@
 // The results of `sliplab stability` as tables, JSON and plots.
 #pragma once
 
+#include <array>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "tools/sliplab/stability/condition.hpp"
 #include "tools/sliplab/stability/extremes.hpp"
 #include "tools/sliplab/stability/trials.hpp"
+#include "tools/sliplab/sweep/sweep.hpp"
 
 namespace sliplab {
+
+enum StabilityPart : std::size_t { model_part, extremes_part, condition_part, adversary_part, torque_part };
+inline constexpr std::array<const char*, 5> kStabilityParts{"model", "extremes", "condition", "adversary",
+                                                            "torque"};
 
 // A part that was not requested is empty.
 struct Stability {
@@ -25,7 +30,8 @@ struct Stability {
 };
 
 void print_table(const Stability& found);
-nlohmann::ordered_json to_json(const Stability& found);
+// Its units are its parts, in the order of kStabilityParts.
+SweepResult to_sweep(const Stability& found, const Shard& shard);
 
 // Writes CSV files and, with enough rows, plots.
 void write_files(const Stability& found, const std::filesystem::path& folder);

@@ -67,13 +67,16 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
   constexpr double kPad = 0.016;
   std::vector<ImprintLine> lines;
   const Scene scene = imprint_scene();
-  double step = 0;
+  std::size_t unit = 0;
   for (const std::string& name : options.layouts) {
     if (name == "wrench" || name == "4") continue;
     const std::size_t side = std::stoul(name);
     const TaxelLayout layout = TaxelLayout::grid(side, side, kPad / static_cast<double>(side));
     for (const ImprintCase& of : kCases) {
-      tell(step++ / static_cast<double>(std::size(kCases) * options.layouts.size()), name.c_str());
+      const std::size_t here = unit++;
+      tell(static_cast<double>(here) / static_cast<double>(std::size(kCases) * options.layouts.size()),
+           name.c_str());
+      if (!options.shard.has(here)) continue;
       Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken);
       SlipMethod* const method = &fit;
       const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes};
@@ -81,7 +84,8 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
           {name, of.depth_mm, of.axes, of.depth_taken, std::numeric_limits<double>::quiet_NaN(),
            measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::sensor,
                                     kImprintNoise, options.contacts, options.seed + 1)
-               .front()});
+               .front(),
+           here});
       if (of.depth_taken == 1)
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
@@ -109,25 +113,25 @@ void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts)
   }
 }
 
-nlohmann::ordered_json imprints_to_json(const std::vector<ImprintLine>& lines, std::size_t contacts) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t contacts) {
+  SweepResult sweep{{{"contacts", contacts}}, {}};
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
-    rows.push_back({{"layout", line.layout},
-                    {"depth_mm", line.depth_mm},
-                    {"axes", line.axes},
-                    {"depth_taken", line.depth_taken},
-                    {"guide", line.guide},
-                    {"mean_error", row.mean_error},
-                    {"p95_error", row.p95_error},
-                    {"answered", row.answered},
-                    {"within_sigma", row.within_sigma},
-                    {"within_two_sigma", row.within_two_sigma},
-                    {"claims_safer", row.claims_safer},
-                    {"p50_us", row.p50_us},
-                    {"p99_us", row.p99_us}});
+    sweep.add_row(line.unit, {{"layout", line.layout},
+                              {"depth_mm", line.depth_mm},
+                              {"axes", line.axes},
+                              {"depth_taken", line.depth_taken},
+                              {"guide", line.guide},
+                              {"mean_error", row.mean_error},
+                              {"p95_error", row.p95_error},
+                              {"answered", row.answered},
+                              {"within_sigma", row.within_sigma},
+                              {"within_two_sigma", row.within_two_sigma},
+                              {"claims_safer", row.claims_safer},
+                              {"p50_us", row.p50_us},
+                              {"p99_us", row.p99_us}});
   }
-  return {{"contacts", contacts}, {"rows", std::move(rows)}};
+  return sweep;
 }
 
 }  // namespace sliplab

@@ -1,7 +1,6 @@
 // Accuracy under a skin and on elliptic contacts, against the Cramér–Rao guide.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -19,12 +18,13 @@ struct ImprintLine {
   // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong.
   double guide = 0;
   slipd::TradeoffRow row;  // of method fit
+  std::size_t unit = 0;    // its number in the sweep
 };
 
 // On the layouts of the options that are arrays.
 std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const Tell& tell);
 
 void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts);
-nlohmann::ordered_json imprints_to_json(const std::vector<ImprintLine>& lines, std::size_t contacts);
+SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t contacts);
 
 }  // namespace sliplab

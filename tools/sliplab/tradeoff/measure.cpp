@@ -74,6 +74,44 @@ std::vector<std::unique_ptr<SlipMethod>> trained_methods(const TaxelLayout& layo
   return methods;
 }
 
+// None for a sensor of one taxel, whose single frames give no margin.
+std::vector<std::unique_ptr<SlipMethod>> methods_for(const TaxelLayout& layout,
+                                                     const TradeoffOptions& options) {
+  std::vector<std::unique_ptr<SlipMethod>> methods;
+  if (layout.size() < 2) return methods;
+  methods.push_back(std::make_unique<Moments>(layout));
+  methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0))));
+  if (options.models) {
+    for (auto& method : trained_methods(layout, options)) methods.push_back(std::move(method));
+  }
+  return methods;
+}
+
+std::vector<Line> lines_of(const std::string& name, const TaxelLayout& layout, const Noise& noise,
+                           const std::vector<std::unique_ptr<SlipMethod>>& methods,
+                           const TradeoffOptions& options) {
+  const Scene scene = scene_of(noise.half_width);
+  const std::uint64_t seed = options.seed + 1;
+  std::vector<Line> lines;
+  if (!methods.empty()) {
+    const CramerRaoBound limit =
+        mean_cramer_rao_bound(layout, scene, noise.kind, noise.half_width, options.contacts, seed);
+    for (const auto& method : methods) {
+      lines.push_back(
+          {name, noise, "",
+           measure_tradeoff(layout, scene, *method, noise.kind, noise.half_width, options.contacts, seed),
+           limit, false});
+    }
+    mark_front(lines);
+  }
+  if (layout.size() <= Fit::kFewTaxels) {
+    const std::size_t grasps = std::max<std::size_t>(1, options.contacts / kGraspsPerContact);
+    for (auto& line : measure_over_time(name, layout, scene, noise, grasps, seed))
+      lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 }  // namespace
 
 const char* name_of(NoiseKind kind) noexcept {
@@ -94,39 +132,20 @@ std::vector<Line> measure_tradeoffs(const TradeoffOptions& options, const Tell& 
   std::vector<Line> all;
   const double steps = static_cast<double>(options.layouts.size() * (options.noises.size() + 1));
   double step = 0;
-  for (const auto& name : options.layouts) {
+  for (std::size_t at = 0; at < options.layouts.size(); ++at) {
+    const std::string& name = options.layouts[at];
     const TaxelLayout layout = layout_of(name);
     tell(step++ / steps, name.c_str());
     std::vector<std::unique_ptr<SlipMethod>> methods;
-    if (layout.size() > 1) {
-      methods.push_back(std::make_unique<Moments>(layout));
-      methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0))));
-      if (options.models) {
-        for (auto& method : trained_methods(layout, options)) methods.push_back(std::move(method));
-      }
-    }
-    for (const auto& noise : options.noises) {
+    for (std::size_t which = 0; which < options.noises.size(); ++which) {
       tell(step++ / steps, name.c_str());
-      const Scene scene = scene_of(noise.half_width);
-      std::vector<Line> lines;
-      if (!methods.empty()) {
-        const CramerRaoBound limit = mean_cramer_rao_bound(layout, scene, noise.kind, noise.half_width,
-                                                           options.contacts, options.seed + 1);
-        for (const auto& method : methods) {
-          lines.push_back({name, noise, "",
-                           measure_tradeoff(layout, scene, *method, noise.kind, noise.half_width,
-                                            options.contacts, options.seed + 1),
-                           limit, false});
-        }
-        mark_front(lines);
+      const std::size_t unit = at * options.noises.size() + which;
+      if (!options.shard.has(unit)) continue;
+      if (methods.empty()) methods = methods_for(layout, options);
+      for (auto& line : lines_of(name, layout, options.noises[which], methods, options)) {
+        line.unit = unit;
+        all.push_back(std::move(line));
       }
-      if (layout.size() <= Fit::kFewTaxels) {
-        for (auto& line : measure_over_time(name, layout, scene, noise,
-                                            std::max<std::size_t>(1, options.contacts / kGraspsPerContact),
-                                            options.seed + 1))
-          lines.push_back(std::move(line));
-      }
-      all.insert(all.end(), lines.begin(), lines.end());
     }
   }
   return all;

@@ -7,6 +7,7 @@
 
 #include "core/estimate/tradeoff.hpp"
 #include "tools/sliplab/cramer_rao_bound.hpp"
+#include "tools/sliplab/sweep/sweep.hpp"
 
 namespace sliplab {
 
@@ -28,6 +29,7 @@ struct TradeoffOptions {
   bool models = true;          // false: only methods without a trained model
   std::uint64_t seed = 1;      // of contacts and noise
   unsigned threads = 2;        // for training only
+  Shard shard;                 // of layouts and noises
 };
 
 struct Line {
@@ -38,6 +40,7 @@ struct Line {
   CramerRaoBound limit;  // NaN where a single frame has none
   bool front =
       false;  // on the Pareto front: no other line of its layout and noise is faster and more accurate
+  std::size_t unit = 0;  // number of its layout and noise in the sweep
 };
 
 // Called before each line is measured.

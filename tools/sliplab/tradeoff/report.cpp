@@ -135,34 +135,34 @@ void print_table(const std::vector<Line>& lines, std::size_t contacts) {
   }
 }
 
-nlohmann::ordered_json to_json(const std::vector<Line>& lines, std::size_t contacts) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+SweepResult to_sweep(const std::vector<Line>& lines, std::size_t contacts) {
+  SweepResult sweep{{{"contacts", contacts}, {"processor", slipd::processor_name()}}, {}};
   for (const auto& line : lines) {
     const auto& row = line.row;
     const auto& set = row.settings;
-    rows.push_back({{"layout", line.layout},
-                    {"noise_kind", name_of(line.noise.kind)},
-                    {"noise", line.noise.half_width},
-                    {"when", line.when},
-                    {"method", row.method},
-                    {"rank", set.rank},
-                    {"rings", set.rings},
-                    {"neighbours", set.neighbours},
-                    {"precision", to_string(set.precision)},
-                    {"memory_bytes", set.memory_bytes},
-                    {"mean_error", row.mean_error},
-                    {"p95_error", row.p95_error},
-                    {"class_right", row.right},
-                    {"answered", row.answered},
-                    {"within_sigma", row.within_sigma},
-                    {"within_two_sigma", row.within_two_sigma},
-                    {"p50_us", row.p50_us},
-                    {"p99_us", row.p99_us},
-                    {"limit_error", line.limit.mean_error},
-                    {"limit_right", line.limit.class_correct},
-                    {"front", line.front}});
+    sweep.add_row(line.unit, {{"layout", line.layout},
+                              {"noise_kind", name_of(line.noise.kind)},
+                              {"noise", line.noise.half_width},
+                              {"when", line.when},
+                              {"method", row.method},
+                              {"rank", set.rank},
+                              {"rings", set.rings},
+                              {"neighbours", set.neighbours},
+                              {"precision", to_string(set.precision)},
+                              {"memory_bytes", set.memory_bytes},
+                              {"mean_error", row.mean_error},
+                              {"p95_error", row.p95_error},
+                              {"class_right", row.right},
+                              {"answered", row.answered},
+                              {"within_sigma", row.within_sigma},
+                              {"within_two_sigma", row.within_two_sigma},
+                              {"p50_us", row.p50_us},
+                              {"p99_us", row.p99_us},
+                              {"limit_error", line.limit.mean_error},
+                              {"limit_right", line.limit.class_correct},
+                              {"front", line.front}});
   }
-  return {{"contacts", contacts}, {"processor", slipd::processor_name()}, {"rows", std::move(rows)}};
+  return sweep;
 }
 
 void write_files(const std::vector<Line>& lines, const std::filesystem::path& folder) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "tools/sliplab/tradeoff/measure.hpp"
@@ -10,7 +9,7 @@
 namespace sliplab {
 
 void print_table(const std::vector<Line>& lines, std::size_t contacts);
-nlohmann::ordered_json to_json(const std::vector<Line>& lines, std::size_t contacts);
+SweepResult to_sweep(const std::vector<Line>& lines, std::size_t contacts);
 void write_files(const std::vector<Line>& lines, const std::filesystem::path& folder);
 
 }  // namespace sliplab

@@ -1,7 +1,8 @@
 """Topics of slipd-ros2, read by Fast DDS with rclcpp's default QoS: the user data has the type's hash, the values are slipd's."""
 import math, os, struct, subprocess, unittest
 
-from mcap_test import BRIDGE, BUILD, PATIENCE_S, STATE_DISCONNECTED, Programs
+from awaiting import PATIENCE_S
+from mcap_test import BRIDGE, BUILD, STATE_DISCONNECTED, Programs
 
 TOPICS = {"margin": ("std_msgs::msg::dds_::Float32_", "7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2"),
           "wrench": ("geometry_msgs::msg::dds_::WrenchStamped_", "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"),

@@ -2,11 +2,11 @@
 import json, math, os, signal, struct, subprocess, tempfile, time, unittest
 
 import slipd
+from awaiting import PATIENCE_S, await_true
 
 BUILD, SOURCE, NPM = os.environ["SLIPD_BINARY_DIR"], os.environ["SLIPD_SOURCE_DIR"], os.environ["SLIPD_PEERS_NPM"]
 DAEMON = os.environ.get("SLIPD_PROGRAM", os.path.join(BUILD, "bin", "slipd"))
 BRIDGE = os.path.join(BUILD, "bin", "slipd-ros2")
-PATIENCE_S = 300  # for what hangs
 FLOAT32_ROUNDING = 1e-6  # a number below 2 as a float32
 STATE_DISCONNECTED = 8
 
@@ -26,15 +26,6 @@ def messages(file):
 
 def number(value):
     return float(value)  # "NaN" is a text in JSON
-
-
-def awaited(condition, what):
-    end = time.monotonic() + PATIENCE_S
-    while not (value := condition()):
-        if time.monotonic() > end:
-            raise AssertionError(what)
-        time.sleep(0.02)  # a file that another program writes gives no event
-    return value
 
 
 class Programs(unittest.TestCase):
@@ -63,7 +54,7 @@ class Programs(unittest.TestCase):
 
     def start_slipd(self):
         process = self.start(DAEMON, "--config", self.path("slipd.json"))
-        awaited(lambda: os.path.exists(self.socket), "slipd did not start")
+        await_true(lambda: os.path.exists(self.socket), "slipd's socket")
         return process
 
     def end(self, process, how=signal.SIGTERM):
@@ -124,7 +115,7 @@ class Live(Programs):
     def test_what_is_published_is_what_slipd_says_and_no_margin_outlives_slipd(self):
         bridge = self.start_bridge()
         self.estimate(lambda one: one.at_state == "ok" and one.seq > 400)
-        awaited(lambda: os.path.exists(self.path("live.mcap")), "no recording")
+        await_true(lambda: os.path.exists(self.path("live.mcap")), "the recording")
         with slipd.Client(self.socket, timeout_s=PATIENCE_S) as client:
             truth = {}
             for one in client.estimates("left", max_age_s=3600):
