@@ -21,8 +21,8 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
-// Loads are compared in newtons, both torques over one and the same lever: a grip that is tightened lowers the
-// friction that the load needs, but the load has not fallen.
+// Loads are compared in newtons, both torques over one and the same lever: a grip that is tightened lowers
+// the friction that the load needs, but the load has not fallen.
 void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
   constexpr double kSigmas = 2;  // what noise may be of the load
   constexpr double kClear = 5;   // times that: there is a load whose path can be followed
@@ -34,8 +34,8 @@ void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noex
     return lever_m > 0 ? std::hypot(shear_n, torque_nm / lever_m) : shear_n;
   };
   const double load_n = over_lever(patch.shear_n, patch.torque_nm);
-  const double noise_n = kSigmas * std::hypot(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm),
-                                              out.pull_sigma_n);
+  const double noise_n =
+      kSigmas * std::hypot(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), out.pull_sigma_n);
   const double most_n = over_lever(most_.shear_n, most_.torque_nm);
   if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n)
     follow_way(patch, load_n, noise_n);

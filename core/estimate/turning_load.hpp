@@ -119,9 +119,9 @@ class TurningLoad {
   contact::LimitSurface unit_hertz_;
   double side_m_;
   bool one_taxel_;
-  bool bent_ = false;                      // the last frame's field was
-  // The most load of this grasp, less what noise may be of it. The contact's radius, and with it the lever that
-  // makes a force of the torque, changes with the grip: so both parts are kept.
+  bool bent_ = false;  // the last frame's field was
+  // The most load of this grasp, less what noise may be of it. The contact's radius, and with it the lever
+  // that makes a force of the torque, changes with the grip: so both parts are kept.
   struct Most {
     double shear_n = 0, torque_nm = 0;
   };
