@@ -147,7 +147,8 @@ endmacro()
 slipd_bridge_package(mqtt SECTION net
   SUMMARY "slip margin of tactile sensors on MQTT"
   TEXT "Publishes the estimates, states and alerts of slipd to an MQTT broker.\n\
-Alerts are kept on disk until a broker has acknowledged them.")
+Alerts are kept on disk until a broker has acknowledged them. With it\n\
+slipctl fleet shows all grippers of a broker.")
 slipd_bridge_package(modbus SECTION net
   SUMMARY "slip margin of tactile sensors for PLCs"
   TEXT "Serves the estimates of slipd as input registers of Modbus TCP.")

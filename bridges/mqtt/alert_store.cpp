@@ -71,7 +71,11 @@ constexpr const char* kSetUp =
     " payload TEXT NOT NULL);"
     "CREATE TABLE IF NOT EXISTS facts (one INTEGER PRIMARY KEY CHECK (one = 1), series TEXT NOT NULL,"
     " dropped INTEGER NOT NULL);"
-    "INSERT OR IGNORE INTO facts VALUES (1, lower(hex(randomblob(16))), 0);";
+    "INSERT OR IGNORE INTO facts VALUES (1, lower(hex(randomblob(16))), 0);"
+    "CREATE TABLE IF NOT EXISTS begun (time_ns INTEGER NOT NULL);"
+    "CREATE INDEX IF NOT EXISTS begun_time ON begun (time_ns);";
+
+constexpr std::int64_t kHourNs = std::int64_t{3600} * 1'000'000'000;
 
 }  // namespace
 
@@ -133,7 +137,29 @@ void AlertStore::run(const char* sql) {
     throw_error_of(database_.get());
 }
 
-std::optional<std::int64_t> AlertStore::append(const std::string& topic, const MakePayload& payload) {
+// Notes when an alert began, and forgets those that last_hour() no longer counts.
+void AlertStore::note_begin(std::int64_t begun_ns) {
+  Statement(database_.get(),
+            "DELETE FROM begun WHERE time_ns <= ? OR rowid <= (SELECT max(rowid) FROM begun) - ?")
+      .bind(1, begun_ns - kHourNs)
+      .bind(2, kMostCounted - 1)
+      .step();
+  Statement(database_.get(), "INSERT INTO begun VALUES (?)").bind(1, begun_ns).step();
+}
+
+std::optional<std::int64_t> AlertStore::last_hour(std::int64_t now_ns) {
+  try {
+    Statement counted(database_.get(), "SELECT count(*) FROM begun WHERE time_ns > ? AND time_ns <= ?");
+    counted.bind(1, now_ns - kHourNs).bind(2, now_ns);
+    return counted.step() ? counted.number(0) : 0;
+  } catch (const std::runtime_error& error) {
+    trouble_ = error.what();
+    return std::nullopt;
+  }
+}
+
+std::optional<std::int64_t> AlertStore::append(const std::string& topic, const MakePayload& payload,
+                                               std::int64_t begun_ns) {
   flush();
   const std::int64_t number = last_ + 1;
   const std::int64_t surplus = std::max<std::int64_t>(0, waiting_ + 1 - max_alerts_);
@@ -149,6 +175,7 @@ std::optional<std::int64_t> AlertStore::append(const std::string& topic, const M
         .bind(2, topic)
         .bind(3, payload(number, dropped_ + surplus))
         .step();
+    if (begun_ns > 0) note_begin(begun_ns);
     run("COMMIT");
   } catch (const std::runtime_error& error) {
     sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);

@@ -38,8 +38,15 @@ class AlertStore {
   AlertStore& operator=(const AlertStore&) = delete;
 
   // Adds an alert behind all others, and returns its number. In a full store the oldest is dropped and
-  // counted. None: it could not be written, which is counted as dropped.
-  std::optional<std::int64_t> append(const std::string& topic, const MakePayload& payload);
+  // counted. None: it could not be written, which is counted as dropped. `begun_ns`: CLOCK_REALTIME, for
+  // last_hour(); 0: it is the end of an alert, which is not counted.
+  std::optional<std::int64_t> append(const std::string& topic, const MakePayload& payload,
+                                     std::int64_t begun_ns = 0);
+
+  // Alerts that were appended with a `begun_ns` of the hour up to `now_ns`, CLOCK_REALTIME, also before a
+  // restart, and whether or not a broker has them; at most kMostCounted. None: the disk refused to say.
+  std::optional<std::int64_t> last_hour(std::int64_t now_ns);
+  static constexpr std::int64_t kMostCounted = 100'000;
 
   // The first alert behind `number`; none if there is none.
   std::optional<StoredAlert> after(std::int64_t number);
@@ -67,6 +74,7 @@ class AlertStore {
   void open();
   void load();
   void run(const char* sql);
+  void note_begin(std::int64_t begun_ns);
 
   std::filesystem::path file_;
   std::int64_t max_alerts_;

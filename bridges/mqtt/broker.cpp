@@ -53,7 +53,7 @@ void Broker::Free::operator()(mosquitto* client) const noexcept {
 }
 
 Broker::Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::string& client_id,
-               const LastWill& will, BrokerListener listener, BrokerLimits limits)
+               const std::optional<LastWill>& will, BrokerListener listener, BrokerLimits limits)
     : loop_(loop),
       listener_(std::move(listener)),
       limits_(limits),
@@ -73,14 +73,19 @@ Broker::Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::s
 
 Broker::~Broker() = default;
 
-void Broker::set_up(const BrokerSettings& settings, const LastWill& will) {
+void Broker::set_up(const BrokerSettings& settings, const std::optional<LastWill>& will) {
   mosquitto_connect_callback_set(client_.get(), &Broker::on_connect);
   mosquitto_publish_callback_set(client_.get(), &Broker::on_publish);
   mosquitto_disconnect_callback_set(client_.get(), &Broker::on_disconnect);
+  mosquitto_message_callback_set(client_.get(), &Broker::on_message);
+  mosquitto_subscribe_callback_set(client_.get(), &Broker::on_subscribe);
+  mosquitto_unsubscribe_callback_set(client_.get(), &Broker::on_unsubscribe);
   succeeded(mosquitto_int_option(client_.get(), MOSQ_OPT_TCP_NODELAY, 1), "TCP_NODELAY");
-  succeeded(mosquitto_will_set(client_.get(), will.topic.c_str(), static_cast<int>(will.payload.size()),
-                               will.payload.data(), 1, true),
-            "the last will");
+  if (will) {
+    succeeded(mosquitto_will_set(client_.get(), will->topic.c_str(), static_cast<int>(will->payload.size()),
+                                 will->payload.data(), 1, true),
+              "the last will");
+  }
   if (!settings.user.empty()) {
     const std::string password = settings.password_file.empty() ? "" : first_line_of(settings.password_file);
     succeeded(mosquitto_username_pw_set(client_.get(), settings.user.c_str(), or_null(password)),
@@ -124,7 +129,7 @@ void Broker::serve(std::uint32_t events) {
   if (code == MOSQ_ERR_SUCCESS && (events & EPOLLOUT) != 0) code = mosquitto_loop_write(client_.get(), 1);
   if (!fine(code)) return;
   watch_socket();
-  if (writable()) listener_.writable();
+  if (writable() && listener_.writable) listener_.writable();
 }
 
 void Broker::look_at_time() {
@@ -153,6 +158,16 @@ int Broker::publish(const std::string& topic, const std::string& payload, int qo
   if (!fine(code)) return 0;
   watch_socket();
   return message;
+}
+
+void Broker::subscribe(const std::vector<std::string>& filters) {
+  std::vector<char*> texts;
+  for (const std::string& filter : filters) texts.push_back(const_cast<char*>(filter.c_str()));
+  if (!fine(mosquitto_subscribe_multiple(client_.get(), nullptr, static_cast<int>(texts.size()), texts.data(),
+                                         0, 0, nullptr)))
+    return;
+  // A request that changes nothing, whose answer comes behind the retained messages.
+  if (fine(mosquitto_unsubscribe(client_.get(), nullptr, (filters.front() + "/end").c_str()))) watch_socket();
 }
 
 void Broker::leave(std::chrono::milliseconds patience) {
@@ -197,7 +212,27 @@ void Broker::on_connect(mosquitto*, void* self, int code) {
 }
 
 void Broker::on_publish(mosquitto*, void* self, int message) {
-  static_cast<Broker*>(self)->listener_.acknowledged(message);
+  const Broker& broker = *static_cast<Broker*>(self);
+  if (broker.listener_.acknowledged) broker.listener_.acknowledged(message);
+}
+
+void Broker::on_message(mosquitto*, void* self, const mosquitto_message* message) {
+  const Broker& broker = *static_cast<Broker*>(self);
+  const auto* const bytes = static_cast<const char*>(message->payload);
+  const std::size_t size = message->payloadlen > 0 ? static_cast<std::size_t>(message->payloadlen) : 0;
+  if (broker.listener_.message)
+    broker.listener_.message(message->topic, std::string_view(bytes, size), message->retain);
+}
+
+void Broker::on_subscribe(mosquitto*, void* self, int, int count, const int* granted) {
+  constexpr int kRefused = 0x80;  // MQTT 3.1.1, section 3.9.3
+  if (std::find(granted, granted + count, kRefused) != granted + count)
+    static_cast<Broker*>(self)->lose("refuses a subscription");
+}
+
+void Broker::on_unsubscribe(mosquitto*, void* self, int) {
+  const Broker& broker = *static_cast<Broker*>(self);
+  if (broker.listener_.subscribed && broker.failure_.empty()) broker.listener_.subscribed();
 }
 
 void Broker::on_disconnect(mosquitto*, void* self, int code) {

@@ -9,12 +9,16 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "bridges/mqtt/settings.hpp"
 #include "bridges/support/loop.hpp"
 
 struct mosquitto;
+struct mosquitto_message;
 
 namespace slipd::mqtt {
 
@@ -41,10 +45,16 @@ struct LastWill {
 struct BrokerListener {
   // The broker has accepted the connection.
   std::function<void()> accepted;
-  // The broker has the message of this number (QoS 1).
+  // The broker has the message of this number (QoS 1). May be empty.
   std::function<void(int message)> acknowledged;
-  // All that was given to publish() is on its way.
+  // All that was given to publish() is on its way. May be empty.
   std::function<void()> writable;
+  // A message of a topic of subscribe(). `retained`: the broker kept it, for how long is unknown. May be
+  // empty.
+  std::function<void(std::string_view topic, std::string_view payload, bool retained)> message;
+  // The broker has answered a request that it got behind subscribe(): as it answers in order, the retained
+  // messages came before this. May be empty.
+  std::function<void()> subscribed;
   // The connection has failed or ended, or was never made. Called once, from the loop; the Broker may be
   // destroyed in it.
   std::function<void(const std::string& why)> lost;
@@ -54,7 +64,7 @@ class Broker {
  public:
   // Begins to connect. Never throws for a network's error: lost() tells.
   Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::string& client_id,
-         const LastWill& will, BrokerListener listener, BrokerLimits limits = {});
+         const std::optional<LastWill>& will, BrokerListener listener, BrokerLimits limits = {});
   ~Broker();
   Broker(const Broker&) = delete;
   Broker& operator=(const Broker&) = delete;
@@ -69,6 +79,9 @@ class Broker {
   // Gives a message to the connection. Returns its number, 0 if it failed (lost() follows).
   int publish(const std::string& topic, const std::string& payload, int qos, bool retain);
 
+  // Asks for the messages of these topic filters, QoS 0. The broker refuses one: lost() follows.
+  void subscribe(const std::vector<std::string>& filters);
+
   // Says goodbye, so that no last will is published, and waits at most `patience` until all is written.
   void leave(std::chrono::milliseconds patience);
 
@@ -79,8 +92,11 @@ class Broker {
   static void on_connect(mosquitto* client, void* self, int code);
   static void on_publish(mosquitto* client, void* self, int message);
   static void on_disconnect(mosquitto* client, void* self, int code);
+  static void on_message(mosquitto* client, void* self, const mosquitto_message* message);
+  static void on_subscribe(mosquitto* client, void* self, int request, int count, const int* granted);
+  static void on_unsubscribe(mosquitto* client, void* self, int request);
 
-  void set_up(const BrokerSettings& settings, const LastWill& will);
+  void set_up(const BrokerSettings& settings, const std::optional<LastWill>& will);
   void connect(const BrokerSettings& settings);
   void serve(std::uint32_t events);
   void look_at_time();

@@ -4,10 +4,12 @@
 #include <slipd.h>
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bridges/support/inventory.hpp"
 
@@ -29,10 +31,23 @@ struct AlertCounts {
 // null. Empty if `text` is no JSON object.
 std::string estimate_message(const slipd_estimate& estimate, std::string_view text);
 
-// State, health and alert of a sensor. `text`: what slipd sent.
+// State, health and alert of a sensor or grasp. `text`: what slipd sent, or GraspEstimate::text.
 std::string state_message(const slipd_estimate& estimate, std::string_view text);
-// The same of a sensor when slipd is away.
+// The same when slipd is away.
 std::string away_message(const std::string& sensor, std::int64_t now_ns);
+std::string away_message(const bridges::GraspFacts& grasp, std::int64_t now_ns);
+
+// A grasp as an estimate for the functions here.
+struct GraspEstimate {
+  // name, state, alert, gamma, age_s and valid_until_ns; state is "stale" if the oldest of its sensors is too
+  // old.
+  slipd_estimate estimate{};
+  // slipd's object, with time_ns and age_ms of the oldest of its sensors, and simulated if one of them is.
+  std::string text;
+};
+// The grasps of slipd's answer to `gamma`. `monotonic_ns`: CLOCK_MONOTONIC when it came. Empty for a text
+// that is no such answer.
+std::vector<GraspEstimate> grasps_of(std::string_view answer, double max_age_s, std::int64_t monotonic_ns);
 
 // An alert: a record of the sample's moment. `number` is that of the alert, `dropped` as in AlertCounts.
 std::string alert_message(std::string_view text, const std::string& series, std::int64_t number,
@@ -54,16 +69,25 @@ std::string online_message(const Gripper& gripper, std::int64_t now_ns);
 // Last will, and at an orderly end. `now_ns` 0: unknown, as of a last will.
 std::string offline_message(std::int64_t now_ns);
 
-// Latest state and margin of a sensor for the summary.
-struct SensorLine {
+// Latest state and margin of a sensor or grasp for the summary.
+struct SummaryLine {
   std::string state = "stale";
   std::string alert = "none";
   // NaN unless state is ok and the estimate young.
-  double gamma = 0;
+  double gamma = std::numeric_limits<double>::quiet_NaN();
+  // The least margin since the summary before; NaN: there was none.
+  double gamma_min = std::numeric_limits<double>::quiet_NaN();
 };
-// Retained, once a period: time, sensors, alerts of the last hour.
-std::string summary_message(const Gripper& gripper, const std::map<std::string, SensorLine>& sensors,
-                            std::int64_t alerts_last_hour, std::int64_t now_ns);
+struct Summary {
+  // By name.
+  std::map<std::string, SummaryLine> sensors, grasps;
+  // None: unknown.
+  std::optional<std::int64_t> alerts_last_hour;
+  // The next summary comes in this time or earlier, s.
+  double period_s = 0;
+};
+// Retained, once a period and soon after an alert: time, sensors, grasps, alerts of the last hour.
+std::string summary_message(const Gripper& gripper, const Summary& summary, std::int64_t now_ns);
 
 // Same for grippers with the same sensors and grasps: 16 hexadecimal digits.
 std::string inventory_hash(const bridges::Inventory& inventory);

@@ -21,9 +21,13 @@ constexpr std::chrono::seconds kAcknowledgeTimeout{20};
 constexpr std::chrono::seconds kFlushPeriod{1};
 // At the end: for the last messages.
 constexpr std::chrono::milliseconds kLeavePatience{500};
-constexpr std::chrono::hours kSummaryWindow{1};
-// Times of alerts that are kept to count those of the last hour.
-constexpr std::size_t kMostAlertTimes = 100'000;
+// From an alert to the summary that counts it: more alerts of this time are counted by the same summary.
+constexpr std::chrono::seconds kSummaryAfterAlert{1};
+// Between two requests for grasps. Too small: events of sensors in a row cost slipd a request each. Too
+// large: a short alert of a grasp is missed.
+constexpr std::chrono::milliseconds kGraspPause{10};
+// How long slipd may take to answer. The loop stands still meanwhile.
+constexpr double kGraspTimeout = 1;  // s
 
 }  // namespace
 
@@ -39,6 +43,7 @@ Publisher::Publisher(Settings settings, std::string version, bridges::Loop& loop
       connecting_(loop, [this] { connect(); }),
       summary_(loop, [this] { put_summary(); }),
       flush_(loop, [this] { check_progress(); }),
+      asking_(loop, [this] { ask_grasps(); }),
       feed_(loop, feed_options(), feed_listener()) {
   if (store_.waiting() > 0)
     log(LogLevel::info, std::to_string(store_.waiting()) + " alerts wait from before");
@@ -58,6 +63,7 @@ bridges::FeedOptions Publisher::feed_options() const {
   options.socket = settings_.socket;
   options.max_rate_hz = settings_.rate_hz;
   options.max_age_s = settings_.max_age_s;
+  options.texts = true;
   return options;
 }
 
@@ -77,7 +83,7 @@ std::chrono::steady_clock::time_point Publisher::expiry_of(const slipd_estimate&
 }
 
 void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
-  latest_[estimate.name] = estimate;
+  remember(estimate);
   if (estimate.event == SLIPD_EVENT_ALERT) {
     take_alert(estimate, text);
   } else if (estimate.event == SLIPD_EVENT_ESTIMATE) {
@@ -85,15 +91,71 @@ void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
   }
   if (estimate.event != SLIPD_EVENT_ESTIMATE || !states_.contains(estimate.name))
     note_state(estimate.name, state_message(estimate, text));
+  want_grasps(estimate);
   send();
 }
 
+void Publisher::remember(const slipd_estimate& estimate) {
+  latest_[estimate.name] = estimate;
+  const double gamma = slipd_margin(&estimate);
+  if (std::isnan(gamma)) return;
+  const auto [least, first] = least_.emplace(estimate.name, gamma);
+  if (!first) least->second = std::min(least->second, gamma);
+}
+
+// A grasp changes with each of its sensors. Its estimates follow those of the sensor that it names last.
+void Publisher::want_grasps(const slipd_estimate& estimate) {
+  if (!slipd_) return;
+  for (const auto& grasp : slipd_->grasps) {
+    if (std::find(grasp.sensors.begin(), grasp.sensors.end(), estimate.name) == grasp.sensors.end()) continue;
+    const bool is_estimate = estimate.event == SLIPD_EVENT_ESTIMATE;
+    if (is_estimate && grasp.sensors.back() != estimate.name) continue;
+    want_grasp_estimates_ = want_grasp_estimates_ || is_estimate;
+    if (!asking_.running())
+      asking_.start(std::max(Clock::duration(0), grasps_asked_at_ + kGraspPause - Clock::now()));
+  }
+}
+
+void Publisher::ask_grasps() {
+  grasps_asked_at_ = Clock::now();
+  char* text = nullptr;
+  // If it fails, the feed finds and says that slipd is away.
+  if (slipd_call(feed_.client(), "gamma", nullptr, -1, kGraspTimeout, &text) != SLIPD_DONE) return;
+  const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
+  for (const GraspEstimate& grasp : grasps_of(text, settings_.max_age_s, bridges::monotonic_ns()))
+    take_grasp(grasp);
+  want_grasp_estimates_ = false;
+  send();
+}
+
+void Publisher::take_grasp(const GraspEstimate& grasp) {
+  const slipd_estimate& now = grasp.estimate;
+  if (!serves(now.name) || slipd_->has_sensor(now.name)) return;
+  const auto before = latest_.find(now.name);
+  const bool known = before != latest_.end();
+  const bool alerted = now.alert != (known ? before->second.alert : int{SLIPD_ALERT_NONE});
+  const bool changed = !known || alerted || now.state != before->second.state;
+  remember(now);
+  if (alerted) take_alert(now, grasp.text);
+  if (changed) note_state(now.name, state_message(now, grasp.text));
+  if (changed || want_grasp_estimates_)
+    put(topic_of(now.name, "estimate"), {estimate_message(now, grasp.text), false, expiry_of(now)});
+}
+
+bool Publisher::serves(const std::string& name) const {
+  return slipd_ && (slipd_->has_sensor(name) ||
+                    std::any_of(slipd_->grasps.begin(), slipd_->grasps.end(),
+                                [&](const bridges::GraspFacts& grasp) { return grasp.name == name; }));
+}
+
 void Publisher::take_alert(const slipd_estimate& estimate, std::string_view text) {
-  if (estimate.alert != SLIPD_ALERT_NONE && alert_times_.size() < kMostAlertTimes)
-    alert_times_.push_back(Clock::now());
-  store_.append(topic_of(estimate.name, "alert"), [&](std::int64_t number, std::int64_t dropped) {
+  const auto payload = [&](std::int64_t number, std::int64_t dropped) {
     return alert_message(text, store_.series(), number, dropped);
-  });
+  };
+  store_.append(topic_of(estimate.name, "alert"), payload,
+                estimate.alert == SLIPD_ALERT_NONE ? 0 : realtime_ns());
+  if (!summary_is_near_) summary_.start(std::min<Clock::duration>(kSummaryAfterAlert, settings_.summary));
+  summary_is_near_ = true;
   if (store_.dropped() == told_dropped_) return;
   if (told_dropped_ == 0 || !store_.trouble().empty())
     log(LogLevel::error, settings_.store.string() + ": alerts are dropped: " +
@@ -106,9 +168,13 @@ void Publisher::note_serving(const bridges::Inventory& inventory) {
   if (!slipd_) log(LogLevel::info, "slipd serves " + std::to_string(inventory.sensors.size()) + " sensors");
   slipd_ = inventory;
   trouble_.clear();
-  std::erase_if(latest_, [&](const auto& each) { return !inventory.has_sensor(each.first); });
+  for (const auto& grasp : inventory.grasps) {
+    if (inventory.has_sensor(grasp.name))
+      log(LogLevel::error, "the grasp " + grasp.name + " has no topics: a sensor has its name; rename one");
+  }
+  std::erase_if(latest_, [&](const auto& each) { return !serves(each.first); });
   std::erase_if(states_, [&](const auto& each) {
-    const bool gone = !inventory.has_sensor(each.first);
+    const bool gone = !serves(each.first);
     if (gone) put_retained(topic_of(each.first, "state"), "");  // the broker forgets the topic
     return gone;
   });
@@ -121,6 +187,8 @@ void Publisher::note_away(std::string_view why) {
   if (slipd_) {
     for (const auto& sensor : slipd_->sensors)
       note_state(sensor.name, away_message(sensor.name, realtime_ns()));
+    for (const auto& grasp : slipd_->grasps)
+      if (!slipd_->has_sensor(grasp.name)) note_state(grasp.name, away_message(grasp, realtime_ns()));
   }
   slipd_.reset();
   trouble_ = why;
@@ -200,15 +268,25 @@ void Publisher::put_status() {
 
 void Publisher::put_summary() {
   summary_.start(settings_.summary);
-  std::map<std::string, SensorLine> lines;
-  for (const auto& [name, estimate] : latest_) {
-    const double gamma = slipd_margin(&estimate);
-    const bool young = estimate.state != SLIPD_STATE_OK || !std::isnan(gamma);
-    lines[name] = {slipd_state_name(young ? estimate.state : int{SLIPD_STATE_STALE}),
-                   slipd_alert_name(estimate.alert), gamma};
-  }
-  put_retained(host_topic("summary"), summary_message(gripper(), lines, alerts_last_hour(), realtime_ns()));
+  summary_is_near_ = false;
+  Summary summary;
+  for (const auto& [name, estimate] : latest_)
+    (slipd_ && slipd_->has_sensor(name) ? summary.sensors : summary.grasps)[name] = summary_line(estimate);
+  least_.clear();
+  summary.alerts_last_hour = store_.last_hour(realtime_ns());
+  summary.period_s = std::chrono::duration<double>(settings_.summary).count();
+  put_retained(host_topic("summary"), summary_message(gripper(), summary, realtime_ns()));
   send();
+}
+
+SummaryLine Publisher::summary_line(const slipd_estimate& estimate) const {
+  SummaryLine line;
+  line.gamma = slipd_margin(&estimate);
+  const bool young = estimate.state != SLIPD_STATE_OK || !std::isnan(line.gamma);
+  line.state = slipd_state_name(young ? estimate.state : int{SLIPD_STATE_STALE});
+  line.alert = slipd_alert_name(estimate.alert);
+  if (const auto least = least_.find(estimate.name); least != least_.end()) line.gamma_min = least->second;
+  return line;
 }
 
 // Alerts first. The rest while the broker takes it: what it does not take stays in its place.
@@ -243,12 +321,6 @@ std::string Publisher::host_topic(const char* kind) const {
 
 Gripper Publisher::gripper() const {
   return {version_, slipd_, {store_.series(), store_.last(), store_.waiting(), store_.dropped()}, trouble_};
-}
-
-std::int64_t Publisher::alerts_last_hour() {
-  const auto begin = Clock::now() - kSummaryWindow;
-  while (!alert_times_.empty() && alert_times_.front() < begin) alert_times_.pop_front();
-  return static_cast<std::int64_t>(alert_times_.size());
 }
 
 }  // namespace slipd::mqtt

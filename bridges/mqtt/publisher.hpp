@@ -1,11 +1,13 @@
 // slipd-mqtt itself: slipd's estimates to topics of one broker at a time. One thread's own: that of the loop.
 //
+// slipd's socket has events of sensors only. Grasps are asked for after estimates and events of their
+// sensors, and their alerts are found by comparing: one that begins and ends between two answers is missed.
+//
 // Estimates, states, status and summary have one place each, in which the newest replaces what was not sent
 // yet: a slow or absent broker costs no memory. Alerts go through the store on disk and stay there until a
 // broker has acknowledged them; at most kWindow of them are on their way, in the order of their numbers.
 #pragma once
 
-#include <deque>
 #include <map>
 #include <memory>
 #include <random>
@@ -45,6 +47,11 @@ class Publisher : public bridges::Service {
   std::chrono::steady_clock::time_point expiry_of(const slipd_estimate& estimate) const;
   void take(const slipd_estimate& estimate, std::string_view text);
   void take_alert(const slipd_estimate& estimate, std::string_view text);
+  void want_grasps(const slipd_estimate& estimate);
+  void ask_grasps();
+  void take_grasp(const GraspEstimate& grasp);
+  void remember(const slipd_estimate& estimate);
+  bool serves(const std::string& name) const;
   void note_serving(const bridges::Inventory& inventory);
   void note_away(std::string_view why);
   void note_state(const std::string& sensor, std::string payload);
@@ -64,7 +71,7 @@ class Publisher : public bridges::Service {
   std::string topic_of(const std::string& sensor, const char* kind) const;
   std::string host_topic(const char* kind) const;
   Gripper gripper() const;
-  std::int64_t alerts_last_hour();
+  SummaryLine summary_line(const slipd_estimate& estimate) const;
 
   Settings settings_;
   std::string version_;
@@ -76,9 +83,12 @@ class Publisher : public bridges::Service {
   // What is known of slipd.
   std::optional<bridges::Inventory> slipd_;
   std::string trouble_{"not asked yet"};
-  std::map<std::string, slipd_estimate> latest_;                   // of each sensor
-  std::map<std::string, std::string> states_;                      // payload of each sensor's topic `state`
-  std::deque<std::chrono::steady_clock::time_point> alert_times_;  // of the last hour
+  std::map<std::string, slipd_estimate> latest_;             // of each sensor and grasp
+  std::map<std::string, std::string> states_;                // payload of their topics `state`
+  std::map<std::string, double> least_;                      // their least margin since the last summary
+  bool want_grasp_estimates_ = false;                        // not only their changes
+  std::chrono::steady_clock::time_point grasps_asked_at_{};  // last request
+  bool summary_is_near_ = false;                             // because of an alert
 
   // What waits for the broker, by topic.
   std::map<std::string, Pending> pending_;
@@ -89,7 +99,7 @@ class Publisher : public bridges::Service {
 
   MosquittoLibrary library_;
   std::unique_ptr<Broker> broker_;
-  bridges::Loop::Timer connecting_, summary_, flush_;
+  bridges::Loop::Timer connecting_, summary_, flush_, asking_;
   bridges::Feed feed_;
 };
 

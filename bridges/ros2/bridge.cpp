@@ -1,8 +1,12 @@
 #include "bridges/ros2/bridge.hpp"
 
+#include <sys/epoll.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <utility>
 
 #include "bridges/ros2/messages/sensor_messages.hpp"
@@ -15,6 +19,8 @@ constexpr double kUsualTaxelRate = 10, kUsualReportRate = 1;  // Hz
 constexpr double kNsPerS = 1e9;
 // While slipd is away or silent, messages without numbers come this often.
 constexpr std::int64_t kSilentPeriodNs = 1'000'000'000;
+// Estimates within max_age_ms while no topic of estimates has a reader: enough to see that slipd is silent.
+constexpr double kIdleEstimates = 4;
 // How long slipd may take to pass its shared memory, s.
 constexpr double kAttach = 1;
 
@@ -43,11 +49,13 @@ std::vector<Problem> check_settings(const nlohmann::json& settings) {
   std::vector<Problem> problems;
   const nlohmann::json& network = settings.at("network");
   const nlohmann::json& interfaces = network.at("interfaces");
-  const bool loopback = std::find(interfaces.begin(), interfaces.end(), "lo") != interfaces.end();
-  if (loopback && interfaces.size() > 1)
-    problems.push_back(
-        problem_of("/network/interfaces", interfaces,
-                   "lo beside others: name the others only, as nodes of this computer use them, too"));
+  for (const char* const name : {"lo", kHost}) {
+    if (interfaces.size() > 1 && std::find(interfaces.begin(), interfaces.end(), name) != interfaces.end())
+      problems.push_back(problem_of("/network/interfaces", interfaces,
+                                    std::string(name) +
+                                        " beside others: name the others only, as nodes of this computer use "
+                                        "them, too"));
+  }
   if (!network.at("multicast").get<bool>() && network.at("peers").empty())
     problems.push_back(problem_of("/network/peers", network.at("peers"),
                                   "no peers and no multicast: no node could be found; give one of them"));
@@ -58,16 +66,20 @@ Ros2Bridge::Ros2Bridge(const nlohmann::json& settings, bridges::Loop& loop)
     : settings_(settings),
       max_age_s_(1e-3 * settings.at("max_age_ms").get<double>()),
       recorder_(settings.at("record")),
-      node_(node_options(settings)),
+      node_(node_options(settings), [this] { readers_changed_.ring(); }),
       silence_(loop, [this] { watch_silence(); }),
       report_(loop, [this] { report(); }),
       feed_(loop,
             {.socket = settings.at("socket"),
              .events = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT,
+             .max_rate_hz = kIdleEstimates / max_age_s_,
              .max_age_s = max_age_s_},
             {.serves = [this](const bridges::Inventory& inventory) { serve(inventory); },
              .away = [this](std::string_view why) { go_away(why); },
-             .estimate = [this](const slipd_estimate& estimate, std::string_view) { take(estimate); }}) {
+             .estimate = [this](const slipd_estimate& estimate, std::string_view) { take(estimate); }}),
+      readers_(loop, readers_changed_.fd(), EPOLLIN, [this](std::uint32_t) { choose_rate(); }),
+      host_(host_interfaces()),
+      addresses_(loop, changes_.fd(), EPOLLIN, [this](std::uint32_t) { note_addresses(); }) {
   const TopicOptions diagnostics = topic_options("diagnostics");
   if (diagnostics.publish)
     diagnostics_.emplace(node_, recorder_, "/diagnostics", TopicOptions{.writer = diagnostics.writer});
@@ -102,6 +114,7 @@ void Ros2Bridge::serve(const bridges::Inventory& inventory) {
         settings_.at("socket"), taxels.rate_hz > 0 ? taxels.rate_hz : kUsualTaxelRate, std::move(sources));
   }
   node_.announce();
+  readers_changed_.ring();
   bridges::log(bridges::LogLevel::notice, "slipd " + inventory.version + ": " +
                                               std::to_string(inventory.sensors.size()) + " sensors and " +
                                               std::to_string(inventory.grasps.size()) + " grasps on topics " +
@@ -152,21 +165,48 @@ void Ros2Bridge::go_away(std::string_view why) {
   }
 }
 
+bool Ros2Bridge::estimates_wanted() const {
+  const auto wanted = [](const auto& output) { return output && output->wanted(); };
+  return std::any_of(subjects_.begin(), subjects_.end(), [&](const auto& named) {
+    const Subject& subject = named.second;
+    return wanted(subject.wrench) || wanted(subject.margin) || wanted(subject.margin_low) ||
+           wanted(subject.estimate);
+  });
+}
+
+// A topic has got or lost a reader. Alerts come at any rate.
+void Ros2Bridge::choose_rate() {
+  readers_changed_.hear();
+  feed_.limit_rate(estimates_wanted() ? 0 : kIdleEstimates / max_age_s_);
+}
+
+// Nodes that start from now on give the new addresses, which Cyclone DDS uses from the next start on.
+void Ros2Bridge::note_addresses() {
+  changes_.take();
+  if (settings_.at("network").at("interfaces") != nlohmann::json::array({kHost}) ||
+      host_interfaces() == host_)
+    return;
+  bridges::log(bridges::LogLevel::notice, "this computer's addresses have changed: the node starts anew");
+  kill(getpid(), SIGHUP);
+}
+
 void Ros2Bridge::take(const slipd_estimate& estimate) {
   const auto found = subjects_.find(std::string_view(estimate.name));
   if (found == subjects_.end()) return;
   Subject& subject = found->second;
   const Moment now = Moment::now();
+  subject.dropped += estimate.dropped;
+  if (estimate.event == SLIPD_EVENT_ALERT) {  // the same estimate comes by itself
+    SlipEstimate message = subject.last;
+    fill_message(estimate, now, message);
+    publish_alert(subject, message, now);
+    return;
+  }
   const std::uint8_t alert = subject.last.alert;
   const std::uint8_t state = subject.last.state;
   fill_message(estimate, now, subject.last);
-  subject.dropped += estimate.dropped;
-  if (estimate.event == SLIPD_EVENT_ALERT) {
-    if (subject.alert) subject.alert->put_now(subject.last, now);
-    return;  // the same estimate comes by itself
-  }
+  subject.sequence = estimate.sequence;
   subject.taken_ns = now.monotonic_ns;
-  ++subject.received;
   publish(subject, now, subject.last.state != state || subject.last.alert != alert);
   if (!subject.grasps.empty()) take_grasps(subject.grasps);
 }
@@ -184,27 +224,32 @@ void Ros2Bridge::take_grasps(const std::vector<std::string>& names) {
     const bool news = estimate.alert != grasp.last.alert;
     const bool changed = news || estimate.state != grasp.last.state;
     fill_message(estimate, now, grasp.last);
+    grasp.sequence = estimate.sequence;
     grasp.taken_ns = now.monotonic_ns;
-    ++grasp.received;
     publish(grasp, now, changed);
-    if (news && grasp.alert) grasp.alert->put_now(grasp.last, now);
+    if (news) publish_alert(grasp, grasp.last, now);
   }
 }
 
 void Ros2Bridge::publish(Subject& subject, const Moment& now, bool at_any_rate) {
-  const auto put = [&](auto& output, const auto& message) {
+  const SlipEstimate& last = subject.last;
+  const auto put = [&](auto& output, const auto& make) {
     if (!output) return;
     if (at_any_rate) {
-      output->put_now(message, now);
+      output->put_now(now, make);
     } else {
-      output->put(message, now);
+      output->put(now, make);
     }
   };
   subject.published_ns = now.monotonic_ns;
-  put(subject.margin, margin_of(subject.last));
-  put(subject.wrench, wrench_of(subject.last));
-  put(subject.margin_low, margin_low_of(subject.last));
-  put(subject.estimate, subject.last);
+  put(subject.margin, [&] { return margin_of(last); });
+  put(subject.wrench, [&] { return wrench_of(last); });
+  put(subject.margin_low, [&] { return margin_low_of(last); });
+  put(subject.estimate, [&]() -> const SlipEstimate& { return last; });
+}
+
+void Ros2Bridge::publish_alert(Subject& subject, const SlipEstimate& message, const Moment& now) {
+  if (subject.alert) subject.alert->put_now(now, [&]() -> const SlipEstimate& { return message; });
 }
 
 // The timer: a slipd that sends nothing, though it is connected, has stopped or hangs.
@@ -239,9 +284,16 @@ void Ros2Bridge::report() {
   }
   for (auto& [name, subject] : subjects_) {
     all.status.push_back(status_of(subject, passed));
-    subject.received = 0;
+    if (subject.taken_ns != 0) subject.reported = subject.sequence;
   }
-  diagnostics_->put_now(all, now);
+  diagnostics_->put_now(now, [&]() -> const DiagnosticArray& { return all; });
+}
+
+// Frames of the sensor a second, of a grasp those of all its sensors; empty if unknown, as after a restart of
+// slipd.
+std::string Ros2Bridge::text_of_rate(const Subject& subject, double seconds) {
+  if (!(seconds > 0) || !subject.reported || subject.sequence < *subject.reported) return "";
+  return text_of(static_cast<double>(subject.sequence - *subject.reported) / seconds);
 }
 
 DiagnosticStatus Ros2Bridge::status_of(const Subject& subject, double seconds) const {
@@ -257,8 +309,7 @@ DiagnosticStatus Ros2Bridge::status_of(const Subject& subject, double seconds) c
   status.hardware_id = subject.hardware;
   status.values = {{.key = "state", .value = slipd_state_name(last.state)},
                    {.key = "alert", .value = slipd_alert_name(last.alert)},
-                   {.key = "rate_hz",
-                    .value = seconds > 0 ? text_of(static_cast<double>(subject.received) / seconds) : ""},
+                   {.key = "rate_hz", .value = text_of_rate(subject, seconds)},
                    {.key = "age_s", .value = std::isfinite(last.age) ? text_of(last.age) : ""},
                    {.key = "dropped", .value = std::to_string(subject.dropped)},
                    {.key = "simulated", .value = last.simulated ? "true" : "false"}};

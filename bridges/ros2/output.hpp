@@ -28,18 +28,24 @@ class Output {
         channel_(recorder.channel<T>(topic)),
         period_ns_(options.rate_hz > 0 ? static_cast<std::int64_t>(1e9 / options.rate_hz) : 0) {}
 
-  // Publishes it unless the rate forbids it.
-  void put(const T& message, const Moment& now) {
-    if (now.monotonic_ns < next_ns_) return;
+  // Whether anything takes messages: a reader, or the recording. Any thread.
+  bool wanted() const noexcept { return writer_.has_readers() || recorder_.records(); }
+  // Publishes what `make` returns, unless nothing takes it or the rate forbids it.
+  template <class Make>
+  void put(const Moment& now, const Make& make) {
+    if (!wanted() || now.monotonic_ns < next_ns_) return;
     // The grid of the rate, so that the mean rate is right; anew after a pause.
     next_ns_ =
         next_ns_ + 2 * period_ns_ > now.monotonic_ns ? next_ns_ + period_ns_ : now.monotonic_ns + period_ns_;
-    put_now(message, now);
+    put_now(now, make);
   }
-  // Publishes it at any rate.
-  void put_now(const T& message, const Moment& now) {
-    writer_.write(message);
-    recorder_.write(channel_, now.realtime_ns, message);
+  // The same at any rate.
+  template <class Make>
+  void put_now(const Moment& now, const Make& make) {
+    if (!wanted()) return;
+    const T& message = make();
+    if (writer_.has_readers()) writer_.write(message);
+    if (recorder_.records()) recorder_.write(channel_, now.realtime_ns, message);
   }
 
  private:

@@ -28,6 +28,7 @@ Recorder::Recorder(const std::string& file) {
   if (file.empty()) return;
   const std::string name = free_name(file);
   writer_ = std::make_unique<McapWriter>(name, McapOptions{.library = "slipd-ros2"});
+  records_ = true;
   bridges::log(bridges::LogLevel::notice, "records into " + name);
 }
 
@@ -59,6 +60,7 @@ void Recorder::append(std::uint16_t channel, std::int64_t realtime_ns) {
 
 void Recorder::fail(const std::exception& error) {
   bridges::log(bridges::LogLevel::error, std::string("the recording has ended: ") + error.what());
+  records_ = false;
   writer_.reset();
 }
 

@@ -1,6 +1,7 @@
 // The MCAP file that a running bridge writes beside publishing. Any thread.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -22,6 +23,8 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
+  // Whether there is a recording now.
+  bool records() const noexcept { return records_.load(std::memory_order_relaxed); }
   // The channel of a topic, which may have been added before.
   template <Message T>
   std::uint16_t channel(std::string_view topic) {
@@ -42,6 +45,7 @@ class Recorder {
   void append(std::uint16_t channel, std::int64_t realtime_ns);
   void fail(const std::exception& error);
 
+  std::atomic<bool> records_{false};  // relaxed: mutex_ guards the rest
   std::mutex mutex_;
   std::unique_ptr<McapWriter> writer_;
   std::vector<std::uint8_t> bytes_;

@@ -57,6 +57,7 @@ void TaxelLane::run(const std::stop_token& stop) {
   while (!stopped_.wait_until(lock, stop, due, [&] { return stop.stop_requested(); }) &&
          !stop.stop_requested()) {
     for (TaxelSource& source : sources_) {
+      if (!source.output->wanted()) continue;
       char* answer = nullptr;
       // Without an answer there are no taxels; the loop's thread says that slipd is away.
       if (slipd_frame(slipd_.get(), source.sensor.c_str(), kAnswer, &answer) != SLIPD_DONE) continue;
@@ -65,7 +66,9 @@ void TaxelLane::run(const std::stop_token& stop) {
         Header header;
         header.frame_id = source.frame_id;
         fill_from_answer(answer, header, cloud);
-        if (cloud.width > 0) source.output->put_now(cloud, Moment::now());
+        if (cloud.width > 0) {
+          source.output->put_now(Moment::now(), [&]() -> const PointCloud2& { return cloud; });
+        }
       } catch (const nlohmann::json::exception&) {  // a sensor that has had no frame yet
       }
     }

@@ -27,19 +27,28 @@ Feed::Feed(Loop& loop, FeedOptions options, FeedListener listener)
 // libslipd renews it.
 void Feed::refresh() {
   timer_.start(options_.refresh);
-  if (ask() && options_.events != 0 && !subscribed_) subscribe();
+  if (ask() && options_.events != 0 && (!subscribed_ || subscribed_rate_hz_ != options_.max_rate_hz))
+    subscribe();
   if (!connected_) timer_.start(std::min(kRetry, options_.refresh));
 }
 
 void Feed::subscribe() {
   try {
     slipd_.subscribe({}, options_.max_rate_hz, options_.events, options_.answer_timeout_s);
+    subscribed_ = true;
+    subscribed_rate_hz_ = options_.max_rate_hz;
   } catch (const client::Error& error) {
+    subscribed_ = false;
     lose(error.what());
     return;
   }
-  subscribed_ = true;
   take_events();  // one read may have brought estimates behind the answer
+}
+
+void Feed::limit_rate(double max_rate_hz) {
+  if (options_.max_rate_hz == max_rate_hz) return;
+  options_.max_rate_hz = max_rate_hz;
+  if (connected_ && subscribed_) subscribe();  // otherwise the timer does it
 }
 
 // False: slipd is away.
@@ -84,13 +93,10 @@ void Feed::take_events() {
 }
 
 void Feed::take(const slipd_estimate& estimate) {
-  if (!connected_ || !inventory_.has_sensor(estimate.name)) {
-    const std::string text = slipd_event_text(slipd_.get());
-    if (ask() && inventory_.has_sensor(estimate.name) && listener_.estimate)
-      listener_.estimate(estimate, text);
-    return;
-  }
-  if (listener_.estimate) listener_.estimate(estimate, slipd_event_text(slipd_.get()));
+  const std::string text = options_.texts ? slipd_event_text(slipd_.get()) : "";
+  const bool known = connected_ && inventory_.has_sensor(estimate.name);
+  if (!known && !(ask() && inventory_.has_sensor(estimate.name))) return;
+  if (listener_.estimate) listener_.estimate(estimate, text);
 }
 
 }  // namespace slipd::bridges

@@ -20,6 +20,9 @@ struct FeedOptions {
   int events = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
   // Highest rate of estimates of one sensor, Hz; 0: all. slipd thins them, so a low rate costs little.
   double max_rate_hz = 0;
+  // Whether FeedListener::estimate gets the text of an estimate. Without, none is made, which takes longer
+  // than reading the estimate.
+  bool texts = false;
   // Older estimates arrive as `stale`, without a margin, s. Less than a period of the sensor: every estimate
   // may be stale.
   double max_age_s = 0.1;
@@ -37,8 +40,8 @@ struct FeedListener {
   // there. May be empty.
   std::function<void(std::string_view why)> away;
   // An estimate. `estimate.event` says which event it is; `text` is the JSON object that slipd sent
-  // (docs/socket.md), whose age and state were those at sending. After `serves`, and for a sensor of its
-  // inventory. May be empty if there is no subscription.
+  // (docs/socket.md), whose age and state were those at sending; empty without FeedOptions::texts. After
+  // `serves`, and for a sensor of its inventory. May be empty if there is no subscription.
   std::function<void(const slipd_estimate& estimate, std::string_view text)> estimate;
 };
 
@@ -49,6 +52,8 @@ class Feed {
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
 
+  // FeedOptions::max_rate_hz from now on. Estimates that came while slipd changed it may be missing.
+  void limit_rate(double max_rate_hz);
   bool connected() const noexcept { return connected_; }
   // The last one, also while slipd is away.
   const Inventory& inventory() const noexcept { return inventory_; }
@@ -70,6 +75,7 @@ class Feed {
   bool connected_ = false;
   bool told_ = false;  // of being connected or away
   bool subscribed_ = false;
+  double subscribed_rate_hz_ = 0;
   Loop::Timer timer_;
   Loop::Watch watch_;
 };

@@ -1,14 +1,10 @@
 #include "bridges/web/reader.hpp"
 
 #include <sys/epoll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
 #include "bridges/support/log.hpp"
@@ -33,34 +29,13 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-// An eventfd: the serving thread rings, the main thread hears.
-class Reader::Bell {
- public:
-  Bell() : fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
-  }
-  ~Bell() { close(fd_); }
-  Bell(const Bell&) = delete;
-  Bell& operator=(const Bell&) = delete;
-
-  int fd() const noexcept { return fd_; }
-  void ring() const noexcept { eventfd_write(fd_, 1); }
-  void hear() const noexcept {
-    eventfd_t ignored = 0;
-    eventfd_read(fd_, &ignored);
-  }
-
- private:
-  int fd_;
-};
-
 Reader::Reader(bridges::Loop& loop, Settings settings)
     : loop_(loop),
       settings_(std::move(settings)),
       period_(std::chrono::duration_cast<Clock::duration>(
           std::chrono::duration<double>(1 / settings_.max_rate_hz))),
       requests_(settings_.slipd_socket),
-      bell_(std::make_unique<Bell>()),
+      bell_(std::make_unique<bridges::Bell>()),
       estimates_(loop, [this] { send_live(); }),
       beat_(loop, [this] { send_live(); }),
       status_(loop, [this] { send_status(); }),

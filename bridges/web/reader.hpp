@@ -14,6 +14,7 @@
 #include <slipd.hpp>
 #include <string>
 
+#include "bridges/support/bell.hpp"
 #include "bridges/support/loop.hpp"
 #include "bridges/support/program.hpp"
 #include "bridges/web/server.hpp"
@@ -36,7 +37,6 @@ class Reader : public bridges::Service {
 
  private:
   using Clock = std::chrono::steady_clock;
-  class Bell;
 
   // How long it is until one period after `last`; at least 0.
   Clock::duration until_next(Clock::time_point last) const;
@@ -59,7 +59,7 @@ class Reader : public bridges::Service {
   Clock::duration period_;                    // between two estimates, and two pictures of a sensor
   client::Connection requests_;               // what has an answer
   std::optional<client::Connection> events_;  // the subscription, while there are browsers
-  std::unique_ptr<Bell> bell_;
+  std::unique_ptr<bridges::Bell> bell_;
   bridges::Loop::Timer estimates_, beat_, status_, pictures_;
   bridges::Loop::Watch event_, rung_;
   Clock::time_point sent_{}, pictured_{};  // of the estimates; when the pictures were due

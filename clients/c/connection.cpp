@@ -125,11 +125,11 @@ bool Connection::receive(Clock::time_point until) {
   begin_ = 0;
   const std::size_t had = input_.size();
   if (had > kLongestLine) foreign("sends a line without end");
-  input_.resize(had + kPieceBytes);
+  piece_.resize(kPieceBytes);
   PassedDescriptors passed;
-  const auto got = receive_passed(socket_.get(), std::span(input_).subspan(had), passed, MSG_DONTWAIT);
+  const auto got = receive_passed(socket_.get(), std::span(piece_), passed, MSG_DONTWAIT);
   const int error = errno;
-  input_.resize(had + static_cast<std::size_t>(std::max<ssize_t>(0, got)));
+  input_.append(piece_.data(), static_cast<std::size_t>(std::max<ssize_t>(0, got)));
   if (got < 0 && (error == EAGAIN || error == EINTR)) {
     return Clock::now() < until && wait_for(POLLIN, until);
   }

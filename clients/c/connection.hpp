@@ -62,6 +62,7 @@ class Connection {
 
   UniqueFd socket_;
   UniqueFd passed_;
+  std::string piece_;  // of one read, kept because filling new memory takes longer than the read
   std::string input_;
   std::size_t begin_ = 0;     // of what is not yet handed out
   std::size_t searched_ = 0;  // from begin_ to here there is no end of line

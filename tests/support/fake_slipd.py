@@ -6,8 +6,9 @@ import json, math, os, selectors, socket, threading, time
 class FakeSlipd:
     """One slipd. `estimate` and `alert` may be called from any thread; what a client does not take in time is dropped."""
 
-    def __init__(self, path, sensors, server):
+    def __init__(self, path, sensors, server, grasps=()):
         self.path, self.sensors, self.server = path, list(sensors), server
+        self.grasps = {name: {} for name in grasps}  # of all sensors: members of the next answers
         self.sequence = 0
         self.clients = []  # [socket, input, events, next due, period]
         self.lock = threading.Lock()
@@ -34,6 +35,12 @@ class FakeSlipd:
                 "center_mm": [0.1, -0.4], "radius_mm": 3.1, "a_over_r": 0.31, "time_to_slip_ms": None, "grip_increase_n": 0.0,
                 "grip_increase_sigma_n": 0.1, "alert": "none", "alert_cause": None, "sliding": "none", "sliding_for_ms": 812,
                 "method": "registered", "health": "good", "simulated": True, "latency_us": 35.2, "age_ms": 0.8} | members
+
+    def grasp(self, name):
+        return {"grasp": name, "sensors": self.sensors, "state": "ok", "gamma": 0.5, "sigma": 0.02, "class": 3, "gamma_low": 0.45, "friction": 0.45,
+                "friction_sigma": 0.02, "normal_n": 4.2, "shear_n": 0.7, "time_to_slip_ms": None, "grip_increase_n": 0.0, "grip_increase_sigma_n": 0.1,
+                "alert": "none", "alert_cause": None, "sliding": "none", "sliding_for_ms": 812,
+                "first": {"sensor": self.sensors[0], "gamma": 0.5}} | self.grasps[name]
 
     def send(self, event, params):
         line = (json.dumps({"jsonrpc": "2.0", "method": event, "params": params | {"dropped": 0}}) + "\n").encode()
@@ -88,7 +95,7 @@ class FakeSlipd:
             return {"sensors": [{"name": name, "driver": "sim", "class": "wrench", "taxels": 1, "rate_hz": 100.0, "simulated": True}
                                 for name in self.sensors]}
         if method == "gamma":
-            return {"sensors": [self.message(name) for name in self.sensors], "grasps": []}
+            return {"sensors": [self.message(name) for name in self.sensors], "grasps": [self.grasp(name) for name in self.grasps]}
         if method == "subscribe":
             client["events"] = tuple(params.get("events", ["estimate"]))
             return {"subscription": 1}

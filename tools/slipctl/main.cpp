@@ -11,6 +11,7 @@
 #include "tools/slipctl/commands.hpp"
 #include "tools/slipctl/decode.hpp"
 #include "tools/slipctl/export.hpp"
+#include "tools/slipctl/fleet.hpp"
 #include "tools/slipctl/plot.hpp"
 #include "tools/slipctl/probe.hpp"
 #include "tools/slipctl/watch.hpp"
@@ -28,6 +29,7 @@ struct Choices {
   DecodeOptions decode;
   PlotOptions plot;
   ExportOptions exporting;
+  FleetOptions fleet;
   int exit_code = 0;
 };
 
@@ -121,6 +123,34 @@ void add_watch(CLI::App& app, Choices& choices) {
   });
 }
 
+void add_fleet(CLI::App& app, Choices& choices) {
+  CLI::App* command = app.add_subcommand(
+      "fleet", "the grippers of an MQTT broker, a line each: a live view on a terminal, lines elsewhere");
+  // An option of slipd-fleet, which checks its value.
+  const auto pass = [&](const char* option, const char* help) {
+    command->add_option_function<std::string>(
+        option,
+        [&choices, option](const std::string& value) {
+          choices.fleet.arguments.insert(choices.fleet.arguments.end(), {option, value});
+        },
+        help);
+  };
+  pass("--broker", "HOST[:PORT]; default: localhost");
+  pass("--prefix", "what the topics begin with; default: slipd");
+  pass("--user", "user name at the broker");
+  pass("--password-file", "file with the password in its first line");
+  pass("--ca-file", "TLS: trusted authorities, PEM");
+  pass("--cert-file", "TLS: own certificate, PEM");
+  pass("--key-file", "TLS: its key, PEM");
+  command->add_flag_callback(
+      "--tls", [&] { choices.fleet.arguments.emplace_back("--tls"); }, "TLS with the system's authorities");
+  command->add_flag("--once", choices.fleet.once, "print the present lines and end");
+  command->callback([&] {
+    choices.fleet.json = choices.common.json;
+    choices.exit_code = fleet(choices.fleet);
+  });
+}
+
 void add_devices(CLI::App& app, Choices& choices) {
   app.add_subcommand("probe", "the devices present, and the profiles that match them")->callback([&] {
     print_probe(choices.common.json, std::cout);
@@ -170,6 +200,7 @@ int main(int argc, char** argv) try {
   add_plot(app, choices);
   add_export(app, choices);
   add_watch(app, choices);
+  add_fleet(app, choices);
   add_devices(app, choices);
   try {
     app.parse(argc, argv);

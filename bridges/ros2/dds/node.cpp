@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
+
+#include "bridges/ros2/dds/host_network.hpp"
 
 namespace slipd::ros2 {
 namespace {
@@ -16,6 +19,10 @@ dds_entity_t made(dds_entity_t entity, const std::string& what, const std::strin
   return entity;
 }
 
+bool host_only(const NodeOptions& options) {
+  return options.interfaces == std::vector<std::string>{kHost};
+}
+
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -28,24 +35,38 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+// `multicast`: also on an interface that says that it has none.
+std::string interface_element(const std::string& name, bool multicast) {
+  const bool address = name.find_first_of(".:") != std::string::npos;
+  return std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"" +
+         (multicast ? " multicast=\"true\"" : "") + "/>";
+}
+
 // Cyclone's configuration. It replaces what the environment's CYCLONEDDS_URI says, so that the settings file
 // holds.
 std::string configuration(const NodeOptions& options) {
-  std::string interfaces;
-  for (const std::string& name : options.interfaces) {
-    const bool address = name.find_first_of(".:") != std::string::npos;
-    interfaces +=
-        std::string("<NetworkInterface ") + (address ? "address" : "name") + "=\"" + escaped(name) + "\"/>";
+  std::string interfaces, multicast;
+  if (host_only(options)) {
+    // One without multicast would end it on all. The kernel has it on loopback, too.
+    for (const HostInterface& one : host_interfaces()) interfaces += interface_element(one.name, true);
+    multicast = "<AllowMulticast>spdp</AllowMulticast><MulticastTimeToLive>0</MulticastTimeToLive>";
+  } else {
+    for (const std::string& name : options.interfaces) interfaces += interface_element(name, false);
+    multicast =
+        std::string("<AllowMulticast>") + (options.multicast ? "true" : "false") + "</AllowMulticast>";
   }
   std::string peers;
   for (const std::string& peer : options.peers) peers += "<Peer address=\"" + escaped(peer) + "\"/>";
   return "<CycloneDDS><Domain Id=\"any\"><General>" +
-         (interfaces.empty() ? "" : "<Interfaces>" + interfaces + "</Interfaces>") + "<AllowMulticast>" +
-         (options.multicast ? "true" : "false") + "</AllowMulticast></General><Discovery>" +
-         "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+         (interfaces.empty() ? "" : "<Interfaces>" + interfaces + "</Interfaces>") + multicast +
+         "</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
          std::to_string(kMostLocalParticipants) + "</MaxAutoParticipantIndex>" +
          (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") + "</Discovery></Domain></CycloneDDS>";
 }
+
+struct DeleteListener {
+  void operator()(dds_listener_t* listener) const noexcept { dds_delete_listener(listener); }
+};
 
 struct DeleteQos {
   void operator()(dds_qos_t* qos) const noexcept { dds_delete_qos(qos); }
@@ -71,12 +92,18 @@ Gid<BYTES> gid_of(dds_entity_t entity) {
 
 }  // namespace
 
-Node::Node(const NodeOptions& options)
+Node::Node(const NodeOptions& options, std::function<void()> readers_changed)
     : options_(options),
+      readers_changed_(std::move(readers_changed)),
       domain_(made(
           dds_create_domain(options.domain, configuration(options).c_str()), "DDS domain",
           "see `network` in the settings: the interfaces must exist, and have multicast if that is on")) {
   try {
+    if (host_only(options) && !receive_from_host_only(options.domain))
+      throw DdsError(
+          "DDS domain: the kernel does not limit its sockets to this computer, as Linux 5.7 and later do; "
+          "give "
+          "`network`.`interfaces` the name of an interface, such as lo, in the settings");
     const Qos qos = make_qos();
     // ROS 2 counts a participant with an enclave among its own.
     set_user_data(*qos, "enclave=/;");
@@ -93,11 +120,11 @@ Node::Node(const NodeOptions& options)
           own.m_size,   own.m_align,          own.m_flagset,    own.m_nkeys,
           name.c_str(), own.m_keys,           own.m_nops,       own.m_ops,
           own.m_meta,   own.type_information, own.type_mapping, own.restrict_data_representation};
-      discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true);
+      discovery_ = make_writer(renamed, "ros_discovery_info", {}, last, true, nullptr);
     } else {
       using Info = ParticipantEntitiesInfo<kGidBytes>;
-      discovery_ =
-          make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true);
+      discovery_ = make_writer(DdsType<Info>::descriptor(), "ros_discovery_info", Info::kTypeHash, last, true,
+                               nullptr);
     }
     announce();
   } catch (...) {
@@ -111,7 +138,8 @@ Node::~Node() {
 }
 
 dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::string& topic,
-                               std::string_view hash, const WriterOptions& options, bool transient) {
+                               std::string_view hash, const WriterOptions& options, bool transient,
+                               Readers* readers) {
   const std::string remedy = "is another program of this computer using the domain in this process?";
   const Qos qos = make_qos();
   dds_qset_reliability(qos.get(), options.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
@@ -123,17 +151,29 @@ dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::st
   if (!hash.empty()) set_user_data(*qos, "typehash=RIHS01_" + std::string(hash) + ";");
   const dds_entity_t entity =
       made(dds_create_topic(participant_, &type, topic.c_str(), nullptr, nullptr), "topic " + topic, remedy);
-  const dds_entity_t writer = dds_create_writer(participant_, entity, qos.get(), nullptr);
+  const std::unique_ptr<dds_listener_t, DeleteListener> listener(dds_create_listener(readers));
+  if (readers != nullptr) {
+    readers->changed_ = &readers_changed_;
+    dds_lset_publication_matched_arg(listener.get(), &Node::count_readers, readers, true);
+  }
+  const dds_entity_t writer = dds_create_writer(participant_, entity, qos.get(), listener.get());
   dds_delete(entity);  // the writer keeps it
   return made(writer, "writer of " + topic, remedy);
 }
 
 dds_entity_t Node::add_writer(const dds_topic_descriptor_t& type, std::string_view topic,
-                              std::string_view hash, const WriterOptions& options) {
-  const dds_entity_t writer = make_writer(type, "rt" + std::string(topic),
-                                          options_.humble ? std::string_view() : hash, options, false);
+                              std::string_view hash, const WriterOptions& options, Readers& readers) {
+  const dds_entity_t writer = make_writer(
+      type, "rt" + std::string(topic), options_.humble ? std::string_view() : hash, options, false, &readers);
   writers_.push_back(writer);
   return writer;
+}
+
+// Cyclone ends calls of it before it deletes the writer.
+void Node::count_readers(dds_entity_t /*writer*/, dds_publication_matched_status_t status, void* readers) {
+  auto& of = *static_cast<Readers*>(readers);
+  of.count_.store(status.current_count, std::memory_order_relaxed);
+  if (*of.changed_) (*of.changed_)();
 }
 
 void Node::remove_writer(dds_entity_t writer) noexcept {

@@ -5,7 +5,9 @@
 
 #include <dds/dds.h>
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -25,8 +27,9 @@ class DdsError : public std::runtime_error {
 struct NodeOptions {
   // ROS_DOMAIN_ID of the nodes that are to see this one, 0 to 101.
   unsigned domain = 0;
-  // Names or addresses of network interfaces; empty: Cyclone's choice of one.
-  std::vector<std::string> interfaces{"lo"};
+  // Names or addresses of network interfaces; empty: Cyclone's choice of one; "host" alone: this computer
+  // only (host_network.hpp), for which `multicast` does not apply.
+  std::vector<std::string> interfaces{"host"};
   // Whether to find others and send to many by multicast. The loopback interface usually has none.
   bool multicast = false;
   // Hosts that are asked by unicast.
@@ -47,10 +50,23 @@ struct WriterOptions {
   bool reliable = true;
 };
 
+// Which readers a writer has. Cyclone's threads write it.
+class Readers {
+ public:
+  bool any() const noexcept { return count_.load(std::memory_order_relaxed) > 0; }
+
+ private:
+  friend class Node;
+  // Relaxed: no other memory is read because of it.
+  std::atomic<std::uint32_t> count_{0};
+  const std::function<void()>* changed_ = nullptr;
+};
+
 class Node {
  public:
-  // Throws DdsError.
-  explicit Node(const NodeOptions& options);
+  // `readers_changed` is called in a thread of Cyclone's when a writer has got or lost a reader; it must not
+  // throw nor use the node. Throws DdsError.
+  explicit Node(const NodeOptions& options, std::function<void()> readers_changed = {});
   ~Node();
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
@@ -62,16 +78,20 @@ class Node {
   template <class T>
   friend class Writer;
 
-  // `hash`: 64 hexadecimal digits of the type hash; empty: none. Throws DdsError.
+  // `hash`: 64 hexadecimal digits of the type hash; empty: none. `readers` may be null; it must live as long
+  // as the writer. Throws DdsError.
   dds_entity_t make_writer(const dds_topic_descriptor_t& type, const std::string& topic,
-                           std::string_view hash, const WriterOptions& options, bool transient);
+                           std::string_view hash, const WriterOptions& options, bool transient,
+                           Readers* readers);
   dds_entity_t add_writer(const dds_topic_descriptor_t& type, std::string_view topic, std::string_view hash,
-                          const WriterOptions& options);
+                          const WriterOptions& options, Readers& readers);
+  static void count_readers(dds_entity_t writer, dds_publication_matched_status_t status, void* readers);
   void remove_writer(dds_entity_t writer) noexcept;
   template <std::size_t BYTES>
   void write_entities();
 
   NodeOptions options_;
+  std::function<void()> readers_changed_;
   dds_entity_t domain_ = 0, participant_ = 0, discovery_ = 0;
   std::vector<dds_entity_t> writers_;
 };
@@ -82,11 +102,16 @@ class Writer {
  public:
   // `node` must live longer. Throws DdsError.
   Writer(Node& node, std::string_view topic, const WriterOptions& options)
-      : node_(node), writer_(node.add_writer(DdsType<T>::descriptor(), topic, T::kTypeHash, options)) {}
+      : node_(node),
+        writer_(node.add_writer(DdsType<T>::descriptor(), topic, T::kTypeHash, options, readers_)) {}
   ~Writer() { node_.remove_writer(writer_); }
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
+  // Cyclone's handle. Any thread.
+  dds_entity_t entity() const noexcept { return writer_; }
+  // Whether there is a reader. Any thread.
+  bool has_readers() const noexcept { return readers_.any(); }
   // Sends a message to all readers. False: Cyclone has not taken it.
   bool write(const T& message) const {
     typename DdsType<T>::Sample sample{};
@@ -97,6 +122,7 @@ class Writer {
 
  private:
   Node& node_;
+  Readers readers_;
   dds_entity_t writer_;
 };
 

@@ -67,7 +67,7 @@ export class TaxelMap {
   }
 
   // `normal`, `x`, `y`: values of each taxel; `scale`: what to multiply them with to get shares of the peaks.
-  // `contact`: center_mm, radius_mm, a_over_r of an estimate; absent: no zones.
+  // `contact`: center_mm, radius_mm, gamma and state of an estimate; absent: no zones.
   draw(layout, { normal, x, y, normalScale, shearScale }, contact) {
     const { context, width, height } = sized(this.canvas);
     context.fillStyle = "#10131a";
@@ -81,6 +81,7 @@ export class TaxelMap {
     if (layout.columns > 1) this.#grid(context, layout, normal, normalScale, place, per);
     else this.#discs(context, layout, normal, normalScale, place, per);
     const zones = this.#zones(contact);
+    this.canvas.dataset.stick = zones !== null && zones.stick !== null ? String(zones.stick / zones.radius) : "";
     this.#drawArrows(context, layout, x, y, shearScale, zones, place, per);
     this.#drawZones(context, zones, place, per);
   }
@@ -122,9 +123,10 @@ export class TaxelMap {
   }
 
   #zones(contact) {
-    const { center_mm: centre, radius_mm: radius, a_over_r: share, state } = contact ?? {};
+    const { center_mm: centre, radius_mm: radius, gamma, state } = contact ?? {};
     if (!Array.isArray(centre) || !(radius > 0)) return null;
-    const stick = state === "ok" && typeof share === "number" ? share * radius : null;
+    // docs/theory.md (3.1): the stick zone's radius is that of the contact times the cube root of the margin.
+    const stick = state === "ok" && typeof gamma === "number" ? Math.cbrt(Math.max(0, gamma)) * radius : null;
     return { x: centre[0], y: centre[1], radius, stick };
   }
 

@@ -45,6 +45,22 @@ TEST(AlertStore, KeepsOrderAndNumbersOverARestart) {
   EXPECT_EQ(store.append("t/4", numbered()), 4);
 }
 
+TEST(AlertStore, CountsTheAlertsOfTheLastHourOverARestart) {
+  const TempFolder folder;
+  constexpr std::int64_t kHour = std::int64_t{3600} * 1'000'000'000, kStart = 500 * kHour;
+  {
+    AlertStore store(folder.file("a.db"), 2);  // which drops, and counts all the same
+    for (int i = 0; i < 6; ++i) store.append("t", numbered(), kStart + i * kHour / 4);
+    store.append("t", numbered());  // an end
+    for (int i = 1; i <= 7; ++i) store.acknowledge(i);
+  }
+  AlertStore store(folder.file("a.db"), 2);
+  EXPECT_EQ(store.last_hour(kStart + 5 * kHour / 4), 4);
+  EXPECT_EQ(store.last_hour(kStart + 2 * kHour), 1);
+  EXPECT_EQ(store.last_hour(kStart + 3 * kHour), 0);
+  EXPECT_EQ(store.last_hour(kStart), 0);  // the clock was set back; what is older was forgotten
+}
+
 TEST(AlertStore, NeverUsesANumberTwice) {
   const TempFolder folder;
   {

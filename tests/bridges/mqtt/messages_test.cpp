@@ -94,12 +94,101 @@ TEST(MqttMessages, TheStatusSaysWhetherSlipdServes) {
 }
 
 TEST(MqttMessages, TheSummaryHasAMarginOnlyWhereItIsKnown) {
-  const json sent = checked(
-      summary_message({"0.1.0", inventory(), {}, ""},
-                      {{"left", {"ok", "none", 0.5}}, {"right", {"stale", "none", std::nan("")}}}, 3, 5),
-      "summary");
+  Summary summary;
+  summary.sensors = {{"left", {"ok", "none", 0.5, 0.4}}, {"right", {}}};
+  summary.grasps = {{"gripper", {"ok", "warn", 0.3, 0.2}}};
+  summary.alerts_last_hour = 3;
+  summary.period_s = 10;
+  const json sent = checked(summary_message({"0.1.0", inventory(), {}, ""}, summary, 5), "summary");
   EXPECT_EQ(sent.at("sensors").at(0).at("gamma"), 0.5);
+  EXPECT_EQ(sent.at("sensors").at(0).at("gamma_min"), 0.4);
   EXPECT_TRUE(sent.at("sensors").at(1).at("gamma").is_null());
+  EXPECT_TRUE(sent.at("sensors").at(1).at("gamma_min").is_null());
+  EXPECT_EQ(sent.at("grasps").at(0).at("gamma_min"), 0.2);
+  EXPECT_EQ(sent.at("alerts_last_hour"), 3);
+  summary.alerts_last_hour.reset();
+  EXPECT_TRUE(json::parse(summary_message({"0.1.0", inventory(), {}, ""}, summary, 5))
+                  .at("alerts_last_hour")
+                  .is_null());
+}
+
+constexpr double kMaxAge = 0.5;
+
+// slipd's answer to `gamma` with the grasp "cup" of left and right.
+std::string answer(const json& left, const json& right, const json& cup = json::object()) {
+  json grasp{{"grasp", "cup"},      {"sensors", {"left", "right"}},
+             {"state", "ok"},       {"gamma", 0.5},
+             {"sigma", 0.01},       {"gamma_low", 0.45},
+             {"alert", "warn"},     {"alert_cause", "margin"},
+             {"sliding", "none"},   {"first", {{"sensor", "left"}, {"gamma", 0.5}}},
+             {"normal_n", 4.0},     {"shear_n", 1.0},
+             {"friction", nullptr}, {"grip_increase_n", 0.5}};
+  grasp.update(cup);
+  return json{{"sensors", {left, right}}, {"grasps", {grasp}}}.dump();
+}
+
+json sensor_of(const char* name, double age_ms, bool simulated = false) {
+  return {{"sensor", name},
+          {"age_ms", age_ms},
+          {"time_ns", 1'790'000'000'000'000'000 - std::int64_t(1e6 * age_ms)},
+          {"simulated", simulated}};
+}
+
+TEST(MqttMessages, AGraspIsAsOldAsTheOldestOfItsSensors) {
+  const auto grasps = grasps_of(answer(sensor_of("left", 100), sensor_of("right", 300, true)), kMaxAge, 1000);
+  ASSERT_EQ(grasps.size(), 1U);
+  const slipd_estimate& grasp = grasps[0].estimate;
+  EXPECT_STREQ(grasp.name, "cup");
+  EXPECT_EQ(grasp.state, SLIPD_STATE_OK);
+  EXPECT_EQ(grasp.alert, SLIPD_ALERT_WARN);
+  EXPECT_DOUBLE_EQ(grasp.gamma, 0.5);
+  EXPECT_NEAR(static_cast<double>(grasp.valid_until_ns - 1000), 0.2e9, 10);
+  const json text = json::parse(grasps[0].text);
+  EXPECT_EQ(text.at("age_ms"), 300);
+  EXPECT_EQ(text.at("time_ns"), 1'789'999'999'700'000'000);
+  EXPECT_EQ(text.at("simulated"), true);
+}
+
+TEST(MqttMessages, AGraspOfSensorsThatAreSilentOrUnknownHasNoMargin) {
+  const json silent{{"sensor", "right"}, {"age_ms", nullptr}, {"time_ns", nullptr}, {"simulated", false}};
+  for (const json& right : {sensor_of("right", 501), silent, sensor_of("other", 1)}) {
+    const auto grasps = grasps_of(answer(sensor_of("left", 1), right), kMaxAge, 0);
+    ASSERT_EQ(grasps.size(), 1U);
+    EXPECT_EQ(grasps[0].estimate.state, SLIPD_STATE_STALE);
+    const json sent = checked(estimate_message(grasps[0].estimate, grasps[0].text), "grasp_estimate");
+    for (const char* key : {"gamma", "gamma_low", "grip_increase_n", "first"})
+      EXPECT_TRUE(sent.at(key).is_null()) << key;
+    EXPECT_EQ(sent.at("state"), "stale");
+  }
+}
+
+TEST(MqttMessages, MessagesOfAGraspFitTheSchema) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const auto grasps = grasps_of(answer(sensor_of("left", 1), sensor_of("right", 1)), 1000,
+                                now.tv_sec * 1'000'000'000LL + now.tv_nsec);
+  ASSERT_EQ(grasps.size(), 1U);
+  const auto& [estimate, text] = grasps[0];
+  EXPECT_EQ(checked(estimate_message(estimate, text), "grasp_estimate").at("gamma"), 0.5);
+  EXPECT_EQ(checked(state_message(estimate, text), "grasp_state").at("alert"), "warn");
+  const json alert = checked(alert_message(text, std::string(32, 'a'), 7, 2), "grasp_alert");
+  EXPECT_EQ(alert.at("grasp"), "cup");
+  EXPECT_EQ(alert.at("number"), 7);
+  EXPECT_EQ(alert.at("first").at("sensor"), "left");
+  EXPECT_EQ(checked(away_message(bridges::GraspFacts{"cup", {"left"}}, 5), "grasp_state").at("state"),
+            "disconnected");
+}
+
+TEST(MqttMessages, AnAnswerThatIsNoneHasNoGrasps) {
+  for (const char* text :
+       {"", "[]", "no JSON", R"({"grasps":[1,{},{"grasp":3},{"grasp":""}]})", R"({"grasps":{"grasp":1}})"})
+    EXPECT_TRUE(grasps_of(text, kMaxAge, 0).empty()) << text;
+  const auto odd = grasps_of(
+      answer(sensor_of("left", 1), sensor_of("right", 1), {{"state", 7}, {"alert", "x"}}), kMaxAge, 0);
+  ASSERT_EQ(odd.size(), 1U);
+  EXPECT_EQ(odd[0].estimate.state, SLIPD_STATE_FAULT);
+  EXPECT_EQ(odd[0].estimate.alert, SLIPD_ALERT_SLIP);
+  EXPECT_TRUE(std::isnan(odd[0].estimate.gamma));
 }
 
 TEST(MqttMessages, TheHashIsThatOfSensorsAndGrasps) {

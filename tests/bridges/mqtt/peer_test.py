@@ -185,6 +185,33 @@ class Peer(unittest.TestCase):
         self.assertEqual(len({alert["series"] for alert in reader.alerts}), 1)
         self.assertEqual({alert["dropped"] for alert in reader.alerts}, {0})
 
+    # The broker is killed and stays away while many alerts come, as in minutes without it: none is lost, and order is kept.
+    def test_many_alerts_while_the_broker_is_away(self):
+        broker = self.broker(["allow_anonymous true", "autosave_on_changes true", "max_queued_messages 0"])
+        reader = self.subscriber(broker.port)
+        bridge = self.bridge(broker)
+        raised = 0
+        for turn in range(3):
+            for _ in range(20):
+                self.slipd.alert("left")
+                raised += 1
+            # What a broker has acknowledged and not delivered yet is its own to lose.
+            await_true(lambda: len(reader.numbers()) and max(reader.numbers()) == raised, "the alerts; " + bridge.log())
+            if turn == 2:
+                break
+            broker.kill()
+            for _ in range(700):
+                self.slipd.alert("right" if raised % 2 else "left")
+                raised += 1
+                # As many as the socket between them holds.
+                if raised % 50 == 0:
+                    await_true(lambda: self.on_disk(bridge) == raised, "the alerts on disk; " + bridge.log())
+            await_true(lambda: self.on_disk(bridge) == raised, "the alerts on disk; " + bridge.log())
+            broker.start()
+            await_true(lambda: max(reader.numbers()) == raised, "the alerts; " + bridge.log())
+        self.assertEqual(list(dict.fromkeys(reader.numbers())), list(range(1, raised + 1)))
+        self.assertEqual({alert["dropped"] for alert in reader.alerts}, {0})
+
     def on_disk(self, bridge):
         import sqlite3
         database = sqlite3.connect(bridge.settings.replace(".json", ".db"))

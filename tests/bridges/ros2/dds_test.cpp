@@ -5,8 +5,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstring>
 #include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
 
 #include "bridges/ros2/dds/node.hpp"
 #include "bridges/ros2/messages/cdr.hpp"
@@ -21,6 +27,26 @@ using ::testing::HasSubstr;
 // A domain of this process, so that tests that run at the same time do not meet.
 unsigned own_domain() {
   return 1 + static_cast<unsigned>(getpid()) % 100;
+}
+
+// Waits for what other participants see and tell no waitset of.
+template <class Condition>
+void await(const Condition& condition) {
+  const auto until = std::chrono::steady_clock::now() + slipd::testing::kPatience;
+  while (!condition()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), until);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+// Waits until `condition` holds, which events of `entity` change.
+template <class Condition>
+void await(dds_entity_t participant, dds_entity_t entity, std::uint32_t events, const Condition& condition) {
+  const dds_entity_t waiting = dds_create_waitset(participant);
+  dds_set_status_mask(entity, events);
+  dds_waitset_attach(waiting, entity, 0);
+  while (!condition()) ASSERT_GT(dds_waitset_wait(waiting, nullptr, 0, DDS_SECS(60)), 0);
+  dds_delete(waiting);
 }
 
 SlipEstimate sample_estimate() {
@@ -114,7 +140,8 @@ class OnTheWire : public ::testing::Test {
     dds_builtintopic_free_endpoint(endpoint);
   }
 
-  Node node_{{.domain = own_domain()}};
+  std::atomic<int> changes_{0};
+  Node node_{{.domain = own_domain()}, [this] { ++changes_; }};
   dds_entity_t participant_ = dds_create_participant(own_domain(), nullptr, nullptr);
 };
 
@@ -124,6 +151,95 @@ TEST_F(OnTheWire, MessagesHaveTheEncodersBytesAndTheTypesHash) {
   expect_equal_bytes(sample_estimate());
   expect_equal_bytes(sample_cloud());
   expect_equal_bytes(sample_diagnostics());
+}
+
+TEST_F(OnTheWire, AWriterSeesItsReadersComeAndGo) {
+  const Writer<Float32> writer(node_, "/a/topic", {});
+  EXPECT_FALSE(writer.has_readers());
+  const dds_entity_t topic =
+      dds_create_topic(participant_, &DdsType<Float32>::descriptor(), "rt/a/topic", nullptr, nullptr);
+  const dds_entity_t reader = dds_create_reader(participant_, topic, nullptr, nullptr);
+  await([&] { return writer.has_readers(); });
+  EXPECT_GT(changes_.load(), 0);
+  dds_delete(reader);
+  await([&] { return !writer.has_readers(); });
+}
+
+// What `ros2 node list` reads: the node's name, and which writers are its own.
+template <std::size_t BYTES>
+void expect_node_info(bool humble) {
+  using Type = DdsType<ParticipantEntitiesInfo<BYTES>>;
+  const unsigned domain = 1 + (own_domain() + 50) % 100;
+  Node node({.domain = domain, .name = "finger", .humble = humble});
+  const Writer<Float32> writer(node, "/a/topic", {});
+  node.announce();
+  const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
+  const std::string name = dds_name(ParticipantEntitiesInfo<BYTES>::kName);
+  dds_topic_descriptor_t type = Type::descriptor();
+  std::unique_ptr<dds_topic_descriptor_t> renamed(new dds_topic_descriptor_t{
+      type.m_size, type.m_align, type.m_flagset, type.m_nkeys, name.c_str(), type.m_keys, type.m_nops,
+      type.m_ops, type.m_meta, type.type_information, type.type_mapping, type.restrict_data_representation});
+  const dds_entity_t topic =
+      dds_create_topic(participant, renamed.get(), "ros_discovery_info", nullptr, nullptr);
+  dds_qos_t* const qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_INFINITY);
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  const dds_entity_t reader = dds_create_reader(participant, topic, qos, nullptr);
+  dds_delete_qos(qos);
+  void* taken = nullptr;
+  dds_sample_info_t info{};
+  await(participant, reader, DDS_DATA_AVAILABLE_STATUS,
+        [&] { return dds_take(reader, &taken, &info, 1, 1) == 1; });
+  const auto& sample = *static_cast<typename Type::Sample*>(taken);
+  ASSERT_EQ(sample.node_entities_info_seq._length, 1U);
+  EXPECT_STREQ(sample.node_entities_info_seq._buffer[0].node_name, "finger");
+  EXPECT_STREQ(sample.node_entities_info_seq._buffer[0].node_namespace, "/");
+  ASSERT_EQ(sample.node_entities_info_seq._buffer[0].writer_gid_seq._length, 1U);
+  const auto& gid = sample.node_entities_info_seq._buffer[0].writer_gid_seq._buffer[0].data;
+  EXPECT_EQ(sizeof gid, BYTES);
+  dds_guid_t guid{};
+  dds_get_guid(writer.entity(), &guid);
+  EXPECT_EQ(std::memcmp(gid, guid.v, sizeof guid.v), 0);
+  for (std::size_t i = sizeof guid.v; i < BYTES; ++i) EXPECT_EQ(gid[i], 0);
+  dds_return_loan(reader, &taken, 1);
+}
+
+TEST(Nodes, AreListedWithTheirWriters) {
+  expect_node_info<kGidBytes>(false);
+}
+
+TEST(Nodes, AreListedForHumbleWithLongerIdentifiers) {
+  expect_node_info<kHumbleGidBytes>(true);
+}
+
+TEST(Nodes, AreReadInADomainOfFiftyParticipants) {
+  constexpr int kOthers = 50;
+  const unsigned domain = 1 + (own_domain() + 25) % 100;
+  Node node({.domain = domain});
+  const Writer<Float32> writer(node, "/a/topic", {});
+  std::vector<dds_entity_t> readers;
+  for (int i = 0; i < kOthers; ++i) {
+    const dds_entity_t participant = dds_create_participant(domain, nullptr, nullptr);
+    ASSERT_GT(participant, 0);
+    const dds_entity_t topic =
+        dds_create_topic(participant, &DdsType<Float32>::descriptor(), "rt/a/topic", nullptr, nullptr);
+    readers.push_back(dds_create_reader(participant, topic, nullptr, nullptr));
+    ASSERT_GT(readers.back(), 0);
+  }
+  await([&] {
+    return std::all_of(readers.begin(), readers.end(), [](dds_entity_t reader) {
+      dds_subscription_matched_status_t matched{};
+      return dds_get_subscription_matched_status(reader, &matched) == DDS_RETCODE_OK &&
+             matched.current_count == 1;
+    });
+  });
+  ASSERT_TRUE(writer.write(Float32{.data = 0.5F}));
+  for (const dds_entity_t reader : readers) {
+    void* taken = nullptr;
+    dds_sample_info_t info{};
+    await([&] { return dds_take(reader, &taken, &info, 1, 1) == 1; });
+    dds_return_loan(reader, &taken, 1);
+  }
 }
 
 TEST(Nodes, WithoutTheirInterfaceSayWhatToChange) {

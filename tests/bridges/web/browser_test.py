@@ -153,6 +153,15 @@ class Page(unittest.TestCase):
         await_true(lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence")) > int(first) + 3, "a later picture")
         self.no_errors()
 
+    def test_the_stick_zone_on_the_picture_is_that_of_the_margin(self):
+        def seen():
+            margin, stick = self.script("""return [document.querySelector('.card[data-name="left"]').dataset.gamma,
+                                                   document.querySelector('canvas.map').dataset.stick].map(Number.parseFloat)""")
+            # Far from both ends, where any circle would do, and of one moment: the picture may be older than the card.
+            return margin is not None and stick is not None and 0.2 < margin < 0.8 and abs(stick ** 3 - margin) < 0.02
+        await_true(seen, "the margin's stick zone")
+        self.no_errors()
+
     WATCH = """
       window.told = null;
       window.heard = performance.now();

@@ -1,8 +1,13 @@
-// fastdds-reader DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by Fast
-// DDS, the library behind ROS 2's default middleware, and prints a line for each message: TOPIC, the writer's
-// user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them. Topics
-// without their prefix `rt`, types as ROS 2 names them on DDS.
+// fastdds-reader NETWORK DOMAIN MESSAGES TOPIC TYPE [TOPIC TYPE …]: reads topics with rclcpp's default QoS by
+// Fast DDS, the library behind ROS 2's default middleware, and prints a line for each message: TOPIC, the
+// writer's user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them.
+// Topics without their prefix `rt`, types as ROS 2 names them on DDS.
+//
+// NETWORK: `default`, Fast DDS's transports as they are, which a ROS 2 node has by default; `loopback`, the
+// loopback interface only, as with ROS_LOCALHOST_ONLY=1; `localhost`, all interfaces, but other nodes are
+// found on 127.0.0.1 only, as with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 
 #include <condition_variable>
 #include <cstdio>
@@ -72,9 +77,15 @@ class Printer : public DataReaderListener {
     SampleInfo info;
     while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
       const std::lock_guard<std::mutex> lock(mutex);
-      std::printf("%s %s ", topic_.c_str(), user_data["rt" + topic_].c_str());
+      const std::string& data = user_data[topic_[0] == '/' ? "rt" + topic_ : topic_];
+      std::printf("%s %s ", topic_.c_str(), data.empty() ? "-" : data.c_str());
+      const auto& writer = info.sample_identity.writer_guid();
+      for (const unsigned char byte : writer.guidPrefix.value) std::printf("%02x", byte);
+      for (const unsigned char byte : writer.entityId.value) std::printf("%02x", byte);
+      std::printf(" ");
       for (const unsigned char byte : sample) std::printf("%02x", byte);
       std::printf("\n");
+      std::fflush(stdout);
       ++counts[topic_];
       changed.notify_all();
     }
@@ -86,38 +97,55 @@ class Printer : public DataReaderListener {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 5) return 2;
-  Discovery discovery;
-  // This computer only, as with ROS_LOCALHOST_ONLY=1.
+// Fast DDS asks as many participants of a peer as ROS 2 has it ask.
+constexpr std::uint32_t kPeers = 32;
+
+DomainParticipantQos qos_of(const std::string& network) {
   DomainParticipantQos own = PARTICIPANT_QOS_DEFAULT;
-  const auto loopback = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  loopback->interfaceWhiteList.emplace_back("127.0.0.1");
+  if (network == "default") return own;
+  const auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   own.transport().use_builtin_transports = false;
-  own.transport().user_transports.push_back(loopback);
+  own.transport().user_transports.push_back(udp);
+  if (network == "loopback") {
+    udp->interfaceWhiteList.emplace_back("127.0.0.1");
+    return own;
+  }
+  udp->maxInitialPeersRange = kPeers;
+  auto& discovery = own.wire_protocol().builtin;
+  discovery.metatrafficUnicastLocatorList.push_back(eprosima::fastrtps::rtps::Locator_t());
+  eprosima::fastrtps::rtps::Locator_t peer;
+  eprosima::fastrtps::rtps::IPLocator::setIPv4(peer, "127.0.0.1");
+  discovery.initialPeersList.push_back(peer);
+  return own;
+}
+
+int main(int argc, char** argv) {
+  if (argc < 6) return 2;
+  Discovery discovery;
   DomainParticipant* const participant = DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<unsigned>(std::atoi(argv[1])), own, &discovery, StatusMask::none());
+      static_cast<unsigned>(std::atoi(argv[2])), qos_of(argv[1]), &discovery, StatusMask::none());
   if (participant == nullptr) return 1;
   Subscriber* const subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
   DataReaderQos qos = DATAREADER_QOS_DEFAULT;
   qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = VOLATILE_DURABILITY_QOS;
   qos.history().kind = KEEP_LAST_HISTORY_QOS;
   qos.history().depth = 10;
-  const int wanted = std::atoi(argv[2]);
+  const int wanted = std::atoi(argv[3]);
   std::size_t topics = 0;
-  for (int i = 3; i + 1 < argc; i += 2, ++topics) {
+  for (int i = 4; i + 1 < argc; i += 2, ++topics) {
+    const bool ros = argv[i][0] == '/';
     TypeSupport type(new AnyType(argv[i + 1]));
     type.register_type(participant);
     Topic* const topic =
-        participant->create_topic(std::string("rt") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
+        participant->create_topic(std::string(ros ? "rt" : "") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
+    qos.durability().kind = ros ? VOLATILE_DURABILITY_QOS : TRANSIENT_LOCAL_DURABILITY_QOS;
     if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), StatusMask::data_available()) ==
         nullptr)
       return 1;
   }
   std::unique_lock<std::mutex> lock(mutex);
   changed.wait(lock, [&] {
-    if (counts.size() < topics) return false;
+    if (wanted == 0 || counts.size() < topics) return false;
     for (const auto& [topic, count] : counts)
       if (count < wanted) return false;
     return true;

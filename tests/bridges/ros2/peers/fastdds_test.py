@@ -18,10 +18,10 @@ class FastDds(Programs):
         words = [word for leaf, (kind, _) in TOPICS.items() for word in (f"/slipd/left/{leaf}", kind)]
         words += ["/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_"]
         reader = os.path.join(BUILD, "test-bin", "fastdds-reader")
-        out = subprocess.run([reader, domain, "3", *words], capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout
+        out = subprocess.run([reader, "loopback", domain, "3", *words], capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout
         of = {}
         for line in out.splitlines():
-            topic, user_data, payload = line.split(" ")
+            topic, user_data, _, payload = line.split(" ")
             of.setdefault(topic, []).append((user_data, bytes.fromhex(payload)))
         for leaf, (_, digest) in TOPICS.items():
             for user_data, _ in of[f"/slipd/left/{leaf}"]:
