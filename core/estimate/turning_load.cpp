@@ -21,27 +21,30 @@ bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
-// Loads are compared in newtons, the torque over one and the same lever: a grip that is tightened lowers the
-// friction that the load needs, but the load has not fallen.
+// Loads are compared in newtons, both torques over one and the same lever: a grip that is tightened lowers
+// the friction that the load needs, but the load has not fallen.
 void TurningLoad::follow(const ContactPatch& patch, TurningLoadResult& out) noexcept {
   constexpr double kSigmas = 2;  // what noise may be of the load
   constexpr double kClear = 5;   // times that: there is a load whose path can be followed
   // T_max of Hertz over mu P a.
   constexpr double kTurnLever = 3 * std::numbers::pi / 16;
   if (!(patch.normal_n > 0)) return;
-  const double lever_m = kTurnLever * (most_n_ > 0 ? most_radius_m_ : patch.radius_m);
-  const double load_n = lever_m > 0 ? std::hypot(patch.shear_n, patch.torque_nm / lever_m) : patch.shear_n;
+  const double lever_m = kTurnLever * patch.radius_m;
+  const auto over_lever = [lever_m](double shear_n, double torque_nm) {
+    return lever_m > 0 ? std::hypot(shear_n, torque_nm / lever_m) : shear_n;
+  };
+  const double load_n = over_lever(patch.shear_n, patch.torque_nm);
   const double noise_n =
-      kSigmas *
-      std::hypot(patch.shear_sigma_n, lever_m > 0 ? patch.torque_sigma_nm / lever_m : 0, out.pull_sigma_n);
-  if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n_)
+      kSigmas * std::hypot(over_lever(patch.shear_sigma_n, patch.torque_sigma_nm), out.pull_sigma_n);
+  const double most_n = over_lever(most_.shear_n, most_.torque_nm);
+  if (load_n > kClear * noise_n && load_n >= options_.followed_share * most_n)
     follow_way(patch, load_n, noise_n);
-  out.straight = way_.straight && load_n + noise_n >= options_.rising_share * most_n_ &&
+  out.straight = way_.straight && load_n + noise_n >= options_.rising_share * most_n &&
                  !(way_.normal_n > 0 && patch.normal_n > (1 + options_.tightened_share) * way_.normal_n);
-  out.risen = load_n + noise_n >= options_.risen_share * most_n_;
-  if (load_n - noise_n <= most_n_) return;
-  most_n_ = load_n - noise_n;
-  most_radius_m_ = patch.radius_m;
+  out.risen = load_n + noise_n >= options_.risen_share * most_n;
+  if (load_n - noise_n <= most_n) return;
+  const double kept = 1 - noise_n / load_n;
+  most_ = {kept * patch.shear_n, kept * patch.torque_nm};
 }
 
 // Sums up the part of each step of the path that is across the present load.

@@ -95,7 +95,7 @@ class TurningLoad {
   // A new grasp.
   void reset() noexcept {
     bent_ = false;
-    most_n_ = most_radius_m_ = 0;
+    most_ = {};
     way_ = {};
   }
 
@@ -119,8 +119,13 @@ class TurningLoad {
   contact::LimitSurface unit_hertz_;
   double side_m_;
   bool one_taxel_;
-  bool bent_ = false;                      // the last frame's field was
-  double most_n_ = 0, most_radius_m_ = 0;  // the most load of this grasp, N, and a then
+  bool bent_ = false;  // the last frame's field was
+  // The most load of this grasp, less what noise may be of it. The contact's radius, and with it the lever
+  // that makes a force of the torque, changes with the grip: so both parts are kept.
+  struct Most {
+    double shear_n = 0, torque_nm = 0;
+  };
+  Most most_;
   // A point of the load path: force over P along both axes and torque over P a.
   using LoadPoint = std::array<double, 3>;
   struct Way {

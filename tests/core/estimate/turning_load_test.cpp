@@ -204,5 +204,31 @@ TEST(TurningLoad, SaysWhetherTheLoadCameInAStraightLine) {
   EXPECT_FALSE(pull_and_turn(0.4, 1.2e-3)) << "a turn after a pull";
 }
 
+// Friction shows at the maximum of the load, also after a gripper has answered: the contact's radius, and so
+// the lever of friction's torque, is another one then, the load of the object is not.
+TEST(TurningLoad, SeesALoadReachItsMaximumAgainAfterTheGripHasChanged) {
+  ContactPatch patch;
+  patch.in_contact = true;
+  patch.shear_sigma_n = 1e-4;
+  patch.torque_sigma_nm = 1e-7;
+  for (const double grip : {0.7, 0.9, 1.2, 2.0}) {
+    TurningLoad load(TaxelLayout::wrench(0.01));
+    const auto hold = [&](double by_grip, double share) {
+      patch.normal_n = 4 * by_grip;
+      patch.radius_m = 3.8e-3 * std::cbrt(by_grip);
+      patch.shear_x_n = patch.shear_n = 0.2 * share;
+      patch.torque_nm = 4e-3 * share;
+      return load.of(patch).risen;
+    };
+    for (int i = 1; i <= 100; ++i) EXPECT_TRUE(hold(1, 0.01 * i)) << i;
+    EXPECT_FALSE(hold(grip, 0.9)) << grip;
+    EXPECT_TRUE(hold(grip, 1.02)) << grip;  // a new maximum, by a little
+    EXPECT_FALSE(hold(grip, 0.9)) << grip;
+    EXPECT_TRUE(hold(grip, 1)) << grip;
+    EXPECT_FALSE(hold(1, 0.9)) << grip;
+    EXPECT_TRUE(hold(1, 1)) << grip;
+  }
+}
+
 }  // namespace
 }  // namespace slipd
