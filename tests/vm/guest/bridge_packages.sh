@@ -38,9 +38,8 @@ for unit in "${units[@]}"; do
 done
 
 awaits "the page is served" eval 'web / | grep -q "<title>"'
-awaits "a PLC reads the margin in state ok" eval '[[ $(registers 16 1) == 0 ]]'
-read -r gamma < <(registers 18 1)
-((gamma <= 10000)) || fail "its margin is no margin: $gamma"
+awaits "a PLC reads a margin in state ok" eval 'read -r state frame gamma < <(registers 16 3) && [[ $state == 0 ]]'
+((gamma <= 10000)) || fail "a margin in state ok is none: $gamma"
 beat=$(registers 1 1)
 awaits "its heartbeat goes on" eval '[[ $(registers 1 1) != "$beat" ]]'
 awaits "the node takes part in its domain" eval 'ss -uln | grep -q ":7410 "'
