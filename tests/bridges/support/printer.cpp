@@ -23,6 +23,7 @@ class Printer : public Service {
   static FeedOptions options_of(const nlohmann::json& settings) {
     FeedOptions options;
     options.socket = settings.at("socket");
+    options.texts = true;
     options.max_age_s = 10;
     options.refresh = std::chrono::milliseconds(100);
     return options;

@@ -26,6 +26,7 @@ fail() {
   exit 1
 }
 
+grep -q localhost /etc/hosts 2>/dev/null || echo 127.0.0.1 localhost >>/etc/hosts  # as an installed Debian has it
 installs slipd libslipd0 "${units[@]}"
 people
 for unit in "${units[@]}"; do
