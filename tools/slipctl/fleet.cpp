@@ -33,6 +33,7 @@ std::string helper() {
 
 std::vector<char*> pointers_of(std::vector<std::string>& words) {
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   return pointers;
@@ -71,8 +72,10 @@ class FleetProcess {
     if (count <= 0) return false;
     rest_.append(bytes.data(), static_cast<std::size_t>(count));
     std::size_t begin = 0;
-    for (std::size_t end; (end = rest_.find('\n', begin)) != std::string::npos; begin = end + 1)
+    for (std::size_t end = rest_.find('\n'); end != std::string::npos; end = rest_.find('\n', begin)) {
       lines.push_back(rest_.substr(begin, end - begin));
+      begin = end + 1;
+    }
     rest_.erase(0, begin);
     return true;
   }

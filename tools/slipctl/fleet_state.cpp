@@ -133,7 +133,7 @@ std::string take_fleet_line(FleetState& state, const std::string& text) {
     if (!state.connected) state.lines.clear();
     return {};
   }
-  const std::string gripper = text_at(line, "gripper");
+  std::string gripper = text_at(line, "gripper");
   if (gripper.empty()) return {};
   if (text_at(line, "status") == "removed") {
     state.lines.erase(gripper);
