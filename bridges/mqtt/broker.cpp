@@ -162,6 +162,7 @@ int Broker::publish(const std::string& topic, const std::string& payload, int qo
 
 void Broker::subscribe(const std::vector<std::string>& filters) {
   std::vector<char*> texts;
+  texts.reserve(filters.size());
   for (const std::string& filter : filters) texts.push_back(const_cast<char*>(filter.c_str()));
   if (!fine(mosquitto_subscribe_multiple(client_.get(), nullptr, static_cast<int>(texts.size()), texts.data(),
                                          0, 0, nullptr)))

@@ -39,7 +39,7 @@ void print(const ReplayRun& run, const ReplaySummary& summary) {
 
 void run_replay(const Common& common, const CLI::App& command, const ReplayOptions& options) {
   const bool json = common.json || !options.shard.whole();
-  if (json && options.estimates == "-" && !options.shard.whole())
+  if (options.estimates == "-" && !options.shard.whole())
     throw WrongUse("a shard prints its part: write its estimates to a file, not to standard output");
   const std::vector<ReplayRun> runs = replay(options.scene, options.sensor, options.files, options.shard);
   if (!options.estimates.empty()) {
@@ -59,7 +59,7 @@ void run_replay(const Common& common, const CLI::App& command, const ReplayOptio
       summary["label"] = to_json(score);
       if (!json) std::cerr << "  " << describe(score) << '\n';
     }
-    sweep.add_row(run.unit, std::move(summary));
+    sweep.add_row(run.unit, summary);
     if (!run.fault.empty()) std::cerr << "sliplab: " << run.fault << '\n';
   }
   if (json && options.estimates != "-") print_json(sweep, options.shard, common, command);
