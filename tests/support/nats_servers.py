@@ -1,14 +1,11 @@
 """nats-servers with MQTT and JetStream on loopback, as docs/fleet.md sets them up, and as much of NATS's protocol as JetStream's API needs."""
 import base64, json, os, shutil, socket, subprocess, time
 
+from ports import free_port
+
 PROGRAM = shutil.which("nats-server", path=os.environ["PATH"] + ":/usr/sbin")
 MESSAGES = "$MQTT_msgs"  # nats-server keeps messages of QoS 1 in it
 MESSAGES_KEPT_S = 7 * 86400
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
 
 
 class Node:

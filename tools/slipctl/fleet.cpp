@@ -107,7 +107,7 @@ class FleetView {
   int run() {
     while (!over_) {
       wait();
-      take_signals();
+      if (take_view_signals(signals_, terminal_).end) over_ = true;
       if (!over_ && terminal_) terminal_->show(draw());
     }
     terminal_.reset();
@@ -148,21 +148,6 @@ class FleetView {
       std::cout << gripper << "  removed\n";
     else if (!state_.connected)
       std::cerr << "slipctl: no broker: " << state_.trouble << "; trying again" << std::endl;
-  }
-
-  void take_signals() {
-    while (const auto signal = signals_.take()) {
-      if (*signal == SIGWINCH) {
-        if (terminal_) terminal_->redraw();
-      } else if (*signal == SIGTSTP) {
-        if (terminal_)
-          terminal_->suspend();
-        else
-          ::raise(SIGSTOP);
-      } else {
-        over_ = true;
-      }
-    }
   }
 
   Canvas draw() const {

@@ -105,6 +105,24 @@ void Terminal::suspend() {
   enter();
 }
 
+ViewSignals take_view_signals(const SignalWatch& signals, std::optional<Terminal>& terminal) {
+  ViewSignals asked;
+  while (const auto signal = signals.take()) {
+    if (*signal == SIGWINCH) {
+      if (terminal) terminal->redraw();
+      asked.resized = true;
+    } else if (*signal == SIGTSTP) {
+      if (terminal)
+        terminal->suspend();
+      else
+        ::raise(SIGSTOP);
+    } else {
+      asked.end = true;
+    }
+  }
+  return asked;
+}
+
 ColourDepth colour_depth() {
   const std::string_view term = variable("TERM");
   if (!variable("NO_COLOR").empty() || term == "dumb") return ColourDepth::none;

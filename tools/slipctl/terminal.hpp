@@ -1,6 +1,6 @@
-// The part of `slipctl watch` that uses the terminal and the process's signals. Called from one thread.
+// The part of live views that uses the terminal and the process's signals. Called from one thread.
 //
-// The watch's loop reads signals from a descriptor, so that every way out runs the destructor that restores
+// A view's loop reads signals from a descriptor, so that every way out runs the destructor that restores
 // the terminal. There is no signal handler.
 #pragma once
 
@@ -64,6 +64,15 @@ class Terminal {
   termios before_{};
   std::optional<Canvas> shown_;
 };
+
+// What the signals that have come ask of a live view.
+struct ViewSignals {
+  bool end = false;      // SIGINT, SIGTERM, SIGHUP or SIGQUIT
+  bool resized = false;  // the next show() writes everything
+};
+// Takes them. SIGTSTP stops the process here, with the terminal restored meanwhile; `terminal` is empty for a
+// view without one.
+ViewSignals take_view_signals(const SignalWatch& signals, std::optional<Terminal>& terminal);
 
 int terminal_columns();  // of standard output; 80 where it reports none
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -136,19 +135,9 @@ class Watcher {
   }
 
   void take_signals() {
-    while (const auto signal = signals_.take()) {
-      if (*signal == SIGWINCH) {
-        if (terminal_) terminal_->redraw();
-        next_tick_ = Clock::now();
-      } else if (*signal == SIGTSTP) {
-        if (terminal_)
-          terminal_->suspend();
-        else
-          ::raise(SIGSTOP);
-      } else {
-        over_ = true;
-      }
-    }
+    const ViewSignals asked = take_view_signals(signals_, terminal_);
+    if (asked.end) over_ = true;
+    if (asked.resized) next_tick_ = Clock::now();
   }
 
   void take_keys() {

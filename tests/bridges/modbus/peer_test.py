@@ -1,8 +1,9 @@
 """slipd-modbus with the real slipd, and PLCs that have no code of slipd: mbpoll (C, libmodbus) and pymodbus (Python). Skips what is
 not installed."""
-import csv, json, os, re, shutil, socket, subprocess, sys, tempfile, time, unittest
+import csv, json, os, re, shutil, subprocess, sys, tempfile, time, unittest
 
 from awaiting import PATIENCE_S, await_true
+from ports import free_port
 
 try:
     from pymodbus.client import ModbusTcpClient
@@ -25,8 +26,7 @@ class Peer(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
-        with socket.create_server(("127.0.0.1", 0)) as listener:
-            self.port = listener.getsockname()[1]
+        self.port = free_port()
         socket_path = os.path.join(self.folder, "s.sock")
         finger = {"driver": "sim", "rate_hz": 100, "stale_after_ms": 1000, "layout": {"grid": [8, 8], "pitch_mm": 1.5}, "skin": {"radius_mm": 10}}
         self.slipd_file = self.write("slipd.json", {

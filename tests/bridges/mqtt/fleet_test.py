@@ -1,10 +1,10 @@
 """slipctl fleet with mosquitto as broker: what it shows of grippers that come, alert, go and come back. And grasps on MQTT."""
-import json, os, queue, subprocess, tempfile, threading, time, unittest
+import json, os, queue, subprocess, threading, time, unittest
 
 from awaiting import PATIENCE_S, await_true
-from fake_slipd import FakeSlipd, Server
-from peer_test import Mosquitto, Subscriber, free_port
-from support import BUILD, Bridge
+from peer_test import Mosquitto, Subscriber
+from ports import free_port
+from support import BUILD, BridgeTest
 
 SLIPCTL = os.path.join(BUILD, "bin", "slipctl")
 
@@ -43,22 +43,15 @@ class FleetLines:
         self.program.stdout.close()
 
 
-class WithGrippers(unittest.TestCase):
+class WithGrippers(BridgeTest):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        self.server = Server()
-        self.addCleanup(self.server.close)
+        super().setUp()
         self.broker = Mosquitto(self.folder)
         self.addCleanup(self.broker.kill)
 
     def gripper(self, host, grasps=(), **more):
-        slipd = FakeSlipd(os.path.join(self.folder, host + ".sock"), ["left", "right"], self.server, grasps)
-        bridge = Bridge(self.folder, slipd.path, [{"host": "127.0.0.1", "port": self.broker.port, "keepalive_s": 5}], host=host, summary_s=1, **more)
-        self.addCleanup(bridge.kill)
-        await_true(slipd.subscribers, "the subscription at slipd")
-        return slipd, bridge
+        slipd = self.fake_slipd(host, grasps=grasps)
+        return slipd, self.bridge_of(slipd, [self.broker], host=host, summary_s=1, **more)
 
     def lines(self):
         lines = FleetLines(self.broker.port)

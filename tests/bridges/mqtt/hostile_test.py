@@ -1,9 +1,8 @@
 """slipd-mqtt with brokers that misbehave: it leaves each of them for the next, keeps its alerts, and ends when it is asked to."""
-import os, socket, tempfile, threading, time, unittest
+import os, socket, threading, time, unittest
 
-from fake_slipd import FakeSlipd, Server
 from awaiting import await_true
-from support import Bridge
+from support import BridgeTest
 
 
 class HostileBroker:
@@ -120,19 +119,13 @@ def acknowledges_nonsense(connection):
     closes_at_once(connection)
 
 
-class Hostile(unittest.TestCase):
+class Hostile(BridgeTest):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.server = Server()
-        self.addCleanup(self.server.close)
-        self.slipd = FakeSlipd(os.path.join(self.folder.name, "s.sock"), ["left"], self.server)
+        super().setUp()
+        self.slipd = self.fake_slipd(sensors=["left"])
 
     def bridge(self, *brokers, **more):
-        bridge = Bridge(self.folder.name, self.slipd.path, [{"host": "127.0.0.1", "port": b.port, "keepalive_s": 5} for b in brokers], **more)
-        self.addCleanup(bridge.kill)
-        await_true(self.slipd.subscribers, "the subscription")
-        return bridge
+        return self.bridge_of(self.slipd, brokers, **more)
 
     def alerts_pass(self, behave):
         """With a broker that behaves so and then a good one, alerts arrive in order at the good one."""

@@ -1,11 +1,10 @@
 """Alerts at MQTT.js and at NATS's own client for Node.js, over brokers that are killed: every one, and none of a number that was not given."""
-import json, os, subprocess, tempfile, threading, unittest
+import json, os, subprocess, threading, unittest
 
 from awaiting import PATIENCE_S, await_true
-from fake_slipd import FakeSlipd, Server
 from nats_servers import PROGRAM as NATS, make_messages_stream, start_servers
 from peer_test import Mosquitto
-from support import Bridge
+from support import BridgeTest
 
 NPM, HERE = os.environ["SLIPD_PEERS_NPM"], os.path.dirname(os.path.realpath(__file__))
 
@@ -37,14 +36,10 @@ class Client:
         self.program.stdout.close()
 
 
-class Npm(unittest.TestCase):
+class Npm(BridgeTest):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        self.server = Server()
-        self.addCleanup(self.server.close)
-        self.slipd = FakeSlipd(os.path.join(self.folder, "s.sock"), ["left", "right"], self.server)
+        super().setUp()
+        self.slipd = self.fake_slipd()
 
     def client(self, *arguments):
         client = Client(*arguments)
@@ -53,10 +48,7 @@ class Npm(unittest.TestCase):
         return client
 
     def bridge(self, broker):
-        bridge = Bridge(self.folder, self.slipd.path, [{"host": "127.0.0.1", "port": broker.port, "keepalive_s": 5}])
-        self.addCleanup(bridge.kill)
-        await_true(self.slipd.subscribers, "the subscription at slipd")
-        return bridge
+        return self.bridge_of(self.slipd, [broker])
 
     def kill_and_start(self, broker, clients, bridge, loses=False):
         """Alerts before, during and after two outages of the broker, of which every client gets all, in order. `loses`: what the broker has

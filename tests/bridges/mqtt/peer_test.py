@@ -1,5 +1,5 @@
 """slipd-mqtt with mosquitto as broker and Eclipse Paho as subscriber: neither has code of slipd. Skips if one is not installed."""
-import json, os, shutil, signal, socket, subprocess, sys, tempfile, unittest
+import json, os, shutil, subprocess, sys, unittest
 
 try:
     import paho.mqtt.client as paho
@@ -10,14 +10,9 @@ if paho is None or MOSQUITTO is None:
     print("skipped: mosquitto or python3-paho-mqtt is not installed: run tools/setup --peers")
     sys.exit(77)
 
-from fake_slipd import FakeSlipd, Server
 from awaiting import PATIENCE_S, await_true
-from support import Bridge
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
+from ports import await_listening, free_port
+from support import Bridge, BridgeTest
 
 
 class Mosquitto:
@@ -34,13 +29,7 @@ class Mosquitto:
     def start(self):
         with open(os.path.join(self.folder, f"mosquitto-{self.port}.log"), "a") as log:
             self.program = subprocess.Popen([MOSQUITTO, "-c", self.file], stdout=log, stderr=log)
-        def listens():
-            try:
-                socket.create_connection(("127.0.0.1", self.port)).close()
-                return True
-            except OSError:
-                return False
-        await_true(listens, "mosquitto")
+        await_listening(self.port, "mosquitto")
 
     def stop(self):
         self.program.terminate()
@@ -82,14 +71,10 @@ class Subscriber:
         self.client.loop_stop()
 
 
-class Peer(unittest.TestCase):
+class Peer(BridgeTest):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        self.server = Server()
-        self.addCleanup(self.server.close)
-        self.slipd = FakeSlipd(os.path.join(self.folder, "s.sock"), ["left", "right"], self.server)
+        super().setUp()
+        self.slipd = self.fake_slipd()
 
     def broker(self, *arguments, **named):
         broker = Mosquitto(self.folder, *arguments, **named)
@@ -97,11 +82,7 @@ class Peer(unittest.TestCase):
         return broker
 
     def bridge(self, *brokers, **more):
-        bridge = Bridge(self.folder, self.slipd.path, [b if isinstance(b, dict) else {"host": "127.0.0.1", "port": b.port, "keepalive_s": 5}
-                                                       for b in brokers], **more)
-        self.addCleanup(bridge.kill)
-        await_true(self.slipd.subscribers, "the subscription at slipd")
-        return bridge
+        return self.bridge_of(self.slipd, brokers, **more)
 
     def subscriber(self, *arguments, **named):
         subscriber = Subscriber(*arguments, **named)

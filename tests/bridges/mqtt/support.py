@@ -1,7 +1,8 @@
 """slipd-mqtt under test: a program on a FakeSlipd."""
-import json, os, subprocess
+import json, os, subprocess, tempfile, unittest
 
-from awaiting import PATIENCE_S
+from awaiting import PATIENCE_S, await_true
+from fake_slipd import FakeSlipd, Server
 
 BUILD = os.environ["SLIPD_BINARY_DIR"]
 
@@ -32,3 +33,25 @@ class Bridge:
     def kill(self):
         self.program.kill()
         self.program.wait()
+
+
+class BridgeTest(unittest.TestCase):
+    """Tests with a folder of their own and stand-ins for slipd, which all end with the test."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.server = Server()
+        self.addCleanup(self.server.close)
+
+    def fake_slipd(self, name="s", sensors=("left", "right"), grasps=()):
+        return FakeSlipd(os.path.join(self.folder, name + ".sock"), list(sensors), self.server, grasps)
+
+    def bridge_of(self, slipd, brokers, **more):
+        """slipd-mqtt, once it has subscribed. Brokers: settings, or what has a `port`."""
+        bridge = Bridge(self.folder, slipd.path, [b if isinstance(b, dict) else {"host": "127.0.0.1", "port": b.port, "keepalive_s": 5} for b in brokers],
+                        **more)
+        self.addCleanup(bridge.kill)
+        await_true(slipd.subscribers, "the subscription at slipd")
+        return bridge
