@@ -1,5 +1,5 @@
 // The margin as a dial: an arc from 0 (slips) to 1 (no tangential load), its standard deviation as a band, gamma_low as a
-// mark. Without a margin it is empty.
+// mark. Without a margin it has the truth of a simulated sensor at most.
 import { isNumber, makeSvg, setData } from "./dom.js";
 
 const kRadius = 42, kCentre = 50;

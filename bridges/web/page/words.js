@@ -66,9 +66,9 @@ export function alertLevel(estimate) {
 // contact is.
 export function lowerBoundWords({ state, gamma_low: low }) {
   if (typeof low !== "number") return "no lower bound";
-  const bound = `lower bound ${low.toFixed(2)} (95 %)`;
+  const bound = `lower bound ${low.toFixed(2)} (95\u00a0%)`;
   if (state === "ok") return bound;
-  return `no margin; ${bound} by the forces ${state === "learning" ? "and the lowest friction of the settings" : "alone"}`;
+  return `no margin; ${bound} ${state === "learning" ? "for the lowest friction set" : "of the forces alone"}`;
 }
 
 // What a gripper may do now.

@@ -168,7 +168,7 @@ class Page(unittest.TestCase):
             self.assertTrue(card["small"] and card["muted"], card)
         self.assertEqual(shown(state="out_of_model", gamma_low=None)["low"], "no lower bound")
         card = shown(state="ok", gamma=0.62, sigma=0.01, gamma_low=0.59)
-        self.assertEqual((card["number"], card["low"], card["marked"]), ("0.62 ± 0.01", "lower bound 0.59 (95 %)", True))
+        self.assertEqual((card["number"], card["low"], card["marked"]), ("0.62 ± 0.01", "lower bound 0.59 (95\u00a0%)", True))
         self.no_errors()
 
     def test_simulated_is_marked(self):
