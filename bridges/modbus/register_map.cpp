@@ -91,7 +91,8 @@ constexpr std::array<Register<slipd_estimate>, 18> kBlock{{
      [](const slipd_estimate& e) { return if_current(e, low_bits(e.sequence, kLow31)); }},
     {18, RegisterType::u16, 1e-4, "", "friction_sigma", "standard deviation of friction",
      [](const slipd_estimate& e) { return if_current(e, e.friction_sigma); }},
-    {19, RegisterType::u16, 1, "", "alert_cause", "0 no alert, 1 the margin is small, 2 the object slides", alert_cause},
+    {19, RegisterType::u16, 1, "", "alert_cause", "0 no alert, 1 the margin is small, 2 the object slides",
+     alert_cause},
 }};
 
 // The count for a scaled value, within [least, most].

@@ -127,8 +127,7 @@ void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t r
   // A name that this library does not have is of a newer slipd: no margin, and no alert that is missed.
   estimate.state = index_of(values.state, kStates, SLIPD_STATE_FAULT);
   estimate.alert = index_of(values.alert, kAlerts, SLIPD_ALERT_SLIP);
-  estimate.alert_cause =
-      cause_of(estimate.alert, index_of(values.alert_cause, kCauses, SLIPD_CAUSE_UNKNOWN));
+  estimate.alert_cause = cause_of(estimate.alert, index_of(values.alert_cause, kCauses, SLIPD_CAUSE_UNKNOWN));
   estimate.sliding = index_of(values.sliding, kSlidings, SLIPD_SLIDING_UNKNOWN);
   estimate.simulated = values.simulated ? 1 : 0;
   estimate.sequence = values.sequence;
