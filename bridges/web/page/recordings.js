@@ -6,6 +6,8 @@ import { readRecording, taxels } from "./recording.js";
 import { alertWords, stateWords } from "./words.js";
 
 const kSpeeds = [1, 0.5, 0.25, 0.1, 0.02];
+const kLongestJoined = 0.1;  // s without an estimate that a line is drawn across
+const kMostButtons = 12;     // of slips
 const kMostBytes = 400e6;  // of a file that this page opens; larger ones are for slipctl and Python
 
 export class RecordingsPage {
@@ -63,6 +65,10 @@ class Player {
 
   constructor(file, recording, moment) {
     Object.assign(this, { file, recording, points: recording.points });
+    // slipd skips frames while it has no processor. One without an estimate says nothing: neither an alert nor a margin ends there.
+    const estimated = this.points.filter((point) => point.state !== null);
+    const late = (point, i) => i > 0 && point.t - estimated[i - 1].t > kLongestJoined;
+    this.plotted = estimated.length > 0 ? estimated.map((point, i) => (late(point, i) ? { ...point, gap: true } : point)) : this.points;
     this.first = this.points[0].t;
     this.last = Math.max(this.points.at(-1).t, this.first + 1e-3);
     this.t = Math.min(this.last, Math.max(this.first, moment));
@@ -96,7 +102,7 @@ class Player {
       this.facts.append(make("dt", {}, label), value);
       return [label, value];
     }));
-    const alerts = this.points.filter((point, i) => point.alert === "slip" && this.points[i - 1]?.alert !== "slip");
+    const alerts = this.plotted.filter((point, i) => point.alert === "slip" && this.plotted[i - 1]?.alert !== "slip");
     this.margins.addEventListener("click", (event) => this.#go(this.timeAt(event.offsetX)));
     const simulated = recording.simulated ? make("span", { class: "simulated" }, "simulated") : null;
     const damaged = recording.damaged ? `, ${recording.damaged} damaged blocks left out` : "";
@@ -108,7 +114,7 @@ class Player {
       make("div", { class: "bar" }, button("◀|", "One frame back", () => this.#step(-1)), this.play, button("|▶", "One frame on", () => this.#step(1)),
         this.scrub, this.speed, this.moment),
       make("div", { class: "bar", role: "group", "aria-label": "Slips" }, alerts.length === 0 ? "No slip alert in it." : "Slips:",
-        ...alerts.slice(0, 12).map((point) => button(fixed(point.t, 2, "s"), `Go to the slip at ${fixed(point.t, 2, "s")}`, () => this.#go(point.t)))),
+        ...alerts.slice(0, kMostButtons).map((point) => button(fixed(point.t, 2, "s"), `Go to the slip at ${fixed(point.t, 2, "s")}`, () => this.#go(point.t)))),
       make("div", { class: "detail" }, make("figure", { class: "card" }, this.canvas, this.facts),
         make("section", { class: "card" }, make("h3", {}, "Margin"), this.margins,
           keys(make, [["good-fill", "margin ± σ"], ["sim", "truth (simulated)"], ["mid-fill", "warn"], ["bad-fill", "slip"]]),
@@ -164,9 +170,9 @@ class Player {
 
   draw() {
     const point = this.points[this.#index()], range = [this.first, this.last];
-    this.timeAt = drawPlot(this.margins, this.points, { range, low: 0, high: 1, unit: "Γ", cursor: this.t, lines: [
+    this.timeAt = drawPlot(this.margins, this.plotted, { range, low: 0, high: 1, unit: "Γ", cursor: this.t, lines: [
       { key: "truth", colour: "sim", dash: [4, 3], width: 1.5 }, { key: "gamma", colour: "good-fill", band: "sigma" }] });
-    drawPlot(this.forces, this.points, { range, unit: "N", cursor: this.t, alerts: false, lines: [
+    drawPlot(this.forces, this.plotted, { range, unit: "N", cursor: this.t, alerts: false, lines: [
       { key: "shear", colour: "mid-fill" }, { key: "normal", colour: "good-fill" }] });
     const [normal, x, y] = point.taxels.map(taxels);
     const { peak, peakShear } = this.recording;

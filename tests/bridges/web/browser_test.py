@@ -275,6 +275,10 @@ class Page(unittest.TestCase):
         link.click()
         scrub = await_true(lambda: self.all("input[type=range]"), "the player")[0]
         self.assertAlmostEqual(float(scrub.get_attribute("max")), max(frame.time_s for frame in frames.values()), places=3)
+        # Frames that slipd had no processor for have no estimate, and end no alert.
+        alerts = [frame.estimate["alert"] for frame in sorted(frames.values(), key=lambda frame: frame.seq) if frame.estimate]
+        slips = [now for before, now in zip([None, *alerts], alerts) if now == "slip" and before != "slip"]
+        self.assertEqual(len(self.all('[aria-label^="Go to the slip"]')), min(len(slips), 12))
         play = self.all('button[aria-label="Play or pause"]')[0]
         at = lambda: int(self.script("return document.querySelector('canvas.map').dataset.sequence"))
         before = at()
