@@ -5,19 +5,17 @@
 #include <limits>
 
 #include "core/estimate/moments.hpp"
+#include "core/estimate/turning_kernels.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
 
-// Sums over taxels, weighted by w and by 1: of w, w s and w s^2, s = r^2/a^2.
+// Sums over taxels of w, w s and w s^2, s = r^2/a^2.
 struct Levers {
   double all = 0, first = 0, second = 0;
-  void add(double weight, double s) noexcept {
-    all += weight;
-    first += weight * s;
-    second += weight * s * s;
-  }
+
+  explicit Levers(const double (&sums)[3]) noexcept : all(sums[0]), first(sums[1]), second(sums[2]) {}
   double mean() const noexcept { return first / all; }
   // <s> and <s^2> without what squares of area `area`, in units of a^2, spread them by (5.4).
   double mean(double area) const noexcept { return mean() - area / 6; }
@@ -45,19 +43,11 @@ TurningMoments::TurningMoments(const TaxelLayout& layout, const TurningMomentsOp
 // Moments of q.v over those of p|v|, v the motion in which the object would slide.
 TurningMoments::Ratio TurningMoments::ratio_of(const ContactPatch& patch, double along,
                                                double spin) const noexcept {
-  Levers work, limit, speeds;
   const double scale = 1 / patch.radius_m;
-  patch.for_each_inside([&](std::uint32_t i) {
-    const double x = scale * (static_cast<double>(patch.taxels.x_m[i]) - patch.center_x_m);
-    const double y = scale * (static_cast<double>(patch.taxels.y_m[i]) - patch.center_y_m);
-    const double v_x = along * patch.direction_x - spin * y, v_y = along * patch.direction_y + spin * x;
-    const double square = v_x * v_x + v_y * v_y, s = x * x + y * y;
-    work.add(static_cast<double>(patch.taxels.shear_x_pa[i]) * v_x +
-                 static_cast<double>(patch.taxels.shear_y_pa[i]) * v_y,
-             s);
-    limit.add(static_cast<double>(patch.taxels.normal_pa[i]) * std::sqrt(square), s);
-    speeds.add(square, s);
-  });
+  const TurningSums sums = best_kernels<TurningKernels>().turning(
+      patch.taxels, patch.runs, patch.pose(),
+      {.along = static_cast<float>(along), .spin = static_cast<float>(spin)});
+  const Levers work(sums.work), limit(sums.limit), speeds(sums.speeds);
   if (!(work.all > 0 && limit.all > 0)) return {};
   const double area = area_m2_ * scale * scale, of_limit = limit.mean(area);
   if (!(of_limit > 0)) return {};
