@@ -79,7 +79,7 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
   out.radius_m = loaded.radius_m;
   const double along = load.along_per_n, spin = load.spin_per_nm * loaded.radius_m;
   const double coarse = side_m_ / loaded.radius_m;
-  if (loaded.cut || !(coarse > options_.least_coarse) || !(std::fabs(spin) + along > 0)) return out;
+  if (loaded.cut || !(std::fabs(spin) + along > 0)) return out;
   const HertzDeviation deviation =
       hertz_deviation(best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded,
                       side_m_, options_.deviation);
@@ -92,11 +92,14 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
     return out;
   out.gamma = gamma_of_turning_ratio(ratio.value, spin_share);
   if (!half_space(ratio, out.gamma, coarse)) return out;
+  if (coarse < options_.least_coarse && out.gamma < options_.resolved_gamma) return out;
   const double slope = gamma_per_moment_ratio(out.gamma), of_shape = deviation.sigma(options_.deviation);
   out.sigma = std::hypot(slope * std::hypot(ratio.noise, common), of_shape);
   out.common_sigma = std::hypot(slope * common, of_shape);
+  // A margin lies below 1: no nearer to it than what noise may be of it.
+  out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double mobilised = 1 - out.gamma, relative = out.sigma / mobilised;
-  if (!(relative < options_.max_sigma)) return out;
+  if (!(out.sigma < std::max(options_.max_sigma * mobilised, options_.max_gamma_sigma))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / mobilised;
   if (relative < options_.known_sigma)
     out.friction_sigma = out.friction * std::hypot(relative, loaded.shear_sigma_n / loaded.shear_n);
