@@ -110,8 +110,9 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   out.gamma = std::clamp(1 - mobilised, 0.0, 1.0);
   out.friction = plateau.ratio;
   const double by_noise = options_.noise_factor / (std::sqrt(plateau.weight) * plateau.ratio);
-  const double rounded =
-      options_.rounded_factor * plateau.width / plateau.ratio * (options_.rounded_base + out.gamma);
+  const double square = out.gamma * out.gamma;
+  const double rounded = options_.rounded_factor * plateau.width / plateau.ratio *
+                         (options_.rounded_base + out.gamma + options_.rounded_steep * square * square);
   const double sigma = std::hypot(by_noise, rounded);
   const double slipping = plateau.normal_pa / normal_pa_;
   all_slipped_ = slipping > options_.all_slip_share;

@@ -51,11 +51,12 @@ struct SlippingTaxelsOptions {
   // sensors get no answer. Too large: as above.
   double max_width = 0.1;
   // Standard deviation of friction over that by noise, and, over the mean width of a ratio's noise times
-  // (rounded_base + Gamma), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1. Too small: sigma is less
-  // than the error. Too large: it is more.
+  // (rounded_base + Gamma + rounded_steep Gamma^4), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1,
+  // 0 … 4. Too small: sigma is less than the error. Too large: it is more.
   double noise_factor = 1.3;
   double rounded_factor = 1.2;
   double rounded_base = 0.15;
+  double rounded_steep = 1.6;
   // Above this margin nothing is answered: the part that slips is narrower than a few taxels; Gamma, 0.5 …
   // 0.9. Too small: frames that show friction are refused. Too large: a peak of ratios passes for a plateau.
   double max_gamma = 0.72;

@@ -30,13 +30,6 @@ struct Levers {
 
 }  // namespace
 
-// Error on frames of the boundary-element solver, straight loads with spin shares of 0.4 to 1 on round,
-// tilted and elliptic contacts with axes of 1.3 : 1: at most 0.035, too low by 0.003 on average.
-double gamma_of_turning_ratio(double ratio, double spin_share) noexcept {
-  constexpr double kBySpin = 0.05;  // half of what a contact that sticks all over has: 5/3 to 8/5
-  return gamma_of_moment_ratio(1 + (ratio - 1) * (1 + kBySpin * spin_share));
-}
-
 TurningMoments::TurningMoments(const TaxelLayout& layout, const TurningMomentsOptions& options)
     : options_(options), side_m_(layout.side_m()), area_m2_(layout.area_m2()) {}
 
@@ -59,13 +52,22 @@ TurningMoments::Ratio TurningMoments::ratio_of(const ContactPatch& patch, double
           .fourth = work.mean_square(area) / limit.mean_square(area)};
 }
 
-// By (3.1) the fourth moments have the ratio (1 - k^7)/(1 - k^3); under a torque a little less, up to 0.036
-// on frames of the boundary-element solver.
+// What a pull with the same margin would have. A contact that sticks all over has 5/3 under a pull and 8/5
+// under a torque, one that slides has 1 under both; the excess over 1 of the fourth moments is 4/3 and 1.19.
+TurningMoments::Ratio TurningMoments::as_of_pull(const Ratio& ratio, double spin_share) noexcept {
+  constexpr double kSticks = 8.0 / 5 - 1, kMoreUnderPull = (5.0 / 3 - 1) / kSticks - 1;
+  const double more = 1 + kMoreUnderPull * spin_share * spin_share * (ratio.value - 1) / kSticks;
+  return {.value = 1 + (ratio.value - 1) * more,
+          .noise = ratio.noise * more,
+          .fourth = 1 + (ratio.fourth - 1) * more};
+}
+
+// By (3.1) the fourth moments have the ratio (1 - k^7)/(1 - k^3).
 bool TurningMoments::half_space(const Ratio& ratio, double gamma, double coarse) const noexcept {
-  constexpr double kLess = 0.015, kNoLoad = 1e-6;
+  constexpr double kNoLoad = 1e-6;
   const double k = std::cbrt(gamma), rest = 1 - gamma;
   const double expected = rest > kNoLoad ? (1 - gamma * gamma * k) / rest : 7.0 / 3;
-  return std::fabs(ratio.fourth - expected + kLess) <
+  return std::fabs(ratio.fourth - expected) <
          options_.fourth_slack + options_.fourth_rim * coarse * coarse + options_.fourth_sigmas * ratio.noise;
 }
 
@@ -83,14 +85,13 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
   const HertzDeviation deviation =
       hertz_deviation(best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded,
                       side_m_, options_.deviation);
-  const Ratio ratio = ratio_of(loaded, along, spin);
-  const double spin_share = std::fabs(spin) / (std::fabs(spin) + along);
+  const Ratio ratio = as_of_pull(ratio_of(loaded, along, spin), std::fabs(spin) / (std::fabs(spin) + along));
   const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
   const double open = options_.range_sigmas * std::hypot(ratio.noise, common);
   if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) ||
       !deviation.hertzian(options_.deviation))
     return out;
-  out.gamma = gamma_of_turning_ratio(ratio.value, spin_share);
+  out.gamma = gamma_of_moment_ratio(ratio.value);
   if (!half_space(ratio, out.gamma, coarse)) return out;
   if (coarse < options_.least_coarse && out.gamma < options_.resolved_gamma) return out;
   const double slope = gamma_per_moment_ratio(out.gamma), of_shape = deviation.sigma(options_.deviation);
