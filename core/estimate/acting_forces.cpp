@@ -5,8 +5,8 @@ namespace slipd {
 ContactPatch ActingForces::of(const ContactPatch& patch, const ContactPatch& loaded,
                               const FrameEstimate& frame_estimate, Estimate& out) noexcept {
   if (!under_skin_) share_.reset();
-  const bool shown = frame_estimate.normal_n > 0 && frame_estimate.shear_n > 0 && patch.normal_n > 0 &&
-                     patch.shear_n > 0;
+  const bool shown =
+      frame_estimate.normal_n > 0 && frame_estimate.shear_n > 0 && patch.normal_n > 0 && patch.shear_n > 0;
   if (shown && (under_skin_ || frame_estimate.in_model)) {
     const Share now{frame_estimate.normal_n / patch.normal_n, frame_estimate.shear_n / patch.shear_n};
     if (!share_) share_ = now;

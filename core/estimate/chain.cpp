@@ -148,7 +148,7 @@ struct EstimatorChain::Impl {
     double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
     // Under a skin the disc feels less of the shear than of the pressure.
-    const bool felt_less = setup.scene.skin.depth_m > 0 && !out.gamma;
+    const bool felt_less = setup.scene.skin.depth_m > 0 && !acting_forces.known() && !out.gamma;
     out.gamma_low = felt_less && patch.shear_n > kClearSigmas * patch.shear_sigma_n ? 0 : low;
   }
 
@@ -212,12 +212,16 @@ struct EstimatorChain::Impl {
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
     const bool flat_pad = !method && setup.layout.size() > 1;
-    estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
+    const ContactPatch acting = estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
     if (flat_pad) {
       out.pull_n = patch.shear_n;
       judge_torque(patch, loaded, out);
     }
-    bound_margin(patch, loaded, out);
+    if (acts_under_skin()) {
+      bound_margin(acting, acting, out);
+    } else {
+      bound_margin(patch, loaded, out);
+    }
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
@@ -267,8 +271,12 @@ struct EstimatorChain::Impl {
     return estimate;
   }
 
-  void estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
-                       const TurningLoadResult& load, Estimate& out) noexcept {
+  // Whether the forces that act are known although the disc reads only a part of them.
+  bool acts_under_skin() const noexcept { return setup.scene.skin.depth_m > 0 && acting_forces.known(); }
+
+  // Returns the patch with the forces that act.
+  ContactPatch estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                               const TurningLoadResult& load, Estimate& out) noexcept {
     const bool few = weighed_over_time(setup);
     // So few taxels have no shape under torque.
     const bool shaped =
@@ -288,10 +296,12 @@ struct EstimatorChain::Impl {
       out.friction.reset();
       out.friction_sigma.reset();
     }
-    if (!frame_estimate.in_model || frame_estimate.turning) return;
-    out.center_x_m = frame_estimate.center_x_m;
-    out.center_y_m = frame_estimate.center_y_m;
-    out.radius_m = frame_estimate.radius_m;
+    if (frame_estimate.in_model && !frame_estimate.turning) {
+      out.center_x_m = frame_estimate.center_x_m;
+      out.center_y_m = frame_estimate.center_y_m;
+      out.radius_m = frame_estimate.radius_m;
+    }
+    return acting;
   }
 
   // No margin, and why.

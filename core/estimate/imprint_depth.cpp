@@ -7,8 +7,8 @@
 
 namespace slipd {
 
-// By one more evaluation at another depth: with r the residuals and J their slopes by the unknowns, r_d by the
-// log of the depth, the unknowns follow it by -H^-1 J^T r_d, and what that leaves of r_d shows the depth.
+// By one more evaluation at another depth: with r the residuals and J their slopes by the unknowns, r_d by
+// the log of the depth, the unknowns follow it by -H^-1 J^T r_d, and what that leaves of r_d shows the depth.
 ImprintFit::DepthSlope ImprintFit::depth_slope(const Minimum& best) noexcept {
   constexpr double kStep = 0.03;  // of the log of the depth
   const std::size_t rows = 3 * model_.count();

@@ -18,7 +18,8 @@ using Sheet = contact::SubsurfaceSheet;
 // Radii of the domes, over the contact's. Fewer, or none near 1: a stick zone between two of them is read
 // wrong. More: costs time.
 constexpr std::array<double, 5> kDomeRadii{1, 0.94, 0.8, 0.6, 0.35};
-// Fitted with them: the pressure's place, size and height, which a load that is not monotonic has drawn aside.
+// Fitted with them: the pressure's place, size and height, which a load that is not monotonic has drawn
+// aside.
 enum PressureColumn : std::size_t { by_x = kDomeRadii.size(), by_y, by_size, by_peak, kColumns };
 constexpr auto kRows = static_cast<Eigen::Index>(kColumns);
 using ColumnMatrix = Eigen::Matrix<double, kRows, kRows>;
@@ -71,8 +72,7 @@ void ImprintFit::fill_domes(const Full& at, const ContactPatch& patch, const Imp
   const double area_m2 = std::numbers::pi * at[ImprintModel::size] * at[ImprintModel::size];
   for (std::size_t dome = 0; dome < kDomeRadii.size(); ++dome) {
     const double x = kDomeRadii[dome], per_n = 1.5 / (x * x * area_m2);
-    fill_column(dome,
-                dome == 0 ? outer : ImprintRows(model_.show_part(at, x, ImprintModel::Detail::rough)),
+    fill_column(dome, dome == 0 ? outer : ImprintRows(model_.show_part(at, x, ImprintModel::Detail::rough)),
                 Sheet::value, 0, per_n * patch.direction_x, per_n * patch.direction_y);
   }
 }
@@ -83,8 +83,7 @@ void ImprintFit::find_moments(const ContactPatch& patch, const Full& at, FrameEs
   const ImprintRows outer(model_.show_slopes(at));
   fill_pressure(at, outer);
   fill_shear(at, at[ImprintModel::margin], outer);
-  for (std::size_t i = 0; i < rows; ++i)
-    unsheared_[i] = at[ImprintModel::load] * shear_[i] - residuals[i];
+  for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[ImprintModel::load] * shear_[i] - residuals[i];
   fill_domes(at, patch, outer);
   ColumnMatrix products;
   ColumnVector felt, slip = ColumnVector::Zero(), legendre = slip, force = slip, legendre_by_size = slip;

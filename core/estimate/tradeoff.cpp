@@ -145,7 +145,8 @@ WorkPrecision measure_work_precision(const ChainSetup& setup, Method method) {
   };
   if (method == Method::moments) return measured(Moments(setup.layout));
   if (method == Method::fit)
-    return measured(Fit(setup.layout, expected_friction(setup.scene), {}, setup.scene.skin.depth_m, setup.scene.skin.depth_sigma));
+    return measured(Fit(setup.layout, expected_friction(setup.scene), {}, setup.scene.skin.depth_m,
+                        setup.scene.skin.depth_sigma));
   return {};
 }
 

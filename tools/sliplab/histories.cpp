@@ -238,8 +238,7 @@ void add_histories(CLI::App& app, const Common& common) {
                    "pressure on pressure, of the largest shear on shear")
       ->check(CLI::IsMember({"sensor", "relative"}))
       ->capture_default_str();
-  command
-      ->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
+  command->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
   command->add_option("--frame-s", options->sensing.frame_s, "time between two frames, s")

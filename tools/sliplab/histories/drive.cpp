@@ -66,10 +66,9 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
         if (!imprint) frames.feel(contact, object.x_m, object.y_m);
         if (sensing.trace && !imprint) traced = trace.update(contact, shear_sigma_pa(frames, sensing));
         const auto time_ns = static_cast<std::int64_t>(1e9 * time_s);
-        Frame frame =
-            imprint ? frames.sense_imprint(*imprint, contact, object.x_m, object.y_m, grasp.direction_rad,
-                                           noise.stream(sequence))
-                    : frames.sense(grasp.direction_rad, noise.stream(sequence), sequence, time_ns);
+        Frame frame = imprint ? frames.sense_imprint(*imprint, contact, object.x_m, object.y_m,
+                                                     grasp.direction_rad, noise.stream(sequence))
+                              : frames.sense(grasp.direction_rad, noise.stream(sequence), sequence, time_ns);
         frame.sequence = sequence;
         frame.time_ns = time_ns;
         if (sensing.spoil) {
