@@ -76,7 +76,7 @@ class SensorConverter {
       };
       s.full_scale = FullScale{pa(0), pa(1), pa(2)};
     }
-    if (in.contains("skin")) skin(in["skin"], s.setup);
+    if (in.contains("skin")) skin(in["skin"], at + "/skin", s);
     if (in.contains("profile")) {
       for (const char* key : {"layout", "skin"}) {
         if (in.contains(key))
@@ -150,12 +150,25 @@ class SensorConverter {
     }
   }
 
-  static void skin(const json& in, SensorSetup& setup) {
+  void skin(const json& in, const std::string& at, SensorSettings& s) {
+    SensorSetup& setup = s.setup;
     const bool flat = in["radius_mm"].is_string();
     setup.skin_radius_m = flat ? std::numeric_limits<double>::infinity() : metres_of_mm(in["radius_mm"]);
     setup.skin_modulus_pa = pascals_of_mpa(in["modulus_mpa"]);
     setup.skin_poisson = in["poisson"];
-    setup.skin_depth_m = metres_of_mm(in["depth_mm"]);
+    depth(in["depth_mm"], at + "/depth_mm", s);
+  }
+
+  // A range is as wide as the search: three standard deviations on either side of its geometric mean.
+  void depth(const json& in, const std::string& at, SensorSettings& s) {
+    if (in.is_number()) {
+      s.setup.skin_depth_m = metres_of_mm(in);
+      return;
+    }
+    const double low_m = metres_of_mm(in[0]), high_m = metres_of_mm(in[1]);
+    if (low_m > high_m) return add(at, in, "falls; expected [low, high] with low not above high");
+    s.setup.skin_depth_m = low_m == high_m ? low_m : std::sqrt(low_m * high_m);
+    s.skin_depth_sigma = std::log(high_m / low_m) / (2 * kMostDepthSigmas);
   }
 
   // The default depends on the rate and so cannot be in the schema: a slow sensor must not become stale

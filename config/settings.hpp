@@ -28,6 +28,8 @@ struct SensorSettings {
   std::chrono::milliseconds stale_after{20};
   // Whether stale_after was in the configuration. If not, three frames of a slower device are allowed.
   bool stale_after_configured = false;
+  // Of the log of setup.skin_depth_m, standard deviation; see Skin.
+  double skin_depth_sigma = kUsualDepthSigma;
   // Coefficient of friction, a value or a range within 0.01 to 10; none: as the expected objects have it.
   std::optional<KnownFriction> friction;
   // The largest values that its taxels can read, Pa; none: those of its class.

@@ -12,12 +12,23 @@ struct Range {
   bool operator==(const Range&) const = default;
 };
 
+// What a depth in a data sheet or by a calliper is known to: standard deviation of its log; 0.05 … 0.2. Real
+// skins are cast, glued and worn, and 25 % is the most that a wrong one was off. Too small: margins under a
+// skin of another depth are off by more than their sigma. Too large: a misfit of another cause passes for a
+// depth (`sliplab tradeoff --imprints`).
+inline constexpr double kUsualDepthSigma = 0.1;
+// Standard deviations from the depth given up to which another one is searched; 2 … 4. Too small: a wrong one
+// is not corrected. Too large: as above.
+inline constexpr double kMostDepthSigmas = 3;
+
 // The sensor's surface: a sphere. The defaults are those of docs/theory.md §9.1.
 struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers
   double modulus_pa = 0.5e6;  // Young's modulus E1
   double poisson = 0.45;      // nu1, 0 … 0.5
   double depth_m = 0;         // of the taxels under the surface, >= 0
+  // Standard deviation of the log of depth_m, >= 0; 0: it is exact. Not used at depth 0.
+  double depth_sigma = kUsualDepthSigma;
   bool operator==(const Skin&) const = default;
 };
 

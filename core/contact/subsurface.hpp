@@ -70,6 +70,8 @@ class SubsurfaceSheet {
     return {(felt ? rows_ : zeros_).data() + (felt ? first * count_ : 0), count_};
   }
   double depth_m() const noexcept { return depth_m_; }
+  // Another depth, > 0, of a sheet under a skin. Averages keep the points of the first one.
+  void set_depth(double depth_m) noexcept { depth_m_ = depth_m; }
   // Points that a taxel's average is made of, along one side.
   std::size_t points(Detail detail = Detail::exact) const noexcept { return rule_of(detail).at.size(); }
 

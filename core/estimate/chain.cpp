@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/estimate/acting_forces.hpp"
 #include "core/estimate/alert.hpp"
 #include "core/estimate/chain_parts.hpp"
 #include "core/estimate/closing.hpp"
@@ -35,17 +36,14 @@ constexpr std::size_t kFewInside = 12;
 // Standard deviations below a mean that 95 % of a Gaussian lie above.
 constexpr double kOneSided95 = 1.645;
 
+// Margin under torque from which on taxels that nearly slip round off the plateau of those that slip, 0.3 …
+// 0.7: moments answer where both agree within so many standard deviations, 1 … 4. Too small: moments are
+// computed for nothing. Too large: margins are too low.
+constexpr double kRoundedGamma = 0.45, kAlikeSigmas = 2.5;
+
 // Shear from which on a frame has a shape, in standard deviations; 2 … 6. Too small: methods read noise. Too
 // large: light pulls get no margin from their shape.
 constexpr double kClearSigmas = 3;
-
-// The friction filter follows a contact by moments of the shear, which a skin changes. So under a skin frames
-// are estimated without the frames before, and after an unloading or a regrip the margin is too low.
-EstimatorSettings followed(const ChainSetup& setup) {
-  EstimatorSettings settings = setup.estimator;
-  if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup)) settings.tracking = false;
-  return settings;
-}
 
 // Of a sensor whose taxels' shear means nothing by itself (flat skin): taxels that carry more than this of P
 // against each other, share, 0.05 … 0.5, take the margin away: the object is turned, hooked, or pulled at in
@@ -63,10 +61,11 @@ struct EstimatorChain::Impl {
         finder(s.layout),
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
+        acting_forces(s.scene.skin.depth_m > 0),
         turning_load(s.layout),
         slipping(s.layout),
         turning_moments(s.layout),
-        tracker(followed(s), expected_friction(s.scene), s.friction, weighed_over_time(s),
+        tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         turn(s.layout),
@@ -87,6 +86,7 @@ struct EstimatorChain::Impl {
     turning_load.reset();
     if (method) method->forget();
     if (closing) closing->forget();
+    acting_forces.forget();
     turn.forget();
   }
 
@@ -153,7 +153,7 @@ struct EstimatorChain::Impl {
     double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
     // Under a skin the disc feels less of the shear than of the pressure.
-    const bool felt_less = setup.scene.skin.depth_m > 0 && !out.gamma;
+    const bool felt_less = setup.scene.skin.depth_m > 0 && !acting_forces.known() && !out.gamma;
     out.gamma_low = felt_less && patch.shear_n > kClearSigmas * patch.shear_sigma_n ? 0 : low;
   }
 
@@ -217,12 +217,16 @@ struct EstimatorChain::Impl {
       out.torque_sigma_nm = patch.torque_sigma_nm;
     }
     const bool flat_pad = !method && setup.layout.size() > 1;
-    estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
+    const ContactPatch acting = estimate_margin(frame, patch, flat_pad ? patch : loaded, load, out);
     if (flat_pad) {
       out.pull_n = patch.shear_n;
       judge_torque(patch, loaded, out);
     }
-    bound_margin(patch, loaded, out);
+    if (acts_under_skin()) {
+      bound_margin(acting, acting, out);
+    } else {
+      bound_margin(patch, loaded, out);
+    }
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
@@ -266,14 +270,22 @@ struct EstimatorChain::Impl {
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
       estimate.load_fallen = true;
-    } else if (!estimate.in_model && load.straight) {
-      return turning_moments.estimate(loaded, load);
+    } else if (load.straight && (!estimate.in_model || estimate.gamma > kRoundedGamma)) {
+      const FrameEstimate by_moments = turning_moments.estimate(loaded, load);
+      if (!estimate.in_model || (by_moments.in_model && by_moments.sigma < estimate.sigma &&
+                                 std::fabs(by_moments.gamma - estimate.gamma) <
+                                     kAlikeSigmas * std::hypot(by_moments.sigma, estimate.sigma)))
+        return by_moments;
     }
     return estimate;
   }
 
-  void estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
-                       const TurningLoadResult& load, Estimate& out) noexcept {
+  // Whether the forces that act are known although the disc reads only a part of them.
+  bool acts_under_skin() const noexcept { return setup.scene.skin.depth_m > 0 && acting_forces.known(); }
+
+  // Returns the patch with the forces that act.
+  ContactPatch estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
+                               const TurningLoadResult& load, Estimate& out) noexcept {
     const bool few = weighed_over_time(setup);
     // So few taxels have no shape under torque.
     const bool shaped =
@@ -282,32 +294,23 @@ struct EstimatorChain::Impl {
     shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    // Under a skin the disc reads only a part of the forces.
-    ContactPatch acting = loaded;
-    if (frame_estimate.in_model && frame_estimate.normal_n > 0) {
-      acting.shear_n = loaded.shear_n * frame_estimate.shear_n / patch.shear_n;
-      acting.normal_n = frame_estimate.normal_n;
-      out.normal_n = frame_estimate.normal_n;
-      const double felt_share = frame_estimate.shear_n / patch.shear_n;
-      out.shear_n = frame_estimate.shear_n;
-      out.shear_x_n = felt_share * patch.shear_x_n;
-      out.shear_y_n = felt_share * patch.shear_y_n;
-    }
+    const ContactPatch acting = acting_forces.of(patch, loaded, frame_estimate, out);
     tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) refuse_margin(State::out_of_model, out);
-    const bool forces_known = frame_estimate.in_model && frame_estimate.normal_n > 0;
-    if (setup.scene.skin.depth_m > 0 && out.gamma && !forces_known) {
+    if (setup.scene.skin.depth_m > 0 && out.gamma && !acting_forces.known()) {
       // Margin and friction need other forces than the disc feels.
       refuse_margin(State::out_of_model, out);
       out.friction.reset();
       out.friction_sigma.reset();
     }
-    if (!frame_estimate.in_model || frame_estimate.turning) return;
-    out.center_x_m = frame_estimate.center_x_m;
-    out.center_y_m = frame_estimate.center_y_m;
-    out.radius_m = frame_estimate.radius_m;
+    if (frame_estimate.in_model && !frame_estimate.turning) {
+      out.center_x_m = frame_estimate.center_x_m;
+      out.center_y_m = frame_estimate.center_y_m;
+      out.radius_m = frame_estimate.radius_m;
+    }
+    return acting;
   }
 
   // No margin, and why.
@@ -334,6 +337,7 @@ struct EstimatorChain::Impl {
   std::unique_ptr<SlipMethod> method;
   std::unique_ptr<Closing> closing;    // of `auto`, for frames that do not fit the method; else null
   Method shape_by = Method::friction;  // what this frame's own margin is by
+  ActingForces acting_forces;
   TurningLoad turning_load;
   SlippingTaxels slipping;
   TurningMoments turning_moments;

@@ -26,10 +26,12 @@ namespace slipd {
 class Fit final : public SlipMethod {
  public:
   // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
-  // skin_depth_m: how deep the taxels lie under the surface, m; see Skin.
+  // skin_depth_m, skin_depth_sigma: how deep the taxels lie under the surface, m, and the standard deviation
+  // of its log; see Skin.
   Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {},
-      double skin_depth_m = 0);
+      double skin_depth_m = 0, double skin_depth_sigma = 0);
   Method name() const noexcept override { return Method::fit; }
+  void forget() noexcept override { imprint_.forget(); }
   MethodSettings settings() const noexcept override {
     // Lists below, two residuals and their slopes a taxel, and the dome sheet's.
     constexpr std::size_t kNumbersATaxel = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;

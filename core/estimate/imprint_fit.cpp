@@ -33,15 +33,17 @@ double squares_of(std::span<const double> values) noexcept {
 }  // namespace
 
 ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m,
-                       const FitOptions& fit, const ImprintFitOptions& options)
+                       const FitOptions& fit, const ImprintFitOptions& options, double depth_sigma)
     : layout_(layout),
       fit_(fit),
       options_(options),
       prior_{.expected = friction_expected, .spread = fit.prior.scene_spread},
       depth_m_(depth_m),
+      depth_(depth_m, depth_sigma),
       model_(layout, depth_m),
       shear_(3 * layout.size()),
-      unsheared_(3 * layout.size()) {}
+      unsheared_(3 * layout.size()),
+      columns_(depth_m > 0 ? 3 * moment_columns() * layout.size() : 0) {}
 
 // The felt pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P.
 ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
@@ -228,6 +230,7 @@ bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noex
   out.center_x_m = at[Model::center_x];
   out.center_y_m = at[Model::center_y];
   out.radius_m = at[Model::size];
+  if (depth_m_ > 0) return true;  // find_moments has the forces of any history
   out.normal_n = 2.0 / 3 * std::numbers::pi * at[Model::size] * at[Model::size] * at[Model::peak];
   out.shear_n = at[Model::load] * out.normal_n;
   return true;
@@ -324,8 +327,10 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
   const double floor_pa = fit_.noise_floor * best.at[Model::peak],
                normal_pa = std::max(patch.noise_normal_pa, floor_pa);
   model_.set_noise({normal_pa, depth_m_ > 0 ? normal_pa : std::max(patch.noise_shear_pa, floor_pa)});
+  if (depth_.open()) model_.set_depth(depth_.depth_m());
   fit_part(patch, ratio, best);
   fit_all(best);
+  fit_depth(best);
   return best;
 }
 
@@ -354,6 +359,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   fitted_ = true;
   const Full& at = minimum.at;
   if (!(at[Model::load] > 0)) return out;  // the same contact, pulled the other way
+  if (depth_m_ > 0 && layout_.size() > kFewTaxels) find_moments(patch, at, out);
   if (layout_.size() <= kFewTaxels) {
     weigh_by_prior(at, minimum.normal.hessian, out);
     out.in_model = minimum.converged;
@@ -363,8 +369,9 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
   if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.normal.hessian, out);
-  out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit;
+  out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit && looks_monotonic(out);
   out.common_sigma = fit_.pressure_sigma * residual;
+  if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
   out.sigma = std::hypot(out.sigma, out.common_sigma);
   out.friction_sigma =
       std::hypot(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);

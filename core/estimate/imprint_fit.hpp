@@ -23,6 +23,7 @@
 #include "core/estimate/imprint_model.hpp"
 #include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/method.hpp"
+#include "core/estimate/skin_depth.hpp"
 
 namespace slipd {
 
@@ -58,13 +59,22 @@ struct ImprintFitOptions {
   // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
   // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;
+  // Step of the unknowns by another depth of the skin from which on the fit is repeated; standard deviations,
+  // 0.1 … 1. Too small: costs time. Too large: margins are off by as much.
+  double refit_sigmas = 0.5;
+  // Deviation of the slip moment from a monotonic load's from which on a frame has another history; standard
+  // deviations, 2 … 8. Too small: frames are refused for noise. Too large: a regrip passes.
+  double max_history_sigmas = 4;
+  // Floor of the shear moments' sigmas under a skin, of the shear; 0.002 … 0.1: few domes stand for any
+  // history. Too small: the friction filter believes one frame. Too large: it learns slowly.
+  double moments_floor = 0.01;
 };
 
 class ImprintFit {
  public:
-  // depth_m: of the taxels, >= 0, known.
+  // depth_m: of the taxels, >= 0. depth_sigma: standard deviation of its log; 0: it is exact.
   ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
-             const ImprintFitOptions& options = {});
+             const ImprintFitOptions& options = {}, double depth_sigma = 0);
 
   // Estimate thread. Allocates nothing. `start`: of the moments, at depth 0; under a skin only its load is
   // used. in_model as that of Fit.
@@ -81,10 +91,14 @@ class ImprintFit {
   // The last frame's taxels, residuals and noise.
   const ImprintModel& model() const noexcept { return model_; }
 
+  // The contact was lost: what its frames showed of the depth is forgotten.
+  void forget() noexcept { depth_.forget(); }
+
   int steps() const noexcept { return steps_; }         // that the last frame took
   bool elliptic() const noexcept { return elliptic_; }  // whether the last frame's contact was
   std::size_t memory_bytes() const noexcept {
-    return sizeof(*this) + model_.memory_bytes() + 6 * sizeof(double) * layout_.size();
+    return sizeof(*this) + model_.memory_bytes() +
+           sizeof(double) * (shear_.size() + unsheared_.size() + columns_.size());
   }
 
  private:
@@ -108,6 +122,25 @@ class ImprintFit {
   void fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept;
   void fit_all(Minimum& best) noexcept;
   bool shows_ellipse(Minimum& round) noexcept;
+  // What a frame shows of the log of the depth, its shape and load free: second and first derivative of half
+  // the squared residuals, and how the unknowns follow.
+  struct DepthSlope {
+    Vector unknowns;
+    double information = 0, score = 0;
+  };
+  DepthSlope depth_slope(const Minimum& best) noexcept;
+  // Adds what the frame shows of the depth to what is known of it, and fits the frame at that depth.
+  void fit_depth(Minimum& best) noexcept;
+  // Fills moments and forces of `out` by what the domes and the pressure of a contact of any history make
+  // taxels read.
+  void find_moments(const ContactPatch& patch, const Full& at, FrameEstimate& out) noexcept;
+  // Whether the slip moment is that of a monotonic load with the margin of the estimate, or unknown.
+  bool looks_monotonic(const FrameEstimate& estimate) const noexcept;
+  static std::size_t moment_columns() noexcept;
+  void fill_pressure(const Full& at, const ImprintRows& outer) noexcept;
+  void fill_domes(const Full& at, const ContactPatch& patch, const ImprintRows& outer) noexcept;
+  void fill_column(std::size_t column, const ImprintRows& rows, contact::SubsurfaceSheet::Of of,
+                   double pressed_pa, double pulled_x_pa, double pulled_y_pa) noexcept;
   // Whether the noise that is left over has other weights than before.
   bool weights_change(int unknowns, Minimum& at) noexcept;
   double residual_pressure(const Full& at) const noexcept;
@@ -128,10 +161,13 @@ class ImprintFit {
   ImprintFitOptions options_;
   FrictionPrior prior_;
   double depth_m_;
+  SkinDepth depth_;
+  double margin_by_depth_ = 0;  // of the last frame that was asked for the depth: Gamma by its log
+  int unasked_ = 0;             // frames since
   ImprintModel model_;
   // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the
   // pressure's.
-  std::vector<double> shear_, unsheared_;
+  std::vector<double> shear_, unsheared_, columns_;
   bool fitted_ = false;
   int steps_ = 0;
   bool elliptic_ = false;

@@ -44,6 +44,13 @@ std::size_t ImprintModel::memory_bytes() const noexcept {
          round_.memory_bytes();
 }
 
+void ImprintModel::set_depth(double depth_m) noexcept {
+  depth_m_ = depth_m;
+  outer_.set_depth(depth_m);
+  inner_.set_depth(depth_m);
+  round_.set_depth(depth_m);
+}
+
 void ImprintModel::collect(const ContactPatch& patch, double reach_m, std::size_t all_below) noexcept {
   collected_ = 0;
   const auto take = [&](std::uint32_t i) { taxel_[collected_++] = i; };
@@ -124,6 +131,12 @@ void ImprintModel::place(const Full& at) noexcept {
 const contact::SubsurfaceSheet& ImprintModel::show(const Full& at, Detail detail) noexcept {
   place(at);
   outer_.evaluate_values(ellipse_of(at, 1), u(), v(), detail);
+  return outer_;
+}
+
+const contact::SubsurfaceSheet& ImprintModel::show_slopes(const Full& at) noexcept {
+  place(at);
+  outer_.evaluate(ellipse_of(at, 1), u(), v(), Detail::rough);
   return outer_;
 }
 

@@ -50,6 +50,10 @@ class ImprintModel {
   // depth_m: of the taxels, >= 0.
   ImprintModel(const TaxelLayout& layout, double depth_m);
 
+  // Another depth, of a model under a skin; see RoundImprint::set_depth.
+  void set_depth(double depth_m) noexcept;
+  double depth_m() const noexcept { return depth_m_; }
+
   // The taxels within reach_m of the patch's centre (all of a layout of at most all_below taxels); at depth 0
   // those of its disc.
   void collect(const ContactPatch& patch, double reach_m, std::size_t all_below) noexcept;
@@ -87,6 +91,8 @@ class ImprintModel {
   // Values of the dome of unit height over the whole contact; and then over a part of it, `scale` times as
   // large.
   const contact::SubsurfaceSheet& show(const Full& at, Detail detail) noexcept;
+  // As show(), rough, with slopes.
+  const contact::SubsurfaceSheet& show_slopes(const Full& at) noexcept;
   const contact::SubsurfaceSheet& show_part(const Full& at, double scale, Detail detail) noexcept;
 
   static contact::Ellipse ellipse_of(const Full& at, double scale) noexcept;

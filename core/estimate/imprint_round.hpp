@@ -42,6 +42,13 @@ class RoundImprint {
   // side_m: of the taxels; depth_m > 0.
   RoundImprint(double side_m, double depth_m);
 
+  // Another depth, > 0, within a factor of 2 of the first one, by which averages are chosen.
+  void set_depth(double depth_m) noexcept {
+    step_m_ *= depth_m / depth_m_;
+    depth_m_ = depth_m;
+    sheet_.set_depth(depth_m);
+  }
+
   // Whether so many taxels, no farther than reach_m from the centre, take less time than with a
   // SubsurfaceSheet of so many points along a side.
   bool pays(std::size_t count, double reach_m, contact::SubsurfaceSheet::Detail detail,

@@ -35,6 +35,7 @@ class Trial {
 
   void face(const Frame& frame, double gamma) {
     constexpr double kSafer = 0.2;
+    method_.forget();  // another contact
     const double start = thread_us();
     const ContactPatch& patch = finder_.find(frame);
     const FrameEstimate frame_estimate = patch.in_contact ? method_.estimate(frame, patch) : FrameEstimate{};
@@ -144,7 +145,8 @@ WorkPrecision measure_work_precision(const ChainSetup& setup, Method method) {
   };
   if (method == Method::moments) return measured(Moments(setup.layout));
   if (method == Method::fit)
-    return measured(Fit(setup.layout, expected_friction(setup.scene), {}, setup.scene.skin.depth_m));
+    return measured(Fit(setup.layout, expected_friction(setup.scene), {}, setup.scene.skin.depth_m,
+                        setup.scene.skin.depth_sigma));
   return {};
 }
 

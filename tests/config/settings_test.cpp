@@ -109,6 +109,23 @@ TEST(Settings, of_a_minimal_can_section_are_the_defaults_of_the_struct) {
   EXPECT_EQ(can.sliding, d.sliding);
 }
 
+TEST(Settings, carry_a_range_of_depth_as_its_geometric_mean_and_a_sixth_of_its_width) {
+  json document = whole_document();
+  json& depth = document["sensors"][0]["skin"]["depth_mm"];
+  EXPECT_EQ(parse(document).sensors.at(0).skin_depth_sigma, kUsualDepthSigma);
+  depth = {1, 4};
+  const SensorSettings range = parse(document).sensors.at(0);
+  EXPECT_NEAR(range.setup.skin_depth_m, 0.002, 1e-12);
+  EXPECT_NEAR(3 * range.skin_depth_sigma, std::log(2), 1e-12);
+  depth = {1.5, 1.5};
+  const SensorSettings exact = parse(document).sensors.at(0);
+  EXPECT_EQ(exact.setup.skin_depth_m, 0.0015);
+  EXPECT_EQ(exact.skin_depth_sigma, 0);
+  EXPECT_EQ(parse(document).scene_of(exact).skin.depth_sigma, 0);
+  depth = {2, 1};
+  EXPECT_ANY_THROW(parse(document));
+}
+
 TEST(Settings, carry_every_key_in_SI_units) {
   const Settings s = parse(whole_document());
   const SensorSettings& left = s.sensors.at(0);

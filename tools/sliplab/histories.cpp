@@ -29,6 +29,7 @@ struct HistoriesOptions {
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
   std::string noise_kind = "sensor";
+  double skin_mm = 0;  // depth of the taxels
   Sampling sensing;
   unsigned threads = 2;
   Shard shard;  // of sides and methods
@@ -51,7 +52,8 @@ struct MethodLine {
 
 MethodLine measure(std::size_t side, const std::string& method, const HistoriesOptions& options,
                    std::uint64_t seed, std::string& trace) {
-  const ChainSetup setup = paper_chain(side, kMethods.at(method), options.sensing.noise);
+  ChainSetup setup = paper_chain(side, kMethods.at(method), options.sensing.noise);
+  setup.scene.skin.depth_m = 1e-3 * options.skin_mm;
   std::shared_ptr<const Model> model;
   if (needs_model(setup))
     model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
@@ -131,6 +133,7 @@ SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOption
   SweepResult sweep{{{"grasps", options.grasps},
                      {"noise_kind", options.noise_kind},
                      {"noise", options.sensing.noise},
+                     {"skin_mm", options.skin_mm},
                      {"frame_ms", 1e3 * options.sensing.frame_s}},
                     {}};
   for (const auto& line : lines) {
@@ -234,6 +237,9 @@ void add_histories(CLI::App& app, const Common& common) {
                    "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
                    "pressure on pressure, of the largest shear on shear")
       ->check(CLI::IsMember({"sensor", "relative"}))
+      ->capture_default_str();
+  command->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
+      ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
   command->add_option("--frame-s", options->sensing.frame_s, "time between two frames, s")
       ->check(CLI::Range(1e-4, 0.1))

@@ -1,5 +1,5 @@
 """slipd-mqtt with mosquitto as broker and Eclipse Paho as subscriber: neither has code of slipd. Skips if one is not installed."""
-import json, os, shutil, subprocess, sys, unittest
+import json, os, shutil, sqlite3, subprocess, sys, unittest
 
 try:
     import paho.mqtt.client as paho
@@ -22,7 +22,7 @@ class Mosquitto:
         store = os.path.join(folder, f"store-{self.port}")
         os.mkdir(store)
         with open(self.file, "w") as file:
-            file.write("\n".join([f"persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} 127.0.0.1",
+            file.write("\n".join(["persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} 127.0.0.1",
                                   listener, *(lines or ["allow_anonymous true"])]) + "\n")
         self.start()
 
@@ -194,10 +194,9 @@ class Peer(BridgeTest):
         self.assertEqual({alert["dropped"] for alert in reader.alerts}, {0})
 
     def on_disk(self, bridge):
-        import sqlite3
         database = sqlite3.connect(bridge.settings.replace(".json", ".db"))
         try:
-            return database.execute("SELECT seq FROM sqlite_sequence").fetchone()[0]
+            return (database.execute("SELECT seq FROM sqlite_sequence").fetchone() or (0,))[0]
         finally:
             database.close()
 

@@ -138,6 +138,157 @@ TEST(Fit, OfRoundContactsAtTheSurfaceIsThatWithoutEllipsesToTheLastDigit) {
   }
 }
 
+Score score_at_wrong_depth(double taken, double depth_sigma) {
+  ImprintFrames frames(16, {.depth_m = 0.001});
+  ImprintFit fit(frames.layout(), {0.1, 0.9}, 0.001 * taken, {}, {}, depth_sigma);
+  Score score;
+  for (int i = 0; i < 60; ++i) {
+    const ContactPatch& patch = frames.next();
+    fit.forget();
+    const FrameEstimate estimate = fit.estimate(patch, moment_ratio(patch, frames.layout()));
+    if (!estimate.in_model) continue;
+    const double error = std::fabs(estimate.gamma - frames.gamma);
+    score.answered += 1;
+    score.error += error;
+    score.within_two += error < 2 * estimate.sigma ? 1 : 0;
+  }
+  score.error /= score.answered;
+  score.within_two /= score.answered;
+  return score;
+}
+
+TEST(ImprintFit, CorrectsADepthThatIsAQuarterWrong) {
+  const Score right = score_at_wrong_depth(1, 0);
+  for (const double taken : {0.75, 1.25}) {
+    const Score exact = score_at_wrong_depth(taken, 0), open = score_at_wrong_depth(taken, kUsualDepthSigma);
+    EXPECT_LT(open.error - right.error, 0.6 * (exact.error - right.error)) << taken;
+    EXPECT_GT(open.within_two, 0.95) << taken;
+    EXPECT_GE(open.answered, exact.answered - 2) << taken;
+  }
+}
+
+TEST(ImprintFit, LosesNothingByAnOpenDepthThatIsRight) {
+  const Score exact = score_at_wrong_depth(1, 0), open = score_at_wrong_depth(1, kUsualDepthSigma);
+  EXPECT_NEAR(open.error, exact.error, 0.1 * exact.error);
+  EXPECT_GT(open.within_two, 0.88);
+}
+
+TEST(SkinDepths, AddWhatFramesShowToWhatWasKnownAndStayWithinThreeDeviations) {
+  SkinDepth depth(0.001, 0.1);
+  EXPECT_DOUBLE_EQ(depth.depth_m(), 0.001);
+  depth.take(depth.with({0.2, 0.1}));  // as well known as before
+  EXPECT_NEAR(depth.now().mean, 0.1, 1e-12);
+  EXPECT_NEAR(depth.now().sigma, 0.1 / std::sqrt(2), 1e-12);
+  depth.take(depth.with({5, 0.01}));
+  EXPECT_NEAR(depth.now().mean, 0.3, 1e-12);
+  EXPECT_TRUE(depth.settled());
+  EXPECT_EQ(depth.now().sigma, SkinDepth::kLeastSigma);
+  depth.forget();
+  EXPECT_DOUBLE_EQ(depth.depth_m(), 0.001);
+  EXPECT_FALSE(SkinDepth(0.001, 0).open());
+}
+
+// The moments of the disc terms that the contact really has (docs/theory.md §4.1).
+contact::ShearMoments moments_of(const contact::LoadHistory& contact) {
+  contact::ShearMoments sum;
+  for (const contact::DiscTerm& term : contact.shear_terms()) {
+    const double force_n = term.coefficient * contact.pair().disc_force_n(term.radius_m),
+                 u = std::pow(term.radius_m / contact.contact_radius_m(), 2);
+    sum.slip_moment_n += force_n * (5.0 / 3 - u);
+    sum.second_legendre_n += force_n * (48.0 / 35 * u * u - 12.0 / 5 * u + 1);
+  }
+  return sum;
+}
+
+TEST(ImprintFit, FindsMomentsAndForcesUnderASkinWhateverTheHistoryAndRefusesAnUnloading) {
+  constexpr double kGrip = 3, kFriction = 0.5;
+  const TaxelLayout layout = TaxelLayout::grid(32, 32, 0.0005);
+  contact::ImprintSheet sheet(layout, {.depth_m = 0.001});
+  PatchFinder finder(layout);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<float> p(layout.size()), x(p.size()), y(p.size());
+  for (const double highest : {0.4, 0.9}) {  // of mu P, before 0.4: the first is a monotonic load
+    contact::LoadHistory contact(synthetic::paper_pair());
+    contact.move_to(kGrip, 0, kFriction);
+    contact.move_to(kGrip, highest * kFriction * kGrip, kFriction);
+    contact.move_to(kGrip, 0.4 * kFriction * kGrip, kFriction);
+    const contact::ShearMoments truth = moments_of(contact);
+    ImprintFit fit(layout, {0.1, 0.9}, 0.001, {});
+    double slip = 0, legendre = 0, slip_sigma = 0, shear = 0, in_model = 0;
+    constexpr int kFrames = 12;
+    for (int i = 0; i < kFrames; ++i) {
+      sheet.feel(contact, 0.0004, -0.0007, 0.6, p, x, y);
+      const float peak = *std::max_element(p.begin(), p.end());
+      for (auto* channel : {&p, &x, &y}) {
+        for (float& value : *channel) value += 0.01F * peak * unit(random);
+      }
+      const ContactPatch& patch = finder.find({1, 1, p, x, y});
+      const FrameEstimate estimate = fit.estimate(patch, moment_ratio(patch, layout));
+      slip += estimate.moments.slip_moment_n / kFrames;
+      legendre += estimate.moments.second_legendre_n / kFrames;
+      slip_sigma += estimate.moments_sigma.slip_moment_n / kFrames;
+      shear += estimate.shear_n / kFrames;
+      in_model += estimate.in_model ? 1 : 0;
+      EXPECT_NEAR(estimate.normal_n, kGrip, 0.02 * kGrip);
+    }
+    const double shear_n = 0.4 * kFriction * kGrip;
+    EXPECT_NEAR(shear, shear_n, 0.02 * shear_n) << highest;
+    EXPECT_NEAR(slip, truth.slip_moment_n, 0.03 * shear_n) << highest;
+    EXPECT_NEAR(legendre, truth.second_legendre_n, 0.04 * shear_n) << highest;
+    EXPECT_LT(slip_sigma, 0.05 * shear_n) << highest;
+    EXPECT_EQ(in_model, highest > 0.4 ? 0 : kFrames) << highest;
+  }
+}
+
+// Gripped, pulled to 0.85 of mu P, let go to 0.2, gripped harder; at 200 Hz.
+TEST(Chains, UnderASkinFollowAnUnloadingAndARegrip) {
+  ChainSetup setup{
+      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
+  setup.scene.skin.depth_m = 0.001;
+  EstimatorChain chain(setup, nullptr);
+  contact::ImprintSheet sheet(setup.layout, {.depth_m = 0.001});
+  contact::LoadHistory contact(synthetic::paper_pair());
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<float> p(setup.layout.size()), x(p.size()), y(p.size());
+  constexpr double kFriction = 0.5;
+  struct Leg {
+    double normal_n, load;  // at its end: P, and Q over mu times 3 N
+    int frames;
+    bool judged;
+  };
+  constexpr Leg kLegs[] = {{3, 0, 40, false}, {3, 0.85, 80, false}, {3, 0.2, 60, true}, {4.5, 0.2, 40, true}};
+  std::int64_t frame = 0;
+  double normal_n = 0, load = 0, error = 0, judged = 0, answered = 0, too_high = 0;
+  for (const Leg& leg : kLegs) {
+    for (int i = 1; i <= leg.frames; ++i) {
+      const double part = static_cast<double>(i) / leg.frames;
+      contact.move_to(normal_n + part * (leg.normal_n - normal_n),
+                      (load + part * (leg.load - load)) * kFriction * 3, kFriction);
+      sheet.feel(contact, 0.0004, -0.0007, 0.6, p, x, y);
+      for (auto* channel : {&p, &x, &y}) {
+        for (float& value : *channel) value += 300 * unit(random);
+      }
+      ++frame;
+      const Estimate estimate =
+          chain.estimate({static_cast<std::uint64_t>(frame), 5'000'000 * frame, p, x, y});
+      too_high += estimate.gamma_low.value_or(0) > contact.safety_margin() ? 1 : 0;
+      if (!leg.judged) continue;
+      ++judged;
+      if (!estimate.gamma) continue;
+      ++answered;
+      error += std::fabs(*estimate.gamma - contact.safety_margin());
+      EXPECT_LT(*estimate.gamma - contact.safety_margin(), 0.15);
+    }
+    normal_n = leg.normal_n;
+    load = leg.load;
+  }
+  EXPECT_LT(too_high, 0.05 * static_cast<double>(frame));
+  EXPECT_GT(answered, 0.7 * judged);
+  EXPECT_LT(error / answered, 0.08);
+}
+
 // A grip that closes and is pulled until it slides, at 200 Hz.
 TEST(Chains, UnderASkinFollowAGrasp) {
   ChainSetup setup{

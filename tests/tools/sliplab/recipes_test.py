@@ -1,6 +1,6 @@
 """The recipes of docs/fleet.md for sweeps, as they are there but for the number of contacts: xargs, GNU parallel, and an array of jobs of
 Slurm on a cluster of this one computer. Each merges to what one run prints, times aside. Skips what is not installed."""
-import getpass, json, os, re, shutil, socket, subprocess, sys, tempfile, unittest
+import getpass, json, os, re, shutil, socket, subprocess, tempfile, unittest
 
 from awaiting import PATIENCE_S, await_true
 from ports import free_port

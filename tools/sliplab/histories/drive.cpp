@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/contact/history.hpp"
+#include "core/contact/imprint.hpp"
 #include "core/estimate/thread_clock.hpp"
 #include "tools/sliplab/histories/friction_trace.hpp"
 
@@ -43,6 +45,8 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
       contact::make_body_pair(contact::body_of(skin), {object.radius_m, object.modulus_pa, object.poisson}));
   TrialFrames frames(layout, sensing.kind, sensing.noise);
   FrictionTrace trace(layout, object.x_m, object.y_m);
+  std::optional<contact::ImprintSheet> imprint;
+  if (skin.depth_m > 0) imprint.emplace(layout, contact::Imprint{.depth_m = skin.depth_m});
   StatisticsByMove tallies;
   Estimate estimate;
   std::uint64_t sequence = 0;
@@ -59,10 +63,14 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
       double taken_us = 0;
       bool traced = true;
       if (!sensing.comes || sensing.comes(sequence)) {
-        frames.feel(contact, object.x_m, object.y_m);
-        if (sensing.trace) traced = trace.update(contact, shear_sigma_pa(frames, sensing));
-        Frame frame = frames.sense(grasp.direction_rad, noise.stream(sequence), sequence,
-                                   static_cast<std::int64_t>(1e9 * time_s));
+        if (!imprint) frames.feel(contact, object.x_m, object.y_m);
+        if (sensing.trace && !imprint) traced = trace.update(contact, shear_sigma_pa(frames, sensing));
+        const auto time_ns = static_cast<std::int64_t>(1e9 * time_s);
+        Frame frame = imprint ? frames.sense_imprint(*imprint, contact, object.x_m, object.y_m,
+                                                     grasp.direction_rad, noise.stream(sequence))
+                              : frames.sense(grasp.direction_rad, noise.stream(sequence), sequence, time_ns);
+        frame.sequence = sequence;
+        frame.time_ns = time_ns;
         if (sensing.spoil) {
           FrameSlot spoilt;
           spoilt.sequence = frame.sequence;

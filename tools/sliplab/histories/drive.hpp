@@ -40,6 +40,7 @@ using StatisticsByMove = std::array<ErrorStatistics, kMoves>;
 // the pad is 16 mm wide, that of 4 x 4 has the pitch of commercial fingertips. `noise`: as in Sampling.
 slipd::ChainSetup paper_chain(std::size_t side, slipd::MethodChoice method, double noise);
 
+// `skin`: of the sensor; its depth_m is what is felt, whatever the chain's is. No trace is kept under a skin.
 // `chain` must be new. Statistics count only frames that the estimator received. `watch` can be empty; it is
 // called for every frame of contact.
 StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, const slipd::Skin& skin,

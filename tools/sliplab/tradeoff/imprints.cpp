@@ -77,7 +77,7 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
       tell(static_cast<double>(here) / static_cast<double>(std::size(kCases) * options.layouts.size()),
            name.c_str());
       if (!options.shard.has(here)) continue;
-      Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken);
+      Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken, kUsualDepthSigma);
       SlipMethod* const method = &fit;
       const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes};
       lines.push_back(

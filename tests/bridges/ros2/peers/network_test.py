@@ -61,11 +61,11 @@ class Network(Bed):
         self.assertGreater(self.watch(1, "margin")["margin"]["samples"], 10)
 
     def test_its_sockets_receive_from_this_computer_only(self):
-        out = subprocess.run(["ss", "-Huanp"], stdout=subprocess.PIPE, text=True, check=True).stdout
-        own = [line.split()[3] for line in out.splitlines() if f"pid={self.bridge.pid}," in line]
-        receiving = [address for address in own if address.startswith(("0.0.0.0", "*", "["))]
-        self.assertTrue(receiving)
-        for address in receiving:
+        def receiving():
+            out = subprocess.run(["ss", "-Huanp"], stdout=subprocess.PIPE, text=True, check=True).stdout
+            own = [line.split()[3] for line in out.splitlines() if f"pid={self.bridge.pid}," in line]
+            return [address for address in own if address.startswith(("0.0.0.0", "*", "["))]
+        for address in await_true(receiving, "the sockets of slipd-ros2"):
             self.assertIn("%lo:", address)
 
 

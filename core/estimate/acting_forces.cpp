@@ -1,0 +1,31 @@
+#include "core/estimate/acting_forces.hpp"
+
+namespace slipd {
+
+ContactPatch ActingForces::of(const ContactPatch& patch, const ContactPatch& loaded,
+                              const FrameEstimate& frame_estimate, Estimate& out) noexcept {
+  if (!under_skin_) share_.reset();
+  const bool shown =
+      frame_estimate.normal_n > 0 && frame_estimate.shear_n > 0 && patch.normal_n > 0 && patch.shear_n > 0;
+  if (shown && (under_skin_ || frame_estimate.in_model)) {
+    const Share now{frame_estimate.normal_n / patch.normal_n, frame_estimate.shear_n / patch.shear_n};
+    if (!share_) share_ = now;
+    share_->normal += kGain * (now.normal - share_->normal);
+    share_->shear += kGain * (now.shear - share_->shear);
+  }
+  ContactPatch acting = loaded;
+  if (!share_) return acting;
+  acting.normal_n *= share_->normal;
+  acting.normal_sigma_n *= share_->normal;
+  acting.shear_n *= share_->shear;
+  acting.shear_x_n *= share_->shear;
+  acting.shear_y_n *= share_->shear;
+  acting.shear_sigma_n *= share_->shear;
+  out.normal_n = acting.normal_n;
+  out.shear_n = share_->shear * patch.shear_n;
+  out.shear_x_n = share_->shear * patch.shear_x_n;
+  out.shear_y_n = share_->shear * patch.shear_y_n;
+  return acting;
+}
+
+}  // namespace slipd

@@ -1,0 +1,139 @@
+// Moments of the shear under a skin, whatever the contact went through: shear is a sum of domes about one
+// centre, and the taxels show by least squares how much of it each of a few domes carries.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/estimate/imprint_fit.hpp"
+
+namespace slipd {
+namespace {
+
+using contact::FeltTensor;
+using Sheet = contact::SubsurfaceSheet;
+
+// Radii of the domes, over the contact's. Fewer, or none near 1: a stick zone between two of them is read
+// wrong. More: costs time.
+constexpr std::array<double, 5> kDomeRadii{1, 0.94, 0.8, 0.6, 0.35};
+// Fitted with them: the pressure's place, size and height, which a load that is not monotonic has drawn
+// aside.
+enum PressureColumn : std::size_t { by_x = kDomeRadii.size(), by_y, by_size, by_peak, kColumns };
+constexpr auto kRows = static_cast<Eigen::Index>(kColumns);
+using ColumnMatrix = Eigen::Matrix<double, kRows, kRows>;
+using ColumnVector = Eigen::Matrix<double, kRows, 1>;
+
+double channel_product(const double* one, const double* two, std::size_t count) noexcept {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t i = 0; i < count; ++i) sum += one[i] * two[i];
+  return sum;
+}
+
+}  // namespace
+
+std::size_t ImprintFit::moment_columns() noexcept {
+  return kColumns;
+}
+
+void ImprintFit::fill_column(std::size_t column, const ImprintRows& rows, Sheet::Of of, double pressed_pa,
+                             double pulled_x_pa, double pulled_y_pa) noexcept {
+  const std::size_t n = model_.count();
+  const double per_normal = 1 / model_.noise().normal_pa, per_shear = 1 / model_.noise().shear_pa;
+  double* const to = columns_.data() + column * 3 * layout_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const FeltTensor felt = rows.at(of, i);
+    const Felt g = felt_of(pressed_pa, felt, 1, pulled_x_pa, pulled_y_pa, felt);
+    to[i] = per_normal * g.n;
+    to[n + i] = per_shear * g.x;
+    to[2 * n + i] = per_shear * g.y;
+  }
+}
+
+// What each channel reads of the pressure, in units of noise, by its unknowns over their own scale.
+void ImprintFit::fill_pressure(const Full& at, const ImprintRows& outer) noexcept {
+  const contact::Ellipse ellipse = ImprintModel::ellipse_of(at, 1);
+  const double p = at[ImprintModel::peak], a = at[ImprintModel::size];
+  fill_column(by_x, outer, Sheet::d_u, -p * a, 0, 0);
+  fill_column(by_y, outer, Sheet::d_v, -p * a, 0, 0);
+  fill_column(by_peak, outer, Sheet::value, p, 0, 0);
+  fill_column(by_size, outer, Sheet::d_a, p * ellipse.a_m, 0, 0);
+  if (ellipse.round()) return;
+  double* const size = columns_.data() + by_size * 3 * layout_.size();
+  std::copy_n(size, 3 * model_.count(), shear_.data());
+  fill_column(by_size, outer, Sheet::d_b, p * ellipse.b_m, 0, 0);
+  for (std::size_t i = 0; i < 3 * model_.count(); ++i) size[i] += shear_[i];
+}
+
+// The same of the shear of each dome, 1 N along the pull; the first is the whole contact's.
+void ImprintFit::fill_domes(const Full& at, const ContactPatch& patch, const ImprintRows& outer) noexcept {
+  const double area_m2 = std::numbers::pi * at[ImprintModel::size] * at[ImprintModel::size];
+  for (std::size_t dome = 0; dome < kDomeRadii.size(); ++dome) {
+    const double x = kDomeRadii[dome], per_n = 1.5 / (x * x * area_m2);
+    fill_column(dome, dome == 0 ? outer : ImprintRows(model_.show_part(at, x, ImprintModel::Detail::rough)),
+                Sheet::value, 0, per_n * patch.direction_x, per_n * patch.direction_y);
+  }
+}
+
+void ImprintFit::find_moments(const ContactPatch& patch, const Full& at, FrameEstimate& out) noexcept {
+  const std::size_t rows = 3 * model_.count();
+  const auto residuals = model_.residuals();
+  const ImprintRows outer(model_.show_slopes(at));
+  fill_pressure(at, outer);
+  fill_shear(at, at[ImprintModel::margin], outer);
+  for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[ImprintModel::load] * shear_[i] - residuals[i];
+  fill_domes(at, patch, outer);
+  ColumnMatrix products;
+  ColumnVector felt, slip = ColumnVector::Zero(), legendre = slip, force = slip, legendre_by_size = slip;
+  const auto column_of = [this](Eigen::Index i) {
+    return columns_.data() + static_cast<std::size_t>(i) * 3 * layout_.size();
+  };
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j)
+      products(i, j) = products(j, i) = channel_product(column_of(i), column_of(j), rows);
+    felt[i] = channel_product(column_of(i), unsheared_.data(), rows);
+  }
+  const double normal_n =
+      2.0 / 3 * std::numbers::pi * at[ImprintModel::size] * at[ImprintModel::size] * at[ImprintModel::peak];
+  for (std::size_t i = 0; i < kDomeRadii.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double u = kDomeRadii[i] * kDomeRadii[i];  // of a disc <u> = 2 u/5, <u^2> = 8 u^2/35
+    force[row] = 1;
+    slip[row] = 5.0 / 3 - u;
+    legendre[row] = 48.0 / 35 * u * u - 12.0 / 5 * u + 1;
+    legendre_by_size[row] = 24.0 / 5 * u - 4 * 48.0 / 35 * u * u;
+    products(row, row) += 1 / (normal_n * normal_n);  // no dome carries much more than P
+  }
+  const Eigen::LDLT<ColumnMatrix> solved(products);
+  const ColumnVector found = solved.solve(felt);
+  // The domes are those of the contact before it was made larger by as much.
+  const double shear_n = force.dot(found), grown = found[by_size];
+  slip[by_size] = 2 * (5.0 / 3 * shear_n - slip.dot(found));
+  legendre[by_size] = legendre_by_size.dot(found);
+  out.moments = {slip.dot(found), legendre.dot(found)};
+  const double common_n = options_.moments_floor * std::fabs(shear_n);
+  const auto sigma_of = [&](const ColumnVector& of) { return std::sqrt(of.dot(solved.solve(of))); };
+  out.moments_sigma = {std::hypot(sigma_of(slip), common_n), std::hypot(sigma_of(legendre), 2 * common_n)};
+  out.moments_common_sigma = {common_n, 2 * common_n};
+  out.normal_n = normal_n * (1 + 2 * grown + found[by_peak]);
+  out.shear_n = shear_n;
+}
+
+bool ImprintFit::looks_monotonic(const FrameEstimate& estimate) const noexcept {
+  const double sigma_n = estimate.moments_sigma.slip_moment_n;
+  if (!std::isfinite(sigma_n)) return true;
+  // Q (5/3 - rho), with rho of (7.1).
+  const auto slip_moment_n = [&](double gamma) {
+    const double k = std::cbrt(std::clamp(gamma, fit_.min_gamma, fit_.max_gamma)), k3 = k * k * k;
+    return estimate.shear_n * (5.0 / 3 - (1 - k3 * k * k) / (1 - k3));
+  };
+  const double expected_n = slip_moment_n(estimate.gamma),
+               open_n = 0.5 * (slip_moment_n(estimate.gamma - estimate.sigma) -
+                               slip_moment_n(estimate.gamma + estimate.sigma));
+  return std::fabs(estimate.moments.slip_moment_n - expected_n) <
+         options_.max_history_sigmas * std::hypot(sigma_n, open_n);
+}
+
+}  // namespace slipd

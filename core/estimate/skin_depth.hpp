@@ -1,0 +1,51 @@
+// How deep taxels lie, as far as it is known: a Gaussian of the log of the depth over the nominal one. What
+// the frames of a grasp show of it is added to what was known before (docs/theory.md §10.8). Estimate thread;
+// nothing allocates.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/scene.hpp"
+
+namespace slipd {
+
+// Of the log of a depth over another one.
+struct LogDepth {
+  double mean = 0;
+  double sigma = 0;  // standard deviation, >= 0
+};
+
+class SkinDepth {
+ public:
+  // The deviation that all frames together leave: a real skin is no half space, and its depth is not the same
+  // everywhere; 0.01 … 0.1. Too small: the depth of a grasp is taken for exact. Too large: frames teach
+  // nothing.
+  static constexpr double kLeastSigma = 0.02;
+  // depth_m: nominal, >= 0. sigma: of its log; 0: the depth is exact.
+  SkinDepth(double depth_m, double sigma) noexcept : depth_m_(depth_m), prior_sigma_(sigma) { forget(); }
+
+  bool open() const noexcept { return depth_m_ > 0 && prior_sigma_ > 0; }
+  // Further frames change little.
+  bool settled() const noexcept { return open() && now_.sigma <= std::min(kLeastSigma, prior_sigma_); }
+  const LogDepth& now() const noexcept { return now_; }
+  // By all frames so far, m.
+  double depth_m() const noexcept { return depth_m_ * std::exp(now_.mean); }
+
+  // What is known together with a frame that shows the log of the depth over nominal as `frame.mean`.
+  LogDepth with(const LogDepth& frame) const noexcept {
+    const double known = 1 / (now_.sigma * now_.sigma), shown = 1 / (frame.sigma * frame.sigma);
+    const double most = kMostDepthSigmas * prior_sigma_;
+    return {std::clamp((known * now_.mean + shown * frame.mean) / (known + shown), -most, most),
+            std::max(std::min(kLeastSigma, prior_sigma_), 1 / std::sqrt(known + shown))};
+  }
+  void take(const LogDepth& known) noexcept { now_ = known; }
+  // A new grasp.
+  void forget() noexcept { now_ = {0, prior_sigma_}; }
+
+ private:
+  double depth_m_, prior_sigma_;
+  LogDepth now_;
+};
+
+}  // namespace slipd
