@@ -118,7 +118,7 @@ TurningSums turning(const TaxelView& at, TurningKernels::Runs runs, const Contac
         const Floats work = where(mask, load(at.shear_x_pa + i) * v_x + load(at.shear_y_pa + i) * v_y);
         const Floats limit = where(mask, load(at.normal_pa + i)) * root(square);
         const Floats weights[3] = {work, limit, square};
-        for (int w = 0; w < 3; ++w) {
+        for (std::size_t w = 0; w < 3; ++w) {
           const Floats first = weights[w] * s;
           sums.part[3 * w] += weights[w];
           sums.part[3 * w + 1] += first;
