@@ -63,7 +63,7 @@ function(slipd_driver name)
 endfunction()
 
 # slipd_bridge(name SOURCES … LINKS …): library slipd_bridge_NAME of SOURCES, which tests link, and program slipd-NAME of main.cpp,
-# in component bridge_NAME with the example NAME.json in /etc/slipd and the unit slipd-NAME.service.in. The schema NAME.schema.json is
+# in component bridge_NAME with the example NAME.json in /etc/slipd, the unit slipd-NAME.service.in and completion for the shell. The schema NAME.schema.json is
 # embedded as slipd_NAME_schema.
 function(slipd_bridge name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
@@ -77,6 +77,9 @@ function(slipd_bridge name)
   install(FILES ${name}.schema.json DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/slipd COMPONENT bridge_${name})
   configure_file(slipd-${name}.service.in ${PROJECT_BINARY_DIR}/systemd/slipd-${name}.service @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/systemd/slipd-${name}.service DESTINATION lib/systemd/system COMPONENT bridge_${name})
+  configure_file(${PROJECT_SOURCE_DIR}/bridges/support/completion.in ${PROJECT_BINARY_DIR}/completion/slipd-${name} @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/completion/slipd-${name} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions
+    COMPONENT bridge_${name})
 endfunction()
 
 # slipd_embed(target symbol file): the file's bytes as `extern const std::string_view symbol` in namespace slipd,

@@ -25,6 +25,13 @@ double if_current(const slipd_estimate& e, double value) {
   return current(e) ? value : kNothing;
 }
 
+// An alert without a cause is of an older libslipd.
+double alert_cause(const slipd_estimate& e) {
+  const bool known = (e.alert_cause == SLIPD_CAUSE_NONE) == (e.alert == SLIPD_ALERT_NONE) &&
+                     e.alert_cause != SLIPD_CAUSE_UNKNOWN;
+  return known ? if_current(e, e.alert_cause) : kNothing;
+}
+
 constexpr std::array<Register<Header>, 6> kHeader{{
     {0, RegisterType::u16, 1, "", "map_version", "1. Rises when a register changes its meaning",
      [](const Header&) -> double { return kMapVersion; }},
@@ -42,7 +49,7 @@ constexpr std::array<Register<Header>, 6> kHeader{{
      [](const Header&) -> double { return kBlockSize; }},
 }};
 
-constexpr std::array<Register<slipd_estimate>, 17> kBlock{{
+constexpr std::array<Register<slipd_estimate>, 18> kBlock{{
     {0, RegisterType::u16, 1, "", "state",
      "0 ok, 1 no_contact, 2 learning, 3 out_of_model, 4 no_shear, 5 unzeroed, 6 stale, 7 fault, 8 "
      "disconnected",
@@ -84,6 +91,8 @@ constexpr std::array<Register<slipd_estimate>, 17> kBlock{{
      [](const slipd_estimate& e) { return if_current(e, low_bits(e.sequence, kLow31)); }},
     {18, RegisterType::u16, 1e-4, "", "friction_sigma", "standard deviation of friction",
      [](const slipd_estimate& e) { return if_current(e, e.friction_sigma); }},
+    {19, RegisterType::u16, 1, "", "alert_cause", "0 no alert, 1 the margin is small, 2 the object slides",
+     alert_cause},
 }};
 
 // The count for a scaled value, within [least, most].

@@ -16,12 +16,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string text_of(int code) {
+std::string library_text_of(int code) {
   return code == MOSQ_ERR_ERRNO ? std::generic_category().message(errno) : mosquitto_strerror(code);
 }
 
 void succeeded(int code, const std::string& what) {
-  if (code != MOSQ_ERR_SUCCESS) throw std::runtime_error(what + ": " + text_of(code));
+  if (code != MOSQ_ERR_SUCCESS) throw std::runtime_error(what + ": " + library_text_of(code));
 }
 
 std::string first_line_of(const std::string& file) {
@@ -80,6 +80,7 @@ void Broker::set_up(const BrokerSettings& settings, const std::optional<LastWill
   mosquitto_message_callback_set(client_.get(), &Broker::on_message);
   mosquitto_subscribe_callback_set(client_.get(), &Broker::on_subscribe);
   mosquitto_unsubscribe_callback_set(client_.get(), &Broker::on_unsubscribe);
+  mosquitto_log_callback_set(client_.get(), &Broker::on_log);
   succeeded(mosquitto_int_option(client_.get(), MOSQ_OPT_TCP_NODELAY, 1), "TCP_NODELAY");
   if (will) {
     succeeded(mosquitto_will_set(client_.get(), will->topic.c_str(), static_cast<int>(will->payload.size()),
@@ -184,6 +185,12 @@ void Broker::leave(std::chrono::milliseconds patience) {
   mosquitto_disconnect(client_.get());
 }
 
+std::string Broker::text_of(int code) const {
+  if (code != MOSQ_ERR_TLS || errors_.empty()) return library_text_of(code);
+  return "TLS: " + errors_ +
+         "; the certificate of the broker must be signed by an authority of ca_file, and name the host";
+}
+
 // Notes a failure of the library. False: there was one, now or before.
 bool Broker::fine(int code) {
   if (code != MOSQ_ERR_SUCCESS) lose(text_of(code));
@@ -237,7 +244,21 @@ void Broker::on_unsubscribe(mosquitto*, void* self, int) {
 }
 
 void Broker::on_disconnect(mosquitto*, void* self, int code) {
-  static_cast<Broker*>(self)->lose(code == 0 ? "it has ended" : text_of(code));
+  Broker& broker = *static_cast<Broker*>(self);
+  broker.lose(code == 0 ? "it has ended" : broker.text_of(code));
+}
+
+// "OpenSSL Error[0]: error:0A000086:SSL routines::certificate verify failed": what is behind the last colon.
+void Broker::on_log(mosquitto*, void* self, int level, const char* text) {
+  constexpr std::size_t kLongest = 200;
+  std::string& errors = static_cast<Broker*>(self)->errors_;
+  if (level != MOSQ_LOG_ERR || errors.size() > kLongest) return;
+  const std::string_view line = text;
+  const std::size_t end = line.find_last_not_of(". ");
+  const std::size_t colon = line.rfind(':', end);
+  std::string_view reason = line.substr(0, end + 1).substr(colon == std::string_view::npos ? 0 : colon + 1);
+  reason.remove_prefix(std::min(reason.find_first_not_of(' '), reason.size()));
+  errors += (errors.empty() ? "" : ", ") + std::string(reason);
 }
 
 }  // namespace slipd::mqtt

@@ -95,6 +95,7 @@ class Broker {
   static void on_message(mosquitto* client, void* self, const mosquitto_message* message);
   static void on_subscribe(mosquitto* client, void* self, int request, int count, const int* granted);
   static void on_unsubscribe(mosquitto* client, void* self, int request);
+  static void on_log(mosquitto* client, void* self, int level, const char* text);
 
   void set_up(const BrokerSettings& settings, const std::optional<LastWill>& will);
   void connect(const BrokerSettings& settings);
@@ -103,11 +104,13 @@ class Broker {
   void watch_socket();
   bool fine(int code);
   void lose(const std::string& why);
+  std::string text_of(int code) const;
 
   bridges::Loop& loop_;
   BrokerListener listener_;
   BrokerLimits limits_;
-  std::string name_;  // host:port, for messages
+  std::string name_;    // host:port, for messages
+  std::string errors_;  // what libmosquitto has logged as errors, for messages
   std::unique_ptr<mosquitto, Free> client_;
   std::chrono::steady_clock::time_point begun_, accepted_at_;
   bool accepted_ = false;

@@ -7,8 +7,22 @@
 
 namespace slipd::ros2 {
 
+namespace {
+
+// Two clocks that are read within this time are of one moment, ns. An interruption between them would be an
+// error of each stamp that is made from both.
+constexpr std::int64_t kOneMomentNs = 20'000;
+constexpr int kMostReadings = 4;
+
+}  // namespace
+
 Moment Moment::now() noexcept {
-  return {bridges::monotonic_ns(), bridges::realtime_ns()};
+  Moment moment{};
+  for (int i = 0; i < kMostReadings; ++i) {
+    moment = {bridges::monotonic_ns(), bridges::realtime_ns()};
+    if (bridges::monotonic_ns() - moment.monotonic_ns < kOneMomentNs) break;
+  }
+  return moment;
 }
 
 void fill_message(const slipd_estimate& from, const Moment& now, SlipEstimate& to) {

@@ -44,7 +44,7 @@ struct slipd_client {
   std::string subscription;                     // parameters as JSON; empty: there is none
   std::uint64_t subscribed_by = 0;              // id of the request
   double pause_s = slipd::client::kFirstPause;  // before the next attempt to connect
-  slipd::client::Json last_event;               // of slipd_event_text(); null: there is none
+  std::string last_event;                       // the message of slipd_event_text(); empty: there is none
   mutable std::string last_event_text;          // made from it when it is asked for
 
   // The shared memory.

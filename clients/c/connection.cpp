@@ -64,6 +64,12 @@ void throw_error_of(const Json& message, bool ours) {
                 ours && code != error->end() && code->is_number_integer() ? code->get<int>() : 0);
 }
 
+Json message_of(std::string_view line) {
+  Json message = Json::parse(line, nullptr, false);
+  if (!message.is_object()) foreign("does not speak JSON-RPC: " + std::string(line.substr(0, 60)));
+  return message;
+}
+
 void Connection::connect(const std::string& path) {
   if (connected()) return;
   sockaddr_un address{};
@@ -138,7 +144,7 @@ bool Connection::receive(Clock::time_point until) {
   return true;
 }
 
-bool Connection::message(Json& out, Clock::time_point until) {
+bool Connection::line(std::string_view& out, Clock::time_point until) {
   for (;;) {
     const std::size_t end = input_.find('\n', searched_);
     if (end == std::string::npos) {
@@ -146,12 +152,17 @@ bool Connection::message(Json& out, Clock::time_point until) {
       if (!receive(until)) return false;
       continue;
     }
-    const std::string_view line = std::string_view(input_).substr(begin_, end - begin_);
+    out = std::string_view(input_).substr(begin_, end - begin_);
     begin_ = searched_ = end + 1;
-    out = Json::parse(line, nullptr, false);
-    if (!out.is_object()) foreign("does not speak JSON-RPC: " + std::string(line.substr(0, 60)));
     return true;
   }
+}
+
+bool Connection::message(Json& out, Clock::time_point until) {
+  std::string_view text;
+  if (!line(text, until)) return false;
+  out = message_of(text);
+  return true;
 }
 
 Json Connection::answer(std::uint64_t id, Clock::time_point until, const std::function<void(Json&&)>& other) {

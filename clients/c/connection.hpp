@@ -37,6 +37,9 @@ class Failure : public std::runtime_error {
 // sends errors without a request before it closes the connection.
 void throw_error_of(const Json& message, bool ours);
 
+// A line as a JSON object.
+Json message_of(std::string_view line);
+
 class Connection {
  public:
   bool connected() const noexcept { return static_cast<bool>(socket_); }
@@ -49,7 +52,10 @@ class Connection {
   // Sends a request; `params`: JSON text; `descriptor` -1: none. Returns its id.
   std::uint64_t request(std::string_view method, std::string_view params, int descriptor,
                         Clock::time_point until);
-  // The next message, a JSON object that has arrived by `until`. False: none.
+  // The next message that has arrived by `until`, unread; valid until the next call of a function. False:
+  // none.
+  bool line(std::string_view& out, Clock::time_point until);
+  // The same, read: a JSON object.
   bool message(Json& out, Clock::time_point until);
   // The result of a request. Messages before it go to `other`, or are thrown away.
   Json answer(std::uint64_t id, Clock::time_point until, const std::function<void(Json&&)>& other = {});

@@ -20,6 +20,7 @@ constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr std::array<const char*, 9> kStates{"ok",       "no_contact", "learning", "out_of_model", "no_shear",
                                              "unzeroed", "stale",      "fault",    "disconnected"};
 constexpr std::array<const char*, 3> kAlerts{"none", "warn", "slip"};
+constexpr std::array<const char*, 3> kCauses{"none", "margin", "sliding"};
 constexpr std::array<const char*, 4> kSlidings{"none", "disturbed", "translation", "rotation"};
 
 std::int64_t clock_ns(clockid_t clock) noexcept {
@@ -49,6 +50,12 @@ void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now
   estimate.sliding_for_s = kUnknown;
 }
 
+// The cause that goes with this alert: none without one, and never none with one.
+int cause_of(int alert, int cause) noexcept {
+  if (alert == SLIPD_ALERT_NONE) return SLIPD_CAUSE_NONE;
+  return cause == SLIPD_CAUSE_MARGIN || cause == SLIPD_CAUSE_SLIDING ? cause : int{SLIPD_CAUSE_UNKNOWN};
+}
+
 double known(const std::optional<double>& value, double factor = 1) noexcept {
   return value ? factor * *value : kUnknown;
 }
@@ -69,6 +76,7 @@ void clear(slipd_estimate& estimate, const char* name, int state) noexcept {
   estimate = slipd_estimate{};
   set_name(estimate, name);
   estimate.state = state;
+  estimate.alert_cause = SLIPD_CAUSE_UNKNOWN;
   estimate.sliding = SLIPD_SLIDING_UNKNOWN;
   estimate.event = SLIPD_EVENT_ESTIMATE;
   estimate.age_s = kInfinite;
@@ -87,6 +95,7 @@ void fill(slipd_estimate& estimate, const char* name, const board_layout::Record
   // A number that this library does not have is of a newer slipd, and no margin.
   estimate.state = record.state <= SLIPD_STATE_FAULT ? record.state : int{SLIPD_STATE_FAULT};
   estimate.alert = std::min<int>(record.alert, SLIPD_ALERT_SLIP);
+  estimate.alert_cause = cause_of(estimate.alert, record.alert_cause);
   estimate.sliding = record.sliding;
   estimate.simulated = record.simulated;
   estimate.sequence = record.sequence;
@@ -118,6 +127,7 @@ void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t r
   // A name that this library does not have is of a newer slipd: no margin, and no alert that is missed.
   estimate.state = index_of(values.state, kStates, SLIPD_STATE_FAULT);
   estimate.alert = index_of(values.alert, kAlerts, SLIPD_ALERT_SLIP);
+  estimate.alert_cause = cause_of(estimate.alert, index_of(values.alert_cause, kCauses, SLIPD_CAUSE_UNKNOWN));
   estimate.sliding = index_of(values.sliding, kSlidings, SLIPD_SLIDING_UNKNOWN);
   estimate.simulated = values.simulated ? 1 : 0;
   estimate.sequence = values.sequence;

@@ -58,6 +58,8 @@ enum {
 };
 
 enum { SLIPD_ALERT_NONE = 0, SLIPD_ALERT_WARN = 1, SLIPD_ALERT_SLIP = 2 };
+/* Why there is an alert: the margin is small, or the object slides whatever the margin. NONE: there is no alert. */
+enum { SLIPD_CAUSE_NONE = 0, SLIPD_CAUSE_MARGIN = 1, SLIPD_CAUSE_SLIDING = 2, SLIPD_CAUSE_UNKNOWN = 255 };
 enum { SLIPD_SLIDING_NONE = 0, SLIPD_SLIDING_DISTURBED = 1, SLIPD_SLIDING_TRANSLATION = 2,
        SLIPD_SLIDING_ROTATION = 3, SLIPD_SLIDING_UNKNOWN = 255 };
 /* Bits of `events` of slipd_subscribe(). */
@@ -71,7 +73,7 @@ struct slipd_estimate {
   int32_t sliding;              /* SLIPD_SLIDING_… */
   int32_t event;                /* SLIPD_EVENT_…, of slipd_next */
   int32_t simulated;            /* 1: of a simulated sensor */
-  int32_t reserved_int;
+  int32_t alert_cause;          /* SLIPD_CAUSE_…; an older libslipd leaves NONE, also with an alert: unknown */
   uint64_t sequence;            /* of the frame */
   uint64_t dropped;             /* estimates of this name that did not reach the caller just before this one */
   int64_t time_ns;              /* of the sample, CLOCK_MONOTONIC; 0: there was no frame */

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <string_view>
 #include <utility>
 
 #include "clients/c/client.hpp"
 #include "clients/c/estimate.hpp"
+#include "clients/c/estimate_reader.hpp"
 #include "clients/c/json_values.hpp"
 
 using namespace slipd::client;
@@ -39,20 +41,30 @@ void lose_subscription(slipd_client& s) noexcept {
   s.pause_s = std::min(2 * s.pause_s, kLastPause);
 }
 
+void fill_event(slipd_client& s, std::string_view line, const EstimateValues& values, std::string_view method,
+                double max_age_s, slipd_estimate& estimate) {
+  fill(estimate, values, monotonic_ns(), max_age_s);
+  for (const auto& [bit, name] : kEvents) {
+    if (method == name) estimate.event = bit;
+  }
+  s.last_event = line;
+}
+
 // True: the message is a notification, which fills `estimate`.
-bool take_event(slipd_client& s, Json& message, double max_age_s, slipd_estimate& estimate) {
+bool take_event(slipd_client& s, std::string_view line, double max_age_s, slipd_estimate& estimate) {
+  NotificationReader reader;
+  if (Json::sax_parse(line, &reader) && reader.complete()) {
+    fill_event(s, line, reader.values(), reader.method(), max_age_s, estimate);
+    return true;
+  }
+  const Json message = message_of(line);
   throw_error_of(message, member(message, "id") == s.subscribed_by);
   const auto params = message.find("params");
   if (params == message.end()) {
     s.pause_s = kFirstPause;  // the answer: it is subscribed
     return false;
   }
-  fill(estimate, estimate_from(*params), monotonic_ns(), max_age_s);
-  const std::string event = text(message, "method", "estimate");
-  for (const auto& [bit, name] : kEvents) {
-    if (event == name) estimate.event = bit;
-  }
-  s.last_event = std::move(*params);
+  fill_event(s, line, estimate_from(*params), text(message, "method", "estimate"), max_age_s, estimate);
   return true;
 }
 
@@ -62,9 +74,9 @@ int next_event(slipd_client& s, double max_age_s, Clock::time_point until, slipd
   try {
     for (;;) {
       if (s.events.connected()) {
-        Json message;
-        if (!s.events.message(message, until)) return SLIPD_TIMEOUT;
-        if (take_event(s, message, max_age_s, estimate)) return SLIPD_DONE;
+        std::string_view line;
+        if (!s.events.line(line, until)) return SLIPD_TIMEOUT;
+        if (take_event(s, line, max_age_s, estimate)) return SLIPD_DONE;
         continue;
       }
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
@@ -116,14 +128,15 @@ int slipd_fd(const slipd_client* s) {
 int slipd_next(slipd_client* s, double max_age_s, double timeout_s, struct slipd_estimate* estimate) {
   if (estimate == nullptr) return SLIPD_INVALID;
   clear(*estimate, "", SLIPD_STATE_STALE);
-  if (s != nullptr) s->last_event = nullptr;
+  if (s != nullptr) s->last_event.clear();
   return guarded(s, [&] { return next_event(*s, max_age_s, after(timeout_s), *estimate); });
 }
 
 const char* slipd_event_text(const slipd_client* s) {
-  if (s == nullptr || s->last_event.is_null()) return "";
+  if (s == nullptr || s->last_event.empty()) return "";
   try {
-    s->last_event_text = s->last_event.dump(-1, ' ', false, Json::error_handler_t::replace);
+    s->last_event_text =
+        message_of(s->last_event).at("params").dump(-1, ' ', false, Json::error_handler_t::replace);
     return s->last_event_text.c_str();
   } catch (const std::exception&) {
     return "";

@@ -36,6 +36,11 @@ constexpr std::size_t kFewInside = 12;
 // Standard deviations below a mean that 95 % of a Gaussian lie above.
 constexpr double kOneSided95 = 1.645;
 
+// Margin under torque from which on taxels that nearly slip round off the plateau of those that slip, 0.3 …
+// 0.7: moments answer where both agree within so many standard deviations, 1 … 4. Too small: moments are
+// computed for nothing. Too large: margins are too low.
+constexpr double kRoundedGamma = 0.45, kAlikeSigmas = 2.5;
+
 // Shear from which on a frame has a shape, in standard deviations; 2 … 6. Too small: methods read noise. Too
 // large: light pulls get no margin from their shape.
 constexpr double kClearSigmas = 3;
@@ -265,8 +270,12 @@ struct EstimatorChain::Impl {
     if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
       estimate.in_model = false;
       estimate.load_fallen = true;
-    } else if (!estimate.in_model && load.straight) {
-      return turning_moments.estimate(loaded, load);
+    } else if (load.straight && (!estimate.in_model || estimate.gamma > kRoundedGamma)) {
+      const FrameEstimate by_moments = turning_moments.estimate(loaded, load);
+      if (!estimate.in_model || (by_moments.in_model && by_moments.sigma < estimate.sigma &&
+                                 std::fabs(by_moments.gamma - estimate.gamma) <
+                                     kAlikeSigmas * std::hypot(by_moments.sigma, estimate.sigma)))
+        return by_moments;
     }
     return estimate;
   }

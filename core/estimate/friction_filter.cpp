@@ -157,7 +157,7 @@ bool FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   part_errors(patch);
   return take_evidence(
       residuals, as_monotonic,
-      as_monotonic ? share_of_margin(frame_estimate) : share_of_moments(patch, frame_estimate));
+      as_monotonic ? share_of_margin(load, frame_estimate) : share_of_moments(patch, frame_estimate));
 }
 
 // A frame whose torque has bent the field shows friction itself, by taxels that slip, whatever the history.
@@ -189,22 +189,26 @@ void FrictionFilter::part_errors(const ContactPatch& patch) noexcept {
   grasp_.evidence_shear_n = patch.shear_n;
 }
 
-// Of a frame's margin: friction's relative error is Gamma's over 1 - Gamma.
-double FrictionFilter::share_of_margin(const FrameEstimate& frame_estimate) noexcept {
+// Of a frame's margin: friction's relative error is Gamma's over 1 - Gamma. The likeliest friction's Gamma:
+// by the frame's own, noise that lowers Gamma would weigh more than noise that raises it.
+double FrictionFilter::share_of_margin(double load, const FrameEstimate& frame_estimate) noexcept {
   if (frame_estimate.profile.known || !(frame_estimate.common_sigma > 0)) return 1;
-  const double mobilised = std::max(options_.min_mobilised, 1 - frame_estimate.gamma);
+  const double mobilised = std::clamp(load / grid_.friction(grid_.likeliest()), options_.min_mobilised, 1.0);
   const double all = square(frame_estimate.sigma / mobilised),
-               common = square(frame_estimate.common_sigma / mobilised);
-  return grasp_.of_margins.add(common, std::max(all - common, options_.min_noise_share * all));
+               own = square(frame_estimate.common_sigma / mobilised),
+               usual = grasp_.of_margins.usual(frame_estimate.common_sigma, options_.common_gain) / mobilised;
+  return grasp_.of_margins.add(square(usual), std::max(all - own, options_.min_noise_share * all));
 }
 
 // Of a frame's slip moment, over Q.
 double FrictionFilter::share_of_moments(const ContactPatch& patch,
                                         const FrameEstimate& frame_estimate) noexcept {
   const double all = square(frame_estimate.moments_sigma.slip_moment_n / patch.shear_n),
-               grid = square(frame_estimate.moments_common_sigma.slip_moment_n / patch.shear_n),
+               grid = frame_estimate.moments_common_sigma.slip_moment_n / patch.shear_n,
+               usual = grasp_.of_moments.usual(grid, options_.common_gain),
                model = square(options_.model_sigma_share * options_.uneven_share);
-  return grasp_.of_moments.add(grid + model, std::max(all - grid, options_.min_noise_share * (all + model)));
+  return grasp_.of_moments.add(square(usual) + model,
+                               std::max(all - square(grid), options_.min_noise_share * (all + model)));
 }
 
 // Errors of the model and of the taxels' size are the same in two frames, so that the step from one to the

@@ -97,8 +97,16 @@ class FrictionFilter {
   // Frames of one contact share a part of their error (docs/theory.md §11.2): what n of them say of friction
   // has the variance common^2 + noise^2/n, relative to friction.
   struct CommonError {
-    double known =
-        0;  // what the frames so far said, as the inverse of that variance; faded as the contact changes
+    // What the frames so far said, as the inverse of that variance; faded as the contact changes.
+    double known = 0;
+    double mean = 0;  // of the common sigma over the frames so far; 0: none yet
+    // That mean before this frame, of which `sigma` is the common sigma. A frame's own would be larger or
+    // smaller with its noise, and so would its weight.
+    double usual(double sigma, double gain) noexcept {
+      const double before = mean > 0 ? mean : sigma;
+      mean = before + gain * (sigma - before);
+      return before;
+    }
     // Adds a frame of variances `common` and `noise` > 0. Returns how much of its evidence is new, 0 … 1.
     double add(double common, double noise) noexcept {
       const double open = 1 / std::max(known, kLeast) - common;
@@ -154,7 +162,7 @@ class FrictionFilter {
   // The frames before say nothing of what the next ones have in common.
   void forget_common() noexcept {
     grasp_.discount = {};
-    grasp_.of_margins = grasp_.of_moments = {};
+    grasp_.of_margins.known = grasp_.of_moments.known = 0;
   }
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
@@ -172,7 +180,7 @@ class FrictionFilter {
   // False if no friction explains the frame.
   bool take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept;
   void part_errors(const ContactPatch& patch) noexcept;
-  double share_of_margin(const FrameEstimate& frame_estimate) noexcept;
+  double share_of_margin(double load, const FrameEstimate& frame_estimate) noexcept;
   double share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   void detect_fall(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;

@@ -46,6 +46,10 @@ struct FrictionFilterOptions {
   // be another one to 1/e; 0.05 … 5. Too small: sigma is less than the error after a hold. Too large: learns
   // slowly.
   double parting_share = 0.5;
+  // Gain of the mean, frame by frame, of the sigma that frames have in common; 0.02 … 0.5. Too small: after a
+  // change of load few frames count for too much or too little. Too large: frames whose noise shows less
+  // friction weigh more than others.
+  double common_gain = 0.2;
   // The least share of a frame's variance that is noise, and the least 1 - Gamma that friction is read from;
   // 1e-6 … 0.1 each. They keep quotients finite, without noise and without load.
   double min_noise_share = 1e-4;

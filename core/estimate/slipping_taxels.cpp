@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/simd/instruction_sets.hpp"
+
 namespace slipd {
 namespace {
 
@@ -13,80 +15,83 @@ double slipping_share(double gamma) noexcept {
   return rest > 0 ? rest * std::sqrt(rest) : 0;
 }
 
+// Values that the lists of ratios may have: each run ends with a block that is not full.
+std::size_t room_for(const TaxelLayout& layout) {
+  const std::size_t runs = layout.regular() ? layout.regular()->rows : layout.size();
+  return layout.size() + runs * kMaxLanes;
+}
+
 }  // namespace
 
 SlippingTaxels::SlippingTaxels(const TaxelLayout& layout, const SlippingTaxelsOptions& options)
-    : options_(options), pressure_pa_(layout.size()), ratio_(layout.size()) {}
+    : options_(options),
+      kernels_(best_kernels<TurningKernels>()),
+      rows_(layout.regular().has_value()),
+      pressure_pa_(room_for(layout)),
+      ratio_(room_for(layout)) {}
 
 // |q| of noise alone is not 0: its square is larger by that of both components.
 void SlippingTaxels::collect(const ContactPatch& patch) noexcept {
   noise_normal_pa_ = patch.noise_normal_pa;
   noise_shear_pa_ = patch.noise_shear_pa;
-  count_ = 0;
-  normal_pa_ = 0;
-  bins_.fill(0);
   const double least_pa = std::max(options_.least_sigmas * noise_normal_pa_,
                                    options_.least_share * static_cast<double>(patch.peak_pa));
-  const double rectified = 2 * noise_shear_pa_ * noise_shear_pa_;
-  const auto every =
-      static_cast<std::uint32_t>((patch.count + options_.most_taxels - 1) / options_.most_taxels);
-  patch.for_each_inside([&](std::uint32_t i) {
-    if (i % every != 0) return;
-    const auto p = static_cast<double>(patch.taxels.normal_pa[i]);
-    if (!(p > least_pa)) return;
-    const auto x = static_cast<double>(patch.taxels.shear_x_pa[i]);
-    const auto y = static_cast<double>(patch.taxels.shear_y_pa[i]);
-    const double ratio = std::sqrt(std::max(0.0, x * x + y * y - rectified)) / p;
-    pressure_pa_[count_] = p;
-    ratio_[count_] = ratio;
-    ++count_;
-    normal_pa_ += p;
-    bins_[std::min(kBins - 1, static_cast<std::size_t>(ratio * (kBins / kMostRatio)))] += p;
-  });
+  const RatioTest test{.least_pa = static_cast<float>(least_pa),
+                       .rectified_pa2 = static_cast<float>(2 * noise_shear_pa_ * noise_shear_pa_)};
+  const std::size_t every = rows_ ? (patch.count + options_.most_taxels - 1) / options_.most_taxels : 1;
+  const RatioSums sums = kernels_.ratios(patch.taxels, patch.runs, std::max<std::size_t>(1, every), test,
+                                         pressure_pa_.data(), ratio_.data());
+  stored_ = sums.stored;
+  count_ = sums.taxels;
+  normal_pa_ = sums.normal_pa;
 }
 
-// The ratio below which start_share of the load is.
+// The ratio below which start_share of the load is, within half a step.
 double SlippingTaxels::start() const noexcept {
-  double below_pa = 0;
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
-    below_pa += bins_[bin];
-    if (below_pa > options_.start_share * normal_pa_)
-      return (static_cast<double>(bin) + 0.5) * kMostRatio / kBins;
+  const double wanted_pa = options_.start_share * normal_pa_;
+  double low = 0, high = kMostRatio;
+  while (high - low > kStartStep) {
+    const double middle = (low + high) / 2;
+    const double below_pa =
+        kernels_.below(pressure_pa_.data(), ratio_.data(), stored_, static_cast<float>(middle));
+    (below_pa > wanted_pa ? high : low) = middle;
   }
-  return kMostRatio;
+  return (low + high) / 2;
 }
 
-// The weighted mean of the taxels within plateau_sigmas of it.
-SlippingTaxels::Plateau SlippingTaxels::about(double ratio) const noexcept {
-  // A ratio's variance is (sigma_q^2 + ratio^2 sigma_p^2)/p^2, and that of gains.
-  const double noise =
+// A ratio's variance is (sigma_q^2 + ratio^2 sigma_p^2)/p^2, and that of gains.
+PlateauTest SlippingTaxels::test_about(double ratio) const noexcept {
+  const double noise_pa2 =
       noise_shear_pa_ * noise_shear_pa_ + ratio * ratio * noise_normal_pa_ * noise_normal_pa_;
-  const double gain = options_.gain_share * options_.gain_share * ratio * ratio;
-  const double within = options_.plateau_sigmas * options_.plateau_sigmas;
-  Plateau sums;
-  double weighted = 0, by_p = 0, by_pp = 0, by_pr = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const double p = pressure_pa_[i], variance = noise / (p * p) + gain, off = ratio_[i] - ratio;
-    if (!(off * off < within * variance)) continue;
-    const double weight = 1 / variance;
-    weighted += weight * ratio_[i];
-    by_p += weight * p;
-    by_pp += weight * p * p;
-    by_pr += weight * p * off;
-    sums.weight += weight;
-    sums.width += std::sqrt(weight);
-    sums.normal_pa += p;
-    ++sums.taxels;
+  return {.ratio = static_cast<float>(ratio),
+          .noise_pa2 = static_cast<float>(noise_pa2),
+          .gain = static_cast<float>(options_.gain_share * options_.gain_share * ratio * ratio),
+          .within = static_cast<float>(options_.plateau_sigmas * options_.plateau_sigmas)};
+}
+
+// The mean of the taxels within plateau_sigmas of a ratio, moved there until it stands.
+SlippingTaxels::Plateau SlippingTaxels::find_plateau() const noexcept {
+  double ratio = start(), last = ratio;
+  for (int step = 0; step < options_.most_steps; ++step) {
+    last = ratio;
+    const PlateauSums sums = kernels_.near(pressure_pa_.data(), ratio_.data(), stored_, test_about(last));
+    if (sums.taxels < options_.least_taxels) return {};
+    ratio = last + sums.off / sums.weight;
+    if (!(ratio > 0)) return {};
+    if (std::fabs(ratio - last) < options_.settled_share * last) break;
   }
-  if (sums.taxels == 0) return sums;
-  sums.ratio = weighted / sums.weight;
-  sums.width /= sums.weight;
-  const double spread = by_pp - by_p * by_p / sums.weight;
+  const PlateauSums sums = kernels_.plateau(pressure_pa_.data(), ratio_.data(), stored_, test_about(last));
+  Plateau plateau{.ratio = ratio,
+                  .weight = sums.weight,
+                  .width = sums.width / sums.weight,
+                  .normal_pa = sums.normal_pa,
+                  .taxels = sums.taxels};
+  const double spread = sums.pp - sums.p * sums.p / sums.weight;
   if (spread > 0) {
-    sums.slope = (by_pr - by_p * (sums.ratio - ratio)) / spread;
-    sums.slope_sigma = 1 / std::sqrt(spread);
+    plateau.slope = (sums.p_off - sums.p * (plateau.ratio - last)) / spread;
+    plateau.slope_sigma = 1 / std::sqrt(spread);
   }
-  return sums;
+  return plateau;
 }
 
 FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
@@ -99,20 +104,15 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   out.radius_m = loaded.radius_m;
   collect(loaded);
   if (count_ < options_.least_taxels || !(loaded.normal_n > 0)) return out;
-  Plateau plateau{.ratio = start()};
-  bool settled = false;
-  for (int step = 0; step < options_.most_steps && !settled; ++step) {
-    const double last = plateau.ratio;
-    plateau = about(last);
-    if (plateau.taxels < options_.least_taxels || !(plateau.ratio > 0)) return out;
-    settled = std::fabs(plateau.ratio - last) < options_.settled_share * last;
-  }
+  const Plateau plateau = find_plateau();
+  if (plateau.taxels < options_.least_taxels) return out;
   const double mobilised = loaded.shear_n / loaded.normal_n / plateau.ratio;
   out.gamma = std::clamp(1 - mobilised, 0.0, 1.0);
   out.friction = plateau.ratio;
   const double by_noise = options_.noise_factor / (std::sqrt(plateau.weight) * plateau.ratio);
-  const double rounded =
-      options_.rounded_factor * plateau.width / plateau.ratio * (options_.rounded_base + out.gamma);
+  const double square = out.gamma * out.gamma;
+  const double rounded = options_.rounded_factor * plateau.width / plateau.ratio *
+                         (options_.rounded_base + out.gamma + options_.rounded_steep * square * square);
   const double sigma = std::hypot(by_noise, rounded);
   const double slipping = plateau.normal_pa / normal_pa_;
   all_slipped_ = slipping > options_.all_slip_share;

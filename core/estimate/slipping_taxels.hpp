@@ -4,10 +4,11 @@
 // and the history of its load. No disc, no Hertz. Estimate thread; allocates in its constructor only.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "core/estimate/method.hpp"
+#include "core/estimate/turning_kernels.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 
@@ -20,8 +21,8 @@ struct SlippingTaxelsOptions {
   // … 0.2. Too small: ratios are noise. Too large: the rim, which slips first, is left out.
   double least_sigmas = 6;
   double least_share = 0.05;
-  // Of contacts with more taxels than this every n-th counts; 500 … 10000. Too small: more noise. Too large:
-  // costs time.
+  // Of grids' contacts with more taxels than this every n-th row counts; 500 … 10000. Too small: more noise.
+  // Too large: costs time.
   std::size_t most_taxels = 1500;
   // Share of the load that is below the ratio from which the plateau is looked for; 0.9 … 0.995. Too small: a
   // stuck part is taken for the plateau. Too large: noise is.
@@ -50,11 +51,12 @@ struct SlippingTaxelsOptions {
   // sensors get no answer. Too large: as above.
   double max_width = 0.1;
   // Standard deviation of friction over that by noise, and, over the mean width of a ratio's noise times
-  // (rounded_base + Gamma), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1. Too small: sigma is less
-  // than the error. Too large: it is more.
+  // (rounded_base + Gamma + rounded_steep Gamma^4), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1,
+  // 0 … 4. Too small: sigma is less than the error. Too large: it is more.
   double noise_factor = 1.3;
   double rounded_factor = 1.2;
   double rounded_base = 0.15;
+  double rounded_steep = 1.6;
   // Above this margin nothing is answered: the part that slips is narrower than a few taxels; Gamma, 0.5 …
   // 0.9. Too small: frames that show friction are refused. Too large: a peak of ratios passes for a plateau.
   double max_gamma = 0.72;
@@ -87,18 +89,19 @@ class SlippingTaxels {
   };
   void collect(const ContactPatch& patch) noexcept;
   double start() const noexcept;
-  Plateau about(double ratio) const noexcept;
+  PlateauTest test_about(double ratio) const noexcept;
+  Plateau find_plateau() const noexcept;  // without taxels if there is none
 
-  // Ratios that the start is looked for in: up to kMostRatio, beyond what friction may be.
-  static constexpr std::size_t kBins = 512;
-  static constexpr double kMostRatio = 4;
+  // Ratios that the start is looked for in: up to kMostRatio, beyond what friction may be; in steps.
+  static constexpr double kMostRatio = 4, kStartStep = kMostRatio / 512;
 
   SlippingTaxelsOptions options_;
   double noise_normal_pa_ = 0, noise_shear_pa_ = 0, normal_pa_ = 0;
-  std::size_t count_ = 0;
+  const TurningKernels& kernels_;
+  bool rows_;                           // each run of taxels is of one row
+  std::size_t stored_ = 0, count_ = 0;  // values in the lists, taxels that count
   bool all_slipped_ = false;
-  std::vector<double> pressure_pa_, ratio_;
-  std::array<double, kBins> bins_{};  // pressure of the taxels with each ratio
+  std::vector<float> pressure_pa_, ratio_;
 };
 
 }  // namespace slipd

@@ -78,6 +78,16 @@ MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
   return {std::max(0.0, margin.mean - down), std::hypot(margin.sigma, down)};
 }
 
+// Below the load's maximum all sticks: friction may have fallen to what taxels still carry, and nothing shows
+// it.
+void Tracker::widen_by_unseen_fall(double load, const FrameEstimate& frame_estimate,
+                                   MeanSigma& margin) const noexcept {
+  if (given_value_) return;
+  const double held = std::max(load, frame_estimate.friction);
+  const double open = margin.mean - (held > 0 ? 1 - load / held : 0);
+  margin.sigma = std::hypot(margin.sigma, options_.unseen_fall_share * std::max(0.0, open));
+}
+
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
                                         Method method, const SlidingVerdict& course, Estimate& out) noexcept {
   friction_filter_.update(out.time_ns, patch, frame_estimate, course);
@@ -113,6 +123,8 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
     // fallen: the lower part of the posterior is given.
     margin = lowered(margin);
     if (shaped && doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+    if (frame_estimate != nullptr && frame_estimate->load_fallen)
+      widen_by_unseen_fall(load, *frame_estimate, margin);
     return margin;
   }
   const bool settled = friction.sigma < options_.settled_sigma * friction.mean;

@@ -46,6 +46,11 @@ struct TrackerOptions {
   // at all. Too small: a margin of a friction that has fallen is given as sure. Too large: no effect beyond
   // sigma_max.
   double doubted_sigma = 0.2;
+  // Standard deviation of a margin by memory under a torque whose load has fallen, of the range between it
+  // and what friction would leave that is just as high as the ratios that taxels carry; 0 … 0.3. Too small:
+  // friction that falls between two peaks of the load leaves margins that are given as sure. Too large:
+  // cycles lose their margin at each trough.
+  double unseen_fall_share = 0.15;
   // Floor of every margin's sigma; Gamma, 1e-6 … 0.01: what the contact model itself leaves on a perfect
   // sensor (the mean error of `fit` on 100 x 100 taxels with 1 % of relative noise is 0.0002). Too small: a
   // margin of a frame without noise is given as exact. Too large: sharp frames are wasted.
@@ -89,6 +94,9 @@ class Tracker {
 
   // Frames of late contradict what is known of friction; a value that was given is not doubted.
   bool doubted() const noexcept { return !given_value_ && friction_filter_.doubted(); }
+  // Adds to sigma what friction may have fallen by unseen. `load`: |Q|/P; a margin of a given value stays.
+  void widen_by_unseen_fall(double load, const FrameEstimate& frame_estimate,
+                            MeanSigma& margin) const noexcept;
   // What forces alone leave of the margin, on the safe side of its middle.
   MeanSigma lowered(MeanSigma margin) const noexcept;
   void give_friction(Estimate& out) const noexcept;

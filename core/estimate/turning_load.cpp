@@ -11,14 +11,22 @@ TurningLoad::TurningLoad(const TaxelLayout& layout, const TurningLoadOptions& op
       cells_(layout),
       unit_hertz_(contact::unit_hertz_surface()),
       side_m_(layout.side_m()),
-      one_taxel_(layout.size() == 1) {}
+      one_taxel_(layout.size() == 1),
+      few_taxels_(!one_taxel_ && layout.size() <= options.few_taxels) {}
 
 bool TurningLoad::clear(const ContactPatch& patch) const noexcept {
   if (!(patch.radius_m > 0)) return false;
   const double torque_nm = std::fabs(patch.torque_nm), coarse = one_taxel_ ? 0 : side_m_ / patch.radius_m;
   const double least_share = options_.least_share + options_.coarse_share * coarse * coarse;
-  return torque_nm > options_.clear_sigmas * patch.torque_sigma_nm &&
+  const double sigmas = outweighs(patch) ? options_.outweighing_sigmas : options_.clear_sigmas;
+  return torque_nm > sigmas * patch.torque_sigma_nm &&
          torque_nm > least_share * patch.shear_n * patch.radius_m;
+}
+
+// On few taxels: noise that is an unlikely torque would be most of the load, if it were one.
+bool TurningLoad::outweighs(const ContactPatch& patch) const noexcept {
+  return few_taxels_ &&
+         std::fabs(patch.torque_nm) > options_.outweighing_share * patch.shear_n * patch.radius_m;
 }
 
 // Loads are compared in newtons, both torques over one and the same lever: a grip that is tightened lowers
@@ -74,25 +82,38 @@ void TurningLoad::follow_way(const ContactPatch& patch, double load_n, double no
   way_.straight = way_.across < options_.straight_share * std::sqrt(length);
 }
 
+contact::LeastFriction TurningLoad::least_friction(const ContactPatch& patch) noexcept {
+  if (one_taxel_) {
+    const double lever_m = patch.radius_m;
+    contact::LeastFriction least =
+        unit_hertz_.least_friction(patch.shear_x_n / patch.normal_n, patch.shear_y_n / patch.normal_n,
+                                   patch.torque_nm / (patch.normal_n * lever_m));
+    least.per_shear_n /= patch.normal_n;
+    least.per_torque_nm /= patch.normal_n * lever_m;
+    return least;
+  }
+  const contact::LimitSurface& surface = cells_.pool(patch);
+  const double coarse = side_m_ / patch.radius_m;
+  const double felt = cells_.are_taxels() ? 1 + options_.within_taxels * coarse * coarse : 1;
+  return surface.least_friction(patch.shear_x_n, patch.shear_y_n, felt * patch.torque_nm);
+}
+
 TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
   TurningLoadResult out{.pull_n = patch.shear_n, .pull_sigma_n = patch.shear_sigma_n};
-  if (!clear(patch) || !(patch.normal_n > 0)) {
+  const bool is_clear = clear(patch);
+  if ((!is_clear && !outweighs(patch)) || !(patch.normal_n > 0) || !(patch.radius_m > 0)) {
     bent_ = false;
     follow(patch, out);
     return out;
   }
-  contact::LeastFriction least;
-  if (one_taxel_) {
-    const double lever_m = patch.radius_m;
-    least = unit_hertz_.least_friction(patch.shear_x_n / patch.normal_n, patch.shear_y_n / patch.normal_n,
-                                       patch.torque_nm / (patch.normal_n * lever_m));
-    least.per_shear_n /= patch.normal_n;
-    least.per_torque_nm /= patch.normal_n * lever_m;
-  } else {
-    const contact::LimitSurface& surface = cells_.pool(patch);
-    const double coarse = side_m_ / patch.radius_m;
-    const double felt = cells_.are_taxels() ? 1 + options_.within_taxels * coarse * coarse : 1;
-    least = surface.least_friction(patch.shear_x_n, patch.shear_y_n, felt * patch.torque_nm);
+  const contact::LeastFriction least = least_friction(patch);
+  if (!is_clear) {
+    // Noise may be all of the torque, and the torque may be all that the object carries.
+    bent_ = false;
+    out.pull_sigma_n =
+        std::hypot(out.pull_sigma_n, std::max(0.0, least.ratio * patch.normal_n - patch.shear_n));
+    follow(patch, out);
+    return out;
   }
   const double share = (bent_ ? options_.kept_share : 1) * options_.bending_share;
   bent_ = std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m &&

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -21,6 +22,12 @@ struct TurningLoadOptions {
   // A torque above this many standard deviations is one; 2 … 5. Too small: noise lowers margins. Too large:
   // small torques are left out of margins.
   double clear_sigmas = 3;
+  // The same on at most few_taxels taxels, more than one, where noise is a large part of a torque, for one of
+  // more than outweighing_share of Q a; 1 … 3, 2 … 64, 0.2 … 2. Below it sigma has what the torque would add
+  // to the pull. Too small and too large: as above.
+  double outweighing_sigmas = 1.5;
+  std::size_t few_taxels = 40;
+  double outweighing_share = 0.4;
   // And above this share of Q a; 0.001 … 0.05. Below, it changes the margin by less than 2.5 of its squares
   // (§6.6), and square taxels may be all of it. Too small: pure pulls get torques. Too large: as above.
   double least_share = 0.02;
@@ -111,6 +118,8 @@ class TurningLoad {
 
  private:
   bool clear(const ContactPatch& patch) const noexcept;
+  bool outweighs(const ContactPatch& patch) const noexcept;
+  contact::LeastFriction least_friction(const ContactPatch& patch) noexcept;
   void follow(const ContactPatch& patch, TurningLoadResult& out) noexcept;
   void follow_way(const ContactPatch& patch, double load_n, double noise_n) noexcept;
 
@@ -118,7 +127,7 @@ class TurningLoad {
   PressureCells cells_;
   contact::LimitSurface unit_hertz_;
   double side_m_;
-  bool one_taxel_;
+  bool one_taxel_, few_taxels_;
   bool bent_ = false;  // the last frame's field was
   // The most load of this grasp, less what noise may be of it. The contact's radius, and with it the lever
   // that makes a force of the torque, changes with the grip: so both parts are kept.

@@ -5,19 +5,17 @@
 #include <limits>
 
 #include "core/estimate/moments.hpp"
+#include "core/estimate/turning_kernels.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd {
 namespace {
 
-// Sums over taxels, weighted by w and by 1: of w, w s and w s^2, s = r^2/a^2.
+// Sums over taxels of w, w s and w s^2, s = r^2/a^2.
 struct Levers {
   double all = 0, first = 0, second = 0;
-  void add(double weight, double s) noexcept {
-    all += weight;
-    first += weight * s;
-    second += weight * s * s;
-  }
+
+  explicit Levers(const double (&sums)[3]) noexcept : all(sums[0]), first(sums[1]), second(sums[2]) {}
   double mean() const noexcept { return first / all; }
   // <s> and <s^2> without what squares of area `area`, in units of a^2, spread them by (5.4).
   double mean(double area) const noexcept { return mean() - area / 6; }
@@ -32,32 +30,17 @@ struct Levers {
 
 }  // namespace
 
-// Error on frames of the boundary-element solver, straight loads with spin shares of 0.4 to 1 on round,
-// tilted and elliptic contacts with axes of 1.3 : 1: at most 0.035, too low by 0.003 on average.
-double gamma_of_turning_ratio(double ratio, double spin_share) noexcept {
-  constexpr double kBySpin = 0.05;  // half of what a contact that sticks all over has: 5/3 to 8/5
-  return gamma_of_moment_ratio(1 + (ratio - 1) * (1 + kBySpin * spin_share));
-}
-
 TurningMoments::TurningMoments(const TaxelLayout& layout, const TurningMomentsOptions& options)
     : options_(options), side_m_(layout.side_m()), area_m2_(layout.area_m2()) {}
 
 // Moments of q.v over those of p|v|, v the motion in which the object would slide.
 TurningMoments::Ratio TurningMoments::ratio_of(const ContactPatch& patch, double along,
                                                double spin) const noexcept {
-  Levers work, limit, speeds;
   const double scale = 1 / patch.radius_m;
-  patch.for_each_inside([&](std::uint32_t i) {
-    const double x = scale * (static_cast<double>(patch.taxels.x_m[i]) - patch.center_x_m);
-    const double y = scale * (static_cast<double>(patch.taxels.y_m[i]) - patch.center_y_m);
-    const double v_x = along * patch.direction_x - spin * y, v_y = along * patch.direction_y + spin * x;
-    const double square = v_x * v_x + v_y * v_y, s = x * x + y * y;
-    work.add(static_cast<double>(patch.taxels.shear_x_pa[i]) * v_x +
-                 static_cast<double>(patch.taxels.shear_y_pa[i]) * v_y,
-             s);
-    limit.add(static_cast<double>(patch.taxels.normal_pa[i]) * std::sqrt(square), s);
-    speeds.add(square, s);
-  });
+  const TurningSums sums = best_kernels<TurningKernels>().turning(
+      patch.taxels, patch.runs, patch.pose(),
+      {.along = static_cast<float>(along), .spin = static_cast<float>(spin)});
+  const Levers work(sums.work), limit(sums.limit), speeds(sums.speeds);
   if (!(work.all > 0 && limit.all > 0)) return {};
   const double area = area_m2_ * scale * scale, of_limit = limit.mean(area);
   if (!(of_limit > 0)) return {};
@@ -69,13 +52,22 @@ TurningMoments::Ratio TurningMoments::ratio_of(const ContactPatch& patch, double
           .fourth = work.mean_square(area) / limit.mean_square(area)};
 }
 
-// By (3.1) the fourth moments have the ratio (1 - k^7)/(1 - k^3); under a torque a little less, up to 0.036
-// on frames of the boundary-element solver.
+// What a pull with the same margin would have. A contact that sticks all over has 5/3 under a pull and 8/5
+// under a torque, one that slides has 1 under both; the excess over 1 of the fourth moments is 4/3 and 1.19.
+TurningMoments::Ratio TurningMoments::as_of_pull(const Ratio& ratio, double spin_share) noexcept {
+  constexpr double kSticks = 8.0 / 5 - 1, kMoreUnderPull = (5.0 / 3 - 1) / kSticks - 1;
+  const double more = 1 + kMoreUnderPull * spin_share * spin_share * (ratio.value - 1) / kSticks;
+  return {.value = 1 + (ratio.value - 1) * more,
+          .noise = ratio.noise * more,
+          .fourth = 1 + (ratio.fourth - 1) * more};
+}
+
+// By (3.1) the fourth moments have the ratio (1 - k^7)/(1 - k^3).
 bool TurningMoments::half_space(const Ratio& ratio, double gamma, double coarse) const noexcept {
-  constexpr double kLess = 0.015, kNoLoad = 1e-6;
+  constexpr double kNoLoad = 1e-6;
   const double k = std::cbrt(gamma), rest = 1 - gamma;
   const double expected = rest > kNoLoad ? (1 - gamma * gamma * k) / rest : 7.0 / 3;
-  return std::fabs(ratio.fourth - expected + kLess) <
+  return std::fabs(ratio.fourth - expected) <
          options_.fourth_slack + options_.fourth_rim * coarse * coarse + options_.fourth_sigmas * ratio.noise;
 }
 
@@ -89,24 +81,26 @@ FrameEstimate TurningMoments::estimate(const ContactPatch& loaded,
   out.radius_m = loaded.radius_m;
   const double along = load.along_per_n, spin = load.spin_per_nm * loaded.radius_m;
   const double coarse = side_m_ / loaded.radius_m;
-  if (loaded.cut || !(coarse > options_.least_coarse) || !(std::fabs(spin) + along > 0)) return out;
+  if (loaded.cut || !(std::fabs(spin) + along > 0)) return out;
   const HertzDeviation deviation =
       hertz_deviation(best_kernels<DiscKernels>().moments(loaded.taxels, loaded.runs, loaded.pose()), loaded,
                       side_m_, options_.deviation);
-  const Ratio ratio = ratio_of(loaded, along, spin);
-  const double spin_share = std::fabs(spin) / (std::fabs(spin) + along);
+  const Ratio ratio = as_of_pull(ratio_of(loaded, along, spin), std::fabs(spin) / (std::fabs(spin) + along));
   const double common = options_.ratio_floor + options_.rim_error * coarse * coarse;
   const double open = options_.range_sigmas * std::hypot(ratio.noise, common);
   if (!(ratio.value > 1 - open) || !(ratio.noise < options_.max_noise) ||
       !deviation.hertzian(options_.deviation))
     return out;
-  out.gamma = gamma_of_turning_ratio(ratio.value, spin_share);
+  out.gamma = gamma_of_moment_ratio(ratio.value);
   if (!half_space(ratio, out.gamma, coarse)) return out;
+  if (coarse < options_.least_coarse && out.gamma < options_.resolved_gamma) return out;
   const double slope = gamma_per_moment_ratio(out.gamma), of_shape = deviation.sigma(options_.deviation);
   out.sigma = std::hypot(slope * std::hypot(ratio.noise, common), of_shape);
   out.common_sigma = std::hypot(slope * common, of_shape);
+  // A margin lies below 1: no nearer to it than what noise may be of it.
+  out.gamma = std::min(out.gamma, 1 - out.sigma);
   const double mobilised = 1 - out.gamma, relative = out.sigma / mobilised;
-  if (!(relative < options_.max_sigma)) return out;
+  if (!(out.sigma < std::max(options_.max_sigma * mobilised, options_.max_gamma_sigma))) return out;
   out.friction = loaded.shear_n / loaded.normal_n / mobilised;
   if (relative < options_.known_sigma)
     out.friction_sigma = out.friction * std::hypot(relative, loaded.shear_sigma_n / loaded.shear_n);

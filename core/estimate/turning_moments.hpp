@@ -11,10 +11,6 @@
 
 namespace slipd {
 
-// Gamma, 0 … 1, of a load that rose in a straight line. `ratio`: the moment ratio of (10.5). `spin_share`:
-// the object's spin times a over the sum of that and its speed, 0 (a pull) … 1 (a torque alone).
-double gamma_of_turning_ratio(double ratio, double spin_share) noexcept;
-
 // Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with `sliplab
 // torque --sides 16,32`.
 struct TurningMomentsOptions {
@@ -31,19 +27,23 @@ struct TurningMomentsOptions {
   double fourth_slack = 0.05;
   double fourth_rim = 0.1;
   double fourth_sigmas = 3;
-  // Contacts with a smaller side/a are left to SlippingTaxels, which assumes no half space; 0 … 0.4. Too
-  // small: skins like a Winkler foundation get margins that are too low. Too large: coarse arrays get no
-  // answer.
+  // Contacts with a smaller side/a are answered above this margin only; 0 … 0.4; Gamma, 0.5 … 0.8. There
+  // SlippingTaxels, which assumes no half space, finds what slips. A skin like a Winkler foundation has
+  // ratios as a half space near slip, so that a ratio of a large margin is none of it. Too small: such skins
+  // get margins that are too low. Too large: fine arrays, coarse ones, get no answer.
   double least_coarse = 0.15;
+  double resolved_gamma = 0.55;
   // The greatest noise of the ratio: with more, neither the history nor the half space is checked;
   // 0.005 … 0.1. Too small: light loads get no answer. Too large: other histories and skins pass.
-  double max_noise = 0.02;
+  double max_noise = 0.035;
   // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
   // frames near slip unanswered. Too large: other histories pass.
   double range_sigmas = 3;
   // A margin is given below this standard deviation of friction, relative; 0.02 … 0.3. Too small: only heavy
   // loads get an answer. Too large: margins are imprecise.
   double max_sigma = 0.15;
+  // Or below this one of Gamma, far from slip; 0.02 … 0.1. Too small and too large: as above.
+  double max_gamma_sigma = 0.07;
   // And friction below this one; 0.02 … 0.2. Too small: friction is learnt late. Too large: it is off by more
   // than a tenth.
   double known_sigma = 0.08;
@@ -62,6 +62,9 @@ class TurningMoments {
   struct Ratio {
     double value = 0, noise = 0, fourth = 0;
   };
+  // spin_share: the object's spin times a over the sum of that and its speed, 0 (a pull) … 1 (a torque
+  // alone).
+  static Ratio as_of_pull(const Ratio& ratio, double spin_share) noexcept;
   bool half_space(const Ratio& ratio, double gamma, double coarse) const noexcept;
   Ratio ratio_of(const ContactPatch& patch, double along, double spin) const noexcept;
 

@@ -1,7 +1,7 @@
-// closed-loop [--lever MM] [TASKS [SEED [TRACE.csv]]]: whether a gripper that receives slipd's CAN messages
-// holds what a gripper without them drops, and at what force. Each task is carried twice from the same seed,
-// in frame time. --lever: objects are held so far off their centre of mass. Prints a table; writes the first
-// task over time as CSV.
+// closed-loop [--lever MM] [--method NAME] [TASKS [SEED [TRACE.csv]]]: whether a gripper that receives
+// slipd's CAN messages holds what a gripper without them drops, and at what force. Each task is carried twice
+// from the same seed, in frame time. --lever: objects are held so far off their centre of mass. --method:
+// moments or fit alone. Prints a table; writes the first task over time as CSV.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -83,10 +83,17 @@ void trace(const char* file, const CarryRun& run) {
 int main(int argc, char** argv) try {
   std::vector<std::string> given(argv + 1, argv + argc);
   CarryRun run;
-  if (given.size() > 1 && given[0] == "--lever") {
-    run.lever_m = 1e-3 * std::strtod(given[1].c_str(), nullptr);
+  std::string only;
+  while (given.size() > 1 && (given[0] == "--lever" || given[0] == "--method")) {
+    if (given[0] == "--lever") {
+      run.lever_m = 1e-3 * std::strtod(given[1].c_str(), nullptr);
+    } else {
+      only = given[1];
+    }
     given.erase(given.begin(), given.begin() + 2);
   }
+  if (!only.empty() && only != "moments" && only != "fit")
+    throw std::runtime_error("--method is moments or fit, not " + only);
   const auto number = [&](std::size_t i, unsigned long otherwise) {
     return given.size() > i ? std::strtoul(given[i].c_str(), nullptr, 10) : otherwise;
   };
@@ -96,8 +103,8 @@ int main(int argc, char** argv) try {
   std::printf(
       "                      deaf: slips,     listening: slips,   median force over the least possible:\n"
       "method    errands     time sliding     time sliding        listening    constant\n");
-  tell("moments", MethodChoice::moments, run);
-  tell("fit", MethodChoice::fit, run);
+  if (only != "fit") tell("moments", MethodChoice::moments, run);
+  if (only != "moments") tell("fit", MethodChoice::fit, run);
 } catch (const std::exception& error) {
   std::cerr << "closed-loop: " << error.what() << '\n';
   return 1;

@@ -10,7 +10,7 @@ HEADER = os.path.join(SOURCE, "clients", "c", "slipd.h")
 
 # struct slipd_estimate of soname 0, on 64 bit machines: field, offset, bytes. Programs were compiled with it: a field may replace a
 # reserved one, and none may move.
-LAYOUT = """name 0 64, state 64 4, alert 68 4, sliding 72 4, event 76 4, simulated 80 4, reserved_int 84 4, sequence 88 8, dropped 96 8,
+LAYOUT = """name 0 64, state 64 4, alert 68 4, sliding 72 4, event 76 4, simulated 80 4, alert_cause 84 4, sequence 88 8, dropped 96 8,
 time_ns 104 8, age_s 112 8, gamma 120 8, sigma 128 8, gamma_low 136 8, friction 144 8, friction_sigma 152 8, normal_n 160 8, shear_n 168 8,
 torque_nm 176 8, torque_sigma_nm 184 8, center_x_m 192 8, center_y_m 200 8, radius_m 208 8, time_to_slip_s 216 8, grip_increase_n 224 8,
 grip_increase_sigma_n 232 8, sliding_for_s 240 8, valid_until_ns 248 8, shear_x_n 256 8, shear_y_n 264 8, reserved 272 48"""
@@ -20,7 +20,8 @@ NUMBERS = {"SLIPD_DONE": 0, "SLIPD_TIMEOUT": 1, "SLIPD_DISCONNECTED": -1, "SLIPD
            "SLIPD_ATTACH_ANEW": -5, "SLIPD_STATE_OK": 0, "SLIPD_STATE_NO_CONTACT": 1, "SLIPD_STATE_LEARNING": 2,
            "SLIPD_STATE_OUT_OF_MODEL": 3, "SLIPD_STATE_NO_SHEAR": 4, "SLIPD_STATE_UNZEROED": 5, "SLIPD_STATE_STALE": 6,
            "SLIPD_STATE_FAULT": 7, "SLIPD_STATE_DISCONNECTED": 8, "SLIPD_ALERT_NONE": 0, "SLIPD_ALERT_WARN": 1, "SLIPD_ALERT_SLIP": 2,
-           "SLIPD_SLIDING_UNKNOWN": 255, "SLIPD_EVENT_ESTIMATE": 1, "SLIPD_EVENT_ALERT": 2, "SLIPD_EVENT_STATE": 4}
+           "SLIPD_CAUSE_NONE": 0,
+           "SLIPD_CAUSE_MARGIN": 1, "SLIPD_CAUSE_SLIDING": 2, "SLIPD_CAUSE_UNKNOWN": 255, "SLIPD_SLIDING_UNKNOWN": 255, "SLIPD_EVENT_ESTIMATE": 1, "SLIPD_EVENT_ALERT": 2, "SLIPD_EVENT_STATE": 4}
 
 
 def run(*command, **options):

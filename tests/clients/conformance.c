@@ -28,6 +28,20 @@ static const char *code_name(int code) {
   }
 }
 
+/* As on the socket; an alert's cause is never "none". */
+static const char *cause_name(int cause) {
+  switch (cause) {
+    case SLIPD_CAUSE_NONE:
+      return "null";
+    case SLIPD_CAUSE_MARGIN:
+      return "\"margin\"";
+    case SLIPD_CAUSE_SLIDING:
+      return "\"sliding\"";
+    default:
+      return "\"unknown\"";
+  }
+}
+
 static void print_number(const char *key, double value) {
   if (isfinite(value)) {
     printf(",\"%s\":%.17g", key, value);
@@ -39,6 +53,7 @@ static void print_number(const char *key, double value) {
 static void print(int code, const struct slipd_estimate *now) {
   printf("{\"code\":\"%s\",\"name\":\"%s\",\"state\":\"%s\",\"alert\":\"%s\"", code_name(code), now->name,
          slipd_state_name(now->state), slipd_alert_name(now->alert));
+  printf(",\"alert_cause\":%s", cause_name(now->alert_cause));
   printf(",\"seq\":%llu,\"dropped\":%llu,\"simulated\":%s", (unsigned long long)now->sequence,
          (unsigned long long)now->dropped, now->simulated ? "true" : "false");
   print_number("gamma", slipd_margin(now));

@@ -9,7 +9,7 @@ SUBSCRIBE_TIMEOUT_S = 300.0  # on a busy machine
 
 def answer(code, estimate=None):
     known = {} if estimate is None else {
-        "name": estimate.name, "state": estimate.state, "alert": estimate.alert, "seq": estimate.seq or 0, "dropped": estimate.dropped,
+        "name": estimate.name, "state": estimate.state, "alert": estimate.alert, "alert_cause": estimate.alert_cause, "seq": estimate.seq or 0, "dropped": estimate.dropped,
         "simulated": estimate.simulated, "gamma": estimate.gamma, "gamma_low": estimate.gamma_low, "normal_n": estimate.normal_n,
         "shear_n": estimate.shear_n, "age_s": estimate.age_s if math.isfinite(estimate.age_s) else None}
     print(json.dumps({"code": code, "state": "disconnected", "gamma": None, **known}), flush=True)

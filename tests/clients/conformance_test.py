@@ -240,7 +240,7 @@ class Scenarios:
             for values, reader in zip(seen, readers):
                 answer = reader.do("latest", "left", OLD_S)
                 if answer["code"] == "done" and answer["seq"] > 0:
-                    values[answer["seq"]] = {key: answer[key] for key in ("state", "alert", "gamma", "gamma_low", "normal_n", "shear_n")}
+                    values[answer["seq"]] = {key: answer[key] for key in ("state", "alert", "alert_cause", "gamma", "gamma_low", "normal_n", "shear_n")}
         for seq in common:
             self.assertEqual(seen[0][seq], seen[1][seq], seq)
 
@@ -260,7 +260,7 @@ class Scenarios:
         daemon = self.slipd(rate_hz=50)
         client = self.client(daemon)
         request = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "subscribe", "params": {"sensors": ["left"]}})
-        pick = 'select(.method == "estimate") | .params | {seq, state, alert, gamma, gamma_low, normal_n, shear_n, simulated}'
+        pick = 'select(.method == "estimate") | .params | {seq, state, alert, alert_cause, gamma, gamma_low, normal_n, shear_n, simulated}'
         pipeline = subprocess.Popen(f"socat - UNIX-CONNECT:{daemon.socket} | jq -c --unbuffered '{pick}'", shell=True, text=True,
                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         pipeline.stdin.write(request + "\n")

@@ -76,6 +76,7 @@ TEST_F(Libslipd, SharedMemoryHasWhatTheSocketHas) {
     ASSERT_EQ(slipd_gamma(client_, "left", kAnyAge, kPatienceS, &socket), SLIPD_DONE);
     if (socket.sequence != now_.sequence) continue;
     EXPECT_EQ(socket.state, now_.state);
+    EXPECT_EQ(socket.alert_cause, now_.alert_cause);
     EXPECT_EQ(socket.gamma, now_.gamma);
     EXPECT_EQ(socket.gamma_low, now_.gamma_low);
     EXPECT_EQ(socket.normal_n, now_.normal_n);

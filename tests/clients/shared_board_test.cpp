@@ -63,6 +63,7 @@ TEST_F(SharedBoardTest, HasEachByteWhereThePageSays) {
   estimate.gamma = 0.25;
   estimate.sliding = Sliding::translation;
   estimate.alert = Alert::slip;
+  estimate.alert_cause = AlertCause::sliding;
   estimate.health = Health::spike;
   board_.publish_sensor(1, estimate, true);
   Estimate together = estimate_number(9);
@@ -98,6 +99,7 @@ TEST_F(SharedBoardTest, HasEachByteWhereThePageSays) {
   EXPECT_EQ(at<double>(record, 72), 7);
   EXPECT_EQ(at<std::uint8_t>(record, 192), 0);
   EXPECT_EQ(at<std::uint8_t>(record, 193), 2);
+  EXPECT_EQ(at<std::uint8_t>(record, 194), 2);
   EXPECT_EQ(at<std::uint8_t>(record, 196), 3);
   EXPECT_EQ(at<std::uint8_t>(record, 197), 2);
   EXPECT_EQ(at<std::uint8_t>(record, 198), 1);

@@ -22,6 +22,7 @@ struct FaultsOptions {
   std::vector<std::size_t> sides{4, 16, 100};
   std::vector<std::string> methods{"moments", "fit", "auto"};
   std::vector<std::string> faults;
+  std::vector<std::string> presets;
   std::string noise_kind = "sensor";
 };
 
@@ -82,10 +83,25 @@ void measure_layout(std::size_t side, std::string name, const FaultsOptions& opt
   }
 }
 
+void measure_preset(const std::string& name, const FaultsOptions& options, std::vector<FaultLine>& lines) {
+  const PresetBench bench = bench_of(sim::preset_of(name).value());
+  const ChainSetup chain = chain_of(bench, std::nullopt);
+  ProgressBar bar(name);
+  for (FaultLine& line : measure_faults(bench, chain, chosen(options), options.setup,
+                                        [&](double share) { bar.show(share, "grasps"); })) {
+    line.preset = bench.preset;
+    line.columns = bench.layout.regular()->columns;
+    line.method = to_string(EstimatorChain(chain, nullptr).method());
+    lines.push_back(std::move(line));
+  }
+}
+
 void run_faults(const Common& common, FaultsOptions options) {
   options.setup.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   options.setup.seed = common.seed;
   std::vector<FaultLine> lines;
+  for (const auto& preset : options.presets) measure_preset(preset, options, lines);
+  if (!options.presets.empty()) options.sides.clear();
   for (const std::size_t side : options.sides) {
     for (const auto& method : options.methods) measure_layout(side, method, options, lines);
   }
@@ -116,6 +132,10 @@ void add_faults(CLI::App& app, const Common& common) {
   command->add_option("--faults", options->faults, "all if none is named")
       ->delimiter(',')
       ->check(CLI::IsMember(faults_by_name()));
+  command
+      ->add_option("--presets", options->presets, "grasps of simulated real sensors in place of ideal ones")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"pillars", "magnetic-skin"}));
   command->add_option("--noise", options->setup.sensing.noise, "half-width, a fraction")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

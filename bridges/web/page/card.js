@@ -1,7 +1,7 @@
 // A sensor or a grasp in short: dial, number, state in words, alert and its cause, sliding, advice.
 import { Dial } from "./dial.js";
 import { fixed, isNumber, make, setData, setText } from "./dom.js";
-import { adviceWords, alertLevel, alertWords, slidingWords, stateWords } from "./words.js";
+import { adviceWords, alertLevel, alertWords, lowerBoundWords, slidingWords, stateWords } from "./words.js";
 
 export class Card {
   #dial = new Dial();
@@ -36,7 +36,8 @@ export class Card {
     const known = isNumber(estimate.gamma);
     setText(this.#value, known ? estimate.gamma.toFixed(2) : "–");
     setText(this.#sigma, known && isNumber(estimate.sigma) ? ` ± ${estimate.sigma.toFixed(2)}` : "");
-    setText(this.#low, isNumber(estimate.gamma_low) ? `at least ${estimate.gamma_low.toFixed(2)} (95 %)` : "no lower bound");
+    setText(this.#low, lowerBoundWords(estimate));
+    setData(this.#low, "beside", known ? "margin" : "");
     setText(this.#truth, isNumber(estimate.truth?.gamma) ? `true ${estimate.truth.gamma.toFixed(2)}` : "");
     setText(this.#state, stateWords(estimate.state));
     setData(this.#state, "state", estimate.state);

@@ -1,4 +1,5 @@
-// The margin as a dial: an arc from 0 (slips) to 1 (no tangential load), its standard deviation as a band, gamma_low as a mark.
+// The margin as a dial: an arc from 0 (slips) to 1 (no tangential load), its standard deviation as a band, gamma_low as a
+// mark. Without a margin it has the truth of a simulated sensor at most.
 import { isNumber, makeSvg, setData } from "./dom.js";
 
 const kRadius = 42, kCentre = 50;
@@ -33,7 +34,7 @@ export class Dial {
     this.#set("value", known ? arc(0, Math.max(at, 0.002)) : "");
     this.#set("needle", known ? `M ${point(at, 28)} L ${point(at, 49)}` : "");
     this.#set("band", known && isNumber(sigma) ? arc(limited(at - sigma), Math.max(limited(at + sigma), limited(at - sigma) + 0.002)) : "");
-    this.#set("low", isNumber(gamma_low) ? this.#mark(limited(gamma_low), 36, 30) : "");
+    this.#set("low", known && isNumber(gamma_low) ? this.#mark(limited(gamma_low), 36, 30) : "");
     this.#set("truth", isNumber(truth?.gamma) ? this.#mark(limited(truth.gamma), 36, 30) : "");
     setData(this.element, "level", !known ? "none" : at < 0.2 ? "bad" : at < 0.4 ? "mid" : "good");
     const words = known ? `margin ${at.toFixed(2)}` : "no margin";

@@ -11,7 +11,7 @@ export class History {
     const t = now_ms / 1000, known = (value, factor = 1) => (isNumber(value) ? factor * value : null);
     this.points.push({
       t, gap: this.#gap, alert: estimate.alert,
-      gamma: known(estimate.gamma), sigma: known(estimate.sigma), low: known(estimate.gamma_low), truth: known(estimate.truth?.gamma),
+      gamma: known(estimate.gamma), sigma: known(estimate.sigma), low: isNumber(estimate.gamma) ? known(estimate.gamma_low) : null, truth: known(estimate.truth?.gamma),
       normal: known(estimate.normal_n), shear: known(estimate.shear_n), torque: known(estimate.torque_nmm),
       friction: known(estimate.friction, 10), frictionSigma: known(estimate.friction_sigma, 10),
     });

@@ -250,7 +250,7 @@ class HistoryView {
   parts() {
     const list = (entries) => keys(make, entries);
     return [
-      this.margins, list([["good-fill", "margin ± σ"], ["faint", "at least (95 %)"], ["sim", "truth (simulated)"], ["mid-fill", "warn"], ["bad-fill", "slip"]]),
+      this.margins, list([["good-fill", "margin ± σ"], ["faint", "lower bound (95 %)"], ["sim", "truth (simulated)"], ["mid-fill", "warn"], ["bad-fill", "slip"]]),
       this.forces, list([["good-fill", "normal force, N"], ["mid-fill", "shear force, N"]]),
       this.others, list([["good-fill", "torque, N mm"], ["sim", "friction ± σ, × 10"]]),
     ];

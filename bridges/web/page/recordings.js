@@ -32,7 +32,7 @@ export class RecordingsPage {
     const none = answer.trouble ?? "There are no recordings. The flight recorder writes one at each slip (recorder in slipd.json); slipctl record writes others.";
     this.element.replaceChildren(make("section", { class: "card" }, make("h2", {}, "Recordings"),
       rows.length === 0 ? make("p", { class: "empty" }, none)
-        : make("div", { class: "scroll" }, make("table", {},
+        : make("div", { class: "scroll" }, make("table", { class: "files" },
           make("thead", {}, make("tr", {}, ...["File", "Download", "Written"].map((text) => make("th", { scope: "col" }, text)))),
           make("tbody", {}, ...rows)))));
   }

@@ -62,6 +62,15 @@ export function alertLevel(estimate) {
   return estimate.alert === "none" || estimate.alert === "warn" ? estimate.alert : "slip";
 }
 
+// gamma_low. Where it is all that is known it must not read like a margin: with little tangential load it is near 1, whatever the
+// contact is.
+export function lowerBoundWords({ state, gamma_low: low }) {
+  if (typeof low !== "number") return "no lower bound";
+  const bound = `lower bound ${low.toFixed(2)} (95\u00a0%)`;
+  if (state === "ok") return bound;
+  return `no margin; ${bound} ${state === "learning" ? "for the lowest friction set" : "of the forces alone"}`;
+}
+
 // What a gripper may do now.
 export function adviceWords(estimate) {
   const force = estimate.grip_increase_n;

@@ -74,20 +74,24 @@ class Peer(unittest.TestCase):
         await_true(lambda: number() < 0x80000000, "frames")
         first = number()
         await_true(lambda: first < number() < 0x80000000, "a later frame")
-        # A margin is there in state ok and only there, in one answer.
-        oks = 0
+        # A margin is there in state ok and only there, and a cause with an alert and only then, in one answer.
+        alert, cause = (ADDRESS[name] - BLOCK for name in ("alert", "alert_cause"))
+        oks, causes = 0, set()
         until = time.monotonic() + PATIENCE_S
-        while oks < 20 and time.monotonic() < until:
+        while (oks < 20 or not causes & {1, 2}) and time.monotonic() < until:
             block = read(left, SIZE)
             self.assertEqual(block[0] == 0, block[2] != UNKNOWN, block)
+            self.assertIn(block[cause], {0: {0}, UNKNOWN: {UNKNOWN}}.get(block[alert], {1, 2}), block)
             oks += block[0] == 0
+            causes.add(block[cause])
+        self.assertTrue(causes & {1, 2}, causes)
         self.assertTrue(client.write_register(0, 1, 1).isError())
         self.slipd.kill()
         self.slipd.wait()
         await_true(lambda: read(ADDRESS["alive"], 1) == [2], "the end")
         stopped = read(ADDRESS["heartbeat"], 1)
         block = read(left, SIZE)
-        self.assertEqual((block[0], block[2], block[10]), (8, UNKNOWN, UNKNOWN))
+        self.assertEqual((block[0], block[2], block[alert], block[cause]), (8, UNKNOWN, UNKNOWN, UNKNOWN))
         time.sleep(0.3)  # three beats of a slipd that works
         self.assertEqual(read(ADDRESS["heartbeat"], 1), stopped)
         self.start("slipd", self.slipd_file)

@@ -67,6 +67,22 @@ TEST(RegisterMap, AWideValueHasItsHighWordFirst) {
   EXPECT_EQ((std::uint32_t{block[14]} << 16U) + block[15], 12U);
 }
 
+TEST(RegisterMap, AnAlertHasItsCauseOrAnUnknownOne) {
+  slipd_estimate e = sure();
+  EXPECT_EQ(block_of(e)[19], 0);
+  e.alert = SLIPD_ALERT_WARN;
+  EXPECT_EQ(block_of(e)[19], kUnknown) << "an older libslipd gives no cause";
+  e.alert_cause = SLIPD_CAUSE_MARGIN;
+  EXPECT_EQ(block_of(e)[19], 1);
+  e.alert_cause = SLIPD_CAUSE_SLIDING;
+  EXPECT_EQ(block_of(e)[19], 2);
+  e.alert_cause = SLIPD_CAUSE_UNKNOWN;
+  EXPECT_EQ(block_of(e)[19], kUnknown);
+  e.state = SLIPD_STATE_STALE;
+  e.alert_cause = SLIPD_CAUSE_SLIDING;
+  EXPECT_EQ(block_of(e)[19], kUnknown);
+}
+
 TEST(RegisterMap, AMarginThatHasExpiredIsUnknown) {
   slipd_estimate e = sure();
   e.valid_until_ns = 1;

@@ -1,10 +1,10 @@
 """slipctl fleet with mosquitto as broker: what it shows of grippers that come, alert, go and come back. And grasps on MQTT."""
-import json, os, queue, subprocess, threading, time, unittest
+import json, os, queue, socket, subprocess, threading, time, unittest
 
 from awaiting import PATIENCE_S, await_true
 from peer_test import Mosquitto, Subscriber
 from ports import free_port
-from support import BUILD, BridgeTest
+from support import BUILD, BridgeTest, Certificates
 
 SLIPCTL = os.path.join(BUILD, "bin", "slipctl")
 
@@ -202,6 +202,69 @@ class Fleet(WithGrippers):
             refused = self.show("--once", *arguments)
             self.assertEqual(refused.returncode, 1)
             self.assertIn("not authorised", refused.stderr.lower())
+
+
+class Tls(BridgeTest):
+    """A broker that takes TLS and a password only."""
+
+    def setUp(self):
+        super().setUp()
+        self.path = lambda name: os.path.join(self.folder, name)
+        subprocess.run(["mosquitto_passwd", "-b", "-c", self.path("users"), "operator", "secret"], check=True, capture_output=True)
+        with open(self.path("password"), "w") as file:
+            file.write("secret\n")
+        self.authority = Certificates(self.folder, "ca")
+        certificate, key = self.authority.issue("IP:127.0.0.1")
+        self.broker = Mosquitto(self.folder, [f"password_file {self.path('users')}", "allow_anonymous false"], listener=f"certfile {certificate}\nkeyfile {key}")
+        self.addCleanup(self.broker.kill)
+
+    def show(self, *arguments, host="127.0.0.1", port=None):
+        return subprocess.run([SLIPCTL, "fleet", "--once", "--json", "--user", "operator", "--password-file", self.path("password"),
+                               "--broker", f"{host}:{port or self.broker.port}", *arguments],
+                              capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+
+    def seen_by_broker(self):
+        with open(self.path(f"mosquitto-{self.broker.port}.log")) as log:
+            return log.read()
+
+    def test_a_broker_whose_certificate_is_good(self):
+        settings = {"host": "127.0.0.1", "port": self.broker.port, "user": "operator", "password_file": self.path("password"),
+                    "tls": {"ca_file": self.authority.ca_file}}
+        self.bridge_of(self.fake_slipd("g1"), [settings], host="g1")
+        def table():
+            ran = self.show("--ca-file", self.authority.ca_file)
+            self.assertEqual(ran.returncode, 0, ran.stderr)
+            return ran.stdout and json.loads(ran.stdout)
+        line = await_true(table, "the gripper")
+        self.assertEqual((line["gripper"], line["status"]), ("g1", "online"))
+        self.assertIn("u'operator'", self.seen_by_broker())
+
+    def test_a_certificate_of_another_authority_or_host_is_refused_before_the_password_is_sent(self):
+        other = Certificates(self.folder, "other")
+        for arguments, host, why in ((["--tls"], "127.0.0.1", "TLS: certificate verify failed; the certificate of the broker must be"),
+                                     (["--ca-file", other.ca_file], "127.0.0.1", "TLS: certificate verify failed; the certificate of the broker must be"),
+                                     (["--ca-file", self.authority.ca_file], "localhost", "TLS: host name verification failed"),
+                                     ([], "127.0.0.1", "lost")):
+            with self.subTest(arguments=arguments, host=host):
+                refused = self.show(*arguments, host=host)
+                self.assertEqual((refused.returncode, refused.stdout), (1, ""))
+                self.assertIn(why, refused.stderr)
+        self.assertNotIn("operator", self.seen_by_broker())
+
+    def test_without_tls_no_password_leaves_this_computer(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.connect(("192.0.2.1", 9))  # sends nothing
+            except OSError:
+                self.skipTest("this computer has no network")
+            address = probe.getsockname()[0]
+        with socket.create_server((address, 0)) as listener:
+            listener.setblocking(False)
+            refused = self.show(host=address, port=listener.getsockname()[1])
+            self.assertEqual((refused.returncode, refused.stdout), (2, ""))
+            self.assertIn("in the clear", refused.stderr)
+            with self.assertRaises(BlockingIOError):
+                listener.accept()
 
 
 class Grasps(WithGrippers):

@@ -1,5 +1,5 @@
 """slipd-mqtt with mosquitto as broker and Eclipse Paho as subscriber: neither has code of slipd. Skips if one is not installed."""
-import json, os, shutil, subprocess, sys, unittest
+import json, os, shutil, sqlite3, subprocess, sys, unittest
 
 try:
     import paho.mqtt.client as paho
@@ -12,7 +12,7 @@ if paho is None or MOSQUITTO is None:
 
 from awaiting import PATIENCE_S, await_true
 from ports import await_listening, free_port
-from support import Bridge, BridgeTest
+from support import Bridge, BridgeTest, Certificates
 
 
 class Mosquitto:
@@ -22,7 +22,7 @@ class Mosquitto:
         store = os.path.join(folder, f"store-{self.port}")
         os.mkdir(store)
         with open(self.file, "w") as file:
-            file.write("\n".join([f"persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} 127.0.0.1",
+            file.write("\n".join(["persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} 127.0.0.1",
                                   listener, *(lines or ["allow_anonymous true"])]) + "\n")
         self.start()
 
@@ -194,10 +194,9 @@ class Peer(BridgeTest):
         self.assertEqual({alert["dropped"] for alert in reader.alerts}, {0})
 
     def on_disk(self, bridge):
-        import sqlite3
         database = sqlite3.connect(bridge.settings.replace(".json", ".db"))
         try:
-            return database.execute("SELECT seq FROM sqlite_sequence").fetchone()[0]
+            return (database.execute("SELECT seq FROM sqlite_sequence").fetchone() or (0,))[0]
         finally:
             database.close()
 
@@ -226,26 +225,20 @@ class Peer(BridgeTest):
         await_true(lambda: reader.numbers(), "the alert at the other; " + bridge.log())
 
     def test_tls_and_a_password(self):
-        def openssl(*arguments):
-            subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=self.folder)
-        openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", "ca.key", "-out", "ca.crt", "-days", "2", "-subj", "/CN=test")
-        openssl("req", "-newkey", "rsa:2048", "-nodes", "-keyout", "server.key", "-out", "server.csr", "-subj", "/CN=localhost")
-        with open(os.path.join(self.folder, "names"), "w") as names:
-            names.write("subjectAltName=IP:127.0.0.1\n")
-        openssl("x509", "-req", "-in", "server.csr", "-CA", "ca.crt", "-CAkey", "ca.key", "-CAcreateserial", "-out", "server.crt", "-days", "2",
-                "-extfile", "names")
+        authority = Certificates(self.folder, "ca")
+        certificate, key = authority.issue("IP:127.0.0.1")
         path = lambda name: os.path.join(self.folder, name)
         subprocess.run([shutil.which("mosquitto_passwd", path="/usr/bin:/usr/sbin"), "-b", "-c", path("users"), "gripper", "secret"], check=True)
         for name, text in ("password", "secret\n"), ("wrong", "guess\n"):
             with open(path(name), "w") as file:
                 file.write(text)
         broker = self.broker([f"password_file {path('users')}", "allow_anonymous false"],
-                             listener=f"cafile {path('ca.crt')}\ncertfile {path('server.crt')}\nkeyfile {path('server.key')}")
+                             listener=f"cafile {authority.ca_file}\ncertfile {certificate}\nkeyfile {key}")
         def secure(client):
-            client.tls_set(path("ca.crt"))
+            client.tls_set(authority.ca_file)
             client.username_pw_set("gripper", "secret")
         reader = self.subscriber(broker.port, set_up=secure)
-        settings = {"host": "127.0.0.1", "port": broker.port, "user": "gripper", "password_file": path("password"), "tls": {"ca_file": path("ca.crt")}}
+        settings = {"host": "127.0.0.1", "port": broker.port, "user": "gripper", "password_file": path("password"), "tls": {"ca_file": authority.ca_file}}
         self.bridge(settings, host="right")
         self.slipd.alert("left")
         await_true(reader.numbers, "the alert over TLS")
@@ -255,6 +248,7 @@ class Peer(BridgeTest):
         stranger = Bridge(self.folder, self.slipd.path, [settings | {"tls": {}}], host="stranger")
         self.addCleanup(stranger.kill)
         await_true(lambda: "<4>127.0.0.1" in stranger.log(), "the refused certificate; " + stranger.log())
+        self.assertIn("certificate verify failed", stranger.log())
         self.assertNotIn("accepted", stranger.log())
 
 

@@ -7,6 +7,28 @@ from fake_slipd import FakeSlipd, Server
 BUILD = os.environ["SLIPD_BINARY_DIR"]
 
 
+class Certificates:
+    """An authority in `folder`, and certificates that it issues; paths of PEM files."""
+
+    def __init__(self, folder, name):
+        self.folder, self.name, self.ca_file = folder, name, os.path.join(folder, name + ".crt")
+        self._openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", name + ".key", "-out", name + ".crt", "-days", "2", "-subj", "/CN=" + name)
+
+    def issue(self, names):
+        """(certificate, key) of a server with these names, such as "IP:127.0.0.1"."""
+        server = f"{self.name}-{names.replace(':', '-')}"
+        path = os.path.join(self.folder, server)
+        self._openssl("req", "-newkey", "rsa:2048", "-nodes", "-keyout", server + ".key", "-out", server + ".csr", "-subj", "/CN=broker")
+        with open(path + ".names", "w") as file:
+            file.write(f"subjectAltName={names}\n")
+        self._openssl("x509", "-req", "-in", server + ".csr", "-CA", self.name + ".crt", "-CAkey", self.name + ".key", "-CAcreateserial",
+                      "-out", server + ".crt", "-days", "2", "-extfile", server + ".names")
+        return path + ".crt", path + ".key"
+
+    def _openssl(self, *arguments):
+        subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=self.folder)
+
+
 class Bridge:
     """slipd-mqtt with these brokers."""
 

@@ -135,13 +135,41 @@ class Page(unittest.TestCase):
           const look = () => {
             for (const card of document.querySelectorAll(".card[data-name]")) {
               states.add(card.dataset.state);
-              const number = card.querySelector(".number span").textContent, dial = card.querySelector(".dial");
-              if (card.dataset.state !== "ok" && (number !== "–" || dial.hasAttribute("aria-valuenow"))) wrong.push(card.dataset.state + number);
+              const number = card.querySelector(".number span").textContent, dial = card.querySelector(".dial"), low = card.querySelector("p.low").textContent;
+              if (card.dataset.state === "ok") continue;
+              if (number !== "–" || dial.hasAttribute("aria-valuenow") || dial.querySelector(".low").getAttribute("d")) wrong.push(card.dataset.state + number);
+              if (!/^no (margin|lower bound)/.test(low)) wrong.push(card.dataset.state + low);
             }
             if (states.size >= 2 && performance.now() - begin > 4000) done(wrong); else requestAnimationFrame(look);
           };
           look();""")
         self.assertEqual(wrong, [])
+
+    def test_a_lower_bound_without_a_margin_does_not_look_like_one(self):
+        def shown(**estimate):
+            return self.browser.execute_async_script("""
+              const done = arguments[arguments.length - 1], estimate = arguments[0];
+              import("./card.js").then(({ Card }) => {
+                const card = new Card("any", "sensor");
+                document.querySelector(".cards").append(card.element);
+                card.show(estimate);
+                const low = card.element.querySelector("p.low"), number = card.element.querySelector(".number");
+                const size = (element) => Number.parseFloat(getComputedStyle(element).fontSize);
+                done({ number: number.textContent, low: low.textContent, small: size(low) < size(document.body) && size(low) < 0.5 * size(number),
+                       muted: getComputedStyle(low).color !== getComputedStyle(document.body).color,
+                       marked: Boolean(card.element.querySelector(".dial .low").getAttribute("d")) });
+                card.element.remove();
+              });""", {"sensor": "any", "alert": "none", "gamma": None, "sigma": None, **estimate})
+        # Hardly any tangential load: the bound is near 1 although nothing is known of the contact.
+        for state in ("out_of_model", "learning", "no_shear", "unzeroed", "fault"):
+            card = shown(state=state, gamma_low=0.97)
+            self.assertEqual((card["number"], card["marked"]), ("–", False), state)
+            self.assertRegex(card["low"], r"^no margin; lower bound 0\.97", state)
+            self.assertTrue(card["small"] and card["muted"], card)
+        self.assertEqual(shown(state="out_of_model", gamma_low=None)["low"], "no lower bound")
+        card = shown(state="ok", gamma=0.62, sigma=0.01, gamma_low=0.59)
+        self.assertEqual((card["number"], card["low"], card["marked"]), ("0.62 ± 0.01", "lower bound 0.59 (95\u00a0%)", True))
+        self.no_errors()
 
     def test_simulated_is_marked(self):
         for name in ("left", "right", "gripper"):

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""load.py [PAGES [SECONDS]]: what live pages cost, by sockets that behave like them: each takes every estimate and every picture of one
-sensor of 100 x 100 taxels. Prints the processor time of slipd-web and slipd, and the latency of slipd's estimates, without and with pages, twice, SECONDS
-each. For docs/web.md; judges nothing. SLIPD_BINARY_DIR and SLIPD_SOURCE_DIR as for the tests."""
+"""load.py [PAGES [SECONDS [RATE_HZ [REALTIME]]]]: what live pages cost, by sockets that behave like them: each takes every estimate and every
+picture of one sensor of 100 x 100 taxels. Prints the processor time of slipd-web and slipd, and the latency of slipd's estimates, without and with
+pages, twice, SECONDS each. REALTIME: `realtime.mode` of slipd.json, without real time if it is absent; as root, prefer gives it. For docs/web.md;
+judges nothing. SLIPD_BINARY_DIR and SLIPD_SOURCE_DIR as for the tests."""
+import functools
 import os
 import re
 import selectors
@@ -12,8 +14,12 @@ import time
 from bed import Bed, WebSocket
 
 
-def one_sensor(folder):
-    return {"sensors": [{"name": "left", "driver": "sim"}], "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": f"{folder}/slipd.sock"}}
+PRIORITY = 10  # of SCHED_FIFO, below that of the kernel's interrupt threads
+
+
+def one_sensor(rate_hz, realtime, folder):
+    return {"sensors": [{"name": "left", "driver": "sim", "rate_hz": rate_hz}], "estimator": {"method": "moments"},
+            "realtime": {"mode": realtime, "priority": PRIORITY}, "socket": {"path": f"{folder}/slipd.sock"}}
 
 
 def seconds_of(program):
@@ -103,7 +109,8 @@ def measured(bed, latencies, pages, seconds):
 
 def main():
     count, seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 20, float(sys.argv[2]) if len(sys.argv) > 2 else 20
-    bed = Bed(one_sensor)
+    rate_hz, realtime = float(sys.argv[3]) if len(sys.argv) > 3 else 1000, sys.argv[4] if len(sys.argv) > 4 else "off"
+    bed = Bed(functools.partial(one_sensor, rate_hz, realtime))
     try:
         latencies = Latencies(bed.folder)
         for wanted in 2 * (0, count):

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 
 #include "core/estimate/moments.hpp"
+#include "core/numeric/random.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -179,6 +182,30 @@ TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
   }
   EXPECT_EQ(filter.history(), HistoryState::monotonic);
   EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
+}
+
+// Methods read their sigmas from the same noisy frame: one that shows less margin than there is has the
+// smaller share in common with others.
+TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
+  constexpr double kFriction = 0.5, kNormal_n = 2, kSigma = 0.1;
+  constexpr int kGrasps = 60, kFrames = 150;
+  double sum_of_logs = 0;
+  for (std::uint64_t grasp = 0; grasp < kGrasps; ++grasp) {
+    const RandomStream random(grasp);
+    FrictionFilter filter(kPrior, false);
+    std::int64_t time_ns = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      const double mobilised = 0.5 * i / kFrames;
+      FrameEstimate frame = monotonic_frame(std::clamp(
+          1 - mobilised + std::sqrt(3) * kSigma * random.uniform(static_cast<std::uint64_t>(i), -1, 1), 0.0,
+          1.0));
+      frame.sigma = kSigma;
+      frame.common_sigma = 0.005 + 0.045 * frame.gamma;
+      filter.update(time_ns += 1'000'000, forces(kNormal_n, mobilised * kFriction * kNormal_n), &frame);
+    }
+    sum_of_logs += std::log(filter.grid().friction().mean / kFriction);
+  }
+  EXPECT_NEAR(sum_of_logs / kGrasps, 0, 0.02);
 }
 
 TEST(FrictionFilter, FrictionThatFellIsLearntWithinAFewFrames) {

@@ -190,5 +190,43 @@ TEST(Tracker, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {
   EXPECT_EQ(estimate.state, State::out_of_model);
 }
 
+// A load with a torque that shows friction, and then falls to a share of its maximum at which all sticks.
+double sigma_below_the_maximum(const std::optional<KnownFriction>& friction, double share) {
+  constexpr double kMost_n = 0.8, kNormal_n = 2, kFriction = 0.5;
+  Tracker tracker({}, {0.1, 0.9}, friction, false);
+  ContactPatch patch;
+  patch.normal_n = kNormal_n;
+  patch.normal_sigma_n = patch.shear_sigma_n = 1e-3;
+  patch.radius_m = 4e-3;
+  FrameEstimate frame;
+  frame.turning = true;
+  Estimate estimate;
+  for (int i = 1; i <= 80; ++i) {
+    const bool fallen = i > 40;
+    estimate = {};
+    estimate.time_ns = i * 1'000'000;
+    patch.shear_n = patch.shear_x_n = (fallen ? share : 1) * kMost_n;
+    frame.in_model = !fallen;
+    frame.load_fallen = fallen;
+    frame.gamma = 1 - patch.shear_n / (kFriction * kNormal_n);
+    frame.sigma = 0.02;
+    frame.common_sigma = 0.005;
+    frame.friction = fallen ? share * kFriction : kFriction;
+    frame.friction_sigma = 0.015;
+    tracker.update(patch, &frame, Method::moments, estimate);
+  }
+  EXPECT_TRUE(estimate.gamma) << share;
+  return estimate.sigma.value_or(0);
+}
+
+TEST(Tracker, UnderATorqueSigmaCoversFrictionThatMayHaveFallenUnseenBelowTheLoadsMaximum) {
+  const double near = sigma_below_the_maximum(std::nullopt, 0.9),
+               below = sigma_below_the_maximum(std::nullopt, 0.6),
+               far = sigma_below_the_maximum(std::nullopt, 0.3);
+  EXPECT_GT(below, near + 0.005);
+  EXPECT_GT(far, below + 0.02);
+  EXPECT_LT(sigma_below_the_maximum(0.5, 0.3), near) << "a value that is given does not fall";
+}
+
 }  // namespace
 }  // namespace slipd

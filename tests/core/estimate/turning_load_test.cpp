@@ -123,6 +123,34 @@ TEST(TurningLoad, ForceVectorsWithATorqueUseTheRadiusThatIsGiven) {
   EXPECT_LT(share, 1.06 * ellipsoid);
 }
 
+// On few taxels noise is a large part of a torque, and a torque that noise may be would be all of a light
+// load.
+TEST(TurningLoad, OnFewTaxelsATorqueThatOutweighsThePullIsCountedOrCoveredBySigma) {
+  const TaxelLayout few = TaxelLayout::grid(4, 4, 0.0036), many = TaxelLayout::grid(8, 8, 0.0018);
+  for (const bool coarse : {true, false}) {
+    const TaxelLayout& layout = coarse ? few : many;
+    TurningFrames frames(layout);
+    PatchFinder finder(layout);
+    TurningLoad load(layout);
+    ContactPatch patch = finder.find(frames.make({.shift_x = 0.1}));
+    patch.torque_sigma_nm = 0.05 * patch.normal_n * patch.radius_m;
+    const auto with = [&](double sigmas, double pull_share) {
+      patch.torque_nm = sigmas * patch.torque_sigma_nm;
+      patch.shear_n = patch.shear_x_n = pull_share * patch.normal_n;
+      patch.shear_y_n = 0;
+      patch.shear_sigma_n = 0.01 * patch.normal_n;
+      return load.of(patch);
+    };
+    const TurningLoadResult counted = with(2, 0.02), covered = with(1, 0.02), pulled = with(1, 0.4);
+    EXPECT_EQ(counted.pull_n > 2 * 0.02 * patch.normal_n, coarse);
+    EXPECT_EQ(covered.turning, Turning::none);
+    EXPECT_EQ(covered.pull_n, patch.normal_n * 0.02);
+    EXPECT_EQ(covered.pull_sigma_n > 0.04 * patch.normal_n, coarse);
+    EXPECT_EQ(pulled.pull_n, patch.shear_n);
+    EXPECT_EQ(pulled.pull_sigma_n, patch.shear_sigma_n) << "a pull stays as it is";
+  }
+}
+
 TEST(TurningLoad, AllocatesNothing) {
   TurningFrames frames(kLarge);
   PatchFinder finder(kLarge);

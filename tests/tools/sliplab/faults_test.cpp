@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "tools/sliplab/faults/measure.hpp"
@@ -65,6 +66,30 @@ TEST_P(FaultMatrix, TellsFaultsAndGivesNoMarginThatIsFarTooSafe) {
         << name_of(line.fault);
   }
 }
+
+class FaultMatrixOfPresets : public ::testing::TestWithParam<slipd::sim::Preset> {};
+
+// What a sensor of few large taxels shows of itself at once, whatever it holds.
+TEST_P(FaultMatrixOfPresets, ReportsChannelsThatDieAndFramesThatRepeatAndNoSoundFrame) {
+  const PresetBench bench = bench_of(GetParam());
+  FaultSetup setup;
+  setup.grasps = 6;
+  const auto lines =
+      measure_faults(bench, chain_of(bench, std::nullopt),
+                     {Fault::dead_shear, Fault::dead_shear_x, Fault::dead_normal, Fault::frozen,
+                      Fault::repeated_block, Fault::all_equal, Fault::not_a_number},
+                     setup);
+  ASSERT_EQ(lines.size(), 7U);
+  for (const FaultLine& line : lines) {
+    EXPECT_GT(line.sound_answered, 0U);
+    EXPECT_EQ(line.false_alarms, 0U);
+    EXPECT_EQ(line.reported, line.grasps) << name_of(line.fault);
+    EXPECT_LE(line.too_safe, line.sound_too_safe) << name_of(line.fault);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Presets, FaultMatrixOfPresets,
+                         ::testing::Values(slipd::sim::Preset::pillars, slipd::sim::Preset::magnetic_skin));
 
 INSTANTIATE_TEST_SUITE_P(Sides, FaultMatrix, ::testing::Values(4, 16, 100));
 

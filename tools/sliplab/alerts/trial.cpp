@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <span>
 
 #include "core/numeric/random.hpp"
 
@@ -144,22 +144,36 @@ sim::SensorSettings draw_preset_grasp(const PresetBench& bench, GraspKind kind, 
   return grasp;
 }
 
+PresetFrames::PresetFrames(const PresetBench& bench, const sim::SensorSettings& grasp)
+    : period_(std::llround(1e9 / bench.rate_hz)),
+      sensor_(bench.layout, grasp),
+      memory_(3 * bench.layout.size()),
+      last_(static_cast<std::uint64_t>((length_ns(grasp) - 1) / period_.count())) {
+  const std::span all(memory_);
+  slot_.normal_pa = all.first(bench.layout.size());
+  slot_.shear_x_pa = all.subspan(bench.layout.size(), bench.layout.size());
+  slot_.shear_y_pa = all.last(bench.layout.size());
+}
+
+bool PresetFrames::next() {
+  while (number_ < last_) {
+    ++number_;
+    sensor_.advance(period_);
+    if (sensor_.sample(slot_)) return true;
+  }
+  return false;
+}
+
+double PresetFrames::time_s() const noexcept {
+  return 1e-9 * static_cast<double>(period_.count()) * static_cast<double>(number_);
+}
+
 AlertTrialPair run_preset_grasp(const PresetBench& bench, const sim::SensorSettings& grasp) {
-  sim::SimulatedSensor sensor(bench.layout, grasp);
+  PresetFrames frames(bench, grasp);
   AlertWatch known(bench, sliding_friction(bench, grasp)), unknown(bench, std::nullopt);
-  std::vector<float> memory(3 * bench.layout.size());
-  const std::span all(memory);
-  FrameSlot slot;
-  slot.normal_pa = all.first(bench.layout.size());
-  slot.shear_x_pa = all.subspan(bench.layout.size(), bench.layout.size());
-  slot.shear_y_pa = all.last(bench.layout.size());
-  const auto period_ns = std::llround(1e9 / bench.rate_hz);
-  for (std::int64_t t_ns = period_ns; t_ns < length_ns(grasp); t_ns += period_ns) {
-    sensor.advance(std::chrono::nanoseconds(period_ns));
-    if (!sensor.sample(slot)) continue;
-    const double time_s = 1e-9 * static_cast<double>(t_ns);
-    known.take(slot, time_s, sensor);
-    unknown.take(slot, time_s, sensor);
+  while (frames.next()) {
+    known.take(frames.frame(), frames.time_s(), frames.sensor());
+    unknown.take(frames.frame(), frames.time_s(), frames.sensor());
   }
   return {known.trial(), unknown.trial()};
 }

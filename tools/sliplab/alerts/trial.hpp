@@ -1,8 +1,10 @@
 // Random grasps of a simulated sensor with one preset: holds and slips, and what the chain raised in each.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/estimate/chain.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
@@ -30,6 +32,28 @@ slipd::ChainSetup chain_of(const PresetBench& bench, std::optional<double> frict
 // s, loaded in 50 ms–2 s.
 slipd::sim::SensorSettings draw_preset_grasp(const PresetBench& bench, GraspKind kind, std::uint64_t seed,
                                              std::size_t index);
+
+// The frames that a preset's sensor gives of one grasp, at the bench's rate.
+class PresetFrames {
+ public:
+  PresetFrames(const PresetBench& bench, const slipd::sim::SensorSettings& grasp);
+  // `slot_` points into `memory_`.
+  PresetFrames(const PresetFrames&) = delete;
+  PresetFrames& operator=(const PresetFrames&) = delete;
+
+  bool next();  // the next frame; false at the grasp's end
+  const slipd::FrameSlot& frame() const noexcept { return slot_; }
+  double time_s() const noexcept;  // of that frame, since the grasp began
+  const slipd::sim::SimulatedSensor& sensor() const noexcept { return sensor_; }
+  std::uint64_t length() const noexcept { return last_; }  // frames of the grasp
+
+ private:
+  std::chrono::nanoseconds period_;
+  slipd::sim::SimulatedSensor sensor_;
+  std::vector<float> memory_;
+  slipd::FrameSlot slot_;
+  std::uint64_t number_ = 0, last_;
+};
 
 // What was raised in one grasp; times in s since it began.
 struct AlertTrial {

@@ -134,43 +134,90 @@ Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, s
   return found;
 }
 
+// When the faults of a grasp of `frames` frames begin: the number of the first, from 1.
+std::uint64_t first_frame(std::uint64_t seed, std::size_t number, std::uint64_t frames) {
+  const double begins = RandomStream(seed).stream(kFaultStream).uniform(number, kEarliest, kLatest);
+  return static_cast<std::uint64_t>(begins * static_cast<double>(frames)) + 1;
+}
+
+// The estimators of all faults on the frames of one grasp.
+class Faulty {
+ public:
+  Faulty(const ChainSetup& chain, const std::shared_ptr<const Model>& model, const std::vector<Fault>& faults,
+         std::uint64_t first, const RandomStream& random)
+      : first_(first) {
+    for (const Fault fault : faults)
+      runners_.push_back(std::make_unique<Runner>(chain, model, fault, first, random.stream(kFaultStream)));
+  }
+
+  // `other`: makes the other finger's frame of that number.
+  template <typename Other>
+  void receive(const FrameSlot& sound, Other other) {
+    for (const auto& runner : runners_)
+      runner->receive(sound, exchanged(*runner, sound.sequence) ? other(sound.sequence) : Frame{});
+  }
+
+  // After a frame: what the sound sensor's estimator made of it, and the true margins of both fingers.
+  void note(const Estimate& sound, double truth, double other_truth) {
+    sound_.push_back(said_of(sound, truth));
+    for (const auto& runner : runners_)
+      runner->said.push_back(
+          said_of(runner->estimate, exchanged(*runner, sound_.size()) ? other_truth : truth));
+  }
+
+  std::vector<Found> found() const {
+    std::vector<Found> all;
+    for (const auto& runner : runners_) all.push_back(compare(sound_, runner->said, first_));
+    return all;
+  }
+
+ private:
+  bool exchanged(const Runner& runner, std::uint64_t sequence) const {
+    return runner.fault == Fault::other_finger && sequence >= first_;
+  }
+
+  std::uint64_t first_;
+  std::vector<std::unique_ptr<Runner>> runners_;
+  std::vector<Said> sound_;
+};
+
 // One grasp, simulated once for all faults. Returns what was found of each.
 std::vector<Found> play(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
                         const FaultSetup& setup, std::size_t number, const std::vector<Fault>& faults) {
   const Grasp grasp = draw_grasp(chain.scene, setup.seed, number);
   const std::uint64_t frames = frames_of(grasp, setup.sensing.frame_s);
-  const double begins = RandomStream(setup.seed).stream(kFaultStream).uniform(number, kEarliest, kLatest);
-  const auto first = static_cast<std::uint64_t>(begins * static_cast<double>(frames)) + 1;
   const RandomStream draws = RandomStream(setup.seed).stream(number);
   OtherFinger other(chain, setup, number);
-  std::vector<std::unique_ptr<Runner>> runners;
-  runners.reserve(faults.size());
-  for (const Fault fault : faults)
-    runners.push_back(std::make_unique<Runner>(chain, model, fault, first, draws.stream(kFaultStream)));
-  const auto exchanged = [&](const Runner& runner, std::uint64_t sequence) {
-    return runner.fault == Fault::other_finger && sequence >= first;
-  };
+  Faulty faulty(chain, model, faults, first_frame(setup.seed, number, frames), draws);
   Sampling sensing = setup.sensing;
   sensing.spoil = [&](const FrameSlot& sound) {
-    if (sound.sequence > frames) return;
-    for (const auto& runner : runners)
-      runner->receive(sound, exchanged(*runner, sound.sequence) ? other.sense(sound.sequence) : Frame{});
+    if (sound.sequence <= frames)
+      faulty.receive(sound, [&](std::uint64_t sequence) { return other.sense(sequence); });
   };
   EstimatorChain estimator(chain, model);
-  std::vector<Said> sound;
   drive(grasp, chain.layout, chain.scene.skin, sensing, draws, estimator, [&](const GraspSample& at) {
-    if (at.move == Move::unseen) return;
-    sound.push_back(said_of(at.estimate, at.truth.gamma));
-    for (const auto& runner : runners) {
-      const bool other_holds = exchanged(*runner, sound.size());
-      runner->said.push_back(
-          said_of(runner->estimate, other_holds ? other.contact.safety_margin() : at.truth.gamma));
-    }
+    if (at.move != Move::unseen) faulty.note(at.estimate, at.truth.gamma, other.contact.safety_margin());
   });
-  std::vector<Found> found;
-  found.reserve(runners.size());
-  for (const auto& runner : runners) found.push_back(compare(sound, runner->said, first));
-  return found;
+  return faulty.found();
+}
+
+// The same of a preset's grasp. The other finger holds.
+std::vector<Found> play(const PresetBench& bench, const ChainSetup& chain, const FaultSetup& setup,
+                        std::size_t number, const std::vector<Fault>& faults) {
+  const GraspKind kind = number % 2 == 0 ? GraspKind::hold : GraspKind::slip;
+  PresetFrames frames(bench, draw_preset_grasp(bench, kind, setup.seed, number));
+  PresetFrames other(bench, draw_preset_grasp(bench, GraspKind::hold, setup.seed, kOtherGrasp + number));
+  Faulty faulty(chain, nullptr, faults, first_frame(setup.seed, number, frames.length()),
+                RandomStream(setup.seed).stream(number));
+  EstimatorChain estimator(chain, nullptr);
+  for (std::uint64_t sequence = 1; frames.next(); ++sequence) {
+    other.next();  // stays at its last frame
+    FrameSlot sound = frames.frame();
+    sound.sequence = sequence;
+    faulty.receive(sound, [&](std::uint64_t) { return other.frame().view(); });
+    faulty.note(estimator.estimate(sound.view()), sound.truth.gamma, other.frame().truth.gamma);
+  }
+  return faulty.found();
 }
 
 // Of one fault, the one of this place in each grasp's findings.
@@ -203,20 +250,34 @@ FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, s
   return line;
 }
 
-}  // namespace
-
-std::vector<FaultLine> measure_faults(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
-                                      const std::vector<Fault>& faults, const FaultSetup& setup,
-                                      const std::function<void(double)>& done) {
+std::vector<FaultLine> lines_of(const std::vector<Fault>& faults, const FaultSetup& setup,
+                                const std::function<std::vector<Found>(std::size_t)>& play_grasp,
+                                const std::function<void(double)>& done) {
   std::vector<std::vector<Found>> found(setup.grasps);
   for_each_index(
-      setup.grasps, setup.threads, [&](std::size_t i) { found[i] = play(chain, model, setup, i, faults); },
+      setup.grasps, setup.threads, [&](std::size_t i) { found[i] = play_grasp(i); },
       [&](double share) {
         if (done) done(share);
       });
   std::vector<FaultLine> lines;
   for (std::size_t f = 0; f < faults.size(); ++f) lines.push_back(together(faults[f], found, f));
   return lines;
+}
+
+}  // namespace
+
+std::vector<FaultLine> measure_faults(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
+                                      const std::vector<Fault>& faults, const FaultSetup& setup,
+                                      const std::function<void(double)>& done) {
+  return lines_of(
+      faults, setup, [&](std::size_t i) { return play(chain, model, setup, i, faults); }, done);
+}
+
+std::vector<FaultLine> measure_faults(const PresetBench& bench, const ChainSetup& chain,
+                                      const std::vector<Fault>& faults, const FaultSetup& setup,
+                                      const std::function<void(double)>& done) {
+  return lines_of(
+      faults, setup, [&](std::size_t i) { return play(bench, chain, setup, i, faults); }, done);
 }
 
 }  // namespace sliplab

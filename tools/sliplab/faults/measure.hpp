@@ -11,13 +11,15 @@
 
 #include "core/estimate/chain.hpp"
 #include "core/model/model.hpp"
+#include "tools/sliplab/alerts/trial.hpp"
 #include "tools/sliplab/faults/fault.hpp"
 #include "tools/sliplab/histories/drive.hpp"
 
 namespace sliplab {
 
 struct FaultLine {
-  std::size_t columns = 0;  // taxels along each side of the pad
+  slipd::sim::Preset preset = slipd::sim::Preset::ideal;  // which kind of sensor breaks
+  std::size_t columns = 0;                                // taxels along each side of the pad
   std::string method;
   Fault fault = Fault::none;
   std::size_t grasps = 0;
@@ -62,6 +64,12 @@ struct FaultSetup {
 // `model` may be null where needs_model says no. Every fault of `faults` on the same grasps.
 std::vector<FaultLine> measure_faults(const slipd::ChainSetup& chain,
                                       const std::shared_ptr<const slipd::Model>& model,
+                                      const std::vector<Fault>& faults, const FaultSetup& setup,
+                                      const std::function<void(double)>& done = {});
+
+// The same of grasps of a simulated preset: `chain` is of the bench, each other grasp slides.
+// FaultSetup::sensing has no part in it.
+std::vector<FaultLine> measure_faults(const PresetBench& bench, const slipd::ChainSetup& chain,
                                       const std::vector<Fault>& faults, const FaultSetup& setup,
                                       const std::function<void(double)>& done = {});
 

@@ -18,6 +18,11 @@ std::string reported_as(const FaultLine& line) {
   return line.reported > 0 ? "no margin" : "–";
 }
 
+// What stands before the number of taxels.
+std::string kind_of(const FaultLine& line) {
+  return line.preset == slipd::sim::Preset::ideal ? "" : std::string(to_string(line.preset)) + " ";
+}
+
 std::string frames(long count) {
   return count < 0 ? "–" : std::to_string(count);
 }
@@ -25,7 +30,7 @@ std::string frames(long count) {
 }  // namespace
 
 void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
-  std::printf("%zu random grasps a line, frames %g ms apart, noise %g.\n\n", setup.grasps,
+  std::printf("%zu random grasps a line; of ideal sensors frames %g ms apart and noise %g.\n\n", setup.grasps,
               1e3 * setup.sensing.frame_s, setup.sensing.noise);
   std::printf(
       "| fault | taxels | method | most often | reported, %% | of these named, %% | without effect, %% | "
@@ -34,22 +39,23 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
       "too safe by the fault | too safe without it "
       "|\n|---|---|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const FaultLine& line : lines) {
-    std::printf("| `%s` | %zu x %zu | %s | %s | %.1f | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
-                std::string(name_of(line.fault)).c_str(), line.columns, line.columns, line.method.c_str(),
-                reported_as(line).c_str(), share(line.reported, line.grasps), share(line.named, line.grasps),
-                share(line.without_effect, line.grasps), frames(line.median_frames).c_str(),
-                frames(line.last_frames).c_str(), static_cast<unsigned long long>(line.answered),
-                static_cast<unsigned long long>(line.too_safe),
-                static_cast<unsigned long long>(line.sound_too_safe),
-                static_cast<unsigned long long>(line.sound_answered));
+    std::printf(
+        "| `%s` | %s%zu x %zu | %s | %s | %.1f | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
+        std::string(name_of(line.fault)).c_str(), kind_of(line).c_str(), line.columns, line.columns,
+        line.method.c_str(), reported_as(line).c_str(), share(line.reported, line.grasps),
+        share(line.named, line.grasps), share(line.without_effect, line.grasps),
+        frames(line.median_frames).c_str(), frames(line.last_frames).c_str(),
+        static_cast<unsigned long long>(line.answered), static_cast<unsigned long long>(line.too_safe),
+        static_cast<unsigned long long>(line.sound_too_safe),
+        static_cast<unsigned long long>(line.sound_answered));
   }
   std::uint64_t alarms = 0, sound = 0;
-  std::size_t columns = 0;
-  std::string method;
-  for (const FaultLine& line : lines) {  // each layout and method once: all faults share the sound frames
-    if (line.columns == columns && line.method == method) continue;
-    columns = line.columns;
-    method = line.method;
+  const FaultLine* last = nullptr;
+  for (const FaultLine& line : lines) {  // each sensor and method once: all faults share the sound frames
+    if (last != nullptr && line.preset == last->preset && line.columns == last->columns &&
+        line.method == last->method)
+      continue;
+    last = &line;
     alarms += line.false_alarms;
     sound += line.sound_frames;
   }
@@ -61,6 +67,7 @@ nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultS
   auto rows = nlohmann::ordered_json::array();
   for (const FaultLine& line : lines) {
     rows.push_back({{"fault", name_of(line.fault)},
+                    {"preset", to_string(line.preset)},
                     {"columns", line.columns},
                     {"method", line.method},
                     {"grasps", line.grasps},
