@@ -139,8 +139,7 @@ struct EstimatorChain::Impl {
     return std::max(known.range.low, *out.friction - kOneSided95 * out.friction_sigma.value_or(0));
   }
 
-  // The margin on the safe side of all that is not known. `loaded`: `patch` with the pull that asks for as
-  // much of friction as force and torque together.
+  // The margin on the safe side of all that is not known. `loaded`: with the pull of force and torque.
   void bound_margin(const ContactPatch& patch, const ContactPatch& loaded, Estimate& out) const noexcept {
     const double friction = least_friction(out);
     const double normal_n = patch.normal_n - kOneSided95 * patch.normal_sigma_n;
@@ -222,11 +221,8 @@ struct EstimatorChain::Impl {
       out.pull_n = patch.shear_n;
       judge_torque(patch, loaded, out);
     }
-    if (acts_under_skin()) {
-      bound_margin(acting, acting, out);
-    } else {
-      bound_margin(patch, loaded, out);
-    }
+    const bool acts = setup.scene.skin.depth_m > 0 && acting_forces.known();
+    bound_margin(acts ? acting : patch, acts ? acting : loaded, out);
     advise(out, loaded.shear_sigma_n, setup.alerts.target_margin);
   }
 
@@ -280,9 +276,6 @@ struct EstimatorChain::Impl {
     return estimate;
   }
 
-  // Whether the forces that act are known although the disc reads only a part of them.
-  bool acts_under_skin() const noexcept { return setup.scene.skin.depth_m > 0 && acting_forces.known(); }
-
   // Returns the patch with the forces that act.
   ContactPatch estimate_margin(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load, Estimate& out) noexcept {
@@ -300,7 +293,6 @@ struct EstimatorChain::Impl {
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) refuse_margin(State::out_of_model, out);
     if (setup.scene.skin.depth_m > 0 && out.gamma && !acting_forces.known()) {
-      // Margin and friction need other forces than the disc feels.
       refuse_margin(State::out_of_model, out);
       out.friction.reset();
       out.friction_sigma.reset();

@@ -67,6 +67,11 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   TrackerOptions options;
   if (!only_forces(setup) && setup.layout.size() <= Fit::kFewTaxels)
     options.least_sigma = options.few_taxels_sigma;
+  // Under a skin frames leave friction open for longer, and what they then show of it has more in common:
+  // relative, 0.03 … 0.2, as least_friction_sigma; `sliplab histories --skin-mm 1 --sides 16 --methods fit`.
+  constexpr double kSkinFrictionSigma = 0.1;
+  if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup))
+    options.least_friction_sigma = kSkinFrictionSigma;
   return options;
 }
 

@@ -35,27 +35,38 @@ ImprintFit::DepthSlope ImprintFit::depth_slope(const Minimum& best) noexcept {
   return slope;
 }
 
-// One step of Gauss and Newton's method, and where it is long the fit anew from there.
+// Steps of Gauss and Newton's method, and where one is long for the unknowns the fit anew from there. A step
+// that is long for the depth is taken again from its end.
 void ImprintFit::fit_depth(Minimum& best) noexcept {
   if (!depth_.open()) return;
   // Where it is known, few frames are asked.
-  constexpr int kSkipped = 7;
+  constexpr int kSkipped = 7, kSteps = 3;
+  constexpr double kLongStep = 0.05;  // of the log of the depth
   if (depth_.settled() && ++unasked_ <= kSkipped) return;
   margin_by_depth_ = 0;
-  if (!best.converged) return;
   unasked_ = 0;
-  const DepthSlope slope = depth_slope(best);
-  if (!(slope.information > 0)) return;
-  const double here = depth_.now().mean;
-  depth_.take(depth_.with({here - slope.score / slope.information, 1 / std::sqrt(slope.information)}));
-  margin_by_depth_ = slope.unknowns[ImprintModel::margin];
-  const Vector step = (depth_.now().mean - here) * slope.unknowns;
-  const double squares = step.dot(best.normal.hessian * step);
-  model_.set_depth(depth_.depth_m());
-  best.at = stepped(best.at, step);
-  best.current = false;
-  if (squares > options_.refit_sigmas * options_.refit_sigmas) minimise(unknowns(), best);
+  LogDepth known = depth_.now();
+  double here = known.mean;
+  for (int i = 0; i < kSteps && best.converged; ++i) {
+    const DepthSlope slope = depth_slope(best);
+    best.current = false;
+    if (!(slope.information > 0)) break;
+    known = depth_.with({here - slope.score / slope.information, 1 / std::sqrt(slope.information)});
+    margin_by_depth_ = slope.unknowns[ImprintModel::margin];
+    const double further = known.mean - here;
+    const Vector step = further * slope.unknowns;
+    here = known.mean;
+    model_.set_depth(depth_.depth_m(here));
+    best.at = stepped(best.at, step);
+    if (step.dot(best.normal.hessian * step) > options_.refit_sigmas * options_.refit_sigmas) {
+      minimise(unknowns(), best);
+      weights_change(unknowns(), best);
+    }
+    refresh(unknowns(), best);
+    if (std::fabs(further) < kLongStep) break;
+  }
   refresh(unknowns(), best);
+  depth_.take(known);
 }
 
 }  // namespace slipd

@@ -30,7 +30,9 @@ class SkinDepth {
   bool settled() const noexcept { return open() && now_.sigma <= std::min(kLeastSigma, prior_sigma_); }
   const LogDepth& now() const noexcept { return now_; }
   // By all frames so far, m.
-  double depth_m() const noexcept { return depth_m_ * std::exp(now_.mean); }
+  double depth_m() const noexcept { return depth_m(now_.mean); }
+  // Of the log over nominal, m.
+  double depth_m(double log) const noexcept { return depth_m_ * std::exp(log); }
 
   // What is known together with a frame that shows the log of the depth over nominal as `frame.mean`.
   LogDepth with(const LogDepth& frame) const noexcept {

@@ -18,6 +18,8 @@ constexpr int kSearches = 2;
 // Below this share of a taxel's side a skin is the surface, see with_felt_skin in
 // core/estimate/chain_parts.cpp.
 constexpr double kThinnestSides = 1.0 / 9;
+// Presses without which no depth is told: one or two may as well be edges or objects that are no spheres.
+constexpr std::size_t kLeastPresses = 3;
 // The deepest that is tried, over the greatest radius felt.
 constexpr double kDeepestRadii = 1;
 
@@ -156,7 +158,7 @@ std::optional<SkinDepth> skin_depth(const TaxelLayout& layout, Range friction_ex
     radius_m =
         std::max(radius_m, finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa}).radius_m);
   const double thinnest_m = kThinnestSides * layout.side_m(), deepest_m = kDeepestRadii * radius_m;
-  if (presses.empty() || !(deepest_m > 2 * thinnest_m)) return std::nullopt;
+  if (presses.size() < kLeastPresses || !(deepest_m > 2 * thinnest_m)) return std::nullopt;
   const double reach_m = 0.5 * radius_m;
   const DepthTrial trial(layout, friction_expected, presses);
   Search search{thinnest_m, deepest_m};
