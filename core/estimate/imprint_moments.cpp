@@ -20,7 +20,8 @@ using Sheet = contact::SubsurfaceSheet;
 constexpr std::array<double, 5> kDomeRadii{1, 0.94, 0.8, 0.6, 0.35};
 // Fitted with them: the pressure's place, size and height, which a load that is not monotonic has drawn
 // aside.
-enum PressureColumn : std::size_t { by_x = kDomeRadii.size(), by_y, by_size, by_peak, kColumns };
+enum PressureColumn : std::size_t { by_x = kDomeRadii.size(), by_y, by_size, by_peak };
+constexpr std::size_t kColumns = by_peak + 1;
 constexpr auto kRows = static_cast<Eigen::Index>(kColumns);
 using ColumnMatrix = Eigen::Matrix<double, kRows, kRows>;
 using ColumnVector = Eigen::Matrix<double, kRows, 1>;
