@@ -10,6 +10,7 @@
 #include "core/model/train.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/faults/report.hpp"
+#include "tools/sliplab/noise_options.hpp"
 #include "tools/sliplab/progress.hpp"
 
 namespace sliplab {
@@ -23,7 +24,6 @@ struct FaultsOptions {
   std::vector<std::string> methods{"moments", "fit", "auto"};
   std::vector<std::string> faults;
   std::vector<std::string> presets;
-  std::string noise_kind = "sensor";
 };
 
 const std::map<std::string, MethodChoice> kFaultsMethods{{"svd-knn", MethodChoice::svd_knn},
@@ -97,7 +97,6 @@ void measure_preset(const std::string& name, const FaultsOptions& options, std::
 }
 
 void run_faults(const Common& common, FaultsOptions options) {
-  options.setup.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   options.setup.seed = common.seed;
   std::vector<FaultLine> lines;
   for (const auto& preset : options.presets) measure_preset(preset, options, lines);
@@ -136,12 +135,7 @@ void add_faults(CLI::App& app, const Common& common) {
       ->add_option("--presets", options->presets, "grasps of simulated real sensors in place of ideal ones")
       ->delimiter(',')
       ->check(CLI::IsMember({"pillars", "magnetic-skin"}));
-  command->add_option("--noise", options->setup.sensing.noise, "half-width, a fraction")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--noise-kind", options->noise_kind, "sensor or relative")
-      ->check(CLI::IsMember({"sensor", "relative"}))
-      ->capture_default_str();
+  add_noise_options(*command, options->setup.sensing.noise, options->setup.sensing.kind);
   command->add_option("--frame-s", options->setup.sensing.frame_s, "between frames of the sensor")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();

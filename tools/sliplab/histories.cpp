@@ -15,6 +15,7 @@
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/gnuplot.hpp"
 #include "tools/sliplab/histories/drive.hpp"
+#include "tools/sliplab/noise_options.hpp"
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/progress.hpp"
 #include "tools/sliplab/sweep/sweep.hpp"
@@ -28,7 +29,6 @@ struct HistoriesOptions {
   std::size_t grasps = 400;
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
-  std::string noise_kind = "sensor";
   double skin_mm = 0;  // depth of the taxels
   Sampling sensing;
   unsigned threads = 2;
@@ -101,8 +101,8 @@ void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& o
       "gripped, loaded, then\neight moves drawn at random; a frame each %g ms; noise %g %% (%s). Safer, less "
       "safe: answers off by more than %g.\n\n"
       "  during         frames  answered  mean err   right    safer   less safe  1 sigma  2 sigma  worst\n",
-      options.grasps, 1e3 * options.sensing.frame_s, 100 * options.sensing.noise, options.noise_kind.c_str(),
-      kGrossError);
+      options.grasps, 1e3 * options.sensing.frame_s, 100 * options.sensing.noise,
+      name_of(options.sensing.kind), kGrossError);
   for (const auto& line : lines) {
     std::printf("%zu x %zu, %s\n", line.side, line.side, line.method.c_str());
     print_row("everything", line.all);
@@ -131,7 +131,7 @@ nlohmann::ordered_json as_json(const ErrorStatistics& statistics) {
 
 SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
   SweepResult sweep{{{"grasps", options.grasps},
-                     {"noise_kind", options.noise_kind},
+                     {"noise_kind", name_of(options.sensing.kind)},
                      {"noise", options.sensing.noise},
                      {"skin_mm", options.skin_mm},
                      {"frame_ms", 1e3 * options.sensing.frame_s}},
@@ -185,7 +185,6 @@ void plot_traces(const std::filesystem::path& folder, const std::vector<MethodLi
 
 void run(const Common& common, const CLI::App& command, HistoriesOptions options) {
   refuse_files(options.shard, common);
-  options.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   if (!common.out.empty()) std::filesystem::create_directories(common.out);
   std::vector<MethodLine> lines;
   std::size_t unit = 0;
@@ -227,17 +226,7 @@ void add_histories(CLI::App& app, const Common& common) {
       ->delimiter(',')
       ->check(CLI::IsMember(kMethods))
       ->capture_default_str();
-  command
-      ->add_option("--noise", options->sensing.noise,
-                   "half-width of the uniform noise, as a fraction: see --noise-kind")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--noise-kind", options->noise_kind,
-                   "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
-                   "pressure on pressure, of the largest shear on shear")
-      ->check(CLI::IsMember({"sensor", "relative"}))
-      ->capture_default_str();
+  add_noise_options(*command, options->sensing.noise, options->sensing.kind);
   command->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();

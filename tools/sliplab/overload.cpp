@@ -10,6 +10,7 @@
 #include "core/estimate/model_setup.hpp"
 #include "core/model/train.hpp"
 #include "tools/sliplab/command.hpp"
+#include "tools/sliplab/noise_options.hpp"
 #include "tools/sliplab/overload/report.hpp"
 #include "tools/sliplab/progress.hpp"
 
@@ -24,7 +25,6 @@ struct OverloadOptions {
   std::vector<std::string> methods{"moments", "fit", "registered", "svd-knn"};
   std::vector<unsigned> every{1, 2, 5, 10, 20, 50};
   std::vector<unsigned> at_random{5, 20};
-  std::string noise_kind = "sensor";
 };
 
 const std::map<std::string, std::pair<MethodChoice, Method>> kOverloadMethods{
@@ -66,7 +66,6 @@ void measure(std::size_t side, const std::string& name, const OverloadOptions& o
 }
 
 void run(const Common& common, OverloadOptions options) {
-  options.setup.sensing.kind = options.noise_kind == "relative" ? NoiseKind::relative : NoiseKind::sensor;
   options.setup.seed = common.seed;
   std::vector<OverloadLine> lines;
   for (const std::size_t side : options.sides) {
@@ -108,17 +107,7 @@ void add_overload(CLI::App& app, const Common& common) {
       ->delimiter(',')
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command
-      ->add_option("--noise", options->setup.sensing.noise,
-                   "half-width of the uniform noise, as a fraction: see --noise-kind")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--noise-kind", options->noise_kind,
-                   "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
-                   "pressure on pressure, of the largest shear on shear")
-      ->check(CLI::IsMember({"sensor", "relative"}))
-      ->capture_default_str();
+  add_noise_options(*command, options->setup.sensing.noise, options->setup.sensing.kind);
   command->add_option("--frame-s", options->setup.sensing.frame_s, "time between two frames of the sensor, s")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/sliplab/command.hpp"
+#include "tools/sliplab/noise_options.hpp"
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/progress.hpp"
 #include "tools/sliplab/stability/report.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 struct StabilityOptions {
   TrialSetup setup;
-  std::string noise_kind = "sensor";
   std::vector<std::string> parts{kStabilityParts.begin(), kStabilityParts.end()};
   Shard shard;  // of the parts
 };
@@ -38,8 +38,6 @@ std::vector<ContactModelError> worst_everywhere(const TrialSetup& setup, const D
 
 void run(const Common& common, const CLI::App& command, StabilityOptions options) {
   refuse_files(options.shard, common);
-  options.setup.kind =
-      options.noise_kind == "relative" ? slipd::NoiseKind::relative : slipd::NoiseKind::sensor;
   options.setup.seed = common.seed;
   const auto wanted = [&](StabilityPart part) {
     return options.shard.has(part) && std::find(options.parts.begin(), options.parts.end(),
@@ -96,17 +94,7 @@ void add_stability(CLI::App& app, const Common& common) {
   command->add_option("--contacts", options->setup.contacts, "contacts for each row of the result")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command
-      ->add_option("--noise", options->setup.noise,
-                   "half-width of the uniform noise, as a fraction: see --noise-kind")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command
-      ->add_option("--noise-kind", options->noise_kind,
-                   "sensor: a fraction of the largest pressure on all channels; relative: of the largest "
-                   "pressure on pressure, of the largest shear on shear")
-      ->check(CLI::IsMember({"sensor", "relative"}))
-      ->capture_default_str();
+  add_noise_options(*command, options->setup.noise, options->setup.kind);
   command->add_option("--threads", options->setup.threads, "threads to compute with")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();

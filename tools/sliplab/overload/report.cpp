@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "tools/sliplab/gnuplot.hpp"
+#include "tools/sliplab/noise_options.hpp"
 
 namespace sliplab {
 namespace {
@@ -110,7 +111,7 @@ ordered_json to_json(const std::vector<OverloadLine>& lines, const OverloadSetup
   }
   return {{"grasps", setup.grasps},
           {"noise", setup.sensing.noise},
-          {"noise_kind", setup.sensing.kind == slipd::NoiseKind::relative ? "relative" : "sensor"},
+          {"noise_kind", name_of(setup.sensing.kind)},
           {"frame_ms", 1e3 * setup.sensing.frame_s},
           {"rows", std::move(rows)}};
 }

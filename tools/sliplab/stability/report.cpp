@@ -5,15 +5,12 @@
 #include <sstream>
 
 #include "tools/sliplab/gnuplot.hpp"
+#include "tools/sliplab/noise_options.hpp"
 
 namespace sliplab {
 namespace {
 
 using slipd::State;
-
-const char* noise_name(slipd::NoiseKind kind) {
-  return kind == slipd::NoiseKind::relative ? "relative" : "sensor";
-}
 
 void print_model(const std::vector<ContactModelError>& rows) {
   std::puts(
@@ -171,7 +168,7 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
             "set datafile separator ','\nset logscale y\nset grid\nset key outside bottom horizontal\n"
             "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'margin error / frame error'\n"
             "set title '"
-         << found.setup.side << " x " << found.setup.side << ", " << noise_name(found.setup.kind)
+         << found.setup.side << " x " << found.setup.side << ", " << name_of(found.setup.kind)
          << " noise'\nplot for [c=2:" << found.methods.size() + 1
          << "] 'condition.csv' using 1:c with linespoints pt 7 ps 0.5 title columnheader(c), '' using 1:"
          << found.methods.size() + 2
@@ -218,7 +215,7 @@ void print_table(const Stability& found) {
         "\nContacts of the paper's, up to 2 mm off the middle of a +-8 mm pad, %zu x %zu taxels, "
         "noise %g %% (%s), %zu a row,\neach frame for itself. safer, less: answers off by more than "
         "%g, of those answered. outside: state out_of_model.\n",
-        found.setup.side, found.setup.side, 100 * found.setup.noise, noise_name(found.setup.kind),
+        found.setup.side, found.setup.side, 100 * found.setup.noise, name_of(found.setup.kind),
         found.setup.contacts, kGrossError);
   }
   if (!found.extremes.empty()) print_robustness("Estimates at extreme parameters.", found.extremes);
@@ -259,7 +256,7 @@ SweepResult to_sweep(const Stability& found, const Shard& shard) {
   }
   const nlohmann::ordered_json none = nlohmann::ordered_json::array();
   SweepResult sweep{{{"columns", found.setup.side},
-                     {"noise_kind", noise_name(found.setup.kind)},
+                     {"noise_kind", name_of(found.setup.kind)},
                      {"noise", found.setup.noise},
                      {"contacts", found.setup.contacts},
                      {"model", none},

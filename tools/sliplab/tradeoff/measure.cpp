@@ -114,10 +114,6 @@ std::vector<Line> lines_of(const std::string& name, const TaxelLayout& layout, c
 
 }  // namespace
 
-const char* name_of(NoiseKind kind) noexcept {
-  return kind == NoiseKind::relative ? "relative" : "sensor";
-}
-
 void mark_front(std::vector<Line>& lines) {
   for (auto& line : lines) {
     line.front = line.row.answered >= kMostAnswered &&

@@ -15,7 +15,6 @@ struct Noise {
   slipd::NoiseKind kind;  // what the half-width is a fraction of
   double half_width;      // of uniform noise, a fraction
 };
-const char* name_of(slipd::NoiseKind kind) noexcept;
 
 struct TradeoffOptions {
   // Taxels along each side of the pad, or "wrench".

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tools/sliplab/gnuplot.hpp"
+#include "tools/sliplab/noise_options.hpp"
 
 namespace sliplab {
 namespace {
