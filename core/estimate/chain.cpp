@@ -10,11 +10,10 @@
 #include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/moments.hpp"
-#include "core/estimate/slipping_taxels.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/estimate/turning_load.hpp"
-#include "core/estimate/turning_moments.hpp"
+#include "core/estimate/turning_shape.hpp"
 #include "core/estimate/unseen_motion.hpp"
 #include "core/model/model.hpp"
 #include "core/patch/patch.hpp"
@@ -35,11 +34,6 @@ constexpr std::size_t kFewInside = 12;
 
 // Standard deviations below a mean that 95 % of a Gaussian lie above.
 constexpr double kOneSided95 = 1.645;
-
-// Margin under torque from which on taxels that nearly slip round off the plateau of those that slip, 0.3 …
-// 0.7: moments answer where both agree within so many standard deviations, 1 … 4. Too small: moments are
-// computed for nothing. Too large: margins are too low.
-constexpr double kRoundedGamma = 0.45, kAlikeSigmas = 2.5;
 
 // Shear from which on a frame has a shape, in standard deviations; 2 … 6. Too small: methods read noise. Too
 // large: light pulls get no margin from their shape.
@@ -63,8 +57,7 @@ struct EstimatorChain::Impl {
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         acting_forces(s.scene.skin.depth_m > 0),
         turning_load(s.layout),
-        slipping(s.layout),
-        turning_moments(s.layout),
+        turning_shape(s.layout, s.estimator.tracking),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
@@ -84,6 +77,7 @@ struct EstimatorChain::Impl {
     tracker.forget();
     unseen.reset();
     turning_load.reset();
+    turning_shape.forget();
     if (method) method->forget();
     if (closing) closing->forget();
     acting_forces.forget();
@@ -204,7 +198,7 @@ struct EstimatorChain::Impl {
     out.shear_n = patch.shear_n;
     out.shear_x_n = patch.shear_x_n;
     out.shear_y_n = patch.shear_y_n;
-    const TurningLoadResult load = turning_load.of(without_pressing(patch));
+    const TurningLoadResult load = turning_load.of(without_pressing(patch), tracker.friction());
     turning = load.turning;
     // What friction has to carry, with torque, as a pull.
     ContactPatch loaded = patch;
@@ -256,24 +250,10 @@ struct EstimatorChain::Impl {
     return by_closing;
   }
 
-  // One frame by itself: by the method; where torque has bent the field by taxels that slip, and where none
-  // is seen to slip by moments. Taxels that slipped under a heavier load stick again at lower ratios, which
-  // do not show friction.
+  // One frame by itself: by the method, or as one that a torque has bent.
   FrameEstimate estimate_shape(const Frame& frame, const ContactPatch& patch, const ContactPatch& loaded,
                                const TurningLoadResult& load) noexcept {
-    if (load.turning != Turning::bending) return estimate_pull(frame, patch);
-    FrameEstimate estimate = slipping.estimate(loaded);
-    if (setup.estimator.tracking && !load.risen && !slipping.all_slipped()) {
-      estimate.in_model = false;
-      estimate.load_fallen = true;
-    } else if (load.straight && (!estimate.in_model || estimate.gamma > kRoundedGamma)) {
-      const FrameEstimate by_moments = turning_moments.estimate(loaded, load);
-      if (!estimate.in_model || (by_moments.in_model && by_moments.sigma < estimate.sigma &&
-                                 std::fabs(by_moments.gamma - estimate.gamma) <
-                                     kAlikeSigmas * std::hypot(by_moments.sigma, estimate.sigma)))
-        return by_moments;
-    }
-    return estimate;
+    return turning_shape.bent(load) ? turning_shape.estimate(loaded, load) : estimate_pull(frame, patch);
   }
 
   // Returns the patch with the forces that act.
@@ -331,8 +311,7 @@ struct EstimatorChain::Impl {
   Method shape_by = Method::friction;  // what this frame's own margin is by
   ActingForces acting_forces;
   TurningLoad turning_load;
-  SlippingTaxels slipping;
-  TurningMoments turning_moments;
+  TurningShape turning_shape;
   Tracker tracker;
   UnseenMotion unseen;
   KnownFriction known = Range{};  // given, else what the scene expects

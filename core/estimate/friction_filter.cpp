@@ -97,7 +97,8 @@ void FrictionFilter::bound_below() noexcept {
 }
 
 void FrictionFilter::follow(const ContactPatch& patch) noexcept {
-  if (forces_.aim(patch)) lose_history(HistoryEvent::shear_turned);
+  // Under a torque the axis rested.
+  if (forces_.aim(patch) && !grasp_.turning) lose_history(HistoryEvent::shear_turned);
   if (forces_.follow(patch)) foundations_.follow(forces_.normal_n(), forces_.shear_n());
   if (grasp_.turning) {  // what a torque left in the contact is not known; friction is
     history_.lose(HistoryEvent::shear_turned);

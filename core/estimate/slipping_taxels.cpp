@@ -94,6 +94,11 @@ SlippingTaxels::Plateau SlippingTaxels::find_plateau() const noexcept {
   return plateau;
 }
 
+void SlippingTaxels::follow_slope(double sigmas) noexcept {
+  slope_.frames += 1;
+  slope_.mean += std::max(options_.slope_gain, 1 / slope_.frames) * (sigmas - slope_.mean);
+}
+
 FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   FrameEstimate out;
   all_slipped_ = false;
@@ -106,6 +111,7 @@ FrameEstimate SlippingTaxels::estimate(const ContactPatch& loaded) noexcept {
   if (count_ < options_.least_taxels || !(loaded.normal_n > 0)) return out;
   const Plateau plateau = find_plateau();
   if (plateau.taxels < options_.least_taxels) return out;
+  if (plateau.slope_sigma > 0) follow_slope(plateau.slope / plateau.slope_sigma);
   const double mobilised = loaded.shear_n / loaded.normal_n / plateau.ratio;
   out.gamma = std::clamp(1 - mobilised, 0.0, 1.0);
   out.friction = plateau.ratio;

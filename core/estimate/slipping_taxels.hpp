@@ -47,6 +47,12 @@ struct SlippingTaxelsOptions {
   // flank of taxels that stick, which noise has blurred; 2 … 5. Too small: plateaus are refused. Too large:
   // friction comes out too low where nothing slips yet.
   double falling_sigmas = 3;
+  // A plateau's ratios rise with pressure, and so fall towards the rim, if that slope over its standard
+  // deviation is above this in the mean of frames; 0.2 … 1.5. Too small: friction that fell after a regrip is
+  // seen late. Too large: ratios that stick after a regrip or a reversal are read as friction.
+  double rising_sigmas = 0.4;
+  // Gain of that mean, frame by frame; 0.02 … 0.5. Too small and too large: noise decides, or earlier loads.
+  double slope_gain = 0.1;
   // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy
   // sensors get no answer. Too large: as above.
   double max_width = 0.1;
@@ -78,6 +84,10 @@ class SlippingTaxels {
   FrameEstimate estimate(const ContactPatch& loaded) noexcept;
   // Whether all of the contact slipped in the last frame.
   bool all_slipped() const noexcept { return all_slipped_; }
+  // Whether ratios fell towards the rim in the last frames: they are of taxels that stick.
+  bool rising() const noexcept { return slope_.mean > options_.rising_sigmas; }
+  // A new grasp.
+  void forget() noexcept { slope_ = {}; }
 
  private:
   struct Plateau {
@@ -90,6 +100,7 @@ class SlippingTaxels {
   void collect(const ContactPatch& patch) noexcept;
   double start() const noexcept;
   PlateauTest test_about(double ratio) const noexcept;
+  void follow_slope(double sigmas) noexcept;
   Plateau find_plateau() const noexcept;  // without taxels if there is none
 
   // Ratios that the start is looked for in: up to kMostRatio, beyond what friction may be; in steps.
@@ -101,6 +112,10 @@ class SlippingTaxels {
   bool rows_;                           // each run of taxels is of one row
   std::size_t stored_ = 0, count_ = 0;  // values in the lists, taxels that count
   bool all_slipped_ = false;
+  struct MeanSlope {
+    double mean = 0, frames = 0;  // in standard deviations; that were averaged
+  };
+  MeanSlope slope_;
   std::vector<float> pressure_pa_, ratio_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slipd {
 namespace {
@@ -40,15 +41,14 @@ Tracker::Tracker(const EstimatorSettings& settings, Range friction_expected,
       options_(options),
       friction_filter_(
           prior_of(friction_expected, friction, options.prior), force_only,
-          bounded(options.filter, bounds_, force_only ? options.force_only_slack : options.shaped_slack)) {
-  const MeanSigma prior = friction_filter_.grid().friction();
-  prior_sigma_ = prior.sigma / prior.mean;
-}
+          bounded(options.filter, bounds_, force_only ? options.force_only_slack : options.shaped_slack)),
+      prior_(friction_filter_.grid().friction()),
+      last_friction_(prior_.mean) {}
 
 void Tracker::give_friction(Estimate& out) const noexcept {
   const MeanSigma friction = friction_filter_.grid().friction();
   const double relative = friction.sigma / friction.mean;
-  const bool learnt = relative < options_.learnt_share * prior_sigma_;
+  const bool learnt = relative < options_.learnt_share * prior_.sigma / prior_.mean;
   if (!given_value_ && !(learnt && relative < options_.known_sigma)) return;
   out.friction = bounds_ ? std::clamp(friction.mean, bounds_->low, bounds_->high) : friction.mean;
   out.friction_sigma = friction.sigma;
@@ -94,19 +94,27 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   // What happened before the frame matters for friction only. Given as a value, it needs neither.
   const bool by_forces = given_value_ && !is_known(friction_filter_.history());
   if (!by_forces && !friction_filter_.understood()) return std::nullopt;
-  if (by_forces ? friction_filter_.shear_lost() : !friction_filter_.explained()) {
+  const bool turning = frame_estimate != nullptr && frame_estimate->turning;
+  const bool by_itself = turning && frame_estimate->in_model;  // needs no memory
+  if (by_forces || by_itself ? friction_filter_.shear_lost() : !friction_filter_.explained()) {
     if (out.health == Health::good) out.health = Health::unexplained;
     return std::nullopt;
   }
   const auto [load, load_sigma] = friction_filter_.traction_ratio();
   const MeanSigma friction = friction_filter_.grid().friction();
+  last_friction_ = friction.mean;
   give_friction(out);
+  const double relative = friction.sigma / friction.mean;
+  if (turning && !given_value_ && !(relative < options_.frame_known_sigma)) {
+    out.friction.reset();
+    out.friction_sigma.reset();
+  }
   MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
   if (bounds_)
     margin.mean = std::clamp(margin.mean, std::max(0.0, 1 - load / bounds_->low),
                              std::max(0.0, 1 - load / bounds_->high));
   margin.sigma = std::hypot(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
-  if (frame_estimate != nullptr && frame_estimate->turning && frame_estimate->in_model) {
+  if (by_itself) {
     // A frame that shows friction by itself has a better value of it than the frames before under a lighter
     // load, whose taxels nearly slipped.
     if (frame_estimate->friction_sigma < options_.frame_known_sigma * frame_estimate->friction) {
@@ -115,8 +123,10 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
     }
     return MeanSigma{frame_estimate->gamma, frame_estimate->sigma};
   }
-  const bool shaped = frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known) &&
-                      !frame_estimate->turning && !by_forces;
+  if (turning && !given_value_ && !(relative < options_.turning_known_sigma))
+    return MeanSigma{margin.mean, std::numeric_limits<double>::infinity()};
+  const bool shaped =
+      frame_estimate != nullptr && (!force_only_ || frame_estimate->profile.known) && !turning && !by_forces;
   const bool fallen = friction_filter_.fallen() && friction.sigma > options_.settled_sigma * friction.mean;
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has

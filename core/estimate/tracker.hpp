@@ -27,9 +27,13 @@ struct TrackerOptions {
   // Friction whose sigma is below this is given with an estimate; relative, 0.05 … 1. Too small: grip advice
   // comes late. Too large: it is advice from a guess.
   double known_sigma = 0.3;
-  // The same for friction by a single frame under torque; relative, 0.03 … 0.3. Too small: friction lags
+  // The same for friction under torque; relative, 0.03 … 0.3. Too small: friction lags
   // behind the frames. Too large: friction is given that is off by more than a tenth.
   double frame_known_sigma = 0.1;
+  // Memory of friction gives margins under a torque if its sigma is below this; relative, 0.1 … 0.4. Too
+  // small: loads that rise get no margin before taxels slip. Too large: friction that a light pull has shown
+  // gives heavier loads margins that are too safe.
+  double turning_known_sigma = 0.18;
   // Friction is learnt when frames have left less than this of the prior's relative sigma; 0.1 … 0.95. Too
   // small: friction is given late. Too large: the prior is given for friction.
   double learnt_share = 0.6;
@@ -81,8 +85,14 @@ class Tracker {
   void update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method, Estimate& out,
               const SlidingVerdict& course = {}) noexcept;
 
+  // As learnt in this grasp so far, or as given or expected.
+  double friction() const noexcept { return last_friction_; }
+
   // The contact was lost: what was learnt of this object is forgotten.
-  void forget() noexcept { friction_filter_.reset(); }
+  void forget() noexcept {
+    friction_filter_.reset();
+    last_friction_ = prior_.mean;
+  }
 
  private:
   // The margin by all frames up to this one; nullopt if they contradict every friction.
@@ -109,7 +119,8 @@ class Tracker {
   std::optional<Range> bounds_;  // of what is learnt
   TrackerOptions options_;
   FrictionFilter friction_filter_;
-  double prior_sigma_;  // of friction, relative
+  MeanSigma prior_;       // of friction
+  double last_friction_;  // its mean a frame ago
 };
 
 }  // namespace slipd

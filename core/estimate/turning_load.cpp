@@ -98,7 +98,27 @@ contact::LeastFriction TurningLoad::least_friction(const ContactPatch& patch) no
   return surface.least_friction(patch.shear_x_n, patch.shear_y_n, felt * patch.torque_nm);
 }
 
-TurningLoadResult TurningLoad::of(const ContactPatch& patch) noexcept {
+TurningLoadResult TurningLoad::of(const ContactPatch& patch, double friction) noexcept {
+  TurningLoadResult out = weigh(patch);
+  out.least_stuck = sticks_least(patch, out, friction);
+  return out;
+}
+
+// After a pull what sticks bears P - Q/mu, and traces of earlier loads are wiped where that falls below all
+// it was before (docs/theory.md §10.5). Loads far below the present one leave none that counts.
+bool TurningLoad::sticks_least(const ContactPatch& patch, const TurningLoadResult& load,
+                               double friction) noexcept {
+  const double stuck_n = patch.normal_n - load.pull_n / friction;
+  const double least_n = least_stuck_.normal_n - least_stuck_.pull_n / friction;
+  if (stuck_n <= least_n || load.pull_n > options_.grown * least_stuck_.pull_n) {
+    least_stuck_ = {patch.normal_n, load.pull_n};
+    return true;
+  }
+  const double noise_n = options_.stuck_sigmas * load.pull_sigma_n / friction;
+  return stuck_n <= least_n + options_.stuck_share * patch.normal_n + noise_n;
+}
+
+TurningLoadResult TurningLoad::weigh(const ContactPatch& patch) noexcept {
   TurningLoadResult out{.pull_n = patch.shear_n, .pull_sigma_n = patch.shear_sigma_n};
   const bool is_clear = clear(patch);
   if ((!is_clear && !outweighs(patch)) || !(patch.normal_n > 0) || !(patch.radius_m > 0)) {

@@ -70,6 +70,11 @@ struct TurningLoadOptions {
   // 5. Too small: regrips pass. Too large: after a light touch while the gripper closes, every grip is taken
   // for a regrip.
   double grown = 3;
+  // What sticks bears its least load within this share of P, and so many standard deviations of the pull;
+  // 0.01 … 0.1, 1 … 4. Too small: noise is taken for a trace of an earlier load. Too large: such traces are
+  // read as friction.
+  double stuck_share = 0.05;
+  double stuck_sigmas = 2;
 };
 
 enum class Turning : std::uint8_t {
@@ -89,6 +94,10 @@ struct TurningLoadResult {
   // Whether force and torque rose in a straight line at a constant grip since the contact began, and are at
   // their maximum.
   bool straight = true;
+  // Whether what sticks bears its least load in this grasp, P - Q'/mu for the pull Q': then the slip annulus
+  // goes over all traces of earlier loads. Not so in a grip that was tightened, until the load has grown as
+  // well.
+  bool least_stuck = true;
   // The motion in which the object would slide: its speed along the pull and its spin, for a power of
   // friction P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the
   // torque's sign. 0 where turning is none.
@@ -104,6 +113,7 @@ class TurningLoad {
     bent_ = false;
     most_ = {};
     way_ = {};
+    least_stuck_ = {};
   }
 
   // After reset(), if a load may be there already: its way is not known, and not straight, until reset().
@@ -113,10 +123,13 @@ class TurningLoad {
   }
 
   // `patch` is in contact. A sensor of one taxel has the torque in patch.torque_nm and the contact's radius
-  // in patch.radius_m, if both are known; its pressure is taken for Hertz's.
-  TurningLoadResult of(const ContactPatch& patch) noexcept;
+  // in patch.radius_m, if both are known; its pressure is taken for Hertz's. `friction`: as far as it is
+  // known, > 0; which load is the least that sticks depends on it where the grip has changed.
+  TurningLoadResult of(const ContactPatch& patch, double friction) noexcept;
 
  private:
+  TurningLoadResult weigh(const ContactPatch& patch) noexcept;
+  bool sticks_least(const ContactPatch& patch, const TurningLoadResult& load, double friction) noexcept;
   bool clear(const ContactPatch& patch) const noexcept;
   bool outweighs(const ContactPatch& patch) const noexcept;
   contact::LeastFriction least_friction(const ContactPatch& patch) noexcept;
@@ -145,6 +158,11 @@ class TurningLoad {
     bool straight = true;
   };
   Way way_;
+  // The frame at which what sticks bore the least.
+  struct Stuck {
+    double normal_n = 0, pull_n = 0;
+  };
+  Stuck least_stuck_;
 };
 
 }  // namespace slipd

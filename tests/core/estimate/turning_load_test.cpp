@@ -75,7 +75,7 @@ TEST(TurningLoad, IsThePullItselfWhereNoiseMayBeAllOfTheTorque) {
     for (int i = 0; i < 50; ++i) {
       const auto& patch =
           finder.find(maker.make(contact, 3e-4, 1e-4, 0.1 * i, noise, synthetic::Noise::sensor));
-      const TurningLoadResult now = load.of(patch);
+      const TurningLoadResult now = load.of(patch, 0.5);
       EXPECT_EQ(now.turning, Turning::none);
       EXPECT_EQ(now.pull_n, patch.shear_n);
       EXPECT_EQ(now.pull_sigma_n, patch.shear_sigma_n);
@@ -99,7 +99,7 @@ TEST(TurningLoad, AnObjectThatSlidesAboutAnyCentreAsksForAllOfFriction) {
     for (const double shift : {0.0, 10.0, 40.0, 200.0}) {
       const ContactPatch& patch = finder.find(
           frames.make({.center_x_m = 2e-4, .shift_x = 0.6 * shift, .shift_y = -0.8 * shift, .turn = 60}));
-      const TurningLoadResult now = load.of(patch);
+      const TurningLoadResult now = load.of(patch, 0.5);
       EXPECT_EQ(now.turning, shift < 100 ? Turning::bending : now.turning);
       EXPECT_NEAR(now.pull_n / (0.5 * patch.normal_n), 1, at.tolerance) << at.layout.size() << ' ' << shift;
     }
@@ -118,7 +118,7 @@ TEST(TurningLoad, ForceVectorsWithATorqueUseTheRadiusThatIsGiven) {
   patch.torque_sigma_nm = 1e-5;
   // With mu = 0.5: Q/(mu P) = 0.34 and T/(mu P a) = 0.236, so a little more than by an ellipsoid.
   const double ellipsoid = std::hypot(0.34, 0.236 * 16 / (3 * std::numbers::pi));
-  const double share = load.of(patch).pull_n / (0.5 * patch.normal_n);
+  const double share = load.of(patch, 0.5).pull_n / (0.5 * patch.normal_n);
   EXPECT_GT(share, ellipsoid);
   EXPECT_LT(share, 1.06 * ellipsoid);
 }
@@ -139,7 +139,7 @@ TEST(TurningLoad, OnFewTaxelsATorqueThatOutweighsThePullIsCountedOrCoveredBySigm
       patch.shear_n = patch.shear_x_n = pull_share * patch.normal_n;
       patch.shear_y_n = 0;
       patch.shear_sigma_n = 0.01 * patch.normal_n;
-      return load.of(patch);
+      return load.of(patch, 0.5);
     };
     const TurningLoadResult counted = with(2, 0.02), covered = with(1, 0.02), pulled = with(1, 0.4);
     EXPECT_EQ(counted.pull_n > 2 * 0.02 * patch.normal_n, coarse);
@@ -159,7 +159,7 @@ TEST(TurningLoad, AllocatesNothing) {
   const ContactPatch& patch = finder.find(frames.make({.shift_x = 0.5, .turn = 0.9}));
   const std::uint64_t before = test::allocations();
   ContactPatch loaded = patch;
-  loaded.shear_n = load.of(patch).pull_n;
+  loaded.shear_n = load.of(patch, 0.5).pull_n;
   const FrameEstimate estimate = slipping.estimate(loaded);
   EXPECT_EQ(test::allocations(), before);
   EXPECT_TRUE(estimate.in_model);
@@ -189,7 +189,7 @@ TEST_P(SlippingTaxelsUnderNoise, TellFrictionFromForceAndTorqueOrNothing) {
                          .noise = noise};
     const ContactPatch& patch = finder.find(frames.make(contact));
     ContactPatch loaded = patch;
-    const TurningLoadResult now = load.of(patch);
+    const TurningLoadResult now = load.of(patch, 0.5);
     loaded.shear_n = now.pull_n;
     loaded.shear_sigma_n = now.pull_sigma_n;
     const FrameEstimate out = slipping.estimate(loaded);
@@ -218,7 +218,7 @@ TEST(TurningLoad, SaysWhetherTheLoadCameInAStraightLine) {
   const auto pull_and_turn = [&](double pull_n, double torque_nm) {
     patch.shear_x_n = patch.shear_n = pull_n;
     patch.torque_nm = torque_nm;
-    return load.of(patch).straight;
+    return load.of(patch, 0.5).straight;
   };
   for (int i = 0; i <= 100; ++i) EXPECT_TRUE(pull_and_turn(0.004 * i, 1.2e-5 * i)) << i;
   EXPECT_FALSE(pull_and_turn(0.3, 9e-4)) << "fallen";
@@ -246,7 +246,7 @@ TEST(TurningLoad, SeesALoadReachItsMaximumAgainAfterTheGripHasChanged) {
       patch.radius_m = 3.8e-3 * std::cbrt(by_grip);
       patch.shear_x_n = patch.shear_n = 0.2 * share;
       patch.torque_nm = 4e-3 * share;
-      return load.of(patch).risen;
+      return load.of(patch, 0.5).risen;
     };
     for (int i = 1; i <= 100; ++i) EXPECT_TRUE(hold(1, 0.01 * i)) << i;
     EXPECT_FALSE(hold(grip, 0.9)) << grip;
@@ -256,6 +256,32 @@ TEST(TurningLoad, SeesALoadReachItsMaximumAgainAfterTheGripHasChanged) {
     EXPECT_FALSE(hold(1, 0.9)) << grip;
     EXPECT_TRUE(hold(1, 1)) << grip;
   }
+}
+
+// Mindlin and Deresiewicz: what sticks bears P - Q/mu, and slip goes over all traces once that is less than
+// ever before.
+TEST(TurningLoad, SaysWhenWhatSticksBearsItsLeastLoad) {
+  constexpr double kFriction = 0.5;
+  ContactPatch patch;
+  patch.in_contact = true;
+  patch.radius_m = 3e-3;
+  patch.shear_sigma_n = 1e-4;
+  TurningLoad load(TaxelLayout::wrench(0.01));
+  const auto sticks_least = [&](double normal_n, double pull_n) {
+    patch.normal_n = normal_n;
+    patch.shear_x_n = patch.shear_n = pull_n;
+    return load.of(patch, kFriction).least_stuck;
+  };
+  for (int i = 1; i <= 100; ++i) sticks_least(0.02 * i, 0);
+  for (int i = 1; i <= 60; ++i) EXPECT_TRUE(sticks_least(2, 0.01 * i)) << i;  // what sticks bears 0.8 N
+  EXPECT_FALSE(sticks_least(2, 0.5)) << "fallen";
+  EXPECT_TRUE(sticks_least(2, 0.6));
+  EXPECT_FALSE(sticks_least(3, 0.6)) << "tightened";
+  EXPECT_FALSE(sticks_least(3, 0.95)) << "risen, but 1.1 N stick";
+  EXPECT_TRUE(sticks_least(3, 1.1));
+  EXPECT_TRUE(sticks_least(2.5, 1.0)) << "eased: 0.5 N stick";
+  load.reset();
+  EXPECT_TRUE(sticks_least(3, 0.6)) << "a new grasp";
 }
 
 }  // namespace

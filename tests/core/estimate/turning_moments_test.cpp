@@ -68,7 +68,7 @@ TEST_P(TurningMomentsOn, GiveAContactThatSticksAllOverNearlyAllOfItsMarginFromAP
   for (const double mix : {0.3, 0.8, 1.2, std::numbers::pi / 2}) {
     TurningLoad load(layout);
     ContactPatch patch = finder.find(contact.make(0.05 * std::cos(mix), 0.05 * std::sin(mix), 0.002));
-    const TurningLoadResult now = load.of(patch);
+    const TurningLoadResult now = load.of(patch, 0.5);
     ASSERT_EQ(now.turning, Turning::bending) << mix;
     patch.shear_n = now.pull_n;
     const FrameEstimate estimate = moments.estimate(patch, now);
