@@ -76,8 +76,7 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   const bool corrected = layout.regular().has_value() && patch.interpolated == 0;
   const GridAliasing aliasing(layout.side_m(), patch.center_x_m - layout.x_m()[0],
                               patch.center_y_m - layout.y_m()[0]);
-  const double mean_p = p2 / p - spread - (corrected ? aliasing.of_dome_m2(patch.radius_m) : 0),
-               mean_q = q2 / q - spread;
+  const double mean_p = p2 / p - spread, mean_q = q2 / q - spread;
   if (!(mean_p > 0)) return out;
   out.value = mean_q / mean_p;
   if (patch.cut) return out;
@@ -88,9 +87,9 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   out.gamma = gamma_of_moment_ratio(out.value);
   if (corrected) {
     constexpr int kRounds = 2;  // the correction depends on Gamma by much less than Gamma's own range
-    const double radius_m = std::sqrt(2.5 * mean_p);
+    const double dome_m2 = mean_p - aliasing.of_dome_m2(patch.radius_m), radius_m = std::sqrt(2.5 * dome_m2);
     for (int round = 0; round < kRounds; ++round) {
-      out.value = (mean_q - aliasing.of_shear_m2(radius_m, out.gamma)) / mean_p;
+      out.value = (mean_q - aliasing.of_shear_m2(radius_m, out.gamma)) / dome_m2;
       out.gamma = gamma_of_moment_ratio(out.value);
     }
   }
