@@ -143,6 +143,11 @@ bool FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   history_.classify(force_only_ ? traction_ratio_.is_highest(load, patch.shear_sigma_n / patch.normal_n)
                                 : looks_monotonic(patch.normal_n, load));
   grasp_.other_history |= !is_monotonic(history());
+  const contact::ShearMoments& common = frame_estimate.moments_common_sigma;
+  contact::ShearMoments& locked_in = grasp_.locked_in_sigma;
+  if (is_monotonic(history())) locked_in = {};
+  locked_in = {std::max(locked_in.slip_moment_n, common.slip_moment_n),
+               std::max(locked_in.second_legendre_n, common.second_legendre_n)};
   const bool as_monotonic = is_monotonic(history()) && frame_estimate.in_model;
   if (!force_only_ && is_known(history())) detect_fall(patch, frame_estimate);
   PerFriction residuals;  // the first grid_.count() of them
@@ -157,7 +162,7 @@ bool FrictionFilter::weigh_frame(const ContactPatch& patch, const FrameEstimate&
   }
   part_errors(patch);
   return take_evidence(
-      residuals, as_monotonic,
+      residuals, as_monotonic && frame_estimate.sigma < options_.confirming_sigma,
       as_monotonic ? share_of_margin(load, frame_estimate) : share_of_moments(patch, frame_estimate));
 }
 
@@ -204,8 +209,8 @@ double FrictionFilter::share_of_margin(double load, const FrameEstimate& frame_e
 // Of a frame's slip moment, over Q.
 double FrictionFilter::share_of_moments(const ContactPatch& patch,
                                         const FrameEstimate& frame_estimate) noexcept {
-  const double all = square(frame_estimate.moments_sigma.slip_moment_n / patch.shear_n),
-               grid = frame_estimate.moments_common_sigma.slip_moment_n / patch.shear_n,
+  const double all = square(with_locked_in(frame_estimate).slip_moment_n / patch.shear_n),
+               grid = grasp_.locked_in_sigma.slip_moment_n / patch.shear_n,
                usual = grasp_.of_moments.usual(grid, options_.common_gain),
                model = square(options_.model_sigma_share * options_.uneven_share);
   return grasp_.of_moments.add(square(usual) + model,
@@ -263,7 +268,8 @@ void FrictionFilter::compare_margin(const ContactPatch& patch, const FrameEstima
 
 void FrictionFilter::compare_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                                      PerFriction& residuals) noexcept {
-  const contact::ShearMoments &seen = frame_estimate.moments, &noise = frame_estimate.moments_sigma;
+  const contact::ShearMoments& seen = frame_estimate.moments;
+  const contact::ShearMoments noise = with_locked_in(frame_estimate);
   const double sign = forces_.axis().cosine(patch);
   // The model's error is the same in every frame: within it a frame distinguishes nothing.
   const double locked_in_n = std::max(std::fabs(seen.slip_moment_n), std::fabs(seen.second_legendre_n));
@@ -281,6 +287,17 @@ void FrictionFilter::compare_moments(const ContactPatch& patch, const FrameEstim
         squared(seen.slip_moment_n - sign * expected.slip_moment_n, noise.slip_moment_n) +
         squared(seen.second_legendre_n - sign * expected.second_legendre_n, noise.second_legendre_n);
   }
+}
+
+// What taxels make of traction that a heavier load has locked in stays while the load falls.
+contact::ShearMoments FrictionFilter::with_locked_in(const FrameEstimate& frame_estimate) const noexcept {
+  const contact::ShearMoments &all = frame_estimate.moments_sigma, &own = frame_estimate.moments_common_sigma,
+                              &most = grasp_.locked_in_sigma;
+  const auto add = [](double sigma_n, double own_n, double most_n) {
+    return std::sqrt(square(sigma_n) + std::max(0.0, square(most_n) - square(own_n)));
+  };
+  return {add(all.slip_moment_n, own.slip_moment_n, most.slip_moment_n),
+          add(all.second_legendre_n, own.second_legendre_n, most.second_legendre_n)};
 }
 
 // A friction lower than what was seen to hold was not there all along: if it is there now, it has just
@@ -304,7 +321,8 @@ void FrictionFilter::doubt_likeliest(const FrameEstimate& frame_estimate, double
 
 // Bayes: half of each friction's squared residual is taken from its log weight, unless nothing explains the
 // frame.
-bool FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept {
+bool FrictionFilter::take_evidence(const PerFriction& residuals, bool confirms_monotonic,
+                                   double share) noexcept {
   const double likeliest = residuals[grid_.likeliest()];
   const double least =
       *std::min_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(grid_.count()));
@@ -322,7 +340,7 @@ bool FrictionFilter::take_evidence(const PerFriction& residuals, bool as_monoton
     grid_.reset();
   }
   if (grasp_.surprised || doubted()) forget_common();
-  history_.explained(as_monotonic);
+  history_.explained(confirms_monotonic);
   const double half = 0.5 * share;
   for (std::size_t j = 0; j < grid_.count(); ++j) grid_.take(j, half * (residuals[j] - least));
   return true;

@@ -147,6 +147,8 @@ class FrictionFilter {
     EvidenceDiscount discount;
     CommonError of_margins, of_moments;
     SlipMoment slip_moment;
+    // The most, since the load was last monotonic, of what taxels make of shear moments, N.
+    contact::ShearMoments locked_in_sigma;
     bool fallen = false;                                 // see fallen()
     bool other_history = false;                          // the load was not monotonic once
     double evidence_normal_n = 0, evidence_shear_n = 0;  // forces of the last frame that was weighed
@@ -176,9 +178,10 @@ class FrictionFilter {
                       PerFriction& residuals) const noexcept;
   void compare_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate,
                        PerFriction& residuals) noexcept;
+  contact::ShearMoments with_locked_in(const FrameEstimate& frame_estimate) const noexcept;
   void doubt_likeliest(const FrameEstimate& frame_estimate, double sign, double open_n) noexcept;
   // False if no friction explains the frame.
-  bool take_evidence(const PerFriction& residuals, bool as_monotonic, double share) noexcept;
+  bool take_evidence(const PerFriction& residuals, bool confirms_monotonic, double share) noexcept;
   void part_errors(const ContactPatch& patch) noexcept;
   double share_of_margin(double load, const FrameEstimate& frame_estimate) noexcept;
   double share_of_moments(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/estimate/grid_aliasing.hpp"
 #include "core/patch/rings.hpp"
 #include "core/simd/instruction_sets.hpp"
 
@@ -72,6 +73,9 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   if (!(p > 0 && q > 0)) return out;
   out.load = q / p;
   const double spread = layout.area_m2() / 6;  // a square's own <r^2>, in each of the sums
+  const bool corrected = layout.regular().has_value() && patch.interpolated == 0;
+  const GridAliasing aliasing(layout.side_m(), patch.center_x_m - layout.x_m()[0],
+                              patch.center_y_m - layout.y_m()[0]);
   const double mean_p = p2 / p - spread, mean_q = q2 / q - spread;
   if (!(mean_p > 0)) return out;
   out.value = mean_q / mean_p;
@@ -80,12 +84,20 @@ MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
   const double from_q = noise_of_mean(patch.noise_shear_pa, q, mean_q, r2, r4, n),
                from_p = noise_of_mean(patch.noise_normal_pa, p, mean_p, r2, r4, n);
   out.deviation = hertz_deviation(sums, patch, layout.side_m(), options.deviation);
-  const double coarse = layout.side_m() / patch.radius_m;
   out.gamma = gamma_of_moment_ratio(out.value);
+  if (corrected) {
+    constexpr int kRounds = 2;  // the correction depends on Gamma by much less than Gamma's own range
+    const double dome_m2 = mean_p - aliasing.of_dome_m2(patch.radius_m), radius_m = std::sqrt(2.5 * dome_m2);
+    for (int round = 0; round < kRounds; ++round) {
+      out.value = (mean_q - aliasing.of_shear_m2(radius_m, out.gamma)) / dome_m2;
+      out.gamma = gamma_of_moment_ratio(out.value);
+    }
+  }
+  const double coarse = layout.side_m() / patch.radius_m;
   const double rim = std::hypot(options.rim_error * coarse * coarse * coarse,
                                 ring_error(coarse, out.gamma, options)),
                grid = rim + options.moments_floor;
-  out.common_sigma = rim + options.ratio_floor;
+  out.common_sigma = (corrected ? options.corrected_share : 1) * rim + options.ratio_floor;
   out.sigma = std::hypot(std::hypot(from_q, out.value * from_p) / mean_p, out.common_sigma);
 
   // In u = r^2/a^2, with a from the pressure, <r^2>_p = 2 a^2/5: the slip moment Q (5/3 - 5/2 <u>) and the

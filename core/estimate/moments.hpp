@@ -32,6 +32,11 @@ struct MomentRatioOptions {
   // of light loads.
   double ring_error = 0.3;
   double ring_width = 0.45;
+  // Share of both that is left where GridAliasing corrects the ratio: regular grids without a dead taxel in
+  // the contact; 0.15 … 1. The correction itself leaves 0.15; the rest is for taxels that do not feel exactly
+  // the mean over their square. Too small: sigma is less than the error after a regrip or an unloading
+  // (`sliplab coverage --grasps 30 --of histories`). Too large: alerts come early.
+  double corrected_share = 0.6;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
   double ratio_floor = 0.0007;
   // Floor of the shear moments' sigmas, of the shear; 0 … 0.02. Too small: the friction filter believes one

@@ -173,6 +173,21 @@ TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesB
   EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
 }
 
+// Such frames fit any history.
+TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
+  FrictionFilter filter(kPrior, false);
+  FrameEstimate estimate = monotonic_frame(0.4);
+  std::int64_t time_ns = 0;
+  const auto see = [&](double sigma) {
+    estimate.sigma = sigma;
+    for (int i = 0; i < 100; ++i) filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
+  };
+  see(0.25);  // from its first frame on loaded, and so assumed monotonic
+  EXPECT_EQ(filter.history(), HistoryState::assumed_monotonic);
+  see(0.05);
+  EXPECT_EQ(filter.history(), HistoryState::monotonic);
+}
+
 TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
   FrictionFilter filter(kPrior, true);
   std::int64_t time_ns = 0;
