@@ -133,7 +133,8 @@ class Converter {
                                                               {"registered", MethodChoice::registered},
                                                               {"moments", MethodChoice::moments},
                                                               {"fit", MethodChoice::fit},
-                                                              {"closing", MethodChoice::closing}};
+                                                              {"closing", MethodChoice::closing},
+                                                              {"block-fit", MethodChoice::block_fit}};
     s.estimator = {.method = kMethods.at(in["method"]),
                    .budget_us = in["budget_us"],
                    .rank = in["rank"],

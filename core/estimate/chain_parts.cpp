@@ -18,8 +18,8 @@
 namespace slipd {
 namespace {
 
-std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
-  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
+std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& options = {}) {
+  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), options,
                                setup.scene.skin.depth_m, setup.scene.skin.depth_sigma);
 }
 
@@ -32,11 +32,12 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
   // Differs from the seed of training, 1, so that the contacts are new ones.
   constexpr std::uint64_t kSeed = 2;
   std::vector<std::unique_ptr<SlipMethod>> methods;
-  methods.push_back(std::make_unique<Moments>(setup.layout));
-  methods.push_back(make_fit(setup));
-  work_precision.processor = processor_name();
   Scene scene = setup.scene;
   if (scene.objects.empty()) scene.objects = paper_objects();
+  methods.push_back(std::make_unique<Moments>(setup.layout));
+  if (blocks_pay(setup.layout, scene)) methods.push_back(make_fit(setup, FitOptions::in_blocks()));
+  methods.push_back(make_fit(setup));
+  work_precision.processor = processor_name();
   std::vector<SlipMethod*> all;
   all.reserve(methods.size());
   for (const auto& method : methods) all.push_back(method.get());
@@ -93,6 +94,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
       return choose_method(setup, work_precision);
     case MethodChoice::fit:
       return make_fit(setup);
+    case MethodChoice::block_fit:
+      return make_fit(setup, FitOptions::in_blocks());
     case MethodChoice::closing:
       return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
     case MethodChoice::moments:

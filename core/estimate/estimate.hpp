@@ -29,7 +29,8 @@ enum class Method : std::uint8_t {
   moments,
   fit,
   friction,
-  closing
+  closing,
+  block_fit
 };  // friction: 1 - (Q/P)/mu
 
 std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …

@@ -20,6 +20,11 @@ double peak_pressure(const ContactPatch& patch) noexcept {
   return 1.5 * patch.normal_n / (std::numbers::pi * patch.radius_m * patch.radius_m);
 }
 
+std::optional<SquareBlocks> blocks_of(const TaxelLayout& layout, double along_radius) {
+  if (!(along_radius > 0) || layout.size() <= Fit::kFewTaxels || !SquareBlocks::fits(layout)) return {};
+  return SquareBlocks(layout, along_radius);
+}
+
 }  // namespace
 
 Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, double skin_depth_m,
@@ -27,15 +32,18 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& o
     : layout_(layout),
       options_(options),
       prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
-      sheet_(layout.size(), layout.side_m()),
+      blocks_(blocks_of(layout, options.blocks_along_radius)),
+      sheet_(blocks_ ? 0 : layout.size(), layout.side_m()),
       imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma),
       under_skin_(skin_depth_m > 0) {
-  for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(layout.size());
+  if (blocks_) lattice_.emplace(blocks_->most_along());
+  const std::size_t most = blocks_ ? blocks_->most_along() * blocks_->most_along() : layout.size();
+  for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(most);
   for (auto* sheet : {&outer_, &inner_}) {
-    for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(layout.size());
+    for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(most);
   }
-  slopes_.resize(2 * static_cast<Eigen::Index>(layout.size()), kUnknowns);
-  residuals_.resize(2 * static_cast<Eigen::Index>(layout.size()));
+  slopes_.resize(2 * static_cast<Eigen::Index>(most), kUnknowns);
+  residuals_.resize(2 * static_cast<Eigen::Index>(most));
 }
 
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
@@ -55,6 +63,37 @@ void Fit::collect(const ContactPatch& patch) noexcept {
   }
 }
 
+void Fit::collect_blocks(const ContactPatch& patch, double along_radius) noexcept {
+  blocks_->sum(patch, along_radius);
+  lattice_->set({.left_m = blocks_->left_m(),
+                 .bottom_m = blocks_->bottom_m(),
+                 .side_m = blocks_->side_m(),
+                 .rows = blocks_->rows()});
+  count_ = blocks_->size();
+  std::copy_n(blocks_->x_m().begin(), count_, x_.begin());
+  std::copy_n(blocks_->y_m().begin(), count_, y_.begin());
+  std::copy_n(blocks_->normal_pa().begin(), count_, p_.begin());
+  std::copy_n(blocks_->shear_pa().begin(), count_, q_.begin());
+}
+
+// A block's noise is that of the mean of its taxels.
+void Fit::set_noise(const ContactPatch& patch) noexcept {
+  const double floor_pa = options_.noise_floor * peak_pressure(patch);
+  const double averaged = blocks_ ? static_cast<double>(blocks_->taxels_along()) : 1;
+  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa) / averaged;
+  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / averaged;
+}
+
+void Fit::fill_sheet(double x, const Vector& at, Sheet& out) noexcept {
+  const std::span<double> value(out.value.data(), count_), d_x(out.d_x.data(), count_),
+      d_u(out.d_u.data(), count_), d_v(out.d_v.data(), count_);
+  if (lattice_) {
+    lattice_->evaluate(x, at[center_x], at[center_y], value, d_x, d_u, d_v);
+  } else {
+    sheet_.evaluate(x, {u_.data(), count_}, {v_.data(), count_}, value, d_x, d_u, d_v);
+  }
+}
+
 Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
   const double a = patch.radius_m;
   Vector at;
@@ -69,17 +108,12 @@ Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) cons
 double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept {
   const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, b = at[height], t = at[load];
   const double a = at[radius];
-  const std::span<double> u(u_.data(), count_), v(v_.data(), count_);
   for (std::size_t i = 0; i < count_; ++i) {
-    u[i] = x_[i] - at[center_x];
-    v[i] = y_[i] - at[center_y];
+    u_[i] = x_[i] - at[center_x];
+    v_[i] = y_[i] - at[center_y];
   }
-  const auto sheet = [&](double x, Sheet& out) {
-    sheet_.evaluate(x, u, v, {out.value.data(), count_}, {out.d_x.data(), count_}, {out.d_u.data(), count_},
-                    {out.d_v.data(), count_});
-  };
-  sheet(a, outer_);
-  sheet(k * a, inner_);
+  fill_sheet(a, at, outer_);
+  fill_sheet(k * a, at, inner_);
 
   using Values = Eigen::Map<const Eigen::ArrayXd>;
   const auto n = static_cast<Eigen::Index>(count_);
@@ -191,9 +225,7 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, FrameEstimate&
   Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
     const double gamma = MarginProfile::gamma_of(j);
-    sheet_.evaluate(std::cbrt(gamma) * at[radius], {u_.data(), count_}, {v_.data(), count_},
-                    {inner_.value.data(), count_}, {inner_.d_x.data(), count_}, {inner_.d_u.data(), count_},
-                    {inner_.d_v.data(), count_});
+    fill_sheet(std::cbrt(gamma) * at[radius], at, inner_);
     ring = (outer - ring) * (at[height] / (1 - gamma));
     const double square = ring.square().sum(), product = (ring * q).sum();
     const double t = std::max(options_.min_traction_ratio, product / square);
@@ -203,7 +235,7 @@ void Fit::weigh_by_prior(const Vector& at, const Square& hessian, FrameEstimate&
   weigh_profile(friction, prior_, out);
 }
 
-Fit::Minimum Fit::minimise(const Vector& start) noexcept {
+Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcept {
   Minimum best{start, {}, false};
   Vector gradient, trial_gradient;
   Square trial_hessian;
@@ -226,13 +258,48 @@ Fit::Minimum Fit::minimise(const Vector& start) noexcept {
       gradient = trial_gradient;
       best.hessian = trial_hessian;
       damping = std::max(options_.min_damping, damping / options_.damping_factor);
-      best.converged = moved_sigmas < options_.converged_sigmas;
+      best.converged = moved_sigmas < converged_sigmas;
     } else {
       damping *= options_.damping_factor;
       best.converged = damping > options_.max_damping;
     }
   }
   return best;
+}
+
+Fit::Minimum Fit::minimise_blocks(const ContactPatch& patch, const Vector& start) noexcept {
+  Minimum best = minimise(start, options_.first_converged_sigmas);
+  collect_blocks(patch, options_.blocks_along_radius);
+  set_noise(patch);
+  if (best.converged && take_last_step(best)) return best;
+  return minimise(best.converged ? best.at : start, options_.converged_sigmas);
+}
+
+bool Fit::take_last_step(Minimum& minimum) noexcept {
+  Vector gradient;
+  evaluate(minimum.at, gradient, minimum.hessian);
+  const Vector step = -minimum.hessian.ldlt().solve(gradient);
+  const double squares = -step.dot(gradient);  // of its length in standard deviations
+  Vector at = minimum.at + step;
+  at[margin] = std::clamp(at[margin], options_.min_gamma, options_.max_gamma);
+  const double most = options_.most_last_step_sigmas;
+  if (!at.allFinite() || !(squares < most * most) || !(at[radius] > 0)) return false;
+  const auto move = [&](Sheet& sheet, double by_radius) {
+#pragma omp simd
+    for (std::size_t i = 0; i < count_; ++i) {
+      sheet.value[i] +=
+          by_radius * sheet.d_x[i] - step[center_x] * sheet.d_u[i] - step[center_y] * sheet.d_v[i];
+    }
+  };
+  move(outer_, step[radius]);
+  move(inner_, std::cbrt(at[margin]) * at[radius] - std::cbrt(minimum.at[margin]) * minimum.at[radius]);
+  for (std::size_t i = 0; i < count_; ++i) {
+    u_[i] -= step[center_x];
+    v_[i] -= step[center_y];
+  }
+  minimum.at = at;
+  ++steps_;
+  return true;
 }
 
 bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept {
@@ -257,10 +324,12 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstim
 FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   FrameEstimate out;
   if (under_skin_) return imprint_.estimate(patch, moment_ratio(patch, layout_, options_.ratio));
-  collect(patch);
-  const double floor_pa = options_.noise_floor * peak_pressure(patch);
-  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa);
-  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n);
+  if (blocks_) {
+    collect_blocks(patch, options_.first_blocks_along_radius);
+  } else {
+    collect(patch);
+  }
+  set_noise(patch);
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
@@ -269,7 +338,8 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
     return imprint_.estimate(patch, ratio);
   const Vector first = start(patch, ratio);
   if (!(first[load] > 0) || count_ < kUnknowns) return out;
-  const Minimum minimum = minimise(first);
+  const Minimum minimum =
+      blocks_ ? minimise_blocks(patch, first) : minimise(first, options_.converged_sigmas);
   const Vector& at = minimum.at;
   if (layout_.size() <= kFewTaxels) {  // so few have no parabola: only the whole profile means anything
     Vector gradient;

@@ -13,6 +13,18 @@ struct FitOptions {
   MomentRatioOptions ratio;
   FrictionPriorOptions prior;
 
+  // The taxels of a grid are summed in square blocks, so many along the contact's radius or up to twice as
+  // many (SquareBlocks); 6 … 16; 0: each taxel by itself. Too small: margins are less exact. Too large: costs
+  // time.
+  double blocks_along_radius = 0;
+  // The same of the blocks on which such a fit takes all steps but the last one; 3 … 6. Too small: the last
+  // step starts far from the minimum. Too large: costs time.
+  double first_blocks_along_radius = 4;
+  // converged_sigmas on those; 0.01 … 0.5. Too small: more steps, for nothing. Too large: as above.
+  double first_converged_sigmas = 0.2;
+  // Length of the last step from which on one does not do; standard deviations, 2 … 10. Too small: costs
+  // time. Too large: what is not linear in the unknowns shows.
+  double most_last_step_sigmas = 6;
   // Range of Gamma within which the fit searches; 1e-9 … 0.01 and 0.99 … 1. Too wide: the normal equations
   // are singular at the ends. Too narrow: answers near the ends are drawn inwards.
   double min_gamma = 1e-6;
@@ -71,6 +83,13 @@ struct FitOptions {
   double min_profile_share = 0.1;
   // The least traction ratio of a profile's point; 1e-9 … 1e-3. Keeps its friction above 0.
   double min_traction_ratio = 1e-6;
+
+  // Those of method `block-fit`.
+  static FitOptions in_blocks() {
+    FitOptions options;
+    options.blocks_along_radius = 8;
+    return options;
+  }
 };
 
 }  // namespace slipd

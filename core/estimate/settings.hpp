@@ -8,7 +8,7 @@
 
 namespace slipd {
 
-enum class MethodChoice : std::uint8_t { automatic, svd_knn, registered, moments, fit, closing };
+enum class MethodChoice : std::uint8_t { automatic, svd_knn, registered, moments, fit, closing, block_fit };
 
 struct EstimatorSettings {
   MethodChoice method = MethodChoice::automatic;

@@ -14,6 +14,7 @@
 #include "core/estimate/thread_clock.hpp"
 #include "core/model/dataset.hpp"
 #include "core/numeric/random.hpp"
+#include "core/patch/square_blocks.hpp"
 
 namespace slipd {
 namespace {
@@ -127,6 +128,10 @@ WorkPrecision measure_work_precision(const std::vector<std::shared_ptr<const Mod
   for (const auto& model : models) trained.emplace_back(model);
   trained.emplace_back(models.front(), Precision::double_precision);
   std::vector<SlipMethod*> methods{&moments, &fit};
+  std::optional<Fit> in_blocks;
+  if (blocks_pay(setup.layout, setup.scene))
+    methods.push_back(
+        &in_blocks.emplace(setup.layout, expected_friction(setup.scene), FitOptions::in_blocks()));
   for (SvdKnn& each : trained) methods.push_back(&each);
   return {measure_tradeoff(setup.layout, setup.scene, methods, NoiseKind::relative, setup.scene.noise,
                            contacts, seed),
@@ -144,10 +149,19 @@ WorkPrecision measure_work_precision(const ChainSetup& setup, Method method) {
             processor_name()};
   };
   if (method == Method::moments) return measured(Moments(setup.layout));
+  if (method == Method::block_fit)
+    return measured(Fit(setup.layout, expected_friction(setup.scene), FitOptions::in_blocks()));
   if (method == Method::fit)
     return measured(Fit(setup.layout, expected_friction(setup.scene), {}, setup.scene.skin.depth_m,
                         setup.scene.skin.depth_sigma));
   return {};
+}
+
+bool blocks_pay(const TaxelLayout& layout, const Scene& scene) {
+  constexpr double kTaxelsAcross = 2;  // of a first block
+  return layout.size() > Fit::kFewTaxels && SquareBlocks::fits(layout) &&
+         mean_contact_radius_m(scene) >
+             kTaxelsAcross * FitOptions::in_blocks().first_blocks_along_radius * layout.side_m();
 }
 
 std::string processor_name() {

@@ -40,6 +40,10 @@ WorkPrecision measure_work_precision(const std::vector<std::shared_ptr<const Mod
 // taxels, of which no single frame determines its margin.
 WorkPrecision measure_work_precision(const ChainSetup& setup, Method method);
 
+// Whether `block-fit` takes less time than `fit` on a scene worth telling: contacts are so many taxels wide,
+// on average, that blocks hold several. `scene` has objects.
+bool blocks_pay(const TaxelLayout& layout, const Scene& scene);
+
 std::string processor_name();  // of this machine, as its kernel says
 
 // The friction that a scene's objects may have; that of docs/theory.md §9.1 for a scene without objects.

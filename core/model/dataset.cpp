@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/contact/hertz.hpp"
 #include "core/numeric/random.hpp"
 
 namespace slipd {
@@ -43,6 +44,18 @@ ContactDraw draw_contact(const Scene& scene, std::uint64_t seed, std::size_t ind
           .poisson = within(kPoisson, family.poisson),
           .x_m = within(kX, offset),
           .y_m = within(kY, offset)};
+}
+
+double mean_contact_radius_m(const Scene& scene) {
+  constexpr std::size_t kDraws = 32;
+  double radius_m = 0;
+  for (std::size_t i = 0; i < kDraws; ++i) {
+    const ContactDraw draw = draw_contact(scene, 1, i);
+    const auto pair =
+        contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
+    radius_m += pair.contact_radius_m(draw.normal_n) / kDraws;
+  }
+  return radius_m;
 }
 
 }  // namespace slipd

@@ -34,6 +34,9 @@ inline constexpr DataSetSize kUnseenFirst{.contacts = 1600, .loads = 10};
 // or without any weight on them.
 ContactDraw draw_contact(const Scene& scene, std::uint64_t seed, std::size_t index);
 
+// The mean radius of a scene's contacts, m. Throws as draw_contact does.
+double mean_contact_radius_m(const Scene& scene);
+
 // Safety margin at load step `step` of `loads`: linear from 1 to 0; 1 if there is one step only.
 constexpr double gamma_of_step(std::size_t step, std::size_t loads) noexcept {
   return loads < 2 ? 1.0 : static_cast<double>(loads - 1 - step) / static_cast<double>(loads - 1);

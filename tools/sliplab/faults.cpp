@@ -26,11 +26,10 @@ struct FaultsOptions {
   std::vector<std::string> presets;
 };
 
-const std::map<std::string, MethodChoice> kFaultsMethods{{"svd-knn", MethodChoice::svd_knn},
-                                                         {"registered", MethodChoice::registered},
-                                                         {"moments", MethodChoice::moments},
-                                                         {"fit", MethodChoice::fit},
-                                                         {"auto", MethodChoice::automatic}};
+const std::map<std::string, MethodChoice> kFaultsMethods{
+    {"svd-knn", MethodChoice::svd_knn},     {"registered", MethodChoice::registered},
+    {"moments", MethodChoice::moments},     {"fit", MethodChoice::fit},
+    {"block-fit", MethodChoice::block_fit}, {"auto", MethodChoice::automatic}};
 
 // The method that this layout gets, by its name on the command line. `auto` compares methods by their speed:
 // that is done once, not for each grasp.

@@ -40,7 +40,8 @@ const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automa
                                                    {"registered", MethodChoice::registered},
                                                    {"moments", MethodChoice::moments},
                                                    {"fit", MethodChoice::fit},
-                                                   {"closing", MethodChoice::closing}};
+                                                   {"closing", MethodChoice::closing},
+                                                   {"block-fit", MethodChoice::block_fit}};
 
 struct MethodLine {
   std::size_t side = 0;

@@ -15,6 +15,7 @@ const kMethods = {
   registered: "compares the frame with trained ones, on rings about the contact's centre",
   moments: "the ratio of the second moments of shear and pressure; no training, the cheapest",
   fit: "fits the contact model to all taxels; its sigma follows from the fit; the most accurate",
+  "block-fit": "fits the contact model to taxels summed in square blocks; nearly as accurate, in a fifth of the time",
   closing: "compares the shear with pressures recorded while the gripper closed; any shape",
   friction: "margin from friction and forces: 1 − (Q/P)/μ",
 };

@@ -375,7 +375,7 @@ _NUMBERS = (("gamma", 1), ("sigma", 1), ("gamma_low", 1), ("friction", 1), ("fri
 _HEALTHS = ("good", "not_finite", "full_scale", "spike", "uniform", "wrong_scale", "saturated", "repeated", "frozen", "dead_normal",
             "dead_shear_x", "dead_shear_y", "dead_row", "time", "jump", "unexplained", "noisy")
 _CAUSES = (None, "margin", "sliding")
-_METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction", "closing")
+_METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction", "closing", "block-fit")
 _SLIDINGS = ("none", "disturbed", "translation", "rotation")
 _HEADER = struct.Struct("<8s6IQqI")
 _BOARD_VERSION, _BEATS_MISSED = 1, 10  # a heartbeat older than so many of its periods is that of a slipd that has stopped

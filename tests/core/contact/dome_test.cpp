@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/contact/averages.hpp"
+#include "core/contact/dome_lattice.hpp"
 #include "core/contact/dome_sheet.hpp"
 
 namespace slipd::contact {
@@ -59,6 +60,39 @@ TEST(DomeSheet, AgreesWithTheClosedFormFromFineGridsToATaxelLargerThanTheContact
         EXPECT_NEAR(value[i], dome_average(radius, u[i], v[i], side).value, 6e-5 * std::max(radius, 0.01));
         EXPECT_NEAR(d_x[i], dome_average(radius, u[i], v[i], side).d_x, 2e-3);
         EXPECT_NEAR(d_u[i], dome_average(radius, u[i], v[i], side).d_u, 2e-3);
+      }
+    }
+  }
+}
+
+TEST(DomeLattice, AgreesWithTheClosedFormOfEachSquare) {
+  constexpr std::size_t kMost = 12;
+  DomeLattice lattice(kMost);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 200; ++i) {
+    // Runs of any length, none as well, in any columns.
+    std::vector<TaxelRun> rows(1 + random() % kMost);
+    for (TaxelRun& run : rows) {
+      run.first = static_cast<std::uint32_t>(random() % kMost);
+      run.end = run.first + static_cast<std::uint32_t>(random() % (kMost - run.first + 1));
+    }
+    const double side = 0.05 + 0.3 * unit(random), left = -1.5 * unit(random), bottom = -1.5 * unit(random);
+    const double x = unit(random), center_x = 0.3 * unit(random), center_y = -0.2 * unit(random);
+    lattice.set({.left_m = left, .bottom_m = bottom, .side_m = side, .rows = rows});
+    std::vector<double> value(kMost * kMost), d_x(value), d_u(value), d_v(value);
+    lattice.evaluate(x, center_x, center_y, value, d_x, d_u, d_v);
+    std::size_t at = 0;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      for (std::uint32_t column = rows[row].first; column < rows[row].end; ++column, ++at) {
+        const DomeAverage mean =
+            dome_average(x, left + side * (column + 0.5) - center_x,
+                         bottom + side * (static_cast<double>(row) + 0.5) - center_y, side);
+        // Rounding of corners, over the square's area.
+        EXPECT_NEAR(value[at], mean.value, 1e-12);
+        EXPECT_NEAR(d_x[at], mean.d_x, 1e-11);
+        EXPECT_NEAR(d_u[at], mean.d_u, 1e-11);
+        EXPECT_NEAR(d_v[at], mean.d_v, 1e-11);
       }
     }
   }

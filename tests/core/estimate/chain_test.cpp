@@ -91,7 +91,8 @@ TEST_F(Chain, TheContactRadiusIsGivenRelativeToTheSkinRadiusToo) {
 }
 
 constexpr MethodChoice kChoices[] = {MethodChoice::automatic, MethodChoice::svd_knn, MethodChoice::registered,
-                                     MethodChoice::moments,   MethodChoice::fit,     MethodChoice::closing};
+                                     MethodChoice::moments,   MethodChoice::fit,     MethodChoice::closing,
+                                     MethodChoice::block_fit};
 
 ChainSetup setup_of(MethodChoice method, std::size_t columns, std::size_t rows) {
   ChainSetup setup = setup_16();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
@@ -16,17 +17,18 @@ using synthetic::Noise;
 constexpr Range kFriction{0.1, 0.9};
 
 struct Result {
-  double error = 0, right = 0, within_one = 0, within_two = 0, answered = 0;
+  double error = 0, right = 0, within_one = 0, within_two = 0, safer = 0, answered = 0;
 };
 
 // Contacts drawn as in docs/theory.md §9.1, up to 2 mm off the middle of a +-8 mm pad, Gamma uniform, exact
 // averages.
-Result try_contacts(std::size_t side, double noise, Noise kind, int contacts) {
+Result try_contacts(std::size_t side, double noise, Noise kind, int contacts,
+                    const FitOptions& options = {}) {
   std::mt19937_64 random(31);
   std::uniform_real_distribution<double> unit(0, 1);
   FrameMaker maker(TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side)));
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kFriction);
+  Fit fit(maker.layout(), kFriction, options);
   Result result;
   for (int i = 0; i < contacts; ++i) {
     contact::LoadHistory contact(synthetic::random_pair(random));
@@ -45,8 +47,9 @@ Result try_contacts(std::size_t side, double noise, Noise kind, int contacts) {
     result.right += slip_class(reading.gamma) == slip_class(gamma) ? 1 : 0;
     result.within_one += error < reading.sigma ? 1 : 0;
     result.within_two += error < 2 * reading.sigma ? 1 : 0;
+    result.safer += reading.gamma - gamma > 0.2 ? 1 : 0;
   }
-  for (double* value : {&result.error, &result.right, &result.within_one, &result.within_two})
+  for (double* value : {&result.error, &result.right, &result.within_one, &result.within_two, &result.safer})
     *value /= result.answered;
   result.answered /= contacts;
   return result;
@@ -132,6 +135,128 @@ TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
     fit.estimate(frame, finder.find(frame));
     EXPECT_EQ(test::allocations(), before);
     EXPECT_LE(fit.steps(), Fit::kMostSteps);
+  }
+}
+
+// The bounds are 1.5 times the Gaussian Cramér–Rao bound of all taxels, in brackets, and what so few contacts
+// scatter.
+TEST(BlockFit, ComesNearTheLimitOfAllTaxelsWithACorrectSigma) {
+  struct Case {
+    double noise;
+    Noise kind;
+    double most_error;
+  };
+  constexpr int kContacts = 200;
+  for (const auto& c : {Case{0.05, Noise::relative, 0.0014},   // [0.0008]
+                        Case{0.01, Noise::sensor, 0.0021},     // [0.0012]
+                        Case{0.05, Noise::sensor, 0.0095}}) {  // [0.0054]
+    SCOPED_TRACE(std::to_string(c.noise) + (c.kind == Noise::sensor ? " sensor" : " relative"));
+    const Result got = try_contacts(100, c.noise, c.kind, kContacts, FitOptions::in_blocks());
+    EXPECT_GT(got.answered, 0.98);
+    EXPECT_LT(got.error, c.most_error);
+    EXPECT_LT(got.safer, 0.01);
+    const auto scatter = [&](double share) { return 2 * std::sqrt(share * (1 - share) / kContacts); };
+    EXPECT_NEAR(got.within_one, 0.68, 0.05 + scatter(0.68));
+    EXPECT_NEAR(got.within_two, 0.95, 0.03 + scatter(0.95));
+  }
+}
+
+double by_noise(const FrameEstimate& of) {
+  return std::sqrt(of.sigma * of.sigma - of.common_sigma * of.common_sigma);
+}
+
+// Grids whose taxels are no whole number of blocks, contacts at their edges and beyond them, and dead taxels.
+TEST(BlockFit, AgreesWithTheFitOfAllTaxelsWithinSigma) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const bool dead : {false, true}) {
+    FrameMaker maker(TaxelLayout::grid(97, 71, 0.000144));
+    PatchFinder finder(maker.layout());
+    Fit fit(maker.layout(), kFriction), in_blocks(maker.layout(), kFriction, FitOptions::in_blocks());
+    std::vector<float> normal, x, y;
+    int answered = 0, beyond = 0;
+    constexpr int kContacts = 60;
+    for (int i = 0; i < kContacts; ++i) {
+      contact::LoadHistory contact(synthetic::random_pair(random));
+      const double force = 2 + 3 * unit(random), friction = 0.3 + 0.6 * unit(random);
+      contact.move_to(force, 0, friction);
+      contact.move_to(force, (0.1 + 0.7 * unit(random)) * friction * force, friction);
+      const Frame made = maker.make(contact, 0.006 * (2 * unit(random) - 1), 0.004 * (2 * unit(random) - 1),
+                                    6.28 * unit(random), 0.01, Noise::sensor);
+      normal.assign(made.normal_pa.begin(), made.normal_pa.end());
+      x.assign(made.shear_x_pa.begin(), made.shear_x_pa.end());
+      y.assign(made.shear_y_pa.begin(), made.shear_y_pa.end());
+      for (std::size_t taxel = 11; dead && taxel < normal.size(); taxel += 211)
+        normal[taxel] = x[taxel] = y[taxel] = 0;
+      const Frame frame{made.sequence, made.time_ns, normal, x, y};
+      const ContactPatch& patch = finder.find(frame);
+      ASSERT_TRUE(patch.in_contact);
+      const FrameEstimate all = fit.estimate(frame, patch), few = in_blocks.estimate(frame, patch);
+      if (!all.in_model || !few.in_model) continue;
+      ++answered;
+      // Of a contact that is cut the disc is a guess, beyond which blocks reach farther than taxels do.
+      if (!patch.cut) {
+        EXPECT_GT(by_noise(few), 0.9 * by_noise(all)) << "there is no more to know in blocks";
+      }
+      // Of the difference, at most: blocks know what taxels know and less.
+      if (std::fabs(few.gamma - all.gamma) > 2 * few.sigma) ++beyond;
+      EXPECT_NEAR(few.gamma, all.gamma, 4 * few.sigma);
+      EXPECT_NEAR(few.radius_m, all.radius_m, 0.02 * all.radius_m);
+    }
+    EXPECT_GT(answered, 0.9 * kContacts);
+    EXPECT_LT(beyond, 0.05 * kContacts + 2);
+  }
+}
+
+TEST(BlockFit, OtherHistoriesAreNotInTheModel) {
+  FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
+  PatchFinder finder(maker.layout());
+  Fit fit(maker.layout(), kFriction, FitOptions::in_blocks());
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0, 0.5);
+  contact.move_to(2, 0.8, 0.5);
+  const Frame risen = maker.make(contact, 0, 0, 0.3, 0.01);
+  EXPECT_TRUE(fit.estimate(risen, finder.find(risen)).in_model);
+  contact.move_to(3, 0.8, 0.5);
+  const Frame regripped = maker.make(contact, 0, 0, 0.3, 0.01);
+  EXPECT_FALSE(fit.estimate(regripped, finder.find(regripped)).in_model);
+  contact.move_to(3, -0.9, 0.5);
+  contact.move_to(3, 0.6, 0.5);
+  const Frame reversed = maker.make(contact, 0, 0, 0.3, 0.01);
+  EXPECT_FALSE(fit.estimate(reversed, finder.find(reversed)).in_model);
+}
+
+TEST(BlockFit, IsTheFitOfSingleTaxelsWhereTheyAreInNoGridOrFew) {
+  const TaxelLayout grid = TaxelLayout::grid(30, 30, 0.0003);
+  const TaxelLayout scattered =
+      TaxelLayout::scattered({grid.x_m().begin(), grid.x_m().end()}, {grid.y_m().begin(), grid.y_m().end()});
+  EXPECT_EQ(Fit(grid, kFriction, FitOptions::in_blocks()).name(), Method::block_fit);
+  EXPECT_EQ(Fit(TaxelLayout::grid(6, 6, 0.001), kFriction, FitOptions::in_blocks()).name(), Method::fit);
+  FrameMaker maker(scattered);
+  PatchFinder finder(scattered);
+  Fit fit(scattered, kFriction), in_blocks(scattered, kFriction, FitOptions::in_blocks());
+  EXPECT_EQ(in_blocks.name(), Method::fit);
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0, 0.5);
+  contact.move_to(2, 0.6, 0.5);
+  const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
+  const ContactPatch& patch = finder.find(frame);
+  EXPECT_EQ(in_blocks.estimate(frame, patch).gamma, fit.estimate(frame, patch).gamma);
+}
+
+TEST(BlockFit, AllocatesNothing) {
+  FrameMaker maker(TaxelLayout::grid(80, 80, 0.0002));
+  PatchFinder finder(maker.layout());
+  Fit fit(maker.layout(), kFriction, FitOptions::in_blocks());
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(2, 0, 0.5);
+  for (double shear = 0.001; shear < 1; shear += 0.1) {
+    contact.move_to(2, shear, 0.5);
+    const Frame frame = maker.make(contact, 0, 0, 0.3, 0.05, Noise::sensor);
+    const auto before = test::allocations();
+    fit.estimate(frame, finder.find(frame));
+    EXPECT_EQ(test::allocations(), before);
+    EXPECT_LE(fit.steps(), 2 * Fit::kMostSteps);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "core/estimate/fit.hpp"
 #include "core/estimate/moments.hpp"
 #include "core/estimate/svd_knn.hpp"
+#include "core/estimate/tradeoff.hpp"
 #include "core/model/train.hpp"
 #include "tools/sliplab/tradeoff/over_time.hpp"
 
@@ -80,6 +81,8 @@ std::vector<std::unique_ptr<SlipMethod>> methods_for(const TaxelLayout& layout,
   std::vector<std::unique_ptr<SlipMethod>> methods;
   if (layout.size() < 2) return methods;
   methods.push_back(std::make_unique<Moments>(layout));
+  if (blocks_pay(layout, scene_of(0)))
+    methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0)), FitOptions::in_blocks()));
   methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0))));
   if (options.models) {
     for (auto& method : trained_methods(layout, options)) methods.push_back(std::move(method));
