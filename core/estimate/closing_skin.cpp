@@ -1,0 +1,240 @@
+#include "core/estimate/closing_skin.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+using Vector = Eigen::Map<Eigen::VectorXf>;
+using ConstVector = Eigen::Map<const Eigen::VectorXf>;
+
+Vector vector(std::span<float> values) noexcept {
+  return {values.data(), static_cast<Eigen::Index>(values.size())};
+}
+
+ConstVector vector(std::span<const float> values) noexcept {
+  return {values.data(), static_cast<Eigen::Index>(values.size())};
+}
+
+double dot(std::span<const float> a, std::span<const float> b) noexcept {
+  return vector(a).dot(vector(b));
+}
+
+// values += factor times a sum of maps.
+void add(std::span<float> values, double factor, const ClosingMaps& maps,
+         const Eigen::Ref<const Eigen::VectorXd>& weights, ClosingMaps::Channel channel) noexcept {
+  for (std::size_t map = 0; map < maps.size(); ++map)
+    vector(values) += static_cast<float>(factor * weights[static_cast<Eigen::Index>(map)]) *
+                      vector(maps.values(map, channel));
+}
+
+// Maps of two forces are alike whose roots differ by less than this, over the root of the greatest one; 0.1 …
+// 0.5. Too small: maps keep their noise. Too large: what a map has of its own is smoothed away. These three
+// by `sliplab tradeoff --imprints`.
+constexpr double kAlike = 0.3;
+// Noise of a frame that the smoothing counts with, over its peak; 0.002 … 0.05. Too small: maps keep their
+// noise. Too large: margins of a quiet sensor are not as good as they could be.
+constexpr double kNoise = 0.01;
+
+// Wave numbers of which the skin leaves less are noise; share of the pressure, 0 … 0.3. Too small: maps keep
+// their noise. Too large: small contacts lose their edge.
+constexpr double kLeastFelt = 0.05;
+
+double covariance_of(double a, double b) noexcept {
+  const double apart = (a - b) / kAlike;
+  return std::exp(-0.5 * apart * apart);
+}
+
+}  // namespace
+
+ClosingSkin::ClosingSkin(const TaxelLayout& layout, const Skin& skin)
+    : taxels_(layout.size()),
+      columns_(layout.regular().value().columns),
+      rows_(layout.regular().value().rows),
+      depth_sigma_(skin.depth_sigma),
+      ratio_(layout.regular().value(), skin.depth_m),
+      deeper_(layout.regular().value(), skin.depth_m * std::exp(kDeeper)),
+      felt_(ClosingMaps::kMaps * 4 * taxels_),
+      shear_pa_(2 * taxels_),
+      pressure_pa_(taxels_),
+      scratch_(4 * taxels_) {}
+
+std::size_t ClosingSkin::memory_bytes() const noexcept {
+  return sizeof(*this) + ratio_.memory_bytes() + deeper_.memory_bytes() +
+         sizeof(float) * (felt_.size() + shear_pa_.size() + pressure_pa_.size() + scratch_.size());
+}
+
+bool ClosingSkin::ready(const ClosingMaps& maps) const noexcept {
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    if (version_[maps.slot(map)] != maps.version(map)) return false;
+  }
+  return true;
+}
+
+void ClosingSkin::prepare(const ClosingMaps& maps, std::size_t taxels, std::size_t filling) noexcept {
+  std::size_t most = std::max<std::size_t>(1, taxels / taxels_);
+  for (std::size_t map = 0; map < maps.size() && most > 0; ++map) {
+    const std::size_t slot = maps.slot(map);
+    if (slot == filling || version_[slot] == maps.version(map)) continue;
+    filter(maps, map);
+    --most;
+  }
+}
+
+void ClosingSkin::filter(const ClosingMaps& maps, std::size_t map) noexcept {
+  const std::size_t slot = maps.slot(map);
+  const std::span<float> by_x = felt_of(slot, false), by_y = felt_of(slot, true);
+  ratio_.apply(maps.values(map, ClosingMaps::normal),
+               {by_x.first(taxels_), by_x.last(taxels_), by_y.last(taxels_)});
+  std::copy_n(by_x.begin() + static_cast<std::ptrdiff_t>(taxels_), taxels_, by_y.begin());
+  version_[slot] = maps.version(map);
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const std::size_t other = maps.slot(i);
+    const std::span<const float> other_x = felt_of(other, false), other_y = felt_of(other, true);
+    xx_[slot][other] = xx_[other][slot] = dot(by_x, other_x);
+    yy_[slot][other] = yy_[other][slot] = dot(by_y, other_y);
+    xy_[slot][other] = dot(by_x, other_y);
+    xy_[other][slot] = dot(other_x, by_y);
+  }
+}
+
+// Mixed second differences leave of what a skin has smoothed nearly nothing, and of noise all.
+double ClosingSkin::noise_of(std::span<const float> values) const noexcept {
+  if (columns_ < 3 || rows_ < 3) return 0;
+  double squares = 0;
+  for (std::size_t row = 1; row + 1 < rows_; ++row) {
+    const float* const middle = values.data() + row * columns_;
+    const float* const below = middle - columns_;
+    const float* const above = middle + columns_;
+    const auto across = [&](std::size_t i) { return below[i] - 2 * middle[i] + above[i]; };
+    float sum = 0;
+    for (std::size_t i = 1; i + 1 < columns_; ++i) {
+      const float mixed = across(i - 1) - 2 * across(i) + across(i + 1);
+      sum += mixed * mixed;
+    }
+    squares += static_cast<double>(sum);
+  }
+  constexpr double kOfWhiteNoise = 36;
+  return squares / (kOfWhiteNoise * static_cast<double>((columns_ - 2) * (rows_ - 2)));
+}
+
+void ClosingSkin::smooth(const ClosingMaps& maps) noexcept {
+  std::uint64_t newest = 0;
+  for (std::size_t map = 0; map < maps.size(); ++map) newest = std::max(newest, maps.version(map));
+  if (newest == smoothed_) return;
+  smoothed_ = newest;
+  const auto size = static_cast<Eigen::Index>(maps.size());
+  last_n_ = maps.force_n(maps.size() - 1);
+  roots_.setZero(size + 1);
+  per_frames_.setZero(size + 1);
+  for (auto* of : {&of_xx_, &of_xy_, &of_yy_}) of->setZero(size + 1, size + 1);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const auto map = static_cast<std::size_t>(i);
+    roots_[i] = std::sqrt(maps.force_n(map) / last_n_);
+    per_frames_[i] = 1 / maps.frames(map);
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const std::size_t one = maps.slot(map), other = maps.slot(static_cast<std::size_t>(j));
+      of_xx_(i, j) = xx_[one][other];
+      of_xy_(i, j) = 0.5 * (xy_[one][other] + xy_[other][one]);
+      of_yy_(i, j) = yy_[one][other];
+    }
+  }
+  Square covariance(size + 1, size + 1);
+  for (Eigen::Index i = 0; i <= size; ++i) {
+    for (Eigen::Index j = 0; j <= size; ++j) covariance(i, j) = covariance_of(roots_[i], roots_[j]);
+    covariance(i, i) += kNoise * kNoise * (i < size ? per_frames_[i] : 1e-3);
+  }
+  covariance_.compute(covariance);
+}
+
+ClosingSkin::Weights ClosingSkin::at(double normal_n) const noexcept {
+  const double root = std::sqrt(normal_n / last_n_);
+  Weights weights(roots_.size());
+  for (Eigen::Index i = 0; i < roots_.size(); ++i) weights[i] = covariance_of(root, roots_[i]);
+  covariance_.solveInPlace(weights);
+  return weights;
+}
+
+void ClosingSkin::read(const TaxelView& taxels, const ClosingMaps& maps, double normal_n) noexcept {
+  smooth(maps);
+  today_ = at(normal_n);
+  const std::span<float> x = std::span(shear_pa_).first(taxels_), y = std::span(shear_pa_).last(taxels_);
+  std::copy_n(taxels.shear_x_pa, taxels_, x.begin());
+  std::copy_n(taxels.shear_y_pa, taxels_, y.begin());
+  add(x, -1, maps, today_, ClosingMaps::shear_x);
+  add(y, -1, maps, today_, ClosingMaps::shear_y);
+  std::fill(pressure_pa_.begin(), pressure_pa_.end(), 0.0F);
+  add(pressure_pa_, -1, maps, today_, ClosingMaps::normal);
+  const auto count = static_cast<double>(taxels_);
+  map_pa2_ = dot(pressure_pa_, pressure_pa_) / count;
+  vector(std::span(pressure_pa_)) += vector(std::span(taxels.normal_pa, taxels_));
+  const double share = noise_share(today_);
+  shear_pa2_ = 0.5 * (noise_of(x) + noise_of(y));
+  normal_pa2_ = noise_of(pressure_pa_) / (1 + share);
+  map_pa2_ -= share * normal_pa2_;
+  multiply(maps);
+}
+
+void ClosingSkin::multiply(const ClosingMaps& maps) noexcept {
+  square_pa2_ = dot(shear_pa_, shear_pa_);
+  of_x_.setZero(roots_.size());
+  of_y_.setZero(roots_.size());
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    const auto i = static_cast<Eigen::Index>(map);
+    of_x_[i] = dot(shear_pa_, felt_of(maps.slot(map), false));
+    of_y_[i] = dot(shear_pa_, felt_of(maps.slot(map), true));
+  }
+}
+
+// Least squares of the pull's two components, with what noise adds to the maps' squares taken off.
+ClosingSkin::Pull ClosingSkin::pull(double stuck_n) const noexcept {
+  const Weights slipping = today_ - at(stuck_n);
+  const double bx = slipping.dot(of_x_), by = slipping.dot(of_y_);
+  const double map_pa2 = normal_pa2_ * noise_share(slipping) * ratio_.noise_gain();
+  const double by_noise = static_cast<double>(taxels_) * map_pa2;
+  const double xx = slipping.dot(of_xx_ * slipping) - by_noise, xy = slipping.dot(of_xy_ * slipping),
+               yy = slipping.dot(of_yy_ * slipping) - by_noise;
+  const double determinant = xx * yy - xy * xy;
+  Pull out;
+  if (!(xx > 0 && yy > 0 && determinant > 0)) return out;
+  out.x = (yy * bx - xy * by) / determinant;
+  out.y = (xx * by - xy * bx) / determinant;
+  out.residual_pa2 = std::max(0.0, square_pa2_ - (out.x * bx + out.y * by));
+  const double maps_part = 0.5 * (out.x * out.x + out.y * out.y) * map_pa2;
+  out.noise_pa2 = std::max(shear_pa2_ + maps_part, std::numeric_limits<double>::min());
+  out.map_share = maps_part / out.noise_pa2;
+  return out;
+}
+
+double ClosingSkin::unlike(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept {
+  const Weights slipping = today_ - at(stuck_n);
+  add(pressure_pa_, -pull.x, maps, slipping, ClosingMaps::shear_x);
+  add(pressure_pa_, -pull.y, maps, slipping, ClosingMaps::shear_y);
+  const double noise_pa2 = normal_pa2_ * (1 + noise_share(today_)) +
+                           (pull.x * pull.x + pull.y * pull.y) * shear_pa2_ * noise_share(slipping);
+  const double off_pa2 = dot(pressure_pa_, pressure_pa_) / static_cast<double>(taxels_);
+  return map_pa2_ > 0 ? (off_pa2 - noise_pa2) / map_pa2_ : std::numeric_limits<double>::infinity();
+}
+
+void ClosingSkin::deepen(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept {
+  const Weights slipping = today_ - at(stuck_n);
+  const std::span<float> map = std::span(scratch_).first(taxels_),
+                         rest = std::span(scratch_).subspan(taxels_);
+  const std::span<float> xx = rest.first(taxels_), xy = rest.subspan(taxels_, taxels_),
+                         yy = rest.last(taxels_);
+  std::fill(map.begin(), map.end(), 0.0F);
+  add(map, 1, maps, slipping, ClosingMaps::normal);
+  const auto qx = static_cast<float>(pull.x), qy = static_cast<float>(pull.y);
+  const std::span<float> x = std::span(shear_pa_).first(taxels_), y = std::span(shear_pa_).last(taxels_);
+  deeper_.apply(map, {xx, xy, yy});
+  vector(x) -= qx * vector(xx) + qy * vector(xy);
+  vector(y) -= qx * vector(xy) + qy * vector(yy);
+  ratio_.apply(map, {xx, xy, yy});
+  vector(x) += qx * vector(xx) + qy * vector(xy);
+  vector(y) += qx * vector(xy) + qy * vector(yy);
+  multiply(maps);
+}
+
+}  // namespace slipd

@@ -1,0 +1,69 @@
+// What taxels under a skin feel of a pull, from what they felt of a pressure. A shear mu p in one direction
+// is felt as the pressure p is, after one filter more: in Fourier space (docs/theory.md §5.4), with the wave
+// number k, the ratio of the two kernels
+//   R = (1 - d k k^T/k)/(1 + k d),   a symmetric tensor that is nowhere larger than 1.
+// So it amplifies no noise. Regular grids only; the pressure beyond the grid is taken for 0.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/frame/layout.hpp"
+
+namespace slipd {
+
+class KernelRatio {
+ public:
+  // depth_m: of the taxels, >= 0. least_felt: wave numbers of which a smaller share of the pressure is felt,
+  // (1 + k d) exp(-k d), are left out, 0 … 1. Allocates.
+  KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double least_felt = 0);
+
+  // Shear felt along i from a pull along j, each of the grid's size; all are overwritten.
+  struct Felt {
+    std::span<float> xx, xy, yy;
+  };
+  // normal: the pressure felt, of the grid's size; the result has its unit. Estimate thread; allocates
+  // nothing. About 10 log2(16 n) operations for each of 4 n taxels, three times.
+  void apply(std::span<const float> normal, const Felt& out) noexcept;
+
+  // Variance of one taxel's shear after the filter, the mean of its two components summed, over the variance
+  // of white noise before: the mean of |R t|^2 over all wave numbers.
+  double noise_gain() const noexcept { return noise_gain_; }
+  std::size_t memory_bytes() const noexcept;
+
+ private:
+  // 2 … 8. Too small: the kernel's images are read as shear. Too large: set-up takes time and memory.
+  static constexpr std::size_t kWider = 4;
+
+  // A plane of complex numbers.
+  struct Plane {
+    std::vector<float> re, im;
+    void resize(std::size_t size) {
+      re.resize(size);
+      im.resize(size);
+    }
+  };
+  // Roots of unity of a transform, exp(-2 pi i j/length) for j below length/2.
+  struct Roots {
+    explicit Roots(std::size_t length);
+    std::size_t length;
+    std::vector<float> cosine, sine;
+  };
+
+  static void forward(Plane& plane, const Roots& roots, std::size_t width) noexcept;
+  static void backward(Plane& plane, const Roots& roots, std::size_t width) noexcept;
+  static void turn(const Plane& from, Plane& to, std::size_t rows, std::size_t columns) noexcept;
+  void transform(std::span<const float> normal) noexcept;
+  void transform_back() noexcept;
+
+  std::size_t columns_, rows_;
+  Roots along_x_, along_y_;          // of twice the grid's width and height, or more
+  std::vector<float> xx_, xy_, yy_;  // the ratio, over the transforms' lengths, in the order of spectrum_
+  Plane spectrum_;                   // wave number along x, then along y, each with its bits reversed
+  Plane product_;                    // the same, filtered
+  Plane lines_;                      // y, then x
+  double noise_gain_ = 1;
+};
+
+}  // namespace slipd
