@@ -12,7 +12,7 @@ namespace {
 // Taxels of the maps that are filtered in one frame, under a skin, while the gripper closes and for an
 // estimate; 1000 … 100000, at least one map. Too few: after a quick grip, margins come late. Too many: single
 // frames take long.
-constexpr std::size_t kFilteredInClosing = 4096, kFilteredAtOnce = 16384;
+constexpr std::size_t kFilteredInClosing = 4096, kFilteredAtOnce = 32768;
 
 }  // namespace
 

@@ -94,6 +94,7 @@ class Closing final : public SlipMethod {
   void forget() noexcept override {
     maps_.clear();
     most_n_ = 0;
+    if (skin_) skin_->forget();
     asked_at_gamma_ = std::numeric_limits<double>::infinity();
   }
 

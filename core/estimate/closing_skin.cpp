@@ -42,6 +42,14 @@ constexpr double kNoise = 0.01;
 // their noise. Too large: small contacts lose their edge.
 constexpr double kLeastFelt = 0.05;
 
+// Change of the log of the depth from which on maps are filtered anew; 0.005 … 0.05. Too small: costs time.
+// Too large: margins are off by as much.
+constexpr double kSameDepth = 0.02;
+// Of the shear that pressing is felt as, the share of its sum of squares that no depth explains and that
+// leaves the depth unknown; 0.05 … 0.5. Too small: real skins never show their depth. Too large: a skin of
+// another kind is taken for one of another depth.
+constexpr double kMostUnexplained = 0.2;
+
 double covariance_of(double a, double b) noexcept {
   const double apart = (a - b) / kAlike;
   return std::exp(-0.5 * apart * apart);
@@ -53,16 +61,15 @@ ClosingSkin::ClosingSkin(const TaxelLayout& layout, const Skin& skin)
     : taxels_(layout.size()),
       columns_(layout.regular().value().columns),
       rows_(layout.regular().value().rows),
-      depth_sigma_(skin.depth_sigma),
-      ratio_(layout.regular().value(), skin.depth_m),
-      deeper_(layout.regular().value(), skin.depth_m * std::exp(kDeeper)),
+      depth_(skin.depth_m, skin.depth_sigma),
+      ratio_(layout.regular().value(), skin.depth_m, kLeastFelt),
       felt_(ClosingMaps::kMaps * 4 * taxels_),
       shear_pa_(2 * taxels_),
       pressure_pa_(taxels_),
       scratch_(4 * taxels_) {}
 
 std::size_t ClosingSkin::memory_bytes() const noexcept {
-  return sizeof(*this) + ratio_.memory_bytes() + deeper_.memory_bytes() +
+  return sizeof(*this) + ratio_.memory_bytes() +
          sizeof(float) * (felt_.size() + shear_pa_.size() + pressure_pa_.size() + scratch_.size());
 }
 
@@ -73,7 +80,16 @@ bool ClosingSkin::ready(const ClosingMaps& maps) const noexcept {
   return true;
 }
 
+void ClosingSkin::forget() noexcept {
+  depth_.forget();
+  last_filling_ = kNone;
+}
+
 void ClosingSkin::prepare(const ClosingMaps& maps, std::size_t taxels, std::size_t filling) noexcept {
+  if (filling != last_filling_ && maps.size() > 0) {
+    find_depth(maps);
+    last_filling_ = filling;
+  }
   std::size_t most = std::max<std::size_t>(1, taxels / taxels_);
   for (std::size_t map = 0; map < maps.size() && most > 0; ++map) {
     const std::size_t slot = maps.slot(map);
@@ -90,6 +106,7 @@ void ClosingSkin::filter(const ClosingMaps& maps, std::size_t map) noexcept {
                {by_x.first(taxels_), by_x.last(taxels_), by_y.last(taxels_)});
   std::copy_n(by_x.begin() + static_cast<std::ptrdiff_t>(taxels_), taxels_, by_y.begin());
   version_[slot] = maps.version(map);
+  smoothed_ = 0;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const std::size_t other = maps.slot(i);
     const std::span<const float> other_x = felt_of(other, false), other_y = felt_of(other, true);
@@ -98,6 +115,46 @@ void ClosingSkin::filter(const ClosingMaps& maps, std::size_t map) noexcept {
     xy_[slot][other] = dot(by_x, other_y);
     xy_[other][slot] = dot(other_x, by_y);
   }
+}
+
+// One step of Newton's method on the log of the depth, by the map of the greatest force.
+void ClosingSkin::find_depth(const ClosingMaps& maps) noexcept {
+  if (!depth_.open()) return;
+  smooth(maps);
+  const Weights last = at(last_n_);
+  const std::span<float> all(scratch_), map = all.first(taxels_), felt = all.subspan(taxels_, 2 * taxels_);
+  const std::span<float> left(shear_pa_), x = left.first(taxels_), y = left.last(taxels_);
+  for (const std::span<float> values : {map, left}) std::fill(values.begin(), values.end(), 0.0F);
+  add(map, 1, maps, last, ClosingMaps::normal);
+  add(x, 1, maps, last, ClosingMaps::shear_x);
+  add(y, 1, maps, last, ClosingMaps::shear_y);
+  const double felt_pa2 = dot(left, left), noise_pa2 = 0.5 * (noise_of(x) + noise_of(y));
+  ratio_.set_depth(filtered_log_);
+  ratio_.press(map, felt.first(taxels_), felt.last(taxels_));
+  vector(left) -= vector(felt);
+  // By a step towards the nominal depth, so that it is within reach.
+  const double step = filtered_log_ > 0 ? -kDeeper : kDeeper;
+  ratio_.set_depth(filtered_log_ + step);
+  vector(felt) *= -1;
+  const std::span<float> other = std::span(pressure_pa_), rest = all.last(taxels_);
+  ratio_.press(map, other, rest);
+  vector(felt.first(taxels_)) += vector(other);
+  vector(felt.last(taxels_)) += vector(rest);
+  ratio_.set_depth(filtered_log_);
+  const double squares = dot(felt, felt) / (step * step), product = dot(left, felt) / step;
+  if (!(squares > 0 && felt_pa2 > 0)) return;
+  const double off_pa2 =
+      dot(left, left) - product * product / squares - 2 * static_cast<double>(taxels_) * noise_pa2;
+  if (off_pa2 > kMostUnexplained * felt_pa2) return;
+  const LogDepth shown{filtered_log_ + product / squares,
+                       std::max(SkinDepth::kLeastSigma, std::sqrt(noise_pa2 / squares))};
+  depth_.forget();  // what smaller forces have shown is in these maps, too
+  depth_.take(depth_.with(shown));
+  const double log = std::clamp(depth_.now().mean, -KernelRatio::kReach, KernelRatio::kReach);
+  if (std::fabs(log - filtered_log_) < kSameDepth) return;
+  filtered_log_ = log;
+  ratio_.set_depth(log);
+  version_.fill(0);
 }
 
 // Mixed second differences leave of what a skin has smoothed nearly nothing, and of noise all.
@@ -228,7 +285,11 @@ void ClosingSkin::deepen(const ClosingMaps& maps, double stuck_n, const Pull& pu
   add(map, 1, maps, slipping, ClosingMaps::normal);
   const auto qx = static_cast<float>(pull.x), qy = static_cast<float>(pull.y);
   const std::span<float> x = std::span(shear_pa_).first(taxels_), y = std::span(shear_pa_).last(taxels_);
-  deeper_.apply(map, {xx, xy, yy});
+  // Towards the nominal depth where the other way is out of reach; the change is the same, with its sign.
+  const double step = filtered_log_ > 0 ? -kDeeper : kDeeper;
+  ratio_.set_depth(filtered_log_ + step);
+  ratio_.apply(map, {xx, xy, yy});
+  ratio_.set_depth(filtered_log_);
   vector(x) -= qx * vector(xx) + qy * vector(xy);
   vector(y) -= qx * vector(xy) + qy * vector(yy);
   ratio_.apply(map, {xx, xy, yy});

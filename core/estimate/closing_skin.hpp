@@ -1,7 +1,8 @@
 // The shear of a contact under a skin, explained by the maps of its own closing (docs/theory.md §10.9). The
 // shear that pressing alone is felt as is subtracted: it is in the maps. What is left is friction times the
 // difference of two pressure maps, filtered by the ratio of the kernels. Each map is filtered when it is
-// complete, not in every frame. Estimate thread; nothing allocates after construction.
+// complete, not in every frame. What pressing is felt as also shows the depth of the taxels. Estimate thread;
+// nothing allocates after construction.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -16,6 +17,7 @@
 #include "core/contact/scene.hpp"
 #include "core/estimate/closing_maps.hpp"
 #include "core/estimate/kernel_ratio.hpp"
+#include "core/estimate/skin_depth.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 
@@ -29,6 +31,8 @@ class ClosingSkin {
   // Filters maps that have changed since, but not that of slot `filling`: of so many taxels, at least one.
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   void prepare(const ClosingMaps& maps, std::size_t taxels, std::size_t filling = kNone) noexcept;
+  // Another contact: its depth is found anew.
+  void forget() noexcept;
   // Whether all are filtered.
   bool ready(const ClosingMaps& maps) const noexcept;
 
@@ -53,10 +57,12 @@ class ClosingSkin {
   // pressure that the pull is felt as is left out: pressing is felt as shear by the same kernel.
   double unlike(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept;
 
-  // Changes what was read so that pull() gives what it would if the taxels lay deeper by kDeeper.
-  static constexpr double kDeeper = 0.1;  // of the log of the depth
+  // Changes what was read so that pull() gives what it would if the taxels lay deeper or less deep by
+  // kDeeper, of the log of the depth.
+  static constexpr double kDeeper = 0.1;
   void deepen(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept;
-  double depth_sigma() const noexcept { return depth_sigma_; }
+  // Of what is known of the log of the depth, standard deviation.
+  double depth_sigma() const noexcept { return depth_.now().sigma; }
 
   std::size_t memory_bytes() const noexcept;
 
@@ -75,6 +81,7 @@ class ClosingSkin {
     return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * 2 * taxels_, 2 * taxels_);
   }
   void filter(const ClosingMaps& maps, std::size_t map) noexcept;
+  void find_depth(const ClosingMaps& maps) noexcept;
   void smooth(const ClosingMaps& maps) noexcept;
   // The map of a force as a sum of all, by Gaussian process regression.
   Weights at(double normal_n) const noexcept;
@@ -83,8 +90,10 @@ class ClosingSkin {
   double noise_of(std::span<const float> values) const noexcept;
 
   std::size_t taxels_, columns_, rows_;
-  double depth_sigma_;
-  KernelRatio ratio_, deeper_;
+  SkinDepth depth_;
+  double filtered_log_ = 0;  // log of the depth that maps are filtered for, over the nominal one
+  std::size_t last_filling_ = kNone;
+  KernelRatio ratio_;
   std::vector<float> felt_;                                  // by slot of the maps
   std::array<std::uint64_t, ClosingMaps::kMaps> version_{};  // of the map that was filtered
   Products xx_{}, xy_{}, yy_{};                              // of pulls along x and y by two slots, Pa^2

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace slipd {
@@ -29,35 +30,49 @@ KernelRatio::Roots::Roots(std::size_t n) : length(n), cosine(n / 2), sine(n / 2)
   }
 }
 
-// The ratio's kernel falls only with the third power of the distance. So it is found on a plane that is
-// kWider times as wide as the transforms, of which the distances between two taxels are kept: the filter
-// reaches from each taxel to each other one, and not around.
 KernelRatio::KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double least_felt)
     : columns_(grid.columns),
       rows_(grid.rows),
       along_x_(std::bit_ceil(2 * grid.columns)),
       along_y_(std::bit_ceil(2 * grid.rows)) {
-  const std::size_t width = along_x_.length, height = along_y_.length, size = width * height;
+  const std::size_t size = along_x_.length * along_y_.length;
   spectrum_.resize(size);
   product_.resize(size);
   lines_.resize(size);
+  const double nominal_sides = depth_m / grid.pitch_m;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    nodes_[i] = kernels_at(nominal_sides * std::exp(kReach * (static_cast<double>(i) - 1)), nominal_sides,
+                           least_felt);
+  now_ = nodes_[1];
+  double squares = 0;
+  for (std::size_t i = 0; i < size; ++i)
+    squares += 0.5 * (now_.xx[i] * now_.xx[i] + 2 * now_.xy[i] * now_.xy[i] + now_.yy[i] * now_.yy[i]);
+  noise_gain_ = static_cast<double>(size) * squares;
+}
+
+// The ratio's kernel falls only with the third power of the distance. So it is found on a plane that is
+// kWider times as wide as the transforms, of which the distances between two taxels are kept: the filter
+// reaches from each taxel to each other one, and not around.
+KernelRatio::Kernels KernelRatio::kernels_at(double depth_sides, double nominal_sides, double least_felt) {
+  const std::size_t width = along_x_.length, height = along_y_.length;
   const Roots wide_x(kWider * width), wide_y(kWider * height);
   Plane wide, turned;
   wide.resize(wide_x.length * wide_y.length);
   turned.resize(wide.re.size());
   const auto wave_number = [&](std::size_t i, std::size_t length) {  // times the depth
-    return 2 * std::numbers::pi * frequency_at(i, length) / (static_cast<double>(length) * grid.pitch_m) *
-           depth_m;
+    return 2 * std::numbers::pi * frequency_at(i, length) / static_cast<double>(length) * depth_sides;
   };
-  // The spectrum's real part of the kernel whose ratio is `real`, its imaginary part that of `imaginary`.
-  const auto keep = [&](const auto& real, const auto& imaginary) {
+  // Leaves in spectrum_ the sum of a kernel and i times another one; `ratio` gives both, times 1 + k d.
+  const auto keep = [&](const auto& ratio) {
     for (std::size_t u = 0; u < wide_x.length; ++u) {
       const double kx = wave_number(u, wide_x.length);
       for (std::size_t v = 0; v < wide_y.length; ++v) {
         const double ky = wave_number(v, wide_y.length), k = std::hypot(kx, ky);
-        const double felt = (1 + k) * std::exp(-k) < least_felt ? 0 : 1 / (1 + k);
-        wide.re[u * wide_y.length + v] = static_cast<float>(felt * real(kx, ky, k > 0 ? 1 / k : 0));
-        wide.im[u * wide_y.length + v] = static_cast<float>(felt * imaginary(kx, ky, k > 0 ? 1 / k : 0));
+        const double nominal = depth_sides > 0 ? k * nominal_sides / depth_sides : 0;
+        const double felt = (1 + nominal) * std::exp(-nominal) < least_felt ? 0 : 1 / (1 + k);
+        const std::complex<double> both = ratio(kx, ky, k > 0 ? 1 / k : 0);
+        wide.re[u * wide_y.length + v] = static_cast<float>(felt * both.real());
+        wide.im[u * wide_y.length + v] = static_cast<float>(felt * both.imag());
       }
     }
     backward(wide, wide_x, wide_y.length);
@@ -66,7 +81,7 @@ KernelRatio::KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double l
     const auto kept = [](std::size_t i, std::size_t length) {
       return i < length / 2 ? i : (kWider - 1) * length + i;
     };
-    const auto scale = 1 / static_cast<float>(wide.re.size() * size);
+    const auto scale = 1 / static_cast<float>(wide.re.size() * width * height);
     for (std::size_t y = 0; y < height; ++y) {
       for (std::size_t x = 0; x < width; ++x) {
         // No two taxels are that far apart.
@@ -80,22 +95,36 @@ KernelRatio::KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double l
     turn(lines_, spectrum_, height, width);
     forward(spectrum_, along_x_, height);
   };
-  keep([](double kx, double, double per_k) { return 1 - kx * kx * per_k; },
-       [](double, double ky, double per_k) { return 1 - ky * ky * per_k; });
-  xx_ = spectrum_.re;
-  yy_ = spectrum_.im;
-  keep([](double kx, double ky, double per_k) { return -kx * ky * per_k; },
-       [](double, double, double) { return 0.0; });
-  xy_ = spectrum_.re;
-  double squares = 0;
-  for (std::size_t i = 0; i < size; ++i)
-    squares += 0.5 * (xx_[i] * xx_[i] + 2 * xy_[i] * xy_[i] + yy_[i] * yy_[i]);
-  noise_gain_ = static_cast<double>(size) * squares;
+  using Both = std::complex<double>;
+  Kernels out;
+  keep([](double kx, double ky, double per_k) { return Both(1 - kx * kx * per_k, 1 - ky * ky * per_k); });
+  out.xx = spectrum_.re;
+  out.yy = spectrum_.im;
+  keep([](double kx, double ky, double per_k) { return Both(-kx * ky * per_k, 0); });
+  out.xy = spectrum_.re;
+  keep([](double kx, double ky, double) { return Both(ky, -kx); });
+  out.press_re = spectrum_.re;
+  out.press_im = spectrum_.im;
+  return out;
+}
+
+// A parabola through the three depths.
+void KernelRatio::set_depth(double log) noexcept {
+  const double at = std::clamp(log / kReach, -1.0, 1.0);
+  const auto low = static_cast<float>(0.5 * at * (at - 1)), middle = static_cast<float>(1 - at * at),
+             high = static_cast<float>(0.5 * at * (at + 1));
+  for (std::vector<float> Kernels::*part :
+       {&Kernels::xx, &Kernels::xy, &Kernels::yy, &Kernels::press_re, &Kernels::press_im}) {
+    const std::vector<float>&a = nodes_[0].*part, &b = nodes_[1].*part, &c = nodes_[2].*part;
+    std::vector<float>& out = now_.*part;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = low * a[i] + middle * b[i] + high * c[i];
+  }
 }
 
 std::size_t KernelRatio::memory_bytes() const noexcept {
-  return sizeof(*this) + sizeof(float) * (3 * xx_.size() + 4 * spectrum_.re.size() + 2 * lines_.re.size() +
-                                          2 * along_x_.cosine.size() + 2 * along_y_.cosine.size());
+  return sizeof(*this) +
+         sizeof(float) * (5 * 4 * now_.xx.size() + 4 * spectrum_.re.size() + 2 * lines_.re.size() +
+                          2 * along_x_.cosine.size() + 2 * along_y_.cosine.size());
 }
 
 // Decimation in frequency (Gentleman and Sande 1966) of `width` transforms side by side.
@@ -179,20 +208,32 @@ void KernelRatio::transform_back() noexcept {
 // Two real results at a time, as real and imaginary part.
 void KernelRatio::apply(std::span<const float> normal, const Felt& out) noexcept {
   transform(normal);
-  for (std::size_t i = 0; i < xx_.size(); ++i) {
+  for (std::size_t i = 0; i < now_.xx.size(); ++i) {
     const float re = spectrum_.re[i], im = spectrum_.im[i];
-    product_.re[i] = xx_[i] * re - yy_[i] * im;
-    product_.im[i] = xx_[i] * im + yy_[i] * re;
+    product_.re[i] = now_.xx[i] * re - now_.yy[i] * im;
+    product_.im[i] = now_.xx[i] * im + now_.yy[i] * re;
   }
   transform_back();
   std::copy_n(lines_.re.begin(), out.xx.size(), out.xx.begin());
   std::copy_n(lines_.im.begin(), out.yy.size(), out.yy.begin());
-  for (std::size_t i = 0; i < xy_.size(); ++i) {
-    product_.re[i] = xy_[i] * spectrum_.re[i];
-    product_.im[i] = xy_[i] * spectrum_.im[i];
+  for (std::size_t i = 0; i < now_.xy.size(); ++i) {
+    product_.re[i] = now_.xy[i] * spectrum_.re[i];
+    product_.im[i] = now_.xy[i] * spectrum_.im[i];
   }
   transform_back();
   std::copy_n(lines_.re.begin(), out.xy.size(), out.xy.begin());
+}
+
+void KernelRatio::press(std::span<const float> normal, std::span<float> x, std::span<float> y) noexcept {
+  transform(normal);
+  for (std::size_t i = 0; i < now_.press_re.size(); ++i) {
+    const float re = spectrum_.re[i], im = spectrum_.im[i];
+    product_.re[i] = now_.press_re[i] * re - now_.press_im[i] * im;
+    product_.im[i] = now_.press_re[i] * im + now_.press_im[i] * re;
+  }
+  transform_back();
+  std::copy_n(lines_.re.begin(), x.size(), x.begin());
+  std::copy_n(lines_.im.begin(), y.size(), y.begin());
 }
 
 }  // namespace slipd
