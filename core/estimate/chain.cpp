@@ -233,21 +233,23 @@ struct EstimatorChain::Impl {
     refuse_margin(State::out_of_model, out);
   }
 
-  // By the method, or where it refuses the frame or has a greater sigma by the pressures of the closing.
+  // By the method, or where it refuses the frame or has a greater sigma by the pressures of the closing. A
+  // contact of the model's shape that the method refuses has another history, of which closing shows no more.
   FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+    // Sigma by the method's contact model from which on closing may give a better margin; Gamma, 0.02 … 0.1.
+    // Too small: two methods run for one margin. Too large: ellipses get an imprecise margin. Under a skin,
+    // which hides most of another shape, 0.005 … 0.02.
+    constexpr double kUnlikeSigma = 0.03, kUnlikeFelt = 0.01;
+    const bool felt = setup.scene.skin.depth_m > 0;
     shape_by = method->name();
     FrameEstimate estimate = method->estimate(frame, patch);
-    // Sigma by the method's contact model from which on closing may give a better margin; Gamma, 0.02 … 0.1.
-    // Too small: two methods run for one margin. Too large: ellipses get an imprecise margin.
-    constexpr double kUnlikeSigma = 0.03;
-    if (!closing || (estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
-    // A contact of the model's shape that the method refuses has another history, of which closing shows no
-    // more.
-    if ((setup.scene.skin.depth_m > 0 ? estimate.shape_sigma
-                                      : moment_ratio(patch, setup.layout).deviation.sigma()) < kUnlikeSigma)
+    if (!closing || (!felt && estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
+    if (felt ? estimate.shape_sigma < kUnlikeFelt
+             : moment_ratio(patch, setup.layout).deviation.sigma() < kUnlikeSigma)
       return estimate;
     FrameEstimate by_closing = closing->estimate(frame, patch);
-    if (!by_closing.in_model || (estimate.in_model && estimate.sigma < by_closing.sigma)) return estimate;
+    if (!by_closing.in_model || (!felt && estimate.in_model && estimate.sigma < by_closing.sigma))
+      return estimate;
     shape_by = closing->name();
     by_closing.moments = estimate.moments;
     by_closing.moments_sigma = estimate.moments_sigma;

@@ -23,7 +23,7 @@ Closing::Closing(const TaxelLayout& layout, Range friction_expected, const Skin&
       options_(options),
       maps_(layout.size(), skin.depth_m > 0),
       shear_pa_(layout.size()) {
-  if (skin.depth_m > 0) skin_.emplace(layout, skin);
+  if (skin.depth_m > 0) skin_.emplace(layout, skin, kSteps);
 }
 
 double Closing::force_n(const ContactPatch& patch) const noexcept {
@@ -35,7 +35,7 @@ double Closing::force_n(const ContactPatch& patch) const noexcept {
 
 void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (!(patch.normal_n > 0) || patch.normal_n < options_.least_force_sigmas * patch.normal_sigma_n) return;
-  if (patch.shear_n > options_.most_shear * patch.normal_n &&
+  if (patch.shear_n > (skin_ ? options_.most_shear_felt : options_.most_shear) * patch.normal_n &&
       patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n)
     return;
   const double normal_n = force_n(patch);
@@ -183,9 +183,9 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
   return out;
 }
 
-Closing::Trial Closing::judge_felt(double gamma, double normal_n, const ContactPatch& patch) const noexcept {
-  const ClosingSkin::Pull pull = skin_->pull(gamma * normal_n);
-  Trial trial{.gamma = gamma};
+Closing::Trial Closing::judge_felt(std::size_t step, const ContactPatch& patch) const noexcept {
+  const ClosingSkin::Pull pull = skin_->pull(step);
+  Trial trial{.gamma = gamma_of(step)};
   if (!(pull.x * patch.direction_x + pull.y * patch.direction_y > 0)) return trial;
   trial.friction = std::hypot(pull.x, pull.y);
   trial.residual_pa2 = pull.residual_pa2;
@@ -197,25 +197,24 @@ Closing::Trial Closing::judge_felt(double gamma, double normal_n, const ContactP
 
 // The maps are the same ones for all margins. So their noise is taken off each residual, and does not speak
 // against margins that need more friction.
-const Closing::Trial* Closing::judge_felt(double normal_n, const ContactPatch& patch) noexcept {
-  const Trial* best = nullptr;
+std::size_t Closing::judge_felt(const ContactPatch& patch) noexcept {
+  std::size_t best = kSteps;
   for (std::size_t i = 0; i < kSteps; ++i) {
-    trials_[i] = judge_felt(gamma_of(i), normal_n, patch);
-    if (trials_[i].friction > 0 && (best == nullptr || trials_[i].residual_pa2 < best->residual_pa2))
-      best = &trials_[i];
+    trials_[i] = judge_felt(i, patch);
+    if (trials_[i].friction > 0 && (best == kSteps || trials_[i].residual_pa2 < trials_[best].residual_pa2))
+      best = i;
   }
-  if (best == nullptr) return best;
-  for (Trial& trial : trials_) trial.misfit = 0.5 * trial.residual_pa2 / best->noise_pa2;
+  if (best == kSteps) return best;
+  const double noise_pa2 = trials_[best].noise_pa2;
+  for (Trial& trial : trials_) trial.misfit = 0.5 * trial.residual_pa2 / noise_pa2;
   return best;
 }
 
 // The same frame, read as if the taxels lay deeper.
-double Closing::sigma_by_depth(double normal_n, const ContactPatch& patch, const Trial& best,
-                               double gamma) noexcept {
+double Closing::sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept {
   if (!(std::fabs(gamma - asked_at_gamma_) > options_.depth_asked_again)) return by_depth_;
-  const double stuck_n = best.gamma * normal_n;
-  skin_->deepen(maps_, stuck_n, skin_->pull(stuck_n));
-  judge_felt(normal_n, patch);
+  skin_->deepen(maps_, best, skin_->pull(best));
+  judge_felt(patch);
   FrameEstimate deeper;
   weigh(deeper);
   asked_at_gamma_ = gamma;
@@ -231,11 +230,12 @@ FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
   skin_->prepare(maps_, kFilteredAtOnce);
   if (!skin_->ready(maps_)) return out;
   skin_->read(patch.taxels, maps_, normal_n);
-  const Trial* const found = judge_felt(normal_n, patch);
-  if (found == nullptr) return out;
-  const Trial best = *found;
-  const double stuck_n = best.gamma * normal_n;
-  if (skin_->unlike(maps_, stuck_n, skin_->pull(stuck_n)) > options_.most_unlike) return out;
+  const std::size_t step = judge_felt(patch);
+  if (step == kSteps) return out;
+  const Trial best = trials_[step];
+  const ClosingSkin::Pull pull = skin_->pull(step);
+  if (skin_->unlike(maps_, step, pull) > options_.most_unlike) return out;
+  if (skin_->history_gain(step, pull) > options_.most_history_gain) return out;
   const auto values = static_cast<double>(2 * layout_.size());
   // The variance of noise is itself measured, on differences that have neighbours in common.
   constexpr double kOfMeasuredNoise = 4.8;
@@ -247,7 +247,7 @@ FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
   if (!out.in_model) return out;
   out.normal_n = normal_n;
   out.shear_n = best.friction * (1 - best.gamma) * normal_n;
-  const double by_depth = sigma_by_depth(normal_n, patch, best, out.gamma);
+  const double by_depth = sigma_by_depth(patch, step, out.gamma);
   out.sigma = std::hypot(out.sigma, by_depth);
   out.common_sigma = std::hypot(out.common_sigma, by_depth);
   out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_depth / (1 - out.gamma));

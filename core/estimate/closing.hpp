@@ -30,6 +30,9 @@ struct ClosingOptions {
   // records nothing. Too large: frames with a pull are recorded.
   double most_shear = 0.03;
   double most_shear_sigmas = 3;
+  // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
+  // the beginning of a pull is taken for what pressing is felt as.
+  double most_shear_felt = 0.005;
   // Normal force below which a frame is not recorded; standard deviations, 3 … 30. Too small: maps of noise.
   // Too large: margins near gross slip have no map.
   double least_force_sigmas = 8;
@@ -65,6 +68,9 @@ struct ClosingOptions {
   double open_sigma = 0.02;
   // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1.
   double max_friction_share = 0.5;
+  // Under a skin, twice the log likelihood that another history gains, from which on no margin is given; 9
+  // … 36. Too small: noise takes the margin away. Too large: a load that has turned back passes.
+  double most_history_gain = 16;
   // Under a skin, the change of Gamma from which on it is found anew how much the margin depends on the
   // depth; Gamma, 0.01 … 0.2. Too small: costs time. Too large: that part of sigma is of another margin.
   double depth_asked_again = 0.05;
@@ -129,13 +135,13 @@ class Closing final : public SlipMethod {
   Trial judge(double gamma, const ContactPatch& patch, const ClosingMaps::Sum& today,
               const ClosingMaps::PerMap& products, double shear_square_pa2) const noexcept;
   // The same under a skin, of the frame that skin_ has read; without the misfit.
-  Trial judge_felt(double gamma, double normal_n, const ContactPatch& patch) const noexcept;
-  // All trials; the best one, null: none.
-  const Trial* judge_felt(double normal_n, const ContactPatch& patch) noexcept;
+  Trial judge_felt(std::size_t step, const ContactPatch& patch) const noexcept;
+  // All trials. Returns the best one; kSteps: none.
+  std::size_t judge_felt(const ContactPatch& patch) noexcept;
   // Best of the trials; null: none.
   const Trial* best_trial() const noexcept;
   FrameEstimate estimate_felt(const ContactPatch& patch) noexcept;
-  double sigma_by_depth(double normal_n, const ContactPatch& patch, const Trial& best, double gamma) noexcept;
+  double sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept;
   // Fills sigma and friction of `out` from the likelihood. excess: sum of squares that noise does not
   // explain, explained: that the pull does, noise: the deviation of the first; Pa^2.
   struct Squares {

@@ -50,6 +50,10 @@ constexpr double kSameDepth = 0.02;
 // another kind is taken for one of another depth.
 constexpr double kMostUnexplained = 0.2;
 
+// The share of a difference of maps that the one found must leave, for it to show another history; 0.001 …
+// 0.1. Too small: noise is taken for a history. Too large: none is seen.
+constexpr double kOwn = 0.01;
+
 double covariance_of(double a, double b) noexcept {
   const double apart = (a - b) / kAlike;
   return std::exp(-0.5 * apart * apart);
@@ -57,7 +61,7 @@ double covariance_of(double a, double b) noexcept {
 
 }  // namespace
 
-ClosingSkin::ClosingSkin(const TaxelLayout& layout, const Skin& skin)
+ClosingSkin::ClosingSkin(const TaxelLayout& layout, const Skin& skin, std::size_t trials)
     : taxels_(layout.size()),
       columns_(layout.regular().value().columns),
       rows_(layout.regular().value().rows),
@@ -66,7 +70,8 @@ ClosingSkin::ClosingSkin(const TaxelLayout& layout, const Skin& skin)
       felt_(ClosingMaps::kMaps * 4 * taxels_),
       shear_pa_(2 * taxels_),
       pressure_pa_(taxels_),
-      scratch_(4 * taxels_) {}
+      scratch_(4 * taxels_),
+      trials_(trials) {}
 
 std::size_t ClosingSkin::memory_bytes() const noexcept {
   return sizeof(*this) + ratio_.memory_bytes() +
@@ -232,6 +237,16 @@ void ClosingSkin::read(const TaxelView& taxels, const ClosingMaps& maps, double 
   normal_pa2_ = noise_of(pressure_pa_) / (1 + share);
   map_pa2_ -= share * normal_pa2_;
   multiply(maps);
+  for (std::size_t i = 0; i < trials_.size(); ++i) {
+    Slipping& trial = trials_[i];
+    trial.weights =
+        today_ - at((static_cast<double>(i) + 0.5) / static_cast<double>(trials_.size()) * normal_n);
+    trial.noise_share = noise_share(trial.weights);
+    const double by_noise = count * normal_pa2_ * ratio_.noise_gain() * trial.noise_share;
+    trial.xx = product(of_xx_, trial.weights, trial.weights) - by_noise;
+    trial.xy = product(of_xy_, trial.weights, trial.weights);
+    trial.yy = product(of_yy_, trial.weights, trial.weights) - by_noise;
+  }
 }
 
 void ClosingSkin::multiply(const ClosingMaps& maps) noexcept {
@@ -245,38 +260,61 @@ void ClosingSkin::multiply(const ClosingMaps& maps) noexcept {
   }
 }
 
-// Least squares of the pull's two components, with what noise adds to the maps' squares taken off.
-ClosingSkin::Pull ClosingSkin::pull(double stuck_n) const noexcept {
-  const Weights slipping = today_ - at(stuck_n);
-  const double bx = slipping.dot(of_x_), by = slipping.dot(of_y_);
-  const double map_pa2 = normal_pa2_ * noise_share(slipping) * ratio_.noise_gain();
-  const double by_noise = static_cast<double>(taxels_) * map_pa2;
-  const double xx = slipping.dot(of_xx_ * slipping) - by_noise, xy = slipping.dot(of_xy_ * slipping),
-               yy = slipping.dot(of_yy_ * slipping) - by_noise;
-  const double determinant = xx * yy - xy * xy;
+// Least squares of the pull's two components.
+ClosingSkin::Pull ClosingSkin::pull(std::size_t trial) const noexcept {
+  const Slipping& of = trials_[trial];
+  const double bx = of.weights.dot(of_x_), by = of.weights.dot(of_y_);
+  const double determinant = of.xx * of.yy - of.xy * of.xy;
   Pull out;
-  if (!(xx > 0 && yy > 0 && determinant > 0)) return out;
-  out.x = (yy * bx - xy * by) / determinant;
-  out.y = (xx * by - xy * bx) / determinant;
+  if (!(of.xx > 0 && of.yy > 0 && determinant > 0)) return out;
+  out.x = (of.yy * bx - of.xy * by) / determinant;
+  out.y = (of.xx * by - of.xy * bx) / determinant;
   out.residual_pa2 = std::max(0.0, square_pa2_ - (out.x * bx + out.y * by));
-  const double maps_part = 0.5 * (out.x * out.x + out.y * out.y) * map_pa2;
+  const double maps_part =
+      0.5 * (out.x * out.x + out.y * out.y) * normal_pa2_ * ratio_.noise_gain() * of.noise_share;
   out.noise_pa2 = std::max(shear_pa2_ + maps_part, std::numeric_limits<double>::min());
   out.map_share = maps_part / out.noise_pa2;
   return out;
 }
 
-double ClosingSkin::unlike(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept {
-  const Weights slipping = today_ - at(stuck_n);
+// Along the pull.
+double ClosingSkin::history_gain(std::size_t trial, const Pull& pull) const noexcept {
+  const double friction = std::hypot(pull.x, pull.y);
+  if (!(friction > 0)) return 0;
+  const double c = pull.x / friction, s = pull.y / friction;
+  const Square along = c * c * of_xx_ + 2 * c * s * of_xy_ + s * s * of_yy_;
+  const Weights read = c * of_x_ + s * of_y_;
+  const auto square = [&](const Slipping& of) { return c * c * of.xx + 2 * c * s * of.xy + s * s * of.yy; };
+  const Slipping& found = trials_[trial];
+  const Weights with_found = along.lazyProduct(found.weights),
+                noise_with_found = per_frames_.cwiseProduct(found.weights);
+  const double noise_pa2 = static_cast<double>(taxels_) * normal_pa2_ * ratio_.noise_gain();
+  const double found_pa2 = square(found), left = read.dot(found.weights) / found_pa2;
+  double gain = 0;
+  for (const Slipping& other : trials_) {
+    const double other_pa2 = square(other);
+    const double common_pa2 = other.weights.dot(with_found) - noise_pa2 * other.weights.dot(noise_with_found);
+    const double own_pa2 = other_pa2 - common_pa2 * common_pa2 / found_pa2;
+    // Of a difference that is nearly the same, or noise, nothing is left.
+    if (!(found_pa2 > 0 && own_pa2 > kOwn * other_pa2 && own_pa2 > noise_pa2 * other.noise_share)) continue;
+    const double product_pa2 = read.dot(other.weights) - common_pa2 * left;
+    gain = std::max(gain, product_pa2 * product_pa2 / (own_pa2 * pull.noise_pa2));
+  }
+  return gain;
+}
+
+double ClosingSkin::unlike(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept {
+  const Weights& slipping = trials_[trial].weights;
   add(pressure_pa_, -pull.x, maps, slipping, ClosingMaps::shear_x);
   add(pressure_pa_, -pull.y, maps, slipping, ClosingMaps::shear_y);
   const double noise_pa2 = normal_pa2_ * (1 + noise_share(today_)) +
-                           (pull.x * pull.x + pull.y * pull.y) * shear_pa2_ * noise_share(slipping);
+                           (pull.x * pull.x + pull.y * pull.y) * shear_pa2_ * trials_[trial].noise_share;
   const double off_pa2 = dot(pressure_pa_, pressure_pa_) / static_cast<double>(taxels_);
   return map_pa2_ > 0 ? (off_pa2 - noise_pa2) / map_pa2_ : std::numeric_limits<double>::infinity();
 }
 
-void ClosingSkin::deepen(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept {
-  const Weights slipping = today_ - at(stuck_n);
+void ClosingSkin::deepen(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept {
+  const Weights& slipping = trials_[trial].weights;
   const std::span<float> map = std::span(scratch_).first(taxels_),
                          rest = std::span(scratch_).subspan(taxels_);
   const std::span<float> xx = rest.first(taxels_), xy = rest.subspan(taxels_, taxels_),

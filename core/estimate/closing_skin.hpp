@@ -25,8 +25,8 @@ namespace slipd {
 
 class ClosingSkin {
  public:
-  // layout: a regular grid. skin: of a depth above 0.
-  ClosingSkin(const TaxelLayout& layout, const Skin& skin);
+  // layout: a regular grid. skin: of a depth above 0. trials: number of margins that are tried.
+  ClosingSkin(const TaxelLayout& layout, const Skin& skin, std::size_t trials);
 
   // Filters maps that have changed since, but not that of slot `filling`: of so many taxels, at least one.
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -39,15 +39,19 @@ class ClosingSkin {
   // A frame with a pull, under normal_n > 0; all maps are ready. To be called before those below.
   void read(const TaxelView& taxels, const ClosingMaps& maps, double normal_n) noexcept;
 
-  // How the difference between today's map and that of another force explains the shear that was read.
+  // How a margin explains the shear that was read: by the difference between today's map and that of the
+  // force that sticks.
   struct Pull {
     double x = 0, y = 0;      // friction times the pull's direction; both 0: not at all
     double residual_pa2 = 0;  // sum of squares of both components, less what the maps' noise adds
     double noise_pa2 = 0;     // variance of one component of one taxel's residual
     double map_share = 0;     // the maps' part of it
   };
-  // stuck_n: the other force, N, from 0 to that of the frame.
-  Pull pull(double stuck_n) const noexcept;
+  // trial: Gamma = (trial + 1/2) over their number.
+  Pull pull(std::size_t trial) const noexcept;
+  // How much better a load of another history explains it: the greatest gain of twice the log likelihood,
+  // nats, by one more difference of maps.
+  double history_gain(std::size_t trial, const Pull& pull) const noexcept;
   // Sum of squares of what was read, Pa^2.
   double square_pa2() const noexcept { return square_pa2_; }
   // Variance of the noise of one of its values, Pa^2.
@@ -55,12 +59,12 @@ class ClosingSkin {
 
   // The sum of squares of the pressure's difference from today's map, beyond noise, over that of the map. The
   // pressure that the pull is felt as is left out: pressing is felt as shear by the same kernel.
-  double unlike(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept;
+  double unlike(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept;
 
   // Changes what was read so that pull() gives what it would if the taxels lay deeper or less deep by
   // kDeeper, of the log of the depth.
   static constexpr double kDeeper = 0.1;
-  void deepen(const ClosingMaps& maps, double stuck_n, const Pull& pull) noexcept;
+  void deepen(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept;
   // Of what is known of the log of the depth, standard deviation.
   double depth_sigma() const noexcept { return depth_.now().sigma; }
 
@@ -85,6 +89,9 @@ class ClosingSkin {
   void smooth(const ClosingMaps& maps) noexcept;
   // The map of a force as a sum of all, by Gaussian process regression.
   Weights at(double normal_n) const noexcept;
+  static double product(const Square& of, const Weights& a, const Weights& b) noexcept {
+    return a.dot(of.lazyProduct(b));
+  }
   double noise_share(const Weights& weights) const noexcept { return weights.cwiseAbs2().dot(per_frames_); }
   void multiply(const ClosingMaps& maps) noexcept;
   double noise_of(std::span<const float> values) const noexcept;
@@ -112,6 +119,12 @@ class ClosingSkin {
   double square_pa2_ = 0, shear_pa2_ = 0, normal_pa2_ = 0;  // the last two: variances of noise
   double map_pa2_ = 0;                                      // mean square of today's map
   Weights today_;                                           // the map of its force
+  // Of each trial: the difference of maps, its noise, and its products with noise taken off.
+  struct Slipping {
+    Weights weights;
+    double noise_share = 0, xx = 0, xy = 0, yy = 0;
+  };
+  std::vector<Slipping> trials_;
   Weights of_x_, of_y_;  // products of the shear with what is felt of the maps
 };
 

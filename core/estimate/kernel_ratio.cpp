@@ -20,6 +20,18 @@ double frequency_at(std::size_t i, std::size_t length) noexcept {
   return at > signed_length / 2 ? at - signed_length : at;
 }
 
+// A wave number times the depth. odd: for kernels that are odd in it. per_k: 1/k; 0 at 0.
+struct Wave {
+  double kx, ky, odd_kx, odd_ky, per_k;
+};
+
+// The length of the transforms that a kernel is found by. Longer: set-up takes time. Shorter: the kernel's
+// images are read as shear.
+constexpr std::size_t wider(std::size_t length) noexcept {
+  constexpr std::size_t kLong = 256;
+  return std::min(4 * length, std::max(2 * length, kLong));
+}
+
 }  // namespace
 
 KernelRatio::Roots::Roots(std::size_t n) : length(n), cosine(n / 2), sine(n / 2) {
@@ -55,7 +67,7 @@ KernelRatio::KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double l
 // reaches from each taxel to each other one, and not around.
 KernelRatio::Kernels KernelRatio::kernels_at(double depth_sides, double nominal_sides, double least_felt) {
   const std::size_t width = along_x_.length, height = along_y_.length;
-  const Roots wide_x(kWider * width), wide_y(kWider * height);
+  const Roots wide_x(wider(width)), wide_y(wider(height));
   Plane wide, turned;
   wide.resize(wide_x.length * wide_y.length);
   turned.resize(wide.re.size());
@@ -70,7 +82,9 @@ KernelRatio::Kernels KernelRatio::kernels_at(double depth_sides, double nominal_
         const double ky = wave_number(v, wide_y.length), k = std::hypot(kx, ky);
         const double nominal = depth_sides > 0 ? k * nominal_sides / depth_sides : 0;
         const double felt = (1 + nominal) * std::exp(-nominal) < least_felt ? 0 : 1 / (1 + k);
-        const std::complex<double> both = ratio(kx, ky, k > 0 ? 1 / k : 0);
+        // The highest frequency of an even length has both signs.
+        const std::complex<double> both =
+            ratio({kx, ky, u == 1 ? 0 : kx, v == 1 ? 0 : ky, k > 0 ? 1 / k : 0});
         wide.re[u * wide_y.length + v] = static_cast<float>(felt * both.real());
         wide.im[u * wide_y.length + v] = static_cast<float>(felt * both.imag());
       }
@@ -79,7 +93,7 @@ KernelRatio::Kernels KernelRatio::kernels_at(double depth_sides, double nominal_
     turn(wide, turned, wide_x.length, wide_y.length);
     backward(turned, wide_y, wide_x.length);
     const auto kept = [](std::size_t i, std::size_t length) {
-      return i < length / 2 ? i : (kWider - 1) * length + i;
+      return i < length / 2 ? i : wider(length) - length + i;
     };
     const auto scale = 1 / static_cast<float>(wide.re.size() * width * height);
     for (std::size_t y = 0; y < height; ++y) {
@@ -97,12 +111,12 @@ KernelRatio::Kernels KernelRatio::kernels_at(double depth_sides, double nominal_
   };
   using Both = std::complex<double>;
   Kernels out;
-  keep([](double kx, double ky, double per_k) { return Both(1 - kx * kx * per_k, 1 - ky * ky * per_k); });
+  keep([](const Wave& at) { return Both(1 - at.kx * at.kx * at.per_k, 1 - at.ky * at.ky * at.per_k); });
   out.xx = spectrum_.re;
   out.yy = spectrum_.im;
-  keep([](double kx, double ky, double per_k) { return Both(-kx * ky * per_k, 0); });
+  keep([](const Wave& at) { return Both(-at.odd_kx * at.odd_ky * at.per_k, 0); });
   out.xy = spectrum_.re;
-  keep([](double kx, double ky, double) { return Both(ky, -kx); });
+  keep([](const Wave& at) { return Both(at.odd_ky, -at.odd_kx); });
   out.press_re = spectrum_.re;
   out.press_im = spectrum_.im;
   return out;

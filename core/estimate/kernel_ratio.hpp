@@ -43,9 +43,6 @@ class KernelRatio {
   std::size_t memory_bytes() const noexcept;
 
  private:
-  // 2 … 8. Too small: the kernel's images are read as shear. Too large: set-up takes time and memory.
-  static constexpr std::size_t kWider = 4;
-
   // A plane of complex numbers.
   struct Plane {
     std::vector<float> re, im;
