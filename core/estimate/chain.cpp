@@ -74,7 +74,6 @@ struct EstimatorChain::Impl {
     known = s.friction.value_or(expected_friction(s.scene));
     usual_friction = std::sqrt(known.range.low * known.range.high);
   }
-
   // The contact was lost.
   void forget() noexcept {
     tracker.forget();
@@ -244,9 +243,8 @@ struct EstimatorChain::Impl {
     shape_by = method->name();
     FrameEstimate estimate = method->estimate(frame, patch);
     if (!closing || (!felt && estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
-    if (felt ? estimate.shape_sigma < kUnlikeFelt
-             : moment_ratio(patch, setup.layout).deviation.sigma() < kUnlikeSigma)
-      return estimate;
+    const double unlike = felt ? estimate.shape_sigma : moment_ratio(patch, setup.layout).deviation.sigma();
+    if (unlike < (felt ? kUnlikeFelt : kUnlikeSigma)) return estimate;
     FrameEstimate by_closing = closing->estimate(frame, patch);
     if (!by_closing.in_model || (!felt && estimate.in_model && estimate.sigma < by_closing.sigma))
       return estimate;

@@ -40,7 +40,10 @@ void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
     return;
   const double normal_n = force_n(patch);
   if (!(normal_n > 0)) return;
-  if (maps_.frames_like(normal_n) < options_.enough_frames) maps_.add(patch.taxels, normal_n);
+  // Under a skin only while the force rises: the first of a pull in a held grip would be taken for what
+  // pressing is felt as.
+  if ((!skin_ || normal_n > most_n_) && maps_.frames_like(normal_n) < options_.enough_frames)
+    maps_.add(patch.taxels, normal_n);
   most_n_ = std::max(most_n_, normal_n);
   if (skin_) skin_->prepare(maps_, kFilteredInClosing, maps_.slot_of(normal_n));
 }
@@ -139,7 +142,7 @@ void Closing::conclude(const ContactPatch& patch, const Trial& best, const Squar
   if (unexplained > options_.most_unexplained) return;
   weigh(out);
   if (!out.in_model) return;
-  if (out.sigma > options_.open_sigma) give_profile(out);
+  if (out.sigma > options_.open_sigma && !skin_) give_profile(out);
   const double by_model = std::hypot(options_.least_sigma, options_.unexplained_sigma * unexplained);
   out.common_sigma = std::hypot(by_model, out.sigma * std::sqrt(best.map_share));
   out.sigma = std::hypot(out.sigma, by_model);
@@ -190,7 +193,8 @@ Closing::Trial Closing::judge_felt(std::size_t step, const ContactPatch& patch) 
   trial.friction = std::hypot(pull.x, pull.y);
   trial.residual_pa2 = pull.residual_pa2;
   trial.noise_pa2 = pull.noise_pa2;
-  trial.map_share = pull.map_share;
+  // Both maps' noise is the same in all frames: the difference's, and that of what pressing is felt as.
+  trial.map_share = std::min(1.0, pull.map_share + skin_->pressing_share());
   trial.nats = prior_.nats_against(trial.friction);
   return trial;
 }

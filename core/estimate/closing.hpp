@@ -63,8 +63,9 @@ struct ClosingOptions {
   // quite still. By `sliplab coverage --methods closing --of histories`. Too small: sigma is less than the
   // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
   double least_sigma = 0.015;
-  // Sigma of Gamma beyond which the frame's whole profile is given; Gamma, 0.005 … 0.3. Too small: frames of
-  // one closing, whose error is common, count too much. Too large: the likelihood is no parabola any more.
+  // Sigma of Gamma beyond which the frame's whole profile is given, not under a skin; Gamma, 0.005 … 0.3. Too
+  // small: frames of one closing, whose error is common, count too much. Too large: the likelihood is no
+  // parabola any more.
   double open_sigma = 0.02;
   // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1.
   double max_friction_share = 0.5;

@@ -233,6 +233,7 @@ void ClosingSkin::read(const TaxelView& taxels, const ClosingMaps& maps, double 
   map_pa2_ = dot(pressure_pa_, pressure_pa_) / count;
   vector(std::span(pressure_pa_)) += vector(std::span(taxels.normal_pa, taxels_));
   const double share = noise_share(today_);
+  pressing_share_ = share / (1 + share);
   shear_pa2_ = 0.5 * (noise_of(x) + noise_of(y));
   normal_pa2_ = noise_of(pressure_pa_) / (1 + share);
   map_pa2_ -= share * normal_pa2_;

@@ -54,6 +54,8 @@ class ClosingSkin {
   double history_gain(std::size_t trial, const Pull& pull) const noexcept;
   // Sum of squares of what was read, Pa^2.
   double square_pa2() const noexcept { return square_pa2_; }
+  // The part of their noise that what pressing is felt as has, and so each frame alike; 0 … 1.
+  double pressing_share() const noexcept { return pressing_share_; }
   // Variance of the noise of one of its values, Pa^2.
   double shear_pa2() const noexcept { return shear_pa2_; }
 
@@ -117,8 +119,9 @@ class ClosingSkin {
   std::vector<float> pressure_pa_;  // less today's map
   std::vector<float> scratch_;
   double square_pa2_ = 0, shear_pa2_ = 0, normal_pa2_ = 0;  // the last two: variances of noise
-  double map_pa2_ = 0;                                      // mean square of today's map
-  Weights today_;                                           // the map of its force
+  double pressing_share_ = 0;
+  double map_pa2_ = 0;  // mean square of today's map
+  Weights today_;       // the map of its force
   // Of each trial: the difference of maps, its noise, and its products with noise taken off.
   struct Slipping {
     Weights weights;

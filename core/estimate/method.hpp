@@ -52,8 +52,8 @@ struct FrameEstimate {
   // method's own error and that of its model, Gamma, 0 … sigma. The rest is noise, new in each frame.
   double common_sigma = 0;
   // The part of `common_sigma` by how far the pressure is from the method's contact model, Gamma, also where
-  // in_model is false; infinite where the method does not compare them, or could not. Under a skin only.
-  double shape_sigma = std::numeric_limits<double>::infinity();
+  // in_model is false. Under a skin only; 0 where the method does not compare them, or could not.
+  double shape_sigma = 0;
   // `common_sigma` of `moments_sigma`, N.
   contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;

@@ -32,10 +32,12 @@ class FeltGrip {
   static constexpr double kGrip_n = 3;
   static constexpr int kFrames = 60;
 
-  FeltGrip(std::size_t side, const contact::Imprint& imprint)
+  // apart_m: distance of two contacts that share the forces; 0: one.
+  FeltGrip(std::size_t side, const contact::Imprint& imprint, double apart_m = 0)
       : layout_(TaxelLayout::grid(side, side, 16e-3 / static_cast<double>(side))),
         sheet_(layout_, imprint),
-        finder_(layout_) {
+        finder_(layout_),
+        apart_m_(apart_m) {
     for (int i = 1; i <= kFrames; ++i) closing_.push_back(feel(kGrip_n * i / kFrames, 0, 0.5, 0));
     const auto& held = closing_.back().p;
     noise_pa_ = 0.01F * *std::max_element(held.begin(), held.end());
@@ -47,14 +49,23 @@ class FeltGrip {
   }
   Felt feel(double normal_n, double shear_n, double friction, double direction_rad) {
     contact::LoadHistory contact(synthetic::paper_pair());
-    contact.move_to(normal_n, 0, friction);
-    contact.move_to(normal_n, shear_n, friction);
-    return feel(contact, direction_rad);
+    const double share = apart_m_ > 0 ? 0.5 : 1;
+    contact.move_to(share * normal_n, 0, friction);
+    contact.move_to(share * normal_n, share * shear_n, friction);
+    Felt out = feel(contact, direction_rad, 0.4e-3 - 0.5 * apart_m_);
+    if (apart_m_ <= 0) return out;
+    const Felt other = feel(contact, direction_rad, 0.4e-3 + 0.5 * apart_m_);
+    for (std::size_t i = 0; i < out.p.size(); ++i) {
+      out.p[i] += other.p[i];
+      out.x[i] += other.x[i];
+      out.y[i] += other.y[i];
+    }
+    return out;
   }
-  Felt feel(const contact::LoadHistory& contact, double direction_rad) {
+  Felt feel(const contact::LoadHistory& contact, double direction_rad, double x_m) {
     const std::size_t n = layout_.size();
     Felt out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
-    sheet_.feel(contact, 0.4e-3, -0.7e-3, direction_rad, out.p, out.x, out.y);
+    sheet_.feel(contact, x_m, -0.7e-3, direction_rad, out.p, out.x, out.y);
     return out;
   }
 
@@ -85,6 +96,7 @@ class FeltGrip {
   TaxelLayout layout_;
   contact::ImprintSheet sheet_;
   PatchFinder finder_;
+  double apart_m_;
   std::mt19937_64 random_{7};
   std::vector<Felt> closing_;
   Felt now_;
@@ -214,8 +226,9 @@ ChainSetup under_skin(const TaxelLayout& layout, MethodChoice method) {
   return setup;
 }
 
-TEST(Chains, UnderASkinReadNearlyFlatContactsByTheirClosing) {
-  FeltGrip grip(16, {.depth_m = 1e-3, .power = 8});
+// No shape that fit knows.
+TEST(Chains, UnderASkinReadTwoContactsByTheirClosing) {
+  FeltGrip grip(32, {.depth_m = 1e-3}, 6e-3);
   for (const MethodChoice method : {MethodChoice::automatic, MethodChoice::closing}) {
     EstimatorChain chain(under_skin(grip.layout(), method), nullptr);
     for (const Felt& felt : grip.closing()) {
@@ -234,9 +247,10 @@ TEST(Chains, UnderASkinReadNearlyFlatContactsByTheirClosing) {
       by_closing += estimate.method == Method::closing ? 1 : 0;
       EXPECT_LT(*estimate.gamma - gamma, 0.2);
     }
-    EXPECT_GE(answered, 0.7 * asked);
+    EXPECT_GE(answered, 0.25 * asked);
     EXPECT_GE(by_closing, 0.5 * answered);
-    EXPECT_LT(error / answered, 0.08);
+    EXPECT_LT(error / answered, 0.1);
+    RecordProperty("mean error", std::to_string(error / answered));
   }
 }
 
