@@ -7,7 +7,6 @@
 #include "core/estimate/acting_forces.hpp"
 #include "core/estimate/alert.hpp"
 #include "core/estimate/chain_parts.hpp"
-#include "core/estimate/closing.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/moments.hpp"
 #include "core/estimate/tracker.hpp"
@@ -55,6 +54,7 @@ struct EstimatorChain::Impl {
         finder(s.layout),
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
+        closing(make_closing_beside(s)),
         acting_forces(s.scene.skin.depth_m > 0),
         turning_load(s.layout),
         turning_shape(s.layout, s.estimator.tracking),
@@ -64,14 +64,9 @@ struct EstimatorChain::Impl {
         turn(s.layout),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
         alert(s.alerts) {
-    const Range expected = expected_friction(s.scene);
-    known = s.friction.value_or(expected);
-    if (method && s.estimator.method == MethodChoice::automatic && !weighed_over_time(s) &&
-        !(s.scene.skin.depth_m > 0))
-      closing = std::make_unique<Closing>(s.layout, expected);
+    known = s.friction.value_or(expected_friction(s.scene));
     usual_friction = std::sqrt(known.range.low * known.range.high);
   }
-
   // The contact was lost.
   void forget() noexcept {
     tracker.forget();
@@ -231,18 +226,22 @@ struct EstimatorChain::Impl {
     refuse_margin(State::out_of_model, out);
   }
 
-  // By the method, or where it refuses the frame or has a greater sigma by the pressures of the closing.
+  // By the method, or where it refuses the frame or has a greater sigma by the pressures of the closing. A
+  // contact of the model's shape that the method refuses has another history, of which closing shows no more.
   FrameEstimate estimate_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+    // Sigma by the method's contact model from which on closing may give a better margin; Gamma, 0.02 … 0.1.
+    // Too small: two methods run for one margin. Too large: ellipses get an imprecise margin. Under a skin,
+    // which hides most of another shape, 0.005 … 0.02.
+    constexpr double kUnlikeSigma = 0.03, kUnlikeFelt = 0.01;
+    const bool felt = setup.scene.skin.depth_m > 0;
     shape_by = method->name();
     FrameEstimate estimate = method->estimate(frame, patch);
-    // Sigma by the method's contact model from which on closing may give a better margin; Gamma, 0.02 … 0.1.
-    // Too small: two methods run for one margin. Too large: ellipses get an imprecise margin.
-    constexpr double kUnlikeSigma = 0.03;
-    if (!closing || (estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
-    // A round contact that the method refuses has another history, of which closing shows no more.
-    if (moment_ratio(patch, setup.layout).deviation.sigma() < kUnlikeSigma) return estimate;
+    if (!closing || (!felt && estimate.in_model && estimate.common_sigma < kUnlikeSigma)) return estimate;
+    const double unlike = felt ? estimate.shape_sigma : moment_ratio(patch, setup.layout).deviation.sigma();
+    if (unlike < (felt ? kUnlikeFelt : kUnlikeSigma)) return estimate;
     FrameEstimate by_closing = closing->estimate(frame, patch);
-    if (!by_closing.in_model || (estimate.in_model && estimate.sigma < by_closing.sigma)) return estimate;
+    if (!by_closing.in_model || (!felt && estimate.in_model && estimate.sigma < by_closing.sigma))
+      return estimate;
     shape_by = closing->name();
     by_closing.moments = estimate.moments;
     by_closing.moments_sigma = estimate.moments_sigma;
@@ -307,8 +306,8 @@ struct EstimatorChain::Impl {
   PlausibilityMonitor plausibility;
   int refused = 0;  // frames in a row
   std::unique_ptr<SlipMethod> method;
-  std::unique_ptr<Closing> closing;    // of `auto`, for frames that do not fit the method; else null
-  Method shape_by = Method::friction;  // what this frame's own margin is by
+  std::unique_ptr<SlipMethod> closing;  // of `auto`, for frames that do not fit the method; else null
+  Method shape_by = Method::friction;   // what this frame's own margin is by
   ActingForces acting_forces;
   TurningLoad turning_load;
   TurningShape turning_shape;

@@ -43,7 +43,7 @@ enum class MethodReason : std::uint8_t {
   configured,  // estimator.method names it
   automatic,   // `auto` chose it by error and time on the sensor's scene
   few_taxels,  // see always_fits
-  skin,        // `auto`, under a skin of known depth, for which only fit corrects
+  skin,        // `auto`, under a skin of known depth: only fit and closing correct for it
   forces,      // without taxels and curvature, friction and forces give the margin
   no_shear     // there is no margin
 };

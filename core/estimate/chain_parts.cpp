@@ -23,6 +23,13 @@ std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& 
                                setup.scene.skin.depth_m, setup.scene.skin.depth_sigma);
 }
 
+std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
+  if (!Closing::can_read(setup.layout, setup.scene.skin))
+    throw std::invalid_argument(
+        "method closing needs a regular grid of taxels under a skin with depth_mm above 0");
+  return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene), setup.scene.skin);
+}
+
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time
 // given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
@@ -79,25 +86,25 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
                                         WorkPrecision& work_precision) {
   if (only_forces(setup)) return nullptr;
-  if (setup.scene.skin.depth_m > 0 && setup.estimator.method != MethodChoice::automatic &&
-      setup.estimator.method != MethodChoice::fit && !always_fits(setup)) {
-    throw std::invalid_argument("a skin with depth_mm above 0 needs the estimator's method fit or auto");
+  const MethodChoice wanted = setup.estimator.method;
+  if (setup.scene.skin.depth_m > 0 && wanted != MethodChoice::automatic && wanted != MethodChoice::fit &&
+      wanted != MethodChoice::closing && !always_fits(setup)) {
+    throw std::invalid_argument(
+        "a skin with depth_mm above 0 needs the estimator's method fit, closing or auto");
   }
   if (needs_model(setup) && (!model || !(model->setup().layout == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
   if (always_fits(setup)) return make_fit(setup);
-  // No other method corrects for rubber over the taxels.
-  if (setup.scene.skin.depth_m > 0) return make_fit(setup);
-  switch (setup.estimator.method) {
-    case MethodChoice::automatic:
-      return choose_method(setup, work_precision);
+  switch (wanted) {
+    case MethodChoice::automatic:  // of its methods only fit corrects for rubber over the taxels
+      return setup.scene.skin.depth_m > 0 ? make_fit(setup) : choose_method(setup, work_precision);
     case MethodChoice::fit:
       return make_fit(setup);
     case MethodChoice::block_fit:
       return make_fit(setup, FitOptions::in_blocks());
     case MethodChoice::closing:
-      return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene));
+      return make_closing(setup);
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
@@ -106,6 +113,13 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
       return std::make_unique<SvdKnn>(model);
   }
   throw std::invalid_argument("there is no such estimator");
+}
+
+std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup) {
+  if (setup.estimator.method != MethodChoice::automatic || weighed_over_time(setup) ||
+      setup.sensor_class == SensorClass::normal || !Closing::can_read(setup.layout, setup.scene.skin))
+    return nullptr;
+  return make_closing(setup);
 }
 
 PlausibilityLimits plausibility_limits(const ChainSetup& setup) {

@@ -33,6 +33,10 @@ ChainSetup with_felt_skin(const ChainSetup& setup);
 std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shared_ptr<const Model>& model,
                                         WorkPrecision& work_precision);
 
+// For `auto`, method closing for frames that its method refuses; null for other choices, and where closing
+// cannot be used.
+std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup);
+
 // Bounds of a^3/P = 3 R/(4 E*) over the contacts that the scene expects; for the stiffest one against the
 // sharpest object, for the softest one against the flattest.
 PlausibilityLimits plausibility_limits(const ChainSetup& setup);

@@ -7,27 +7,50 @@
 #include <span>
 
 namespace slipd {
+namespace {
 
-Closing::Closing(const TaxelLayout& layout, Range friction_expected, const ClosingOptions& options)
+// Taxels of the maps that are filtered in one frame, under a skin, while the gripper closes and for an
+// estimate; 1000 … 100000, at least one map. Too few: after a quick grip, margins come late. Too many: single
+// frames take long.
+constexpr std::size_t kFilteredInClosing = 4096, kFilteredAtOnce = 32768;
+
+}  // namespace
+
+Closing::Closing(const TaxelLayout& layout, Range friction_expected, const Skin& skin,
+                 const ClosingOptions& options)
     : layout_(layout),
       prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
       options_(options),
-      maps_(layout.size()),
-      shear_pa_(layout.size()) {}
+      maps_(layout.size(), skin.depth_m > 0),
+      shear_pa_(layout.size()) {
+  if (skin.depth_m > 0) skin_.emplace(layout, skin, kSteps);
+}
+
+double Closing::force_n(const ContactPatch& patch) const noexcept {
+  if (!skin_) return patch.normal_n;
+  double sum_pa = 0;
+  for (std::size_t i = 0; i < layout_.size(); ++i) sum_pa += patch.taxels.normal_pa[i];
+  return layout_.area_m2() * sum_pa;
+}
 
 void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (!(patch.normal_n > 0) || patch.normal_n < options_.least_force_sigmas * patch.normal_sigma_n) return;
-  if (patch.shear_n > options_.most_shear * patch.normal_n &&
+  if (patch.shear_n > (skin_ ? options_.most_shear_felt : options_.most_shear) * patch.normal_n &&
       patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n)
     return;
-  if (maps_.frames_like(patch.normal_n) >= options_.enough_frames) return;
-  maps_.add({patch.taxels.normal_pa, layout_.size()}, patch.normal_n);
+  const double normal_n = force_n(patch);
+  if (!(normal_n > 0)) return;
+  // Under a skin only while the force rises: the first of a pull in a held grip would be taken for what
+  // pressing is felt as.
+  if ((!skin_ || normal_n > most_n_) && maps_.frames_like(normal_n) < options_.enough_frames)
+    maps_.add(patch.taxels, normal_n);
+  most_n_ = std::max(most_n_, normal_n);
+  if (skin_) skin_->prepare(maps_, kFilteredInClosing, maps_.slot_of(normal_n));
 }
 
-bool Closing::recorded(const ContactPatch& patch) const noexcept {
-  return maps_.size() >= options_.least_maps &&
-         maps_.force_n(0) <= options_.most_first_force * patch.normal_n &&
-         patch.normal_n <= options_.most_growth * maps_.force_n(maps_.size() - 1);
+bool Closing::recorded(double normal_n) const noexcept {
+  return maps_.size() >= options_.least_maps && maps_.force_n(0) <= options_.most_first_force * normal_n &&
+         normal_n <= options_.most_growth * (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
 }
 
 bool Closing::unmoved(const ContactPatch& patch, const ClosingMaps::Sum& today) const noexcept {
@@ -103,9 +126,40 @@ void Closing::give_profile(FrameEstimate& out) const noexcept {
   out.profile.known = true;
 }
 
+const Closing::Trial* Closing::best_trial() const noexcept {
+  const Trial* best = nullptr;
+  for (const Trial& trial : trials_) {
+    if (trial.friction > 0 && (best == nullptr || trial.misfit < best->misfit)) best = &trial;
+  }
+  return best;
+}
+
+void Closing::conclude(const ContactPatch& patch, const Trial& best, const Squares& squares,
+                       FrameEstimate& out) const noexcept {
+  const bool clear = squares.excess_pa2 > options_.clear_sigmas * squares.noise_pa2;
+  const double unexplained =
+      clear ? std::sqrt(squares.excess_pa2 / std::max(squares.explained_pa2, squares.excess_pa2)) : 0;
+  if (unexplained > options_.most_unexplained) return;
+  weigh(out);
+  if (!out.in_model) return;
+  if (out.sigma > options_.open_sigma && !skin_) give_profile(out);
+  const double by_model = std::hypot(options_.least_sigma, options_.unexplained_sigma * unexplained);
+  out.common_sigma = std::hypot(by_model, out.sigma * std::sqrt(best.map_share));
+  out.sigma = std::hypot(out.sigma, by_model);
+  const double rest = 1 - out.gamma;
+  if (!(out.sigma < options_.max_friction_share * rest))
+    out.friction_sigma = std::numeric_limits<double>::infinity();
+  else
+    out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_model / rest);
+  out.center_x_m = patch.center_x_m;
+  out.center_y_m = patch.center_y_m;
+  out.radius_m = patch.radius_m;
+}
+
 FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcept {
+  if (skin_) return estimate_felt(patch);
   FrameEstimate out;
-  if (!recorded(patch)) return out;
+  if (!recorded(patch.normal_n)) return out;
   const ClosingMaps::Sum today = maps_.at(patch.normal_n);
   if (!unmoved(patch, today)) return out;
   double shear_square_pa2 = 0, across_pa2 = 0;
@@ -117,35 +171,90 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
     across_pa2 += across_pa * across_pa;
   }
   const ClosingMaps::PerMap products = maps_.products(shear_pa_);
-  const Trial* best = nullptr;
-  for (std::size_t i = 0; i < kSteps; ++i) {
-    const double gamma = (static_cast<double>(i) + 0.5) / kSteps;
-    trials_[i] = judge(gamma, patch, today, products, shear_square_pa2);
-    if (trials_[i].friction > 0 && (best == nullptr || trials_[i].misfit < best->misfit)) best = &trials_[i];
-  }
+  for (std::size_t i = 0; i < kSteps; ++i)
+    trials_[i] = judge(gamma_of(i), patch, today, products, shear_square_pa2);
+  const Trial* const best = best_trial();
   if (best == nullptr) return out;
   const auto taxels = static_cast<double>(layout_.size());
   // Shear across the pull is none of a load that came in one direction.
   across_pa2 = std::max(0.0, across_pa2 - taxels * patch.noise_shear_pa * patch.noise_shear_pa);
-  const double excess_pa2 = best->residual_pa2 - best->noise_pa2 * taxels + across_pa2;
-  const bool clear = excess_pa2 > options_.clear_sigmas * best->noise_pa2 * std::sqrt(2 * taxels);
-  const double explained_pa2 = shear_square_pa2 - best->residual_pa2;
-  const double unexplained = clear ? std::sqrt(excess_pa2 / std::max(explained_pa2, excess_pa2)) : 0;
-  if (unexplained > options_.most_unexplained) return out;
-  weigh(out);
+  conclude(patch, *best,
+           {.excess_pa2 = best->residual_pa2 - best->noise_pa2 * taxels + across_pa2,
+            .noise_pa2 = best->noise_pa2 * std::sqrt(2 * taxels),
+            .explained_pa2 = shear_square_pa2 - best->residual_pa2},
+           out);
+  return out;
+}
+
+Closing::Trial Closing::judge_felt(std::size_t step, const ContactPatch& patch) const noexcept {
+  const ClosingSkin::Pull pull = skin_->pull(step);
+  Trial trial{.gamma = gamma_of(step)};
+  if (!(pull.x * patch.direction_x + pull.y * patch.direction_y > 0)) return trial;
+  trial.friction = std::hypot(pull.x, pull.y);
+  trial.residual_pa2 = pull.residual_pa2;
+  trial.noise_pa2 = pull.noise_pa2;
+  // Both maps' noise is the same in all frames: the difference's, and that of what pressing is felt as.
+  trial.map_share = std::min(1.0, pull.map_share + skin_->pressing_share());
+  trial.nats = prior_.nats_against(trial.friction);
+  return trial;
+}
+
+// The maps are the same ones for all margins. So their noise is taken off each residual, and does not speak
+// against margins that need more friction.
+std::size_t Closing::judge_felt(const ContactPatch& patch) noexcept {
+  std::size_t best = kSteps;
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    trials_[i] = judge_felt(i, patch);
+    if (trials_[i].friction > 0 && (best == kSteps || trials_[i].residual_pa2 < trials_[best].residual_pa2))
+      best = i;
+  }
+  if (best == kSteps) return best;
+  const double noise_pa2 = trials_[best].noise_pa2;
+  for (Trial& trial : trials_) trial.misfit = 0.5 * trial.residual_pa2 / noise_pa2;
+  return best;
+}
+
+// The same frame, read as if the taxels lay deeper.
+double Closing::sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept {
+  if (!(std::fabs(gamma - asked_at_gamma_) > options_.depth_asked_again)) return by_depth_;
+  skin_->deepen(maps_, best, skin_->pull(best));
+  judge_felt(patch);
+  FrameEstimate deeper;
+  weigh(deeper);
+  asked_at_gamma_ = gamma;
+  by_depth_ =
+      deeper.in_model ? std::fabs(deeper.gamma - gamma) / ClosingSkin::kDeeper * skin_->depth_sigma() : 1;
+  return by_depth_;
+}
+
+FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
+  FrameEstimate out;
+  const double normal_n = force_n(patch);
+  if (!recorded(normal_n)) return out;
+  skin_->prepare(maps_, kFilteredAtOnce);
+  if (!skin_->ready(maps_)) return out;
+  skin_->read(patch.taxels, maps_, normal_n);
+  const std::size_t step = judge_felt(patch);
+  if (step == kSteps) return out;
+  const Trial best = trials_[step];
+  const ClosingSkin::Pull pull = skin_->pull(step);
+  if (skin_->unlike(maps_, step, pull) > options_.most_unlike) return out;
+  if (skin_->history_gain(step, pull) > options_.most_history_gain) return out;
+  const auto values = static_cast<double>(2 * layout_.size());
+  // The variance of noise is itself measured, on differences that have neighbours in common.
+  constexpr double kOfMeasuredNoise = 4.8;
+  conclude(patch, best,
+           {.excess_pa2 = best.residual_pa2 - skin_->shear_pa2() * values,
+            .noise_pa2 = best.noise_pa2 * std::sqrt(2 * kOfMeasuredNoise * values),
+            .explained_pa2 = skin_->square_pa2() - best.residual_pa2},
+           out);
   if (!out.in_model) return out;
-  if (out.sigma > options_.open_sigma) give_profile(out);
-  const double by_model = std::hypot(options_.least_sigma, options_.unexplained_sigma * unexplained);
-  out.common_sigma = std::hypot(by_model, out.sigma * std::sqrt(best->map_share));
-  out.sigma = std::hypot(out.sigma, by_model);
-  const double rest = 1 - out.gamma;
-  if (!(out.sigma < options_.max_friction_share * rest))
-    out.friction_sigma = std::numeric_limits<double>::infinity();
-  else
-    out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_model / rest);
-  out.center_x_m = patch.center_x_m;
-  out.center_y_m = patch.center_y_m;
-  out.radius_m = patch.radius_m;
+  out.normal_n = normal_n;
+  out.shear_n = best.friction * (1 - best.gamma) * normal_n;
+  const double by_depth = sigma_by_depth(patch, step, out.gamma);
+  out.sigma = std::hypot(out.sigma, by_depth);
+  out.common_sigma = std::hypot(out.common_sigma, by_depth);
+  out.friction_sigma = std::hypot(out.friction_sigma, out.friction * by_depth / (1 - out.gamma));
   return out;
 }
 

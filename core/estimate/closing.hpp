@@ -3,13 +3,19 @@
 // pressure under the normal force P. These pressures were recorded while the gripper closed. So the method
 // assumes no radius and no shape, and gains that a taxel's axes share, and dead taxels, cancel. Exact for
 // axisymmetric and plane contacts of similar materials; for others the error is some per cent of the shear.
+// Under a skin of known depth ClosingSkin compares the shear with the maps, on regular grids; gains and dead
+// taxels do not cancel there.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <vector>
 
+#include "core/contact/scene.hpp"
 #include "core/estimate/closing_maps.hpp"
+#include "core/estimate/closing_skin.hpp"
 #include "core/estimate/friction_prior.hpp"
 #include "core/estimate/method.hpp"
 
@@ -24,6 +30,9 @@ struct ClosingOptions {
   // records nothing. Too large: frames with a pull are recorded.
   double most_shear = 0.03;
   double most_shear_sigmas = 3;
+  // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
+  // the beginning of a pull is taken for what pressing is felt as.
+  double most_shear_felt = 0.005;
   // Normal force below which a frame is not recorded; standard deviations, 3 … 30. Too small: maps of noise.
   // Too large: margins near gross slip have no map.
   double least_force_sigmas = 8;
@@ -54,26 +63,47 @@ struct ClosingOptions {
   // quite still. By `sliplab coverage --methods closing --of histories`. Too small: sigma is less than the
   // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
   double least_sigma = 0.015;
-  // Sigma of Gamma beyond which the frame's whole profile is given; Gamma, 0.005 … 0.3. Too small: frames of
-  // one closing, whose error is common, count too much. Too large: the likelihood is no parabola any more.
+  // Sigma of Gamma beyond which the frame's whole profile is given, not under a skin; Gamma, 0.005 … 0.3. Too
+  // small: frames of one closing, whose error is common, count too much. Too large: the likelihood is no
+  // parabola any more.
   double open_sigma = 0.02;
   // Sigma of Gamma, of 1 - Gamma, below which friction is given; 0.1 … 1.
   double max_friction_share = 0.5;
+  // Under a skin, twice the log likelihood that another history gains, from which on no margin is given; 9
+  // … 36. Too small: noise takes the margin away. Too large: a load that has turned back passes.
+  double most_history_gain = 16;
+  // Under a skin, the change of Gamma from which on it is found anew how much the margin depends on the
+  // depth; Gamma, 0.01 … 0.2. Too small: costs time. Too large: that part of sigma is of another margin.
+  double depth_asked_again = 0.05;
 };
 
 class Closing final : public SlipMethod {
  public:
   // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
-  Closing(const TaxelLayout& layout, Range friction_expected, const ClosingOptions& options = {});
+  // skin: of a depth above 0 only for layouts that can_read.
+  Closing(const TaxelLayout& layout, Range friction_expected, const Skin& skin = {},
+          const ClosingOptions& options = {});
+  // Whether such a layout can be read under a skin: only regular grids can.
+  static bool can_read(const TaxelLayout& layout, const Skin& skin) noexcept {
+    return !(skin.depth_m > 0) || layout.regular().has_value();
+  }
   Method name() const noexcept override { return Method::closing; }
   MethodSettings settings() const noexcept override {
-    return {.memory_bytes = sizeof(*this) + (ClosingMaps::kMaps + 1) * sizeof(float) * layout_.size()};
+    const std::size_t channels = skin_ ? 3 : 1;
+    return {.memory_bytes = sizeof(*this) +
+                            (channels * ClosingMaps::kMaps + 1) * sizeof(float) * layout_.size() +
+                            (skin_ ? skin_->memory_bytes() : 0)};
   }
 
   // Records the frame if the gripper closes and nothing pulls.
   void observe(const Frame& frame, const ContactPatch& patch) noexcept override;
   // Another contact: its closing is recorded anew.
-  void forget() noexcept override { maps_.clear(); }
+  void forget() noexcept override {
+    maps_.clear();
+    most_n_ = 0;
+    if (skin_) skin_->forget();
+    asked_at_gamma_ = std::numeric_limits<double>::infinity();
+  }
 
   // Not in the model if the closing was not recorded from its beginning, if the contact has moved since, or
   // if the shear is no difference of two maps: another load history.
@@ -83,6 +113,9 @@ class Closing final : public SlipMethod {
   // Trial margins, evenly in 0 … 1.
   static constexpr std::size_t kStepsOfProfile = 5;  // odd: one lies in the middle of a profile's step
   static constexpr std::size_t kSteps = kStepsOfProfile * MarginProfile::kSteps;
+  static constexpr double gamma_of(std::size_t step) noexcept {
+    return (static_cast<double>(step) + 0.5) / kSteps;
+  }
 
   // How one trial margin explains the shear.
   struct Trial {
@@ -95,10 +128,28 @@ class Closing final : public SlipMethod {
     double map_share = 0;     // the maps' part of it
   };
 
-  bool recorded(const ContactPatch& patch) const noexcept;
+  // The force that maps are sorted by. Under a skin that of all taxels: a disc reads another share of the
+  // force of each contact.
+  double force_n(const ContactPatch& patch) const noexcept;
+  bool recorded(double normal_n) const noexcept;
   bool unmoved(const ContactPatch& patch, const ClosingMaps::Sum& today) const noexcept;
   Trial judge(double gamma, const ContactPatch& patch, const ClosingMaps::Sum& today,
               const ClosingMaps::PerMap& products, double shear_square_pa2) const noexcept;
+  // The same under a skin, of the frame that skin_ has read; without the misfit.
+  Trial judge_felt(std::size_t step, const ContactPatch& patch) const noexcept;
+  // All trials. Returns the best one; kSteps: none.
+  std::size_t judge_felt(const ContactPatch& patch) noexcept;
+  // Best of the trials; null: none.
+  const Trial* best_trial() const noexcept;
+  FrameEstimate estimate_felt(const ContactPatch& patch) noexcept;
+  double sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept;
+  // Fills sigma and friction of `out` from the likelihood. excess: sum of squares that noise does not
+  // explain, explained: that the pull does, noise: the deviation of the first; Pa^2.
+  struct Squares {
+    double excess_pa2 = 0, noise_pa2 = 0, explained_pa2 = 0;
+  };
+  void conclude(const ContactPatch& patch, const Trial& best, const Squares& squares,
+                FrameEstimate& out) const noexcept;
   void weigh(FrameEstimate& out) const noexcept;
   void give_profile(FrameEstimate& out) const noexcept;
 
@@ -106,8 +157,12 @@ class Closing final : public SlipMethod {
   FrictionPrior prior_;
   ClosingOptions options_;
   ClosingMaps maps_;
-  std::vector<float> shear_pa_;  // along the pull
+  std::optional<ClosingSkin> skin_;  // of a depth above 0
+  double most_n_ = 0;                // the greatest force that was recorded
+  std::vector<float> shear_pa_;      // along the pull
   std::array<Trial, kSteps> trials_;
+  // How much Gamma changes with the depth's standard deviation, and at which Gamma that was found.
+  double by_depth_ = 0, asked_at_gamma_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace slipd

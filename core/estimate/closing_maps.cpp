@@ -21,7 +21,8 @@ double dot(std::span<const float> a, std::span<const float> b) noexcept {
 
 }  // namespace
 
-ClosingMaps::ClosingMaps(std::size_t taxels) : taxels_(taxels), values_(kMaps * taxels) {}
+ClosingMaps::ClosingMaps(std::size_t taxels, bool with_shear)
+    : taxels_(taxels), channels_(with_shear ? 3 : 1), values_(kMaps * channels_ * taxels) {}
 
 void ClosingMaps::clear() noexcept {
   maps_.fill({});
@@ -29,12 +30,17 @@ void ClosingMaps::clear() noexcept {
   size_ = 0;
 }
 
-double ClosingMaps::frames_like(double normal_n) const noexcept {
+std::size_t ClosingMaps::slot_of(double normal_n) const noexcept {
   const double slot = root_step_ > 0 ? std::sqrt(normal_n) / root_step_ : kMaps;
-  return slot < kMaps ? maps_[static_cast<std::size_t>(slot)].frames : 0;
+  return slot < kMaps ? static_cast<std::size_t>(slot) : kMaps;
 }
 
-void ClosingMaps::add(std::span<const float> normal_pa, double normal_n) noexcept {
+double ClosingMaps::frames_like(double normal_n) const noexcept {
+  const std::size_t slot = slot_of(normal_n);
+  return slot < kMaps ? maps_[slot].frames : 0;
+}
+
+void ClosingMaps::add(const TaxelView& taxels, double normal_n) noexcept {
   const double root = std::sqrt(normal_n);
   if (root_step_ <= 0) root_step_ = root / kFirstSlot;
   while (root >= static_cast<double>(kMaps) * root_step_) halve();
@@ -42,19 +48,23 @@ void ClosingMaps::add(std::span<const float> normal_pa, double normal_n) noexcep
   Map& map = maps_[slot];
   const bool fresh = map.frames <= 0;
   ++map.frames;
+  map.version = ++versions_;
   const double part = 1 / map.frames;
   map.force_n += part * (normal_n - map.force_n);
-  const std::span<float> values = values_of(slot);
-  if (fresh) {
-    std::copy(normal_pa.begin(), normal_pa.end(), values.begin());
-    sort_out();
-  } else {
-    Eigen::Map<Eigen::VectorXf> mean(values.data(), static_cast<Eigen::Index>(taxels_));
-    mean += static_cast<float>(part) * (vector_of(normal_pa) - mean);
+  const std::array<const float*, 3> channels{taxels.normal_pa, taxels.shear_x_pa, taxels.shear_y_pa};
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    const std::span<const float> values(channels[channel], taxels_);
+    Eigen::Map<Eigen::VectorXf> mean(values_of(slot).data() + channel * taxels_,
+                                     static_cast<Eigen::Index>(taxels_));
+    if (fresh)
+      mean = vector_of(values);
+    else
+      mean += static_cast<float>(part) * (vector_of(values) - mean);
   }
+  if (fresh) sort_out();
   for (std::size_t i = 0; i < size_; ++i) {
     const std::size_t other = order_[i];
-    products_[slot][other] = products_[other][slot] = dot(values, values_of(other));
+    products_[slot][other] = products_[other][slot] = dot(normal_of(slot), normal_of(other));
   }
 }
 
@@ -73,9 +83,10 @@ void ClosingMaps::join(std::size_t into, std::size_t first, std::size_t second) 
   maps_[into] = {};
   if (frames <= 0) return;
   const double share = b.frames / frames;
-  maps_[into] = {.frames = frames, .force_n = (1 - share) * a.force_n + share * b.force_n};
+  maps_[into] = {
+      .frames = frames, .force_n = (1 - share) * a.force_n + share * b.force_n, .version = ++versions_};
   const auto of_first = vector_of(values_of(first)), of_second = vector_of(values_of(second));
-  Eigen::Map<Eigen::VectorXf> joined(values_of(into).data(), static_cast<Eigen::Index>(taxels_));
+  Eigen::Map<Eigen::VectorXf> joined(values_of(into).data(), static_cast<Eigen::Index>(channels_ * taxels_));
   joined = static_cast<float>(1 - share) * of_first + static_cast<float>(share) * of_second;
   const auto mixed = [share](double x, double y) { return (1 - share) * x + share * y; };
   PerMap row{};
@@ -108,7 +119,7 @@ ClosingMaps::Sum ClosingMaps::difference(const Sum& a, const Sum& b) noexcept {
 
 ClosingMaps::PerMap ClosingMaps::products(std::span<const float> values) const noexcept {
   PerMap out{};
-  for (std::size_t i = 0; i < size_; ++i) out[i] = dot(values, values_of(order_[i]));
+  for (std::size_t i = 0; i < size_; ++i) out[i] = dot(values, normal_of(order_[i]));
   return out;
 }
 

@@ -1,12 +1,16 @@
-// Pressure maps of one contact, recorded while the gripper closed: the pressure on each taxel as a function
-// of the normal force. Frames of nearly the same force are averaged, so that a map has less noise than a
-// frame. Estimate thread; nothing allocates after construction.
+// Maps of one contact, recorded while the gripper closed: the pressure on each taxel as a function of the
+// normal force, and under a skin the shear that pressing alone is felt as. Frames of nearly the same force
+// are averaged, so that a map has less noise than a frame. Estimate thread; nothing allocates after
+// construction.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
+
+#include "core/patch/disc_kernels.hpp"
 
 namespace slipd {
 
@@ -15,6 +19,7 @@ class ClosingMaps {
   // The most maps that are kept.
   static constexpr std::size_t kMaps = 32;
   using PerMap = std::array<double, kMaps>;
+  enum Channel : std::uint8_t { normal, shear_x, shear_y };
 
   // A weighted sum of at most four maps; a weight of 0 for those that are not in it.
   struct Sum {
@@ -23,16 +28,18 @@ class ClosingMaps {
     std::array<double, kTerms> weight{};
   };
 
-  // taxels: of each frame, > 0.
-  explicit ClosingMaps(std::size_t taxels);
+  // taxels: of each frame, > 0. with_shear: whether its shear is recorded as well.
+  explicit ClosingMaps(std::size_t taxels, bool with_shear = false);
 
   // Another contact: no maps.
   void clear() noexcept;
 
-  // Frames in the mean that a frame of this force would be added to.
+  // Where the mean is kept that a frame of this force would be added to; kMaps: a new one, beyond the others.
+  std::size_t slot_of(double normal_n) const noexcept;
+  // Frames in it.
   double frames_like(double normal_n) const noexcept;
-  // Adds a frame. normal_pa: of each taxel, Pa. normal_n: their resultant, N, > 0.
-  void add(std::span<const float> normal_pa, double normal_n) noexcept;
+  // Adds a frame. taxels: of the maps' number. normal_n: the resultant of their pressure, N, > 0.
+  void add(const TaxelView& taxels, double normal_n) noexcept;
 
   // Maps, in order of their forces.
   std::size_t size() const noexcept { return size_; }
@@ -40,6 +47,13 @@ class ClosingMaps {
   double force_n(std::size_t map) const noexcept { return maps_[order_[map]].force_n; }
   // Frames in its mean.
   double frames(std::size_t map) const noexcept { return maps_[order_[map]].frames; }
+  // Where the map is kept, below kMaps, and a number that no other content of it has had.
+  std::size_t slot(std::size_t map) const noexcept { return order_[map]; }
+  std::uint64_t version(std::size_t map) const noexcept { return maps_[order_[map]].version; }
+  // The mean of one channel over its frames; shear only if it is recorded.
+  std::span<const float> values(std::size_t map, Channel channel) const noexcept {
+    return channel_of(order_[map], channel);
+  }
 
   // The map of a force as a sum of the two that lie about it, or of the first one and no pressure; above the
   // last force, of the last two as they go on. normal_n >= 0, size() > 0.
@@ -61,19 +75,26 @@ class ClosingMaps {
   struct Map {
     double frames = 0;  // 0: there is none
     double force_n = 0;
+    std::uint64_t version = 0;
   };
 
+  // All channels, one after the other.
   std::span<float> values_of(std::size_t slot) noexcept {
-    return std::span(values_).subspan(slot * taxels_, taxels_);
+    return std::span(values_).subspan(slot * channels_ * taxels_, channels_ * taxels_);
   }
   std::span<const float> values_of(std::size_t slot) const noexcept {
-    return std::span(values_).subspan(slot * taxels_, taxels_);
+    return std::span(values_).subspan(slot * channels_ * taxels_, channels_ * taxels_);
   }
+  std::span<const float> channel_of(std::size_t slot, Channel channel) const noexcept {
+    return values_of(slot).subspan(channel * taxels_, taxels_);
+  }
+  std::span<const float> normal_of(std::size_t slot) const noexcept { return channel_of(slot, normal); }
   void halve() noexcept;
   void join(std::size_t into, std::size_t first, std::size_t second) noexcept;
   void sort_out() noexcept;
 
-  std::size_t taxels_;
+  std::size_t taxels_, channels_;
+  std::uint64_t versions_ = 0;
   std::vector<float> values_;  // kMaps maps, one after the other
   // By slot: of forces whose square root is between slot and slot + 1 times root_step_.
   std::array<Map, kMaps> maps_;

@@ -370,7 +370,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
   if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.normal.hessian, out);
   out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit && looks_monotonic(out);
-  out.common_sigma = fit_.pressure_sigma * residual;
+  out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
   if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
   out.sigma = std::hypot(out.sigma, out.common_sigma);
   out.friction_sigma =

@@ -51,7 +51,10 @@ struct FrameEstimate {
   // The part of `sigma` that frames of one contact have in common, which no mean over them takes away: the
   // method's own error and that of its model, Gamma, 0 … sigma. The rest is noise, new in each frame.
   double common_sigma = 0;
-  // The same of `moments_sigma`, N.
+  // The part of `common_sigma` by how far the pressure is from the method's contact model, Gamma, also where
+  // in_model is false. Under a skin only; 0 where the method does not compare them, or could not.
+  double shape_sigma = 0;
+  // `common_sigma` of `moments_sigma`, N.
   contact::ShearMoments moments_common_sigma;
   double friction = 0, friction_sigma = 0;
   double center_x_m = 0, center_y_m = 0, radius_m = 0;

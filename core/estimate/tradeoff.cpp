@@ -34,9 +34,17 @@ class Trial {
     row_.settings = method.settings();
   }
 
+  // Another contact.
+  void forget() { method_.forget(); }
+
+  // The gripper closes.
+  void observe(const Frame& frame) {
+    const ContactPatch& patch = finder_.find(frame);
+    if (patch.in_contact) method_.observe(frame, patch);
+  }
+
   void face(const Frame& frame, double gamma) {
     constexpr double kSafer = 0.2;
-    method_.forget();  // another contact
     const double start = thread_us();
     const ContactPatch& patch = finder_.find(frame);
     const FrameEstimate frame_estimate = patch.in_contact ? method_.estimate(frame, patch) : FrameEstimate{};
@@ -76,12 +84,14 @@ class Trial {
 std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                                   const contact::Imprint& imprint,
                                                   std::span<SlipMethod* const> methods, NoiseKind kind,
-                                                  double noise, std::size_t contacts, std::uint64_t seed) {
+                                                  double noise, std::size_t contacts, std::uint64_t seed,
+                                                  int closing_frames) {
   TrialFrames frames(layout, kind, noise);
   std::deque<Trial> trials;
   for (SlipMethod* method : methods) trials.emplace_back(layout, *method);
   std::optional<contact::ImprintSheet> sheet;
-  if (!imprint.plain()) sheet.emplace(layout, imprint);
+  if (!imprint.plain() || closing_frames > 0) sheet.emplace(layout, imprint);
+  TrialFrames closing(layout, kind, noise);
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
     const RandomStream random = RandomStream(seed ^ 0x7261646566666fULL).stream(i);
@@ -97,6 +107,16 @@ std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, con
     } else {
       frames.feel(contact, draw.x_m, draw.y_m);
       frame = frames.sense(direction_rad, random);
+    }
+    for (Trial& trial : trials) trial.forget();
+    for (int step = 1; step <= closing_frames; ++step) {
+      const auto felt = frames.normal_pa();
+      const double noise_pa = noise * *std::max_element(felt.begin(), felt.end());
+      contact::LoadHistory pressed(contact.pair());
+      pressed.move_to(draw.normal_n * step / closing_frames, 0, draw.friction);
+      const Frame seen = closing.sense_imprint(*sheet, pressed, draw.x_m, draw.y_m, 0,
+                                               random.stream(static_cast<std::uint64_t>(step)), noise_pa);
+      for (Trial& trial : trials) trial.observe(seen);
     }
     for (Trial& trial : trials) trial.face(frame, gamma);
   }

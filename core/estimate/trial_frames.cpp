@@ -28,16 +28,19 @@ void TrialFrames::feel(const contact::LoadHistory& contact, double center_x_m, d
 
 Frame TrialFrames::sense_imprint(contact::ImprintSheet& imprint, const contact::LoadHistory& contact,
                                  double center_x_m, double center_y_m, double direction_rad,
-                                 const RandomStream& random) {
+                                 const RandomStream& random, std::optional<double> noise_pa) {
   imprint.feel(contact, center_x_m, center_y_m, direction_rad, normal_, x_, y_);
   float most_p = 0, most_q = 0;
   for (std::size_t i = 0; i < normal_.size(); ++i) {
     most_p = std::max(most_p, normal_[i]);
     most_q = std::max(most_q, std::hypot(x_[i], y_[i]));
   }
-  const float of_shear = noise_ * (kind_ == NoiseKind::sensor ? most_p : most_q);
+  const auto half_width = [&](float most) {
+    return noise_pa ? static_cast<float>(*noise_pa) : noise_ * most;
+  };
+  const float of_shear = half_width(kind_ == NoiseKind::sensor ? most_p : most_q);
   noisy_ = normal_;
-  random.stream(0).add_noise(noisy_.data(), noisy_.size(), noise_ * most_p);
+  random.stream(0).add_noise(noisy_.data(), noisy_.size(), half_width(most_p));
   random.stream(1).add_noise(x_.data(), x_.size(), of_shear);
   random.stream(2).add_noise(y_.data(), y_.size(), of_shear);
   return {1, 1, noisy_, x_, y_};

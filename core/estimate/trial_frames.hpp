@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,9 +27,10 @@ class TrialFrames {
   void feel(const contact::LoadHistory& contact, double center_x_m, double center_y_m);
 
   // The same of a contact of any shape or under a skin, with its pull along direction_rad, from x to y.
-  // Returns what is sensed of it, with noise.
+  // Returns what is sensed of it, with noise; of this half-width on all channels, Pa, if it is given.
   Frame sense_imprint(contact::ImprintSheet& imprint, const contact::LoadHistory& contact, double center_x_m,
-                      double center_y_m, double direction_rad, const RandomStream& random);
+                      double center_y_m, double direction_rad, const RandomStream& random,
+                      std::optional<double> noise_pa = std::nullopt);
 
   // What was felt, Pa: pressure, and shear along one direction. May be changed before it is sensed.
   std::span<float> normal_pa() noexcept { return normal_; }

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/estimate/closing.hpp"
 #include "core/estimate/fit.hpp"
 #include "core/model/dataset.hpp"
 #include "core/numeric/random.hpp"
@@ -20,12 +22,23 @@ using namespace slipd;
 constexpr double kImprintNoise = 0.01;
 constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
 
+// Frames of a closing.
+constexpr int kClosingFrames = 100;
+
 struct ImprintCase {
-  double depth_mm, axes, depth_taken;
+  Method method;
+  double depth_mm, axes, depth_taken, power = 2;
 };
-constexpr ImprintCase kCases[] = {{0, 1, 1},   {0.5, 1, 1},  {1, 1, 1},     {2, 1, 1},
-                                  {0, 1.5, 1}, {0, 2, 1},    {0.5, 1.5, 1}, {1, 2, 1},
-                                  {2, 1.5, 1}, {1, 1, 0.75}, {1, 1, 1.25}};
+constexpr ImprintCase kCases[] = {
+    {Method::fit, 0, 1, 1},        {Method::fit, 0.5, 1, 1},      {Method::fit, 1, 1, 1},
+    {Method::fit, 2, 1, 1},        {Method::fit, 0, 1.5, 1},      {Method::fit, 0, 2, 1},
+    {Method::fit, 0.5, 1.5, 1},    {Method::fit, 1, 2, 1},        {Method::fit, 2, 1.5, 1},
+    {Method::fit, 1, 1, 0.75},     {Method::fit, 1, 1, 1.25},     {Method::closing, 0, 1, 1},
+    {Method::closing, 0, 1.7, 1},  {Method::closing, 0, 1, 1, 6}, {Method::closing, 0.5, 1, 1},
+    {Method::closing, 1, 1, 1},    {Method::closing, 1, 1.7, 1},  {Method::closing, 1, 1, 1, 6},
+    {Method::closing, 2, 1, 1},    {Method::closing, 2, 1.7, 1},  {Method::closing, 2, 1, 1, 6},
+    {Method::closing, 1, 1, 0.75}, {Method::closing, 1, 1, 1.25}, {Method::closing, 2, 1, 0.75},
+    {Method::closing, 2, 1, 1.25}};
 
 Scene imprint_scene() {
   Scene scene;
@@ -33,6 +46,14 @@ Scene imprint_scene() {
   scene.offset_m = 0.002;
   scene.noise = kImprintNoise;
   return scene;
+}
+
+std::unique_ptr<SlipMethod> method_of(const ImprintCase& of, const TaxelLayout& layout, const Scene& scene) {
+  const double depth_m = 1e-3 * of.depth_mm * of.depth_taken;
+  const Range friction = expected_friction(scene);
+  if (of.method == Method::closing)
+    return std::make_unique<Closing>(layout, friction, Skin{.depth_m = depth_m});
+  return std::make_unique<Fit>(layout, friction, FitOptions{}, depth_m, kUsualDepthSigma);
 }
 
 double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase& of, std::size_t contacts,
@@ -77,16 +98,18 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
       tell(static_cast<double>(here) / static_cast<double>(std::size(kCases) * options.layouts.size()),
            name.c_str());
       if (!options.shard.has(here)) continue;
-      Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken, kUsualDepthSigma);
-      SlipMethod* const method = &fit;
-      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes};
+      const std::unique_ptr<SlipMethod> method = method_of(of, layout, scene);
+      SlipMethod* const only = method.get();
+      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes, .power = of.power};
       lines.push_back(
-          {name, of.depth_mm, of.axes, of.depth_taken, std::numeric_limits<double>::quiet_NaN(),
-           measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::sensor,
-                                    kImprintNoise, options.contacts, options.seed + 1)
+          {name, to_string(of.method).data(), of.depth_mm, of.axes, of.power, of.depth_taken,
+           std::numeric_limits<double>::quiet_NaN(),
+           measure_imprint_tradeoff(layout, scene, imprint, std::span(&only, 1), NoiseKind::sensor,
+                                    kImprintNoise, options.contacts, options.seed + 1,
+                                    of.method == Method::closing ? kClosingFrames : 0)
                .front(),
            here});
-      if (of.depth_taken == 1)
+      if (of.depth_taken == 1 && of.power == 2)
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
     }
@@ -96,20 +119,22 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
 
 void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
   std::printf(
-      "Method fit under a skin and on ellipses: %zu contacts, up to 2 mm off the middle of a +-8 mm pad, "
-      "Gamma "
-      "uniform, 1 %% of sensor noise.\n  taxels  depth mm  axes  depth taken   guide  mean err     95 %%  "
+      "Methods fit and closing under a skin and on other shapes: %zu contacts, up to 2 mm off the middle of "
+      "a "
+      "+-8 mm pad, Gamma uniform, 1 %% of sensor noise; closing after %d frames of the closing.\n   method  "
+      "taxels  depth mm  axes  r^n  depth taken   guide  mean err     95 %%  "
       "answered  1 "
       "sigma  2 sigma   safer   p50 us   p99 us\n",
-      contacts);
+      contacts, kClosingFrames);
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
     std::printf(
-        "%8s %9.2g %5.2g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  %7.1f  "
+        "%9s %7s %9.2g %5.2g %4g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  "
+        "%7.1f  "
         "%7.1f\n",
-        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, line.guide, row.mean_error,
-        row.p95_error, 100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma,
-        100 * row.claims_safer, row.p50_us, row.p99_us);
+        line.method.c_str(), line.layout.c_str(), line.depth_mm, line.axes, line.power, line.depth_taken,
+        line.guide, row.mean_error, row.p95_error, 100 * row.answered, 100 * row.within_sigma,
+        100 * row.within_two_sigma, 100 * row.claims_safer, row.p50_us, row.p99_us);
   }
 }
 
@@ -118,8 +143,10 @@ SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
     sweep.add_row(line.unit, {{"layout", line.layout},
+                              {"method", line.method},
                               {"depth_mm", line.depth_mm},
                               {"axes", line.axes},
+                              {"power", line.power},
                               {"depth_taken", line.depth_taken},
                               {"guide", line.guide},
                               {"mean_error", row.mean_error},

@@ -11,14 +11,17 @@ namespace sliplab {
 // One layout, skin and shape; the noise is that of the sensor, 1 %.
 struct ImprintLine {
   std::string layout;   // as in TradeoffOptions
+  std::string method;   // fit, or closing: after frames of the gripper's closing
   double depth_mm = 0;  // of the taxels
   double axes = 1;      // long over short axis
+  double power = 2;     // n of a profile r^n; 2: Hertz's contact
   // The depth that the method is set to, over the true one.
   double depth_taken = 1;
-  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong.
+  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong or the
+  // profile is no sphere's.
   double guide = 0;
-  slipd::TradeoffRow row;  // of method fit
-  std::size_t unit = 0;    // its number in the sweep
+  slipd::TradeoffRow row;
+  std::size_t unit = 0;  // its number in the sweep
 };
 
 // On the layouts of the options that are arrays.

@@ -1,0 +1,134 @@
+// The shear of a contact under a skin, explained by the maps of its own closing (docs/theory.md §10.9). The
+// shear that pressing alone is felt as is subtracted: it is in the maps. What is left is friction times the
+// difference of two pressure maps, filtered by the ratio of the kernels. Each map is filtered when it is
+// complete, not in every frame. What pressing is felt as also shows the depth of the taxels. Estimate thread;
+// nothing allocates after construction.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/contact/scene.hpp"
+#include "core/estimate/closing_maps.hpp"
+#include "core/estimate/kernel_ratio.hpp"
+#include "core/estimate/skin_depth.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+class ClosingSkin {
+ public:
+  // layout: a regular grid. skin: of a depth above 0. trials: number of margins that are tried.
+  ClosingSkin(const TaxelLayout& layout, const Skin& skin, std::size_t trials);
+
+  // Filters maps that have changed since, but not that of slot `filling`: of so many taxels, at least one.
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  void prepare(const ClosingMaps& maps, std::size_t taxels, std::size_t filling = kNone) noexcept;
+  // Another contact: its depth is found anew.
+  void forget() noexcept;
+  // Whether all are filtered.
+  bool ready(const ClosingMaps& maps) const noexcept;
+
+  // A frame with a pull, under normal_n > 0; all maps are ready. To be called before those below.
+  void read(const TaxelView& taxels, const ClosingMaps& maps, double normal_n) noexcept;
+
+  // How a margin explains the shear that was read: by the difference between today's map and that of the
+  // force that sticks.
+  struct Pull {
+    double x = 0, y = 0;      // friction times the pull's direction; both 0: not at all
+    double residual_pa2 = 0;  // sum of squares of both components, less what the maps' noise adds
+    double noise_pa2 = 0;     // variance of one component of one taxel's residual
+    double map_share = 0;     // the maps' part of it
+  };
+  // trial: Gamma = (trial + 1/2) over their number.
+  Pull pull(std::size_t trial) const noexcept;
+  // How much better a load of another history explains it: the greatest gain of twice the log likelihood,
+  // nats, by one more difference of maps.
+  double history_gain(std::size_t trial, const Pull& pull) const noexcept;
+  // Sum of squares of what was read, Pa^2.
+  double square_pa2() const noexcept { return square_pa2_; }
+  // The part of their noise that what pressing is felt as has, and so each frame alike; 0 … 1.
+  double pressing_share() const noexcept { return pressing_share_; }
+  // Variance of the noise of one of its values, Pa^2.
+  double shear_pa2() const noexcept { return shear_pa2_; }
+
+  // The sum of squares of the pressure's difference from today's map, beyond noise, over that of the map. The
+  // pressure that the pull is felt as is left out: pressing is felt as shear by the same kernel.
+  double unlike(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept;
+
+  // Changes what was read so that pull() gives what it would if the taxels lay deeper or less deep by
+  // kDeeper, of the log of the depth.
+  static constexpr double kDeeper = 0.1;
+  void deepen(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept;
+  // Of what is known of the log of the depth, standard deviation.
+  double depth_sigma() const noexcept { return depth_.now().sigma; }
+
+  std::size_t memory_bytes() const noexcept;
+
+ private:
+  // Per map, in order of their forces, and one more for no contact.
+  static constexpr int kMost = static_cast<int>(ClosingMaps::kMaps) + 1;
+  using Weights = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
+  using Products = std::array<ClosingMaps::PerMap, ClosingMaps::kMaps>;
+
+  // What taxels feel of a pull along x and along y for a map, both components one after the other.
+  std::span<float> felt_of(std::size_t slot, bool along_y) noexcept {
+    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * 2 * taxels_, 2 * taxels_);
+  }
+  std::span<const float> felt_of(std::size_t slot, bool along_y) const noexcept {
+    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * 2 * taxels_, 2 * taxels_);
+  }
+  void filter(const ClosingMaps& maps, std::size_t map) noexcept;
+  void find_depth(const ClosingMaps& maps) noexcept;
+  void smooth(const ClosingMaps& maps) noexcept;
+  // The map of a force as a sum of all, by Gaussian process regression.
+  Weights at(double normal_n) const noexcept;
+  static double product(const Square& of, const Weights& a, const Weights& b) noexcept {
+    return a.dot(of.lazyProduct(b));
+  }
+  double noise_share(const Weights& weights) const noexcept { return weights.cwiseAbs2().dot(per_frames_); }
+  void multiply(const ClosingMaps& maps) noexcept;
+  double noise_of(std::span<const float> values) const noexcept;
+
+  std::size_t taxels_, columns_, rows_;
+  SkinDepth depth_;
+  double filtered_log_ = 0;  // log of the depth that maps are filtered for, over the nominal one
+  std::size_t last_filling_ = kNone;
+  KernelRatio ratio_;
+  std::vector<float> felt_;                                  // by slot of the maps
+  std::array<std::uint64_t, ClosingMaps::kMaps> version_{};  // of the map that was filtered
+  Products xx_{}, xy_{}, yy_{};                              // of pulls along x and y by two slots, Pa^2
+
+  // Of all maps, when all are filtered.
+  std::uint64_t smoothed_ = 0;  // the newest version
+  double last_n_ = 0;           // the force of the last map
+  Weights roots_, per_frames_;  // of the force over the last one's; 1 over the frames
+  Eigen::LLT<Square> covariance_;
+  Square of_xx_, of_xy_, of_yy_;  // xx_, xy_ and yy_ in order of the forces
+
+  // Of the frame.
+  std::vector<float> shear_pa_;     // both components, less what pressing is felt as
+  std::vector<float> pressure_pa_;  // less today's map
+  std::vector<float> scratch_;
+  double square_pa2_ = 0, shear_pa2_ = 0, normal_pa2_ = 0;  // the last two: variances of noise
+  double pressing_share_ = 0;
+  double map_pa2_ = 0;  // mean square of today's map
+  Weights today_;       // the map of its force
+  // Of each trial: the difference of maps, its noise, and its products with noise taken off.
+  struct Slipping {
+    Weights weights;
+    double noise_share = 0, xx = 0, xy = 0, yy = 0;
+  };
+  std::vector<Slipping> trials_;
+  Weights of_x_, of_y_;  // products of the shear with what is felt of the maps
+};
+
+}  // namespace slipd
