@@ -20,7 +20,8 @@ namespace {
 
 std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup) {
   return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), FitOptions{},
-                               setup.scene.skin.depth_m, setup.scene.skin.depth_sigma);
+                               setup.scene.skin.depth_m, setup.scene.skin.depth_sigma,
+                               setup.scene.skin.bonded_poisson());
 }
 
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time

@@ -23,12 +23,12 @@ double peak_pressure(const ContactPatch& patch) noexcept {
 }  // namespace
 
 Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, double skin_depth_m,
-         double skin_depth_sigma)
+         double skin_depth_sigma, std::optional<double> bonded_poisson)
     : layout_(layout),
       options_(options),
       prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
       sheet_(layout.size(), layout.side_m()),
-      imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma),
+      imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma, bonded_poisson),
       under_skin_(skin_depth_m > 0) {
   for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(layout.size());
   for (auto* sheet : {&outer_, &inner_}) {

@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -72,9 +73,11 @@ struct ImprintFitOptions {
 
 class ImprintFit {
  public:
-  // depth_m: of the taxels, >= 0. depth_sigma: standard deviation of its log; 0: it is exact.
+  // depth_m: of the taxels, >= 0. depth_sigma: standard deviation of its log; 0: it is exact. bonded_poisson:
+  // see Skin.
   ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
-             const ImprintFitOptions& options = {}, double depth_sigma = 0);
+             const ImprintFitOptions& options = {}, double depth_sigma = 0,
+             std::optional<double> bonded_poisson = std::nullopt);
 
   // Estimate thread. Allocates nothing. `start`: of the moments, at depth 0; under a skin only its load is
   // used. in_model as that of Fit.

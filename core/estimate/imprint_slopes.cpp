@@ -8,7 +8,7 @@
 namespace slipd {
 namespace {
 
-using contact::FeltTensor;
+using contact::LayerTensor;
 using Sheet = contact::SubsurfaceSheet;
 
 // Columns, as ImprintFit::Unknown.
@@ -46,11 +46,11 @@ template <bool kElliptic>
       to[SlopeBlock::kTaxels] = by.per_shear * x;
       to[2 * SlopeBlock::kTaxels] = by.per_shear * y;
     };
-    const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
+    const auto moved = [&](const LayerTensor& o, const LayerTensor& in) {
       return felt_of(p, o, q, c, s, combined(1, o, -k, in));
     };
-    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
-                     m = combined(1, o, -k, in);
+    const LayerTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
+                      m = combined(1, o, -k, in);
     const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
                turned = felt_of(0, o, q, -s, c, m);
     double* const left = by.residuals + i;
@@ -65,10 +65,10 @@ template <bool kElliptic>
                mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
     put(at_x, -mu.n, -mu.x, -mu.y);
     put(at_y, -mv.n, -mv.x, -mv.y);
-    const FeltTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
-    FeltTensor so = combined(by.wide.a_m, oa, 0, oa), si = combined(by.narrow.a_m, ia, 0, ia);
+    const LayerTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
+    LayerTensor so = combined(by.wide.a_m, oa, 0, oa), si = combined(by.narrow.a_m, ia, 0, ia);
     if constexpr (kElliptic) {
-      const FeltTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
+      const LayerTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
       const Felt longer = moved(combined(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
                                 combined(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
                  angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
