@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "core/estimate/fit.hpp"
 #include "core/model/dataset.hpp"
@@ -22,10 +23,35 @@ constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
 
 struct ImprintCase {
   double depth_mm, axes, depth_taken;
+  SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;
+  bool known() const { return depth_taken == 1 && base_taken == base; }
 };
-constexpr ImprintCase kCases[] = {{0, 1, 1},   {0.5, 1, 1},  {1, 1, 1},     {2, 1, 1},
-                                  {0, 1.5, 1}, {0, 2, 1},    {0.5, 1.5, 1}, {1, 2, 1},
-                                  {2, 1.5, 1}, {1, 1, 0.75}, {1, 1, 1.25}};
+constexpr SkinBase kHalfSpace = SkinBase::half_space, kRigid = SkinBase::rigid;
+constexpr ImprintCase kCases[] = {{0, 1, 1},
+                                  {0.5, 1, 1},
+                                  {1, 1, 1},
+                                  {2, 1, 1},
+                                  {0, 1.5, 1},
+                                  {0, 2, 1},
+                                  {0.5, 1.5, 1},
+                                  {1, 2, 1},
+                                  {2, 1.5, 1},
+                                  {1, 1, 0.75},
+                                  {1, 1, 1.25},
+                                  {0.5, 1, 1, kRigid, kRigid},
+                                  {1, 1, 1, kRigid, kRigid},
+                                  {2, 1, 1, kRigid, kRigid},
+                                  {1, 1.5, 1, kRigid, kRigid},
+                                  {1, 1, 1, kRigid, kHalfSpace},
+                                  {2, 1, 1, kRigid, kHalfSpace},
+                                  {1, 1, 1, kHalfSpace, kRigid},
+                                  {2, 1, 1, kHalfSpace, kRigid}};
+
+std::optional<double> bonded_poisson(const Scene& scene, SkinBase base) {
+  Skin skin = scene.skin;
+  skin.base = base;
+  return skin.bonded_poisson();
+}
 
 Scene imprint_scene() {
   Scene scene;
@@ -39,7 +65,7 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
                 std::uint64_t seed) {
   // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
   const Range friction = expected_friction(scene);
-  ImprintModel model(layout, 1e-3 * of.depth_mm);
+  ImprintModel model(layout, 1e-3 * of.depth_mm, bonded_poisson(scene, of.base));
   double sum = 0;
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
@@ -77,16 +103,20 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
       tell(static_cast<double>(here) / static_cast<double>(std::size(kCases) * options.layouts.size()),
            name.c_str());
       if (!options.shard.has(here)) continue;
-      Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken, kUsualDepthSigma);
+      Fit fit(layout, expected_friction(scene), {}, 1e-3 * of.depth_mm * of.depth_taken, kUsualDepthSigma,
+              bonded_poisson(scene, of.base_taken));
       SlipMethod* const method = &fit;
-      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes};
+      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm,
+                                     .bonded_poisson = bonded_poisson(scene, of.base),
+                                     .stretch = of.axes};
       lines.push_back(
-          {name, of.depth_mm, of.axes, of.depth_taken, std::numeric_limits<double>::quiet_NaN(),
+          {name, of.depth_mm, of.axes, of.depth_taken, of.base, of.base_taken,
+           std::numeric_limits<double>::quiet_NaN(),
            measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::sensor,
                                     kImprintNoise, options.contacts, options.seed + 1)
                .front(),
            here});
-      if (of.depth_taken == 1)
+      if (of.known())
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
     }
@@ -94,22 +124,32 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
   return lines;
 }
 
+namespace {
+
+const char* name_of(SkinBase base) {
+  return base == SkinBase::rigid ? "rigid" : "half_space";
+}
+
+}  // namespace
+
 void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
   std::printf(
       "Method fit under a skin and on ellipses: %zu contacts, up to 2 mm off the middle of a +-8 mm pad, "
       "Gamma "
-      "uniform, 1 %% of sensor noise.\n  taxels  depth mm  axes  depth taken   guide  mean err     95 %%  "
+      "uniform, 1 %% of sensor noise.\n  taxels  depth mm  axes  depth taken        base  base taken   guide "
+      " mean err     95 %%  "
       "answered  1 "
       "sigma  2 sigma   safer   p50 us   p99 us\n",
       contacts);
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
     std::printf(
-        "%8s %9.2g %5.2g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  %7.1f  "
+        "%8s %9.2g %5.2g %12.2g  %10s  %10s  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  "
+        "%7.1f  "
         "%7.1f\n",
-        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, line.guide, row.mean_error,
-        row.p95_error, 100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma,
-        100 * row.claims_safer, row.p50_us, row.p99_us);
+        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, name_of(line.base),
+        name_of(line.base_taken), line.guide, row.mean_error, row.p95_error, 100 * row.answered,
+        100 * row.within_sigma, 100 * row.within_two_sigma, 100 * row.claims_safer, row.p50_us, row.p99_us);
   }
 }
 
@@ -121,6 +161,8 @@ SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t
                               {"depth_mm", line.depth_mm},
                               {"axes", line.axes},
                               {"depth_taken", line.depth_taken},
+                              {"base", name_of(line.base)},
+                              {"base_taken", name_of(line.base_taken)},
                               {"guide", line.guide},
                               {"mean_error", row.mean_error},
                               {"p95_error", row.p95_error},

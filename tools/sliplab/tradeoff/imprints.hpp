@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact/scene.hpp"
 #include "tools/sliplab/tradeoff/measure.hpp"
 
 namespace sliplab {
@@ -15,7 +16,10 @@ struct ImprintLine {
   double axes = 1;      // long over short axis
   // The depth that the method is set to, over the true one.
   double depth_taken = 1;
-  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong.
+  // What the skin lies on, and what the method takes it to lie on.
+  slipd::SkinBase base = slipd::SkinBase::half_space, base_taken = slipd::SkinBase::half_space;
+  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth
+  // or the base is wrong.
   double guide = 0;
   slipd::TradeoffRow row;  // of method fit
   std::size_t unit = 0;    // its number in the sweep
