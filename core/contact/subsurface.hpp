@@ -81,6 +81,8 @@ class SubsurfaceSheet {
     return {(felt ? rows_ : zeros_).data() + (felt ? first * count_ : 0), count_};
   }
   double depth_m() const noexcept { return depth_m_; }
+  // Whether xn and yn are nx and ny.
+  bool symmetric() const noexcept { return images_.empty(); }
   // Of the rows.
   std::size_t memory_bytes() const noexcept { return sizeof(double) * (rows_.size() + image_rows_.size()); }
   // Another depth, > 0, of a sheet under a skin. Averages keep the points of the first one.

@@ -40,6 +40,7 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
       options_(options),
       prior_{.expected = friction_expected, .spread = fit.prior.scene_spread},
       depth_m_(depth_m),
+      bonded_(depth_m > 0 && bonded_poisson),
       depth_(depth_m, depth_sigma),
       model_(layout, depth_m, bonded_poisson),
       shear_(3 * layout.size()),
@@ -335,6 +336,11 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
   return best;
 }
 
+double ImprintFit::layer_sigma(const Full& at) const noexcept {
+  if (!bonded_) return 0;
+  return options_.layer_sigma * at[Model::margin] * std::clamp(at[Model::size] / depth_m_ - 1, 0.0, 1.0);
+}
+
 double ImprintFit::misfit_nats() const noexcept {
   if (!fitted_) return std::numeric_limits<double>::quiet_NaN();
   const std::size_t n = model_.count();
@@ -373,6 +379,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit && looks_monotonic(out);
   out.common_sigma = fit_.pressure_sigma * residual;
   if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
+  out.common_sigma = std::hypot(out.common_sigma, layer_sigma(at));
   out.sigma = std::hypot(out.sigma, out.common_sigma);
   out.friction_sigma =
       std::hypot(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);

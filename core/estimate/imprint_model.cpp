@@ -217,6 +217,7 @@ void ImprintModel::evaluate_sheets(const Full& from, int unknowns, Detail detail
                          .per_shear = 1 / noise_.shear_pa,
                          .surface = !(depth_m_ > 0),
                          .residuals_given = residuals_given,
+                         .symmetric = outer_.symmetric(),
                          .data = data_.data(),
                          .residuals = residuals_.data(),
                          .count = count_};

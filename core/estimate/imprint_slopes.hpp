@@ -23,6 +23,12 @@ struct ImprintRows {
     const auto& r = row[of];
     return {r[0][i], r[1][i], r[2][i], r[3][i], r[4][i], r[5][i], r[6][i], r[7][i]};
   }
+  // The same of a half space, and of no skin; reads six rows.
+  [[gnu::always_inline]] contact::LayerTensor symmetric_at(Sheet::Of of, std::size_t i) const noexcept {
+    const auto& r = row[of];
+    const double nx = r[1][i], ny = r[2][i];
+    return {r[0][i], nx, ny, r[3][i], r[4][i], r[5][i], nx, ny};
+  }
   std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
 };
 
@@ -56,6 +62,7 @@ struct ImprintSlopes {
   double per_size, per_normal, per_shear;
   bool surface;          // no skin: a step of a alone makes a round dome elliptic, too
   bool residuals_given;  // and not computed
+  bool symmetric;        // no rigid base
   const double* data;
   double* residuals;
   std::size_t count;
