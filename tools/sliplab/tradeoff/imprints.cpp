@@ -126,7 +126,7 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
 
 namespace {
 
-const char* name_of(SkinBase base) {
+const char* base_name(SkinBase base) {
   return base == SkinBase::rigid ? "rigid" : "half_space";
 }
 
@@ -147,8 +147,8 @@ void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts)
         "%8s %9.2g %5.2g %12.2g  %10s  %10s  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  "
         "%7.1f  "
         "%7.1f\n",
-        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, name_of(line.base),
-        name_of(line.base_taken), line.guide, row.mean_error, row.p95_error, 100 * row.answered,
+        line.layout.c_str(), line.depth_mm, line.axes, line.depth_taken, base_name(line.base),
+        base_name(line.base_taken), line.guide, row.mean_error, row.p95_error, 100 * row.answered,
         100 * row.within_sigma, 100 * row.within_two_sigma, 100 * row.claims_safer, row.p50_us, row.p99_us);
   }
 }
@@ -161,8 +161,8 @@ SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t
                               {"depth_mm", line.depth_mm},
                               {"axes", line.axes},
                               {"depth_taken", line.depth_taken},
-                              {"base", name_of(line.base)},
-                              {"base_taken", name_of(line.base_taken)},
+                              {"base", base_name(line.base)},
+                              {"base_taken", base_name(line.base_taken)},
                               {"guide", line.guide},
                               {"mean_error", row.mean_error},
                               {"p95_error", row.p95_error},
