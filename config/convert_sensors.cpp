@@ -157,6 +157,7 @@ class SensorConverter {
     setup.skin_modulus_pa = pascals_of_mpa(in["modulus_mpa"]);
     setup.skin_poisson = in["poisson"];
     depth(in["depth_mm"], at + "/depth_mm", s);
+    setup.skin_base = in["base"] == "rigid" ? SkinBase::rigid : SkinBase::half_space;
   }
 
   // A range is as wide as the search: three standard deviations on either side of its geometric mean.

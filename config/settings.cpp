@@ -60,7 +60,7 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
 Scene Settings::scene_of(const SensorSettings& sensor) const {
   const SensorSetup& setup = sensor.setup;
   return {{setup.skin_radius_m, setup.skin_modulus_pa, setup.skin_poisson, setup.skin_depth_m,
-           sensor.skin_depth_sigma},
+           sensor.skin_depth_sigma, setup.skin_base},
           objects,
           offset_m,
           noise};

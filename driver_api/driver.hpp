@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact/scene.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 
@@ -35,6 +36,8 @@ struct SensorSetup {
   double skin_poisson = 0.45;
   // Depth of the taxels under the skin's surface, m; 0: at the surface.
   double skin_depth_m = 0;
+  // What they lie on.
+  SkinBase skin_base = SkinBase::half_space;
   // Name of the device profile; empty: none.
   std::string profile;
   // How to find the device: serial, index, port, …; an object, empty if there is nothing to tell.
@@ -54,6 +57,8 @@ struct SkinInfo {
   double poisson = 0.45;
   // Depth of the taxels under the surface, m; 0: at the surface.
   double depth_m = 0;
+  // What they lie on.
+  SkinBase base = SkinBase::half_space;
 };
 
 // What a driver reports of one sensor once its device is open.
@@ -157,7 +162,7 @@ struct DriverModule {
 };
 
 // Version of this contract. A module of another version is not loaded.
-inline constexpr std::uint32_t kDriverAbi = 6;
+inline constexpr std::uint32_t kDriverAbi = 7;
 // The symbol that a module exports.
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 

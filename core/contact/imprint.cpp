@@ -16,7 +16,7 @@ constexpr unsigned kDomes = 20;
 
 ImprintSheet::ImprintSheet(const TaxelLayout& layout, const Imprint& imprint)
     : imprint_(imprint),
-      sheet_(layout.size(), layout.side_m(), imprint.depth_m),
+      sheet_(layout.size(), layout.side_m(), imprint.depth_m, imprint.bonded_poisson),
       x_m_(layout.x_m().begin(), layout.x_m().end()),
       y_m_(layout.y_m().begin(), layout.y_m().end()) {
   for (auto* list : {&u_, &v_, &normal_, &shear_x_, &shear_y_}) list->resize(layout.size());
@@ -28,12 +28,12 @@ void ImprintSheet::add_dome(double radius_m, double height_pa, const Force& forc
   using Sheet = SubsurfaceSheet;
   const auto of = [&](Sheet::Component component) { return sheet_.row(Sheet::value, component); };
   const auto nn = of(Sheet::nn), nx = of(Sheet::nx), ny = of(Sheet::ny), xx = of(Sheet::xx),
-             xy = of(Sheet::xy), yy = of(Sheet::yy);
+             xy = of(Sheet::xy), yy = of(Sheet::yy), xn = of(Sheet::xn), yn = of(Sheet::yn);
   const double p = height_pa * force.normal, x = height_pa * force.shear_x, y = height_pa * force.shear_y;
   for (std::size_t i = 0; i < nn.size(); ++i) {
     normal_[i] += nn[i] * p + nx[i] * x + ny[i] * y;
-    shear_x_[i] += nx[i] * p + xx[i] * x + xy[i] * y;
-    shear_y_[i] += ny[i] * p + xy[i] * x + yy[i] * y;
+    shear_x_[i] += xn[i] * p + xx[i] * x + xy[i] * y;
+    shear_y_[i] += yn[i] * p + xy[i] * x + yy[i] * y;
   }
 }
 

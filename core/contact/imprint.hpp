@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ namespace slipd::contact {
 struct Imprint {
   // Depth of the taxels under the surface, m, >= 0.
   double depth_m = 0;
+  // See Skin::bonded_poisson. Not used at depth 0.
+  std::optional<double> bonded_poisson = std::nullopt;
   // Long over short axis of the contact, >= 1; its area and force are those of the round one.
   double stretch = 1;
   // Direction of the long axis from x to y, rad.

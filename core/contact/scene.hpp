@@ -2,6 +2,8 @@
 // decides what is trained, and its hash names the model made for it. SI units.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace slipd {
@@ -21,6 +23,10 @@ inline constexpr double kUsualDepthSigma = 0.1;
 // is not corrected. Too large: as above.
 inline constexpr double kMostDepthSigmas = 3;
 
+// What the taxels under a skin lie on. half_space: the skin is taken to go on below them. rigid: it is an
+// elastic layer, as thick as they are deep, bonded to a rigid base that they are in.
+enum class SkinBase : std::uint8_t { half_space, rigid };
+
 // The sensor's surface: a sphere. The defaults are those of docs/theory.md §9.1.
 struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers
@@ -29,6 +35,13 @@ struct Skin {
   double depth_m = 0;         // of the taxels under the surface, >= 0
   // Standard deviation of the log of depth_m, >= 0; 0: it is exact. Not used at depth 0.
   double depth_sigma = kUsualDepthSigma;
+  // Not used at depth 0.
+  SkinBase base = SkinBase::half_space;
+  // Poisson's ratio of a skin that is a layer bonded to a rigid base, as SubsurfaceSheet takes it; none: the
+  // skin is a half space.
+  std::optional<double> bonded_poisson() const noexcept {
+    return base == SkinBase::rigid ? std::optional(poisson) : std::nullopt;
+  }
   bool operator==(const Skin&) const = default;
 };
 

@@ -1,7 +1,6 @@
 #include "core/contact/subsurface.hpp"
 
 #include <algorithm>
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
 #include "core/simd/instruction_sets.hpp"
@@ -66,7 +65,7 @@ using subsurface::IntegralTable;
 using subsurface::Shape;
 
 [[gnu::always_inline]] inline void round_slopes(const DomePoint& of, const Points& to) noexcept {
-  const std::size_t n = Sheet::kComponents * to.count;
+  const std::size_t n = Sheet::kHalfSpace * to.count;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
     const auto at = subsurface::common<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
@@ -88,7 +87,7 @@ using subsurface::Shape;
 }
 
 [[gnu::always_inline]] inline void elliptic_slopes(const DomePoint& of, const Points& to) noexcept {
-  const std::size_t n = Sheet::kComponents * to.count;
+  const std::size_t n = Sheet::kHalfSpace * to.count;
   const double c = of.cosine, s = of.sine;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
@@ -269,44 +268,27 @@ const SubsurfaceKernels SubsurfaceKernels::avx512{integrals_on_avx512,
                                                   felt_on_avx512<surface_values>};
 #endif
 
-template <unsigned kPoints>
-void use_gauss(double side_m, std::vector<double>& at, std::vector<double>& weight) {
-  using Rule = boost::math::quadrature::gauss<double, kPoints>;  // nodes that are not negative, on -1 … 1
-  const auto& node = Rule::abscissa();
-  const auto& share = Rule::weights();
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    for (const double sign : {-1.0, 1.0}) {
-      if (node[i] == 0 && sign > 0) continue;
-      at.push_back(sign * node[i] * side_m / 2);
-      weight.push_back(share[i] / 2);
+// At the depth of `point`, on all points of each taxel. integrals: room for an IntegralTable.
+void add_half_space(DomePoint point, const Points& to, bool round, bool slopes, const SideRule& rule,
+                    double* integrals) noexcept {
+  const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
+  const auto kernel = round ? (slopes ? kernels.round : kernels.round_value)
+                            : (slopes ? kernels.elliptic : kernels.elliptic_value);
+  if (!round) {
+    point.table = {.coefficient = integrals, .shorter = std::min(point.a, point.b)};
+    point.table.first = point.depth / (point.depth + point.table.shorter);  // l is at least d^2
+    point.table.per_step = IntegralTable::kIntervals / (1 - point.table.first);
+    kernels.integrals(point.a * point.a, point.b * point.b, point.table.shorter, point.table.first,
+                      point.table.per_step, integrals);
+  }
+  for (std::size_t i = 0; i < rule.at.size(); ++i) {
+    for (std::size_t j = 0; j < rule.at.size(); ++j) {
+      point.u = rule.at[i];
+      point.v = rule.at[j];
+      point.weight = rule.weight[i] * rule.weight[j];
+      kernel(point, to);
     }
   }
-}
-
-// Sides over depth up to which so many points keep the averages within 1e-4.
-void choose_gauss(double side_m, double depth_m, std::vector<double>& at, std::vector<double>& weight) {
-  if (!(depth_m > 0)) return use_gauss<20>(side_m, at, weight);  // lines, each of them exact
-  const double ratio = side_m / depth_m;
-  if (ratio <= 0.55) return use_gauss<2>(side_m, at, weight);
-  if (ratio <= 1.5) return use_gauss<3>(side_m, at, weight);
-  if (ratio <= 2.2) return use_gauss<4>(side_m, at, weight);
-  if (ratio <= 4.2) return use_gauss<8>(side_m, at, weight);
-  if (ratio <= 8.5) return use_gauss<10>(side_m, at, weight);
-  use_gauss<20>(side_m, at, weight);
-}
-
-// The same within about 1e-2.
-void choose_rough(double side_m, double depth_m, std::vector<double>& at, std::vector<double>& weight) {
-  if (!(depth_m > 0)) return use_gauss<4>(side_m, at, weight);
-  const double ratio = side_m / depth_m;
-  if (ratio <= 0.55) {
-    at = {0.0};
-    weight = {1.0};
-    return;
-  }
-  if (ratio <= 2.2) return use_gauss<2>(side_m, at, weight);
-  if (ratio <= 4.2) return use_gauss<3>(side_m, at, weight);
-  use_gauss<4>(side_m, at, weight);
 }
 
 }  // namespace
@@ -323,35 +305,41 @@ FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, doub
                 c, s);
 }
 
-SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m)
-    : side_m_(side_m),
-      depth_m_(depth_m),
-      rows_(most * kRows * (depth_m > 0 ? std::size_t{kComponents} : 1)),
-      zeros_(depth_m > 0 ? 0 : most) {
-  Rule& exact = rules_[static_cast<std::size_t>(Detail::exact)];
-  Rule& rough = rules_[static_cast<std::size_t>(Detail::rough)];
-  choose_gauss(side_m, depth_m, exact.at, exact.weight);
-  choose_rough(side_m, depth_m, rough.at, rough.weight);
-  rules_[static_cast<std::size_t>(Detail::centre)] = {{0.0}, {1.0}};
-  if (depth_m > 0) integrals_.resize(IntegralTable::kIntervals * IntegralTable::kPerInterval);
+SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m,
+                                 std::optional<double> bonded_poisson)
+    : side_m_(side_m), depth_m_(depth_m), zeros_(depth_m > 0 ? 0 : most) {
+  // What reaches a rigid base is as smooth as at less depth in a half space.
+  constexpr double kSharper = 1.25;
+  const bool skin = depth_m > 0, bonded = skin && bonded_poisson;
+  const double smooth_m = bonded ? depth_m / kSharper : depth_m;
+  rules_ = {exact_side_rule(side_m, smooth_m), rough_side_rule(side_m, smooth_m), SideRule{{0.0}, {1.0}}};
+  if (skin) integrals_.resize(IntegralTable::kIntervals * IntegralTable::kPerInterval);
+  if (bonded) {
+    const auto images = layer_images(*bonded_poisson);
+    images_.assign(images.begin(), images.end());
+    image_rows_.resize(most * kRows * kHalfSpace);
+  }
+  rows_.resize(most * kRows * (skin ? components() : 1));
   best_kernels<SubsurfaceKernels>();  // not first within a fit
 }
 
 void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::span<const double> v,
-                          bool slopes, const Rule& rule) noexcept {
-  const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
-  const bool surface = !(depth_m_ > 0), round = dome.round() && !surface;
+                          bool slopes, const SideRule& rule) noexcept {
   count_ = u.size();
-  const std::size_t rows = !slopes ? std::size_t{d_u} : round ? std::size_t{d_b} : std::size_t{kRows};
-  std::fill_n(rows_.begin(), rows * (surface ? 1 : std::size_t{kComponents}) * count_, 0.0);
+  const bool surface = !(depth_m_ > 0);
+  const std::size_t rows = !slopes                    ? std::size_t{d_u}
+                           : dome.round() && !surface ? std::size_t{d_b}
+                                                      : std::size_t{kRows};
+  std::fill_n(rows_.begin(), rows * (surface ? 1 : components()) * count_, 0.0);
   DomePoint point{.a = dome.a_m,
                   .b = dome.b_m,
                   .cosine = std::cos(dome.angle_rad),
                   .sine = std::sin(dome.angle_rad),
                   .depth = depth_m_,
                   .side = side_m_};
-  const Points to{u.data(), v.data(), rows_.data(), count_};
   if (surface) {
+    const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
+    const Points to{u.data(), v.data(), rows_.data(), count_};
     for (std::size_t j = 0; j < rule.at.size(); ++j) {
       point.v = rule.at[j];
       point.weight = rule.weight[j];
@@ -359,22 +347,17 @@ void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::s
     }
     return;
   }
-  const auto kernel = round ? (slopes ? kernels.round : kernels.round_value)
-                            : (slopes ? kernels.elliptic : kernels.elliptic_value);
-  if (!round) {
-    point.table = {.coefficient = integrals_.data(), .shorter = std::min(dome.a_m, dome.b_m)};
-    point.table.first = depth_m_ / (depth_m_ + point.table.shorter);  // l is at least d^2
-    point.table.per_step = IntegralTable::kIntervals / (1 - point.table.first);
-    kernels.integrals(dome.a_m * dome.a_m, dome.b_m * dome.b_m, point.table.shorter, point.table.first,
-                      point.table.per_step, integrals_.data());
-  }
-  for (std::size_t i = 0; i < rule.at.size(); ++i) {
-    for (std::size_t j = 0; j < rule.at.size(); ++j) {
-      point.u = rule.at[i];
-      point.v = rule.at[j];
-      point.weight = rule.weight[i] * rule.weight[j];
-      kernel(point, to);
-    }
+  const auto add = [&](double* to) {
+    add_half_space(point, {u.data(), v.data(), to, count_}, dome.round(), slopes, rule, integrals_.data());
+  };
+  if (images_.empty()) return add(rows_.data());
+  for (const LayerImage& image : images_) {
+    point.depth = image.depth * depth_m_;
+    std::fill_n(image_rows_.begin(), rows * kHalfSpace * count_, 0.0);
+    add(image_rows_.data());
+    for (std::size_t row = 0; row < rows; ++row)
+      add_image(image, image_rows_.data() + row * kHalfSpace * count_,
+                rows_.data() + row * kComponents * count_, count_);
   }
 }
 

@@ -21,6 +21,12 @@ struct FeltTensor {
   double nn = 0, nx = 0, ny = 0, xx = 0, xy = 0, yy = 0;
 };
 
+// The same where an object that presses is not felt as shear as one that pulls is felt as pressure, that is
+// above a rigid base: nx and ny are the pressure of a pull along x and y, xn and yn the shear of pressing.
+struct LayerTensor {
+  double nn = 0, nx = 0, ny = 0, xx = 0, xy = 0, yy = 0, xn = 0, yn = 0;
+};
+
 namespace subsurface {
 
 // The greatest root l of x^2/(A+l) + y^2/(B+l) + z^2/l = 1 for A = B. z > 0.

@@ -20,13 +20,16 @@ namespace {
 
 std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& options = {}) {
   return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), options,
-                               setup.scene.skin.depth_m, setup.scene.skin.depth_sigma);
+                               setup.scene.skin.depth_m, setup.scene.skin.depth_sigma,
+                               setup.scene.skin.bonded_poisson());
 }
 
 std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
   if (!Closing::can_read(setup.layout, setup.scene.skin))
     throw std::invalid_argument(
-        "method closing needs a regular grid of taxels under a skin with depth_mm above 0");
+        "under a skin with depth_mm above 0 method closing needs a regular grid of taxels and the skin's "
+        "base "
+        "half_space");
   return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene), setup.scene.skin);
 }
 

@@ -83,9 +83,9 @@ class Closing final : public SlipMethod {
   // skin: of a depth above 0 only for layouts that can_read.
   Closing(const TaxelLayout& layout, Range friction_expected, const Skin& skin = {},
           const ClosingOptions& options = {});
-  // Whether such a layout can be read under a skin: only regular grids can.
+  // Whether such a layout can be read under such a skin: on regular grids under half spaces only.
   static bool can_read(const TaxelLayout& layout, const Skin& skin) noexcept {
-    return !(skin.depth_m > 0) || layout.regular().has_value();
+    return !(skin.depth_m > 0) || (layout.regular().has_value() && skin.base == SkinBase::half_space);
   }
   Method name() const noexcept override { return Method::closing; }
   MethodSettings settings() const noexcept override {

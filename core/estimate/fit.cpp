@@ -28,13 +28,13 @@ std::optional<SquareBlocks> blocks_of(const TaxelLayout& layout, double along_ra
 }  // namespace
 
 Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, double skin_depth_m,
-         double skin_depth_sigma)
+         double skin_depth_sigma, std::optional<double> bonded_poisson)
     : layout_(layout),
       options_(options),
       prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
       blocks_(blocks_of(layout, options.blocks_along_radius)),
       sheet_(blocks_ ? 0 : layout.size(), layout.side_m()),
-      imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma),
+      imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma, bonded_poisson),
       under_skin_(skin_depth_m > 0) {
   if (blocks_) lattice_.emplace(blocks_->most_along());
   const std::size_t most = blocks_ ? blocks_->most_along() * blocks_->most_along() : layout.size();

@@ -31,9 +31,10 @@ class Fit final : public SlipMethod {
  public:
   // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
   // skin_depth_m, skin_depth_sigma: how deep the taxels lie under the surface, m, and the standard deviation
-  // of its log; see Skin.
+  // of its log; bonded_poisson: what they lie on. See Skin.
   Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {},
-      double skin_depth_m = 0, double skin_depth_sigma = 0);
+      double skin_depth_m = 0, double skin_depth_sigma = 0,
+      std::optional<double> bonded_poisson = std::nullopt);
   // block_fit where taxels are summed in blocks.
   Method name() const noexcept override { return blocks_ ? Method::block_fit : Method::fit; }
   void forget() noexcept override { imprint_.forget(); }

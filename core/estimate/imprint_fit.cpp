@@ -16,7 +16,7 @@
 namespace slipd {
 namespace {
 
-using contact::FeltTensor;
+using contact::LayerTensor;
 using Model = ImprintModel;
 using Sheet = contact::SubsurfaceSheet;
 
@@ -33,14 +33,16 @@ double squares_of(std::span<const double> values) noexcept {
 }  // namespace
 
 ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m,
-                       const FitOptions& fit, const ImprintFitOptions& options, double depth_sigma)
+                       const FitOptions& fit, const ImprintFitOptions& options, double depth_sigma,
+                       std::optional<double> bonded_poisson)
     : layout_(layout),
       fit_(fit),
       options_(options),
       prior_{.expected = friction_expected, .spread = fit.prior.scene_spread},
       depth_m_(depth_m),
+      bonded_(depth_m > 0 && bonded_poisson),
       depth_(depth_m, depth_sigma),
-      model_(layout, depth_m),
+      model_(layout, depth_m, bonded_poisson),
       shear_(3 * layout.size()),
       unsheared_(3 * layout.size()),
       columns_(depth_m > 0 ? 3 * moment_columns() * layout.size() : 0) {}
@@ -244,7 +246,7 @@ void ImprintFit::fill_shear(const Full& at, double gamma, const ImprintRows& out
   const ImprintRows inner(model_.show_part(at, k, detail));
   const std::size_t n = model_.count();
   for (std::size_t i = 0; i < n; ++i) {
-    const FeltTensor o = outer.at(Sheet::value, i), m = combined(1, o, -k, inner.at(Sheet::value, i));
+    const LayerTensor o = outer.at(Sheet::value, i), m = combined(1, o, -k, inner.at(Sheet::value, i));
     const Felt g = felt_of(0, o, q, c, s, m);
     shear_[i] = g.n / model_.noise().normal_pa;
     shear_[n + i] = g.x / model_.noise().shear_pa;
@@ -334,6 +336,11 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
   return best;
 }
 
+double ImprintFit::layer_sigma(const Full& at) const noexcept {
+  if (!bonded_) return 0;
+  return options_.layer_sigma * at[Model::margin] * std::clamp(at[Model::size] / depth_m_ - 1, 0.0, 1.0);
+}
+
 double ImprintFit::misfit_nats() const noexcept {
   if (!fitted_) return std::numeric_limits<double>::quiet_NaN();
   const std::size_t n = model_.count();
@@ -372,6 +379,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit && looks_monotonic(out);
   out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
   if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);
+  out.common_sigma = std::hypot(out.common_sigma, layer_sigma(at));
   out.sigma = std::hypot(out.sigma, out.common_sigma);
   out.friction_sigma =
       std::hypot(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);

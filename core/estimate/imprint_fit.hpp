@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,6 +66,10 @@ struct ImprintFitOptions {
   // Deviation of the slip moment from a monotonic load's from which on a frame has another history; standard
   // deviations, 2 … 8. Too small: frames are refused for noise. Too large: a regrip passes.
   double max_history_sigmas = 4;
+  // Standard deviation of Gamma, over Gamma, of contacts at least twice as wide as a skin on a rigid base is
+  // thick, which are no half spaces' (docs/theory.md §5.5); 0 … 0.3. Too small: their margins are off by more
+  // than sigma says. Too large: they get none.
+  double layer_sigma = 0.12;
   // Floor of the shear moments' sigmas under a skin, of the shear; 0.002 … 0.1: few domes stand for any
   // history. Too small: the friction filter believes one frame. Too large: it learns slowly.
   double moments_floor = 0.01;
@@ -72,9 +77,11 @@ struct ImprintFitOptions {
 
 class ImprintFit {
  public:
-  // depth_m: of the taxels, >= 0. depth_sigma: standard deviation of its log; 0: it is exact.
+  // depth_m: of the taxels, >= 0. depth_sigma: standard deviation of its log; 0: it is exact. bonded_poisson:
+  // see Skin.
   ImprintFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
-             const ImprintFitOptions& options = {}, double depth_sigma = 0);
+             const ImprintFitOptions& options = {}, double depth_sigma = 0,
+             std::optional<double> bonded_poisson = std::nullopt);
 
   // Estimate thread. Allocates nothing. `start`: of the moments, at depth 0; under a skin only its load is
   // used. in_model as that of Fit.
@@ -148,6 +155,8 @@ class ImprintFit {
   // held: of each taxel, what it would read of a shear of 1 Pa at the middle that is as large as friction.
   double ring_misfit(const Full& at, std::span<const double> held) const noexcept;
   bool describe(const Minimum& minimum, FrameEstimate& out) const noexcept;
+  // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.
+  double layer_sigma(const Full& at) const noexcept;
   void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;
   void fill_shear(const Full& at, double gamma, const ImprintRows& outer) noexcept;
   // Few taxels have no other margin than their profile's.
@@ -161,6 +170,7 @@ class ImprintFit {
   ImprintFitOptions options_;
   FrictionPrior prior_;
   double depth_m_;
+  bool bonded_;  // to a rigid base
   SkinDepth depth_;
   double margin_by_depth_ = 0;  // of the last frame that was asked for the depth: Gamma by its log
   int unasked_ = 0;             // frames since

@@ -23,12 +23,12 @@ double even_number(std::uint32_t taxel) noexcept {
 
 }  // namespace
 
-ImprintModel::ImprintModel(const TaxelLayout& layout, double depth_m)
+ImprintModel::ImprintModel(const TaxelLayout& layout, double depth_m, std::optional<double> bonded_poisson)
     : layout_(layout),
       depth_m_(depth_m),
-      outer_(layout.size(), layout.side_m(), depth_m),
-      inner_(layout.size(), layout.side_m(), depth_m),
-      round_(layout.side_m(), depth_m),
+      outer_(layout.size(), layout.side_m(), depth_m, bonded_poisson),
+      inner_(layout.size(), layout.side_m(), depth_m, bonded_poisson),
+      round_(layout.side_m(), depth_m, bonded_poisson),
       taxel_(layout.size()) {
   for (auto* list : {&x_, &y_, &u_, &v_}) list->resize(layout.size());
   for (auto* list : {&all_data_, &data_, &residuals_}) list->resize(3 * layout.size());
@@ -36,12 +36,10 @@ ImprintModel::ImprintModel(const TaxelLayout& layout, double depth_m)
 }
 
 std::size_t ImprintModel::memory_bytes() const noexcept {
-  const std::size_t components = depth_m_ > 0 ? std::size_t{contact::SubsurfaceSheet::kComponents} : 1;
-  // Places and numbers; data twice and residuals of three channels; both sheets' rows.
-  constexpr std::size_t kPlaces = 5, kOfChannels = 9,
-                        kRows = 2 * std::size_t{contact::SubsurfaceSheet::kRows};
-  return layout_.size() * sizeof(double) * (kPlaces + kOfChannels + kRows * components) +
-         round_.memory_bytes();
+  // Places and numbers; data twice and residuals of three channels.
+  constexpr std::size_t kPlaces = 5, kOfChannels = 9;
+  return layout_.size() * sizeof(double) * (kPlaces + kOfChannels) + outer_.memory_bytes() +
+         inner_.memory_bytes() + round_.memory_bytes();
 }
 
 void ImprintModel::set_depth(double depth_m) noexcept {
@@ -219,6 +217,7 @@ void ImprintModel::evaluate_sheets(const Full& from, int unknowns, Detail detail
                          .per_shear = 1 / noise_.shear_pa,
                          .surface = !(depth_m_ > 0),
                          .residuals_given = residuals_given,
+                         .symmetric = outer_.symmetric(),
                          .data = data_.data(),
                          .residuals = residuals_.data(),
                          .count = count_};

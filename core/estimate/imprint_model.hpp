@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,8 +48,9 @@ class ImprintModel {
     double normal_pa = 1, shear_pa = 1;
   };
 
-  // depth_m: of the taxels, >= 0.
-  ImprintModel(const TaxelLayout& layout, double depth_m);
+  // depth_m: of the taxels, >= 0. bonded_poisson: see Skin.
+  ImprintModel(const TaxelLayout& layout, double depth_m,
+               std::optional<double> bonded_poisson = std::nullopt);
 
   // Another depth, of a model under a skin; see RoundImprint::set_depth.
   void set_depth(double depth_m) noexcept;

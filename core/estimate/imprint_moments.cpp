@@ -12,7 +12,7 @@
 namespace slipd {
 namespace {
 
-using contact::FeltTensor;
+using contact::LayerTensor;
 using Sheet = contact::SubsurfaceSheet;
 
 // Radii of the domes, over the contact's. Fewer, or none near 1: a stick zone between two of them is read
@@ -45,7 +45,7 @@ void ImprintFit::fill_column(std::size_t column, const ImprintRows& rows, Sheet:
   const double per_normal = 1 / model_.noise().normal_pa, per_shear = 1 / model_.noise().shear_pa;
   double* const to = columns_.data() + column * 3 * layout_.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const FeltTensor felt = rows.at(of, i);
+    const LayerTensor felt = rows.at(of, i);
     const Felt g = felt_of(pressed_pa, felt, 1, pulled_x_pa, pulled_y_pa, felt);
     to[i] = per_normal * g.n;
     to[n + i] = per_shear * g.x;

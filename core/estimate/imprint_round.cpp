@@ -12,17 +12,18 @@ namespace {
 using Sheet = contact::SubsurfaceSheet;
 
 // Functions of the distance r from the centre. O: of the contact's dome; M: of it less k times the stick
-// zone's, which slides; size: derivative by the log of the radius; K: of M by k. nn, nr, rr and tt are the
-// components along the normal, the radius and across it.
+// zone's, which slides; size: derivative by the log of the radius; K: of M by k. nn, rn, nr, rr and tt are
+// the components along the normal, the radius and across it: rn the shear along the radius of a normal
+// traction, nr the pressure of a traction along the radius.
 enum Function : std::uint8_t {
   o_nn,
-  o_nr,
+  o_rn,
   m_nr,
   m_rr,
   m_tt,
   sloped,  // functions whose derivatives by r are needed
   size_o_nn = sloped,
-  size_o_nr,
+  size_o_rn,
   size_m_nr,
   size_m_rr,
   size_m_tt,
@@ -32,7 +33,7 @@ enum Function : std::uint8_t {
   used
 };
 constexpr bool is_odd(std::size_t function) noexcept {
-  return function == o_nr || function == m_nr || function == size_o_nr || function == size_m_nr ||
+  return function == o_rn || function == m_nr || function == size_o_rn || function == size_m_nr ||
          function == k_nr;
 }
 
@@ -82,12 +83,12 @@ struct Summing {
 [[gnu::always_inline]] inline void fill_outer(const Filling& by) noexcept {
   const double a = by.wide_m;
   add_mean(by, Sheet::value, Sheet::nn, 1, o_nn);
-  add_mean(by, Sheet::value, Sheet::nx, 1, o_nr);
+  add_mean(by, Sheet::value, Sheet::xn, 1, o_rn);
   add_mean(by, Sheet::value, Sheet::nx, 1, m_nr);
   add_mean(by, Sheet::value, Sheet::xx, 1, m_rr);
   add_mean(by, Sheet::value, Sheet::yy, 1, m_tt);
   add_mean(by, Sheet::d_a, Sheet::nn, a, size_o_nn);
-  add_mean(by, Sheet::d_a, Sheet::nx, a, size_o_nr);
+  add_mean(by, Sheet::d_a, Sheet::xn, a, size_o_rn);
   add_mean(by, Sheet::d_a, Sheet::nx, a, size_m_nr);
   add_mean(by, Sheet::d_a, Sheet::xx, a, size_m_rr);
   add_mean(by, Sheet::d_a, Sheet::yy, a, size_m_tt);
@@ -191,18 +192,18 @@ struct Polar {
       block.column[column][2][i] += ws * (of.r * ey + of.t * ex);
     };
     const Polar shear{er * f[m_nr], er * f[m_rr], et * f[m_tt]};
-    const Polar all{p * f[o_nn] + q * shear.n, p * f[o_nr] + q * shear.r, q * shear.t};
+    const Polar all{p * f[o_nn] + q * shear.n, p * f[o_rn] + q * shear.r, q * shear.t};
     block.left[0][i] += wn * all.n;
     block.left[1][i] += ws * (all.r * ex - all.t * ey);
     block.left[2][i] += ws * (all.r * ey + all.t * ex);
     // By r, and by the angle over r.
-    const Polar out{p * d[o_nn] + q * er * d[m_nr], p * d[o_nr] + q * er * d[m_rr], q * et * d[m_tt]};
+    const Polar out{p * d[o_nn] + q * er * d[m_nr], p * d[o_rn] + q * er * d[m_rr], q * et * d[m_tt]};
     const Polar around{per_r * q * et * f[m_nr], per_r * (q * et * f[m_rr] - all.t),
                        per_r * (all.r - q * er * f[m_tt])};
     put(0, {ey * around.n - ex * out.n, ey * around.r - ex * out.r, ey * around.t - ex * out.t});
     put(1, {-ex * around.n - ey * out.n, -ex * around.r - ey * out.r, -ex * around.t - ey * out.t});
     put(2, {by.per_radius * (p * f[size_o_nn] + q * er * f[size_m_nr]),
-            by.per_radius * (p * f[size_o_nr] + q * er * f[size_m_rr]),
+            by.per_radius * (p * f[size_o_rn] + q * er * f[size_m_rr]),
             by.per_radius * (q * et * f[size_m_tt])});
     put(3, {all.n / p, all.r / p, all.t / p});
     const double by_load = p / by.rest, by_gamma = q / by.rest, by_k = by.dk * q;
@@ -307,11 +308,11 @@ const RoundKernels RoundKernels::avx512{outer_on_avx512, inner_on_avx512, sum_on
 
 }  // namespace
 
-RoundImprint::RoundImprint(double side_m, double depth_m)
+RoundImprint::RoundImprint(double side_m, double depth_m, std::optional<double> bonded_poisson)
     : side_m_(side_m),
       depth_m_(depth_m),
       step_m_(kStepDepths * depth_m),
-      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m) {
+      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m, bonded_poisson) {
   if (!(depth_m > 0)) return;  // never used
   u_.resize(kPoints * kMostNodes);
   v_.resize(kPoints * kMostNodes);
@@ -321,8 +322,7 @@ RoundImprint::RoundImprint(double side_m, double depth_m)
 }
 
 std::size_t RoundImprint::memory_bytes() const noexcept {
-  constexpr std::size_t kRows = std::size_t{Sheet::kRows} * Sheet::kComponents + 2;
-  return sizeof(double) * (kRows * u_.size() + functions_.size() + table_.size());
+  return sheet_.memory_bytes() + sizeof(double) * (2 * u_.size() + functions_.size() + table_.size());
 }
 
 std::size_t RoundImprint::parts_of(Sheet::Detail detail) const noexcept {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/contact/subsurface.hpp"
@@ -39,8 +40,8 @@ class RoundImprint {
   // Products of the residuals' slopes with each other, the lower half row by row, then with the residuals.
   using Products = std::array<double, kUnknowns*(kUnknowns + 1) / 2 + kUnknowns>;
 
-  // side_m: of the taxels; depth_m > 0.
-  RoundImprint(double side_m, double depth_m);
+  // side_m: of the taxels; depth_m > 0. bonded_poisson: see Skin.
+  RoundImprint(double side_m, double depth_m, std::optional<double> bonded_poisson = std::nullopt);
 
   // Another depth, > 0, within a factor of 2 of the first one, by which averages are chosen.
   void set_depth(double depth_m) noexcept {

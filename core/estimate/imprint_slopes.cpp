@@ -8,7 +8,7 @@
 namespace slipd {
 namespace {
 
-using contact::FeltTensor;
+using contact::LayerTensor;
 using Sheet = contact::SubsurfaceSheet;
 
 // Columns, as ImprintFit::Unknown.
@@ -32,7 +32,7 @@ struct SlopeBlock {
   alignas(64) std::array<double, kRows> left;
 };
 
-template <bool kElliptic>
+template <bool kElliptic, bool kSymmetric>
 [[gnu::always_inline]] inline void fill_slopes(const ImprintSlopes& by, std::size_t first, std::size_t count,
                                                SlopeBlock& block) noexcept {
   const std::size_t n = by.count;
@@ -46,11 +46,15 @@ template <bool kElliptic>
       to[SlopeBlock::kTaxels] = by.per_shear * x;
       to[2 * SlopeBlock::kTaxels] = by.per_shear * y;
     };
-    const auto moved = [&](const FeltTensor& o, const FeltTensor& in) {
+    const auto at = [&](const ImprintRows& rows, Sheet::Of of) __attribute__((always_inline)) {
+      if constexpr (kSymmetric) return rows.symmetric_at(of, i);
+      return rows.at(of, i);
+    };
+    const auto moved = [&](const LayerTensor& o, const LayerTensor& in) {
       return felt_of(p, o, q, c, s, combined(1, o, -k, in));
     };
-    const FeltTensor o = by.outer.at(Sheet::value, i), in = by.inner.at(Sheet::value, i),
-                     m = combined(1, o, -k, in);
+    const LayerTensor o = at(by.outer, Sheet::value), in = at(by.inner, Sheet::value),
+                      m = combined(1, o, -k, in);
     const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
                turned = felt_of(0, o, q, -s, c, m);
     double* const left = by.residuals + i;
@@ -61,17 +65,17 @@ template <bool kElliptic>
     left_here[0] = left[0];
     left_here[SlopeBlock::kTaxels] = left[n];
     left_here[2 * SlopeBlock::kTaxels] = left[2 * n];
-    const Felt mu = moved(by.outer.at(Sheet::d_u, i), by.inner.at(Sheet::d_u, i)),
-               mv = moved(by.outer.at(Sheet::d_v, i), by.inner.at(Sheet::d_v, i));
+    const Felt mu = moved(at(by.outer, Sheet::d_u), at(by.inner, Sheet::d_u)),
+               mv = moved(at(by.outer, Sheet::d_v), at(by.inner, Sheet::d_v));
     put(at_x, -mu.n, -mu.x, -mu.y);
     put(at_y, -mv.n, -mv.x, -mv.y);
-    const FeltTensor oa = by.outer.at(Sheet::d_a, i), ia = by.inner.at(Sheet::d_a, i);
-    FeltTensor so = combined(by.wide.a_m, oa, 0, oa), si = combined(by.narrow.a_m, ia, 0, ia);
+    const LayerTensor oa = at(by.outer, Sheet::d_a), ia = at(by.inner, Sheet::d_a);
+    LayerTensor so = combined(by.wide.a_m, oa, 0, oa), si = combined(by.narrow.a_m, ia, 0, ia);
     if constexpr (kElliptic) {
-      const FeltTensor ob = by.outer.at(Sheet::d_b, i), ib = by.inner.at(Sheet::d_b, i);
+      const LayerTensor ob = at(by.outer, Sheet::d_b), ib = at(by.inner, Sheet::d_b);
       const Felt longer = moved(combined(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
                                 combined(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
-                 angle = moved(by.outer.at(Sheet::d_angle, i), by.inner.at(Sheet::d_angle, i));
+                 angle = moved(at(by.outer, Sheet::d_angle), at(by.inner, Sheet::d_angle));
       const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
       put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
           by.c2 * longer.y + y * angle.y);
@@ -80,8 +84,8 @@ template <bool kElliptic>
       so = combined(1, so, by.wide.b_m, ob);
       si = combined(1, si, by.narrow.b_m, ib);
     } else if (by.surface) {
-      so = combined(1, so, by.wide.b_m, by.outer.at(Sheet::d_b, i));
-      si = combined(1, si, by.narrow.b_m, by.inner.at(Sheet::d_b, i));
+      so = combined(1, so, by.wide.b_m, at(by.outer, Sheet::d_b));
+      si = combined(1, si, by.narrow.b_m, at(by.inner, Sheet::d_b));
     }
     const Felt grown = moved(so, si), by_k = felt_of(0, o, q, c, s, combined(-1, in, -1, si));
     put(at_size, by.per_size * grown.n, by.per_size * grown.x, by.per_size * grown.y);
@@ -111,14 +115,14 @@ template <bool kElliptic>
     *to++ += product(block.column[row].data(), block.left.data());
 }
 
-template <bool kElliptic>
+template <bool kElliptic, bool kSymmetric>
 [[gnu::always_inline]] inline void add_blocks(const ImprintSlopes& by, std::size_t unknowns,
                                               double* products) noexcept {
   SlopeBlock block;
   for (std::size_t first = 0; first < by.count; first += SlopeBlock::kTaxels) {
     const std::size_t count = std::min(SlopeBlock::kTaxels, by.count - first);
     if (count < SlopeBlock::kTaxels) block = {};
-    fill_slopes<kElliptic>(by, first, count, block);
+    fill_slopes<kElliptic, kSymmetric>(by, first, count, block);
     add_products(block, unknowns, products);
   }
 }
@@ -128,9 +132,10 @@ template <bool kElliptic>
   const auto count = static_cast<std::size_t>(unknowns);
   std::fill_n(products, count * (count + 1) / 2 + count, 0.0);
   if (unknowns > at_along) {
-    add_blocks<true>(by, count, products);
+    by.symmetric ? add_blocks<true, true>(by, count, products) : add_blocks<true, false>(by, count, products);
   } else {
-    add_blocks<false>(by, count, products);
+    by.symmetric ? add_blocks<false, true>(by, count, products)
+                 : add_blocks<false, false>(by, count, products);
   }
 }
 

@@ -19,18 +19,24 @@ struct ImprintRows {
         row[of][c] = sheet.row(static_cast<Sheet::Of>(of), static_cast<Sheet::Component>(c)).data();
     }
   }
-  [[gnu::always_inline]] contact::FeltTensor at(Sheet::Of of, std::size_t i) const noexcept {
+  [[gnu::always_inline]] contact::LayerTensor at(Sheet::Of of, std::size_t i) const noexcept {
     const auto& r = row[of];
-    return {r[0][i], r[1][i], r[2][i], r[3][i], r[4][i], r[5][i]};
+    return {r[0][i], r[1][i], r[2][i], r[3][i], r[4][i], r[5][i], r[6][i], r[7][i]};
+  }
+  // The same of a half space, and of no skin; reads six rows.
+  [[gnu::always_inline]] contact::LayerTensor symmetric_at(Sheet::Of of, std::size_t i) const noexcept {
+    const auto& r = row[of];
+    const double nx = r[1][i], ny = r[2][i];
+    return {r[0][i], nx, ny, r[3][i], r[4][i], r[5][i], nx, ny};
   }
   std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
 };
 
 // a t + b r.
-[[gnu::always_inline]] inline contact::FeltTensor combined(double a, const contact::FeltTensor& t, double b,
-                                                           const contact::FeltTensor& r) noexcept {
-  return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny,
-          a * t.xx + b * r.xx, a * t.xy + b * r.xy, a * t.yy + b * r.yy};
+[[gnu::always_inline]] inline contact::LayerTensor combined(double a, const contact::LayerTensor& t, double b,
+                                                            const contact::LayerTensor& r) noexcept {
+  return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny, a * t.xx + b * r.xx,
+          a * t.xy + b * r.xy, a * t.yy + b * r.yy, a * t.xn + b * r.xn, a * t.yn + b * r.yn};
 }
 
 // What a taxel feels of one contact: pressure and shear, Pa or of a unit dome.
@@ -39,10 +45,10 @@ struct Felt {
 };
 
 // Of a pressure and of a shear along (c, s), with the tensor of each.
-[[gnu::always_inline]] inline Felt felt_of(double p, const contact::FeltTensor& of_p, double q, double c,
-                                           double s, const contact::FeltTensor& of_q) noexcept {
-  return {p * of_p.nn + q * (c * of_q.nx + s * of_q.ny), p * of_p.nx + q * (c * of_q.xx + s * of_q.xy),
-          p * of_p.ny + q * (c * of_q.xy + s * of_q.yy)};
+[[gnu::always_inline]] inline Felt felt_of(double p, const contact::LayerTensor& of_p, double q, double c,
+                                           double s, const contact::LayerTensor& of_q) noexcept {
+  return {p * of_p.nn + q * (c * of_q.nx + s * of_q.ny), p * of_p.xn + q * (c * of_q.xx + s * of_q.xy),
+          p * of_p.yn + q * (c * of_q.xy + s * of_q.yy)};
 }
 
 // What the slopes of all residuals are made of: both domes' rows, and the unknowns in the form that loops
@@ -56,6 +62,7 @@ struct ImprintSlopes {
   double per_size, per_normal, per_shear;
   bool surface;          // no skin: a step of a alone makes a round dome elliptic, too
   bool residuals_given;  // and not computed
+  bool symmetric;        // no rigid base
   const double* data;
   double* residuals;
   std::size_t count;

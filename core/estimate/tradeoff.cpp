@@ -129,8 +129,9 @@ std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, con
 std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                           std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
                                           std::size_t contacts, std::uint64_t seed) {
-  return measure_imprint_tradeoff(layout, scene, {.depth_m = scene.skin.depth_m}, methods, kind, noise,
-                                  contacts, seed);
+  return measure_imprint_tradeoff(
+      layout, scene, {.depth_m = scene.skin.depth_m, .bonded_poisson = scene.skin.bonded_poisson()}, methods,
+      kind, noise, contacts, seed);
 }
 
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,

@@ -84,7 +84,8 @@ SkinInfo skin_of(const json& in) {
   const json& radius = in["radius_mm"];
   return {radius.is_string() ? std::numeric_limits<double>::infinity() : radius.get<double>() * kMetresPerMm,
           in["modulus_mpa"].get<double>() * 1e6, in["poisson"].get<double>(),
-          in["depth_mm"].get<double>() * kMetresPerMm};
+          in["depth_mm"].get<double>() * kMetresPerMm,
+          in["base"] == "rigid" ? SkinBase::rigid : SkinBase::half_space};
 }
 
 // The channel and sign of a device's axis; nothing for an axis that the profile's `axes` does not name.

@@ -56,10 +56,12 @@ Options options_of(const SensorSetup& sensor) {
       radius.is_string() ? std::numeric_limits<double>::infinity() : 1e-3 * radius.get<double>();
   s.object.modulus_pa = 1e6 * object.at("modulus_mpa").get<double>();
   s.object.poisson = object.at("poisson").get<double>();
-  s.imprint = {.depth_m = sensor.skin_depth_m,
-               .stretch = object.at("axes").get<double>(),
-               .angle_rad = object.at("angle_deg").get<double>() * std::numbers::pi / 180,
-               .power = object.at("profile").get<double>()};
+  s.imprint = {
+      .depth_m = sensor.skin_depth_m,
+      .bonded_poisson = Skin{.poisson = sensor.skin_poisson, .base = sensor.skin_base}.bonded_poisson(),
+      .stretch = object.at("axes").get<double>(),
+      .angle_rad = object.at("angle_deg").get<double>() * std::numbers::pi / 180,
+      .power = object.at("profile").get<double>()};
   s.offset_x_m = 1e-3 * options.at("offset_mm").at(0).get<double>();
   s.offset_y_m = 1e-3 * options.at("offset_mm").at(1).get<double>();
   s.lever_m = 1e-3 * options.at("lever_mm").get<double>();
@@ -101,6 +103,9 @@ Options parse_options(const SensorSetup& sensor) {
     if (shaped && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
       throw DriverError(who +
                         "object.axes and object.profile need preset ideal and a layout of several taxels");
+    if (options.sensor.preset != Preset::ideal && sensor.skin_depth_m > 0 &&
+        sensor.skin_base != SkinBase::half_space)
+      throw DriverError(who + "skin.base rigid needs preset ideal: the skins of others are half spaces");
     if (turns(options.sensor) && !options.sensor.imprint.plain())
       throw DriverError(
           who + "torque_nmm and lever_mm need a round contact and taxels at the surface (skin.depth_mm 0)");

@@ -126,6 +126,17 @@ TEST(Settings, carry_a_range_of_depth_as_its_geometric_mean_and_a_sixth_of_its_w
   EXPECT_ANY_THROW(parse(document));
 }
 
+TEST(Settings, carry_the_base_of_a_skin_which_is_a_half_space_unless_told) {
+  json document = whole_document();
+  const Settings settings = parse(document);
+  EXPECT_EQ(settings.scene_of(settings.sensors.at(0)).skin.bonded_poisson(), 0.4);
+  json& skin = document["sensors"][0]["skin"];
+  skin.erase("base");
+  EXPECT_EQ(parse(document).sensors.at(0).setup.skin_base, SkinBase::half_space);
+  skin["base"] = "soft";
+  EXPECT_ANY_THROW(parse(document));
+}
+
 TEST(Settings, carry_every_key_in_SI_units) {
   const Settings s = parse(whole_document());
   const SensorSettings& left = s.sensors.at(0);

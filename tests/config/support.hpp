@@ -68,7 +68,7 @@ inline nlohmann::json whole_document() {
     "sensors": [
       { "name": "left", "driver": "sim", "rate_hz": 500, "stale_after_ms": 30,
         "layout": { "grid": [10, 20], "pitch_mm": 0.5 },
-        "skin": { "radius_mm": "flat", "modulus_mpa": 1, "poisson": 0.4, "depth_mm": 1.5 },
+        "skin": { "radius_mm": "flat", "modulus_mpa": 1, "poisson": 0.4, "depth_mm": 1.5, "base": "rigid" },
         "device": { "index": 1 }, "friction": 0.5, "contact": { "min_normal_n": 0.2 }, "full_scale_kpa": [100, 50, 40], "options": { "seed": 3, "noise": 0.1 } },
       { "name": "right", "driver": "sim", "layout": { "taxels": [[0, 0], [1, 0], [0, 1]] }, "gain": 0.5 },
       { "name": "real", "driver": "replay", "profile": "xela-xr1944", "device": { "serial": "A1" } } ],

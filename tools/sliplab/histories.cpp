@@ -29,7 +29,8 @@ struct HistoriesOptions {
   std::size_t grasps = 400;
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
-  double skin_mm = 0;  // depth of the taxels
+  double skin_mm = 0;                                                       // depth of the taxels
+  SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;  // the true one, and the chain's
   Sampling sensing;
   unsigned threads = 2;
   Shard shard;  // of sides and methods
@@ -43,6 +44,9 @@ const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automa
                                                    {"closing", MethodChoice::closing},
                                                    {"block-fit", MethodChoice::block_fit}};
 
+const std::map<std::string, SkinBase> kBases{{"half_space", SkinBase::half_space},
+                                             {"rigid", SkinBase::rigid}};
+
 struct MethodLine {
   std::size_t side = 0;
   std::string method;
@@ -55,6 +59,9 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
                    std::uint64_t seed, std::string& trace) {
   ChainSetup setup = paper_chain(side, kMethods.at(method), options.sensing.noise);
   setup.scene.skin.depth_m = 1e-3 * options.skin_mm;
+  Skin felt = setup.scene.skin;
+  felt.base = options.base;
+  setup.scene.skin.base = options.base_taken;
   std::shared_ptr<const Model> model;
   if (needs_model(setup))
     model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
@@ -72,7 +79,7 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
                  << at.truth.gamma << ',' << at.estimate.gamma.value_or(kUnknown) << ','
                  << at.estimate.sigma.value_or(kUnknown) << ',' << to_string(at.estimate.state) << '\n';
         };
-        grasps[i] = drive(draw_grasp(setup.scene, seed, i), setup.layout, setup.scene.skin, options.sensing,
+        grasps[i] = drive(draw_grasp(setup.scene, seed, i), setup.layout, felt, options.sensing,
                           RandomStream(seed).stream(i), chain,
                           i == 0 ? watch : std::function<void(const GraspSample&)>{});
       },
@@ -135,6 +142,8 @@ SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOption
                      {"noise_kind", name_of(options.sensing.kind)},
                      {"noise", options.sensing.noise},
                      {"skin_mm", options.skin_mm},
+                     {"base", options.base == SkinBase::rigid ? "rigid" : "half_space"},
+                     {"base_taken", options.base_taken == SkinBase::rigid ? "rigid" : "half_space"},
                      {"frame_ms", 1e3 * options.sensing.frame_s}},
                     {}};
   for (const auto& line : lines) {
@@ -231,6 +240,13 @@ void add_histories(CLI::App& app, const Common& common) {
   command->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
+  const auto add_base = [&](const char* option, SkinBase& base, const char* about) {
+    command->add_option(option, base, about)
+        ->transform(CLI::CheckedTransformer(kBases, CLI::ignore_case))
+        ->default_str("half_space");
+  };
+  add_base("--base", options->base, "what the skin lies on, see skin.base in slipd.json(5)");
+  add_base("--base-taken", options->base_taken, "what the method takes it to lie on");
   command->add_option("--frame-s", options->sensing.frame_s, "time between two frames, s")
       ->check(CLI::Range(1e-4, 0.1))
       ->capture_default_str();

@@ -29,9 +29,23 @@ struct SkinOptions {
 struct SkinReport {
   std::string sensor;
   std::optional<SkinDepth> depth;
+  SkinBase base = SkinBase::half_space;  // of the scene
+  // The depth with the other base, if presses show that this is the true one.
+  std::optional<SkinDepth> with_other_base = {};
   ShearOrder order;
   std::size_t presses = 0;
 };
+
+SkinBase other_than(SkinBase base) {
+  return base == SkinBase::rigid ? SkinBase::half_space : SkinBase::rigid;
+}
+
+// Both fitted to the same frames, one by more than chance and gains that differ make up: nats a frame.
+bool clearly_likelier(const SkinDepth& one, const SkinDepth& other) {
+  constexpr double kLeast = 2;
+  return one.frames == other.frames &&
+         other.misfit_nats - one.misfit_nats > kLeast * static_cast<double>(one.frames);
+}
 
 std::vector<PressFrame> read_all(FileFrames& source) {
   std::vector<PressFrame> frames;
@@ -66,8 +80,18 @@ SkinReport measure(const Settings& settings, const std::string& sensor,
   PatchFinder finder(setup->layout);
   for (const PressFrame& press : presses)
     out.order.add(setup->layout, finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa}));
-  if (advice_on(out.order.verdict()).empty())
-    out.depth = skin_depth(setup->layout, expected_friction(setup->scene), presses);
+  if (!advice_on(out.order.verdict()).empty()) return out;
+  Skin skin = setup->scene.skin;
+  out.base = skin.base;
+  const auto depth_on = [&](SkinBase base) {
+    skin.base = base;
+    return skin_depth(setup->layout, expected_friction(setup->scene), presses, skin.bonded_poisson());
+  };
+  out.depth = depth_on(out.base);
+  if (out.depth && out.depth->depth_m > 0) {
+    const auto other = depth_on(other_than(out.base));
+    if (other && clearly_likelier(*other, *out.depth)) out.with_other_base = other;
+  }
   return out;
 }
 
@@ -95,6 +119,10 @@ void print(const SkinReport& report) {
   if (depth.gain_spread)
     std::printf("  gains differ by %.1f %% (one standard deviation)\n", 100 * *depth.gain_spread);
   std::printf("  write into the scene: \"skin\": { \"depth_mm\": %.3g }\n", kMm * depth.depth_m);
+  if (report.with_other_base)
+    std::printf("  but with skin.base \"%s\" and depth_mm %.3g the presses are much more likely\n",
+                other_than(report.base) == SkinBase::rigid ? "rigid" : "half_space",
+                kMm * report.with_other_base->depth_m);
 }
 
 nlohmann::ordered_json skin_json(const SkinReport& report) {
@@ -105,6 +133,7 @@ nlohmann::ordered_json skin_json(const SkinReport& report) {
   if (!report.depth) return out;
   out["depth_mm"] = 1e3 * report.depth->depth_m;
   out["depth_sigma_mm"] = 1e3 * report.depth->sigma_m;
+  if (report.with_other_base) out["depth_mm_with_other_base"] = 1e3 * report.with_other_base->depth_m;
   if (report.depth->gain_spread) out["gain_spread"] = *report.depth->gain_spread;
   return out;
 }

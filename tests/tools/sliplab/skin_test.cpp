@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <utility>
 #include <vector>
@@ -19,8 +20,10 @@ using namespace slipd;
 // Presses of 1 to 4 N with a light pull on a 16 x 16 pad of +-8 mm, with noise of 0.5 % of the peak.
 class Presses {
  public:
-  explicit Presses(double depth_m, double gain_spread = 0)
-      : layout_(TaxelLayout::grid(16, 16, 0.001)), sheet_(layout_, {.depth_m = depth_m}) {
+  explicit Presses(double depth_m, double gain_spread = 0,
+                   std::optional<double> bonded_poisson = std::nullopt)
+      : layout_(TaxelLayout::grid(16, 16, 0.001)),
+        sheet_(layout_, {.depth_m = depth_m, .bonded_poisson = bonded_poisson}) {
     std::normal_distribution<double> normal(1, gain_spread);
     for (std::size_t i = 0; i < layout_.size(); ++i)
       gain_.push_back(gain_spread > 0 ? static_cast<float>(normal(random_)) : 1.0F);
@@ -70,6 +73,19 @@ TEST(SkinDepth, IsFoundWithinItsDeviation) {
     EXPECT_NEAR(found->depth_m, depth_m, 4 * found->sigma_m + 0.005 * depth_m);
     EXPECT_LT(found->sigma_m, 0.1 * depth_m);
     EXPECT_GT(found->sigma_m, 0);
+  }
+}
+
+TEST(SkinDepth, IsFoundOnARigidBaseWhichIsLikelierThanAHalfSpaceAndTheOtherWayRound) {
+  for (const std::optional<double> bonded_poisson : {std::optional(0.45), std::optional<double>()}) {
+    Presses presses(0.001, 0, bonded_poisson);
+    const std::vector<PressFrame> some = presses.some(6);
+    const auto rigid = skin_depth(presses.layout(), kFriction, some, 0.45),
+               half_space = skin_depth(presses.layout(), kFriction, some);
+    ASSERT_TRUE(rigid && half_space);
+    const auto &right = bonded_poisson ? rigid : half_space, &wrong = bonded_poisson ? half_space : rigid;
+    EXPECT_NEAR(right->depth_m, 0.001, 4 * right->sigma_m + 5e-6);
+    EXPECT_LT(right->misfit_nats, wrong->misfit_nats - 6 * 2);
   }
 }
 

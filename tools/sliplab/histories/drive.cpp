@@ -46,7 +46,9 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
   TrialFrames frames(layout, sensing.kind, sensing.noise);
   FrictionTrace trace(layout, object.x_m, object.y_m);
   std::optional<contact::ImprintSheet> imprint;
-  if (skin.depth_m > 0) imprint.emplace(layout, contact::Imprint{.depth_m = skin.depth_m});
+  if (skin.depth_m > 0)
+    imprint.emplace(layout,
+                    contact::Imprint{.depth_m = skin.depth_m, .bonded_poisson = skin.bonded_poisson()});
   StatisticsByMove tallies;
   Estimate estimate;
   std::uint64_t sequence = 0;

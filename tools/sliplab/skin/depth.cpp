@@ -38,12 +38,13 @@ struct Misfits {
 
 class DepthTrial {
  public:
-  DepthTrial(const TaxelLayout& layout, Range friction, const std::vector<PressFrame>& presses)
-      : layout_(layout), friction_(friction), presses_(presses) {}
+  DepthTrial(const TaxelLayout& layout, Range friction, const std::vector<PressFrame>& presses,
+             std::optional<double> bonded_poisson)
+      : layout_(layout), friction_(friction), presses_(presses), bonded_poisson_(bonded_poisson) {}
 
   // The same taxels at all depths: those that the deepest reaches.
   ImprintFit fit_at(double depth_m, double reach_m) const {
-    return {layout_, friction_, depth_m, {}, {.reach_depths = reach_m / depth_m}};
+    return {layout_, friction_, depth_m, {}, {.reach_depths = reach_m / depth_m}, 0, bonded_poisson_};
   }
 
   Misfits measure(const Search& search, double reach_m) const {
@@ -74,6 +75,7 @@ class DepthTrial {
   const TaxelLayout& layout_;
   Range friction_;
   const std::vector<PressFrame>& presses_;
+  std::optional<double> bonded_poisson_;
   mutable std::size_t used_ = 0;
 };
 
@@ -151,7 +153,8 @@ std::vector<PressFrame> press_frames(const TaxelLayout& layout, const std::vecto
 }
 
 std::optional<SkinDepth> skin_depth(const TaxelLayout& layout, Range friction_expected,
-                                    const std::vector<PressFrame>& presses) {
+                                    const std::vector<PressFrame>& presses,
+                                    std::optional<double> bonded_poisson) {
   double radius_m = 0;
   PatchFinder finder(layout);
   for (const PressFrame& press : presses)
@@ -160,7 +163,7 @@ std::optional<SkinDepth> skin_depth(const TaxelLayout& layout, Range friction_ex
   const double thinnest_m = kThinnestSides * layout.side_m(), deepest_m = kDeepestRadii * radius_m;
   if (presses.size() < kLeastPresses || !(deepest_m > 2 * thinnest_m)) return std::nullopt;
   const double reach_m = 0.5 * radius_m;
-  const DepthTrial trial(layout, friction_expected, presses);
+  const DepthTrial trial(layout, friction_expected, presses, bonded_poisson);
   Search search{thinnest_m, deepest_m};
   Misfits misfits;
   SkinDepth out;
@@ -176,6 +179,7 @@ std::optional<SkinDepth> skin_depth(const TaxelLayout& layout, Range friction_ex
   if (!best) return std::nullopt;
   const double step = search.step();
   out.depth_m = search.from_m * std::exp(step * best->at);
+  out.misfit_nats = misfits.sum[misfits.best];
   const double by_noise = step / std::sqrt(best->curvature);
   double count = 0, mean = 0, square = 0;
   for (const auto& frame : misfits.of_frame) {

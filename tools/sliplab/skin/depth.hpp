@@ -25,6 +25,8 @@ struct SkinDepth {
   double sigma_m = 0;
   // Frames that were used.
   std::size_t frames = 0;
+  // Of all of them at the likeliest depth, nats: of two bases the likelier has the less.
+  double misfit_nats = 0;
   // Standard deviation of the taxels' gains, a share; none: no taxel has enough frames.
   std::optional<double> gain_spread;
 };
@@ -34,8 +36,9 @@ struct SkinDepth {
 std::vector<PressFrame> press_frames(const slipd::TaxelLayout& layout, const std::vector<PressFrame>& frames,
                                      std::size_t most);
 
-// None where no frame could be fitted.
+// None where no frame could be fitted. bonded_poisson: see Skin.
 std::optional<SkinDepth> skin_depth(const slipd::TaxelLayout& layout, slipd::Range friction_expected,
-                                    const std::vector<PressFrame>& presses);
+                                    const std::vector<PressFrame>& presses,
+                                    std::optional<double> bonded_poisson = std::nullopt);
 
 }  // namespace sliplab

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "core/estimate/closing.hpp"
 #include "core/estimate/fit.hpp"
@@ -28,17 +29,50 @@ constexpr int kClosingFrames = 100;
 struct ImprintCase {
   Method method;
   double depth_mm, axes, depth_taken, power = 2;
+  SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;
+  // Whether the method is told what the skin is.
+  bool known() const { return depth_taken == 1 && base_taken == base; }
 };
-constexpr ImprintCase kCases[] = {
-    {Method::fit, 0, 1, 1},        {Method::fit, 0.5, 1, 1},      {Method::fit, 1, 1, 1},
-    {Method::fit, 2, 1, 1},        {Method::fit, 0, 1.5, 1},      {Method::fit, 0, 2, 1},
-    {Method::fit, 0.5, 1.5, 1},    {Method::fit, 1, 2, 1},        {Method::fit, 2, 1.5, 1},
-    {Method::fit, 1, 1, 0.75},     {Method::fit, 1, 1, 1.25},     {Method::closing, 0, 1, 1},
-    {Method::closing, 0, 1.7, 1},  {Method::closing, 0, 1, 1, 6}, {Method::closing, 0.5, 1, 1},
-    {Method::closing, 1, 1, 1},    {Method::closing, 1, 1.7, 1},  {Method::closing, 1, 1, 1, 6},
-    {Method::closing, 2, 1, 1},    {Method::closing, 2, 1.7, 1},  {Method::closing, 2, 1, 1, 6},
-    {Method::closing, 1, 1, 0.75}, {Method::closing, 1, 1, 1.25}, {Method::closing, 2, 1, 0.75},
-    {Method::closing, 2, 1, 1.25}};
+constexpr SkinBase kHalfSpace = SkinBase::half_space, kRigid = SkinBase::rigid;
+constexpr ImprintCase kCases[] = {{Method::fit, 0, 1, 1},
+                                  {Method::fit, 0.5, 1, 1},
+                                  {Method::fit, 1, 1, 1},
+                                  {Method::fit, 2, 1, 1},
+                                  {Method::fit, 0, 1.5, 1},
+                                  {Method::fit, 0, 2, 1},
+                                  {Method::fit, 0.5, 1.5, 1},
+                                  {Method::fit, 1, 2, 1},
+                                  {Method::fit, 2, 1.5, 1},
+                                  {Method::fit, 1, 1, 0.75},
+                                  {Method::fit, 1, 1, 1.25},
+                                  {Method::fit, 0.5, 1, 1, 2, kRigid, kRigid},
+                                  {Method::fit, 1, 1, 1, 2, kRigid, kRigid},
+                                  {Method::fit, 2, 1, 1, 2, kRigid, kRigid},
+                                  {Method::fit, 1, 1.5, 1, 2, kRigid, kRigid},
+                                  {Method::fit, 1, 1, 1, 2, kRigid, kHalfSpace},
+                                  {Method::fit, 2, 1, 1, 2, kRigid, kHalfSpace},
+                                  {Method::fit, 1, 1, 1, 2, kHalfSpace, kRigid},
+                                  {Method::fit, 2, 1, 1, 2, kHalfSpace, kRigid},
+                                  {Method::closing, 0, 1, 1},
+                                  {Method::closing, 0, 1.7, 1},
+                                  {Method::closing, 0, 1, 1, 6},
+                                  {Method::closing, 0.5, 1, 1},
+                                  {Method::closing, 1, 1, 1},
+                                  {Method::closing, 1, 1.7, 1},
+                                  {Method::closing, 1, 1, 1, 6},
+                                  {Method::closing, 2, 1, 1},
+                                  {Method::closing, 2, 1.7, 1},
+                                  {Method::closing, 2, 1, 1, 6},
+                                  {Method::closing, 1, 1, 0.75},
+                                  {Method::closing, 1, 1, 1.25},
+                                  {Method::closing, 2, 1, 0.75},
+                                  {Method::closing, 2, 1, 1.25}};
+
+std::optional<double> bonded_poisson(const Scene& scene, SkinBase base) {
+  Skin skin = scene.skin;
+  skin.base = base;
+  return skin.bonded_poisson();
+}
 
 Scene imprint_scene() {
   Scene scene;
@@ -53,14 +87,15 @@ std::unique_ptr<SlipMethod> method_of(const ImprintCase& of, const TaxelLayout& 
   const Range friction = expected_friction(scene);
   if (of.method == Method::closing)
     return std::make_unique<Closing>(layout, friction, Skin{.depth_m = depth_m});
-  return std::make_unique<Fit>(layout, friction, FitOptions{}, depth_m, kUsualDepthSigma);
+  return std::make_unique<Fit>(layout, friction, FitOptions{}, depth_m, kUsualDepthSigma,
+                               bonded_poisson(scene, of.base_taken));
 }
 
 double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase& of, std::size_t contacts,
                 std::uint64_t seed) {
   // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
   const Range friction = expected_friction(scene);
-  ImprintModel model(layout, 1e-3 * of.depth_mm);
+  ImprintModel model(layout, 1e-3 * of.depth_mm, bonded_poisson(scene, of.base));
   double sum = 0;
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
@@ -100,16 +135,19 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
       if (!options.shard.has(here)) continue;
       const std::unique_ptr<SlipMethod> method = method_of(of, layout, scene);
       SlipMethod* const only = method.get();
-      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm, .stretch = of.axes, .power = of.power};
+      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm,
+                                     .bonded_poisson = bonded_poisson(scene, of.base),
+                                     .stretch = of.axes,
+                                     .power = of.power};
       lines.push_back(
-          {name, to_string(of.method).data(), of.depth_mm, of.axes, of.power, of.depth_taken,
-           std::numeric_limits<double>::quiet_NaN(),
+          {name, to_string(of.method).data(), of.depth_mm, of.axes, of.power, of.depth_taken, of.base,
+           of.base_taken, std::numeric_limits<double>::quiet_NaN(),
            measure_imprint_tradeoff(layout, scene, imprint, std::span(&only, 1), NoiseKind::sensor,
                                     kImprintNoise, options.contacts, options.seed + 1,
                                     of.method == Method::closing ? kClosingFrames : 0)
                .front(),
            here});
-      if (of.depth_taken == 1 && of.power == 2)
+      if (of.known() && of.power == 2)
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
     }
@@ -117,24 +155,32 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
   return lines;
 }
 
+namespace {
+
+const char* base_name(SkinBase base) {
+  return base == SkinBase::rigid ? "rigid" : "half_space";
+}
+
+}  // namespace
+
 void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
   std::printf(
       "Methods fit and closing under a skin and on other shapes: %zu contacts, up to 2 mm off the middle of "
-      "a "
-      "+-8 mm pad, Gamma uniform, 1 %% of sensor noise; closing after %d frames of the closing.\n   method  "
-      "taxels  depth mm  axes  r^n  depth taken   guide  mean err     95 %%  "
+      "a +-8 mm pad, Gamma uniform, 1 %% of sensor noise; closing after %d frames of the closing.\n   method "
+      " "
+      "taxels  depth mm  axes  r^n  depth taken        base  base taken   guide  mean err     95 %%  "
       "answered  1 "
       "sigma  2 sigma   safer   p50 us   p99 us\n",
       contacts, kClosingFrames);
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
     std::printf(
-        "%9s %7s %9.2g %5.2g %4g %12.2g  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  %4.1f %%  "
-        "%7.1f  "
-        "%7.1f\n",
+        "%9s %7s %9.2g %5.2g %4g %12.2g  %10s  %10s  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  "
+        "%4.1f %%  %7.1f  %7.1f\n",
         line.method.c_str(), line.layout.c_str(), line.depth_mm, line.axes, line.power, line.depth_taken,
-        line.guide, row.mean_error, row.p95_error, 100 * row.answered, 100 * row.within_sigma,
-        100 * row.within_two_sigma, 100 * row.claims_safer, row.p50_us, row.p99_us);
+        base_name(line.base), base_name(line.base_taken), line.guide, row.mean_error, row.p95_error,
+        100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma, 100 * row.claims_safer,
+        row.p50_us, row.p99_us);
   }
 }
 
@@ -148,6 +194,8 @@ SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t
                               {"axes", line.axes},
                               {"power", line.power},
                               {"depth_taken", line.depth_taken},
+                              {"base", base_name(line.base)},
+                              {"base_taken", base_name(line.base_taken)},
                               {"guide", line.guide},
                               {"mean_error", row.mean_error},
                               {"p95_error", row.p95_error},

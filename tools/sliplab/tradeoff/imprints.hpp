@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact/scene.hpp"
 #include "tools/sliplab/tradeoff/measure.hpp"
 
 namespace sliplab {
@@ -17,8 +18,10 @@ struct ImprintLine {
   double power = 2;     // n of a profile r^n; 2: Hertz's contact
   // The depth that the method is set to, over the true one.
   double depth_taken = 1;
-  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth is wrong or the
-  // profile is no sphere's.
+  // What the skin lies on, and what the method takes it to lie on.
+  slipd::SkinBase base = slipd::SkinBase::half_space, base_taken = slipd::SkinBase::half_space;
+  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth or the base is
+  // wrong or the profile is no sphere's.
   double guide = 0;
   slipd::TradeoffRow row;
   std::size_t unit = 0;  // its number in the sweep
