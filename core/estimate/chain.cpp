@@ -305,10 +305,11 @@ struct EstimatorChain::Impl {
   WorkPrecision work_precision;
   PatchFinder finder;
   PlausibilityMonitor plausibility;
-  int refused = 0;  // frames in a row
-  std::unique_ptr<SlipMethod> method;
-  std::unique_ptr<Closing> closing;    // of `auto`, for frames that do not fit the method; else null
+  int refused = 0;                     // frames in a row
   Method shape_by = Method::friction;  // what this frame's own margin is by
+  Turning turning = Turning::none;     // of the last frame
+  std::unique_ptr<SlipMethod> method;
+  std::unique_ptr<Closing> closing;  // of `auto`, for frames that do not fit the method; else null
   ActingForces acting_forces;
   TurningLoad turning_load;
   TurningShape turning_shape;
@@ -319,7 +320,6 @@ struct EstimatorChain::Impl {
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
   TurnFollower turn;
-  Turning turning = Turning::none;  // of the last frame
   ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;
