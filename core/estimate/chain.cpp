@@ -304,10 +304,11 @@ struct EstimatorChain::Impl {
   WorkPrecision work_precision;
   PatchFinder finder;
   PlausibilityMonitor plausibility;
-  int refused = 0;  // frames in a row
+  int refused = 0;                     // frames in a row
+  Method shape_by = Method::friction;  // what this frame's own margin is by
+  Turning turning = Turning::none;     // of the last frame
   std::unique_ptr<SlipMethod> method;
   std::unique_ptr<SlipMethod> closing;  // of `auto`, for frames that do not fit the method; else null
-  Method shape_by = Method::friction;   // what this frame's own margin is by
   ActingForces acting_forces;
   TurningLoad turning_load;
   TurningShape turning_shape;
@@ -318,7 +319,6 @@ struct EstimatorChain::Impl {
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
   TurnFollower turn;
-  Turning turning = Turning::none;  // of the last frame
   ContactGate gate;
   AlertLogic alert;
   SlipForecast forecast;

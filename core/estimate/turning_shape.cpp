@@ -19,7 +19,7 @@ constexpr double kFallenShare = 0.93;
 }  // namespace
 
 TurningShape::TurningShape(const TaxelLayout& layout, bool tracking)
-    : tracking_(tracking), slipping_(layout), moments_(layout) {}
+    : slipping_(layout), moments_(layout), tracking_(tracking) {}
 
 void TurningShape::forget() noexcept {
   bent_ = false;

@@ -30,11 +30,11 @@ class TurningShape {
  private:
   bool slips_anew(const FrameEstimate& estimate, double normal_n, const TurningLoadResult& load) noexcept;
 
-  bool tracking_;
-  bool bent_ = false;        // a torque's traction is in the contact
-  double most_stuck_n_ = 0;  // ratio times P of the plateau, at its most since slip was last seen
   SlippingTaxels slipping_;
   TurningMoments moments_;
+  double most_stuck_n_ = 0;  // ratio times P of the plateau, at its most since slip was last seen
+  bool tracking_;
+  bool bent_ = false;  // a torque's traction is in the contact
 };
 
 }  // namespace slipd

@@ -22,9 +22,9 @@
 namespace slipd {
 namespace {
 
-constexpr double kHeldFriction = 0.6, kGrip_n = 2;
+constexpr double kHeldFriction = 0.6, kGripN = 2;
 
-// What an object in the grip asks for: a share of what friction holds at kGrip_n, in a mixture of a pull (0)
+// What an object in the grip asks for: a share of what friction holds at kGripN, in a mixture of a pull (0)
 // and a torque (pi/2).
 struct HeldLoad {
   double share = 0, mix_rad = 0;
@@ -34,9 +34,9 @@ class HalfSpaceGrasp {
  public:
   HalfSpaceGrasp() : chain_(setup(), nullptr) {
     for (auto& channel : channels_) channel.resize(layout_.size());
-    pull_.move_to(kGrip_n, 0, kHeldFriction);
+    pull_.move_to(kGripN, 0, kHeldFriction);
     turning_.begin(pull_);
-    move(20, kGrip_n, {});
+    move(20, kGripN, {});
   }
 
   struct Seen {
@@ -72,9 +72,9 @@ class HalfSpaceGrasp {
   }
 
   contact::PlaneLoad plane(const HeldLoad& load) const {
-    const double radius_m = pull_.pair().contact_radius_m(kGrip_n);
+    const double radius_m = pull_.pair().contact_radius_m(kGripN);
     const double pull = std::cos(load.mix_rad), turn = 3 * std::numbers::pi / 16 * std::sin(load.mix_rad);
-    const double unit_n = kHeldFriction * kGrip_n * load.share / hertz_.least_friction(pull, 0, turn).ratio;
+    const double unit_n = kHeldFriction * kGripN * load.share / hertz_.least_friction(pull, 0, turn).ratio;
     return {unit_n * pull, 0, unit_n * turn * radius_m};
   }
 
@@ -92,7 +92,7 @@ class HalfSpaceGrasp {
   contact::LoadHistory pull_{synthetic::paper_pair()};
   contact::TurningContact turning_{pull_.pair()};
   contact::LimitSurface hertz_ = contact::unit_hertz_surface();
-  double grip_n_ = kGrip_n;
+  double grip_n_ = kGripN;
   contact::PlaneLoad load_;
   std::uint64_t sequence_ = 0;
   std::array<std::vector<float>, 3> channels_;
@@ -109,7 +109,7 @@ class TurningShapeAfter : public ::testing::TestWithParam<HistoryEnd> {};
 // A tenth of friction is what a margin's error by it may be.
 TEST_P(TurningShapeAfter, MarginsAreMeantAndFrictionStaysWhatItIs) {
   HalfSpaceGrasp grasp;
-  grasp.move(60, kGrip_n, {0.75, 0.8});
+  grasp.move(60, kGripN, {0.75, 0.8});
   int answered = 0, frames = 0;
   for (const int count : {40, 20}) {
     for (const auto& [estimate, gamma] : grasp.move(count, GetParam().grip_n, GetParam().load)) {
@@ -127,18 +127,18 @@ TEST_P(TurningShapeAfter, MarginsAreMeantAndFrictionStaysWhatItIs) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Histories, TurningShapeAfter,
-                         ::testing::Values(HistoryEnd{"Regrip", 1.25 * kGrip_n, {0.75, 0.8}},
-                                           HistoryEnd{"Reversal", kGrip_n, {0.75, -0.8}},
-                                           HistoryEnd{"TorqueThatGoes", kGrip_n, {0.5, 0.02}},
-                                           HistoryEnd{"Unloading", kGrip_n, {0.3, 0.8}}),
+                         ::testing::Values(HistoryEnd{"Regrip", 1.25 * kGripN, {0.75, 0.8}},
+                                           HistoryEnd{"Reversal", kGripN, {0.75, -0.8}},
+                                           HistoryEnd{"TorqueThatGoes", kGripN, {0.5, 0.02}},
+                                           HistoryEnd{"Unloading", kGripN, {0.3, 0.8}}),
                          [](const auto& course) { return course.param.name; });
 
 // After a regrip what sticks lies below friction, and yet friction that falls under the same swinging load is
 // seen.
 TEST(TurningShape, FrictionThatFallsAfterARegripLeavesNoMarginThatIsTooSafe) {
   HalfSpaceGrasp grasp;
-  grasp.move(60, kGrip_n, {0.75, 0.8});
-  const double grip_n = 1.25 * kGrip_n;
+  grasp.move(60, kGripN, {0.75, 0.8});
+  const double grip_n = 1.25 * kGripN;
   grasp.move(30, grip_n, {0.75, 0.8});
   double friction = kHeldFriction;
   for (const double left : {0.8, 0.8}) {
