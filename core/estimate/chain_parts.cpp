@@ -27,7 +27,7 @@ std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& 
 std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
   if (!Closing::can_read(setup.layout, setup.scene.skin))
     throw std::invalid_argument(
-        "under a skin with depth_mm above 0 method closing needs a regular grid of taxels, and the skin's base "
+        "method closing under a skin with depth_mm above 0 needs a regular grid of taxels and the base "
         "half_space");
   return std::make_unique<Closing>(setup.layout, expected_friction(setup.scene), setup.scene.skin);
 }
