@@ -291,6 +291,14 @@ void add_half_space(DomePoint point, const Points& to, bool round, bool slopes, 
   }
 }
 
+// What reaches a rigid base is as smooth as at less depth in a half space.
+constexpr double kSharper = 1.25;
+
+// By Detail; smooth_m: the depth in a half space at which stresses are as smooth.
+std::array<SideRule, 3> rules_of(double side_m, double smooth_m) {
+  return {exact_side_rule(side_m, smooth_m), rough_side_rule(side_m, smooth_m), SideRule{{0.0}, {1.0}}};
+}
+
 }  // namespace
 
 FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept {
@@ -307,12 +315,11 @@ FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, doub
 
 SubsurfaceSheet::SubsurfaceSheet(std::size_t most, double side_m, double depth_m,
                                  std::optional<double> bonded_poisson)
-    : side_m_(side_m), depth_m_(depth_m), zeros_(depth_m > 0 ? 0 : most) {
-  // What reaches a rigid base is as smooth as at less depth in a half space.
-  constexpr double kSharper = 1.25;
+    : side_m_(side_m),
+      depth_m_(depth_m),
+      rules_(rules_of(side_m, bonded_poisson ? depth_m / kSharper : depth_m)),
+      zeros_(depth_m > 0 ? 0 : most) {
   const bool skin = depth_m > 0, bonded = skin && bonded_poisson;
-  const double smooth_m = bonded ? depth_m / kSharper : depth_m;
-  rules_ = {exact_side_rule(side_m, smooth_m), rough_side_rule(side_m, smooth_m), SideRule{{0.0}, {1.0}}};
   if (skin) integrals_.resize(IntegralTable::kIntervals * IntegralTable::kPerInterval);
   if (bonded) {
     const auto images = layer_images(*bonded_poisson);

@@ -60,13 +60,13 @@ struct EstimatorChain::Impl {
         turning_shape(s.layout, s.estimator.tracking),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
+        known(s.friction.value_or(expected_friction(s.scene))),
+        usual_friction(std::sqrt(known.range.low * known.range.high)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),
         turn(s.layout),
         gate(s.layout, s.sensor_class, s.contact.min_normal_n),
-        alert(s.alerts) {
-    known = s.friction.value_or(expected_friction(s.scene));
-    usual_friction = std::sqrt(known.range.low * known.range.high);
-  }
+        alert(s.alerts) {}
+
   // The contact was lost.
   void forget() noexcept {
     tracker.forget();
@@ -314,8 +314,8 @@ struct EstimatorChain::Impl {
   TurningShape turning_shape;
   Tracker tracker;
   UnseenMotion unseen;
-  KnownFriction known = Range{};  // given, else what the scene expects
-  double usual_friction = 0;      // while that of the grasp is not known
+  KnownFriction known;    // given, else what the scene expects
+  double usual_friction;  // while that of the grasp is not known
   SlidingDetector sliding;
   SlidingVerdict course;  // of the last frame
   TurnFollower turn;
