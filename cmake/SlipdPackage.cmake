@@ -102,6 +102,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DATARO
 install(FILES ${PROJECT_SOURCE_DIR}/driver_api/driver.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/driver_api COMPONENT dev)
 install(FILES ${PROJECT_SOURCE_DIR}/core/frame/frame.hpp ${PROJECT_SOURCE_DIR}/core/frame/layout.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/core/frame COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/core/contact/skin_base.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipd/core/contact COMPONENT dev)
 install(TARGETS slipd_frame ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
 include(CMakePackageConfigHelpers)
 configure_package_config_file(${slipd_packaging}/slipd-config.cmake.in ${PROJECT_BINARY_DIR}/slipd-config.cmake

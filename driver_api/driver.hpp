@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "core/contact/scene.hpp"
+#include "core/contact/skin_base.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/contact/skin_base.hpp"
+
 namespace slipd {
 
 struct Range {
@@ -22,10 +24,6 @@ inline constexpr double kUsualDepthSigma = 0.1;
 // Standard deviations from the depth given up to which another one is searched; 2 … 4. Too small: a wrong one
 // is not corrected. Too large: as above.
 inline constexpr double kMostDepthSigmas = 3;
-
-// What the taxels under a skin lie on. half_space: the skin is taken to go on below them. rigid: it is an
-// elastic layer, as thick as they are deep, bonded to a rigid base that they are in.
-enum class SkinBase : std::uint8_t { half_space, rigid };
 
 // The sensor's surface: a sphere. The defaults are those of docs/theory.md §9.1.
 struct Skin {

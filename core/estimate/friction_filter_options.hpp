@@ -37,7 +37,7 @@ struct FrictionFilterOptions {
   // Sigma of a frame's margin up to which it confirms that a load which was not seen was monotonic; Gamma,
   // 0.05 … 0.5. Too small: such a grasp gets no margin while its load is light. Too large: frames whose noise
   // some friction always explains confirm a history that is wrong.
-  double confirming_sigma = 0.15;
+  double confirming_sigma = 0.2;
 
   // Evidence that one margin profile, or one frame of a slide, counts for; frames, 0.1 … 1. Less than 1,
   // since neighbouring frames share the skin's unevenness. Too small: learns slowly. Too large: sigma is less
