@@ -49,14 +49,14 @@ constexpr double kMaxInternalShare = 0.25;
 
 struct EstimatorChain::Impl {
   Impl(const ChainSetup& s, std::shared_ptr<const Model> m)
-      : setup(s),
+      : turning_load(s.layout),
+        setup(s),
         model(std::move(m)),
         finder(s.layout),
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         closing(make_closing_beside(s)),
         acting_forces(s.scene.skin.depth_m > 0),
-        turning_load(s.layout),
         turning_shape(s.layout, s.estimator.tracking),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
@@ -299,6 +299,7 @@ struct EstimatorChain::Impl {
     if (*out.sigma > setup.estimator.sigma_max) refuse_margin(State::learning, out);
   }
 
+  TurningLoad turning_load;  // first: aligned to a cache line
   ChainSetup setup;
   std::shared_ptr<const Model> model;
   WorkPrecision work_precision;
@@ -310,7 +311,6 @@ struct EstimatorChain::Impl {
   std::unique_ptr<SlipMethod> method;
   std::unique_ptr<SlipMethod> closing;  // of `auto`, for frames that do not fit the method; else null
   ActingForces acting_forces;
-  TurningLoad turning_load;
   TurningShape turning_shape;
   Tracker tracker;
   UnseenMotion unseen;

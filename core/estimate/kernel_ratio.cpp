@@ -137,8 +137,8 @@ void KernelRatio::set_depth(double log) noexcept {
 
 std::size_t KernelRatio::memory_bytes() const noexcept {
   return sizeof(*this) +
-         sizeof(float) * (5 * 4 * now_.xx.size() + 4 * spectrum_.re.size() + 2 * lines_.re.size() +
-                          2 * along_x_.cosine.size() + 2 * along_y_.cosine.size());
+         sizeof(float) * (std::size_t{5} * 4 * now_.xx.size() + 4 * spectrum_.re.size() +
+                          2 * lines_.re.size() + 2 * along_x_.cosine.size() + 2 * along_y_.cosine.size());
 }
 
 // Decimation in frequency (Gentleman and Sande 1966) of `width` transforms side by side.

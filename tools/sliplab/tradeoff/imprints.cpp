@@ -27,46 +27,46 @@ constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
 constexpr int kClosingFrames = 100;
 
 struct ImprintCase {
+  double depth_mm, axes, depth_taken, power;  // of the profile
   Method method;
-  double depth_mm, axes, depth_taken, power = 2;
   SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;
   // Whether the method is told what the skin is.
   bool known() const { return depth_taken == 1 && base_taken == base; }
 };
 constexpr SkinBase kHalfSpace = SkinBase::half_space, kRigid = SkinBase::rigid;
-constexpr ImprintCase kCases[] = {{Method::fit, 0, 1, 1},
-                                  {Method::fit, 0.5, 1, 1},
-                                  {Method::fit, 1, 1, 1},
-                                  {Method::fit, 2, 1, 1},
-                                  {Method::fit, 0, 1.5, 1},
-                                  {Method::fit, 0, 2, 1},
-                                  {Method::fit, 0.5, 1.5, 1},
-                                  {Method::fit, 1, 2, 1},
-                                  {Method::fit, 2, 1.5, 1},
-                                  {Method::fit, 1, 1, 0.75},
-                                  {Method::fit, 1, 1, 1.25},
-                                  {Method::fit, 0.5, 1, 1, 2, kRigid, kRigid},
-                                  {Method::fit, 1, 1, 1, 2, kRigid, kRigid},
-                                  {Method::fit, 2, 1, 1, 2, kRigid, kRigid},
-                                  {Method::fit, 1, 1.5, 1, 2, kRigid, kRigid},
-                                  {Method::fit, 1, 1, 1, 2, kRigid, kHalfSpace},
-                                  {Method::fit, 2, 1, 1, 2, kRigid, kHalfSpace},
-                                  {Method::fit, 1, 1, 1, 2, kHalfSpace, kRigid},
-                                  {Method::fit, 2, 1, 1, 2, kHalfSpace, kRigid},
-                                  {Method::closing, 0, 1, 1},
-                                  {Method::closing, 0, 1.7, 1},
-                                  {Method::closing, 0, 1, 1, 6},
-                                  {Method::closing, 0.5, 1, 1},
-                                  {Method::closing, 1, 1, 1},
-                                  {Method::closing, 1, 1.7, 1},
-                                  {Method::closing, 1, 1, 1, 6},
-                                  {Method::closing, 2, 1, 1},
-                                  {Method::closing, 2, 1.7, 1},
-                                  {Method::closing, 2, 1, 1, 6},
-                                  {Method::closing, 1, 1, 0.75},
-                                  {Method::closing, 1, 1, 1.25},
-                                  {Method::closing, 2, 1, 0.75},
-                                  {Method::closing, 2, 1, 1.25}};
+constexpr ImprintCase kCases[] = {{0, 1, 1, 2, Method::fit},
+                                  {0.5, 1, 1, 2, Method::fit},
+                                  {1, 1, 1, 2, Method::fit},
+                                  {2, 1, 1, 2, Method::fit},
+                                  {0, 1.5, 1, 2, Method::fit},
+                                  {0, 2, 1, 2, Method::fit},
+                                  {0.5, 1.5, 1, 2, Method::fit},
+                                  {1, 2, 1, 2, Method::fit},
+                                  {2, 1.5, 1, 2, Method::fit},
+                                  {1, 1, 0.75, 2, Method::fit},
+                                  {1, 1, 1.25, 2, Method::fit},
+                                  {0.5, 1, 1, 2, Method::fit, kRigid, kRigid},
+                                  {1, 1, 1, 2, Method::fit, kRigid, kRigid},
+                                  {2, 1, 1, 2, Method::fit, kRigid, kRigid},
+                                  {1, 1.5, 1, 2, Method::fit, kRigid, kRigid},
+                                  {1, 1, 1, 2, Method::fit, kRigid, kHalfSpace},
+                                  {2, 1, 1, 2, Method::fit, kRigid, kHalfSpace},
+                                  {1, 1, 1, 2, Method::fit, kHalfSpace, kRigid},
+                                  {2, 1, 1, 2, Method::fit, kHalfSpace, kRigid},
+                                  {0, 1, 1, 2, Method::closing},
+                                  {0, 1.7, 1, 2, Method::closing},
+                                  {0, 1, 1, 6, Method::closing},
+                                  {0.5, 1, 1, 2, Method::closing},
+                                  {1, 1, 1, 2, Method::closing},
+                                  {1, 1.7, 1, 2, Method::closing},
+                                  {1, 1, 1, 6, Method::closing},
+                                  {2, 1, 1, 2, Method::closing},
+                                  {2, 1.7, 1, 2, Method::closing},
+                                  {2, 1, 1, 6, Method::closing},
+                                  {1, 1, 0.75, 2, Method::closing},
+                                  {1, 1, 1.25, 2, Method::closing},
+                                  {2, 1, 0.75, 2, Method::closing},
+                                  {2, 1, 1.25, 2, Method::closing}};
 
 std::optional<double> bonded_poisson(const Scene& scene, SkinBase base) {
   Skin skin = scene.skin;
