@@ -62,8 +62,8 @@ KernelRatio::KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double l
   noise_gain_ = static_cast<double>(size) * squares;
 }
 
-// The ratio's kernel falls only with the third power of the distance. So it is found on a plane that is
-// kWider times as wide as the transforms, of which the distances between two taxels are kept: the filter
+// The ratio's kernel falls only with the third power of the distance. So it is found on a plane
+// wider than the transforms, of which the distances between two taxels are kept: the filter
 // reaches from each taxel to each other one, and not around.
 KernelRatio::Kernels KernelRatio::kernels_at(double depth_sides, double nominal_sides, double least_felt) {
   const std::size_t width = along_x_.length, height = along_y_.length;
@@ -219,17 +219,22 @@ void KernelRatio::transform_back() noexcept {
   backward(lines_, along_y_, columns_);
 }
 
-// Two real results at a time, as real and imaginary part.
-void KernelRatio::apply(std::span<const float> normal, const Felt& out) noexcept {
-  transform(normal);
-  for (std::size_t i = 0; i < now_.xx.size(); ++i) {
+// Of what was transformed last. Two real results at a time, as real and imaginary part.
+void KernelRatio::filter(const std::vector<float>& kernel_re, const std::vector<float>& kernel_im,
+                         std::span<float> out_re, std::span<float> out_im) noexcept {
+  for (std::size_t i = 0; i < kernel_re.size(); ++i) {
     const float re = spectrum_.re[i], im = spectrum_.im[i];
-    product_.re[i] = now_.xx[i] * re - now_.yy[i] * im;
-    product_.im[i] = now_.xx[i] * im + now_.yy[i] * re;
+    product_.re[i] = kernel_re[i] * re - kernel_im[i] * im;
+    product_.im[i] = kernel_re[i] * im + kernel_im[i] * re;
   }
   transform_back();
-  std::copy_n(lines_.re.begin(), out.xx.size(), out.xx.begin());
-  std::copy_n(lines_.im.begin(), out.yy.size(), out.yy.begin());
+  std::copy_n(lines_.re.begin(), out_re.size(), out_re.begin());
+  std::copy_n(lines_.im.begin(), out_im.size(), out_im.begin());
+}
+
+void KernelRatio::apply(std::span<const float> normal, const Felt& out) noexcept {
+  transform(normal);
+  filter(now_.xx, now_.yy, out.xx, out.yy);
   for (std::size_t i = 0; i < now_.xy.size(); ++i) {
     product_.re[i] = now_.xy[i] * spectrum_.re[i];
     product_.im[i] = now_.xy[i] * spectrum_.im[i];
@@ -240,14 +245,7 @@ void KernelRatio::apply(std::span<const float> normal, const Felt& out) noexcept
 
 void KernelRatio::press(std::span<const float> normal, std::span<float> x, std::span<float> y) noexcept {
   transform(normal);
-  for (std::size_t i = 0; i < now_.press_re.size(); ++i) {
-    const float re = spectrum_.re[i], im = spectrum_.im[i];
-    product_.re[i] = now_.press_re[i] * re - now_.press_im[i] * im;
-    product_.im[i] = now_.press_re[i] * im + now_.press_im[i] * re;
-  }
-  transform_back();
-  std::copy_n(lines_.re.begin(), x.size(), x.begin());
-  std::copy_n(lines_.im.begin(), y.size(), y.begin());
+  filter(now_.press_re, now_.press_im, x, y);
 }
 
 }  // namespace slipd

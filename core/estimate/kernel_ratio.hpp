@@ -63,6 +63,8 @@ class KernelRatio {
   static void turn(const Plane& from, Plane& to, std::size_t rows, std::size_t columns) noexcept;
   void transform(std::span<const float> normal) noexcept;
   void transform_back() noexcept;
+  void filter(const std::vector<float>& kernel_re, const std::vector<float>& kernel_im,
+              std::span<float> out_re, std::span<float> out_im) noexcept;
 
   std::size_t columns_, rows_;
   Roots along_x_, along_y_;  // of twice the grid's width and height, or more

@@ -18,6 +18,7 @@
 #include "tools/sliplab/noise_options.hpp"
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/progress.hpp"
+#include "tools/sliplab/skin_base_name.hpp"
 #include "tools/sliplab/sweep/sweep.hpp"
 
 namespace sliplab {
@@ -44,8 +45,8 @@ const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automa
                                                    {"closing", MethodChoice::closing},
                                                    {"block-fit", MethodChoice::block_fit}};
 
-const std::map<std::string, SkinBase> kBases{{"half_space", SkinBase::half_space},
-                                             {"rigid", SkinBase::rigid}};
+const std::map<std::string, SkinBase> kBases{{name_of(SkinBase::half_space), SkinBase::half_space},
+                                             {name_of(SkinBase::rigid), SkinBase::rigid}};
 
 struct MethodLine {
   std::size_t side = 0;
@@ -142,8 +143,8 @@ SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOption
                      {"noise_kind", name_of(options.sensing.kind)},
                      {"noise", options.sensing.noise},
                      {"skin_mm", options.skin_mm},
-                     {"base", options.base == SkinBase::rigid ? "rigid" : "half_space"},
-                     {"base_taken", options.base_taken == SkinBase::rigid ? "rigid" : "half_space"},
+                     {"base", name_of(options.base)},
+                     {"base_taken", name_of(options.base_taken)},
                      {"frame_ms", 1e3 * options.sensing.frame_s}},
                     {}};
   for (const auto& line : lines) {
@@ -193,7 +194,7 @@ void plot_traces(const std::filesystem::path& folder, const std::vector<MethodLi
   plot(folder, "histories", script.str());
 }
 
-void run(const Common& common, const CLI::App& command, HistoriesOptions options) {
+void run(const Common& common, const CLI::App& command, const HistoriesOptions& options) {
   refuse_files(options.shard, common);
   if (!common.out.empty()) std::filesystem::create_directories(common.out);
   std::vector<MethodLine> lines;

@@ -14,6 +14,7 @@
 #include "tools/sliplab/replay/frames.hpp"
 #include "tools/sliplab/skin/depth.hpp"
 #include "tools/sliplab/skin/shear_order.hpp"
+#include "tools/sliplab/skin_base_name.hpp"
 
 namespace sliplab {
 namespace {
@@ -121,8 +122,7 @@ void print(const SkinReport& report) {
   std::printf("  write into the scene: \"skin\": { \"depth_mm\": %.3g }\n", kMm * depth.depth_m);
   if (report.with_other_base)
     std::printf("  but with skin.base \"%s\" and depth_mm %.3g the presses are much more likely\n",
-                other_than(report.base) == SkinBase::rigid ? "rigid" : "half_space",
-                kMm * report.with_other_base->depth_m);
+                name_of(other_than(report.base)), kMm * report.with_other_base->depth_m);
 }
 
 nlohmann::ordered_json skin_json(const SkinReport& report) {

@@ -122,20 +122,25 @@ TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   EXPECT_LT(reading.moments_sigma.slip_moment_n, 0.02 * slip_moment_n);
 }
 
-TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
-  FrameMaker maker(TaxelLayout::grid(32, 32, 0.0005));
+// Of pulls from nothing to 1 N, `step_n` apart; nor more steps than that.
+void expect_no_allocation(Fit& fit, FrameMaker& maker, double step_n, int most_steps) {
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kFriction);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
-  for (double shear = 0.001; shear < 1; shear += 0.05) {
-    contact.move_to(2, shear, 0.5);
+  for (double shear_n = 0.001; shear_n < 1; shear_n += step_n) {
+    contact.move_to(2, shear_n, 0.5);
     const Frame frame = maker.make(contact, 0, 0, 0.3, 0.05, Noise::sensor);
     const auto before = test::allocations();
     fit.estimate(frame, finder.find(frame));
     EXPECT_EQ(test::allocations(), before);
-    EXPECT_LE(fit.steps(), Fit::kMostSteps);
+    EXPECT_LE(fit.steps(), most_steps);
   }
+}
+
+TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
+  FrameMaker maker(TaxelLayout::grid(32, 32, 0.0005));
+  Fit fit(maker.layout(), kFriction);
+  expect_no_allocation(fit, maker, 0.05, Fit::kMostSteps);
 }
 
 // The bounds are 1.5 times the Gaussian Cramér–Rao bound of all taxels, in brackets, and what so few contacts
@@ -246,18 +251,8 @@ TEST(BlockFit, IsTheFitOfSingleTaxelsWhereTheyAreInNoGridOrFew) {
 
 TEST(BlockFit, AllocatesNothing) {
   FrameMaker maker(TaxelLayout::grid(80, 80, 0.0002));
-  PatchFinder finder(maker.layout());
   Fit fit(maker.layout(), kFriction, FitOptions::in_blocks());
-  contact::LoadHistory contact(synthetic::paper_pair());
-  contact.move_to(2, 0, 0.5);
-  for (double shear = 0.001; shear < 1; shear += 0.1) {
-    contact.move_to(2, shear, 0.5);
-    const Frame frame = maker.make(contact, 0, 0, 0.3, 0.05, Noise::sensor);
-    const auto before = test::allocations();
-    fit.estimate(frame, finder.find(frame));
-    EXPECT_EQ(test::allocations(), before);
-    EXPECT_LE(fit.steps(), 2 * Fit::kMostSteps);
-  }
+  expect_no_allocation(fit, maker, 0.1, 2 * Fit::kMostSteps);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "core/estimate/fit.hpp"
 #include "core/model/dataset.hpp"
 #include "core/numeric/random.hpp"
+#include "tools/sliplab/skin_base_name.hpp"
 #include "tools/sliplab/tradeoff/imprint_bound.hpp"
 
 namespace sliplab {
@@ -30,7 +31,7 @@ struct ImprintCase {
   double depth_mm, axes, depth_taken, power;  // of the profile
   Method method;
   SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;
-  // Whether the method is told what the skin is.
+  // Whether the method is set to the true depth and base.
   bool known() const { return depth_taken == 1 && base_taken == base; }
 };
 constexpr SkinBase kHalfSpace = SkinBase::half_space, kRigid = SkinBase::rigid;
@@ -155,14 +156,6 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
   return lines;
 }
 
-namespace {
-
-const char* base_name(SkinBase base) {
-  return base == SkinBase::rigid ? "rigid" : "half_space";
-}
-
-}  // namespace
-
 void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
   std::printf(
       "Methods fit and closing under a skin and on other shapes: %zu contacts, up to 2 mm off the middle of "
@@ -178,7 +171,7 @@ void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts)
         "%9s %7s %9.2g %5.2g %4g %12.2g  %10s  %10s  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  "
         "%4.1f %%  %7.1f  %7.1f\n",
         line.method.c_str(), line.layout.c_str(), line.depth_mm, line.axes, line.power, line.depth_taken,
-        base_name(line.base), base_name(line.base_taken), line.guide, row.mean_error, row.p95_error,
+        name_of(line.base), name_of(line.base_taken), line.guide, row.mean_error, row.p95_error,
         100 * row.answered, 100 * row.within_sigma, 100 * row.within_two_sigma, 100 * row.claims_safer,
         row.p50_us, row.p99_us);
   }
@@ -194,8 +187,8 @@ SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t
                               {"axes", line.axes},
                               {"power", line.power},
                               {"depth_taken", line.depth_taken},
-                              {"base", base_name(line.base)},
-                              {"base_taken", base_name(line.base_taken)},
+                              {"base", name_of(line.base)},
+                              {"base_taken", name_of(line.base_taken)},
                               {"guide", line.guide},
                               {"mean_error", row.mean_error},
                               {"p95_error", row.p95_error},
