@@ -103,8 +103,11 @@ bool too_safe(const Said& at) {
   return ok(at) && static_cast<double>(at.gamma - at.truth) > kGrossError;
 }
 
+using HealthCounts = std::array<std::uint64_t, kHealths>;
+
 struct Found {
   FaultLine sums;
+  HealthCounts false_alarms{};
   long after = -1;
 };
 
@@ -112,7 +115,7 @@ Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, s
   Found found;
   bool named = false, changed = false;
   for (std::size_t i = 0; i < spoilt.size(); ++i) {
-    found.sums.false_alarms += sound[i].health != Health::good ? 1 : 0;
+    if (sound[i].health != Health::good) ++found.false_alarms[static_cast<std::size_t>(sound[i].health)];
     if (i + 1 < first) continue;
     const auto since = static_cast<long>(i + 1 - first);
     const bool bad = spoilt[i].health != Health::good;
@@ -220,13 +223,17 @@ std::vector<Found> play(const PresetBench& bench, const ChainSetup& chain, const
   return faulty.found();
 }
 
+Health most_often(const HealthCounts& counts) {
+  return static_cast<Health>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
 // Of one fault, the one of this place in each grasp's findings.
 FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, std::size_t place) {
   FaultLine line;
   line.fault = fault;
   line.grasps = grasps.size();
   std::vector<long> after;
-  std::array<std::size_t, kHealths> as{};
+  HealthCounts as{}, false_as{};
   for (const auto& findings : grasps) {
     const Found& grasp = findings[place];
     line.reported += grasp.sums.reported;
@@ -237,11 +244,17 @@ FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, s
     line.too_safe += grasp.sums.too_safe;
     line.sound_answered += grasp.sums.sound_answered;
     line.sound_too_safe += grasp.sums.sound_too_safe;
-    line.false_alarms += grasp.sums.false_alarms;
+    const std::uint64_t alarms_before = line.false_alarms;
+    for (std::size_t i = 0; i < kHealths; ++i) {
+      false_as[i] += grasp.false_alarms[i];
+      line.false_alarms += grasp.false_alarms[i];
+    }
+    line.grasps_with_false_alarms += line.false_alarms > alarms_before ? 1 : 0;
     line.sound_frames += grasp.sums.sound_frames;
     if (grasp.after >= 0) after.push_back(grasp.after);
   }
-  line.as = static_cast<Health>(std::max_element(as.begin(), as.end()) - as.begin());
+  line.as = most_often(as);
+  line.false_as = most_often(false_as);
   std::sort(after.begin(), after.end());
   if (!after.empty()) {
     line.median_frames = after[after.size() / 2];

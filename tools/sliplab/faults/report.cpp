@@ -49,18 +49,21 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
         static_cast<unsigned long long>(line.sound_too_safe),
         static_cast<unsigned long long>(line.sound_answered));
   }
-  std::uint64_t alarms = 0, sound = 0;
+  std::printf("\nFrames of the sound sensor with another health than good:\n");
   const FaultLine* last = nullptr;
   for (const FaultLine& line : lines) {  // each sensor and method once: all faults share the sound frames
     if (last != nullptr && line.preset == last->preset && line.columns == last->columns &&
         line.method == last->method)
       continue;
     last = &line;
-    alarms += line.false_alarms;
-    sound += line.sound_frames;
+    std::printf("%s%zu x %zu %s: %llu of %llu", kind_of(line).c_str(), line.columns, line.columns,
+                line.method.c_str(), static_cast<unsigned long long>(line.false_alarms),
+                static_cast<unsigned long long>(line.sound_frames));
+    if (line.false_alarms > 0)
+      std::printf(", in %zu of %zu grasps, most often %s", line.grasps_with_false_alarms, line.grasps,
+                  std::string(slipd::to_string(line.false_as)).c_str());
+    std::printf("\n");
   }
-  std::printf("\nFalse alarms: %llu of %llu frames of the sound sensor.\n",
-              static_cast<unsigned long long>(alarms), static_cast<unsigned long long>(sound));
 }
 
 nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
@@ -82,6 +85,8 @@ nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultS
                     {"sound_answered", line.sound_answered},
                     {"sound_too_safe", line.sound_too_safe},
                     {"false_alarms", line.false_alarms},
+                    {"grasps_with_false_alarms", line.grasps_with_false_alarms},
+                    {"false_as", slipd::to_string(line.false_as)},
                     {"sound_frames", line.sound_frames}});
   }
   return {{"grasps", setup.grasps}, {"seed", setup.seed}, {"lines", std::move(rows)}};
