@@ -30,6 +30,7 @@ double unlikeness_of_sizes(double ratio) noexcept {
 void Continuity::Usual::learn(double value, double memory_frames) noexcept {
   frames = std::min(frames + 1, static_cast<std::uint32_t>(memory_frames));
   mean += (value - mean) / frames;
+  peak = std::max(value, peak * (1 - 1 / memory_frames));
 }
 
 // Hertz: the radius goes with the cube root of the force.
@@ -52,6 +53,7 @@ bool Continuity::unlike(const ContactPatch& patch, const PatternChange& pattern,
   const bool known = unlikeness_.frames >= options.learning_frames;
   const double least = fast ? options.least_unlike_fast : options.least_unlike + by_growth(patch, options);
   const bool jumped = known && unlikeness > least && unlikeness > options.usual_factor * unlikeness_.mean &&
+                      unlikeness > options.peak_factor * unlikeness_.peak &&
                       unlikeness > options.noise_factor * by_noise;
   if (!jumped) unlikeness_.learn(unlikeness, options.memory_frames);
   return jumped;

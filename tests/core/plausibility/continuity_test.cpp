@@ -69,6 +69,21 @@ TEST_P(ContactThatGoesOn, MayMoveByATenthOfATaxelEachFrame) {
   for (int i = 1; i <= 20; ++i) EXPECT_EQ(feel(3, 0.6, 1e-5 * i, 0.3), Health::good) << i;
 }
 
+// As an object does that begins to slide. Its last steps change the pressures more than a jump must, and by more
+// than the usual factor.
+TEST_P(ContactThatGoesOn, MayMoveFasterAndFaster) {
+  hold();
+  double x_m = -4e-3, most_unlike = 0;
+  feel(1e-9, 0, x_m, 0.3);  // put down elsewhere
+  for (int i = 0; i < 50; ++i) ASSERT_EQ(feel(3, 0.6, x_m, 0.3), Health::good) << i;
+  for (double step_m = 1e-5; step_m < 1.2e-3; step_m *= 1.25) {
+    x_m += step_m;
+    EXPECT_EQ(feel(3, 0.6, x_m, 0.3), Health::good) << step_m << " m";
+    most_unlike = std::max(most_unlike, probes_.pattern().unlikeness());
+  }
+  EXPECT_GT(most_unlike, 2 * kOptions.least_unlike_fast);
+}
+
 TEST_P(ContactThatGoesOn, MayTurnItsShearSlowly) {
   hold();
   for (int i = 1; i <= 60; ++i) EXPECT_EQ(feel(3, 0.6, 0, 0.3 + 0.05 * i), Health::good) << i;
