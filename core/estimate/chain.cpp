@@ -9,6 +9,7 @@
 #include "core/estimate/chain_parts.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/estimate/shared_shear.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
 #include "core/estimate/turning_load.hpp"
@@ -58,6 +59,7 @@ struct EstimatorChain::Impl {
         closing(make_closing_beside(s)),
         acting_forces(s.scene.skin.depth_m > 0),
         turning_shape(s.layout, s.estimator.tracking),
+        shared_shear(make_shared_shear(s)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
                 tracker_options(s)),
         known(s.friction.value_or(expected_friction(s.scene))),
@@ -73,6 +75,7 @@ struct EstimatorChain::Impl {
     unseen.reset();
     turning_load.reset();
     turning_shape.forget();
+    if (shared_shear) shared_shear->forget();
     if (method) method->forget();
     if (closing) closing->forget();
     acting_forces.forget();
@@ -267,7 +270,8 @@ struct EstimatorChain::Impl {
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
     const ContactPatch acting = acting_forces.of(patch, loaded, frame_estimate, out);
-    tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course);
+    tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course,
+                   shared_shear ? &shared_shear->update(patch) : nullptr);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) refuse_margin(State::out_of_model, out);
@@ -312,6 +316,7 @@ struct EstimatorChain::Impl {
   std::unique_ptr<SlipMethod> closing;  // of `auto`, for frames that do not fit the method; else null
   ActingForces acting_forces;
   TurningShape turning_shape;
+  std::unique_ptr<SharedShear> shared_shear;  // of flat skins of unknown friction; else null
   Tracker tracker;
   UnseenMotion unseen;
   KnownFriction known;    // given, else what the scene expects

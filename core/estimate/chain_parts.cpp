@@ -124,6 +124,15 @@ std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup) {
   return make_closing(setup);
 }
 
+std::unique_ptr<SharedShear> make_shared_shear(const ChainSetup& setup) {
+  const std::size_t taxels = setup.layout.size();
+  const bool flat = setup.sensor_class == SensorClass::array3 && std::isinf(setup.scene.skin.radius_m);
+  const bool given_value = setup.friction && setup.friction->is_value();
+  if (!flat || given_value || taxels < SharedShear::kLeastTaxels || taxels > SharedShear::kMostTaxels)
+    return nullptr;
+  return std::make_unique<SharedShear>(setup.layout);
+}
+
 PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   PlausibilityLimits limits{
       .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),

@@ -6,6 +6,7 @@
 
 #include "core/estimate/chain.hpp"
 #include "core/estimate/method.hpp"
+#include "core/estimate/shared_shear.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/model/model.hpp"
 #include "core/model/work_precision.hpp"
@@ -36,6 +37,10 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
 // For `auto`, method closing for frames that its method refuses; null for other choices, and where closing
 // cannot be used.
 std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup);
+
+// For a flat skin whose friction is not known to a value; null for other sensors, and with too few or too
+// many taxels.
+std::unique_ptr<SharedShear> make_shared_shear(const ChainSetup& setup);
 
 // Bounds of a^3/P = 3 R/(4 E*) over the contacts that the scene expects; for the stiffest one against the
 // sharpest object, for the softest one against the flattest.

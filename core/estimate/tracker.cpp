@@ -88,8 +88,21 @@ void Tracker::widen_by_unseen_fall(double load, const FrameEstimate& frame_estim
   margin.sigma = std::hypot(margin.sigma, options_.unseen_fall_share * std::max(0.0, open));
 }
 
+// What a pad shows of its margin is the same from frame to frame, errors too, and is not added up. It only
+// lowers the margin: rubber that shares its shear evenly until it slides would pass for a pad that sticks.
+MeanSigma Tracker::margin_at(double load, double load_sigma, const MarginProfile* shared) const noexcept {
+  const MeanSigma by_filter = friction_filter_.grid().margin(load, load_sigma);
+  if (shared == nullptr || !shared->known) return by_filter;
+  FrictionGrid grid = friction_filter_.grid();
+  for (std::size_t j = 0; j < grid.count(); ++j) grid.take(j, shared->at(1 - load / grid.friction(j)));
+  grid.normalise();
+  const MeanSigma with_shared = grid.margin(load, load_sigma);
+  return with_shared.mean < by_filter.mean ? with_shared : by_filter;
+}
+
 std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
-                                        Method method, const SlidingVerdict& course, Estimate& out) noexcept {
+                                        Method method, const SlidingVerdict& course,
+                                        const MarginProfile* shared, Estimate& out) noexcept {
   friction_filter_.update(out.time_ns, patch, frame_estimate, course);
   // What happened before the frame matters for friction only. Given as a value, it needs neither.
   const bool by_forces = given_value_ && !is_known(friction_filter_.history());
@@ -109,7 +122,7 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
     out.friction.reset();
     out.friction_sigma.reset();
   }
-  MeanSigma margin = friction_filter_.grid().margin(load, load_sigma);
+  MeanSigma margin = margin_at(load, load_sigma, shared);
   if (bounds_)
     margin.mean = std::clamp(margin.mean, std::max(0.0, 1 - load / bounds_->low),
                              std::max(0.0, 1 - load / bounds_->high));
@@ -166,11 +179,11 @@ MeanSigma Tracker::combine(MeanSigma margin, const FrameEstimate& frame_estimate
 }
 
 void Tracker::update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method,
-                     Estimate& out, const SlidingVerdict& course) noexcept {
+                     Estimate& out, const SlidingVerdict& course, const MarginProfile* shared) noexcept {
   std::optional<MeanSigma> margin;
   out.method = Method::friction;
   if (settings_.tracking) {
-    margin = track(patch, frame_estimate, method, course, out);
+    margin = track(patch, frame_estimate, method, course, shared, out);
   } else if (frame_estimate != nullptr && frame_estimate->in_model) {
     out.method = method;
     margin = MeanSigma{frame_estimate->gamma, frame_estimate->sigma};

@@ -81,9 +81,10 @@ class Tracker {
 
   // Estimate thread. Fills in state, gamma, sigma, friction and method of `out`, whose forces and sequence
   // are set. `frame_estimate` is null where the sensor has no method of its own (one force vector, flat
-  // skin), or the frame no shear. `course`: what is known of sliding, at most a frame old.
+  // skin), or the frame no shear. `course`: what is known of sliding, at most a frame old. `shared`: what
+  // this frame of a flat skin shows of the margin (core/estimate/shared_shear.hpp); null: nothing.
   void update(const ContactPatch& patch, const FrameEstimate* frame_estimate, Method method, Estimate& out,
-              const SlidingVerdict& course = {}) noexcept;
+              const SlidingVerdict& course = {}, const MarginProfile* shared = nullptr) noexcept;
 
   // As learnt in this grasp so far, or as given or expected.
   double friction() const noexcept { return last_friction_; }
@@ -97,7 +98,10 @@ class Tracker {
  private:
   // The margin by all frames up to this one; nullopt if they contradict every friction.
   std::optional<MeanSigma> track(const ContactPatch& patch, const FrameEstimate* frame_estimate,
-                                 Method method, const SlidingVerdict& course, Estimate& out) noexcept;
+                                 Method method, const SlidingVerdict& course, const MarginProfile* shared,
+                                 Estimate& out) noexcept;
+  // The filter's margin at |Q|/P = load, or the lower one that the frame shows.
+  MeanSigma margin_at(double load, double load_sigma, const MarginProfile* shared) const noexcept;
   // The filter's margin, or the frame's own where that is the better one.
   MeanSigma combine(MeanSigma margin, const FrameEstimate& frame_estimate, Method method,
                     Estimate& out) const noexcept;

@@ -219,6 +219,36 @@ double sigma_below_the_maximum(const std::optional<KnownFriction>& friction, dou
   return estimate.sigma.value_or(0);
 }
 
+// Of a flat pad whose load has only risen.
+TEST(Tracker, WhatTheTaxelsOfAFlatPadShowLowersTheMarginAndNeverRaisesIt) {
+  const auto margin = [](const MarginProfile* shared) {
+    Tracker tracker({}, {0.3, 1}, KnownFriction(Range{0.3, 1}), true);
+    Estimate out;
+    ContactPatch patch;
+    patch.in_contact = true;
+    patch.normal_n = 5;
+    patch.normal_sigma_n = patch.shear_sigma_n = 0.005;
+    for (int i = 0; i <= 100; ++i) {
+      patch.shear_n = patch.shear_x_n = 0.008 * i;
+      out = {};
+      out.time_ns = 1'000'000 * (i + 1);
+      tracker.update(patch, nullptr, Method::friction, out, {}, shared);
+    }
+    return out.gamma.value_or(-1);
+  };
+  MarginProfile slips{.known = true, .misfit = {}}, sticks = slips, unknown = slips;
+  for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
+    slips.misfit[j] = 30 * MarginProfile::gamma_of(j);
+    sticks.misfit[j] = 30 * (1 - MarginProfile::gamma_of(j));
+  }
+  unknown.known = false;
+  const double by_forces = margin(nullptr);
+  ASSERT_GT(by_forces, 0.5);
+  EXPECT_EQ(margin(&unknown), by_forces);
+  EXPECT_EQ(margin(&sticks), by_forces);
+  EXPECT_LT(margin(&slips), by_forces - 0.1);
+}
+
 TEST(Tracker, UnderATorqueSigmaCoversFrictionThatMayHaveFallenUnseenBelowTheLoadsMaximum) {
   const double near = sigma_below_the_maximum(std::nullopt, 0.9),
                below = sigma_below_the_maximum(std::nullopt, 0.6),

@@ -61,6 +61,18 @@ TEST_P(PresetGrasps, RunThroughTheChainWithFrictionKnownAndNot) {
   }
 }
 
+// Pillars that are pressed least slip first.
+TEST(PillarsOfUnknownFriction, WarnBeforeTheySlide) {
+  const PresetBench bench = bench_of(Preset::pillars);
+  int warned = 0;
+  constexpr int kSlips = 8;
+  for (std::size_t i = 0; i < kSlips; ++i) {
+    const AlertTrial slip = run_preset_grasp(bench, draw_preset_grasp(bench, GraspKind::slip, 1, i)).unknown;
+    warned += slip.first_alert_s && *slip.first_alert_s < *slip.gross_slip_s ? 1 : 0;
+  }
+  EXPECT_GE(warned, kSlips - 1);
+}
+
 AlertTrial slipped_at(double slip_s, std::optional<double> alert_s) {
   AlertTrial trial;
   trial.gross_slip_s = slip_s;
