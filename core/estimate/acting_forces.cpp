@@ -1,5 +1,8 @@
 #include "core/estimate/acting_forces.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace slipd {
 
 ContactPatch ActingForces::of(const ContactPatch& patch, const ContactPatch& loaded,
@@ -25,6 +28,28 @@ ContactPatch ActingForces::of(const ContactPatch& patch, const ContactPatch& loa
   out.shear_n = share_->shear * patch.shear_n;
   out.shear_x_n = share_->shear * patch.shear_x_n;
   out.shear_y_n = share_->shear * patch.shear_y_n;
+  return acting;
+}
+
+ContactPatch ActingForces::of_pad(const std::optional<PadForces::Forces>& forces, const ContactPatch& patch,
+                                  const ContactPatch& loaded, Estimate& out) noexcept {
+  ContactPatch acting = loaded;
+  share_.reset();
+  if (!forces) return acting;
+  share_ = Share{};  // of forces that are known
+  acting.normal_n = forces->normal_n;
+  acting.shear_x_n = forces->shear_x_n;
+  acting.shear_y_n = forces->shear_y_n;
+  out.normal_n = forces->normal_n;
+  out.shear_x_n = forces->shear_x_n;
+  out.shear_y_n = forces->shear_y_n;
+  out.shear_n = std::hypot(forces->shear_x_n, forces->shear_y_n);
+  // Of a torque's shear as much is missed as of a pull's.
+  const double by_torque_n = std::max(0.0, loaded.shear_n - patch.shear_n) / forces->read;
+  acting.shear_n = *out.shear_n + by_torque_n;
+  out.pull_n = acting.shear_n;
+  acting.normal_sigma_n = forces->normal_sigma_n;
+  acting.shear_sigma_n = std::max(forces->shear_sigma_n, loaded.shear_sigma_n / forces->read);
   return acting;
 }
 

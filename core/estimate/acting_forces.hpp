@@ -6,6 +6,7 @@
 
 #include "core/estimate/estimate.hpp"
 #include "core/estimate/method.hpp"
+#include "core/estimate/pad_forces.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -29,6 +30,9 @@ class ActingForces {
   // loaded: the same with the pull that stands for force and torque.
   ContactPatch of(const ContactPatch& patch, const ContactPatch& loaded, const FrameEstimate& frame_estimate,
                   Estimate& out) noexcept;
+  // The same of a pad of few taxels, whose sums show them; nullopt: they are not known.
+  ContactPatch of_pad(const std::optional<PadForces::Forces>& forces, const ContactPatch& patch,
+                      const ContactPatch& loaded, Estimate& out) noexcept;
 
  private:
   struct Share {

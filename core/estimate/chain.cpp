@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/estimate/acting_forces.hpp"
@@ -9,6 +10,7 @@
 #include "core/estimate/chain_parts.hpp"
 #include "core/estimate/contact_gate.hpp"
 #include "core/estimate/moments.hpp"
+#include "core/estimate/pad_forces.hpp"
 #include "core/estimate/shared_shear.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/estimate/tradeoff.hpp"
@@ -58,6 +60,7 @@ struct EstimatorChain::Impl {
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         closing(make_closing_beside(s)),
         acting_forces(s.scene.skin.depth_m > 0),
+        pad_forces(make_pad_forces(s)),
         turning_shape(s.layout, s.estimator.tracking),
         shared_shear(make_shared_shear(s)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
@@ -139,7 +142,9 @@ struct EstimatorChain::Impl {
     // As if what taxels carry against each other came on top: no more than that is used up of friction.
     // Torque is a part of it.
     const double internal_n = method ? 0 : course.field.internal_share * patch.normal_n;
-    const double shear_n = std::max(loaded.shear_n + kOneSided95 * loaded.shear_sigma_n,
+    const double in_common = pad_forces ? pad_forces->ratio_sigma() : 0;
+    const double shear_n = (1 + kOneSided95 * in_common) *
+                           std::max(loaded.shear_n + kOneSided95 * loaded.shear_sigma_n,
                                     patch.shear_n + kOneSided95 * patch.shear_sigma_n + internal_n);
     double low = normal_n > 0 ? std::clamp(1 - shear_n / (friction * normal_n), 0.0, 1.0) : 0;
     if (out.gamma) low = std::clamp(*out.gamma - kOneSided95 * out.sigma.value_or(0), 0.0, low);
@@ -269,7 +274,8 @@ struct EstimatorChain::Impl {
     shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    const ContactPatch acting = acting_forces.of(patch, loaded, frame_estimate, out);
+    const ContactPatch acting = pad_forces ? acting_forces.of_pad(pad_forces->of(patch), patch, loaded, out)
+                                           : acting_forces.of(patch, loaded, frame_estimate, out);
     tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course,
                    shared_shear ? &shared_shear->update(patch) : nullptr);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
@@ -315,6 +321,7 @@ struct EstimatorChain::Impl {
   std::unique_ptr<SlipMethod> method;
   std::unique_ptr<SlipMethod> closing;  // of `auto`, for frames that do not fit the method; else null
   ActingForces acting_forces;
+  std::optional<PadForces> pad_forces;  // of few taxels under a skin
   TurningShape turning_shape;
   std::unique_ptr<SharedShear> shared_shear;  // of flat skins of unknown friction; else null
   Tracker tracker;

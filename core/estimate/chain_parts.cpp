@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -73,6 +74,11 @@ bool weighed_over_time(const ChainSetup& setup) {
   return only_forces(setup) || setup.layout.size() <= Fit::kFewTaxels;
 }
 
+std::optional<PadForces> make_pad_forces(const ChainSetup& setup) {
+  if (!always_fits(setup) || !(setup.scene.skin.depth_m > 0)) return std::nullopt;
+  return PadForces(setup.layout, setup.scene.skin);
+}
+
 TrackerOptions tracker_options(const ChainSetup& setup) {
   TrackerOptions options;
   if (!only_forces(setup) && setup.layout.size() <= Fit::kFewTaxels)
@@ -82,6 +88,8 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   constexpr double kSkinFrictionSigma = 0.1;
   if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup))
     options.least_friction_sigma = kSkinFrictionSigma;
+  if (const auto forces = make_pad_forces(setup))
+    options.least_friction_sigma = std::max(options.least_friction_sigma, forces->ratio_sigma());
   return options;
 }
 

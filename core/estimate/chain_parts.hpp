@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "core/estimate/chain.hpp"
 #include "core/estimate/method.hpp"
+#include "core/estimate/pad_forces.hpp"
 #include "core/estimate/shared_shear.hpp"
 #include "core/estimate/tracker.hpp"
 #include "core/model/model.hpp"
@@ -19,6 +21,9 @@ bool only_forces(const ChainSetup& setup);
 
 // Friction is weighed over a grasp's frames because no single one determines it.
 bool weighed_over_time(const ChainSetup& setup);
+
+// Of few taxels with a method of their own under a skin; else none.
+std::optional<PadForces> make_pad_forces(const ChainSetup& setup);
 
 // On few taxels a contact reaches beyond the pad, or falls between them: their sums miss traction that is
 // locked in after an unloading.

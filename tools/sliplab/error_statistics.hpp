@@ -31,6 +31,11 @@ class ErrorStatistics {
   double underestimated() const noexcept { return share(underestimated_, answered_); }
   // The share whose error is within so many (1 to 3) of the estimate's sigma.
   double within(std::size_t sigmas) const noexcept { return share(within_.at(sigmas - 1), answered_); }
+  // Of gamma_low, of frames that have one: the share above the truth, how much it is above it at most, and
+  // its mean distance below the truth (0 counts as a bound).
+  double low_above() const noexcept { return share(low_above_, low_); }
+  double low_worst() const noexcept { return low_worst_; }
+  double low_shortfall() const noexcept { return share(low_shortfall_, low_); }
   double in_state(slipd::State state) const noexcept {
     return share(states_[static_cast<std::size_t>(state)], frames_);
   }
@@ -40,6 +45,7 @@ class ErrorStatistics {
 
   double frames_ = 0, answered_ = 0, error_ = 0, worst_ = 0, class_correct_ = 0, overestimated_ = 0,
          underestimated_ = 0;
+  double low_ = 0, low_above_ = 0, low_worst_ = 0, low_shortfall_ = 0;
   std::array<double, 3> within_{};
   std::array<double, kStates> states_{};
 };

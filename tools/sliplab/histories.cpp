@@ -2,12 +2,16 @@
 // changes of friction), frame by frame against the truth. It measures what the estimator remembers from frame
 // to frame.
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/estimate/model_setup.hpp"
@@ -26,11 +30,18 @@ namespace {
 
 using namespace slipd;
 
+// What the chain is told of a grasp's friction. Friction that is told does not change.
+enum class ToldFriction : std::uint8_t { none, range, value };
+const std::map<std::string, ToldFriction> kTold{
+    {"none", ToldFriction::none}, {"range", ToldFriction::range}, {"value", ToldFriction::value}};
+
 struct HistoriesOptions {
   std::size_t grasps = 400;
   std::vector<std::size_t> sides{100, 16};
   std::vector<std::string> methods{"moments", "fit"};
-  double skin_mm = 0;                                                       // depth of the taxels
+  double skin_mm = 0;      // depth of the taxels
+  double depth_taken = 1;  // the chain's, over that
+  ToldFriction friction = ToldFriction::none;
   SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;  // the true one, and the chain's
   Sampling sensing;
   unsigned threads = 2;
@@ -56,6 +67,20 @@ struct MethodLine {
   std::size_t unit = 0;  // number of its side and method in the sweep
 };
 
+Grasp with_one_friction(Grasp grasp) {
+  for (LoadSegment& segment : grasp.segments) segment.friction = grasp.contact.friction;
+  return grasp;
+}
+
+// A range that the friction lies anywhere in, by the grasp's number.
+std::optional<KnownFriction> told_of(double friction, ToldFriction told, std::size_t grasp) {
+  constexpr double kWidth = 1.6;  // high over low
+  if (told == ToldFriction::none) return std::nullopt;
+  if (told == ToldFriction::value) return KnownFriction(friction);
+  const double low = friction / std::pow(kWidth, RandomStream(0x746f6c64).uniform(grasp));
+  return KnownFriction(Range{low, kWidth * low});
+}
+
 MethodLine measure(std::size_t side, const std::string& method, const HistoriesOptions& options,
                    std::uint64_t seed, std::string& trace) {
   ChainSetup setup = paper_chain(side, kMethods.at(method), options.sensing.noise);
@@ -63,6 +88,7 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
   Skin felt = setup.scene.skin;
   felt.base = options.base;
   setup.scene.skin.base = options.base_taken;
+  setup.scene.skin.depth_m *= options.depth_taken;
   std::shared_ptr<const Model> model;
   if (needs_model(setup))
     model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
@@ -74,14 +100,17 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
   for_each_index(
       options.grasps, options.threads,
       [&](std::size_t i) {
-        EstimatorChain chain(setup, model);
+        Grasp grasp = draw_grasp(setup.scene, seed, i);
+        if (options.friction != ToldFriction::none) grasp = with_one_friction(std::move(grasp));
+        ChainSetup told = setup;
+        told.friction = told_of(grasp.contact.friction, options.friction, i);
+        EstimatorChain chain(told, model);
         const auto watch = [&](const GraspSample& at) {
           traced << at.time_s << ',' << name_of(at.move) << ',' << at.normal_n << ',' << at.shear_n << ','
                  << at.truth.gamma << ',' << at.estimate.gamma.value_or(kUnknown) << ','
                  << at.estimate.sigma.value_or(kUnknown) << ',' << to_string(at.estimate.state) << '\n';
         };
-        grasps[i] = drive(draw_grasp(setup.scene, seed, i), setup.layout, felt, options.sensing,
-                          RandomStream(seed).stream(i), chain,
+        grasps[i] = drive(grasp, setup.layout, felt, options.sensing, RandomStream(seed).stream(i), chain,
                           i == 0 ? watch : std::function<void(const GraspSample&)>{});
       },
       [&](double share) { bar.show(share, "grasps"); });
@@ -97,11 +126,13 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
 }
 
 void print_row(const std::string& what, const ErrorStatistics& statistics) {
-  std::printf("  %-12s %8.0f   %5.1f %%   %.4f   %5.1f %%  %6.2f %%  %6.2f %%  %5.1f %%  %5.1f %%  %.2f\n",
-              what.c_str(), statistics.frames(), 100 * statistics.answered(), statistics.mean_error(),
-              100 * statistics.class_correct(), 100 * statistics.overestimated(),
-              100 * statistics.underestimated(), 100 * statistics.within(1), 100 * statistics.within(2),
-              statistics.worst());
+  std::printf(
+      "  %-12s %8.0f   %5.1f %%   %.4f   %5.1f %%  %6.2f %%  %6.2f %%  %5.1f %%  %5.1f %%  %.2f   %5.2f %%  "
+      "%.2f  %.3f\n",
+      what.c_str(), statistics.frames(), 100 * statistics.answered(), statistics.mean_error(),
+      100 * statistics.class_correct(), 100 * statistics.overestimated(), 100 * statistics.underestimated(),
+      100 * statistics.within(1), 100 * statistics.within(2), statistics.worst(),
+      100 * statistics.low_above(), statistics.low_worst(), statistics.low_shortfall());
 }
 
 void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
@@ -109,7 +140,8 @@ void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& o
       "Random grasps, %zu of each kind: contacts as the paper's, up to 2 mm off the middle of a +-8 mm pad, "
       "gripped, loaded, then\neight moves drawn at random; a frame each %g ms; noise %g %% (%s). Safer, less "
       "safe: answers off by more than %g.\n\n"
-      "  during         frames  answered  mean err   right    safer   less safe  1 sigma  2 sigma  worst\n",
+      "  during         frames  answered  mean err   right    safer   less safe  1 sigma  2 sigma  worst  "
+      "low above   most  low below\n",
       options.grasps, 1e3 * options.sensing.frame_s, 100 * options.sensing.noise,
       name_of(options.sensing.kind), kGrossError);
   for (const auto& line : lines) {
@@ -135,6 +167,9 @@ nlohmann::ordered_json as_json(const ErrorStatistics& statistics) {
           {"claims_less_safe", statistics.underestimated()},
           {"within_sigma", statistics.within(1)},
           {"within_two_sigma", statistics.within(2)},
+          {"low_above_truth", statistics.low_above()},
+          {"low_worst", statistics.low_worst()},
+          {"low_below_truth_by", statistics.low_shortfall()},
           {"states", std::move(states)}};
 }
 
@@ -143,6 +178,7 @@ SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOption
                      {"noise_kind", name_of(options.sensing.kind)},
                      {"noise", options.sensing.noise},
                      {"skin_mm", options.skin_mm},
+                     {"depth_taken", options.depth_taken},
                      {"base", name_of(options.base)},
                      {"base_taken", name_of(options.base_taken)},
                      {"frame_ms", 1e3 * options.sensing.frame_s}},
@@ -241,6 +277,16 @@ void add_histories(CLI::App& app, const Common& common) {
   command->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
+  command
+      ->add_option("--depth-taken", options->depth_taken, "depth that the chain is told, over the true one")
+      ->check(CLI::Range(0.2, 5.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--friction", options->friction,
+          "what the chain is told of friction, which then does not change: none, range (1 : 1.6), value")
+      ->transform(CLI::CheckedTransformer(kTold, CLI::ignore_case))
+      ->default_str("none");
   const auto add_base = [&](const char* option, SkinBase& base, const char* about) {
     command->add_option(option, base, about)
         ->transform(CLI::CheckedTransformer(kBases, CLI::ignore_case))
