@@ -32,9 +32,10 @@ struct ContinuityOptions {
   double least_unlike_fast = 0.02;
   double usual_factor = 8;
   double noise_factor = 4;
-  // Beyond the largest of late frames, forgotten with memory_frames, by this factor, 1.5 … 10: while an object
-  // slides over a sensor of few taxels, the pressures change more from frame to frame, but do not jump. Too
-  // small: slides are called jumps. Too large: another contact's frames are believed if the last one moved.
+  // Beyond the largest of late frames, forgotten with memory_frames, by this factor, 1.5 … 10: while an
+  // object slides over a sensor of few taxels, the pressures change more from frame to frame, but do not
+  // jump. Too small: slides are called jumps. Too large: another contact's frames are believed if the last
+  // one moved.
   double peak_factor = 3;
   // For frames further apart than fast_step_s. A contact whose force changes in one frame changes its size as
   // Hertz's theory predicts. The first, 1 … 3, times that change is allowed if the centre moved by less than

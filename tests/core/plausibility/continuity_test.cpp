@@ -69,8 +69,8 @@ TEST_P(ContactThatGoesOn, MayMoveByATenthOfATaxelEachFrame) {
   for (int i = 1; i <= 20; ++i) EXPECT_EQ(feel(3, 0.6, 1e-5 * i, 0.3), Health::good) << i;
 }
 
-// As an object does that begins to slide. Its last steps change the pressures more than a jump must, and by more
-// than the usual factor.
+// As an object does that begins to slide. Its last steps change the pressures more than a jump must, and by
+// more than the usual factor.
 TEST_P(ContactThatGoesOn, MayMoveFasterAndFaster) {
   hold();
   double x_m = -4e-3, most_unlike = 0;
