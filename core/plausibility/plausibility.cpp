@@ -19,6 +19,9 @@ constexpr double kSureProbes = 6;
 // Taxels of which no contact presses all at once; a pad of fewer may be smaller than a contact.
 constexpr std::size_t kManyTaxels = 9;
 
+// Frames in a contact after which it is known how much its force changes.
+constexpr std::uint32_t kSteadyFrames = 8;
+
 // Rows and columns that are learnt from in a frame.
 constexpr std::size_t kLinesLearnt = 8;
 
@@ -105,13 +108,24 @@ void PlausibilityMonitor::judge_time(const Frame& frame) noexcept {
   if (any_ && frame.time_ns <= last_ns_) blame(Verdict::plausible, Health::time);
 }
 
-// An offset of all taxels: what was next to nothing everywhere is suddenly not.
+// An offset of all taxels: what was next to nothing everywhere is suddenly not, or of a flat skin, what was
+// held is suddenly several times as much, by the same on each taxel.
+bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
+  const double rise_pa = static_cast<double>(patch.frame_least_pa) - static_cast<double>(last_least_pa_);
+  const double peak_pa = last_peak_pa_;
+  if (limits_.flat) {
+    const double peak_rise_pa = static_cast<double>(patch.frame_peak_pa) - peak_pa;
+    const bool steady = changes_ >= kSteadyFrames && usual_change_ < options_.steady_change;
+    return steady && rise_pa > options_.flat_rise_factor * peak_pa &&
+           std::fabs(peak_rise_pa - rise_pa) < options_.flat_rise_even * rise_pa;
+  }
+  const bool small_before = std::fabs(static_cast<double>(last_least_pa_)) < kUnloading * peak_pa;
+  return small_before && rise_pa > options_.least_rise_share * peak_pa;
+}
+
 void PlausibilityMonitor::judge_offset(const ContactPatch& patch) noexcept {
-  const float rise_pa = patch.frame_least_pa - last_least_pa_;
-  const bool small_before = std::fabs(last_least_pa_) < kUnloading * last_peak_pa_;
   if (lifted_pa_ > 0 && patch.frame_least_pa < lifted_pa_) lifted_pa_ = 0;
-  if (any_ && !limits_.flat && layout_.size() >= kManyTaxels && last_in_contact_ && small_before &&
-      rise_pa > options_.least_rise_share * last_peak_pa_)
+  if (any_ && layout_.size() >= kManyTaxels && last_in_contact_ && raised(patch))
     lifted_pa_ = patch.frame_least_pa / 2;
   if (lifted_pa_ > 0) blame(Verdict::frame_refused, Health::jump);
 }
@@ -267,6 +281,13 @@ std::size_t PlausibilityMonitor::count_at(std::size_t channel, float magnitude_p
 }
 
 void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch) noexcept {
+  if (!patch.in_contact || !last_in_contact_ || !(patch.normal_n > 0) || !(last_normal_n_ > 0)) {
+    usual_change_ = 0;
+    changes_ = 0;
+  } else {
+    changes_ = std::min(changes_ + 1, 2 * kSteadyFrames);
+    usual_change_ += (std::fabs(std::log(patch.normal_n / last_normal_n_)) - usual_change_) / changes_;
+  }
   any_ = true;
   last_ns_ = frame.time_ns;
   last_in_contact_ = patch.in_contact;

@@ -299,6 +299,52 @@ INSTANTIATE_TEST_SUITE_P(Layouts, Faults,
                                   (of.param.noise == synthetic::Noise::sensor ? "sensor" : "relative");
                          });
 
+// A flat skin of 4 x 4 taxels at 100 frames a second.
+class FlatSkin {
+ public:
+  // Each taxel carries its part of the force; on all of them comes an offset.
+  Health feel(double normal_n, double offset_pa) {
+    std::normal_distribution<double> noise_pa(0, 20);
+    std::vector<float> p(16), x(16), y(16);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const double share = (1 + 0.5 * std::sin(2.3 * static_cast<double>(i))) / 16;
+      const double pressure_pa = normal_n * share / layout_.area_m2();
+      p[i] = static_cast<float>(pressure_pa + offset_pa + noise_pa(random_));
+      x[i] = static_cast<float>(0.3 * pressure_pa + noise_pa(random_));
+      y[i] = static_cast<float>(noise_pa(random_));
+    }
+    const Frame frame{++sequence_, static_cast<std::int64_t>(10'000'000 * sequence_), p, x, y};
+    const ContactPatch& patch = finder_.find(frame);
+    monitor_.screen(frame, patch);
+    return monitor_.judge(frame, patch).health;
+  }
+
+ private:
+  TaxelLayout layout_ = TaxelLayout::grid(4, 4, 4.7e-3);
+  PatchFinder finder_{layout_};
+  PlausibilityMonitor monitor_{
+      layout_, {.full_scale = default_full_scale(SensorClass::array3, layout_), .flat = true}};
+  std::mt19937_64 random_{5};
+  std::uint64_t sequence_ = 0;
+};
+
+TEST(Plausibility, AnOffsetOfAllTaxelsOfAHeldFlatSkinIsNoFirmGrip) {
+  FlatSkin skin;
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.feel(3, 0), Health::good) << i;
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(skin.feel(3, 4e5), Health::jump) << i;
+  Health last = Health::jump;
+  for (int i = 0; i < 20; ++i) last = skin.feel(3, 0);
+  EXPECT_EQ(last, Health::good);
+}
+
+TEST(Plausibility, AFlatSkinMayBeGrippedAtOnce) {
+  FlatSkin skin;
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.feel(0, 0), Health::good) << i;
+  for (const double grip_n : {0.5, 4.0, 8.0, 8.0}) EXPECT_EQ(skin.feel(grip_n, 0), Health::good) << grip_n;
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.feel(2, 0), Health::good) << i;
+  for (const double grip_n : {6.0, 12.0}) EXPECT_EQ(skin.feel(grip_n, 0), Health::good) << grip_n;
+}
+
 TEST(Plausibility, CostsNoMemory) {
   const TaxelLayout layout = TaxelLayout::grid(16, 16, 1e-3);
   PatchFinder finder(layout);
