@@ -274,8 +274,9 @@ struct EstimatorChain::Impl {
     shape_by = method ? method->name() : Method::friction;
     const FrameEstimate frame_estimate =
         shaped ? estimate_shape(frame, patch, loaded, load) : FrameEstimate{};
-    const ContactPatch acting = pad_forces ? acting_forces.of_pad(pad_forces->of(patch), patch, loaded, out)
-                                           : acting_forces.of(patch, loaded, frame_estimate, out);
+    const ContactPatch acting =
+        pad_forces ? acting_forces.of_pad(pad_forces->of(patch, frame_estimate), patch, loaded, out)
+                   : acting_forces.of(patch, loaded, frame_estimate, out);
     tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course,
                    shared_shear ? &shared_shear->update(patch) : nullptr);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history

@@ -365,6 +365,10 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   const Minimum minimum = fit_contact(patch, ratio);
   fitted_ = true;
   const Full& at = minimum.at;
+  if (layout_.size() <= kFewTaxels && depth_m_ > 0) {
+    out.noise_normal_pa = model_.noise().normal_pa;
+    out.noise_shear_pa = model_.noise().shear_pa;
+  }
   if (!(at[Model::load] > 0)) return out;  // the same contact, pulled the other way
   if (depth_m_ > 0 && layout_.size() > kFewTaxels) find_moments(patch, at, out);
   if (layout_.size() <= kFewTaxels) {

@@ -61,6 +61,9 @@ struct FrameEstimate {
   // Forces of the contact by the model, N, where the disc reads only a part of them: under a skin. 0: those
   // of the patch.
   double normal_n = 0, shear_n = 0;
+  // Standard deviations of one taxel's pressure and shear by what a fit leaves over, Pa: of few taxels under
+  // a skin. 0: not known.
+  double noise_normal_pa = 0, noise_shear_pa = 0;
   MarginProfile profile;  // of methods that weigh every margin, where the frame leaves it open
 };
 

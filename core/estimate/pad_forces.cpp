@@ -105,7 +105,8 @@ PadForces::Sums PadForces::sums_of(const ContactPatch& patch) const noexcept {
   return sums;
 }
 
-std::optional<PadForces::Forces> PadForces::of(const ContactPatch& patch) const noexcept {
+std::optional<PadForces::Forces> PadForces::of(const ContactPatch& patch,
+                                               const FrameEstimate& fitted) const noexcept {
   constexpr int kRounds = 2;  // the pressure that is read is drawn along the pull, by d Q/P
   const Sums sums = sums_of(patch);
   if (!sums.pressed) return std::nullopt;
@@ -127,13 +128,14 @@ std::optional<PadForces::Forces> PadForces::of(const ContactPatch& patch) const 
   }
   // Noise that taxels share is in the patch's deviations.
   const double area_m2 = layout_.area_m2() * std::sqrt(static_cast<double>(layout_.size()));
-  return Forces{
-      .normal_n = load[0],
-      .shear_x_n = load[1],
-      .shear_y_n = load[2],
-      .normal_sigma_n = std::max(area_m2 * patch.noise_normal_pa, patch.normal_sigma_n) / of_load(0, 0),
-      .shear_sigma_n = std::max(area_m2 * patch.noise_shear_pa, patch.shear_sigma_n) / part,
-      .read = part};
+  const double normal_pa = std::max(patch.noise_normal_pa, fitted.noise_normal_pa),
+               shear_pa = std::max(patch.noise_shear_pa, fitted.noise_shear_pa);
+  return Forces{.normal_n = load[0],
+                .shear_x_n = load[1],
+                .shear_y_n = load[2],
+                .normal_sigma_n = std::max(area_m2 * normal_pa, patch.normal_sigma_n) / of_load(0, 0),
+                .shear_sigma_n = std::max(area_m2 * shear_pa, patch.shear_sigma_n) / part,
+                .read = part};
 }
 
 }  // namespace slipd

@@ -11,6 +11,7 @@
 #include "core/contact/rigid_base.hpp"
 #include "core/contact/scene.hpp"
 #include "core/contact/subsurface_point.hpp"
+#include "core/estimate/method.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 
@@ -42,8 +43,10 @@ class PadForces {
     // The part of a pull that the pad reads, 0 … 1.
     double read = 1;
   };
-  // None where the pad reads too little of them, or no pressure.
-  std::optional<Forces> of(const ContactPatch& patch) const noexcept;
+  // None where the pad reads too little of them, or no pressure. fitted: of this frame, or empty. Its noise
+  // counts where it is more than the patch's: under a skin hardly a taxel reads a negative pressure, that a
+  // single frame's noise would show by.
+  std::optional<Forces> of(const ContactPatch& patch, const FrameEstimate& fitted = {}) const noexcept;
 
   // Standard deviation of Q/P beyond noise, relative: by the depth, as far as it is known, and by the shape.
   // Frames of a grasp have it in common.

@@ -13,6 +13,8 @@
 
 #include "core/contact/imprint.hpp"
 #include "core/estimate/chain.hpp"
+#include "core/estimate/imprint_fit.hpp"
+#include "core/estimate/moments.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -105,6 +107,39 @@ TEST(PadForces, OfAContactBeyondTheEdgeAreNotKnown) {
   PatchFinder finder(pad());
   Felt felt(pad(), {.depth_m = 0.003});
   EXPECT_FALSE(forces.of(finder.find(felt.feel(loaded(3, 0.6, 0.6), 0.0105, 0, 0, 0))));
+}
+
+// Under a skin hardly a taxel reads a negative pressure, and by the few of one frame noise may be next to
+// nothing.
+TEST(PadForces, HaveTheNoiseThatAFitLeavesOver) {
+  constexpr double kDepth = 0.002, kPressed = 3, kNoise = 0.01;
+  constexpr int kFrames = 60;
+  const PadForces forces(pad(), Skin{.depth_m = kDepth});
+  PatchFinder finder(pad());
+  ImprintFit fit(pad(), {0.1, 0.9}, kDepth, {});
+  Felt felt(pad(), {.depth_m = kDepth});
+  const contact::LoadHistory contact = loaded(kPressed, 0.6, 0.6);
+  const Frame still = felt.feel(contact, 0.001, 0.0005, 0.7, 0);
+  const double peak_pa = *std::max_element(still.normal_pa.begin(), still.normal_pa.end()),
+               sigma_n = kNoise * peak_pa / std::sqrt(3.0) * pad().area_m2() * 4;  // of 16 taxels
+  double least_alone = 1, variance = 0, mean = 0,
+         square = 0;  // over the true variance; of Q over its deviation
+  for (int i = 0; i < kFrames; ++i) {
+    const ContactPatch& patch = finder.find(felt.feel(contact, 0.001, 0.0005, 0.7, kNoise));
+    const auto alone = forces.of(patch),
+               fitted = forces.of(patch, fit.estimate(patch, moment_ratio(patch, pad())));
+    ASSERT_TRUE(alone && fitted);
+    const double true_n = sigma_n / fitted->read, said = fitted->shear_sigma_n / true_n,
+                 found = std::hypot(fitted->shear_x_n, fitted->shear_y_n) / true_n;
+    least_alone = std::min(least_alone, alone->shear_sigma_n / true_n);
+    EXPECT_GT(said, 0.6);  // noise of 48 values less seven unknowns is known to 11 %
+    variance += said * said / kFrames;
+    mean += found / kFrames;
+    square += found * found / kFrames;
+  }
+  EXPECT_LT(least_alone, 0.4);
+  EXPECT_LT(variance, 1.5 * 1.5);
+  EXPECT_LT(square - mean * mean, 1.4 * variance);  // of so few frames to 18 %
 }
 
 struct Outcome {
