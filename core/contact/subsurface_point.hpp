@@ -27,6 +27,13 @@ struct LayerTensor {
   double nn = 0, nx = 0, ny = 0, xx = 0, xy = 0, yy = 0, xn = 0, yn = 0;
 };
 
+// a t + b r.
+[[gnu::always_inline]] inline LayerTensor combined(double a, const LayerTensor& t, double b,
+                                                   const LayerTensor& r) noexcept {
+  return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny, a * t.xx + b * r.xx,
+          a * t.xy + b * r.xy, a * t.yy + b * r.yy, a * t.xn + b * r.xn, a * t.yn + b * r.yn};
+}
+
 namespace subsurface {
 
 // The greatest root l of x^2/(A+l) + y^2/(B+l) + z^2/l = 1 for A = B. z > 0.

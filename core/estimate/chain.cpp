@@ -64,7 +64,7 @@ struct EstimatorChain::Impl {
         turning_shape(s.layout, s.estimator.tracking),
         shared_shear(make_shared_shear(s)),
         tracker(s.estimator, expected_friction(s.scene), s.friction, weighed_over_time(s),
-                tracker_options(s)),
+                tracker_options(s, pad_forces ? &*pad_forces : nullptr)),
         known(s.friction.value_or(expected_friction(s.scene))),
         usual_friction(std::sqrt(known.range.low * known.range.high)),
         sliding(s.layout, s.alerts.false_alarms_per_hour),

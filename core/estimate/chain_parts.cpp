@@ -79,7 +79,7 @@ std::optional<PadForces> make_pad_forces(const ChainSetup& setup) {
   return PadForces(setup.layout, setup.scene.skin);
 }
 
-TrackerOptions tracker_options(const ChainSetup& setup) {
+TrackerOptions tracker_options(const ChainSetup& setup, const PadForces* pad_forces) {
   TrackerOptions options;
   if (!only_forces(setup) && setup.layout.size() <= Fit::kFewTaxels)
     options.least_sigma = options.few_taxels_sigma;
@@ -88,8 +88,8 @@ TrackerOptions tracker_options(const ChainSetup& setup) {
   constexpr double kSkinFrictionSigma = 0.1;
   if (setup.scene.skin.depth_m > 0 && !weighed_over_time(setup))
     options.least_friction_sigma = kSkinFrictionSigma;
-  if (const auto forces = make_pad_forces(setup))
-    options.least_friction_sigma = std::max(options.least_friction_sigma, forces->ratio_sigma());
+  if (pad_forces != nullptr)
+    options.least_friction_sigma = std::max(options.least_friction_sigma, pad_forces->ratio_sigma());
   return options;
 }
 

@@ -26,8 +26,8 @@ bool weighed_over_time(const ChainSetup& setup);
 std::optional<PadForces> make_pad_forces(const ChainSetup& setup);
 
 // On few taxels a contact reaches beyond the pad, or falls between them: their sums miss traction that is
-// locked in after an unloading.
-TrackerOptions tracker_options(const ChainSetup& setup);
+// locked in after an unloading. `pad_forces`: of few taxels under a skin; null: none.
+TrackerOptions tracker_options(const ChainSetup& setup, const PadForces* pad_forces);
 
 // `setup`, without a skin if that is thinner than a ninth of a taxel's side: a taxel's average of what is
 // felt through it would take hundreds of points, and is within some per cent what is felt without it.

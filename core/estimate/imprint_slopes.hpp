@@ -32,13 +32,6 @@ struct ImprintRows {
   std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
 };
 
-// a t + b r.
-[[gnu::always_inline]] inline contact::LayerTensor combined(double a, const contact::LayerTensor& t, double b,
-                                                            const contact::LayerTensor& r) noexcept {
-  return {a * t.nn + b * r.nn, a * t.nx + b * r.nx, a * t.ny + b * r.ny, a * t.xx + b * r.xx,
-          a * t.xy + b * r.xy, a * t.yy + b * r.yy, a * t.xn + b * r.xn, a * t.yn + b * r.yn};
-}
-
 // What a taxel feels of one contact: pressure and shear, Pa or of a unit dome.
 struct Felt {
   double n = 0, x = 0, y = 0;

@@ -12,17 +12,6 @@ namespace {
 using contact::LayerTensor;
 using contact::Rectangle;
 
-void add(double weight, const LayerTensor& of, LayerTensor& to) noexcept {
-  to.nn += weight * of.nn;
-  to.nx += weight * of.nx;
-  to.ny += weight * of.ny;
-  to.xx += weight * of.xx;
-  to.xy += weight * of.xy;
-  to.yy += weight * of.yy;
-  to.xn += weight * of.xn;
-  to.yn += weight * of.yn;
-}
-
 // Of a pull along the axis of which less is read.
 double read_of_pull(const LayerTensor& read) noexcept {
   return std::min(read.xx, read.yy);
@@ -68,10 +57,10 @@ LayerTensor PadForces::read_of(double x_m, double y_m, double spread_m) const no
   LayerTensor sum;
   const auto add_point = [&](double x, double y) {
     for (const Rectangle& part : parts_)
-      add(1 / kPoints,
+      sum = combined(
+          1, sum, 1 / kPoints,
           contact::felt_in_rectangle({part.left_m - x, part.right_m - x, part.bottom_m - y, part.top_m - y},
-                                     depth_m_, images_),
-          sum);
+                                     depth_m_, images_));
   };
   add_point(x_m - spread_m, y_m);
   add_point(x_m + spread_m, y_m);

@@ -61,6 +61,14 @@ struct ContinuityOptions {
   double directed_sigmas = 8;
 };
 
+// Mean of a quantity that is small while a contact goes on, and the largest of late.
+struct Usual {
+  double mean = 0;
+  double peak = 0;
+  std::uint32_t frames = 0;  // that it is of, at most memory_frames
+  void learn(double value, double memory_frames) noexcept;
+};
+
 class Continuity {
  public:
   // A frame that is not believed for another reason: the next one is not compared with it.
@@ -72,13 +80,6 @@ class Continuity {
                 std::size_t probes, const ContinuityOptions& options) noexcept;
 
  private:
-  // Mean of a quantity that is small while a contact goes on, and the largest of late.
-  struct Usual {
-    double mean = 0;
-    double peak = 0;
-    std::uint32_t frames = 0;
-    void learn(double value, double memory_frames) noexcept;
-  };
   bool unlike(const ContactPatch& patch, const PatternChange& pattern, std::size_t probes, bool fast,
               const ContinuityOptions& options) noexcept;
   double by_growth(const ContactPatch& patch, const ContinuityOptions& options) const noexcept;

@@ -115,7 +115,7 @@ bool PlausibilityMonitor::raised(const ContactPatch& patch) const noexcept {
   const double peak_pa = last_peak_pa_;
   if (limits_.flat) {
     const double peak_rise_pa = static_cast<double>(patch.frame_peak_pa) - peak_pa;
-    const bool steady = changes_ >= kSteadyFrames && usual_change_ < options_.steady_change;
+    const bool steady = change_.frames >= kSteadyFrames && change_.mean < options_.steady_change;
     return steady && rise_pa > options_.flat_rise_factor * peak_pa &&
            std::fabs(peak_rise_pa - rise_pa) < options_.flat_rise_even * rise_pa;
   }
@@ -282,11 +282,9 @@ std::size_t PlausibilityMonitor::count_at(std::size_t channel, float magnitude_p
 
 void PlausibilityMonitor::remember(const Frame& frame, const ContactPatch& patch) noexcept {
   if (!patch.in_contact || !last_in_contact_ || !(patch.normal_n > 0) || !(last_normal_n_ > 0)) {
-    usual_change_ = 0;
-    changes_ = 0;
+    change_ = {};
   } else {
-    changes_ = std::min(changes_ + 1, 2 * kSteadyFrames);
-    usual_change_ += (std::fabs(std::log(patch.normal_n / last_normal_n_)) - usual_change_) / changes_;
+    change_.learn(std::fabs(std::log(patch.normal_n / last_normal_n_)), 2 * kSteadyFrames);
   }
   any_ = true;
   last_ns_ = frame.time_ns;

@@ -95,12 +95,15 @@ struct PlausibilityOptions {
   // The least pressure of all taxels does not rise in one frame by this share of the greatest; 0.2 … 1. Too
   // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
   double least_rise_share = 0.5;
-  // Flat skins are pressed everywhere at once. There all pressures rise alike, to this share, 0.02 … 0.3, and
-  // by this factor, 2 … 10, of the greatest before, under a hold whose force changed by less than this share
-  // a frame, 0.01 … 0.2. Too small: an offset is believed. Too large: quick grips have no margin. (The
-  // factor: the other way round.)
+  // Flat skins are pressed everywhere at once. There an offset raises the least and the greatest pressure
+  // alike, to this share; 0.02 … 0.3. Too small: an offset is believed. Too large: quick grips have no
+  // margin.
   double flat_rise_even = 0.1;
+  // By more than this factor of the greatest pressure before; 2 … 10. Too small: quick grips have no margin.
+  // Too large: an offset is believed.
   double flat_rise_factor = 3;
+  // In a hold whose normal force changed by less than this share a frame; 0.01 … 0.2. Too small: an offset
+  // is believed. Too large: quick grips have no margin.
   double steady_change = 0.05;
 };
 
@@ -178,11 +181,10 @@ class PlausibilityMonitor {
   bool last_in_contact_ = false;
   double last_normal_n_ = 0, last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
   float last_peak_pa_ = 0, last_least_pa_ = 0;  // of the last frame
-  double usual_change_ = 0;    // of the normal force in a frame, share, of late in this contact
-  std::uint32_t changes_ = 0;  // frames that are in it
-  float lifted_pa_ = 0;        // half of what all taxels have risen to at once; 0: they have not
-  bool last_clear_ = false;    // its force was far above the noise
-  double fallen_from_n_ = 0;   // the normal force fell from this to nothing in one frame; 0: it did not
+  Usual change_;                                // of the normal force in a frame, share, in this contact
+  float lifted_pa_ = 0;       // half of what all taxels have risen to at once; 0: they have not
+  bool last_clear_ = false;   // its force was far above the noise
+  double fallen_from_n_ = 0;  // the normal force fell from this to nothing in one frame; 0: it did not
 };
 
 }  // namespace slipd

@@ -30,10 +30,10 @@ namespace {
 
 using namespace slipd;
 
-// What the chain is told of a grasp's friction. Friction that is told does not change.
-enum class ToldFriction : std::uint8_t { none, range, value };
-const std::map<std::string, ToldFriction> kTold{
-    {"none", ToldFriction::none}, {"range", ToldFriction::range}, {"value", ToldFriction::value}};
+// What the scene gives the estimator of a grasp's friction. A friction that is given stays constant.
+enum class GivenFriction : std::uint8_t { none, range, value };
+const std::map<std::string, GivenFriction> kGiven{
+    {"none", GivenFriction::none}, {"range", GivenFriction::range}, {"value", GivenFriction::value}};
 
 struct HistoriesOptions {
   std::size_t grasps = 400;
@@ -41,7 +41,7 @@ struct HistoriesOptions {
   std::vector<std::string> methods{"moments", "fit"};
   double skin_mm = 0;      // depth of the taxels
   double depth_taken = 1;  // the chain's, over that
-  ToldFriction friction = ToldFriction::none;
+  GivenFriction friction = GivenFriction::none;
   SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;  // the true one, and the chain's
   Sampling sensing;
   unsigned threads = 2;
@@ -73,10 +73,10 @@ Grasp with_one_friction(Grasp grasp) {
 }
 
 // A range that the friction lies anywhere in, by the grasp's number.
-std::optional<KnownFriction> told_of(double friction, ToldFriction told, std::size_t grasp) {
+std::optional<KnownFriction> given_friction(double friction, GivenFriction given, std::size_t grasp) {
   constexpr double kWidth = 1.6;  // high over low
-  if (told == ToldFriction::none) return std::nullopt;
-  if (told == ToldFriction::value) return KnownFriction(friction);
+  if (given == GivenFriction::none) return std::nullopt;
+  if (given == GivenFriction::value) return KnownFriction(friction);
   const double low = friction / std::pow(kWidth, RandomStream(0x746f6c64).uniform(grasp));
   return KnownFriction(Range{low, kWidth * low});
 }
@@ -101,10 +101,10 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
       options.grasps, options.threads,
       [&](std::size_t i) {
         Grasp grasp = draw_grasp(setup.scene, seed, i);
-        if (options.friction != ToldFriction::none) grasp = with_one_friction(std::move(grasp));
-        ChainSetup told = setup;
-        told.friction = told_of(grasp.contact.friction, options.friction, i);
-        EstimatorChain chain(told, model);
+        if (options.friction != GivenFriction::none) grasp = with_one_friction(std::move(grasp));
+        ChainSetup scene = setup;
+        scene.friction = given_friction(grasp.contact.friction, options.friction, i);
+        EstimatorChain chain(scene, model);
         const auto watch = [&](const GraspSample& at) {
           traced << at.time_s << ',' << name_of(at.move) << ',' << at.normal_n << ',' << at.shear_n << ','
                  << at.truth.gamma << ',' << at.estimate.gamma.value_or(kUnknown) << ','
@@ -278,14 +278,15 @@ void add_histories(CLI::App& app, const Common& common) {
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
   command
-      ->add_option("--depth-taken", options->depth_taken, "depth that the chain is told, over the true one")
+      ->add_option("--depth-taken", options->depth_taken,
+                   "depth that the scene gives, divided by the true one")
       ->check(CLI::Range(0.2, 5.0))
       ->capture_default_str();
   command
-      ->add_option(
-          "--friction", options->friction,
-          "what the chain is told of friction, which then does not change: none, range (1 : 1.6), value")
-      ->transform(CLI::CheckedTransformer(kTold, CLI::ignore_case))
+      ->add_option("--friction", options->friction,
+                   "what the scene gives of friction: none; range (a factor of 1.6 wide) or value, of a "
+                   "friction that stays constant")
+      ->transform(CLI::CheckedTransformer(kGiven, CLI::ignore_case))
       ->default_str("none");
   const auto add_base = [&](const char* option, SkinBase& base, const char* about) {
     command->add_option(option, base, about)
