@@ -66,7 +66,8 @@ bool only_forces(const ChainSetup& setup) {
 ChainSetup with_felt_skin(const ChainSetup& setup) {
   constexpr double kThinnest = 1.0 / 9;
   ChainSetup felt = setup;
-  if (felt.scene.skin.depth_m < kThinnest * setup.layout.side_m()) felt.scene.skin.depth_m = 0;
+  if (only_forces(setup) || felt.scene.skin.depth_m < kThinnest * setup.layout.side_m())
+    felt.scene.skin.depth_m = 0;
   return felt;
 }
 

@@ -30,7 +30,8 @@ std::optional<PadForces> make_pad_forces(const ChainSetup& setup);
 TrackerOptions tracker_options(const ChainSetup& setup, const PadForces* pad_forces);
 
 // `setup`, without a skin if that is thinner than a ninth of a taxel's side: a taxel's average of what is
-// felt through it would take hundreds of points, and is within some per cent what is felt without it.
+// felt through it would take hundreds of points, and is within some per cent what is felt without it. Margins
+// by forces alone need no contact model, so that a skin has no effect on them.
 ChainSetup with_felt_skin(const ChainSetup& setup);
 
 // The method of single frames; null where only forces are measured. Sets `work_precision` to what was

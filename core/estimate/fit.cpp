@@ -315,10 +315,14 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstim
       out.sigma < options_.max_friction_share * mobilised
           ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(covariance(load, load)) / at[load])
           : std::numeric_limits<double>::infinity();
+  place(patch, at, out);
+  return true;
+}
+
+void Fit::place(const ContactPatch& patch, const Vector& at, FrameEstimate& out) noexcept {
   out.center_x_m = patch.center_x_m + at[center_x];
   out.center_y_m = patch.center_y_m + at[center_y];
   out.radius_m = at[radius];
-  return true;
 }
 
 FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
@@ -346,6 +350,7 @@ FrameEstimate Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
     Square hessian;
     evaluate(at, gradient, hessian);
     weigh_by_prior(at, hessian, out);
+    place(patch, at, out);
     out.in_model = minimum.converged;
     return out;
   }

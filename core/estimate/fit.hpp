@@ -88,6 +88,8 @@ class Fit final : public SlipMethod {
   bool take_last_step(Minimum& minimum) noexcept;
   // Gamma, friction, place and radius with their deviations by the parabola; false if there is none.
   bool describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept;
+  // Centre and radius of the contact into `out`.
+  static void place(const ContactPatch& patch, const Vector& at, FrameEstimate& out) noexcept;
   // Mean square residuals over rings: in units of noise, and of noise and an uneven skin.
   struct RingMisfit {
     double by_noise = 0;

@@ -216,6 +216,12 @@ double ImprintFit::ring_misfit(const Full& at, std::span<const double> held) con
   return used > 0 ? misfit / used : 0;
 }
 
+void ImprintFit::place(const Full& at, FrameEstimate& out) noexcept {
+  out.center_x_m = at[Model::center_x];
+  out.center_y_m = at[Model::center_y];
+  out.radius_m = at[Model::size];
+}
+
 bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noexcept {
   const Full& at = minimum.at;
   const ScaledInverse<Square> inverse(minimum.normal.hessian);
@@ -229,9 +235,7 @@ bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noex
       out.sigma < fit_.max_friction_share * mobilised && std::isfinite(load_variance)
           ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(load_variance) / at[Model::load])
           : std::numeric_limits<double>::infinity();
-  out.center_x_m = at[Model::center_x];
-  out.center_y_m = at[Model::center_y];
-  out.radius_m = at[Model::size];
+  place(at, out);
   if (depth_m_ > 0) return true;  // find_moments has the forces of any history
   out.normal_n = 2.0 / 3 * std::numbers::pi * at[Model::size] * at[Model::size] * at[Model::peak];
   out.shear_n = at[Model::load] * out.normal_n;
@@ -373,6 +377,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   if (depth_m_ > 0 && layout_.size() > kFewTaxels) find_moments(patch, at, out);
   if (layout_.size() <= kFewTaxels) {
     weigh_by_prior(at, minimum.normal.hessian, out);
+    place(at, out);
     out.in_model = minimum.converged;
     return out;
   }

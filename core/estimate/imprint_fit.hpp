@@ -155,6 +155,8 @@ class ImprintFit {
   // held: of each taxel, what it would read of a shear of 1 Pa at the middle that is as large as friction.
   double ring_misfit(const Full& at, std::span<const double> held) const noexcept;
   bool describe(const Minimum& minimum, FrameEstimate& out) const noexcept;
+  // Centre and radius of the contact into `out`.
+  static void place(const Full& at, FrameEstimate& out) noexcept;
   // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.
   double layer_sigma(const Full& at) const noexcept;
   void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;

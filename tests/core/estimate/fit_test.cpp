@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <vector>
 
@@ -94,6 +96,40 @@ TEST(Fit, ReadsAContactThatTheEdgeCutsFromItsVisiblePart) {
   const FrameEstimate reading = fit.estimate(frame, patch);
   ASSERT_TRUE(reading.in_model);
   EXPECT_NEAR(reading.gamma, 0.4, std::max(0.01, 3 * reading.sigma));
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Single frames of 4 x 4 taxels leave the margin open, and yet show where and how wide the contact is.
+TEST(Fit, OfFewTaxelsFindsPlaceAndRadiusBetterThanTheirSums) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  FrameMaker maker(TaxelLayout::grid(4, 4, 0.0047));
+  PatchFinder finder(maker.layout());
+  Fit fit(maker.layout(), kFriction);
+  std::vector<double> fitted_m, summed_m, radius_m, summed_radius_m;
+  constexpr std::size_t kContacts = 200;
+  for (std::size_t i = 0; i < kContacts; ++i) {
+    contact::LoadHistory contact(synthetic::random_pair(random));
+    contact.move_to(4, 0, 0.5);
+    contact.move_to(4, 1, 0.5);
+    const double x = 0.003 * (2 * unit(random) - 1), y = 0.003 * (2 * unit(random) - 1);
+    const Frame frame = maker.make(contact, x, y, 6.28 * unit(random), 0.01, Noise::sensor);
+    const auto& patch = finder.find(frame);
+    const FrameEstimate reading = fit.estimate(frame, patch);
+    if (!reading.in_model) continue;
+    fitted_m.push_back(std::hypot(reading.center_x_m - x, reading.center_y_m - y));
+    summed_m.push_back(std::hypot(patch.center_x_m - x, patch.center_y_m - y));
+    radius_m.push_back(std::fabs(reading.radius_m - contact.contact_radius_m()));
+    summed_radius_m.push_back(std::fabs(patch.radius_m - contact.contact_radius_m()));
+  }
+  ASSERT_GT(fitted_m.size(), 9 * kContacts / 10);
+  EXPECT_LT(median(fitted_m), 0.8 * median(summed_m));
+  EXPECT_LT(median(radius_m), 0.5 * median(summed_radius_m));
 }
 
 TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {

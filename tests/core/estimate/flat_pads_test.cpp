@@ -221,6 +221,21 @@ TEST(FlatPads, GiveASafeMarginBeforeFrictionIsKnown) {
   EXPECT_NEAR(said.gamma_low.value(), 1 - 0.07 / 0.1, 0.05);
 }
 
+TEST(FlatPads, AnswerUnderASkinAsWithoutOne) {
+  ChainSetup setup = finger_setup();
+  Finger bare(setup);
+  setup.scene.skin.depth_m = 0.0025;
+  Finger covered(setup);
+  for (int i = 0; i < frames_of(2); ++i) {
+    const double normal_n = gripped_n(time_of(i));
+    const Load load{.normal_n = normal_n, .pull_n = 0.1 * normal_n};
+    const Estimate without = bare.feel(load), with = covered.feel(load);
+    ASSERT_EQ(with.state, without.state) << time_of(i);
+    ASSERT_EQ(with.gamma, without.gamma) << time_of(i);
+    ASSERT_EQ(with.gamma_low, without.gamma_low) << time_of(i);
+  }
+}
+
 TEST(FlatPads, AlertByTheSafeMarginWhereThatIsWanted) {
   ChainSetup setup = finger_setup();
   setup.friction = KnownFriction(Range{0.1, 1});
