@@ -47,8 +47,12 @@ void FrictionFilter::update(std::int64_t time_ns, const ContactPatch& patch,
                             const FrameEstimate* frame_estimate, const SlidingVerdict& course) noexcept {
   traction_ratio_.update(patch);
   fade(time_ns);
-  if (force_only_) forget_lighter(patch);
-  const bool tangled = force_only_ && course.field.internal_share > options_.max_internal_share;
+  if (force_only_) {
+    forget_lighter(patch);
+    watch_hook();
+  }
+  const bool tangled =
+      force_only_ && (grasp_.hooked || course.field.internal_share > options_.max_internal_share);
   if (!tangled) bound_below();
   const bool turning = frame_estimate != nullptr && frame_estimate->turning;
   if (!force_only_ && !turning) follow(patch);
@@ -85,6 +89,16 @@ void FrictionFilter::forget_lighter(const ContactPatch& patch) noexcept {
   if (patch.normal_n <= options_.grown * grasp_.lighter_n) return;
   if (grasp_.lighter_n > 0) grid_.fade(options_.kept_when_grown);
   grasp_.lighter_n = patch.normal_n;
+}
+
+// No friction that may be holds it: what the load showed on its way there was no friction either.
+void FrictionFilter::watch_hook() noexcept {
+  const MeanSigma load = traction_ratio_.held().load;
+  const double highest = grid_.friction(grid_.count() - 1), lowest = grid_.friction(0);
+  if (load.mean - options_.hooked_sigmas * load.sigma > options_.hooked * highest) grasp_.hooked = true;
+  if (!grasp_.hooked) return;
+  grid_.reset();
+  grasp_.hooked = load.mean > lowest;
 }
 
 // Coulomb: friction is at least the |Q|/P that it holds.

@@ -138,6 +138,7 @@ class FrictionFilter {
   struct GraspState {
     double lighter_n = 0;  // P that the evidence of forces alone stands for; 0: none yet
     bool surprised = false;
+    bool hooked = false;       // the load exceeded any friction, and has not fallen below all of them since
     bool turning = false;      // the last frame's shear was bent by a torque
     int doubt_frames = 0;      // to come
     MeanSigma margin_offset;   // see margin_offset()
@@ -166,6 +167,7 @@ class FrictionFilter {
     grasp_.discount = {};
     grasp_.of_margins.known = grasp_.of_moments.known = 0;
   }
+  void watch_hook() noexcept;
   void bound_below() noexcept;
   void follow(const ContactPatch& patch) noexcept;
   bool weigh_turning(const ContactPatch& patch, const FrameEstimate& frame_estimate) noexcept;

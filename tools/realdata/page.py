@@ -21,6 +21,12 @@ def lead(run, name):
     return f"{abs(seconds):.2f} s {'before' if seconds >= 0 else 'after'}"
 
 
+def early_pull(result):
+    if not result.safe:
+        return ""
+    return f", in the first {result.safe_until_s:.2f} s of the pull, at Q/P of up to {result.safe_load:.2f}"
+
+
 def pillars_section(result):
     rows = []
     for name in ("slipd", *rivals.RIVALS):
@@ -39,7 +45,7 @@ pulled. Scene `pillars-3x3`; slipd has the range of friction of the scene (0.3â€
 
 * A margin (state `ok`) comes in {per_cent(result.with_margin / max(1, result.held))} of the rows of the middle half of the holds.
 * Cables: `no_contact` with more than {pillars.SHEAR_N:g} N of shear in {result.lost_contact} rows; a margin above {pillars.SAFE_MARGIN:g}
-  while pulled in {result.safe} rows.
+  while pulled in {result.safe} rows{early_pull(result)}.
 
 The plain detectors at every threshold; the dashed line is slipd at its defaults:
 

@@ -30,6 +30,8 @@ class Result:
     turned: dict = field(default_factory=dict)      # detector: delay of the alarm of the turned object, s, None: none
     lost_contact: int = 0                           # rows of the pulled cables in no_contact with shear
     safe: int = 0                                   # rows of them with a margin that is too high
+    safe_until_s: float = 0                         # the last of them, after the pull began
+    safe_load: float = 0                            # the greatest Q/P of them
     cables: int = 0
 
 
@@ -81,7 +83,12 @@ def pulled(recording):
 def of_cable(result, rows, recording):
     result.cables += 1
     result.lost_contact += sum(r["state"] == "no_contact" and (rec.number(r["shear_n"]) or 0) > SHEAR_N for r in rows)
-    result.safe += sum(r["state"] == "ok" and float(r["gamma"]) > SAFE_MARGIN and on for r, on in zip(rows, pulled(recording)))
+    for row, on in zip(rows, pulled(recording)):
+        if not (on and row["state"] == "ok" and float(row["gamma"]) > SAFE_MARGIN):
+            continue
+        result.safe += 1
+        result.safe_until_s = max(result.safe_until_s, float(row["time_s"]) - PULL_BEGINS_S)
+        result.safe_load = max(result.safe_load, float(row["shear_n"]) / float(row["normal_n"]))
 
 
 def measure(sliplab, folder):

@@ -183,6 +183,24 @@ TEST(FlatPads, ThatArePulledApartHaveNoSafeMarginAndAreInContact) {
   }
 }
 
+// A cable that hooks on the pillars is pulled at with several times what any friction holds, and comes off.
+TEST(FlatPads, LearnNoFrictionFromAHook) {
+  Finger finger(finger_setup());
+  for (int i = 0; i < frames_of(1.5); ++i) finger.feel({.normal_n = gripped_n(time_of(i))});
+  constexpr double kHooked = 4, kAfter = 0.16;
+  Estimate said;
+  const auto pull_n = [](double load) { return Load{.normal_n = 2.5, .pull_n = 2.5 * load}; };
+  for (int i = 0; i < frames_of(1); ++i) said = finger.feel(pull_n(kHooked * time_of(i)));
+  EXPECT_EQ(said.gamma.value_or(0), 0);
+  for (int i = 0; i < frames_of(0.7); ++i) {
+    const double load = std::max(kAfter, kHooked * (1 - 5 * time_of(i)));
+    said = finger.feel(pull_n(load));
+    EXPECT_FALSE(said.friction) << load;
+    EXPECT_LE(said.gamma.value_or(0), std::max(0.0, 1 - load / 0.55) + 0.1) << load;
+  }
+  EXPECT_LE(said.gamma_low.value(), 1 - 0.16 / kFriction.low);
+}
+
 TEST(FlatPads, LearnFrictionFromASlideWithinTheRangeAndKnowItAfterwards) {
   for (const double friction : {0.35, 0.6, 0.9}) {
     Finger finger(finger_setup());
