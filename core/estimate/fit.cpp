@@ -307,8 +307,10 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, FrameEstim
   const Square covariance = minimum.hessian.inverse();
   const double variance = covariance(margin, margin);
   if (!(variance > 0) || !std::isfinite(variance)) return false;
+  const double load_sigmas = at[load] / std::sqrt(covariance(load, load));
+  if (!(load_sigmas > options_.clear_load_sigmas)) return false;
   out.gamma = at[margin];
-  out.sigma = std::sqrt(variance);
+  out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
   const double mobilised = 1 - out.gamma;
   out.friction = at[load] / mobilised;
   out.friction_sigma =

@@ -86,7 +86,8 @@ class Fit final : public SlipMethod {
   Minimum minimise_blocks(const ContactPatch& patch, const Vector& start) noexcept;
   // One step of Newton's method; the domes follow linearly. False if it is too long for that.
   bool take_last_step(Minimum& minimum) noexcept;
-  // Gamma, friction, place and radius with their deviations by the parabola; false if there is none.
+  // Gamma, friction, place and radius with their deviations by the parabola; false if there is none, or no
+  // clear load.
   bool describe(const ContactPatch& patch, const Minimum& minimum, FrameEstimate& out) const noexcept;
   // Centre and radius of the contact into `out`.
   static void place(const ContactPatch& patch, const Vector& at, FrameEstimate& out) noexcept;

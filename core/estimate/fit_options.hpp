@@ -78,6 +78,13 @@ struct FitOptions {
   // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:
   // costs time. Too large: the likelihood is no parabola any more.
   double open_sigma = 0.04;
+  // Standard deviations by which Q/P is above 0 for its field to have a shape; 2 … 6. Too small: noise has
+  // minima anywhere, and a light pull is read as gross slip. Too large: light pulls get no margin of their
+  // own.
+  double clear_load_sigmas = 3;
+  // The same below which the whole profile is weighed with the prior, as such a field has several minima; 3
+  // … 30. Too small: a light pull is read as gross slip. Too large: costs time.
+  double faint_load_sigmas = 10;
   // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
   // small: profiles of small contacts have no weight. Too large: they have too much.
   double min_profile_share = 0.1;

@@ -50,7 +50,10 @@ HertzDeviation hertz_deviation(const MomentSums& sums, const ContactPatch& patch
   const double ellipticity = std::hypot(sums.px2y2, 2 * sums.pxy) / (sums.p * s);
   const double ellipticity_sigma =
       std::hypot(noise * std::sqrt(0.5 * sums.s2) / s, options.rim_ellipticity * rim);
-  if (ellipticity > options.clear_sigmas * ellipticity_sigma) out.ellipticity = ellipticity;
+  if (ellipticity > options.clear_sigmas * ellipticity_sigma) {
+    out.ellipticity = ellipticity;
+    out.long_axis_rad = 0.5 * std::atan2(2 * sums.pxy, sums.px2y2);
+  }
 
   const double excess = s2 / square(s) - kRound * (1 + 0.5 * square(ellipticity));
   const double lever = 2 * s2 / s, n = static_cast<double>(patch.count);

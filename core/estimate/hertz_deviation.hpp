@@ -42,6 +42,8 @@ struct HertzDeviation {
   double tilt = 0;
   // (long^2 - short^2)/(long^2 + short^2) of its axes; 0 … 1.
   double ellipticity = 0;
+  // Direction of the long axis from x to y, -pi/2 … pi/2; means nothing where the ellipticity is 0.
+  double long_axis_rad = 0;
   // Magnitude of <r^4>/<r^2>^2 less that of a Hertz contact of the same ellipticity; dimensionless, >= 0.
   double excess_kurtosis = 0;
 

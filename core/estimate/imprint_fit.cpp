@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -157,65 +156,6 @@ bool ImprintFit::shows_ellipse(Minimum& round) noexcept {
   return squares > options_.elliptic_sigmas * options_.elliptic_sigmas;
 }
 
-// As Fit::residual_pressure, about the ellipse: part by part, where it lies clearly above noise.
-double ImprintFit::residual_pressure(const Full& at) const noexcept {
-  struct Part {
-    double off = 0, taxels = 0;
-  };
-  std::array<Part, 16> parts;
-  const double half = 0.5 * at[Model::size] * at[Model::size], noise_pa = model_.noise().normal_pa;
-  const auto left = model_.residuals(), all_u = model_.u(), all_v = model_.v();
-  for (std::size_t i = 0; i < model_.count(); ++i) {
-    const double u = all_u[i], v = all_v[i];
-    Part& part = parts[(u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) + (std::fabs(u) > std::fabs(v) ? 4U : 0U) +
-                       (u * u + v * v > half ? 8U : 0U)];
-    part.off += noise_pa * left[i];
-    part.taxels += 1;
-  }
-  double squares = 0;
-  for (const Part& part : parts) squares += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
-  const double fitted = elliptic_ ? 6 : 4, free = static_cast<double>(parts.size()) - fitted;
-  const double by_noise = noise_pa * noise_pa;
-  if (squares < (free + fit_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
-  return std::sqrt((squares - free * by_noise) / static_cast<double>(model_.count())) / at[Model::peak];
-}
-
-// As Fit::ring_misfit: noise averages out in a ring, another history of the load does not.
-double ImprintFit::ring_misfit(const Full& at, std::span<const double> held) const noexcept {
-  constexpr std::size_t kRings = 12;
-  struct Ring {
-    double off = 0, held = 0, taxels = 0;
-  };
-  std::array<Ring, kRings> rings;
-  const contact::Ellipse ellipse = Model::ellipse_of(at, 1);
-  const double c = std::cos(ellipse.angle_rad), s = std::sin(ellipse.angle_rad);
-  const double pull_x = std::cos(at[Model::direction]), pull_y = std::sin(at[Model::direction]);
-  const double limit_pa = at[Model::peak] * at[Model::load] / (1 - at[Model::margin]);
-  const Model::Noise& noise = model_.noise();
-  const std::size_t n = model_.count();
-  const auto left = model_.residuals(), u = model_.u(), v = model_.v();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double along_a = (c * u[i] + s * v[i]) / ellipse.a_m, along_b = (c * v[i] - s * u[i]) / ellipse.b_m;
-    const auto which = static_cast<std::size_t>(std::hypot(along_a, along_b) * kRings);
-    Ring& ring = rings[std::min(which, kRings - 1)];
-    ring.off += noise.shear_pa * (pull_x * left[n + i] + pull_y * left[2 * n + i]);
-    ring.held += limit_pa * held[i];
-    ring.taxels += 1;
-  }
-  // What is left of the shear is noise and misfit: noise is hardly more than that of the pressure.
-  constexpr double kMostNoise = 1.5;
-  const double noise_pa = std::min(noise.shear_pa, kMostNoise * noise.normal_pa);
-  double misfit = 0;
-  int used = 0;
-  for (const Ring& ring : rings) {
-    if (ring.taxels < 1) continue;
-    const double uneven = fit_.uneven_share * ring.held;
-    misfit += ring.off * ring.off / (noise_pa * noise_pa * ring.taxels + uneven * uneven);
-    ++used;
-  }
-  return used > 0 ? misfit / used : 0;
-}
-
 void ImprintFit::place(const Full& at, FrameEstimate& out) noexcept {
   out.center_x_m = at[Model::center_x];
   out.center_y_m = at[Model::center_y];
@@ -227,8 +167,10 @@ bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noex
   const ScaledInverse<Square> inverse(minimum.normal.hessian);
   const double variance = inverse.variance(Model::margin), load_variance = inverse.variance(Model::load);
   if (!std::isfinite(variance)) return false;
+  const double load_sigmas = at[Model::load] / std::sqrt(load_variance);
+  if (!(load_sigmas > fit_.clear_load_sigmas)) return false;
   out.gamma = at[Model::margin];
-  out.sigma = std::sqrt(variance);
+  out.sigma = load_sigmas > fit_.faint_load_sigmas ? std::sqrt(variance) : 1;
   const double mobilised = 1 - out.gamma;
   out.friction = at[Model::load] / mobilised;
   out.friction_sigma =
@@ -302,11 +244,10 @@ void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, M
   const bool changed = depth_m_ > 0 && weights_change(Model::kRound, best);
   elliptic_ = shows_ellipse(best);
   if (elliptic_ || changed) minimise(unknowns(), best);
-  if (elliptic_ && depth_m_ > 0 && weights_change(unknowns(), best)) minimise(unknowns(), best);
+  if (elliptic_ && weights_change(unknowns(), best)) minimise(unknowns(), best);
 }
 
 void ImprintFit::fit_all(Minimum& best) noexcept {
-  const bool skin = depth_m_ > 0;
   model_.use_all();
   // At an end of its range the margin has no slope to come back by.
   best.at[Model::margin] = std::clamp(best.at[Model::margin], fit_.min_start, fit_.max_start);
@@ -318,11 +259,11 @@ void ImprintFit::fit_all(Minimum& best) noexcept {
     best.current = false;
     if (other.converged) best = other;
   }
-  if (skin && weights_change(unknowns(), best)) minimise(unknowns(), best);
+  if (weights_change(unknowns(), best)) minimise(unknowns(), best);
   if (!elliptic_ && shows_ellipse(best)) {
     elliptic_ = true;
     minimise(unknowns(), best);
-    if (skin && weights_change(unknowns(), best)) minimise(unknowns(), best);
+    if (weights_change(unknowns(), best)) minimise(unknowns(), best);
   }
   refresh(unknowns(), best);
 }
@@ -338,6 +279,20 @@ ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const Mom
   fit_all(best);
   fit_depth(best);
   return best;
+}
+
+// Of an ellipse without a skin no more than what is pressed: the disc is too short for it, and too wide. A
+// skin hides most of an ellipse.
+contact::Ellipse ImprintFit::reach_of(const ContactPatch& patch,
+                                      const HertzDeviation& deviation) const noexcept {
+  // As of the disc that forces are summed over, see PatchOptions.
+  constexpr double kReachFactor = 1.06, kReachSides = 0.71;
+  const double e = depth_m_ > 0 ? 0 : deviation.ellipticity;
+  const double beyond_m = kReachSides * layout_.side_m() + options_.reach_depths * depth_m_;
+  const auto axis_m = [&](double stretch) {
+    return kReachFactor * patch.radius_m * std::sqrt(stretch) + beyond_m;
+  };
+  return {axis_m(1 + e), axis_m(1 - e), deviation.long_axis_rad};
 }
 
 double ImprintFit::layer_sigma(const Full& at) const noexcept {
@@ -356,15 +311,10 @@ double ImprintFit::misfit_nats() const noexcept {
 }
 
 FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
-  // The disc that forces are summed over, see PatchOptions.
-  constexpr double kReachFactor = 1.06, kReachSides = 0.71;
   FrameEstimate out;
   steps_ = 0;
   elliptic_ = fitted_ = false;
-  model_.collect(
-      patch,
-      kReachFactor * patch.radius_m + kReachSides * layout_.side_m() + options_.reach_depths * depth_m_,
-      kFewTaxels);
+  model_.collect(patch, reach_of(patch, ratio.deviation), kFewTaxels);
   if (!(ratio.load > 0) || model_.count() < Model::kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
   fitted_ = true;

@@ -20,7 +20,9 @@
 #include <vector>
 
 #include "core/contact/scene.hpp"
+#include "core/contact/subsurface.hpp"
 #include "core/estimate/fit_options.hpp"
+#include "core/estimate/hertz_deviation.hpp"
 #include "core/estimate/imprint_model.hpp"
 #include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/method.hpp"
@@ -157,6 +159,8 @@ class ImprintFit {
   bool describe(const Minimum& minimum, FrameEstimate& out) const noexcept;
   // Centre and radius of the contact into `out`.
   static void place(const Full& at, FrameEstimate& out) noexcept;
+  // Where taxels show the contact.
+  contact::Ellipse reach_of(const ContactPatch& patch, const HertzDeviation& deviation) const noexcept;
   // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.
   double layer_sigma(const Full& at) const noexcept;
   void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;

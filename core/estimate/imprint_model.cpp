@@ -49,17 +49,18 @@ void ImprintModel::set_depth(double depth_m) noexcept {
   round_.set_depth(depth_m);
 }
 
-void ImprintModel::collect(const ContactPatch& patch, double reach_m, std::size_t all_below) noexcept {
+void ImprintModel::collect(const ContactPatch& patch, const contact::Ellipse& reach,
+                           std::size_t all_below) noexcept {
   collected_ = 0;
-  const auto take = [&](std::uint32_t i) { taxel_[collected_++] = i; };
-  if (!(depth_m_ > 0)) {
-    patch.for_each_inside(take);
-  } else {
-    const bool all = layout_.size() <= all_below;
-    for (std::uint32_t i = 0; i < layout_.size(); ++i) {
-      const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
-      if (all || x * x + y * y < reach_m * reach_m) take(i);
-    }
+  const bool all = layout_.size() <= all_below;
+  const double along_x = std::cos(reach.angle_rad) / reach.a_m,
+               along_y = std::sin(reach.angle_rad) / reach.a_m,
+               across_x = -std::sin(reach.angle_rad) / reach.b_m,
+               across_y = std::cos(reach.angle_rad) / reach.b_m;
+  for (std::uint32_t i = 0; i < layout_.size(); ++i) {
+    const double x = layout_.x_m()[i] - patch.center_x_m, y = layout_.y_m()[i] - patch.center_y_m;
+    const double u = along_x * x + along_y * y, v = across_x * x + across_y * y;
+    if (all || u * u + v * v < 1) taxel_[collected_++] = i;
   }
   for (std::size_t j = 0; j < collected_; ++j) {
     const std::uint32_t i = taxel_[j];

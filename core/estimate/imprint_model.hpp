@@ -56,9 +56,8 @@ class ImprintModel {
   void set_depth(double depth_m) noexcept;
   double depth_m() const noexcept { return depth_m_; }
 
-  // The taxels within reach_m of the patch's centre (all of a layout of at most all_below taxels); at depth 0
-  // those of its disc.
-  void collect(const ContactPatch& patch, double reach_m, std::size_t all_below) noexcept;
+  // The taxels within `reach` about the patch's centre (all of a layout of at most all_below taxels).
+  void collect(const ContactPatch& patch, const contact::Ellipse& reach, std::size_t all_below) noexcept;
   // All taxels, and no pressure or shear on them.
   void collect_nothing() noexcept;
 

@@ -122,19 +122,63 @@ TEST(ImprintFit, ReadsTiltedEllipsesUnderASkin) {
   EXPECT_GT(score.elliptic, 0.95);
 }
 
-TEST(Fit, ReadsTiltedEllipsesAtTheSurface) {
-  ImprintFrames frames(16, {.stretch = 1.6});
-  Fit fit(frames.layout(), {0.1, 0.9});
-  double error = 0, answered = 0;
-  for (int i = 0; i < 60; ++i) {
-    const ContactPatch& patch = frames.next();
-    const FrameEstimate estimate = fit.estimate(frames.frame(), patch);
-    if (!estimate.in_model) continue;
-    answered += 1;
-    error += std::fabs(estimate.gamma - frames.gamma);
+// The guide is 0.0045 on 32 x 32 and 0.012 on 16 x 16 (docs/accuracy.md), whatever the axes.
+TEST(Fit, ReadsTiltedEllipsesAtTheSurfaceAsWellAsSpheres) {
+  struct Case {
+    std::size_t side;
+    double axes, most_error;
+  };
+  for (const Case& of : {Case{16, 1.6, 0.02}, Case{32, 2, 0.0065}}) {
+    SCOPED_TRACE(of.side);
+    constexpr int kContacts = 60;
+    ImprintFrames frames(of.side, {.stretch = of.axes});
+    Fit fit(frames.layout(), {0.1, 0.9});
+    double error = 0, answered = 0, within_two = 0;
+    for (int i = 0; i < kContacts; ++i) {
+      const ContactPatch& patch = frames.next();
+      const FrameEstimate estimate = fit.estimate(frames.frame(), patch);
+      if (!estimate.in_model) continue;
+      answered += 1;
+      const double off = std::fabs(estimate.gamma - frames.gamma);
+      error += off;
+      within_two += off < 2 * estimate.sigma ? 1 : 0;
+    }
+    EXPECT_GT(answered, 0.95 * kContacts);
+    EXPECT_LT(error / answered, of.most_error);
+    EXPECT_NEAR(within_two / answered, 0.95, 0.07);
   }
-  EXPECT_GT(answered, 50);
-  EXPECT_LT(error / answered, 0.03);
+}
+
+// Shear that is hardly more than noise has other minima than the true margin's; the smallest friction that
+// the scene expects tells them apart.
+TEST(Fit, OfALightPullIsNoGrossSlip) {
+  const TaxelLayout layout = TaxelLayout::grid(32, 32, 0.0005);
+  std::vector<float> p(layout.size()), x(p), y(p);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PatchFinder finder(layout);
+  for (const double axes : {1.0, 1.5}) {
+    contact::ImprintSheet sheet(layout, {.stretch = axes});
+    Fit fit(layout, {0.1, 0.9});
+    int answered = 0;
+    for (int i = 0; i < 250; ++i) {
+      contact::LoadHistory contact(synthetic::paper_pair());
+      const double gamma = 0.995 + 0.004 * unit(random);
+      contact.move_to(3, 0, 0.4);
+      contact.move_to(3, (1 - gamma) * 0.4 * 3, 0.4);
+      sheet.feel(contact, 0, 0, 6.28 * unit(random), p, x, y);
+      const float width = 0.01F * *std::max_element(p.begin(), p.end());
+      for (auto* channel : {&p, &x, &y}) {
+        for (float& value : *channel) value += width * static_cast<float>(2 * unit(random) - 1);
+      }
+      const Frame frame{1, 1, p, x, y};
+      const FrameEstimate estimate = fit.estimate(frame, finder.find(frame));
+      if (!estimate.in_model) continue;
+      ++answered;
+      EXPECT_GT(estimate.gamma, 0.8) << gamma << " " << axes;
+    }
+    EXPECT_GT(answered, 10);
+  }
 }
 
 TEST(Fit, OfRoundContactsAtTheSurfaceIsThatWithoutEllipsesToTheLastDigit) {
@@ -177,7 +221,7 @@ Score score_at_wrong_depth(double taken, double depth_sigma) {
 TEST(ImprintFit, CorrectsADepthThatIsAQuarterWrong) {
   for (const double taken : {0.75, 1.25}) {
     const Score exact = score_at_wrong_depth(taken, 0), open = score_at_wrong_depth(taken, kUsualDepthSigma);
-    EXPECT_LT(open.bias, 0.6 * exact.bias) << taken;
+    EXPECT_LT(open.bias, 0.7 * exact.bias) << taken;
     EXPECT_GT(open.within_two, 0.95) << taken;
     EXPECT_GE(open.answered, exact.answered - 2) << taken;
   }
