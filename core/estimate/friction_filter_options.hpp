@@ -30,9 +30,9 @@ struct FrictionFilterOptions {
   // Time after which evidence of a force-only sensor has faded to 1/e; s, 0.5 … 100. Too small: friction is
   // forgotten between two slides. Too large: friction that changed unseen is given for longer.
   double forget_s = 5;
-  // Shear from which on a frame is weighed; sigmas, 3 … 20. Too small: noise is weighed, since only the
-  // frames that it raised come through. Too large: friction is learnt late.
-  double min_shear_sigmas = 6;
+  // Shear from which on a frame is weighed; sigmas, 3 … 20. Too small: noise is weighed, and shows a friction
+  // that no object has. Too large: friction is learnt late, on few taxels above all.
+  double min_shear_sigmas = 10;
 
   // Sigma of a frame's margin up to which it confirms that a load which was not seen was monotonic; Gamma,
   // 0.05 … 0.5. Too small: such a grasp gets no margin while its load is light. Too large: frames whose noise
