@@ -179,6 +179,8 @@ SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOption
                      {"noise", options.sensing.noise},
                      {"skin_mm", options.skin_mm},
                      {"depth_taken", options.depth_taken},
+                     {"axes", options.sensing.stretch},
+                     {"power", options.sensing.power},
                      {"base", name_of(options.base)},
                      {"base_taken", name_of(options.base_taken)},
                      {"frame_ms", 1e3 * options.sensing.frame_s}},
@@ -269,7 +271,8 @@ void add_histories(CLI::App& app, const Common& common) {
       ->check(CLI::Range(2, 200))
       ->capture_default_str();
   command
-      ->add_option("--methods", options->methods, "methods, out of auto, moments, fit, registered, svd-knn")
+      ->add_option("--methods", options->methods,
+                   "methods, out of auto, moments, fit, closing, block-fit, registered, svd-knn")
       ->delimiter(',')
       ->check(CLI::IsMember(kMethods))
       ->capture_default_str();
@@ -288,6 +291,16 @@ void add_histories(CLI::App& app, const Common& common) {
                    "friction that stays constant")
       ->transform(CLI::CheckedTransformer(kGiven, CLI::ignore_case))
       ->default_str("none");
+  command
+      ->add_option("--axes", options->sensing.stretch,
+                   "long over short axis of the contact, which lies in any direction to the pull")
+      ->check(CLI::Range(1.0, 3.0))
+      ->capture_default_str();
+  command
+      ->add_option("--power", options->sensing.power,
+                   "n of an object whose gap grows as r^n: 2 is a sphere, 8 is nearly flat")
+      ->check(CLI::Range(2.0, 8.0))
+      ->capture_default_str();
   const auto add_base = [&](const char* option, SkinBase& base, const char* about) {
     command->add_option(option, base, about)
         ->transform(CLI::CheckedTransformer(kBases, CLI::ignore_case))

@@ -46,9 +46,12 @@ StatisticsByMove drive(const Grasp& grasp, const slipd::TaxelLayout& layout, con
   TrialFrames frames(layout, sensing.kind, sensing.noise);
   FrictionTrace trace(layout, object.x_m, object.y_m);
   std::optional<contact::ImprintSheet> imprint;
-  if (skin.depth_m > 0)
-    imprint.emplace(layout,
-                    contact::Imprint{.depth_m = skin.depth_m, .bonded_poisson = skin.bonded_poisson()});
+  const contact::Imprint felt{.depth_m = skin.depth_m,
+                              .bonded_poisson = skin.bonded_poisson(),
+                              .stretch = sensing.stretch,
+                              .angle_rad = 2 * grasp.direction_rad,  // any to the pull
+                              .power = sensing.power};
+  if (!felt.plain()) imprint.emplace(layout, felt);
   StatisticsByMove tallies;
   Estimate estimate;
   std::uint64_t sequence = 0;

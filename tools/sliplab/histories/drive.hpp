@@ -16,6 +16,7 @@ struct Sampling {
   slipd::NoiseKind kind = slipd::NoiseKind::sensor;  // what the noise is a fraction of
   double noise = 0.01;                               // half-width, a fraction of the frame's largest pressure
   double frame_s = 0.005;                            // time from frame to frame, s
+  double stretch = 1, power = 2;                     // the contact's shape, see contact::Imprint
   // Whether the estimator receives the frame of this number, from 1; empty: it receives all.
   std::function<bool(std::uint64_t)> comes = {};
   // Changes a frame before the estimator receives it; empty: frames are as sensed.
