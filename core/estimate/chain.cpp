@@ -248,12 +248,13 @@ struct EstimatorChain::Impl {
     const double unlike = felt ? estimate.shape_sigma : moment_ratio(patch, setup.layout).deviation.sigma();
     if (unlike < (felt ? kUnlikeFelt : kUnlikeSigma)) return estimate;
     FrameEstimate by_closing = closing->estimate(frame, patch);
-    if (!by_closing.in_model || (!felt && estimate.in_model && estimate.sigma < by_closing.sigma))
+    const bool moments_by_closing = std::isfinite(by_closing.moments_sigma.slip_moment_n);
+    if (!by_closing.in_model || (!felt && estimate.in_model && estimate.sigma < by_closing.sigma)) {
+      if (moments_by_closing) estimate.take_moments(by_closing);
       return estimate;
+    }
     shape_by = closing->name();
-    by_closing.moments = estimate.moments;
-    by_closing.moments_sigma = estimate.moments_sigma;
-    by_closing.moments_common_sigma = estimate.moments_common_sigma;
+    if (!moments_by_closing) by_closing.take_moments(estimate);
     return by_closing;
   }
 

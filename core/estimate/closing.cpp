@@ -35,11 +35,15 @@ double Closing::force_n(const ContactPatch& patch) const noexcept {
 
 void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (!(patch.normal_n > 0) || patch.normal_n < options_.least_force_sigmas * patch.normal_sigma_n) return;
-  if (patch.shear_n > (skin_ ? options_.most_shear_felt : options_.most_shear) * patch.normal_n &&
-      patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n)
-    return;
   const double normal_n = force_n(patch);
-  if (!(normal_n > 0)) return;
+  if (skin_ && patch.shear_n > options_.most_shear * patch.normal_n &&
+      patch.shear_n > options_.pull_sigmas * patch.shear_sigma_n)
+    pulled_n_ = std::max(pulled_n_, normal_n);
+  if (!(normal_n > 0) || normal_n < options_.outgrown * pulled_n_) return;
+  const bool pulled =
+      patch.shear_n > (skin_ ? options_.most_shear_felt : options_.most_shear) * patch.normal_n &&
+      patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n;
+  if (pulled && (skin_ || !grown(patch, normal_n))) return;
   // Under a skin only while the force rises: the first of a pull in a held grip would be taken for what
   // pressing is felt as.
   if ((!skin_ || normal_n > most_n_) && maps_.frames_like(normal_n) < options_.enough_frames)
@@ -48,9 +52,14 @@ void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (skin_) skin_->prepare(maps_, kFilteredInClosing, maps_.slot_of(normal_n));
 }
 
+bool Closing::grown(const ContactPatch& patch, double normal_n) const noexcept {
+  return recorded(normal_n) && normal_n > maps_.force_n(maps_.size() - 1) &&
+         maps_.frames_like(normal_n) < options_.enough_frames && unmoved(patch, maps_.at(normal_n));
+}
+
 bool Closing::recorded(double normal_n) const noexcept {
   return maps_.size() >= options_.least_maps && maps_.force_n(0) <= options_.most_first_force * normal_n &&
-         normal_n <= options_.most_growth * (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
+         normal_n <= options_.most_step * (skin_ ? most_n_ : maps_.force_n(maps_.size() - 1));
 }
 
 bool Closing::unmoved(const ContactPatch& patch, const ClosingMaps::Sum& today) const noexcept {
@@ -134,11 +143,25 @@ const Closing::Trial* Closing::best_trial() const noexcept {
   return best;
 }
 
+double Closing::unexplained_share(const Squares& squares) const noexcept {
+  if (!(squares.excess_pa2 > options_.clear_sigmas * squares.noise_pa2)) return 0;
+  return std::sqrt(squares.excess_pa2 / std::max(squares.explained_pa2, squares.excess_pa2));
+}
+
+void Closing::give_moments(const ClosingSuperposition& sum, const Squares& squares,
+                           FrameEstimate& out) const noexcept {
+  if (unexplained_share(squares) > options_.most_unexplained) return;
+  out.moments = sum.moments();
+  out.moments_sigma = sum.sigma();
+  out.moments_common_sigma = sum.common_sigma();
+  if (!skin_ || !(sum.shear_n() > 0)) return;
+  out.normal_n = sum.normal_n();
+  out.shear_n = sum.shear_n();
+}
+
 void Closing::conclude(const ContactPatch& patch, const Trial& best, const Squares& squares,
                        FrameEstimate& out) const noexcept {
-  const bool clear = squares.excess_pa2 > options_.clear_sigmas * squares.noise_pa2;
-  const double unexplained =
-      clear ? std::sqrt(squares.excess_pa2 / std::max(squares.explained_pa2, squares.excess_pa2)) : 0;
+  const double unexplained = unexplained_share(squares);
   if (unexplained > options_.most_unexplained) return;
   weigh(out);
   if (!out.in_model) return;
@@ -156,6 +179,33 @@ void Closing::conclude(const ContactPatch& patch, const Trial& best, const Squar
   out.radius_m = patch.radius_m;
 }
 
+bool Closing::superpose(const ContactPatch& patch, const ClosingMaps::PerMap& products,
+                        double shear_square_pa2, ClosingSuperposition& out) const noexcept {
+  const double floor_pa2 = std::numeric_limits<double>::min();
+  ClosingSuperposition::Read sums{
+      .products = {},
+      .noise_shares = {},
+      .felt = {},
+      .shear_pa2 = shear_square_pa2,
+      .values = static_cast<double>(layout_.size()),
+      .noise_pa2 = std::max(patch.noise_shear_pa * patch.noise_shear_pa, floor_pa2),
+      .map_noise_pa2 = patch.noise_normal_pa * patch.noise_normal_pa};
+  std::array<ClosingMaps::Sum, ClosingSuperposition::kTerms> terms;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    terms[i] = maps_.at(ClosingSuperposition::kShares[i] * patch.normal_n);
+    for (std::size_t k = 0; k < ClosingMaps::Sum::kTerms; ++k)
+      out.add(i, maps_.force_n(terms[i].map[k]), terms[i].weight[k]);
+    const auto row = static_cast<Eigen::Index>(i);
+    sums.felt[row] = ClosingMaps::product(terms[i], products);
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      sums.noise_shares(row, column) = sums.noise_shares(column, row) = maps_.noise_share(terms[i], terms[j]);
+      sums.products(row, column) = sums.products(column, row) = maps_.product_pa2(terms[i], terms[j], 0);
+    }
+  }
+  return out.solve(sums);
+}
+
 FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcept {
   if (skin_) return estimate_felt(patch);
   FrameEstimate out;
@@ -170,14 +220,22 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
         patch.direction_x * patch.taxels.shear_y_pa[i] - patch.direction_y * patch.taxels.shear_x_pa[i];
     across_pa2 += across_pa * across_pa;
   }
+  const auto taxels = static_cast<double>(layout_.size());
+  // Shear across the pull is none of a load that came in one direction.
+  across_pa2 = std::max(0.0, across_pa2 - taxels * patch.noise_shear_pa * patch.noise_shear_pa);
   const ClosingMaps::PerMap products = maps_.products(shear_pa_);
+  if (ClosingSuperposition sum(patch.normal_n); superpose(patch, products, shear_square_pa2, sum)) {
+    const double noise_pa2 = patch.noise_shear_pa * patch.noise_shear_pa;
+    give_moments(sum,
+                 {.excess_pa2 = sum.excess_pa2() + across_pa2,
+                  .noise_pa2 = noise_pa2 * std::sqrt(2 * taxels),
+                  .explained_pa2 = shear_square_pa2 - taxels * noise_pa2 - sum.excess_pa2()},
+                 out);
+  }
   for (std::size_t i = 0; i < kSteps; ++i)
     trials_[i] = judge(gamma_of(i), patch, today, products, shear_square_pa2);
   const Trial* const best = best_trial();
   if (best == nullptr) return out;
-  const auto taxels = static_cast<double>(layout_.size());
-  // Shear across the pull is none of a load that came in one direction.
-  across_pa2 = std::max(0.0, across_pa2 - taxels * patch.noise_shear_pa * patch.noise_shear_pa);
   conclude(patch, *best,
            {.excess_pa2 = best->residual_pa2 - best->noise_pa2 * taxels + across_pa2,
             .noise_pa2 = best->noise_pa2 * std::sqrt(2 * taxels),
@@ -227,22 +285,47 @@ double Closing::sigma_by_depth(const ContactPatch& patch, std::size_t best, doub
   return by_depth_;
 }
 
+bool Closing::read_felt(const ContactPatch& patch, double normal_n, FeltFrame& out) noexcept {
+  skin_->prepare(maps_, kFilteredAtOnce);
+  if (!skin_->ready(maps_)) return false;
+  skin_->read(patch.taxels, maps_, normal_n);
+  out.best = judge_felt(patch);
+  out.sum = ClosingSuperposition(normal_n);
+  out.summed = skin_->superpose(maps_, normal_n, patch.direction_x, patch.direction_y, out.sum);
+  if (out.summed)
+    return skin_->unlike_superposed(maps_, patch.direction_x, patch.direction_y) < options_.most_unlike;
+  return out.best < kSteps && skin_->unlike(maps_, out.best, skin_->pull(out.best)) < options_.most_unlike;
+}
+
 FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
   FrameEstimate out;
   const double normal_n = force_n(patch);
   if (!recorded(normal_n)) return out;
-  skin_->prepare(maps_, kFilteredAtOnce);
-  if (!skin_->ready(maps_)) return out;
-  skin_->read(patch.taxels, maps_, normal_n);
-  const std::size_t step = judge_felt(patch);
-  if (step == kSteps) return out;
-  const Trial best = trials_[step];
-  const ClosingSkin::Pull pull = skin_->pull(step);
-  if (skin_->unlike(maps_, step, pull) > options_.most_unlike) return out;
-  if (skin_->history_gain(step, pull) > options_.most_history_gain) return out;
+  FeltFrame felt;
+  if (!read_felt(patch, normal_n, felt)) return out;
+  // The grip has tightened since it closed.
+  if (normal_n > options_.most_growth * most_n_) {
+    if (!felt.summed) return out;
+    maps_.add(skin_->without_pull(maps_), normal_n);
+    most_n_ = normal_n;
+    if (!read_felt(patch, normal_n, felt)) return out;
+  }
   const auto values = static_cast<double>(2 * layout_.size());
   // The variance of noise is itself measured, on differences that have neighbours in common.
   constexpr double kOfMeasuredNoise = 4.8;
+  if (felt.summed) {
+    const double noise_pa2 = skin_->shear_pa2(), excess_pa2 = felt.sum.excess_pa2();
+    give_moments(felt.sum,
+                 {.excess_pa2 = excess_pa2,
+                  .noise_pa2 = noise_pa2 * std::sqrt(2 * kOfMeasuredNoise * values),
+                  .explained_pa2 = skin_->square_pa2() - values * noise_pa2 - excess_pa2},
+                 out);
+  }
+  const std::size_t step = felt.best;
+  if (step == kSteps) return out;
+  const Trial best = trials_[step];
+  const ClosingSkin::Pull pull = skin_->pull(step);
+  if (skin_->history_gain(step, pull) > options_.most_history_gain) return out;
   conclude(patch, best,
            {.excess_pa2 = best.residual_pa2 - skin_->shear_pa2() * values,
             .noise_pa2 = best.noise_pa2 * std::sqrt(2 * kOfMeasuredNoise * values),

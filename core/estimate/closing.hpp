@@ -16,6 +16,7 @@
 #include "core/contact/scene.hpp"
 #include "core/estimate/closing_maps.hpp"
 #include "core/estimate/closing_skin.hpp"
+#include "core/estimate/closing_superposition.hpp"
 #include "core/estimate/friction_prior.hpp"
 #include "core/estimate/method.hpp"
 
@@ -33,6 +34,11 @@ struct ClosingOptions {
   // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
   // the beginning of a pull is taken for what pressing is felt as.
   double most_shear_felt = 0.005;
+  // Under a skin a shear above most_shear and so many standard deviations is a pull, which leaves traction in
+  // the contact where its own force has gone: nothing is recorded then up to this factor of its normal force;
+  // 4 … 8 and 1.2 … 4. Too small: what is left is taken for what pressing is felt as. Too large: a touch that
+  // hooks ends the recording.
+  double pull_sigmas = 5, outgrown = 2;
   // Normal force below which a frame is not recorded; standard deviations, 3 … 30. Too small: maps of noise.
   // Too large: margins near gross slip have no map.
   double least_force_sigmas = 8;
@@ -45,9 +51,13 @@ struct ClosingOptions {
   // The greatest force of the first map, over the frame's; 0.05 … 0.5. Too large: the beginning of the
   // closing was not recorded, and small margins are extrapolated. Too small: slow sensors get no margin.
   double most_first_force = 0.25;
-  // The frame's force may exceed the greatest recorded one by this factor; 1 … 1.2. Too small: noise takes
-  // the margin away. Too large: the contact has grown beyond its maps.
-  double most_growth = 1.05;
+  // Under a skin the frame's force may exceed the greatest recorded one by this factor; 1.001 … 1.05. Too
+  // small: noise of forces makes maps of loaded frames. Too large: the contact has grown beyond its maps.
+  double most_growth = 1.005;
+  // Beyond that, frames with a pull are recorded, too, if their pressure is the one that the maps go on to,
+  // up to this factor; 1.1 … 1.5. Too small: a quick regrip takes the margin away. Too large: maps do not go
+  // on so far, and a contact that has moved meanwhile is taken for one that has grown.
+  double most_step = 1.2;
   // 1 - cos^2 between the frame's pressure and the map of its force, beyond noise; 0.001 … 0.05. Too small:
   // real skins that creep get no margin. Too large: a contact that has moved or rolled since gets one.
   double most_unlike = 0.01;
@@ -100,7 +110,7 @@ class Closing final : public SlipMethod {
   // Another contact: its closing is recorded anew.
   void forget() noexcept override {
     maps_.clear();
-    most_n_ = 0;
+    most_n_ = pulled_n_ = 0;
     if (skin_) skin_->forget();
     asked_at_gamma_ = std::numeric_limits<double>::infinity();
   }
@@ -132,6 +142,8 @@ class Closing final : public SlipMethod {
   // force of each contact.
   double force_n(const ContactPatch& patch) const noexcept;
   bool recorded(double normal_n) const noexcept;
+  // Whether the grip has tightened since it closed. Its pressure is that of closing, whatever pulls.
+  bool grown(const ContactPatch& patch, double normal_n) const noexcept;
   bool unmoved(const ContactPatch& patch, const ClosingMaps::Sum& today) const noexcept;
   Trial judge(double gamma, const ContactPatch& patch, const ClosingMaps::Sum& today,
               const ClosingMaps::PerMap& products, double shear_square_pa2) const noexcept;
@@ -142,6 +154,13 @@ class Closing final : public SlipMethod {
   // Best of the trials; null: none.
   const Trial* best_trial() const noexcept;
   FrameEstimate estimate_felt(const ContactPatch& patch) noexcept;
+  struct FeltFrame {
+    std::size_t best = kSteps;  // trial; kSteps: none
+    ClosingSuperposition sum{1};
+    bool summed = false;
+  };
+  // False if maps are not ready, or the contact has moved.
+  bool read_felt(const ContactPatch& patch, double normal_n, FeltFrame& out) noexcept;
   double sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept;
   // Fills sigma and friction of `out` from the likelihood. excess: sum of squares that noise does not
   // explain, explained: that the pull does, noise: the deviation of the first; Pa^2.
@@ -150,6 +169,14 @@ class Closing final : public SlipMethod {
   };
   void conclude(const ContactPatch& patch, const Trial& best, const Squares& squares,
                 FrameEstimate& out) const noexcept;
+  // The shear moments of any history, and under a skin the forces, if the maps explain the shear.
+  void give_moments(const ClosingSuperposition& sum, const Squares& squares,
+                    FrameEstimate& out) const noexcept;
+  // Without a skin. products: of maps and shear. False: nothing is known.
+  bool superpose(const ContactPatch& patch, const ClosingMaps::PerMap& products, double shear_square_pa2,
+                 ClosingSuperposition& out) const noexcept;
+  // The share of the shear that is not explained, where that is clearly more than noise; else 0.
+  double unexplained_share(const Squares& squares) const noexcept;
   void weigh(FrameEstimate& out) const noexcept;
   void give_profile(FrameEstimate& out) const noexcept;
 
@@ -159,6 +186,7 @@ class Closing final : public SlipMethod {
   ClosingMaps maps_;
   std::optional<ClosingSkin> skin_;  // of a depth above 0
   double most_n_ = 0;                // the greatest force that was recorded
+  double pulled_n_ = 0;              // under a skin: the greatest force with a pull, N
   std::vector<float> shear_pa_;      // along the pull
   std::array<Trial, kSteps> trials_;
   // How much Gamma changes with the depth's standard deviation, and at which Gamma that was found.

@@ -129,20 +129,20 @@ double ClosingMaps::product(const Sum& sum, const PerMap& products) noexcept {
   return out;
 }
 
-double ClosingMaps::square_pa2(const Sum& sum, double noise_pa) const noexcept {
-  double square = 0;
+double ClosingMaps::product_pa2(const Sum& a, const Sum& b, double noise_pa) const noexcept {
+  double product = 0;
   for (std::size_t i = 0; i < Sum::kTerms; ++i) {
     for (std::size_t j = 0; j < Sum::kTerms; ++j)
-      square += sum.weight[i] * sum.weight[j] * products_[order_[sum.map[i]]][order_[sum.map[j]]];
+      product += a.weight[i] * b.weight[j] * products_[order_[a.map[i]]][order_[b.map[j]]];
   }
-  return square - static_cast<double>(taxels_) * noise_pa * noise_pa * noise_share(sum);
+  return product - static_cast<double>(taxels_) * noise_pa * noise_pa * noise_share(a, b);
 }
 
-double ClosingMaps::noise_share(const Sum& sum) const noexcept {
+double ClosingMaps::noise_share(const Sum& a, const Sum& b) const noexcept {
   double share = 0;
   for (std::size_t i = 0; i < Sum::kTerms; ++i) {
     for (std::size_t j = 0; j < Sum::kTerms; ++j) {
-      if (sum.map[i] == sum.map[j]) share += sum.weight[i] * sum.weight[j] / frames(sum.map[i]);
+      if (a.map[i] == b.map[j]) share += a.weight[i] * b.weight[j] / frames(a.map[i]);
     }
   }
   return share;

@@ -65,11 +65,15 @@ class ClosingMaps {
   PerMap products(std::span<const float> values) const noexcept;
   // The same of a sum of maps, from what products() gave.
   static double product(const Sum& sum, const PerMap& products) noexcept;
-  // The sum over taxels of the squares of a sum of maps, Pa^2, less what noise adds to it.
+  // The sum over taxels of the products of two sums of maps, Pa^2, less what noise adds to it.
   // noise_pa: standard deviation of one taxel in one frame.
-  double square_pa2(const Sum& sum, double noise_pa) const noexcept;
-  // Variance of one taxel of a sum of maps, over that of a frame's.
-  double noise_share(const Sum& sum) const noexcept;
+  double product_pa2(const Sum& a, const Sum& b, double noise_pa) const noexcept;
+  double square_pa2(const Sum& sum, double noise_pa) const noexcept {
+    return product_pa2(sum, sum, noise_pa);
+  }
+  // Covariance of one taxel of two sums of maps, over the variance of a frame's; variance of one sum.
+  double noise_share(const Sum& a, const Sum& b) const noexcept;
+  double noise_share(const Sum& sum) const noexcept { return noise_share(sum, sum); }
 
  private:
   struct Map {

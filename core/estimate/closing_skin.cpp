@@ -1,5 +1,6 @@
 #include "core/estimate/closing_skin.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -208,15 +209,16 @@ void ClosingSkin::smooth(const ClosingMaps& maps) noexcept {
     for (Eigen::Index j = 0; j <= size; ++j) covariance(i, j) = covariance_of(roots_[i], roots_[j]);
     covariance(i, i) += kNoise * kNoise * (i < size ? per_frames_[i] : 1e-3);
   }
-  covariance_.compute(covariance);
+  inverse_.setIdentity(size + 1, size + 1);
+  const Eigen::LLT<Eigen::Ref<Square>> solved(covariance);
+  solved.solveInPlace(inverse_);
 }
 
 ClosingSkin::Weights ClosingSkin::at(double normal_n) const noexcept {
   const double root = std::sqrt(normal_n / last_n_);
-  Weights weights(roots_.size());
-  for (Eigen::Index i = 0; i < roots_.size(); ++i) weights[i] = covariance_of(root, roots_[i]);
-  covariance_.solveInPlace(weights);
-  return weights;
+  Weights alike(roots_.size());
+  for (Eigen::Index i = 0; i < roots_.size(); ++i) alike[i] = covariance_of(root, roots_[i]);
+  return inverse_.lazyProduct(alike);
 }
 
 void ClosingSkin::read(const TaxelView& taxels, const ClosingMaps& maps, double normal_n) noexcept {
@@ -283,7 +285,7 @@ double ClosingSkin::history_gain(std::size_t trial, const Pull& pull) const noex
   const double friction = std::hypot(pull.x, pull.y);
   if (!(friction > 0)) return 0;
   const double c = pull.x / friction, s = pull.y / friction;
-  const Square along = c * c * of_xx_ + 2 * c * s * of_xy_ + s * s * of_yy_;
+  const Square along = of_pulls(c, s);
   const Weights read = c * of_x_ + s * of_y_;
   const auto square = [&](const Slipping& of) { return c * c * of.xx + 2 * c * s * of.xy + s * s * of.yy; };
   const Slipping& found = trials_[trial];
@@ -304,14 +306,64 @@ double ClosingSkin::history_gain(std::size_t trial, const Pull& pull) const noex
   return gain;
 }
 
+bool ClosingSkin::superpose(const ClosingMaps& maps, double normal_n, double direction_x, double direction_y,
+                            ClosingSuperposition& out) noexcept {
+  const Square along = of_pulls(direction_x, direction_y);
+  const Weights read = direction_x * of_x_ + direction_y * of_y_;
+  std::array<Weights, ClosingSuperposition::kTerms> terms;
+  const auto values = static_cast<double>(2 * taxels_);
+  ClosingSuperposition::Read sums{.products = {},
+                                  .noise_shares = {},
+                                  .felt = {},
+                                  .shear_pa2 = square_pa2_,
+                                  .values = values,
+                                  .noise_pa2 = std::max(shear_pa2_, std::numeric_limits<double>::min()),
+                                  .map_noise_pa2 = 0.5 * normal_pa2_ * ratio_.noise_gain()};
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    terms[i] = at(ClosingSuperposition::kShares[i] * normal_n);
+    const auto row = static_cast<Eigen::Index>(i);
+    sums.felt[row] = terms[i].dot(read);
+    for (std::size_t map = 0; map < maps.size(); ++map)
+      out.add(i, maps.force_n(map), terms[i][static_cast<Eigen::Index>(map)]);
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      const double share = terms[i].cwiseProduct(per_frames_).dot(terms[j]);
+      sums.noise_shares(row, column) = sums.noise_shares(column, row) = share;
+      sums.products(row, column) = sums.products(column, row) = product(along, terms[i], terms[j]);
+    }
+  }
+  if (!out.solve(sums)) return false;
+  superposed_.setZero(roots_.size());
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    superposed_ += out.friction()[static_cast<Eigen::Index>(i)] * terms[i];
+  return true;
+}
+
 double ClosingSkin::unlike(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept {
-  const Weights& slipping = trials_[trial].weights;
-  add(pressure_pa_, -pull.x, maps, slipping, ClosingMaps::shear_x);
-  add(pressure_pa_, -pull.y, maps, slipping, ClosingMaps::shear_y);
-  const double noise_pa2 = normal_pa2_ * (1 + noise_share(today_)) +
-                           (pull.x * pull.x + pull.y * pull.y) * shear_pa2_ * trials_[trial].noise_share;
+  return unlike(maps, trials_[trial].weights, pull.x, pull.y);
+}
+
+double ClosingSkin::unlike_superposed(const ClosingMaps& maps, double direction_x,
+                                      double direction_y) noexcept {
+  return unlike(maps, superposed_, direction_x, direction_y);
+}
+
+double ClosingSkin::unlike(const ClosingMaps& maps, const Weights& slipping, double friction_x,
+                           double friction_y) noexcept {
+  add(pressure_pa_, -friction_x, maps, slipping, ClosingMaps::shear_x);
+  add(pressure_pa_, -friction_y, maps, slipping, ClosingMaps::shear_y);
+  const double noise_pa2 =
+      normal_pa2_ * (1 + noise_share(today_)) +
+      (friction_x * friction_x + friction_y * friction_y) * shear_pa2_ * noise_share(slipping);
   const double off_pa2 = dot(pressure_pa_, pressure_pa_) / static_cast<double>(taxels_);
   return map_pa2_ > 0 ? (off_pa2 - noise_pa2) / map_pa2_ : std::numeric_limits<double>::infinity();
+}
+
+TaxelView ClosingSkin::without_pull(const ClosingMaps& maps) noexcept {
+  add(pressure_pa_, 1, maps, today_, ClosingMaps::normal);
+  const std::span<float> felt = std::span(scratch_).first(2 * taxels_);
+  ratio_.press(pressure_pa_, felt.first(taxels_), felt.last(taxels_));
+  return {pressure_pa_.data(), felt.data(), felt.data() + taxels_};
 }
 
 void ClosingSkin::deepen(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept {

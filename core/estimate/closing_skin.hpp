@@ -5,7 +5,6 @@
 // nothing allocates after construction.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
@@ -16,6 +15,7 @@
 
 #include "core/contact/scene.hpp"
 #include "core/estimate/closing_maps.hpp"
+#include "core/estimate/closing_superposition.hpp"
 #include "core/estimate/kernel_ratio.hpp"
 #include "core/estimate/skin_depth.hpp"
 #include "core/frame/layout.hpp"
@@ -58,10 +58,18 @@ class ClosingSkin {
   double pressing_share() const noexcept { return pressing_share_; }
   // Variance of the noise of one of its values, Pa^2.
   double shear_pa2() const noexcept { return shear_pa2_; }
+  // What was read as a sum of maps, under any history of a load along a direction of length 1. False: it is
+  // not known. read() has its normal_n.
+  bool superpose(const ClosingMaps& maps, double normal_n, double direction_x, double direction_y,
+                 ClosingSuperposition& out) noexcept;
 
   // The sum of squares of the pressure's difference from today's map, beyond noise, over that of the map. The
   // pressure that the pull is felt as is left out: pressing is felt as shear by the same kernel.
   double unlike(const ClosingMaps& maps, std::size_t trial, const Pull& pull) noexcept;
+  // The same with the pull that superpose() has found.
+  double unlike_superposed(const ClosingMaps& maps, double direction_x, double direction_y) noexcept;
+  // After that: what the frame would read without the pull, for another map; until the next call.
+  TaxelView without_pull(const ClosingMaps& maps) noexcept;
 
   // Changes what was read so that pull() gives what it would if the taxels lay deeper or less deep by
   // kDeeper, of the log of the depth.
@@ -91,11 +99,18 @@ class ClosingSkin {
   void smooth(const ClosingMaps& maps) noexcept;
   // The map of a force as a sum of all, by Gaussian process regression.
   Weights at(double normal_n) const noexcept;
+  // of_xx_, of_xy_ and of_yy_ of pulls along a direction.
+  Square of_pulls(double direction_x, double direction_y) const noexcept {
+    return direction_x * direction_x * of_xx_ + 2 * direction_x * direction_y * of_xy_ +
+           direction_y * direction_y * of_yy_;
+  }
   static double product(const Square& of, const Weights& a, const Weights& b) noexcept {
     return a.dot(of.lazyProduct(b));
   }
   double noise_share(const Weights& weights) const noexcept { return weights.cwiseAbs2().dot(per_frames_); }
   void multiply(const ClosingMaps& maps) noexcept;
+  double unlike(const ClosingMaps& maps, const Weights& slipping, double friction_x,
+                double friction_y) noexcept;
   double noise_of(std::span<const float> values) const noexcept;
 
   std::size_t taxels_, columns_, rows_;
@@ -108,10 +123,10 @@ class ClosingSkin {
   Products xx_{}, xy_{}, yy_{};                              // of pulls along x and y by two slots, Pa^2
 
   // Of all maps, when all are filtered.
-  std::uint64_t smoothed_ = 0;  // the newest version
-  double last_n_ = 0;           // the force of the last map
-  Weights roots_, per_frames_;  // of the force over the last one's; 1 over the frames
-  Eigen::LLT<Square> covariance_;
+  std::uint64_t smoothed_ = 0;    // the newest version
+  double last_n_ = 0;             // the force of the last map
+  Weights roots_, per_frames_;    // of the force over the last one's; 1 over the frames
+  Square inverse_;                // of the covariance
   Square of_xx_, of_xy_, of_yy_;  // xx_, xy_ and yy_ in order of the forces
 
   // Of the frame.
@@ -129,6 +144,7 @@ class ClosingSkin {
   };
   std::vector<Slipping> trials_;
   Weights of_x_, of_y_;  // products of the shear with what is felt of the maps
+  Weights superposed_;   // of the maps, with friction
 };
 
 }  // namespace slipd

@@ -65,6 +65,16 @@ struct FrameEstimate {
   // a skin. 0: not known.
   double noise_normal_pa = 0, noise_shear_pa = 0;
   MarginProfile profile;  // of methods that weigh every margin, where the frame leaves it open
+
+  // Another method's shear moments of the same frame, and the forces that they are of.
+  void take_moments(const FrameEstimate& from) noexcept {
+    moments = from.moments;
+    moments_sigma = from.moments_sigma;
+    moments_common_sigma = from.moments_common_sigma;
+    if (!(from.shear_n > 0)) return;
+    normal_n = from.normal_n;
+    shear_n = from.shear_n;
+  }
 };
 
 class SlipMethod {

@@ -202,15 +202,85 @@ TEST_F(ClosedFeltGrip, GivesNoMarginForAContactThatHasMoved) {
 }
 
 TEST_F(ClosedFeltGrip, GivesNoMarginBeyondTheForcesThatWereSeenOrForAnotherContact) {
-  EXPECT_FALSE(estimate(grip_.feel(1.2 * FeltGrip::kGrip_n, 0.5, 0.6, 0)).in_model);
+  EXPECT_FALSE(estimate(grip_.feel(1.4 * FeltGrip::kGrip_n, 0.5, 0.6, 0)).in_model);
   closing_.forget();
   EXPECT_FALSE(estimate(grip_.pulled(0.3, 0.6, 1.1)).in_model);
 }
 
+// A load that has turned back: to 0.8 of what friction holds, and back to `to` of it.
+contact::LoadHistory turned_back(double friction, double to) {
+  contact::LoadHistory contact(synthetic::paper_pair());
+  const double most_n = friction * FeltGrip::kGrip_n;
+  contact.move_to(FeltGrip::kGrip_n, 0, friction);
+  contact.move_to(FeltGrip::kGrip_n, 0.8 * most_n, friction);
+  contact.move_to(FeltGrip::kGrip_n, to * most_n, friction);
+  return contact;
+}
+
+TEST_F(ClosedFeltGrip, GivesForcesAndShearMomentsOfLoadsThatTurnedBack) {
+  for (const double to : {0.5, 0.2, -0.4}) {
+    const contact::LoadHistory contact = turned_back(0.6, to);
+    const FrameEstimate estimated = estimate(grip_.feel(contact, 1.1, 0.4e-3));
+    // By the discs that the load's history leaves.
+    contact::ShearMoments truth;
+    for (const contact::DiscTerm& disc : contact.shear_terms()) {
+      const double x = disc.radius_m / contact.contact_radius_m(), u = x * x;
+      const double force_n = disc.coefficient * contact.normal_n() * x * u;
+      truth.slip_moment_n += force_n * (5.0 / 3 - u);
+      truth.second_legendre_n += force_n * (48.0 / 35 * u * u - 12.0 / 5 * u + 1);
+    }
+    const double sign = to < 0 ? -1 : 1;  // moments are signed along the shear
+    EXPECT_NEAR(estimated.shear_n, std::fabs(contact.shear_n()), 0.02 * FeltGrip::kGrip_n) << to;
+    const contact::ShearMoments& sigma = estimated.moments_sigma;
+    EXPECT_LT(sigma.slip_moment_n, 0.04 * FeltGrip::kGrip_n) << to;
+    EXPECT_NEAR(estimated.moments.slip_moment_n, sign * truth.slip_moment_n, 3 * sigma.slip_moment_n) << to;
+    EXPECT_NEAR(estimated.moments.second_legendre_n, sign * truth.second_legendre_n,
+                3 * sigma.second_legendre_n)
+        << to;
+  }
+}
+
+// Shear that is locked in must not be taken for what pressing is felt as.
+TEST_F(ClosedFeltGrip, RecordsNothingWhereALoadHasGoneAgain) {
+  const Felt loaded = grip_.pulled(0.2, 0.6, 1.1), gone = grip_.feel(turned_back(0.6, 0), 1.1, 0.4e-3);
+  grip_.sense(loaded);
+  for (int i = 0; i < 30; ++i) {
+    for (const Felt& felt : {loaded, gone}) {
+      const ContactPatch& patch = grip_.sense(felt);
+      closing_.observe(grip_.frame(), patch);
+    }
+  }
+  const Felt pulled = grip_.pulled(0.3, 0.6, 1.1);
+  for (int i = 0; i < 5; ++i) {
+    const FrameEstimate estimated = estimate(pulled);
+    ASSERT_TRUE(estimated.in_model);
+    EXPECT_LT(std::fabs(estimated.gamma - 0.3), 3 * estimated.sigma);
+  }
+}
+
+TEST_F(ClosedFeltGrip, GivesMarginsOfAGripThatTightensUnderAPull) {
+  constexpr double kShear_n = 0.9, kFriction = 0.6, kStep = 1.04;
+  double error = 0;
+  int asked = 0;
+  for (double normal_n = FeltGrip::kGrip_n; normal_n < 2 * FeltGrip::kGrip_n; normal_n *= kStep) {
+    const double gamma = 1 - kShear_n / (kFriction * normal_n);
+    const FrameEstimate estimated = estimate(grip_.feel(normal_n, kShear_n, kFriction, 1.1));
+    ASSERT_TRUE(estimated.in_model) << normal_n;
+    EXPECT_LT(estimated.gamma - gamma, 0.1) << normal_n;
+    EXPECT_NEAR(estimated.normal_n, normal_n, 0.02 * normal_n);
+    EXPECT_NEAR(estimated.shear_n, kShear_n, 0.02 * normal_n);
+    error += std::fabs(estimated.gamma - gamma);
+    ++asked;
+  }
+  EXPECT_LT(error / asked, 0.08);
+  RecordProperty("mean error", std::to_string(error / asked));
+}
+
 TEST_F(ClosedFeltGrip, AllocatesNothing) {
-  const Felt pulled = grip_.pulled(0.3, 0.6, 1.1), held = grip_.closing()[40];
+  const Felt pulled = grip_.pulled(0.3, 0.6, 1.1), held = grip_.closing()[40],
+             tightened = grip_.feel(1.15 * FeltGrip::kGrip_n, 0.9, 0.6, 1.1);
   ASSERT_TRUE(estimate(pulled).in_model);
-  for (const Felt& felt : {pulled, held}) {
+  for (const Felt& felt : {pulled, held, tightened}) {
     const ContactPatch& patch = grip_.sense(felt);
     const std::uint64_t before = test::allocations();
     closing_.observe(grip_.frame(), patch);
@@ -252,6 +322,39 @@ TEST(Chains, UnderASkinReadTwoContactsByTheirClosing) {
     EXPECT_LT(error / answered, 0.1);
     RecordProperty("mean error", std::to_string(error / answered));
   }
+}
+
+// A load that rises, goes back, turns and rises again, of a friction that is not told.
+TEST(Chains, UnderASkinReadAnyHistoryByTheClosing) {
+  FeltGrip grip(16, {.depth_m = 1e-3, .stretch = 1.5});
+  EstimatorChain chain(under_skin(grip.layout(), MethodChoice::closing), nullptr);
+  for (const Felt& felt : grip.closing()) {
+    grip.sense(felt);
+    chain.estimate(grip.frame());
+  }
+  constexpr double kFriction = 0.5, kMost_n = kFriction * FeltGrip::kGrip_n,
+                   kTurns[] = {0.85, 0.1, -0.7, 0.3};
+  contact::LoadHistory contact(synthetic::paper_pair());
+  contact.move_to(FeltGrip::kGrip_n, 0, kFriction);
+  int asked = 0, answered = 0;
+  double error = 0, load = 0;
+  for (const double to : kTurns) {
+    const double step = to > load ? 0.025 : -0.025;
+    for (; std::fabs(load - to) > 1e-6; load += step) {
+      contact.move_to(FeltGrip::kGrip_n, (load + step) * kMost_n, kFriction);
+      grip.sense(grip.feel(contact, 0.4, 0.4e-3));
+      const Estimate estimate = chain.estimate(grip.frame());
+      ++asked;
+      if (!estimate.gamma) continue;
+      ++answered;
+      error += std::fabs(*estimate.gamma - contact.safety_margin());
+      EXPECT_LT(*estimate.gamma - contact.safety_margin(), 0.15) << to << ", " << load;
+    }
+  }
+  EXPECT_GE(answered, 0.55 * asked);
+  EXPECT_LT(error / answered, 0.05);
+  RecordProperty("answered", std::to_string(answered) + " of " + std::to_string(asked));
+  RecordProperty("mean error", std::to_string(error / answered));
 }
 
 TEST(Chains, UnderASkinUseClosingOnRegularGridsOnly) {

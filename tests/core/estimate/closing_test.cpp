@@ -242,6 +242,67 @@ TEST_F(ClosedGrip, GivesNoMarginForALoadThatWasReversed) {
   EXPECT_FALSE(closing_.estimate(frame, finder.find(frame)).in_model);
 }
 
+// A load to half of what friction holds that then turned back, by sums over all taxels: in a Hertz contact
+// they are the moments of 7.7 in units of its ellipse.
+TEST_F(ClosedGrip, GivesTheShearMomentsOfALoadThatTurnedBack) {
+  constexpr double kNormal_n = 3, kCoefficient = 0.5, kAxes = 1.7, kX_m = 0.3e-3, kY_m = -0.2e-3;
+  const TaxelLayout& layout = pad_.layout();
+  const auto shear_of = [&](double gamma) {
+    const ContactPatch& patch = pad_.feel(shape_, kNormal_n, gamma, kCoefficient, 0);
+    return std::vector<float>(patch.taxels.shear_x_pa, patch.taxels.shear_x_pa + layout.size());
+  };
+  std::vector<float> x = shear_of(0.4);
+  const std::vector<float> back = shear_of(0.8);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] -= back[i];
+  Frame frame = pad_.frame();
+  frame.shear_x_pa = x;
+  PatchFinder finder(layout);
+  const FrameEstimate estimate = closing_.estimate(frame, finder.find(frame));
+
+  double slip_n = 0, legendre_n = 0;
+  const auto add = [&](double share, double sign) {
+    const double mean_m = 2e-3 * std::cbrt(kNormal_n);
+    const std::vector<float>& part = shape_.averages(layout, share * kNormal_n, kX_m, kY_m);
+    for (std::size_t i = 0; i < layout.size(); ++i) {
+      const double u = (layout.x_m()[i] - kX_m) / mean_m, v = (layout.y_m()[i] - kY_m) / mean_m;
+      const double r2 = u * u / kAxes + v * v * kAxes,
+                   force_n = sign * kCoefficient * layout.area_m2() * static_cast<double>(part[i]);
+      slip_n += force_n * (5.0 / 3 - 5.0 / 2 * r2);
+      legendre_n += force_n * (6 * r2 * r2 - 6 * r2 + 1);
+    }
+  };
+  add(0.8, 1);
+  add(0.4, -1);
+  ASSERT_TRUE(std::isfinite(estimate.moments_sigma.slip_moment_n));
+  EXPECT_LT(estimate.moments_sigma.slip_moment_n, 0.05);
+  EXPECT_NEAR(estimate.moments.slip_moment_n, slip_n, 3 * estimate.moments_sigma.slip_moment_n);
+  EXPECT_NEAR(estimate.moments.second_legendre_n, legendre_n, 3 * estimate.moments_sigma.second_legendre_n);
+  EXPECT_NEAR(estimate.moments.slip_moment_n, slip_n, 0.02 * kNormal_n);
+  EXPECT_NEAR(estimate.moments.second_legendre_n, legendre_n, 0.02 * kNormal_n);
+}
+
+TEST_F(ClosedGrip, GivesMarginsOfAGripThatTightensUnderAPull) {
+  EXPECT_FALSE(pull(5, 0.5).in_model);
+  double normal_n = 4;
+  for (double gamma = 0.3; normal_n < 8; normal_n *= 1.1, gamma += 0.05) {
+    const ContactPatch& patch = pad_.feel(shape_, normal_n, gamma, 0.5, 1);
+    closing_.observe(pad_.frame(), patch);
+    const FrameEstimate estimate = closing_.estimate(pad_.frame(), patch);
+    ASSERT_TRUE(estimate.in_model) << normal_n;
+    EXPECT_NEAR(estimate.gamma, gamma, 0.05) << normal_n;
+  }
+}
+
+TEST_F(ClosedGrip, RecordsNoContactThatHasMovedWhileTheGripTightens) {
+  double normal_n = 4;
+  for (int i = 1; i < 6; ++i) {
+    normal_n *= 1.1;
+    const ContactPatch& patch = pad_.feel(shape_, normal_n, 0.5, 0.5, 1, 0.3e-3 + 1e-3 * i);
+    closing_.observe(pad_.frame(), patch);
+    EXPECT_FALSE(closing_.estimate(pad_.frame(), patch).in_model);
+  }
+}
+
 TEST_F(ClosedGrip, AllocatesNothing) {
   const ContactPatch& patch = pad_.feel(shape_, 3, 0.3, 0.5, 1);
   const std::uint64_t before = test::allocations();
