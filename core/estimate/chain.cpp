@@ -55,7 +55,7 @@ struct EstimatorChain::Impl {
       : turning_load(s.layout),
         setup(s),
         model(std::move(m)),
-        finder(s.layout),
+        finder(s.layout, patch_options(s)),
         plausibility(s.layout, plausibility_limits(s)),
         method(s.sensor_class == SensorClass::normal ? nullptr : make_method(s, model, work_precision)),
         closing(make_closing_beside(s)),
@@ -279,7 +279,7 @@ struct EstimatorChain::Impl {
         pad_forces ? acting_forces.of_pad(pad_forces->of(patch, frame_estimate), patch, loaded, out)
                    : acting_forces.of(patch, loaded, frame_estimate, out);
     tracker.update(acting, shaped ? &frame_estimate : nullptr, shape_by, out, course,
-                   shared_shear ? &shared_shear->update(patch) : nullptr);
+                   shared_shear ? &shared_shear->update(frame, patch) : nullptr);
     const bool given_value = setup.friction && setup.friction->is_value();  // needs no history
     if (setup.estimator.tracking && !given_value) widen_by_unseen_motion(patch, out);
     if (!method && course.field.internal_share > kMaxInternalShare) refuse_margin(State::out_of_model, out);

@@ -133,6 +133,12 @@ std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup) {
   return make_closing(setup);
 }
 
+PatchOptions patch_options(const ChainSetup& setup) {
+  PatchOptions options;
+  options.fill_dead_taxels = !std::isinf(setup.scene.skin.radius_m);
+  return options;
+}
+
 std::unique_ptr<SharedShear> make_shared_shear(const ChainSetup& setup) {
   const std::size_t taxels = setup.layout.size();
   const bool flat = setup.sensor_class == SensorClass::array3 && std::isinf(setup.scene.skin.radius_m);

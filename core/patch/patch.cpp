@@ -149,7 +149,7 @@ std::size_t PatchFinder::refine() noexcept {
 // the contact too small.
 DeadTaxelTest PatchFinder::dead_taxel_test() const noexcept {
   const double a = patch_.radius_m;
-  if (a < options_.dead_min_radius_sides * layout_.side_m()) return {};
+  if (!options_.fill_dead_taxels || a < options_.dead_min_radius_sides * layout_.side_m()) return {};
   if (patch_.noise_normal_pa > options_.dead_max_noise_share * peak_pa_) return {};
   return {static_cast<float>(options_.dead_below_share * peak_pa_),
           static_cast<float>(options_.dead_within_share * a * a)};

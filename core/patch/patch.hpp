@@ -103,6 +103,8 @@ struct PatchOptions {
   // Too small: noise of a few taxels scatters. Too large: sensors with other noise in shear are misjudged.
   std::size_t min_free_taxels = 8;
 
+  // Whether neighbours stand for dead taxels. Not on pads that feel flat objects: those have hollows.
+  bool fill_dead_taxels = true;
   // A taxel that feels less than this, of the peak, within this of the contact, of a^2, is dead; 0 … 0.3, 0 …
   // 0.9. There a Hertz contact nowhere feels less than 0.45 of its peak. Too small: dead taxels stay. Too
   // large: hollow contacts are filled.

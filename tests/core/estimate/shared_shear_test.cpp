@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kPitch_m = 0.007, kNoise_n = 1e-4, kFriction = 0.6;
 using Shares = std::array<double, 9>;
-constexpr Shares kUneven{0.4, 0.6, 0.7, 0.9, 1.0, 1.1, 1.3, 1.4, 1.6}, kEven{1, 1, 1, 1, 1, 1, 1, 1, 1};
+constexpr Shares kUneven{0.4, 0.6, 0.7, 0.9, 1.0, 1.1, 1.3, 1.4, 1.6}, kEven{1, 1, 1, 1, 1, 1, 1, 1, 1},
+    kRough{0.2, 0.3, 0.5, 0.8, 1.0, 1.2, 1.5, 1.7, 1.8};
 
 // Nine pillars whose pressures and shears are set.
 class Pad {
@@ -37,19 +38,25 @@ class Pad {
     }
     return carried;
   }
-  // Shear along x.
-  const MarginProfile& feel(double normal_n, const Shares& shear_n) {
+  // Shear at an angle to x.
+  const MarginProfile& feel(double normal_n, const Shares& shear_n, double angle_rad = 0) {
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
       normal_pa_[i] = static_cast<float>(pressed_[i] * normal_n / layout_.area_m2());
-      shear_x_pa_[i] = static_cast<float>(shear_n[i] / layout_.area_m2());
+      shear_x_pa_[i] = static_cast<float>(std::cos(angle_rad) * shear_n[i] / layout_.area_m2());
+      shear_y_pa_[i] = static_cast<float>(std::sin(angle_rad) * shear_n[i] / layout_.area_m2());
     }
     ContactPatch patch;
     patch.in_contact = true;
     patch.normal_n = normal_n;
-    patch.shear_x_n = patch.shear_n = std::accumulate(shear_n.begin(), shear_n.end(), 0.0);
+    patch.shear_n = std::accumulate(shear_n.begin(), shear_n.end(), 0.0);
     patch.noise_shear_pa = kNoise_n / layout_.area_m2();
-    patch.taxels = TaxelView{normal_pa_.data(), shear_x_pa_.data(), shear_y_pa_.data(), nullptr, nullptr, 9};
-    return shared_.update(patch);
+    const Frame frame{.sequence = 1,
+                      .time_ns = 0,
+                      .normal_pa = normal_pa_,
+                      .shear_x_pa = shear_x_pa_,
+                      .shear_y_pa = shear_y_pa_,
+                      .zeroed = true};
+    return shared_.update(frame, patch);
   }
   const MarginProfile& feel_pull(double normal_n, double share) {
     return feel(normal_n, pull_n(normal_n, share * normal_n));
@@ -87,10 +94,10 @@ TEST(SharedShear, OfPillarsThatSlipOneByOneShowsTheMargin) {
   }
 }
 
-TEST(SharedShear, OfAPadThatIsPressedEvenlyShowsNothing) {
+TEST(SharedShear, OfAPadThatIsPressedEvenlyShowsNoSlip) {
   Pad pad(kEven);
   const MarginProfile& profile = pad.pull_up_to(5, 0.95 * kFriction);
-  EXPECT_LT(most(profile), 0.5);
+  EXPECT_LT(profile.at(0.9), 0.5);
 }
 
 TEST(SharedShear, OfPressingIsNoPull) {
@@ -112,26 +119,89 @@ TEST(SharedShear, IsNotReadWhileThePullFalls) {
   EXPECT_FALSE(pad.feel_pull(5, 0.6 * kFriction).known);
 }
 
-// A layer evens out half of the pattern. It is then read by how far it has gone.
+// What taxels under a layer feel of it: less of the pattern, and less of all at its edges.
+Shares under_layer(const Shares& carried) {
+  constexpr Shares kFelt{0.7, 1, 0.75, 1, 1.6, 0.95, 0.75, 1, 0.7};
+  const double mean = std::accumulate(carried.begin(), carried.end(), 0.0) / 9;
+  Shares felt{};
+  for (std::size_t i = 0; i < felt.size(); ++i) felt[i] = kFelt[i] * (mean + 0.4 * (carried[i] - mean));
+  return felt;
+}
+
 TEST(SharedShear, UnderALayerFallsWithTheMargin) {
-  const auto spread = [](Shares carried) {
-    const double mean = std::accumulate(carried.begin(), carried.end(), 0.0) / 9;
-    for (double& of : carried) of = mean + 0.5 * (of - mean) + 0.03 * mean;
-    return carried;
-  };
   std::vector<double> read;
   for (const double margin : {0.5, 0.25, 0.05}) {
-    Pad pad(kUneven);
+    Pad pad(kRough);
     for (int i = 0; i < 20; ++i) pad.feel(5, {});
     const MarginProfile* profile = nullptr;
     for (double share = 0.01; share < kFriction * (1 - margin); share += 0.01)
-      profile = &pad.feel(5, spread(pad.pull_n(5, share * 5)));
+      profile = &pad.feel(5, under_layer(pad.pull_n(5, share * 5)));
     ASSERT_TRUE(profile->known);
     read.push_back(likeliest(*profile));
   }
   EXPECT_GT(read[0], read[1]);
   EXPECT_GT(read[1], read[2]);
   EXPECT_LT(read[2], 0.35);
+}
+
+// Shares of a pull that stay as they are, whatever they are, are those of taxels that stick.
+TEST(SharedShear, ThatStaysAsItBeganIsNoSlip) {
+  constexpr Shares kMiddle{0.9, 1, 0.9, 1, 1.3, 1, 0.9, 1, 0.9};
+  for (const Shares& shares : {under_layer(kEven), kEven, kMiddle}) {
+    const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
+    Pad pad(kUneven);
+    for (int i = 0; i < 20; ++i) pad.feel(5, {});
+    const MarginProfile* profile = nullptr;
+    for (double pull_n = 0.05; pull_n < 2; pull_n += 0.05) {
+      Shares felt = shares;
+      for (double& shear_n : felt) shear_n *= pull_n / sum;
+      profile = &pad.feel(5, felt);
+    }
+    ASSERT_TRUE(profile->known);
+    EXPECT_GT(likeliest(*profile), 0.4);
+    EXPECT_GT(profile->at(0.05), 4);
+  }
+}
+
+// Edges of a pad under a layer feel less of pressure and pull alike, which is no slip.
+TEST(SharedShear, ThatWentWithThePressureFromTheBeginningIsNoSlip) {
+  constexpr Shares kMiddle{0.9, 1, 0.9, 1, 1.3, 1, 0.9, 1, 0.9};
+  Pad pad(kMiddle);
+  for (int i = 0; i < 20; ++i) pad.feel(5, {});
+  const MarginProfile* profile = nullptr;
+  for (double share = 0.01; share < 0.35; share += 0.01) {
+    Shares felt = kMiddle;
+    for (double& shear_n : felt) shear_n *= share * 5 / 8.9;
+    profile = &pad.feel(5, felt);
+  }
+  ASSERT_TRUE(profile->known);
+  EXPECT_GT(likeliest(*profile), 0.2);
+  EXPECT_GT(profile->at(0.05), 1);
+}
+
+// A layer passes shear on along the pull and across it in other shares.
+TEST(SharedShear, SaysLessWhenThePullHasTurned) {
+  std::vector<double> sure;
+  for (const double angle_rad : {0.0, 1.0}) {
+    Pad pad(kUneven);
+    for (int i = 0; i < 20; ++i) pad.feel(5, {});
+    for (double share = 0.01; share < 0.2; share += 0.01) pad.feel(5, under_layer(pad.pull_n(5, share * 5)));
+    const MarginProfile& profile = pad.feel(5, under_layer(pad.pull_n(5, 0.97 * kFriction * 5)), angle_rad);
+    ASSERT_TRUE(profile.known);
+    sure.push_back(most(profile));
+  }
+  EXPECT_LT(sure[1], 0.6 * sure[0]);
+}
+
+// Taxels that carry many times the pull against each other.
+TEST(SharedShear, StaysFiniteWhateverTaxelsCarry) {
+  Pad pad(kUneven);
+  for (int i = 0; i < 20; ++i) pad.feel(5, {});
+  for (double share = 0.01; share < 0.2; share += 0.01) pad.feel_pull(5, share);
+  Shares wild{300, -300, 200, -200, 100, -100, 50, -50, 2};
+  const MarginProfile& profile = pad.feel(5, wild);
+  ASSERT_TRUE(profile.known);
+  for (const double misfit : profile.misfit) EXPECT_TRUE(std::isfinite(misfit));
 }
 
 TEST(SharedShear, NeedsAFewTaxels) {
