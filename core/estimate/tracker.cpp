@@ -7,6 +7,9 @@
 namespace slipd {
 namespace {
 
+// Of sigma_max, what a margin's sigma may be before all that widens it is known.
+constexpr double kBelow = 0.95;
+
 FrictionPrior prior_of(Range expected, const std::optional<KnownFriction>& friction,
                        const FrictionPriorOptions& options) {
   if (friction) return {.expected = friction->range, .spread = options.given_spread};
@@ -69,13 +72,22 @@ void Tracker::give_limit(const ContactPatch& patch, Estimate& out) const noexcep
 // given leaves nothing open.
 MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
   if (given_value_) return margin;
-  constexpr double kBelow = 0.95;  // leaves room for what else widens sigma
   double down = margin.sigma;
   if (std::log(friction_.range.high / friction_.range.low) <= options_.narrow_range) {
     const double most = kBelow * settings_.sigma_max;
     if (margin.sigma < most) down = std::min(down, std::sqrt(most * most - margin.sigma * margin.sigma));
   }
   return {std::max(0.0, margin.mean - down), std::hypot(margin.sigma, down)};
+}
+
+// A posterior too wide for a Gaussian of sigma_max may still lie between bounds that are no farther apart
+// than four sigmas, and lower than two. Then one sigma above the lower bound is told, the safe side.
+MeanSigma Tracker::within_bounds(MeanSigma lowered, MeanSigma margin, double load) const noexcept {
+  if (!force_only_ || !bounds_ || given_value_ || lowered.sigma <= settings_.sigma_max) return lowered;
+  const double sigma = kBelow * settings_.sigma_max;
+  const double most = std::max(0.0, 1 - load / bounds_->high), least = std::max(0.0, 1 - load / bounds_->low);
+  if (most > 4 * sigma || margin.mean > least + 2 * sigma) return lowered;
+  return {std::min(margin.mean, least + sigma), sigma};
 }
 
 // Below the load's maximum all sticks: friction may have fallen to what taxels still carry, and nothing shows
@@ -144,7 +156,7 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   if (!shaped || fallen) {
     // Forces alone never show how near slip is until it has come, nor does one frame how far friction has
     // fallen: the lower part of the posterior is given.
-    margin = lowered(margin);
+    margin = within_bounds(lowered(margin), margin, load);
     if (shaped && doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
     if (frame_estimate != nullptr && frame_estimate->load_fallen)
       widen_by_unseen_fall(load, *frame_estimate, margin);

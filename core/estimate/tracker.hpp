@@ -113,6 +113,9 @@ class Tracker {
                             MeanSigma& margin) const noexcept;
   // What forces alone leave of the margin, on the safe side of its middle.
   MeanSigma lowered(MeanSigma margin) const noexcept;
+  // `lowered`, or where that is too wide and the bounds of friction leave `margin` near 0 all the same, a low
+  // margin. `load`: |Q|/P.
+  MeanSigma within_bounds(MeanSigma lowered, MeanSigma margin, double load) const noexcept;
   void give_friction(Estimate& out) const noexcept;
   void give_limit(const ContactPatch& patch, Estimate& out) const noexcept;
 

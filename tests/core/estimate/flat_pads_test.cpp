@@ -254,6 +254,42 @@ TEST(FlatPads, AnswerUnderASkinAsWithoutOne) {
   }
 }
 
+// Whatever friction is within its range, the margin is small: told on the safe side.
+TEST(FlatPads, HaveALowMarginWhereTheRangeAloneLeavesItNearZero) {
+  for (const double load : {0.52, 0.6, 0.8}) {
+    Finger finger(finger_setup());
+    Estimate said;
+    for (int i = 0; i < frames_of(2); ++i) {
+      const double pulled = std::clamp(2 * (time_of(i) - 1.5), 0.0, 1.0);
+      said =
+          finger.feel({.normal_n = gripped_n(time_of(i)), .pull_n = pulled * load * gripped_n(time_of(i))});
+      if (said.state == State::ok && pulled * load > kFriction.low) {
+        EXPECT_LT(*said.gamma, 0.25) << pulled * load;
+      }
+    }
+    ASSERT_EQ(said.state, State::ok) << load;
+    EXPECT_NE(said.alert, Alert::none) << load;
+  }
+}
+
+// A pillar that hardly touches amid the others is no dead taxel that neighbours would stand for.
+TEST(FlatPads, FeelWhatTheirPillarsFeelAlsoInAHollow) {
+  for (const double hollow_n : {0.3, 0.03, 0.0}) {
+    Finger finger(finger_setup());
+    Estimate said;
+    for (int i = 0; i < frames_of(2); ++i) {
+      std::vector<double> row;
+      for (std::size_t taxel = 0; taxel < 9; ++taxel) {
+        const double normal_n = time_of(i) < 0.5 ? 0 : taxel == 4 ? hollow_n : 0.6;
+        row.insert(row.end(), {0.1 * normal_n, 0.0, normal_n});
+      }
+      said = finger.feel_row(row);
+    }
+    EXPECT_NEAR(said.normal_n.value(), 8 * 0.6 + hollow_n, 1e-3) << hollow_n;
+    EXPECT_NEAR(said.shear_n.value(), 0.1 * (8 * 0.6 + hollow_n), 1e-3) << hollow_n;
+  }
+}
+
 TEST(FlatPads, AlertByTheSafeMarginWhereThatIsWanted) {
   ChainSetup setup = finger_setup();
   setup.friction = KnownFriction(Range{0.1, 1});
