@@ -13,6 +13,8 @@ namespace {
 // longer.
 constexpr double kSoonS = 0.03;
 constexpr double kSoonFrames = 3;
+// Times are whole frames but for their rounding, s.
+constexpr double kRoundingS = 1e-9;
 
 double percent_of(std::size_t count, std::size_t all) {
   return all > 0 ? 100 * static_cast<double>(count) / static_cast<double>(all) : 0;
@@ -56,7 +58,7 @@ AlertLine count_alerts(const PresetBench& bench, bool friction_known, const std:
     const double delay_s = *trial.first_alert_s - *trial.gross_slip_s;
     delays_s.push_back(delay_s);
     line.before += delay_s < 0 ? 1 : 0;
-    line.soon += delay_s <= soon_s ? 1 : 0;
+    line.soon += delay_s <= soon_s + kRoundingS ? 1 : 0;
     if (delay_s >= 0 && trial.slid_m) slid_m.push_back(*trial.slid_m);
   }
   line.median_slid_m = median_of(std::move(slid_m));
