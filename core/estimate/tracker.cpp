@@ -81,13 +81,13 @@ MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
 }
 
 // A posterior too wide for a Gaussian of sigma_max may still lie between bounds that are no farther apart
-// than four sigmas, and lower than two. Then one sigma above the lower bound is told, the safe side.
+// than four sigmas, and lower than two. Then its mean is told one of its own deviations down, the safe side.
 MeanSigma Tracker::within_bounds(MeanSigma lowered, MeanSigma margin, double load) const noexcept {
   if (!force_only_ || !bounds_ || given_value_ || lowered.sigma <= settings_.sigma_max) return lowered;
   const double sigma = kBelow * settings_.sigma_max;
   const double most = std::max(0.0, 1 - load / bounds_->high), least = std::max(0.0, 1 - load / bounds_->low);
   if (most > 4 * sigma || margin.mean > least + 2 * sigma) return lowered;
-  return {std::min(margin.mean, least + sigma), sigma};
+  return {std::max(least, lowered.mean), sigma};
 }
 
 // Below the load's maximum all sticks: friction may have fallen to what taxels still carry, and nothing shows
