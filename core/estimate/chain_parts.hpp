@@ -44,9 +44,11 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup, const std::shar
 // cannot be used.
 std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup);
 
+// Flat skins keep the hollows of flat objects; elsewhere neighbours stand for dead taxels.
+PatchOptions patch_options(const ChainSetup& setup);
+
 // For a flat skin whose friction is not known to a value; null for other sensors, and with too few or too
 // many taxels.
-PatchOptions patch_options(const ChainSetup& setup);
 std::unique_ptr<SharedShear> make_shared_shear(const ChainSetup& setup);
 
 // Bounds of a^3/P = 3 R/(4 E*) over the contacts that the scene expects; for the stiffest one against the
