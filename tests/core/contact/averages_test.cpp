@@ -21,7 +21,7 @@ double by_lines(double radius, double u, double v, double side) {
   const auto area = [](double half_width,
                        double y) {  // of the half disc x^2 + z^2 < half_width^2, z > 0, up to x = y
     const double c = std::clamp(y, -half_width, half_width);
-    return 0.5 * (c * std::sqrt(half_width * half_width - c * c) +
+    return 0.5 * (c * std::sqrt(std::max(0.0, half_width * half_width - c * c)) +
                   half_width * half_width * std::asin(c / half_width));
   };
   double sum = 0;
