@@ -19,6 +19,10 @@
 namespace slipd {
 namespace {
 
+bool flat(const ChainSetup& setup) {
+  return std::isinf(setup.scene.skin.radius_m);
+}
+
 std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& options = {}) {
   return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), options,
                                setup.scene.skin.depth_m, setup.scene.skin.depth_sigma,
@@ -59,8 +63,7 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
 }  // namespace
 
 bool only_forces(const ChainSetup& setup) {
-  return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 ||
-         std::isinf(setup.scene.skin.radius_m);
+  return setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1 || flat(setup);
 }
 
 ChainSetup with_felt_skin(const ChainSetup& setup) {
@@ -135,15 +138,15 @@ std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup) {
 
 PatchOptions patch_options(const ChainSetup& setup) {
   PatchOptions options;
-  options.fill_dead_taxels = !std::isinf(setup.scene.skin.radius_m);
+  options.fill_dead_taxels = !flat(setup);
   return options;
 }
 
 std::unique_ptr<SharedShear> make_shared_shear(const ChainSetup& setup) {
   const std::size_t taxels = setup.layout.size();
-  const bool flat = setup.sensor_class == SensorClass::array3 && std::isinf(setup.scene.skin.radius_m);
+  const bool pad = setup.sensor_class == SensorClass::array3 && flat(setup);
   const bool given_value = setup.friction && setup.friction->is_value();
-  if (!flat || given_value || taxels < SharedShear::kLeastTaxels || taxels > SharedShear::kMostTaxels)
+  if (!pad || given_value || taxels < SharedShear::kLeastTaxels || taxels > SharedShear::kMostTaxels)
     return nullptr;
   return std::make_unique<SharedShear>(setup.layout);
 }
@@ -151,7 +154,7 @@ std::unique_ptr<SharedShear> make_shared_shear(const ChainSetup& setup) {
 PlausibilityLimits plausibility_limits(const ChainSetup& setup) {
   PlausibilityLimits limits{
       .full_scale = setup.full_scale.value_or(default_full_scale(setup.sensor_class, setup.layout)),
-      .flat = std::isinf(setup.scene.skin.radius_m)};
+      .flat = flat(setup)};
   if (only_forces(setup) || setup.sensor_class != SensorClass::array3) return limits;
   const auto objects = setup.scene.objects.empty() ? paper_objects() : setup.scene.objects;
   const contact::Body skin = contact::body_of(setup.scene.skin);

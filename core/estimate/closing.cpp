@@ -222,10 +222,10 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
   }
   const auto taxels = static_cast<double>(layout_.size());
   // Shear across the pull is none of a load that came in one direction.
-  across_pa2 = std::max(0.0, across_pa2 - taxels * patch.noise_shear_pa * patch.noise_shear_pa);
+  const double noise_pa2 = patch.noise_shear_pa * patch.noise_shear_pa;
+  across_pa2 = std::max(0.0, across_pa2 - taxels * noise_pa2);
   const ClosingMaps::PerMap products = maps_.products(shear_pa_);
   if (ClosingSuperposition sum(patch.normal_n); superpose(patch, products, shear_square_pa2, sum)) {
-    const double noise_pa2 = patch.noise_shear_pa * patch.noise_shear_pa;
     give_moments(sum,
                  {.excess_pa2 = sum.excess_pa2() + across_pa2,
                   .noise_pa2 = noise_pa2 * std::sqrt(2 * taxels),

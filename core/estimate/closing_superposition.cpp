@@ -11,7 +11,7 @@ namespace {
 // the friction filter believes one frame. Too large: it learns slowly.
 constexpr double kMomentsFloor = 0.01;
 // Friction of a term, standard deviation: traction between two of them is at most twice the contact's; 0.3 …
-// 1. Too small: reversed loads come out as less. Too large: moments are told as less sure than they are.
+// 1. Too small: reversed loads come out too small. Too large: the moments' deviations are too large.
 constexpr double kUsualFriction = 0.5;
 
 }  // namespace

@@ -91,7 +91,8 @@ void FrictionFilter::forget_lighter(const ContactPatch& patch) noexcept {
   grasp_.lighter_n = patch.normal_n;
 }
 
-// No friction that may be holds it: what the load showed on its way there was no friction either.
+// More than the greatest expected friction holds: something hooks. What the load showed of friction while it
+// rose to that is forgotten.
 void FrictionFilter::watch_hook() noexcept {
   const MeanSigma load = traction_ratio_.held().load;
   const double highest = grid_.friction(grid_.count() - 1), lowest = grid_.friction(0);

@@ -161,7 +161,7 @@ struct FrictionFilterOptions {
   // (FieldCourse::internal_share); share, 0.05 … 0.5. Quiet grasps of real pillars reach 0.066. Too small:
   // slides of a real skin say nothing. Too large: a hooked or turned contact is taken for friction.
   double max_internal_share = 0.1;
-  // |Q|/P of a force-only sensor above this times the greatest friction that may be is no friction: something
+  // |Q|/P of a force-only sensor above this times the greatest expected friction is no friction: something
   // hooks; 1.2 … 5, and by how many standard deviations; 0 … 10. What it showed is forgotten, and nothing is
   // learnt until the load is below the least friction. Too small: an object of more friction than was
   // expected counts as hooked. Too large: a hook is learnt as friction.

@@ -81,7 +81,8 @@ MeanSigma Tracker::lowered(MeanSigma margin) const noexcept {
 }
 
 // A posterior too wide for a Gaussian of sigma_max may still lie between bounds that are no farther apart
-// than four sigmas, and lower than two. Then its mean is told one of its own deviations down, the safe side.
+// than four sigmas, and lower than two. The margin is then its mean less its standard deviation, which is the
+// safe side.
 MeanSigma Tracker::within_bounds(MeanSigma lowered, MeanSigma margin, double load) const noexcept {
   if (!force_only_ || !bounds_ || given_value_ || lowered.sigma <= settings_.sigma_max) return lowered;
   const double sigma = kBelow * settings_.sigma_max;
