@@ -220,13 +220,14 @@ void FlightRecorder::write(Track& track, bool last) {
     return trouble ? trouble : writer.finish();
   });
   if (error) {
-    failures_.fetch_add(1, std::memory_order_relaxed);
-    write_log(LogLevel::error, {track.status->name, Cause::machine},
-              track.status->name + ": " + path.string() + " could not be kept: " + error.message());
-    return finish(track, {}, path.string() + " could not be kept: " + error.message());
+    const std::string trouble = path.string() + " could not be kept: " + error.message();
+    write_log(LogLevel::error, {track.status->name, Cause::machine}, track.status->name + ": " + trouble);
+    finish(track, {}, trouble);
+    failures_.fetch_add(1, std::memory_order_release);  // after the outcome: who sees the count finds it
+    return;
   }
   finish(track, path.string(), {});
-  files_written_.fetch_add(1, std::memory_order_relaxed);
+  files_written_.fetch_add(1, std::memory_order_release);  // likewise
   write_log(
       LogLevel::info, {track.status->name},
       track.status->name + ": " + std::to_string(history.size()) + " frames are kept in " + path.string());

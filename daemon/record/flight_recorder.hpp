@@ -65,10 +65,10 @@ class FlightRecorder {
 
   // Where recordings are. Called from any thread.
   const std::filesystem::path& folder() const noexcept { return folder_.path(); }
-  // Recordings written since the start. Called from any thread.
-  std::uint64_t files_written() const noexcept { return files_written_.load(std::memory_order_relaxed); }
-  // Recordings that could not be written, and other failures. Called from any thread.
-  std::uint64_t failures() const noexcept { return failures_.load(std::memory_order_relaxed); }
+  // Recordings written since the start: an outcome() read afterwards knows of them. Called from any thread.
+  std::uint64_t files_written() const noexcept { return files_written_.load(std::memory_order_acquire); }
+  // Recordings that could not be written, likewise, and other failures. Called from any thread.
+  std::uint64_t failures() const noexcept { return failures_.load(std::memory_order_acquire); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -107,7 +107,8 @@ class FlightRecorder {
   std::vector<std::unique_ptr<Track>> tracks_;
   mutable std::mutex outcomes_;
   std::atomic<bool> stop_{false};  // relaxed: no other memory is read because of it
-  std::atomic<std::uint64_t> files_written_{0}, failures_{0};  // relaxed: counters
+  // Counted with release once the outcome stands, read with acquire before it: no count without its outcome.
+  std::atomic<std::uint64_t> files_written_{0}, failures_{0};
   Thread thread_;
 };
 

@@ -123,6 +123,8 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
 
 json recorder_json(const ServiceContext& context) {
   if (context.flight == nullptr) return "off";
+  const std::uint64_t kept = context.flight->files_written();  // before the outcomes, which then know of them
+  const std::uint64_t failed = context.flight->failures();
   json last = json::array();
   for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
     const FlightOutcome outcome = context.flight->outcome(i);
@@ -133,8 +135,8 @@ json recorder_json(const ServiceContext& context) {
                     {"trouble", outcome.trouble.empty() ? json(nullptr) : json(outcome.trouble)}});
   }
   return {{"folder", context.flight->folder().string()},
-          {"kept", context.flight->files_written()},
-          {"failed", context.flight->failures()},
+          {"kept", kept},
+          {"failed", failed},
           {"last", std::move(last)}};
 }
 
