@@ -8,11 +8,14 @@
 namespace slipd::contact {
 namespace {
 
+// `count` of the points of a list; its rows are `stride` apart.
 struct Points {
   const double *u, *v;
   double* rows;
-  std::size_t count;
+  std::size_t stride, count;
 };
+// So many points' rows stay in the processor's nearest cache.
+constexpr std::size_t kPointsTogether = 64;
 
 // A dome, a point of each taxel's square and its weight.
 struct DomePoint {
@@ -36,6 +39,13 @@ struct DomePoint {
                                                const FeltTensor& r) noexcept {
   return {one * t.nn + two * r.nn, one * t.nx + two * r.nx, one * t.ny + two * r.ny,
           one * t.xx + two * r.xx, one * t.xy + two * r.xy, one * t.yy + two * r.yy};
+}
+
+// By the log of the depth. What is felt depends on ratios of lengths only: it stays where all of them grow
+// alike, so that a greater depth is as all other lengths smaller (Euler's theorem of homogeneous functions).
+[[gnu::always_inline]] inline FeltTensor by_depth(double u, const FeltTensor& d_u, double v,
+                                                  const FeltTensor& d_v, const FeltTensor& grown) noexcept {
+  return mixed(-1, mixed(u, d_u, v, d_v), -1, grown);
 }
 
 // Of a dome that turns: its field turns with it, and so do its components.
@@ -65,17 +75,20 @@ using subsurface::IntegralTable;
 using subsurface::Shape;
 
 [[gnu::always_inline]] inline void round_slopes(const DomePoint& of, const Points& to) noexcept {
-  const std::size_t n = Sheet::kHalfSpace * to.count;
+  const std::size_t n = Sheet::kHalfSpace * to.stride;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
-    const auto at = subsurface::common<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v);
-    const double a2 = 2 * of.a;
+    const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a;
+    const auto at = subsurface::common<Shape::round>(of.a, of.a, of.depth, u, v);
+    const FeltTensor d_u = subsurface::slope_of(at, 1, 0, 0, 0, 0, 0),
+                     d_v = subsurface::slope_of(at, 0, 1, 0, 0, 0, 0),
+                     d_a = subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a);
     double* const row = to.rows + i;
-    add(subsurface::value_of(at), of.weight, row, to.count);
-    add(subsurface::slope_of(at, 1, 0, 0, 0, 0, 0), of.weight, row + Sheet::d_u * n, to.count);
-    add(subsurface::slope_of(at, 0, 1, 0, 0, 0, 0), of.weight, row + Sheet::d_v * n, to.count);
-    add(subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a), of.weight,
-        row + Sheet::d_a * n, to.count);
+    add(subsurface::value_of(at), of.weight, row, to.stride);
+    add(d_u, of.weight, row + Sheet::d_u * n, to.stride);
+    add(d_v, of.weight, row + Sheet::d_v * n, to.stride);
+    add(d_a, of.weight, row + Sheet::d_a * n, to.stride);
+    add(by_depth(u, d_u, v, d_v, mixed(of.a, d_a, 0, d_a)), of.weight, row + Sheet::d_depth * n, to.stride);
   }
 }
 
@@ -83,11 +96,11 @@ using subsurface::Shape;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i)
     add(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight,
-        to.rows + i, to.count);
+        to.rows + i, to.stride);
 }
 
 [[gnu::always_inline]] inline void elliptic_slopes(const DomePoint& of, const Points& to) noexcept {
-  const std::size_t n = Sheet::kHalfSpace * to.count;
+  const std::size_t n = Sheet::kHalfSpace * to.stride;
   const double c = of.cosine, s = of.sine;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
@@ -96,16 +109,20 @@ using subsurface::Shape;
         subsurface::common<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table);
     const FeltTensor value = turned(subsurface::value_of(at), c, s),
                      d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
-                     d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s);
+                     d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s),
+                     d_a = turned(subsurface::slope_of(at, 0, 0, a2, 0, a2 * at.za_by_a, a2 * at.zb_by_a), c,
+                                  s),
+                     d_b = turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b), c,
+                                  s);
     double* const row = to.rows + i;
-    add(value, of.weight, row, to.count);
-    add(d_u, of.weight, row + Sheet::d_u * n, to.count);
-    add(d_v, of.weight, row + Sheet::d_v * n, to.count);
-    add(by_angle(value, d_u, d_v, u, v), of.weight, row + Sheet::d_angle * n, to.count);
-    add(turned(subsurface::slope_of(at, 0, 0, a2, 0, a2 * at.za_by_a, a2 * at.zb_by_a), c, s), of.weight,
-        row + Sheet::d_a * n, to.count);
-    add(turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b), c, s), of.weight,
-        row + Sheet::d_b * n, to.count);
+    add(value, of.weight, row, to.stride);
+    add(d_u, of.weight, row + Sheet::d_u * n, to.stride);
+    add(d_v, of.weight, row + Sheet::d_v * n, to.stride);
+    add(d_a, of.weight, row + Sheet::d_a * n, to.stride);
+    add(by_depth(u, d_u, v, d_v, mixed(of.a, d_a, of.b, d_b)), of.weight, row + Sheet::d_depth * n,
+        to.stride);
+    add(d_b, of.weight, row + Sheet::d_b * n, to.stride);
+    add(by_angle(value, d_u, d_v, u, v), of.weight, row + Sheet::d_angle * n, to.stride);
   }
 }
 
@@ -115,7 +132,7 @@ using subsurface::Shape;
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v;
     add(turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s),
-        of.weight, to.rows + i, to.count);
+        of.weight, to.rows + i, to.stride);
   }
 }
 
@@ -181,7 +198,7 @@ struct Line {
 }
 
 [[gnu::always_inline]] inline void surface_slopes(const DomePoint& of, const Points& to) noexcept {
-  const std::size_t n = to.count;
+  const std::size_t n = to.stride;
   const Quadratic q = quadratic_of(of);
   const double c = of.cosine, s = of.sine, apart = 1 / (of.a * of.a) - 1 / (of.b * of.b);
   const double by_a = -2 / (of.a * of.a * of.a), by_b = -2 / (of.b * of.b * of.b);
@@ -281,12 +298,16 @@ void add_half_space(DomePoint point, const Points& to, bool round, bool slopes, 
     kernels.integrals(point.a * point.a, point.b * point.b, point.table.shorter, point.table.first,
                       point.table.per_step, integrals);
   }
-  for (std::size_t i = 0; i < rule.at.size(); ++i) {
-    for (std::size_t j = 0; j < rule.at.size(); ++j) {
-      point.u = rule.at[i];
-      point.v = rule.at[j];
-      point.weight = rule.weight[i] * rule.weight[j];
-      kernel(point, to);
+  for (std::size_t first = 0; first < to.count; first += kPointsTogether) {
+    const Points part{to.u + first, to.v + first, to.rows + first, to.stride,
+                      std::min(kPointsTogether, to.count - first)};
+    for (std::size_t i = 0; i < rule.at.size(); ++i) {
+      for (std::size_t j = 0; j < rule.at.size(); ++j) {
+        point.u = rule.at[i];
+        point.v = rule.at[j];
+        point.weight = rule.weight[i] * rule.weight[j];
+        kernel(point, part);
+      }
     }
   }
 }
@@ -346,7 +367,7 @@ void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::s
                   .side = side_m_};
   if (surface) {
     const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
-    const Points to{u.data(), v.data(), rows_.data(), count_};
+    const Points to{u.data(), v.data(), rows_.data(), count_, count_};
     for (std::size_t j = 0; j < rule.at.size(); ++j) {
       point.v = rule.at[j];
       point.weight = rule.weight[j];
@@ -355,7 +376,8 @@ void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::s
     return;
   }
   const auto add = [&](double* to) {
-    add_half_space(point, {u.data(), v.data(), to, count_}, dome.round(), slopes, rule, integrals_.data());
+    add_half_space(point, {u.data(), v.data(), to, count_, count_}, dome.round(), slopes, rule,
+                   integrals_.data());
   };
   if (images_.empty()) return add(rows_.data());
   for (const LayerImage& image : images_) {

@@ -46,8 +46,8 @@ class SubsurfaceSheet {
   // Components of LayerTensor. In a half space xn and yn are nx and ny.
   enum Component : unsigned char { nn, nx, ny, xx, xy, yy, kHalfSpace, xn = kHalfSpace, yn, kComponents };
   // Derivatives by the taxel's place from the dome's centre, by the half axes (d_a: the radius of a round
-  // dome) and by the angle.
-  enum Of : unsigned char { value, d_u, d_v, d_a, d_b, d_angle, kRows };
+  // dome), by the log of the depth (0 without a skin) and by the angle.
+  enum Of : unsigned char { value, d_u, d_v, d_a, d_depth, d_b, d_angle, kRows };
 
   // What is summed for each taxel. exact: as the constructor says. rough: fewer points, for the steps of a
   // fit that are not its last ones. centre: the value at its middle.
