@@ -7,66 +7,52 @@
 
 namespace slipd {
 
-// By one more evaluation at another depth: with r the residuals and J their slopes by the unknowns, r_d by
-// the log of the depth, the unknowns follow it by -H^-1 J^T r_d, and what that leaves of r_d shows the depth.
-ImprintFit::DepthSlope ImprintFit::depth_slope(const Minimum& best) noexcept {
-  constexpr double kStep = 0.03;  // of the log of the depth
-  const std::size_t rows = 3 * model_.count();
-  const auto residuals = model_.residuals();
-  std::copy(residuals.begin(), residuals.end(), unsheared_.begin());
-  const double depth_m = model_.depth_m();
-  ImprintModel::Normal other;
-  model_.set_depth(depth_m * std::exp(kStep));
-  model_.evaluate(best.at, unknowns(), other);
-  model_.set_depth(depth_m);
-  double squares = 0, score = 0;
-  const auto moved = model_.residuals();
-#pragma omp simd reduction(+ : squares, score)
-  for (std::size_t i = 0; i < rows; ++i) {
-    const double slope = (moved[i] - unsheared_[i]) / kStep;
-    squares += slope * slope;
-    score += slope * unsheared_[i];
-  }
-  const Vector by_depth = (other.gradient - best.normal.gradient) / kStep;
-  DepthSlope slope;
-  slope.unknowns = -best.normal.hessian.ldlt().solve(by_depth);
-  slope.information = squares + by_depth.dot(slope.unknowns);
-  slope.score = score + best.normal.gradient.dot(slope.unknowns);
-  return slope;
+namespace {
+
+using Model = ImprintModel;
+
+// Information on a depth that is known.
+constexpr double kHeld = 1e12;
+
+}  // namespace
+
+// Where the depth is known, few frames are asked.
+void ImprintFit::begin_depth() noexcept {
+  constexpr int kSkipped = 7;
+  depth_asked_ = depth_.open() && (!depth_.settled() || ++unasked_ > kSkipped);
+  if (depth_asked_) unasked_ = 0;
 }
 
-// Steps of Gauss and Newton's method, and where one is long for the unknowns the fit anew from there. A step
-// that is long for the depth is taken again from its end.
-void ImprintFit::fit_depth(Minimum& best) noexcept {
-  if (!depth_.open()) return;
-  // Where it is known, few frames are asked.
-  constexpr int kSkipped = 7, kSteps = 3;
-  constexpr double kLongStep = 0.05;  // of the log of the depth
-  if (depth_.settled() && ++unasked_ <= kSkipped) return;
-  margin_by_depth_ = 0;
-  unasked_ = 0;
-  LogDepth known = depth_.now();
-  double here = known.mean;
-  for (int i = 0; i < kSteps && best.converged; ++i) {
-    const DepthSlope slope = depth_slope(best);
-    best.current = false;
-    if (!(slope.information > 0)) break;
-    known = depth_.with({here - slope.score / slope.information, 1 / std::sqrt(slope.information)});
-    margin_by_depth_ = slope.unknowns[ImprintModel::margin];
-    const double further = known.mean - here;
-    const Vector step = further * slope.unknowns;
-    here = known.mean;
-    model_.set_depth(depth_.depth_m(here));
-    best.at = stepped(best.at, step);
-    if (step.dot(best.normal.hessian * step) > options_.refit_sigmas * options_.refit_sigmas) {
-      minimise(unknowns(), best);
-      weights_change(unknowns(), best);
-    }
-    refresh(unknowns(), best);
-    if (std::fabs(further) < kLongStep) break;
-  }
-  refresh(unknowns(), best);
-  depth_.take(known);
+double ImprintFit::depth_precision() const noexcept {
+  return depth_asked_ ? 1 / (depth_.now().sigma * depth_.now().sigma) : kHeld;
+}
+
+void ImprintFit::evaluate(const Full& at, int unknowns, Model::Normal& normal) noexcept {
+  model_.evaluate(at, unknowns, normal);
+  weigh_depth(at, normal);
+}
+
+void ImprintFit::weigh_depth(const Full& at, Model::Normal& normal) const noexcept {
+  const double precision = depth_precision(), off = at[Model::depth] - depth_.now().mean;
+  normal.cost += 0.5 * precision * off * off;
+  normal.gradient[Model::depth] += precision * off;
+  normal.hessian(Model::depth, Model::depth) += precision;
+}
+
+// With H of the unknowns without the depth and h what couples them to it, they follow it by -H^-1 h, and what
+// that leaves of its own information is what the frame shows of it. Then the depth is held.
+void ImprintFit::take_depth(Minimum& best) noexcept {
+  Square& hessian = best.normal.hessian;
+  Vector coupled = hessian.col(Model::depth);
+  const double known = coupled[Model::depth];
+  coupled[Model::depth] = 0;
+  hessian(Model::depth, Model::depth) = kHeld;
+  if (!depth_asked_ || !best.converged) return;
+  const Vector follow = -hessian.ldlt().solve(coupled);
+  const double information = known + coupled.dot(follow);
+  if (!(information > 0)) return;
+  margin_by_depth_ = follow[Model::margin];
+  depth_.take(depth_.limited({best.at[Model::depth], 1 / std::sqrt(information)}));
 }
 
 }  // namespace slipd

@@ -58,6 +58,7 @@ ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio&
   at[Model::center_y] = patch.center_y_m - depth_m_ * ratio.load * patch.direction_y;
   at[Model::direction] = std::atan2(patch.direction_y, patch.direction_x);
   at[Model::size] = a;
+  at[Model::depth] = depth_.now().mean;
   at[Model::peak] = 1.5 * patch.normal_n / (std::numbers::pi * a * a);
   at[Model::margin] = depth_m_ > 0
                           ? options_.start_gamma
@@ -72,6 +73,7 @@ ImprintFit::Full ImprintFit::stepped(const Full& from, const Vector& step) const
   to[Model::margin] = std::clamp(to[Model::margin], fit_.min_gamma, fit_.max_gamma);
   to[Model::size] = std::clamp(to[Model::size], from[Model::size] / fit_.max_radius_factor,
                                from[Model::size] * fit_.max_radius_factor);
+  to[Model::depth] = std::clamp(to[Model::depth], -depth_.most(), depth_.most());
   const double apart = std::hypot(to[Model::along], to[Model::across]);
   if (apart > options_.max_log_axes) {
     to[Model::along] *= options_.max_log_axes / apart;
@@ -84,28 +86,32 @@ ImprintFit::Full ImprintFit::stepped(const Full& from, const Vector& step) const
 void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
   Model::Normal trial_normal;
   const double settled = model_.partial() ? options_.part_settled_nats : options_.settled_nats;
-  double damping = fit_.first_damping;
+  double damping = fit_.first_damping, gained = std::numeric_limits<double>::infinity();
   best.converged = false;
-  model_.evaluate(best.at, unknowns, best.normal);
-  best.current = true;
+  if (!best.known) {
+    best.current = false;
+    refresh(unknowns, best);
+  }
   for (int step_number = 0; step_number < kMostSteps && !best.converged; ++step_number, ++steps_) {
     Square damped = best.normal.hessian;
     damped.diagonal() *= 1 + damping;
     const Vector step = -damped.ldlt().solve(best.normal.gradient);
+    const Full trial = stepped(best.evaluated, step);
+    if (!trial.allFinite()) break;
     // Half the squared length of the step in standard deviations.
-    if (-0.5 * step.dot(best.normal.gradient) < settled) {
+    if (gained < settled || -0.5 * step.dot(best.normal.gradient) < settled) {
+      best.at = trial;
       best.converged = true;
       break;
     }
-    const Full trial = stepped(best.at, step);
-    if (!trial.allFinite()) break;
-    model_.evaluate(trial, unknowns, trial_normal);
+    evaluate(trial, unknowns, trial_normal);
     best.current = trial_normal.cost <= best.normal.cost;
     if (best.current) {
       const auto moved = (trial - best.at).head(unknowns).array().abs();
       const double moved_sigmas = (moved * best.normal.hessian.diagonal().array().sqrt()).maxCoeff();
-      best.converged = best.normal.cost - trial_normal.cost < settled || moved_sigmas < fit_.converged_sigmas;
-      best.at = trial;
+      best.converged = moved_sigmas < fit_.converged_sigmas;
+      gained = best.normal.cost - trial_normal.cost;
+      best.at = best.evaluated = trial;
       best.normal = trial_normal;
       damping = std::max(fit_.min_damping, damping / fit_.damping_factor);
     } else {
@@ -115,39 +121,36 @@ void ImprintFit::minimise(int unknowns, Minimum& best) noexcept {
   }
 }
 
-// The model's residuals are those of the minimum.
 void ImprintFit::refresh(int unknowns, Minimum& best) noexcept {
   if (best.current) return;
-  model_.evaluate(best.at, unknowns, best.normal);
-  best.current = true;
+  if (!best.known) best.evaluated = best.at;
+  evaluate(best.evaluated, unknowns, best.normal);
+  best.known = best.current = true;
 }
 
-// Noise: root mean squares of what is left over, each channel with its share of the unknowns. Where only its
-// size changes, and not that of one channel against the others, the minimum stays, and so does its Hessian
-// but for a factor: here the lesser of both channels', so that sigma is not less than it should be.
+// Noise: root mean squares of what is left over, each channel with its share of the unknowns.
 bool ImprintFit::weights_change(int unknowns, Minimum& best) noexcept {
-  refresh(unknowns, best);
-  const std::size_t n = model_.count();
-  const auto taxels = static_cast<double>(n);
+  const auto taxels = static_cast<double>(model_.count());
   const double used = 1 - unknowns / (3 * taxels), floor_pa = fit_.noise_floor * best.at[Model::peak];
-  const auto left = model_.residuals();
   const Model::Noise before = model_.noise();
-  const Model::Noise after{
-      std::max(floor_pa, before.normal_pa * std::sqrt(squares_of(left.first(n)) / (used * taxels))),
-      std::max(floor_pa, before.shear_pa * std::sqrt(squares_of(left.subspan(n)) / (used * 2 * taxels)))};
+  const auto left = [&](const Model::Sums& of, double values) {
+    return std::sqrt(2 * of.cost / (used * values));
+  };
+  const Model::Noise after{std::max(floor_pa, before.normal_pa * left(best.normal.of_pressure, taxels)),
+                           std::max(floor_pa, before.shear_pa * left(best.normal.of_shear, 2 * taxels))};
   model_.change_noise(after);
-  const double normal = before.normal_pa / after.normal_pa, shear = before.shear_pa / after.shear_pa,
-               factor = std::min(normal * normal, shear * shear);
-  best.normal.hessian *= factor;
-  best.normal.gradient *= factor;
-  return std::fabs(std::log(normal / shear)) > options_.other_weights;
+  best.normal.change_noise(before, after);
+  weigh_depth(best.evaluated, best.normal);
+  return std::fabs(std::log(before.normal_pa * after.shear_pa / (after.normal_pa * before.shear_pa))) >
+         options_.other_weights;
 }
 
 // By one step of Newton's method from the best round contact.
 bool ImprintFit::shows_ellipse(Minimum& round) noexcept {
   refresh(Model::kRound, round);
   Model::Normal normal;
-  model_.extend(round.at, normal);
+  model_.extend(round.evaluated, normal);
+  weigh_depth(round.evaluated, normal);
   const Vector step = -normal.hessian.ldlt().solve(normal.gradient);
   const Square covariance = normal.hessian.ldlt().solve(Square::Identity(Model::kMost, Model::kMost));
   const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
@@ -243,6 +246,7 @@ void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, M
   }
   const bool changed = depth_m_ > 0 && weights_change(Model::kRound, best);
   elliptic_ = shows_ellipse(best);
+  best.known = best.known && !elliptic_;
   if (elliptic_ || changed) minimise(unknowns(), best);
   if (elliptic_ && weights_change(unknowns(), best)) minimise(unknowns(), best);
 }
@@ -251,10 +255,12 @@ void ImprintFit::fit_all(Minimum& best) noexcept {
   model_.use_all();
   // At an end of its range the margin has no slope to come back by.
   best.at[Model::margin] = std::clamp(best.at[Model::margin], fit_.min_start, fit_.max_start);
+  best.known = false;
   minimise(unknowns(), best);
   if (!best.converged) {  // from afar it takes another way
     Minimum other = best;
     other.at[Model::margin] = options_.start_gamma;
+    other.known = false;
     minimise(unknowns(), other);
     best.current = false;
     if (other.converged) best = other;
@@ -262,6 +268,7 @@ void ImprintFit::fit_all(Minimum& best) noexcept {
   if (weights_change(unknowns(), best)) minimise(unknowns(), best);
   if (!elliptic_ && shows_ellipse(best)) {
     elliptic_ = true;
+    best.known = false;
     minimise(unknowns(), best);
     if (weights_change(unknowns(), best)) minimise(unknowns(), best);
   }
@@ -270,14 +277,14 @@ void ImprintFit::fit_all(Minimum& best) noexcept {
 
 ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   Minimum best;
+  begin_depth();
   best.at = start(patch, ratio);
   const double floor_pa = fit_.noise_floor * best.at[Model::peak],
                normal_pa = std::max(patch.noise_normal_pa, floor_pa);
   model_.set_noise({normal_pa, depth_m_ > 0 ? normal_pa : std::max(patch.noise_shear_pa, floor_pa)});
-  if (depth_.open()) model_.set_depth(depth_.depth_m());
   fit_part(patch, ratio, best);
   fit_all(best);
-  fit_depth(best);
+  take_depth(best);
   return best;
 }
 
@@ -324,9 +331,9 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
     out.noise_shear_pa = model_.noise().shear_pa;
   }
   if (!(at[Model::load] > 0)) return out;  // the same contact, pulled the other way
-  if (depth_m_ > 0 && layout_.size() > kFewTaxels) find_moments(patch, at, out);
+  if (depth_m_ > 0 && layout_.size() > kFewTaxels) find_moments(patch, minimum.evaluated, out);
   if (layout_.size() <= kFewTaxels) {
-    weigh_by_prior(at, minimum.normal.hessian, out);
+    weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
     place(at, out);
     out.in_model = minimum.converged;
     return out;
@@ -334,7 +341,7 @@ FrameEstimate ImprintFit::estimate(const ContactPatch& patch, const MomentRatio&
   if (!minimum.converged || !describe(minimum, out)) return out;
   const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
-  if (out.sigma > fit_.open_sigma) weigh_by_prior(at, minimum.normal.hessian, out);
+  if (out.sigma > fit_.open_sigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
   out.in_model = residual < options_.max_residual && misfit < fit_.max_ring_misfit && looks_monotonic(out);
   out.common_sigma = out.shape_sigma = fit_.pressure_sigma * residual;
   if (depth_.open()) out.common_sigma = std::hypot(out.common_sigma, margin_by_depth_ * depth_.now().sigma);

@@ -48,10 +48,10 @@ struct ImprintFitOptions {
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
   double max_log_axes = 1.1;
-  // The fit has also converged when a step gains less than this of log likelihood, nats; 1e-6 … 0.05; the
-  // same on some of the taxels, 0.01 … 1. Too small: more steps, for nothing. Too large: it stops before the
-  // minimum, and the last steps start far from it.
-  double settled_nats = 2e-3;
+  // A step that gains less than this of log likelihood is the last one, and nothing is evaluated at its end;
+  // nats, 1e-4 … 0.1; the same on some of the taxels, 0.01 … 1. Too small: costs time. Too large: what is not
+  // linear in the unknowns shows.
+  double settled_nats = 0.02;
   double part_settled_nats = 0.1;
   // Change of the log of the shear's noise over the pressure's from which on the fit is repeated; 0.02 … 0.5.
   // Too small: costs time. Too large: channels have wrong weights.
@@ -62,9 +62,6 @@ struct ImprintFitOptions {
   // Residual of the pressure, over its peak, from which on no margin is given; 0.005 … 0.1. Too small: real
   // skins are refused. Too large: double contacts and edges get margins.
   double max_residual = 0.03;
-  // Step of the unknowns by another depth of the skin from which on the fit is repeated; standard deviations,
-  // 0.1 … 1. Too small: costs time. Too large: margins are off by as much.
-  double refit_sigmas = 0.5;
   // Deviation of the slip moment from a monotonic load's from which on a frame has another history; standard
   // deviations, 2 … 8. Too small: frames are refused for noise. Too large: a regrip passes.
   double max_history_sigmas = 4;
@@ -118,28 +115,32 @@ class ImprintFit {
 
   struct Minimum {
     Full at;
-    ImprintModel::Normal normal;
+    // Where the model was evaluated last for it: `at`, or a short step before it.
+    Full evaluated;
+    ImprintModel::Normal normal;  // there
     bool converged = false;
+    bool known = false;    // the normal equations are those of the taxels and unknowns in use
     bool current = false;  // the model's last evaluation was this one
   };
   Full start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // A step that keeps the unknowns within their ranges.
   Full stepped(const Full& from, const Vector& step) const noexcept;
   void minimise(int unknowns, Minimum& best) noexcept;
+  // The model's residuals are those of the minimum.
   void refresh(int unknowns, Minimum& best) noexcept;
   Minimum fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept;
   void fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept;
   void fit_all(Minimum& best) noexcept;
   bool shows_ellipse(Minimum& round) noexcept;
-  // What a frame shows of the log of the depth, its shape and load free: second and first derivative of half
-  // the squared residuals, and how the unknowns follow.
-  struct DepthSlope {
-    Vector unknowns;
-    double information = 0, score = 0;
-  };
-  DepthSlope depth_slope(const Minimum& best) noexcept;
-  // Adds what the frame shows of the depth to what is known of it, and fits the frame at that depth.
-  void fit_depth(Minimum& best) noexcept;
+  // Whether the frame is asked for the depth.
+  void begin_depth() noexcept;
+  // Information on the depth before the frame: of its log.
+  double depth_precision() const noexcept;
+  // The model's normal equations with what is known of the depth.
+  void evaluate(const Full& at, int unknowns, ImprintModel::Normal& normal) noexcept;
+  void weigh_depth(const Full& at, ImprintModel::Normal& normal) const noexcept;
+  // Takes what is known of the depth now, and holds it in the normal equations.
+  void take_depth(Minimum& best) noexcept;
   // Fills moments and forces of `out` by what the domes and the pressure of a contact of any history make
   // taxels read.
   void find_moments(const ContactPatch& patch, const Full& at, FrameEstimate& out) noexcept;
@@ -180,6 +181,7 @@ class ImprintFit {
   SkinDepth depth_;
   double margin_by_depth_ = 0;  // of the last frame that was asked for the depth: Gamma by its log
   int unasked_ = 0;             // frames since
+  bool depth_asked_ = false;
   ImprintModel model_;
   // Of all channels in units of noise: what the shear alone makes of Q/P = 1, and the data less the
   // pressure's.

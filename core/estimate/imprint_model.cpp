@@ -42,8 +42,28 @@ std::size_t ImprintModel::memory_bytes() const noexcept {
          inner_.memory_bytes() + round_.memory_bytes();
 }
 
-void ImprintModel::set_depth(double depth_m) noexcept {
-  depth_m_ = depth_m;
+void ImprintModel::Sums::add(double weight, const Sums& other) noexcept {
+  cost += weight * other.cost;
+  gradient += weight * other.gradient;
+  hessian += weight * other.hessian;
+}
+
+void ImprintModel::Normal::change_noise(const Noise& before, const Noise& after) noexcept {
+  const auto weigh = [](Sums& sums, double ratio) {
+    sums.cost *= ratio * ratio;
+    sums.gradient *= ratio * ratio;
+    sums.hessian *= ratio * ratio;
+  };
+  weigh(of_pressure, before.normal_pa / after.normal_pa);
+  weigh(of_shear, before.shear_pa / after.shear_pa);
+  static_cast<Sums&>(*this) = of_pressure;
+  add(1, of_shear);
+}
+
+void ImprintModel::set_depth(double log) noexcept {
+  if (!(depth_m_ > 0) || log == depth_log_) return;
+  depth_log_ = log;
+  const double depth_m = depth_m_ * std::exp(log);
   outer_.set_depth(depth_m);
   inner_.set_depth(depth_m);
   round_.set_depth(depth_m);
@@ -121,6 +141,7 @@ void ImprintModel::change_noise(const Noise& noise) noexcept {
 }
 
 void ImprintModel::place(const Full& at) noexcept {
+  set_depth(at[depth]);
   for (std::size_t i = 0; i < count_; ++i) {
     u_[i] = x_[i] - at[center_x];
     v_[i] = y_[i] - at[center_y];
@@ -145,13 +166,21 @@ const contact::SubsurfaceSheet& ImprintModel::show_part(const Full& at, double s
   return inner_;
 }
 
-void ImprintModel::spread(const double* products, int unknowns, Normal& normal) noexcept {
-  normal.gradient.resize(unknowns);
-  normal.hessian.resize(unknowns, unknowns);
-  for (int row = 0; row < unknowns; ++row) {
-    for (int col = 0; col <= row; ++col) normal.hessian(row, col) = normal.hessian(col, row) = *products++;
-  }
-  for (int row = 0; row < unknowns; ++row) normal.gradient[row] = *products++;
+void ImprintModel::spread(const ChannelProducts& products, int unknowns, Normal& normal) noexcept {
+  const auto fill = [unknowns](const ChannelProducts::Products& from, Sums& to) {
+    const double* next = from.data();
+    to.gradient.resize(unknowns);
+    to.hessian.resize(unknowns, unknowns);
+    for (int row = 0; row < unknowns; ++row) {
+      for (int col = 0; col <= row; ++col) to.hessian(row, col) = to.hessian(col, row) = *next++;
+    }
+    for (int row = 0; row < unknowns; ++row) to.gradient[row] = *next++;
+    to.cost = 0.5 * *next;
+  };
+  fill(products.pressure, normal.of_pressure);
+  fill(products.shear, normal.of_shear);
+  static_cast<Sums&>(normal) = normal.of_pressure;
+  normal.add(1, normal.of_shear);
 }
 
 bool ImprintModel::evaluate_round(const Full& at, Normal& normal) noexcept {
@@ -163,7 +192,7 @@ bool ImprintModel::evaluate_round(const Full& at, Normal& normal) noexcept {
   }
   const double reach_m = std::sqrt(most_m2) + layout_.side_m();  // the corners of their squares, too
   if (!round_.pays(count_, reach_m, detail_, outer_.points(detail_))) return false;
-  RoundImprint::Products products;
+  ChannelProducts products;
   round_.linearise({.x_m = at[center_x],
                     .y_m = at[center_y],
                     .radius_m = at[size],
@@ -180,7 +209,7 @@ bool ImprintModel::evaluate_round(const Full& at, Normal& normal) noexcept {
                     .per_normal = 1 / noise_.normal_pa,
                     .per_shear = 1 / noise_.shear_pa},
                    products);
-  spread(products.data(), kRound, normal);
+  spread(products, kRound, normal);
   return true;
 }
 
@@ -222,18 +251,15 @@ void ImprintModel::evaluate_sheets(const Full& from, int unknowns, Detail detail
                          .data = data_.data(),
                          .residuals = residuals_.data(),
                          .count = count_};
-  std::array<double, kMost*(kMost + 1) / 2 + kMost> products;
-  linearise_imprint(by, unknowns, products.data());
-  spread(products.data(), unknowns, normal);
+  ChannelProducts products;
+  linearise_imprint(by, unknowns, products);
+  spread(products, unknowns, normal);
 }
 
 void ImprintModel::evaluate(const Full& at, int unknowns, Normal& normal) noexcept {
+  set_depth(at[depth]);
   if (unknowns != kRound || !evaluate_round(at, normal))
     evaluate_sheets(at, unknowns, detail_, false, normal);
-  double squares = 0;
-#pragma omp simd reduction(+ : squares)
-  for (std::size_t i = 0; i < 3 * count_; ++i) squares += residuals_[i] * residuals_[i];
-  normal.cost = 0.5 * squares;
 }
 
 void ImprintModel::extend(const Full& at, Normal& normal) noexcept {

@@ -11,6 +11,7 @@
 
 #include "core/contact/subsurface.hpp"
 #include "core/estimate/imprint_round.hpp"
+#include "core/estimate/slope_block.hpp"
 #include "core/frame/layout.hpp"
 #include "core/patch/patch.hpp"
 
@@ -18,8 +19,9 @@ namespace slipd {
 
 class ImprintModel {
  public:
-  // Centre, m; mean radius sqrt(a b), m; peak pressure, Pa; Q/P; Gamma; direction of the pull, rad; and of an
-  // ellipse log(a/b) times cosine and sine of twice the direction of its long axis. Along the sensor's axes.
+  // Centre, m; mean radius sqrt(a b), m; peak pressure, Pa; Q/P; Gamma; direction of the pull, rad; log of
+  // the taxels' depth over the nominal one; and of an ellipse log(a/b) times cosine and sine of twice the
+  // direction of its long axis. Along the sensor's axes.
   enum Unknown {
     center_x,
     center_y,
@@ -28,6 +30,7 @@ class ImprintModel {
     load,
     margin,
     direction,
+    depth,
     kRound,
     along = kRound,
     across,
@@ -37,23 +40,29 @@ class ImprintModel {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
   using Full = Eigen::Matrix<double, kMost, 1>;
   using Detail = contact::SubsurfaceSheet::Detail;
-  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
-  struct Normal {
-    double cost = 0;
-    Vector gradient;
-    Square hessian;
-  };
   // Standard deviations of a taxel's pressure and of each of its shears, Pa, > 0.
   struct Noise {
     double normal_pa = 1, shear_pa = 1;
+  };
+  // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
+  struct Sums {
+    double cost = 0;
+    Vector gradient;
+    Square hessian;
+    void add(double weight, const Sums& other) noexcept;
+  };
+  // Of all channels, and what the pressure and both shears add to it.
+  struct Normal : Sums {
+    Sums of_pressure, of_shear;
+    // The same in units of another noise.
+    void change_noise(const Noise& before, const Noise& after) noexcept;
   };
 
   // depth_m: of the taxels, >= 0. bonded_poisson: see Skin.
   ImprintModel(const TaxelLayout& layout, double depth_m,
                std::optional<double> bonded_poisson = std::nullopt);
 
-  // Another depth, of a model under a skin; see RoundImprint::set_depth.
-  void set_depth(double depth_m) noexcept;
+  // As nominal; a depth below or above by a factor of 2 at most may be evaluated.
   double depth_m() const noexcept { return depth_m_; }
 
   // The taxels within `reach` about the patch's centre (all of a layout of at most all_below taxels).
@@ -101,14 +110,15 @@ class ImprintModel {
 
  private:
   void place(const Full& at) noexcept;
+  void set_depth(double log) noexcept;
   void choose(std::size_t count, Detail detail) noexcept;
   bool evaluate_round(const Full& at, Normal& normal) noexcept;
   void evaluate_sheets(const Full& at, int unknowns, Detail detail, bool residuals_given,
                        Normal& normal) noexcept;
-  static void spread(const double* products, int unknowns, Normal& normal) noexcept;
+  static void spread(const ChannelProducts& products, int unknowns, Normal& normal) noexcept;
 
   TaxelLayout layout_;
-  double depth_m_;
+  double depth_m_, depth_log_ = 0;
   contact::SubsurfaceSheet outer_, inner_;
   RoundImprint round_;
   std::size_t collected_ = 0, count_ = 0;

@@ -56,7 +56,7 @@ struct Filling {
   double wide_m, narrow_m, k;
 };
 
-constexpr std::size_t kBlock = 64;
+constexpr std::size_t kBlock = SlopeBlock<RoundImprint::kUnknowns>::kTaxels;
 
 struct Summing {
   const RoundTask* task;
@@ -126,8 +126,7 @@ struct Summing {
 
 // A block of taxels: its slopes and the functions there.
 struct Block {
-  alignas(64) double column[RoundImprint::kUnknowns][3][kBlock];
-  alignas(64) double left[3][kBlock];
+  SlopeBlock<RoundImprint::kUnknowns> slopes;
   alignas(64) double along_x[kBlock], along_y[kBlock], per_r[kBlock], part[kBlock];
   alignas(64) double value[kBlock][RoundImprint::kFunctions];
   alignas(64) double slope[kBlock][8];
@@ -186,46 +185,41 @@ struct Polar {
     const double* const f = block.value[i];
     const double* const d = block.slope[i];
     const double er = by.c * ex + by.s * ey, et = by.s * ex - by.c * ey;  // of the pull
-    const auto put = [&](int column, const Polar& of) __attribute__((always_inline)) {
-      block.column[column][0][i] += wn * of.n;
-      block.column[column][1][i] += ws * (of.r * ex - of.t * ey);
-      block.column[column][2][i] += ws * (of.r * ey + of.t * ex);
+    const auto put = [&](std::size_t which, const Polar& of) __attribute__((always_inline)) {
+      auto& column = block.slopes.column[which];
+      column[0][i] += wn * of.n;
+      column[1][i] += ws * (of.r * ex - of.t * ey);
+      column[2][i] += ws * (of.r * ey + of.t * ex);
     };
     const Polar shear{er * f[m_nr], er * f[m_rr], et * f[m_tt]};
     const Polar all{p * f[o_nn] + q * shear.n, p * f[o_rn] + q * shear.r, q * shear.t};
-    block.left[0][i] += wn * all.n;
-    block.left[1][i] += ws * (all.r * ex - all.t * ey);
-    block.left[2][i] += ws * (all.r * ey + all.t * ex);
+    put(RoundImprint::kUnknowns, all);
     // By r, and by the angle over r.
     const Polar out{p * d[o_nn] + q * er * d[m_nr], p * d[o_rn] + q * er * d[m_rr], q * et * d[m_tt]};
     const Polar around{per_r * q * et * f[m_nr], per_r * (q * et * f[m_rr] - all.t),
                        per_r * (all.r - q * er * f[m_tt])};
     put(0, {ey * around.n - ex * out.n, ey * around.r - ex * out.r, ey * around.t - ex * out.t});
     put(1, {-ex * around.n - ey * out.n, -ex * around.r - ey * out.r, -ex * around.t - ey * out.t});
-    put(2, {by.per_radius * (p * f[size_o_nn] + q * er * f[size_m_nr]),
-            by.per_radius * (p * f[size_o_rn] + q * er * f[size_m_rr]),
-            by.per_radius * (q * et * f[size_m_tt])});
+    const Polar grown{p * f[size_o_nn] + q * er * f[size_m_nr], p * f[size_o_rn] + q * er * f[size_m_rr],
+                      q * et * f[size_m_tt]};
+    put(2, {by.per_radius * grown.n, by.per_radius * grown.r, by.per_radius * grown.t});
     put(3, {all.n / p, all.r / p, all.t / p});
     const double by_load = p / by.rest, by_gamma = q / by.rest, by_k = by.dk * q;
     put(4, {by_load * shear.n, by_load * shear.r, by_load * shear.t});
     put(5, {by_gamma * shear.n + by_k * er * f[k_nr], by_gamma * shear.r + by_k * er * f[k_rr],
             by_gamma * shear.t + by_k * et * f[k_tt]});
     put(6, {-q * et * f[m_nr], -q * et * f[m_rr], q * er * f[m_tt]});
+    // As in subsurface.cpp; that a deeper taxel is a smaller one, too, is left out.
+    const double r = 1 / per_r;
+    put(7, {-grown.n - r * out.n, -grown.r - r * out.r, -grown.t - r * out.t});
   }
 }
 
-[[gnu::always_inline]] inline double product_of(const double* one, const double* two) noexcept {
-  double sum = 0;
-#pragma omp simd reduction(+ : sum)
-  for (std::size_t i = 0; i < 3 * kBlock; ++i) sum += one[i] * two[i];
-  return sum;
-}
-
 [[gnu::always_inline]] inline void sum_block(const Summing& by, std::size_t first, std::size_t count,
-                                             Block& block, RoundImprint::Products& products) noexcept {
+                                             Block& block,
+                                             SlopeSums<RoundImprint::kUnknowns>& sums) noexcept {
   const RoundTask& task = *by.task;
-  std::fill_n(&block.column[0][0][0], std::size_t{RoundImprint::kUnknowns} * 3 * kBlock, 0.0);
-  std::fill_n(&block.left[0][0], 3 * kBlock, 0.0);
+  block.slopes = {};
   const auto parts = static_cast<double>(by.parts), weight = 1 / (parts * parts);
   for (std::size_t i = 0; i < by.parts; ++i) {
     for (std::size_t j = 0; j < by.parts; ++j) {
@@ -240,33 +234,29 @@ struct Polar {
     const double per_noise = channel == 0 ? task.per_normal : task.per_shear;
     const double* const data = task.data_pa + channel * task.count + first;
     double* const to = task.residuals + channel * task.count + first;
-    double* const left = block.left[channel];
+    double* const left = block.slopes.column[RoundImprint::kUnknowns][channel];
 #pragma omp simd
     for (std::size_t i = 0; i < count; ++i) {
       left[i] -= per_noise * data[i];
       to[i] = left[i];
     }
   }
-  double* next = products.data();
-  for (int row = 0; row < RoundImprint::kUnknowns; ++row) {
-    for (int col = 0; col <= row; ++col)
-      *next++ += product_of(&block.column[row][0][0], &block.column[col][0][0]);
-  }
-  for (int row = 0; row < RoundImprint::kUnknowns; ++row)
-    *next++ += product_of(&block.column[row][0][0], &block.left[0][0]);
+  sums.add(block.slopes);
 }
 
-[[gnu::always_inline]] inline void sum_all(const Summing& by, RoundImprint::Products& products) noexcept {
+[[gnu::always_inline]] inline void sum_all(const Summing& by, ChannelProducts& products) noexcept {
   Block block;
+  SlopeSums<RoundImprint::kUnknowns> sums;
   for (std::size_t first = 0; first < by.task->count; first += kBlock)
-    sum_block(by, first, std::min(kBlock, by.task->count - first), block, products);
+    sum_block(by, first, std::min(kBlock, by.task->count - first), block, sums);
+  sums.total(products);
 }
 
 // As in core/contact/dome_sheet.cpp.
 struct RoundKernels {
   void (*outer)(const Filling&) noexcept;
   void (*inner)(const Filling&) noexcept;
-  void (*sum)(const Summing&, RoundImprint::Products&) noexcept;
+  void (*sum)(const Summing&, ChannelProducts&) noexcept;
   static const RoundKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
 void outer_on_baseline(const Filling& by) noexcept {
@@ -276,7 +266,7 @@ void inner_on_baseline(const Filling& by) noexcept {
   fill_inner(by);
   fill_table(by);
 }
-void sum_on_baseline(const Summing& by, RoundImprint::Products& products) noexcept {
+void sum_on_baseline(const Summing& by, ChannelProducts& products) noexcept {
   sum_all(by, products);
 }
 const RoundKernels RoundKernels::baseline{outer_on_baseline, inner_on_baseline, sum_on_baseline};
@@ -288,7 +278,7 @@ const RoundKernels RoundKernels::baseline{outer_on_baseline, inner_on_baseline, 
   fill_inner(by);
   fill_table(by);
 }
-[[gnu::target("avx2,fma")]] void sum_on_avx2(const Summing& by, RoundImprint::Products& products) noexcept {
+[[gnu::target("avx2,fma")]] void sum_on_avx2(const Summing& by, ChannelProducts& products) noexcept {
   sum_all(by, products);
 }
 [[gnu::target("avx512f,avx512vl,avx512dq")]] void outer_on_avx512(const Filling& by) noexcept {
@@ -299,7 +289,7 @@ const RoundKernels RoundKernels::baseline{outer_on_baseline, inner_on_baseline, 
   fill_table(by);
 }
 [[gnu::target("avx512f,avx512vl,avx512dq")]] void sum_on_avx512(const Summing& by,
-                                                                RoundImprint::Products& products) noexcept {
+                                                                ChannelProducts& products) noexcept {
   sum_all(by, products);
 }
 const RoundKernels RoundKernels::avx2{outer_on_avx2, inner_on_avx2, sum_on_avx2};
@@ -374,14 +364,13 @@ void RoundImprint::tabulate(const RoundTrial& trial, std::size_t nodes, double p
 }
 
 void RoundImprint::linearise(const RoundTrial& trial, double reach_m, Sheet::Detail detail,
-                             const RoundTask& task, Products& products) noexcept {
+                             const RoundTask& task, ChannelProducts& products) noexcept {
   const std::size_t parts = parts_of(detail);
   const double part_m = side_m_ / static_cast<double>(parts);
   const auto nodes =
       std::min(static_cast<std::size_t>(reach_m / step_m_) + 2 + kGhosts, std::size_t{kMostNodes});
   tabulate(trial, nodes, part_m);
   const double k = std::cbrt(trial.gamma), rest = 1 - trial.gamma;
-  products.fill(0);
   best_kernels<RoundKernels>().sum({.task = &task,
                                     .table = table_.data(),
                                     .x = trial.x_m,

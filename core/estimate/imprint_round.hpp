@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/contact/subsurface.hpp"
+#include "core/estimate/slope_block.hpp"
 
 namespace slipd {
 
@@ -36,9 +37,8 @@ struct RoundTask {
 
 class RoundImprint {
  public:
-  static constexpr int kUnknowns = 7;
-  // Products of the residuals' slopes with each other, the lower half row by row, then with the residuals.
-  using Products = std::array<double, kUnknowns*(kUnknowns + 1) / 2 + kUnknowns>;
+  // The last one is the log of the depth.
+  static constexpr std::size_t kUnknowns = 8;
 
   // side_m: of the taxels; depth_m > 0. bonded_poisson: see Skin.
   RoundImprint(double side_m, double depth_m, std::optional<double> bonded_poisson = std::nullopt);
@@ -58,7 +58,7 @@ class RoundImprint {
   // Averages over taxels are within 1e-4 of the peak pressure with `exact`, and within about 1e-3 with
   // `rough`. pays() holds.
   void linearise(const RoundTrial& trial, double reach_m, contact::SubsurfaceSheet::Detail detail,
-                 const RoundTask& task, Products& products) noexcept;
+                 const RoundTask& task, ChannelProducts& products) noexcept;
 
   std::size_t memory_bytes() const noexcept;
 

@@ -20,51 +20,43 @@ enum Column : std::uint8_t {
   at_load,
   at_margin,
   at_direction,
+  at_depth,
   at_along,
-  at_across
+  at_across,
+  columns
 };
 
-// Slopes of so many taxels, which stay in the processor's nearest cache: those of the three channels by each
-// unknown; and their residuals.
-struct SlopeBlock {
-  static constexpr std::size_t kTaxels = 64, kRows = 3 * kTaxels;
-  alignas(64) std::array<std::array<double, kRows>, at_across + 1> column;
-  alignas(64) std::array<double, kRows> left;
-};
+template <bool kElliptic>
+constexpr std::size_t kUnknowns = kElliptic ? columns : at_along;
 
 template <bool kElliptic, bool kSymmetric>
 [[gnu::always_inline]] inline void fill_slopes(const ImprintSlopes& by, std::size_t first, std::size_t count,
-                                               SlopeBlock& block) noexcept {
+                                               SlopeBlock<kUnknowns<kElliptic>>& block) noexcept {
+  constexpr std::size_t kTaxels = SlopeBlock<kUnknowns<kElliptic>>::kTaxels;
   const std::size_t n = by.count;
   const double c = by.c, s = by.s, p = by.peak, q = by.shear, k = by.k;
 #pragma omp simd
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t i = first + j;
-    const auto put = [&](Column column, double normal, double x, double y) {
-      double* const to = block.column[column].data() + j;
+    const auto put = [&](std::size_t column, double normal, double x, double y)
+        __attribute__((always_inline)) {
+      double* const to = &block.column[column][0][j];
       to[0] = by.per_normal * normal;
-      to[SlopeBlock::kTaxels] = by.per_shear * x;
-      to[2 * SlopeBlock::kTaxels] = by.per_shear * y;
+      to[kTaxels] = by.per_shear * x;
+      to[2 * kTaxels] = by.per_shear * y;
     };
     const auto at = [&](const ImprintRows& rows, Sheet::Of of) __attribute__((always_inline)) {
       if constexpr (kSymmetric) return rows.symmetric_at(of, i);
       return rows.at(of, i);
     };
-    const auto moved = [&](const LayerTensor& o, const LayerTensor& in) {
+    const auto moved = [&](const LayerTensor& o, const LayerTensor& in) __attribute__((always_inline)) {
       return felt_of(p, o, q, c, s, combined(1, o, -k, in));
     };
     const LayerTensor o = at(by.outer, Sheet::value), in = at(by.inner, Sheet::value),
                       m = combined(1, o, -k, in);
     const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
                turned = felt_of(0, o, q, -s, c, m);
-    double* const left = by.residuals + i;
-    left[0] = by.residuals_given ? left[0] : by.per_normal * (all.n - by.data[i]);
-    left[n] = by.residuals_given ? left[n] : by.per_shear * (all.x - by.data[n + i]);
-    left[2 * n] = by.residuals_given ? left[2 * n] : by.per_shear * (all.y - by.data[2 * n + i]);
-    double* const left_here = block.left.data() + j;
-    left_here[0] = left[0];
-    left_here[SlopeBlock::kTaxels] = left[n];
-    left_here[2 * SlopeBlock::kTaxels] = left[2 * n];
+    put(kUnknowns<kElliptic>, all.n - by.data[i], all.x - by.data[n + i], all.y - by.data[2 * n + i]);
     const Felt mu = moved(at(by.outer, Sheet::d_u), at(by.inner, Sheet::d_u)),
                mv = moved(at(by.outer, Sheet::d_v), at(by.inner, Sheet::d_v));
     put(at_x, -mu.n, -mu.x, -mu.y);
@@ -94,68 +86,60 @@ template <bool kElliptic, bool kSymmetric>
     put(at_margin, q / by.rest * shear.n + by.dk * by_k.n, q / by.rest * shear.x + by.dk * by_k.x,
         q / by.rest * shear.y + by.dk * by_k.y);
     put(at_direction, turned.n, turned.x, turned.y);
+    const Felt deeper = moved(at(by.outer, Sheet::d_depth), at(by.inner, Sheet::d_depth));
+    put(at_depth, deeper.n, deeper.x, deeper.y);
   }
-}
-
-[[gnu::always_inline]] inline double product(const double* one, const double* two) noexcept {
-  double all = 0;
-#pragma omp simd reduction(+ : all)
-  for (std::size_t i = 0; i < SlopeBlock::kRows; ++i) all += one[i] * two[i];
-  return all;
-}
-
-// Adds products of the columns with each other, the lower half row by row, and then with the residuals.
-[[gnu::always_inline]] inline void add_products(const SlopeBlock& block, std::size_t unknowns,
-                                                double* to) noexcept {
-  for (std::size_t row = 0; row < unknowns; ++row) {
-    for (std::size_t col = 0; col <= row; ++col)
-      *to++ += product(block.column[row].data(), block.column[col].data());
-  }
-  for (std::size_t row = 0; row < unknowns; ++row)
-    *to++ += product(block.column[row].data(), block.left.data());
 }
 
 template <bool kElliptic, bool kSymmetric>
-[[gnu::always_inline]] inline void add_blocks(const ImprintSlopes& by, std::size_t unknowns,
-                                              double* products) noexcept {
-  SlopeBlock block;
-  for (std::size_t first = 0; first < by.count; first += SlopeBlock::kTaxels) {
-    const std::size_t count = std::min(SlopeBlock::kTaxels, by.count - first);
-    if (count < SlopeBlock::kTaxels) block = {};
+[[gnu::always_inline]] inline void add_blocks(const ImprintSlopes& by, ChannelProducts& products) noexcept {
+  using Block = SlopeBlock<kUnknowns<kElliptic>>;
+  Block block;
+  SlopeSums<kUnknowns<kElliptic>> sums;
+  for (std::size_t first = 0; first < by.count; first += Block::kTaxels) {
+    const std::size_t count = std::min(Block::kTaxels, by.count - first);
+    if (count < Block::kTaxels) block = {};
     fill_slopes<kElliptic, kSymmetric>(by, first, count, block);
-    add_products(block, unknowns, products);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      double* const left = block.column[kUnknowns<kElliptic>][channel];
+      double* const kept = by.residuals + channel * by.count + first;
+      if (by.residuals_given) {
+        std::copy_n(kept, count, left);
+      } else {
+        std::copy_n(left, count, kept);
+      }
+    }
+    sums.add(block);
   }
+  sums.total(products);
 }
 
 [[gnu::always_inline]] inline void linearise(const ImprintSlopes& by, int unknowns,
-                                             double* products) noexcept {
-  const auto count = static_cast<std::size_t>(unknowns);
-  std::fill_n(products, count * (count + 1) / 2 + count, 0.0);
+                                             ChannelProducts& products) noexcept {
   if (unknowns > at_along) {
-    by.symmetric ? add_blocks<true, true>(by, count, products) : add_blocks<true, false>(by, count, products);
+    by.symmetric ? add_blocks<true, true>(by, products) : add_blocks<true, false>(by, products);
   } else {
-    by.symmetric ? add_blocks<false, true>(by, count, products)
-                 : add_blocks<false, false>(by, count, products);
+    by.symmetric ? add_blocks<false, true>(by, products) : add_blocks<false, false>(by, products);
   }
 }
 
 // As in core/contact/dome_sheet.cpp.
 struct ImprintKernels {
-  using Kernel = void (*)(const ImprintSlopes&, int, double*) noexcept;
+  using Kernel = void (*)(const ImprintSlopes&, int, ChannelProducts&) noexcept;
   Kernel linearised;
   static const ImprintKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-void linearise_on_baseline(const ImprintSlopes& by, int unknowns, double* products) noexcept {
+void linearise_on_baseline(const ImprintSlopes& by, int unknowns, ChannelProducts& products) noexcept {
   linearise(by, unknowns, products);
 }
 const ImprintKernels ImprintKernels::baseline{linearise_on_baseline};
 #if defined(__x86_64__)
 [[gnu::target("avx2,fma")]] void linearise_on_avx2(const ImprintSlopes& by, int unknowns,
-                                                   double* products) noexcept {
+                                                   ChannelProducts& products) noexcept {
   linearise(by, unknowns, products);
 }
 [[gnu::target("avx512f,avx512vl,avx512dq")]] void linearise_on_avx512(const ImprintSlopes& by, int unknowns,
-                                                                      double* products) noexcept {
+                                                                      ChannelProducts& products) noexcept {
   linearise(by, unknowns, products);
 }
 const ImprintKernels ImprintKernels::avx2{linearise_on_avx2};
@@ -168,7 +152,7 @@ void choose_imprint_loops() noexcept {
   best_kernels<ImprintKernels>();
 }
 
-void linearise_imprint(const ImprintSlopes& by, int unknowns, double* products) noexcept {
+void linearise_imprint(const ImprintSlopes& by, int unknowns, ChannelProducts& products) noexcept {
   best_kernels<ImprintKernels>().linearised(by, unknowns, products);
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/contact/subsurface.hpp"
+#include "core/estimate/slope_block.hpp"
 
 namespace slipd {
 
@@ -63,9 +64,7 @@ struct ImprintSlopes {
 // Chooses the loops that this processor can run; else the first frame would.
 void choose_imprint_loops() noexcept;
 
-// Fills the residuals of `by`, and `products` with the products of the slopes by each unknown with each
-// other, the lower half row by row, and then with the residuals. unknowns: 7 of a round contact, 9 of an
-// ellipse.
-void linearise_imprint(const ImprintSlopes& by, int unknowns, double* products) noexcept;
+// Fills the residuals of `by` and their products. unknowns: 8 of a round contact, 10 of an ellipse.
+void linearise_imprint(const ImprintSlopes& by, int unknowns, ChannelProducts& products) noexcept;
 
 }  // namespace slipd

@@ -37,10 +37,16 @@ class SkinDepth {
   // What is known together with a frame that shows the log of the depth over nominal as `frame.mean`.
   LogDepth with(const LogDepth& frame) const noexcept {
     const double known = 1 / (now_.sigma * now_.sigma), shown = 1 / (frame.sigma * frame.sigma);
-    const double most = kMostDepthSigmas * prior_sigma_;
-    return {std::clamp((known * now_.mean + shown * frame.mean) / (known + shown), -most, most),
-            std::max(std::min(kLeastSigma, prior_sigma_), 1 / std::sqrt(known + shown))};
+    return limited(
+        {(known * now_.mean + shown * frame.mean) / (known + shown), 1 / std::sqrt(known + shown)});
   }
+  // No farther from nominal than that is believed, and no better known than frames can show.
+  LogDepth limited(const LogDepth& known) const noexcept {
+    return {std::clamp(known.mean, -most(), most()),
+            std::max(std::min(kLeastSigma, prior_sigma_), known.sigma)};
+  }
+  // The farthest from nominal that is believed.
+  double most() const noexcept { return kMostDepthSigmas * prior_sigma_; }
   void take(const LogDepth& known) noexcept { now_ = known; }
   // A new grasp.
   void forget() noexcept { now_ = {0, prior_sigma_}; }
