@@ -46,14 +46,18 @@ ImprintFit::ImprintFit(const TaxelLayout& layout, Range friction_expected, doubl
       unsheared_(3 * layout.size()),
       columns_(depth_m > 0 ? 3 * moment_columns() * layout.size() : 0) {}
 
-// The felt pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P.
+// The felt pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P. The
+// disc reads less of the pull than of the pressure.
 ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
-  constexpr double kLeastShare = 0.4;  // of the felt radius
-  const double felt = patch.radius_m;
-  const double a = std::sqrt(std::max(felt * felt - options_.start_spread * depth_m_ * depth_m_,
-                                      kLeastShare * kLeastShare * felt * felt));
+  constexpr double kLeastShare = 0.4, kMostEllipticity = 0.8;
+  const double felt = patch.radius_m, felt_m2 = felt * felt;
+  const double mean_m2 = std::max(felt_m2 - options_.start_spread * depth_m_ * depth_m_,
+                                  kLeastShare * kLeastShare * felt_m2);  // of both axes
+  const double e =
+      elliptic_ ? std::min(ratio.deviation.ellipticity * felt_m2 / mean_m2, kMostEllipticity) : 0;
+  const double a = std::sqrt(mean_m2 * std::sqrt(1 - e * e)), twice = 2 * ratio.deviation.long_axis_rad;
   Full at = Full::Zero();
-  at[Model::load] = ratio.load;
+  at[Model::load] = ratio.load * (1 + options_.start_load * depth_m_ / felt);
   at[Model::center_x] = patch.center_x_m - depth_m_ * ratio.load * patch.direction_x;
   at[Model::center_y] = patch.center_y_m - depth_m_ * ratio.load * patch.direction_y;
   at[Model::direction] = std::atan2(patch.direction_y, patch.direction_x);
@@ -63,6 +67,8 @@ ImprintFit::Full ImprintFit::start(const ContactPatch& patch, const MomentRatio&
   at[Model::margin] = depth_m_ > 0
                           ? options_.start_gamma
                           : std::clamp(gamma_of_moment_ratio(ratio.value), fit_.min_start, fit_.max_start);
+  at[Model::along] = std::atanh(e) * std::cos(twice);
+  at[Model::across] = std::atanh(e) * std::sin(twice);
   return at;
 }
 
@@ -145,6 +151,13 @@ bool ImprintFit::weights_change(int unknowns, Minimum& best) noexcept {
          options_.other_weights;
 }
 
+// Squared length in standard deviations, with all other unknowns free.
+double ImprintFit::axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept {
+  const Square covariance = hessian.ldlt().solve(Square::Identity(Model::kMost, Model::kMost));
+  const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
+  return axes.dot(spread.ldlt().solve(axes));
+}
+
 // By one step of Newton's method from the best round contact.
 bool ImprintFit::shows_ellipse(Minimum& round) noexcept {
   refresh(Model::kRound, round);
@@ -152,11 +165,7 @@ bool ImprintFit::shows_ellipse(Minimum& round) noexcept {
   model_.extend(round.evaluated, normal);
   weigh_depth(round.evaluated, normal);
   const Vector step = -normal.hessian.ldlt().solve(normal.gradient);
-  const Square covariance = normal.hessian.ldlt().solve(Square::Identity(Model::kMost, Model::kMost));
-  const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
-  const Eigen::Vector2d axes = step.tail<2>();
-  const double squares = axes.dot(spread.ldlt().solve(axes));
-  return squares > options_.elliptic_sigmas * options_.elliptic_sigmas;
+  return axes_sigmas2(normal.hessian, step.tail<2>()) > options_.elliptic_sigmas * options_.elliptic_sigmas;
 }
 
 void ImprintFit::place(const Full& at, FrameEstimate& out) noexcept {
@@ -231,24 +240,31 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   weigh_profile(friction, prior_, out);
 }
 
-// Round first, anew from another margin where it ends at an end of the range; then the noise that is left
-// over, and the ellipse if there is one.
+// As an ellipse where the pressure's moments show one, else round; anew from another margin where it ends at
+// an end of the range; then with the noise that is left over, and as what the taxels show.
 void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
   model_.use_part(options_.part_taxels);
-  minimise(Model::kRound, best);
+  elliptic_ = layout_.size() > kFewTaxels && ratio.deviation.ellipticity > fit_.elliptic_from;
+  best.at = start(patch, ratio);
+  minimise(unknowns(), best);
   if (best.at[Model::margin] < fit_.min_start || best.at[Model::margin] > fit_.max_start) {
     Minimum other;
     other.at = start(patch, ratio);
     other.at[Model::margin] = options_.other_gamma;
-    minimise(Model::kRound, other);
+    minimise(unknowns(), other);
     best.current = false;
     if (other.normal.cost < best.normal.cost) best = other;
   }
-  const bool changed = depth_m_ > 0 && weights_change(Model::kRound, best);
-  elliptic_ = shows_ellipse(best);
-  best.known = best.known && !elliptic_;
-  if (elliptic_ || changed) minimise(unknowns(), best);
-  if (elliptic_ && weights_change(unknowns(), best)) minimise(unknowns(), best);
+  const bool changed = (elliptic_ || depth_m_ > 0) && weights_change(unknowns(), best), before = elliptic_;
+  elliptic_ = before ? axes_sigmas2(best.normal.hessian, best.at.tail<2>()) >
+                           options_.elliptic_sigmas * options_.elliptic_sigmas
+                     : shows_ellipse(best);
+  if (elliptic_ != before) {
+    best.at.tail<2>().setZero();
+    best.known = false;
+  }
+  if (changed || !best.known) minimise(unknowns(), best);
+  if (!before && elliptic_ && weights_change(unknowns(), best)) minimise(unknowns(), best);
 }
 
 void ImprintFit::fit_all(Minimum& best) noexcept {
@@ -278,8 +294,7 @@ void ImprintFit::fit_all(Minimum& best) noexcept {
 ImprintFit::Minimum ImprintFit::fit_contact(const ContactPatch& patch, const MomentRatio& ratio) noexcept {
   Minimum best;
   begin_depth();
-  best.at = start(patch, ratio);
-  const double floor_pa = fit_.noise_floor * best.at[Model::peak],
+  const double floor_pa = fit_.noise_floor * start(patch, ratio)[Model::peak],
                normal_pa = std::max(patch.noise_normal_pa, floor_pa);
   model_.set_noise({normal_pa, depth_m_ > 0 ? normal_pa : std::max(patch.noise_shear_pa, floor_pa)});
   fit_part(patch, ratio, best);

@@ -37,7 +37,9 @@ struct ImprintFitOptions {
   double reach_depths = 1;
   // What the start subtracts from the square of the measured radius for the skin's spread, over depth^2; 0 …
   // 5. Too small and too large: more steps.
-  double start_spread = 3;
+  double start_spread = 1.8;
+  // What it adds to the measured Q/P, over that, for a depth of one radius; 0 … 5. As above.
+  double start_load = 2.2;
   // Gamma from which the fit starts under a skin, and from which it starts anew if it ends at an end of the
   // range; Gamma, within FitOptions' range.
   double start_gamma = 0.5;
@@ -132,6 +134,7 @@ class ImprintFit {
   void fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept;
   void fit_all(Minimum& best) noexcept;
   bool shows_ellipse(Minimum& round) noexcept;
+  static double axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept;
   // Whether the frame is asked for the depth.
   void begin_depth() noexcept;
   // Information on the depth before the frame: of its log.
