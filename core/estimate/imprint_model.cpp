@@ -263,7 +263,7 @@ void ImprintModel::evaluate(const Full& at, int unknowns, Normal& normal) noexce
 }
 
 void ImprintModel::extend(const Full& at, Normal& normal) noexcept {
-  evaluate_sheets(at, kMost, Detail::rough, true, normal);
+  evaluate_sheets(at, kMost, depth_m_ > 0 ? Detail::centre : Detail::rough, true, normal);
 }
 
 }  // namespace slipd

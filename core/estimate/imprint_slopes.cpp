@@ -29,7 +29,8 @@ enum Column : std::uint8_t {
 template <bool kElliptic>
 constexpr std::size_t kUnknowns = kElliptic ? columns : at_along;
 
-template <bool kElliptic, bool kSymmetric>
+// kGrowsBoth: a round dome's row d_a is of one axis alone, as it is without a skin.
+template <bool kElliptic, bool kSymmetric, bool kGrowsBoth>
 [[gnu::always_inline]] inline void fill_slopes(const ImprintSlopes& by, std::size_t first, std::size_t count,
                                                SlopeBlock<kUnknowns<kElliptic>>& block) noexcept {
   constexpr std::size_t kTaxels = SlopeBlock<kUnknowns<kElliptic>>::kTaxels;
@@ -75,7 +76,7 @@ template <bool kElliptic, bool kSymmetric>
           by.s2 * longer.y + x * angle.y);
       so = combined(1, so, by.wide.b_m, ob);
       si = combined(1, si, by.narrow.b_m, ib);
-    } else if (by.surface) {
+    } else if constexpr (kGrowsBoth) {
       so = combined(1, so, by.wide.b_m, at(by.outer, Sheet::d_b));
       si = combined(1, si, by.narrow.b_m, at(by.inner, Sheet::d_b));
     }
@@ -91,7 +92,7 @@ template <bool kElliptic, bool kSymmetric>
   }
 }
 
-template <bool kElliptic, bool kSymmetric>
+template <bool kElliptic, bool kSymmetric, bool kGrowsBoth = false>
 [[gnu::always_inline]] inline void add_blocks(const ImprintSlopes& by, ChannelProducts& products) noexcept {
   using Block = SlopeBlock<kUnknowns<kElliptic>>;
   Block block;
@@ -99,7 +100,7 @@ template <bool kElliptic, bool kSymmetric>
   for (std::size_t first = 0; first < by.count; first += Block::kTaxels) {
     const std::size_t count = std::min(Block::kTaxels, by.count - first);
     if (count < Block::kTaxels) block = {};
-    fill_slopes<kElliptic, kSymmetric>(by, first, count, block);
+    fill_slopes<kElliptic, kSymmetric, kGrowsBoth>(by, first, count, block);
     for (std::size_t channel = 0; channel < 3; ++channel) {
       double* const left = block.column[kUnknowns<kElliptic>][channel];
       double* const kept = by.residuals + channel * by.count + first;
@@ -118,6 +119,8 @@ template <bool kElliptic, bool kSymmetric>
                                              ChannelProducts& products) noexcept {
   if (unknowns > at_along) {
     by.symmetric ? add_blocks<true, true>(by, products) : add_blocks<true, false>(by, products);
+  } else if (by.surface) {
+    add_blocks<false, true, true>(by, products);
   } else {
     by.symmetric ? add_blocks<false, true>(by, products) : add_blocks<false, false>(by, products);
   }
