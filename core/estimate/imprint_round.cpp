@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/simd/instruction_sets.hpp"
 
@@ -37,19 +36,41 @@ constexpr bool is_odd(std::size_t function) noexcept {
          function == k_nr;
 }
 
-// The mean over a square, all directions of its sides alike, by its centre and eight points about it: exact
-// to the fourth power of the side. Five of the eight stand for all of them.
-constexpr std::size_t kPoints = 6;
-constexpr double kRingSides = 0.48304589153964794;  // sqrt(7/30)
-constexpr std::array<double, kPoints> kWeight{2.0 / 7, 5.0 / 56, 5.0 / 28, 5.0 / 28, 5.0 / 28, 5.0 / 56};
+// The mean over a square, all directions of its sides alike, by points about its centre. They lie in pairs on
+// both sides of the line through the contact's centre, of which one stands for both. Places in sides.
+struct SquareMean {
+  static constexpr std::size_t kMost = 6;
+  std::size_t points;
+  std::array<double, kMost> along, across, weight;
+};
+constexpr double kRing = 0.48304589153964794, kCorner = 0.34156502553198665;  // sqrt(7/30), sqrt(7/60)
+constexpr double kGauss = 0.28867513459481287;                                // sqrt(1/12)
+// Exact to the fourth power of the side, and to the second.
+constexpr SquareMean kExactMean{.points = 6,
+                                .along = {0, kRing, kCorner, 0, -kCorner, -kRing},
+                                .across = {0, 0, kCorner, kRing, kCorner, 0},
+                                .weight = {2.0 / 7, 5.0 / 56, 5.0 / 28, 5.0 / 28, 5.0 / 28, 5.0 / 56}};
+constexpr SquareMean kRoughMean{
+    .points = 2, .along = {kGauss, -kGauss}, .across = {kGauss, kGauss}, .weight = {0.5, 0.5}};
+const SquareMean& mean_of(Sheet::Detail detail) noexcept {
+  return detail == Sheet::Detail::exact ? kExactMean : kRoughMean;
+}
 
-// Distance of nodes over depth. Cubics between them are then within 1e-5 of the height.
-constexpr double kStepDepths = 0.15;
+// Distance of nodes over depth. Cubics between them are then within 1e-5 of the height, and 5e-4.
+double step_depths(Sheet::Detail detail) noexcept {
+  return detail == Sheet::Detail::exact ? 0.15 : 0.3;
+}
 // Sides over depth up to which a square's mean over all directions stands for its mean.
 constexpr double kExactSides = 0.7, kRoughSides = 1.4;
 
+// Into which a side is cut, for a mean over all directions of each.
+std::size_t parts_of(double side_m, double depth_m, double most_sides) noexcept {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(side_m / (depth_m * most_sides) - 1e-9)));
+}
+
 struct Filling {
   const Sheet* sheet;
+  const SquareMean* mean;
   double* functions;  // `used` lists of `stride` nodes; the first kGhosts are at negative r
   double* table;
   std::size_t stride, nodes;
@@ -72,11 +93,10 @@ struct Summing {
   const double* const from = by.sheet->row(of, component).data();
   const std::size_t count = by.nodes;
   double* const out = by.functions + to * by.stride + RoundImprint::kGhosts;
+  for (std::size_t point = 0; point < by.mean->points; ++point) {
+    const double weight = share * by.mean->weight[point];
 #pragma omp simd
-  for (std::size_t j = 0; j < count; ++j) {
-    double mean = 0;
-    for (std::size_t point = 0; point < kPoints; ++point) mean += kWeight[point] * from[point * count + j];
-    out[j] += share * mean;
+    for (std::size_t j = 0; j < count; ++j) out[j] += weight * from[point * count + j];
   }
 }
 
@@ -301,11 +321,11 @@ const RoundKernels RoundKernels::avx512{outer_on_avx512, inner_on_avx512, sum_on
 RoundImprint::RoundImprint(double side_m, double depth_m, std::optional<double> bonded_poisson)
     : side_m_(side_m),
       depth_m_(depth_m),
-      step_m_(kStepDepths * depth_m),
-      sheet_(depth_m > 0 ? kPoints * kMostNodes : 0, side_m, depth_m, bonded_poisson) {
+      parts_{parts_of(side_m, depth_m, kExactSides), parts_of(side_m, depth_m, kRoughSides)},
+      sheet_(depth_m > 0 ? SquareMean::kMost * kMostNodes : 0, side_m, depth_m, bonded_poisson) {
   if (!(depth_m > 0)) return;  // never used
-  u_.resize(kPoints * kMostNodes);
-  v_.resize(kPoints * kMostNodes);
+  u_.resize(SquareMean::kMost * kMostNodes);
+  v_.resize(SquareMean::kMost * kMostNodes);
   functions_.resize(Function::used * (kMostNodes + kGhosts));
   table_.resize(kPerNode * kMostNodes);
   best_kernels<RoundKernels>();  // not first within a fit
@@ -315,39 +335,34 @@ std::size_t RoundImprint::memory_bytes() const noexcept {
   return sheet_.memory_bytes() + sizeof(double) * (2 * u_.size() + functions_.size() + table_.size());
 }
 
-std::size_t RoundImprint::parts_of(Sheet::Detail detail) const noexcept {
-  const double sides = detail == Sheet::Detail::exact ? kExactSides : kRoughSides;
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(side_m_ / (depth_m_ * sides) - 1e-9)));
-}
-
 bool RoundImprint::pays(std::size_t count, double reach_m, Sheet::Detail detail,
                         std::size_t sheet_points) const noexcept {
   if (!(depth_m_ > 0)) return false;
-  const double nodes = reach_m / step_m_ + 2 + kGhosts;
+  const double nodes = reach_m / (step_depths(detail) * depth_m_) + 2 + kGhosts;
   if (!(nodes < static_cast<double>(kMostNodes))) return false;
   // Measured: a table's point takes as long as a sheet's, a taxel in it as long as three of them.
   constexpr double kTaxel = 3;
-  const std::size_t parts = parts_of(detail);
-  return 2 * kPoints * nodes <
+  const std::size_t parts = parts_along(detail);
+  return 2 * static_cast<double>(mean_of(detail).points) * nodes <
          static_cast<double>(count) * (2 * static_cast<double>(sheet_points * sheet_points) -
                                        kTaxel * static_cast<double>(parts * parts));
 }
 
-void RoundImprint::tabulate(const RoundTrial& trial, std::size_t nodes, double part_m) noexcept {
-  constexpr double kDiagonal = 0.5 * std::numbers::sqrt2;
-  const double ring = kRingSides * part_m;
-  const std::array<double, kPoints> du{0, ring, kDiagonal * ring, 0, -kDiagonal * ring, -ring},
-      dv{0, 0, kDiagonal * ring, ring, kDiagonal * ring, 0};
-  for (std::size_t point = 0; point < kPoints; ++point) {
+void RoundImprint::tabulate(const RoundTrial& trial, Sheet::Detail detail, std::size_t nodes,
+                            double part_m) noexcept {
+  const SquareMean& mean = mean_of(detail);
+  const double step_m = step_depths(detail) * depth_m_;
+  for (std::size_t point = 0; point < mean.points; ++point) {
     for (std::size_t j = 0; j < nodes; ++j) {
-      u_[point * nodes + j] = static_cast<double>(j) * step_m_ + du[point];
-      v_[point * nodes + j] = dv[point];
+      u_[point * nodes + j] = static_cast<double>(j) * step_m + part_m * mean.along[point];
+      v_[point * nodes + j] = part_m * mean.across[point];
     }
   }
   const double k = std::cbrt(trial.gamma), a = trial.radius_m;
   const std::size_t stride = kMostNodes + kGhosts;
   std::fill(functions_.begin(), functions_.end(), 0.0);
   const Filling filling{.sheet = &sheet_,
+                        .mean = &mean,
                         .functions = functions_.data(),
                         .table = table_.data(),
                         .stride = stride,
@@ -355,7 +370,7 @@ void RoundImprint::tabulate(const RoundTrial& trial, std::size_t nodes, double p
                         .wide_m = a,
                         .narrow_m = k * a,
                         .k = k};
-  const std::span<const double> u(u_.data(), kPoints * nodes), v(v_.data(), kPoints * nodes);
+  const std::span<const double> u(u_.data(), mean.points * nodes), v(v_.data(), mean.points * nodes);
   const RoundKernels& kernels = best_kernels<RoundKernels>();
   sheet_.evaluate({a, a, 0}, u, v, Sheet::Detail::centre);
   kernels.outer(filling);
@@ -365,17 +380,17 @@ void RoundImprint::tabulate(const RoundTrial& trial, std::size_t nodes, double p
 
 void RoundImprint::linearise(const RoundTrial& trial, double reach_m, Sheet::Detail detail,
                              const RoundTask& task, ChannelProducts& products) noexcept {
-  const std::size_t parts = parts_of(detail);
-  const double part_m = side_m_ / static_cast<double>(parts);
+  const std::size_t parts = parts_along(detail);
+  const double part_m = side_m_ / static_cast<double>(parts), step_m = step_depths(detail) * depth_m_;
   const auto nodes =
-      std::min(static_cast<std::size_t>(reach_m / step_m_) + 2 + kGhosts, std::size_t{kMostNodes});
-  tabulate(trial, nodes, part_m);
+      std::min(static_cast<std::size_t>(reach_m / step_m) + 2 + kGhosts, std::size_t{kMostNodes});
+  tabulate(trial, detail, nodes, part_m);
   const double k = std::cbrt(trial.gamma), rest = 1 - trial.gamma;
   best_kernels<RoundKernels>().sum({.task = &task,
                                     .table = table_.data(),
                                     .x = trial.x_m,
                                     .y = trial.y_m,
-                                    .per_step = 1 / step_m_,
+                                    .per_step = 1 / step_m,
                                     .last = static_cast<double>(nodes - kGhosts - 1) - 1e-9,
                                     .part_m = part_m,
                                     .per_radius = 1 / trial.radius_m,

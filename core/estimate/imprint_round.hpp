@@ -45,7 +45,6 @@ class RoundImprint {
 
   // Another depth, > 0, within a factor of 2 of the first one, by which averages are chosen.
   void set_depth(double depth_m) noexcept {
-    step_m_ *= depth_m / depth_m_;
     depth_m_ = depth_m;
     sheet_.set_depth(depth_m);
   }
@@ -67,10 +66,15 @@ class RoundImprint {
   static constexpr std::size_t kMostNodes = 160, kGhosts = 2;
 
  private:
-  std::size_t parts_of(contact::SubsurfaceSheet::Detail detail) const noexcept;
-  void tabulate(const RoundTrial& trial, std::size_t nodes, double part_m) noexcept;
+  // Parts of a taxel's side.
+  std::size_t parts_along(contact::SubsurfaceSheet::Detail detail) const noexcept {
+    return parts_[detail == contact::SubsurfaceSheet::Detail::exact ? 0 : 1];
+  }
+  void tabulate(const RoundTrial& trial, contact::SubsurfaceSheet::Detail detail, std::size_t nodes,
+                double part_m) noexcept;
 
-  double side_m_, depth_m_, step_m_;
+  double side_m_, depth_m_;
+  std::array<std::size_t, 2> parts_;  // exact, rough
   contact::SubsurfaceSheet sheet_;
   std::vector<double> u_, v_, functions_, table_;
 };
