@@ -2,31 +2,27 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <span>
 
 #include "core/contact/subsurface.hpp"
-#include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/profile_posterior.hpp"
 #include "core/numeric/scaled_inverse.hpp"
 
 namespace slipd {
 namespace {
 
-using contact::LayerTensor;
 using Model = ImprintModel;
 using Sheet = contact::SubsurfaceSheet;
 
-double product_of(std::span<const double> one, std::span<const double> two) noexcept {
+double squares_of(std::span<const double> values) noexcept {
   double sum = 0;
 #pragma omp simd reduction(+ : sum)
-  for (std::size_t i = 0; i < one.size(); ++i) sum += one[i] * two[i];
+  for (std::size_t i = 0; i < values.size(); ++i) sum += values[i] * values[i];
   return sum;
-}
-double squares_of(std::span<const double> values) noexcept {
-  return product_of(values, values);
 }
 
 }  // namespace
@@ -197,19 +193,16 @@ bool ImprintFit::describe(const Minimum& minimum, FrameEstimate& out) const noex
 }
 
 // What the shear alone makes each taxel read for one Q/P, over it: `of_shear` of each channel.
-void ImprintFit::fill_shear(const Full& at, double gamma, const ImprintRows& outer) noexcept {
-  const Model::Detail detail = profile_detail();
+void ImprintFit::fill_shear(const Full& at, double gamma, const Sheet& outer) noexcept {
   const double k = std::cbrt(gamma), q = at[Model::peak] / (1 - gamma);
-  const double c = std::cos(at[Model::direction]), s = std::sin(at[Model::direction]);
-  const ImprintRows inner(model_.show_part(at, k, detail));
-  const std::size_t n = model_.count();
-  for (std::size_t i = 0; i < n; ++i) {
-    const LayerTensor o = outer.at(Sheet::value, i), m = combined(1, o, -k, inner.at(Sheet::value, i));
-    const Felt g = felt_of(0, o, q, c, s, m);
-    shear_[i] = g.n / model_.noise().normal_pa;
-    shear_[n + i] = g.x / model_.noise().shear_pa;
-    shear_[2 * n + i] = g.y / model_.noise().shear_pa;
-  }
+  const double x = q * std::cos(at[Model::direction]), y = q * std::sin(at[Model::direction]);
+  const FeltRows inner = felt_rows(model_.show_part(at, k, profile_detail()), Sheet::value);
+  fill_column(shear_.data(), {.dome = felt_rows(outer, Sheet::value),
+                              .other = inner,
+                              .pulled_x_pa = x,
+                              .pulled_y_pa = y,
+                              .other_x_pa = -k * x,
+                              .other_y_pa = -k * y});
 }
 
 // As Fit::weigh_by_prior: the likelihood of each margin, with place and shape held and the load best for it.
@@ -222,7 +215,7 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   const double kept = held / covariance(Model::margin, Model::margin);
   const double share = kept > 0 && kept < 1 ? std::max(kept, fit_.min_profile_share) : 1;
   const std::size_t rows = 3 * model_.count();
-  const ImprintRows outer(model_.show(at, profile_detail()));
+  const Sheet& outer = model_.show(at, profile_detail());
   const auto residuals = model_.residuals();
   fill_shear(at, at[Model::margin], outer);
   for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[Model::load] * shear_[i] - residuals[i];
@@ -231,8 +224,9 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
     const double gamma = MarginProfile::gamma_of(j);
     fill_shear(at, gamma, outer);
-    const double square = squares_of({shear_.data(), rows}),
-                 product = product_of({shear_.data(), rows}, {unsheared_.data(), rows});
+    std::array<double, 3> products;
+    multiply_columns(std::array<const double*, 2>{shear_.data(), unsheared_.data()}, rows, products.data());
+    const double square = products[0], product = products[1];
     const double t = std::max(fit_.min_traction_ratio, product / square);
     friction[j] = t / (1 - gamma);
     profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product);
@@ -241,7 +235,7 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
 }
 
 // As an ellipse where the pressure's moments show one, else round; anew from another margin where it ends at
-// an end of the range; then with the noise that is left over, and as what the taxels show.
+// an end of the range; then with the noise that is left over, and round if there was no ellipse.
 void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
   model_.use_part(options_.part_taxels);
   elliptic_ = layout_.size() > kFewTaxels && ratio.deviation.ellipticity > fit_.elliptic_from;
@@ -255,16 +249,13 @@ void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, M
     best.current = false;
     if (other.normal.cost < best.normal.cost) best = other;
   }
-  const bool changed = (elliptic_ || depth_m_ > 0) && weights_change(unknowns(), best), before = elliptic_;
-  elliptic_ = before ? axes_sigmas2(best.normal.hessian, best.at.tail<2>()) >
-                           options_.elliptic_sigmas * options_.elliptic_sigmas
-                     : shows_ellipse(best);
-  if (elliptic_ != before) {
+  const bool changed = (elliptic_ || depth_m_ > 0) && weights_change(unknowns(), best);
+  if (elliptic_ && axes_sigmas2(best.normal.hessian, best.at.tail<2>()) <
+                       options_.elliptic_sigmas * options_.elliptic_sigmas) {
+    elliptic_ = best.known = false;
     best.at.tail<2>().setZero();
-    best.known = false;
   }
   if (changed || !best.known) minimise(unknowns(), best);
-  if (!before && elliptic_ && weights_change(unknowns(), best)) minimise(unknowns(), best);
 }
 
 void ImprintFit::fit_all(Minimum& best) noexcept {

@@ -23,8 +23,8 @@
 #include "core/contact/subsurface.hpp"
 #include "core/estimate/fit_options.hpp"
 #include "core/estimate/hertz_deviation.hpp"
+#include "core/estimate/imprint_columns.hpp"
 #include "core/estimate/imprint_model.hpp"
-#include "core/estimate/imprint_slopes.hpp"
 #include "core/estimate/method.hpp"
 #include "core/estimate/skin_depth.hpp"
 
@@ -150,10 +150,11 @@ class ImprintFit {
   // Whether the slip moment is that of a monotonic load with the margin of the estimate, or unknown.
   bool looks_monotonic(const FrameEstimate& estimate) const noexcept;
   static std::size_t moment_columns() noexcept;
-  void fill_pressure(const Full& at, const ImprintRows& outer) noexcept;
-  void fill_domes(const Full& at, const ContactPatch& patch, const ImprintRows& outer) noexcept;
-  void fill_column(std::size_t column, const ImprintRows& rows, contact::SubsurfaceSheet::Of of,
-                   double pressed_pa, double pulled_x_pa, double pulled_y_pa) noexcept;
+  double* column(std::size_t which) noexcept;
+  // In units of noise.
+  void fill_column(double* to, FeltColumn of) noexcept;
+  void fill_pressure(const Full& at, const contact::SubsurfaceSheet& outer) noexcept;
+  void fill_domes(const Full& at, const ContactPatch& patch, const contact::SubsurfaceSheet& outer) noexcept;
   // Whether the noise that is left over has other weights than before.
   bool weights_change(int unknowns, Minimum& at) noexcept;
   double residual_pressure(const Full& at) const noexcept;
@@ -168,7 +169,7 @@ class ImprintFit {
   // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.
   double layer_sigma(const Full& at) const noexcept;
   void weigh_by_prior(const Full& at, const Square& hessian, FrameEstimate& out) noexcept;
-  void fill_shear(const Full& at, double gamma, const ImprintRows& outer) noexcept;
+  void fill_shear(const Full& at, double gamma, const contact::SubsurfaceSheet& outer) noexcept;
   // Few taxels have no other margin than their profile's.
   ImprintModel::Detail profile_detail() const noexcept {
     return layout_.size() <= kFewTaxels ? ImprintModel::Detail::exact : ImprintModel::Detail::rough;

@@ -12,7 +12,6 @@
 namespace slipd {
 namespace {
 
-using contact::LayerTensor;
 using Sheet = contact::SubsurfaceSheet;
 
 // Radii of the domes, over the contact's. Fewer, or none near 1: a stick zone between two of them is read
@@ -26,76 +25,74 @@ constexpr auto kRows = static_cast<Eigen::Index>(kColumns);
 using ColumnMatrix = Eigen::Matrix<double, kRows, kRows>;
 using ColumnVector = Eigen::Matrix<double, kRows, 1>;
 
-double channel_product(const double* one, const double* two, std::size_t count) noexcept {
-  double sum = 0;
-#pragma omp simd reduction(+ : sum)
-  for (std::size_t i = 0; i < count; ++i) sum += one[i] * two[i];
-  return sum;
-}
-
 }  // namespace
 
 std::size_t ImprintFit::moment_columns() noexcept {
   return kColumns;
 }
 
-void ImprintFit::fill_column(std::size_t column, const ImprintRows& rows, Sheet::Of of, double pressed_pa,
-                             double pulled_x_pa, double pulled_y_pa) noexcept {
-  const std::size_t n = model_.count();
-  const double per_normal = 1 / model_.noise().normal_pa, per_shear = 1 / model_.noise().shear_pa;
-  double* const to = columns_.data() + column * 3 * layout_.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const LayerTensor felt = rows.at(of, i);
-    const Felt g = felt_of(pressed_pa, felt, 1, pulled_x_pa, pulled_y_pa, felt);
-    to[i] = per_normal * g.n;
-    to[n + i] = per_shear * g.x;
-    to[2 * n + i] = per_shear * g.y;
-  }
+double* ImprintFit::column(std::size_t which) noexcept {
+  return columns_.data() + which * 3 * layout_.size();
+}
+
+void ImprintFit::fill_column(double* to, FeltColumn of) noexcept {
+  of.per_normal = 1 / model_.noise().normal_pa;
+  of.per_shear = 1 / model_.noise().shear_pa;
+  fill_felt(of, model_.count(), to);
 }
 
 // What each channel reads of the pressure, in units of noise, by its unknowns over their own scale.
-void ImprintFit::fill_pressure(const Full& at, const ImprintRows& outer) noexcept {
+void ImprintFit::fill_pressure(const Full& at, const Sheet& outer) noexcept {
   const contact::Ellipse ellipse = ImprintModel::ellipse_of(at, 1);
   const double p = at[ImprintModel::peak], a = at[ImprintModel::size];
-  fill_column(by_x, outer, Sheet::d_u, -p * a, 0, 0);
-  fill_column(by_y, outer, Sheet::d_v, -p * a, 0, 0);
-  fill_column(by_peak, outer, Sheet::value, p, 0, 0);
-  fill_column(by_size, outer, Sheet::d_a, p * ellipse.a_m, 0, 0);
+  const auto fill = [&](double* to, Sheet::Of of, double pressed_pa) {
+    const FeltRows rows = felt_rows(outer, of);
+    fill_column(to, {.dome = rows, .other = rows, .pressed_pa = pressed_pa});
+  };
+  fill(column(by_x), Sheet::d_u, -p * a);
+  fill(column(by_y), Sheet::d_v, -p * a);
+  fill(column(by_peak), Sheet::value, p);
+  fill(column(by_size), Sheet::d_a, p * ellipse.a_m);
   if (ellipse.round()) return;
-  double* const size = columns_.data() + by_size * 3 * layout_.size();
-  std::copy_n(size, 3 * model_.count(), shear_.data());
-  fill_column(by_size, outer, Sheet::d_b, p * ellipse.b_m, 0, 0);
+  fill(shear_.data(), Sheet::d_b, p * ellipse.b_m);
+  double* const size = column(by_size);
   for (std::size_t i = 0; i < 3 * model_.count(); ++i) size[i] += shear_[i];
 }
 
 // The same of the shear of each dome, 1 N along the pull; the first is the whole contact's.
-void ImprintFit::fill_domes(const Full& at, const ContactPatch& patch, const ImprintRows& outer) noexcept {
+void ImprintFit::fill_domes(const Full& at, const ContactPatch& patch, const Sheet& outer) noexcept {
   const double area_m2 = std::numbers::pi * at[ImprintModel::size] * at[ImprintModel::size];
   for (std::size_t dome = 0; dome < kDomeRadii.size(); ++dome) {
     const double x = kDomeRadii[dome], per_n = 1.5 / (x * x * area_m2);
-    fill_column(dome, dome == 0 ? outer : ImprintRows(model_.show_part(at, x, ImprintModel::Detail::rough)),
-                Sheet::value, 0, per_n * patch.direction_x, per_n * patch.direction_y);
+    const FeltRows rows =
+        felt_rows(dome == 0 ? outer : model_.show_part(at, x, ImprintModel::Detail::rough), Sheet::value);
+    fill_column(column(dome), {.dome = rows,
+                               .other = rows,
+                               .pulled_x_pa = per_n * patch.direction_x,
+                               .pulled_y_pa = per_n * patch.direction_y});
   }
 }
 
 void ImprintFit::find_moments(const ContactPatch& patch, const Full& at, FrameEstimate& out) noexcept {
   const std::size_t rows = 3 * model_.count();
   const auto residuals = model_.residuals();
-  const ImprintRows outer(model_.show_slopes(at));
+  const Sheet& outer = model_.show_slopes(at);
   fill_pressure(at, outer);
   fill_shear(at, at[ImprintModel::margin], outer);
   for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[ImprintModel::load] * shear_[i] - residuals[i];
   fill_domes(at, patch, outer);
   ColumnMatrix products;
   ColumnVector felt, slip = ColumnVector::Zero(), legendre = slip, force = slip, legendre_by_size = slip;
-  const auto column_of = [this](Eigen::Index i) {
-    return columns_.data() + static_cast<std::size_t>(i) * 3 * layout_.size();
-  };
+  std::array<const double*, kColumns + 1> columns;
+  for (std::size_t i = 0; i < kColumns; ++i) columns[i] = column(i);
+  columns[kColumns] = unsheared_.data();
+  std::array<double, (kColumns + 1) * (kColumns + 2) / 2> multiplied;
+  multiply_columns(columns, rows, multiplied.data());
+  const double* next = multiplied.data();
   for (Eigen::Index i = 0; i < kRows; ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j)
-      products(i, j) = products(j, i) = channel_product(column_of(i), column_of(j), rows);
-    felt[i] = channel_product(column_of(i), unsheared_.data(), rows);
+    for (Eigen::Index j = 0; j <= i; ++j) products(i, j) = products(j, i) = *next++;
   }
+  for (Eigen::Index i = 0; i < kRows; ++i) felt[i] = *next++;
   const double normal_n =
       2.0 / 3 * std::numbers::pi * at[ImprintModel::size] * at[ImprintModel::size] * at[ImprintModel::peak];
   for (std::size_t i = 0; i < kDomeRadii.size(); ++i) {
