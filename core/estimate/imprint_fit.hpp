@@ -53,7 +53,7 @@ struct ImprintFitOptions {
   // A step that gains less than this of log likelihood is the last one, and nothing is evaluated at its end;
   // nats, 1e-4 … 0.1; the same on some of the taxels, 0.01 … 1. Too small: costs time. Too large: what is not
   // linear in the unknowns shows.
-  double settled_nats = 0.02;
+  double settled_nats = 0.05;
   double part_settled_nats = 0.1;
   // Change of the log of the shear's noise over the pressure's from which on the fit is repeated; 0.02 … 0.5.
   // Too small: costs time. Too large: channels have wrong weights.
