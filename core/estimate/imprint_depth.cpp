@@ -11,9 +11,6 @@ namespace {
 
 using Model = ImprintModel;
 
-// Information on a depth that is known.
-constexpr double kHeld = 1e12;
-
 }  // namespace
 
 // Where the depth is known, few frames are asked.
@@ -24,7 +21,7 @@ void ImprintFit::begin_depth() noexcept {
 }
 
 double ImprintFit::depth_precision() const noexcept {
-  return depth_asked_ ? 1 / (depth_.now().sigma * depth_.now().sigma) : kHeld;
+  return depth_asked_ ? 1 / (depth_.now().sigma * depth_.now().sigma) : Model::kHeldDepth;
 }
 
 void ImprintFit::evaluate(const Full& at, int unknowns, Model::Normal& normal) noexcept {
@@ -46,7 +43,7 @@ void ImprintFit::take_depth(Minimum& best) noexcept {
   Vector coupled = hessian.col(Model::depth);
   const double known = coupled[Model::depth];
   coupled[Model::depth] = 0;
-  hessian(Model::depth, Model::depth) = kHeld;
+  hessian(Model::depth, Model::depth) = Model::kHeldDepth;
   if (!depth_asked_ || !best.converged) return;
   const Vector follow = -hessian.ldlt().solve(coupled);
   const double information = known + coupled.dot(follow);

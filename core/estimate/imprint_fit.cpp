@@ -147,21 +147,9 @@ bool ImprintFit::weights_change(int unknowns, Minimum& best) noexcept {
          options_.other_weights;
 }
 
-// Squared length in standard deviations, with all other unknowns free.
-double ImprintFit::axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept {
-  const Square covariance = hessian.ldlt().solve(Square::Identity(Model::kMost, Model::kMost));
-  const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
-  return axes.dot(spread.ldlt().solve(axes));
-}
-
-// By one step of Newton's method from the best round contact.
 bool ImprintFit::shows_ellipse(Minimum& round) noexcept {
   refresh(Model::kRound, round);
-  Model::Normal normal;
-  model_.extend(round.evaluated, normal);
-  weigh_depth(round.evaluated, normal);
-  const Vector step = -normal.hessian.ldlt().solve(normal.gradient);
-  return axes_sigmas2(normal.hessian, step.tail<2>()) > options_.elliptic_sigmas * options_.elliptic_sigmas;
+  return model_.axes_sigmas2(round.evaluated) > options_.elliptic_sigmas * options_.elliptic_sigmas;
 }
 
 void ImprintFit::place(const Full& at, FrameEstimate& out) noexcept {
@@ -235,7 +223,7 @@ void ImprintFit::weigh_by_prior(const Full& at, const Square& hessian, FrameEsti
 }
 
 // As an ellipse where the pressure's moments show one, else round; anew from another margin where it ends at
-// an end of the range; then with the noise that is left over, and round if there was no ellipse.
+// an end of the range; then with the noise that is left over, and as what the taxels show.
 void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
   model_.use_part(options_.part_taxels);
   elliptic_ = layout_.size() > kFewTaxels && ratio.deviation.ellipticity > fit_.elliptic_from;
@@ -250,11 +238,14 @@ void ImprintFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, M
     if (other.normal.cost < best.normal.cost) best = other;
   }
   const bool changed = (elliptic_ || depth_m_ > 0) && weights_change(unknowns(), best);
-  if (elliptic_ && axes_sigmas2(best.normal.hessian, best.at.tail<2>()) <
-                       options_.elliptic_sigmas * options_.elliptic_sigmas) {
-    elliptic_ = best.known = false;
+  const bool elliptic = elliptic_ ? Model::axes_sigmas2(best.normal.hessian, best.at.tail<2>()) >
+                                        options_.elliptic_sigmas * options_.elliptic_sigmas
+                                  : shows_ellipse(best);
+  if (elliptic != elliptic_) {
+    best.known = false;
     best.at.tail<2>().setZero();
   }
+  elliptic_ = elliptic;
   if (changed || !best.known) minimise(unknowns(), best);
 }
 

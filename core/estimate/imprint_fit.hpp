@@ -134,7 +134,6 @@ class ImprintFit {
   void fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept;
   void fit_all(Minimum& best) noexcept;
   bool shows_ellipse(Minimum& round) noexcept;
-  static double axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept;
   // Whether the frame is asked for the depth.
   void begin_depth() noexcept;
   // Information on the depth before the frame: of its log.

@@ -1,7 +1,7 @@
 #include "core/estimate/imprint_model.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -29,6 +29,7 @@ ImprintModel::ImprintModel(const TaxelLayout& layout, double depth_m, std::optio
       outer_(layout.size(), layout.side_m(), depth_m, bonded_poisson),
       inner_(layout.size(), layout.side_m(), depth_m, bonded_poisson),
       round_(layout.side_m(), depth_m, bonded_poisson),
+      axes_(depth_m, bonded_poisson),
       taxel_(layout.size()) {
   for (auto* list : {&x_, &y_, &u_, &v_}) list->resize(layout.size());
   for (auto* list : {&all_data_, &data_, &residuals_}) list->resize(3 * layout.size());
@@ -39,7 +40,7 @@ std::size_t ImprintModel::memory_bytes() const noexcept {
   // Places and numbers; data twice and residuals of three channels.
   constexpr std::size_t kPlaces = 5, kOfChannels = 9;
   return layout_.size() * sizeof(double) * (kPlaces + kOfChannels) + outer_.memory_bytes() +
-         inner_.memory_bytes() + round_.memory_bytes();
+         inner_.memory_bytes() + round_.memory_bytes() + axes_.memory_bytes();
 }
 
 void ImprintModel::Sums::add(double weight, const Sums& other) noexcept {
@@ -67,6 +68,7 @@ void ImprintModel::set_depth(double log) noexcept {
   outer_.set_depth(depth_m);
   inner_.set_depth(depth_m);
   round_.set_depth(depth_m);
+  axes_.set_depth(depth_m);
 }
 
 void ImprintModel::collect(const ContactPatch& patch, const contact::Ellipse& reach,
@@ -183,32 +185,41 @@ void ImprintModel::spread(const ChannelProducts& products, int unknowns, Normal&
   normal.add(1, normal.of_shear);
 }
 
-bool ImprintModel::evaluate_round(const Full& at, Normal& normal) noexcept {
-  if (!(depth_m_ > 0)) return false;
+double ImprintModel::farthest_m(const Full& at) const noexcept {
   double most_m2 = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     const double x = x_[i] - at[center_x], y = y_[i] - at[center_y];
     most_m2 = std::max(most_m2, x * x + y * y);
   }
-  const double reach_m = std::sqrt(most_m2) + layout_.side_m();  // the corners of their squares, too
+  return std::sqrt(most_m2) + layout_.side_m();
+}
+
+RoundTrial ImprintModel::trial_of(const Full& at) noexcept {
+  return {.x_m = at[center_x],
+          .y_m = at[center_y],
+          .radius_m = at[size],
+          .peak_pa = at[peak],
+          .load = at[load],
+          .gamma = at[margin],
+          .direction_rad = at[direction]};
+}
+
+RoundTask ImprintModel::task() noexcept {
+  return {.x_m = x_.data(),
+          .y_m = y_.data(),
+          .data_pa = data_.data(),
+          .residuals = residuals_.data(),
+          .count = count_,
+          .per_normal = 1 / noise_.normal_pa,
+          .per_shear = 1 / noise_.shear_pa};
+}
+
+bool ImprintModel::evaluate_round(const Full& at, Normal& normal) noexcept {
+  if (!(depth_m_ > 0)) return false;
+  const double reach_m = farthest_m(at);
   if (!round_.pays(count_, reach_m, detail_, outer_.points(detail_))) return false;
   ChannelProducts products;
-  round_.linearise({.x_m = at[center_x],
-                    .y_m = at[center_y],
-                    .radius_m = at[size],
-                    .peak_pa = at[peak],
-                    .load = at[load],
-                    .gamma = at[margin],
-                    .direction_rad = at[direction]},
-                   reach_m, detail_,
-                   {.x_m = x_.data(),
-                    .y_m = y_.data(),
-                    .data_pa = data_.data(),
-                    .residuals = residuals_.data(),
-                    .count = count_,
-                    .per_normal = 1 / noise_.normal_pa,
-                    .per_shear = 1 / noise_.shear_pa},
-                   products);
+  round_.linearise(trial_of(at), reach_m, detail_, task(), products);
   spread(products, kRound, normal);
   return true;
 }
@@ -262,8 +273,23 @@ void ImprintModel::evaluate(const Full& at, int unknowns, Normal& normal) noexce
     evaluate_sheets(at, unknowns, detail_, false, normal);
 }
 
-void ImprintModel::extend(const Full& at, Normal& normal) noexcept {
-  evaluate_sheets(at, kMost, depth_m_ > 0 ? Detail::centre : Detail::rough, true, normal);
+// With all other unknowns free.
+double ImprintModel::axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept {
+  const Square covariance = hessian.ldlt().solve(Square::Identity(kMost, kMost));
+  const Eigen::Matrix2d spread = covariance.bottomRightCorner<2, 2>();
+  return axes.dot(spread.ldlt().solve(axes));
+}
+
+double ImprintModel::axes_sigmas2(const Full& at) noexcept {
+  if (depth_m_ > 0) {
+    const double reach_m = farthest_m(at);
+    if (axes_.reaches(reach_m)) return axes_.sigmas2(trial_of(at), reach_m, task());
+  }
+  Normal normal;
+  evaluate_sheets(at, kMost, Detail::rough, true, normal);
+  normal.hessian(depth, depth) += kHeldDepth;
+  const Vector step = -normal.hessian.ldlt().solve(normal.gradient);
+  return axes_sigmas2(normal.hessian, step.tail<2>());
 }
 
 }  // namespace slipd

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/contact/subsurface.hpp"
+#include "core/estimate/imprint_axes.hpp"
 #include "core/estimate/imprint_round.hpp"
 #include "core/estimate/slope_block.hpp"
 #include "core/frame/layout.hpp"
@@ -40,6 +41,8 @@ class ImprintModel {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
   using Full = Eigen::Matrix<double, kMost, 1>;
   using Detail = contact::SubsurfaceSheet::Detail;
+  // Information on the log of a depth that is known.
+  static constexpr double kHeldDepth = 1e12;
   // Standard deviations of a taxel's pressure and of each of its shears, Pa, > 0.
   struct Noise {
     double normal_pa = 1, shear_pa = 1;
@@ -84,8 +87,11 @@ class ImprintModel {
 
   // By so many unknowns, kRound or kMost.
   void evaluate(const Full& at, int unknowns, Normal& normal) noexcept;
-  // The same by kMost unknowns with the residuals of the last evaluation and rough slopes.
-  void extend(const Full& at, Normal& normal) noexcept;
+  // Of the last evaluation, of a round contact: squared length, in standard deviations, of a step of Newton's
+  // method from there to an ellipse.
+  double axes_sigmas2(const Full& at) noexcept;
+  // The same by the covariance of an ellipse's unknowns, for its axes.
+  static double axes_sigmas2(const Square& hessian, const Eigen::Vector2d& axes) noexcept;
 
   // Of the taxels in use.
   std::size_t count() const noexcept { return count_; }
@@ -112,6 +118,10 @@ class ImprintModel {
   void place(const Full& at) noexcept;
   void set_depth(double log) noexcept;
   void choose(std::size_t count, Detail detail) noexcept;
+  // From its centre to the farthest corner of a taxel in use, m.
+  double farthest_m(const Full& at) const noexcept;
+  static RoundTrial trial_of(const Full& at) noexcept;
+  RoundTask task() noexcept;
   bool evaluate_round(const Full& at, Normal& normal) noexcept;
   void evaluate_sheets(const Full& at, int unknowns, Detail detail, bool residuals_given,
                        Normal& normal) noexcept;
@@ -121,6 +131,7 @@ class ImprintModel {
   double depth_m_, depth_log_ = 0;
   contact::SubsurfaceSheet outer_, inner_;
   RoundImprint round_;
+  ImprintAxes axes_;
   std::size_t collected_ = 0, count_ = 0;
   Detail detail_ = Detail::exact;
   Noise noise_;

@@ -26,7 +26,7 @@ double cramer_rao_sigma(ImprintModel& model, const KnownImprint& truth, double n
   at[ImprintModel::across] = log_axes * std::sin(twice);
   ImprintModel::Normal normal;
   model.evaluate(at, ellipse.round() ? int{ImprintModel::kRound} : int{ImprintModel::kMost}, normal);
-  normal.hessian(ImprintModel::depth, ImprintModel::depth) = 1e12;  // known
+  normal.hessian(ImprintModel::depth, ImprintModel::depth) = ImprintModel::kHeldDepth;
   const auto pressures = model.residuals().first(model.count());
   const double greatest = *std::max_element(pressures.begin(), pressures.end());
   const slipd::ScaledInverse<ImprintModel::Square> inverse(normal.hessian);
