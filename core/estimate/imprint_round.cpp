@@ -340,12 +340,12 @@ bool RoundImprint::pays(std::size_t count, double reach_m, Sheet::Detail detail,
   if (!(depth_m_ > 0)) return false;
   const double nodes = reach_m / (step_depths(detail) * depth_m_) + 2 + kGhosts;
   if (!(nodes < static_cast<double>(kMostNodes))) return false;
-  // Measured: a table's point takes as long as a sheet's, a taxel in it as long as three of them.
-  constexpr double kTaxel = 3;
-  const std::size_t parts = parts_along(detail);
+  // Measured: a table's point takes as long as a sheet's, a taxel in it and one of two sheets a little
+  // longer.
+  constexpr double kTaxel = 1.2, kOfSheets = 1.5;
+  const auto parts = static_cast<double>(parts_along(detail)), points = static_cast<double>(sheet_points);
   return 2 * static_cast<double>(mean_of(detail).points) * nodes <
-         static_cast<double>(count) * (2 * static_cast<double>(sheet_points * sheet_points) -
-                                       kTaxel * static_cast<double>(parts * parts));
+         static_cast<double>(count) * (2 * points * points + kOfSheets - kTaxel * parts * parts);
 }
 
 void RoundImprint::tabulate(const RoundTrial& trial, Sheet::Detail detail, std::size_t nodes,
