@@ -54,7 +54,7 @@ struct ImprintFitOptions {
   // nats, 1e-4 … 0.1; the same on some of the taxels, 0.01 … 1. Too small: costs time. Too large: what is not
   // linear in the unknowns shows.
   double settled_nats = 0.05;
-  double part_settled_nats = 0.1;
+  double part_settled_nats = 0.4;
   // Change of the log of the shear's noise over the pressure's from which on the fit is repeated; 0.02 … 0.5.
   // Too small: costs time. Too large: channels have wrong weights.
   double other_weights = 0.15;
