@@ -60,20 +60,27 @@ struct DomePoint {
           moved.yy + 2 * value.xy};
 }
 
+// kFirst: of a taxel's points, in place of what the row held.
+template <bool kFirst>
 [[gnu::always_inline]] inline void add(const FeltTensor& t, double weight, double* row,
                                        std::size_t stride) noexcept {
-  row[0] += weight * t.nn;
-  row[stride] += weight * t.nx;
-  row[2 * stride] += weight * t.ny;
-  row[3 * stride] += weight * t.xx;
-  row[4 * stride] += weight * t.xy;
-  row[5 * stride] += weight * t.yy;
+  const auto put = [](double& to, double value) __attribute__((always_inline)) {
+    to = kFirst ? value : to + value;
+  };
+  put(row[0], weight * t.nn);
+  put(row[stride], weight * t.nx);
+  put(row[2 * stride], weight * t.ny);
+  put(row[3 * stride], weight * t.xx);
+  put(row[4 * stride], weight * t.xy);
+  put(row[5 * stride], weight * t.yy);
 }
 
 using Sheet = SubsurfaceSheet;
+using subsurface::fill_integrals;
 using subsurface::IntegralTable;
 using subsurface::Shape;
 
+template <bool kFirst>
 [[gnu::always_inline]] inline void round_slopes(const DomePoint& of, const Points& to) noexcept {
   const std::size_t n = Sheet::kHalfSpace * to.stride;
 #pragma omp simd
@@ -84,21 +91,24 @@ using subsurface::Shape;
                      d_v = subsurface::slope_of(at, 0, 1, 0, 0, 0, 0),
                      d_a = subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a);
     double* const row = to.rows + i;
-    add(subsurface::value_of(at), of.weight, row, to.stride);
-    add(d_u, of.weight, row + Sheet::d_u * n, to.stride);
-    add(d_v, of.weight, row + Sheet::d_v * n, to.stride);
-    add(d_a, of.weight, row + Sheet::d_a * n, to.stride);
-    add(by_depth(u, d_u, v, d_v, mixed(of.a, d_a, 0, d_a)), of.weight, row + Sheet::d_depth * n, to.stride);
+    add<kFirst>(subsurface::value_of(at), of.weight, row, to.stride);
+    add<kFirst>(d_u, of.weight, row + Sheet::d_u * n, to.stride);
+    add<kFirst>(d_v, of.weight, row + Sheet::d_v * n, to.stride);
+    add<kFirst>(d_a, of.weight, row + Sheet::d_a * n, to.stride);
+    add<kFirst>(by_depth(u, d_u, v, d_v, mixed(of.a, d_a, 0, d_a)), of.weight, row + Sheet::d_depth * n,
+                to.stride);
   }
 }
 
+template <bool kFirst>
 [[gnu::always_inline]] inline void round_values(const DomePoint& of, const Points& to) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i)
-    add(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight,
-        to.rows + i, to.stride);
+    add<kFirst>(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight,
+                to.rows + i, to.stride);
 }
 
+template <bool kFirst>
 [[gnu::always_inline]] inline void elliptic_slopes(const DomePoint& of, const Points& to) noexcept {
   const std::size_t n = Sheet::kHalfSpace * to.stride;
   const double c = of.cosine, s = of.sine;
@@ -115,54 +125,26 @@ using subsurface::Shape;
                      d_b = turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b), c,
                                   s);
     double* const row = to.rows + i;
-    add(value, of.weight, row, to.stride);
-    add(d_u, of.weight, row + Sheet::d_u * n, to.stride);
-    add(d_v, of.weight, row + Sheet::d_v * n, to.stride);
-    add(d_a, of.weight, row + Sheet::d_a * n, to.stride);
-    add(by_depth(u, d_u, v, d_v, mixed(of.a, d_a, of.b, d_b)), of.weight, row + Sheet::d_depth * n,
-        to.stride);
-    add(d_b, of.weight, row + Sheet::d_b * n, to.stride);
-    add(by_angle(value, d_u, d_v, u, v), of.weight, row + Sheet::d_angle * n, to.stride);
+    add<kFirst>(value, of.weight, row, to.stride);
+    add<kFirst>(d_u, of.weight, row + Sheet::d_u * n, to.stride);
+    add<kFirst>(d_v, of.weight, row + Sheet::d_v * n, to.stride);
+    add<kFirst>(d_a, of.weight, row + Sheet::d_a * n, to.stride);
+    add<kFirst>(by_depth(u, d_u, v, d_v, mixed(of.a, d_a, of.b, d_b)), of.weight, row + Sheet::d_depth * n,
+                to.stride);
+    add<kFirst>(d_b, of.weight, row + Sheet::d_b * n, to.stride);
+    add<kFirst>(by_angle(value, d_u, d_v, u, v), of.weight, row + Sheet::d_angle * n, to.stride);
   }
 }
 
+template <bool kFirst>
 [[gnu::always_inline]] inline void elliptic_values(const DomePoint& of, const Points& to) noexcept {
   const double c = of.cosine, s = of.sine;
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v;
-    add(turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s),
+    add<kFirst>(
+        turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s),
         of.weight, to.rows + i, to.stride);
-  }
-}
-
-// Hermite's cubics through the integrals and their slopes dI_a/dm = -2/((A + m^2) sqrt((A + m^2)(B + m^2))).
-[[gnu::always_inline]] inline void fill_integrals(double aa, double bb, double shorter, double first,
-                                                  double per_step, double* to) noexcept {
-  constexpr int kNodes = IntegralTable::kIntervals + 1;
-  constexpr double kLast = 1 - 1e-6;
-  double ia[kNodes], ib[kNodes], da[kNodes], db[kNodes];
-#pragma omp simd
-  for (int i = 0; i < kNodes; ++i) {
-    const double place = std::min(first + i / per_step, kLast), rest = 1 / (1 - place);
-    const double m = shorter * place * rest, al = aa + m * m, bl = bb + m * m;
-    const subsurface::AxisIntegrals at = subsurface::axis_integrals(aa, bb, m * m);
-    const double slope = -2 * shorter * rest * rest / (per_step * std::sqrt(al * bl));
-    ia[i] = at.a;
-    ib[i] = at.b;
-    da[i] = slope / al;
-    db[i] = slope / bl;
-  }
-  for (int i = 0; i < IntegralTable::kIntervals; ++i, to += IntegralTable::kPerInterval) {
-    const double rise_a = ia[i + 1] - ia[i], rise_b = ib[i + 1] - ib[i];
-    to[0] = ia[i];
-    to[1] = da[i];
-    to[2] = 3 * rise_a - 2 * da[i] - da[i + 1];
-    to[3] = da[i] + da[i + 1] - 2 * rise_a;
-    to[4] = ib[i];
-    to[5] = db[i];
-    to[6] = 3 * rise_b - 2 * db[i] - db[i + 1];
-    to[7] = db[i] + db[i + 1] - 2 * rise_b;
   }
 }
 
@@ -257,40 +239,48 @@ template <auto kLoop>
 
 struct SubsurfaceKernels {
   using Kernel = void (*)(const DomePoint&, const Points&) noexcept;
+  // For a taxel's first point, and for the others.
+  struct Pair {
+    Kernel first, other;
+  };
   void (*integrals)(double, double, double, double, double, double*) noexcept;
-  Kernel round, round_value, elliptic, elliptic_value, surface, surface_value;
+  Pair round, round_value, elliptic, elliptic_value;
+  Kernel surface, surface_value;
   static const SubsurfaceKernels baseline, avx2, avx512;  // chosen by best_kernels
 };
-const SubsurfaceKernels SubsurfaceKernels::baseline{integrals_on_baseline,
-                                                    felt_on_baseline<round_slopes>,
-                                                    felt_on_baseline<round_values>,
-                                                    felt_on_baseline<elliptic_slopes>,
-                                                    felt_on_baseline<elliptic_values>,
-                                                    felt_on_baseline<surface_slopes>,
-                                                    felt_on_baseline<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::baseline{
+    integrals_on_baseline,
+    {felt_on_baseline<round_slopes<true>>, felt_on_baseline<round_slopes<false>>},
+    {felt_on_baseline<round_values<true>>, felt_on_baseline<round_values<false>>},
+    {felt_on_baseline<elliptic_slopes<true>>, felt_on_baseline<elliptic_slopes<false>>},
+    {felt_on_baseline<elliptic_values<true>>, felt_on_baseline<elliptic_values<false>>},
+    felt_on_baseline<surface_slopes>,
+    felt_on_baseline<surface_values>};
 #if defined(__x86_64__)
-const SubsurfaceKernels SubsurfaceKernels::avx2{integrals_on_avx2,
-                                                felt_on_avx2<round_slopes>,
-                                                felt_on_avx2<round_values>,
-                                                felt_on_avx2<elliptic_slopes>,
-                                                felt_on_avx2<elliptic_values>,
-                                                felt_on_avx2<surface_slopes>,
-                                                felt_on_avx2<surface_values>};
-const SubsurfaceKernels SubsurfaceKernels::avx512{integrals_on_avx512,
-                                                  felt_on_avx512<round_slopes>,
-                                                  felt_on_avx512<round_values>,
-                                                  felt_on_avx512<elliptic_slopes>,
-                                                  felt_on_avx512<elliptic_values>,
-                                                  felt_on_avx512<surface_slopes>,
-                                                  felt_on_avx512<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx2{
+    integrals_on_avx2,
+    {felt_on_avx2<round_slopes<true>>, felt_on_avx2<round_slopes<false>>},
+    {felt_on_avx2<round_values<true>>, felt_on_avx2<round_values<false>>},
+    {felt_on_avx2<elliptic_slopes<true>>, felt_on_avx2<elliptic_slopes<false>>},
+    {felt_on_avx2<elliptic_values<true>>, felt_on_avx2<elliptic_values<false>>},
+    felt_on_avx2<surface_slopes>,
+    felt_on_avx2<surface_values>};
+const SubsurfaceKernels SubsurfaceKernels::avx512{
+    integrals_on_avx512,
+    {felt_on_avx512<round_slopes<true>>, felt_on_avx512<round_slopes<false>>},
+    {felt_on_avx512<round_values<true>>, felt_on_avx512<round_values<false>>},
+    {felt_on_avx512<elliptic_slopes<true>>, felt_on_avx512<elliptic_slopes<false>>},
+    {felt_on_avx512<elliptic_values<true>>, felt_on_avx512<elliptic_values<false>>},
+    felt_on_avx512<surface_slopes>,
+    felt_on_avx512<surface_values>};
 #endif
 
-// At the depth of `point`, on all points of each taxel. integrals: room for an IntegralTable.
-void add_half_space(DomePoint point, const Points& to, bool round, bool slopes, const SideRule& rule,
-                    double* integrals) noexcept {
+// At the depth of `point`, by all points of each taxel. integrals: room for an IntegralTable.
+void fill_half_space(DomePoint point, const Points& to, bool round, bool slopes, const SideRule& rule,
+                     double* integrals) noexcept {
   const SubsurfaceKernels& kernels = best_kernels<SubsurfaceKernels>();
-  const auto kernel = round ? (slopes ? kernels.round : kernels.round_value)
-                            : (slopes ? kernels.elliptic : kernels.elliptic_value);
+  const SubsurfaceKernels::Pair& kernel = round ? (slopes ? kernels.round : kernels.round_value)
+                                                : (slopes ? kernels.elliptic : kernels.elliptic_value);
   if (!round) {
     point.table = {.coefficient = integrals, .shorter = std::min(point.a, point.b)};
     point.table.first = point.depth / (point.depth + point.table.shorter);  // l is at least d^2
@@ -306,7 +296,7 @@ void add_half_space(DomePoint point, const Points& to, bool round, bool slopes, 
         point.u = rule.at[i];
         point.v = rule.at[j];
         point.weight = rule.weight[i] * rule.weight[j];
-        kernel(point, part);
+        (i + j == 0 ? kernel.first : kernel.other)(point, part);
       }
     }
   }
@@ -358,7 +348,8 @@ void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::s
   const std::size_t rows = !slopes                    ? std::size_t{d_u}
                            : dome.round() && !surface ? std::size_t{d_b}
                                                       : std::size_t{kRows};
-  std::fill_n(rows_.begin(), rows * (surface ? 1 : components()) * count_, 0.0);
+  if (surface || !images_.empty())
+    std::fill_n(rows_.begin(), rows * (surface ? 1 : components()) * count_, 0.0);
   DomePoint point{.a = dome.a_m,
                   .b = dome.b_m,
                   .cosine = std::cos(dome.angle_rad),
@@ -375,15 +366,14 @@ void SubsurfaceSheet::run(const Ellipse& dome, std::span<const double> u, std::s
     }
     return;
   }
-  const auto add = [&](double* to) {
-    add_half_space(point, {u.data(), v.data(), to, count_, count_}, dome.round(), slopes, rule,
-                   integrals_.data());
+  const auto fill = [&](double* to) {
+    fill_half_space(point, {u.data(), v.data(), to, count_, count_}, dome.round(), slopes, rule,
+                    integrals_.data());
   };
-  if (images_.empty()) return add(rows_.data());
+  if (images_.empty()) return fill(rows_.data());
   for (const LayerImage& image : images_) {
     point.depth = image.depth * depth_m_;
-    std::fill_n(image_rows_.begin(), rows * kHalfSpace * count_, 0.0);
-    add(image_rows_.data());
+    fill(image_rows_.data());
     for (std::size_t row = 0; row < rows; ++row)
       add_image(image, image_rows_.data() + row * kHalfSpace * count_,
                 rows_.data() + row * kComponents * count_, count_);
