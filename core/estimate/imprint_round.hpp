@@ -7,20 +7,12 @@
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <vector>
 
 #include "core/contact/subsurface.hpp"
+#include "core/estimate/round_table.hpp"
 #include "core/estimate/slope_block.hpp"
 
 namespace slipd {
-
-// A trial contact; as ImprintModel's unknowns.
-struct RoundTrial {
-  // Its centre and radius, m.
-  double x_m = 0, y_m = 0, radius_m = 0;
-  // Peak pressure, Pa; Q/P; Gamma in (0, 1); direction of Q from x to y, rad.
-  double peak_pa = 0, load = 0, gamma = 0, direction_rad = 0;
-};
 
 // The taxels of a frame, and where results are written.
 struct RoundTask {
@@ -46,7 +38,7 @@ class RoundImprint {
   // Another depth, > 0, within a factor of 2 of the first one, by which averages are chosen.
   void set_depth(double depth_m) noexcept {
     depth_m_ = depth_m;
-    sheet_.set_depth(depth_m);
+    table_.set_depth(depth_m);
   }
 
   // Whether so many taxels, no farther than reach_m from the centre, take less time than with a
@@ -59,24 +51,17 @@ class RoundImprint {
   void linearise(const RoundTrial& trial, double reach_m, contact::SubsurfaceSheet::Detail detail,
                  const RoundTask& task, ChannelProducts& products) noexcept;
 
-  std::size_t memory_bytes() const noexcept;
-
-  // Values and slopes of the functions at a node.
-  static constexpr std::size_t kFunctions = 16, kPerNode = 2 * kFunctions;
-  static constexpr std::size_t kMostNodes = 160, kGhosts = 2;
+  std::size_t memory_bytes() const noexcept { return table_.memory_bytes(); }
 
  private:
   // Parts of a taxel's side.
   std::size_t parts_along(contact::SubsurfaceSheet::Detail detail) const noexcept {
     return parts_[detail == contact::SubsurfaceSheet::Detail::exact ? 0 : 1];
   }
-  void tabulate(const RoundTrial& trial, contact::SubsurfaceSheet::Detail detail, std::size_t nodes,
-                double part_m) noexcept;
 
   double side_m_, depth_m_;
   std::array<std::size_t, 2> parts_;  // exact, rough
-  contact::SubsurfaceSheet sheet_;
-  std::vector<double> u_, v_, functions_, table_;
+  RoundTable table_;
 };
 
 }  // namespace slipd
