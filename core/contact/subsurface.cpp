@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/integral_table.hpp"
 #include "core/simd/instruction_sets.hpp"
 
 namespace slipd::contact {

@@ -115,7 +115,7 @@ struct Polar {
     put(5, {by_gamma * shear.n + by_k * er * f[k_nr], by_gamma * shear.r + by_k * er * f[k_rr],
             by_gamma * shear.t + by_k * et * f[k_tt]});
     put(6, {-q * et * f[m_nr], -q * et * f[m_rr], q * er * f[m_tt]});
-    // As in subsurface.cpp; that a deeper taxel is a smaller one, too, is left out.
+    // As in subsurface.cpp, but with what the width of a taxel adds left out: less than a tenth of it.
     const double r = 1 / per_r;
     put(7, {-grown.n - r * out.n, -grown.r - r * out.r, -grown.t - r * out.t});
   }

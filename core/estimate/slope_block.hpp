@@ -62,10 +62,12 @@ class SlopeSums {
             columns + std::min(col + 2, row) * kStride, columns + std::min(col + 3, row) * kStride};
         Lanes part[kTogether] = {};
         for (std::size_t i = 0; i < kChannels * kTaxels; i += kLanes) {
-          const auto at = [i](const double* list) __attribute__((always_inline)) {
-            return *reinterpret_cast<const Lanes*>(list + i);
-          };
-          for (std::size_t j = 0; j < kTogether; ++j) part[j] += at(one) * at(other[j]);
+          Lanes left, right;
+          __builtin_memcpy(&left, one + i, sizeof left);
+          for (std::size_t j = 0; j < kTogether; ++j) {
+            __builtin_memcpy(&right, other[j] + i, sizeof right);
+            part[j] += left * right;
+          }
         }
         for (std::size_t j = 0; j < count; ++j) sums[first + col + j] += part[j];
       }

@@ -203,6 +203,11 @@ TEST(RigidBase, SlopesAreThoseOfTheValues) {
     };
     differ(Sheet::d_u, {0, 0, 0}, 1);
     differ(Sheet::d_a, {1, round ? 1.0 : 0.0, 0}, 0);
+    plus.set_depth(0.6 * std::exp(kStep));
+    minus.set_depth(0.6 * std::exp(-kStep));
+    differ(Sheet::d_depth, {0, 0, 0}, 0);
+    plus.set_depth(0.6);
+    minus.set_depth(0.6);
     if (round) continue;
     differ(Sheet::d_b, {0, 1, 0}, 0);
     differ(Sheet::d_angle, {0, 0, 1}, 0);

@@ -201,6 +201,13 @@ TEST(SubsurfaceSheets, SlopesAreThoseOfTheValues) {
       differ(Sheet::d_u, {0, 0, 0}, 1, 0);
       differ(Sheet::d_v, {0, 0, 0}, 0, 1);
       differ(Sheet::d_a, {1, round ? 1.0 : 0.0, 0}, 0, 0);
+      for (auto* deeper : {&plus, &minus}) {
+        if (depth > 0) deeper->set_depth(depth * std::exp(deeper == &plus ? step : -step));
+      }
+      differ(Sheet::d_depth, {0, 0, 0}, 0, 0);
+      for (auto* same : {&plus, &minus}) {
+        if (depth > 0) same->set_depth(depth);
+      }
       if (round) continue;
       differ(Sheet::d_b, {0, 1, 0}, 0, 0);
       differ(Sheet::d_angle, {0, 0, 1}, 0, 0);

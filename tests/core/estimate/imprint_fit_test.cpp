@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <limits>
-#include <optional>
 #include <random>
 #include <vector>
 
 #include "core/contact/imprint.hpp"
-#include "core/estimate/chain.hpp"
 #include "core/estimate/fit.hpp"
-#include "core/estimate/imprint_round.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -301,203 +297,6 @@ TEST(ImprintFit, FindsMomentsAndForcesUnderASkinWhateverTheHistoryAndRefusesAnUn
   }
 }
 
-// Gripped, pulled to 0.85 of mu P, let go to 0.2, gripped harder; at 200 Hz.
-TEST(Chains, UnderASkinFollowAnUnloadingAndARegrip) {
-  ChainSetup setup{
-      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
-  setup.scene.skin.depth_m = 0.001;
-  EstimatorChain chain(setup, nullptr);
-  contact::ImprintSheet sheet(setup.layout, {.depth_m = 0.001});
-  contact::LoadHistory contact(synthetic::paper_pair());
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<float> unit(-1, 1);
-  std::vector<float> p(setup.layout.size()), x(p.size()), y(p.size());
-  constexpr double kFriction = 0.5;
-  struct Leg {
-    double normal_n, load;  // at its end: P, and Q over mu times 3 N
-    int frames;
-    bool judged;
-  };
-  constexpr Leg kLegs[] = {{3, 0, 40, false}, {3, 0.85, 80, false}, {3, 0.2, 60, true}, {4.5, 0.2, 40, true}};
-  std::int64_t frame = 0;
-  double normal_n = 0, load = 0, error = 0, judged = 0, answered = 0, too_high = 0;
-  for (const Leg& leg : kLegs) {
-    for (int i = 1; i <= leg.frames; ++i) {
-      const double part = static_cast<double>(i) / leg.frames;
-      contact.move_to(normal_n + part * (leg.normal_n - normal_n),
-                      (load + part * (leg.load - load)) * kFriction * 3, kFriction);
-      sheet.feel(contact, 0.0004, -0.0007, 0.6, p, x, y);
-      for (auto* channel : {&p, &x, &y}) {
-        for (float& value : *channel) value += 300 * unit(random);
-      }
-      ++frame;
-      const Estimate estimate =
-          chain.estimate({static_cast<std::uint64_t>(frame), 5'000'000 * frame, p, x, y});
-      too_high += estimate.gamma_low.value_or(0) > contact.safety_margin() ? 1 : 0;
-      if (!leg.judged) continue;
-      ++judged;
-      if (!estimate.gamma) continue;
-      ++answered;
-      error += std::fabs(*estimate.gamma - contact.safety_margin());
-      EXPECT_LT(*estimate.gamma - contact.safety_margin(), 0.15);
-    }
-    normal_n = leg.normal_n;
-    load = leg.load;
-  }
-  EXPECT_LT(too_high, 0.05 * static_cast<double>(frame));
-  EXPECT_GT(answered, 0.7 * judged);
-  EXPECT_LT(error / answered, 0.08);
-}
-
-// A grip that closes and is pulled until it slides, at 200 Hz.
-TEST(Chains, UnderASkinFollowAGrasp) {
-  ChainSetup setup{
-      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
-  setup.scene.skin.depth_m = 0.001;
-  setup.estimator.method = MethodChoice::fit;
-  EstimatorChain chain(setup, nullptr);
-  contact::ImprintSheet sheet(setup.layout, {.depth_m = 0.001});
-  contact::LoadHistory contact(synthetic::paper_pair());
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<float> unit(-1, 1);
-  std::vector<float> p(setup.layout.size()), x(p.size()), y(p.size());
-  constexpr int kClosing = 40, kPull = 120;
-  constexpr double kGrip = 3, kFriction = 0.5;
-  int answered = 0, pulled = 0;
-  double error = 0, force = 0;
-  for (int i = 1; i <= kClosing + kPull; ++i) {
-    const double closed = std::min(1.0, static_cast<double>(i) / kClosing),
-                 load = std::max(0.0, static_cast<double>(i - kClosing) / kPull);
-    contact.move_to(kGrip * closed, load * kFriction * kGrip, kFriction);
-    sheet.feel(contact, 0.0004, -0.0007, 0.6, p, x, y);
-    for (auto* channel : {&p, &x, &y}) {
-      for (float& value : *channel) value += 300 * unit(random);
-    }
-    const Estimate estimate =
-        chain.estimate({static_cast<std::uint64_t>(i), std::int64_t{5'000'000} * i, p, x, y});
-    if (load < 0.2) continue;
-    ++pulled;
-    if (estimate.state != State::ok) continue;
-    ++answered;
-    error += std::fabs(*estimate.gamma - (1 - load));
-    force += estimate.normal_n.value_or(0);
-    EXPECT_LT(*estimate.gamma - (1 - load), 0.1);
-  }
-  EXPECT_GT(answered, 0.9 * pulled);
-  EXPECT_LT(error / answered, 0.035);
-  EXPECT_NEAR(force / answered, kGrip, 0.05 * kGrip);
-}
-
-// A round contact on a pad of +-8 mm, by the table of RoundImprint and by sheets.
-class RoundTrials {
- public:
-  RoundTrials(std::size_t side, double depth_m, std::optional<double> bonded_poisson = std::nullopt)
-      : layout_(TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side))),
-        sheet_(layout_.size(), layout_.side_m(), depth_m, bonded_poisson),
-        round_(layout_.side_m(), depth_m, bonded_poisson),
-        data_(3 * layout_.size()),
-        left_(data_.size()) {}
-
-  // What taxels read, over the peak; and with data taken off, half the sum of squares.
-  const std::vector<double>& by_table(const RoundTrial& trial) {
-    round_.linearise(trial, 0.014, contact::SubsurfaceSheet::Detail::exact,
-                     {.x_m = layout_.x_m().data(),
-                      .y_m = layout_.y_m().data(),
-                      .data_pa = data_.data(),
-                      .residuals = left_.data(),
-                      .count = layout_.size(),
-                      .per_normal = 1,
-                      .per_shear = 1},
-                     products_);
-    return left_;
-  }
-  double cost(const RoundTrial& trial) {
-    double sum = 0;
-    for (const double x : by_table(trial)) sum += 0.5 * x * x;
-    return sum;
-  }
-  std::vector<double> by_sheets(const RoundTrial& trial) {
-    const std::size_t n = layout_.size();
-    std::vector<double> u, v, out(3 * n);
-    for (std::size_t i = 0; i < n; ++i) {
-      u.push_back(layout_.x_m()[i] - trial.x_m);
-      v.push_back(layout_.y_m()[i] - trial.y_m);
-    }
-    const double k = std::cbrt(trial.gamma), q = trial.peak_pa * trial.load / (1 - trial.gamma);
-    const auto add = [&](double scale, double pressed, double pulled) {
-      using Sheet = contact::SubsurfaceSheet;
-      sheet_.evaluate_values({scale * trial.radius_m, scale * trial.radius_m, 0}, u, v);
-      const auto of = [&](Sheet::Component which, std::size_t i) {
-        return sheet_.row(Sheet::value, which)[i];
-      };
-      const double x = pulled * std::cos(trial.direction_rad), y = pulled * std::sin(trial.direction_rad);
-      for (std::size_t i = 0; i < n; ++i) {
-        out[i] += pressed * of(Sheet::nn, i) + x * of(Sheet::nx, i) + y * of(Sheet::ny, i);
-        out[n + i] += pressed * of(Sheet::xn, i) + x * of(Sheet::xx, i) + y * of(Sheet::xy, i);
-        out[2 * n + i] += pressed * of(Sheet::yn, i) + x * of(Sheet::xy, i) + y * of(Sheet::yy, i);
-      }
-    };
-    add(1, trial.peak_pa, q);
-    add(k, 0, -k * q);
-    return out;
-  }
-  void read(const std::vector<double>& data) { data_ = data; }
-  double gradient(std::size_t unknown) const { return products_[28 + unknown]; }
-
- private:
-  TaxelLayout layout_;
-  contact::SubsurfaceSheet sheet_;
-  RoundImprint round_;
-  RoundImprint::Products products_{};
-  std::vector<double> data_, left_;
-};
-
-constexpr RoundTrial kTrial{.x_m = 0.0007,
-                            .y_m = -0.0004,
-                            .radius_m = 0.004,
-                            .peak_pa = 1,
-                            .load = 0.3,
-                            .gamma = 0.4,
-                            .direction_rad = 0.7};
-
-TEST(RoundImprints, ByTheTableAreThoseOfSheetsToTenThousandthsOfThePeak) {
-  for (const std::size_t side : {std::size_t{16}, std::size_t{32}}) {
-    for (const double depth_m : {0.0005, 0.001, 0.002}) {
-      for (const std::optional<double> bonded_poisson : {std::optional<double>(), std::optional(0.45)}) {
-        RoundTrials trials(side, depth_m, bonded_poisson);
-        const std::vector<double> table = trials.by_table(kTrial), sheets = trials.by_sheets(kTrial);
-        double worst = 0;
-        for (std::size_t i = 0; i < table.size(); ++i)
-          worst = std::max(worst, std::fabs(table[i] - sheets[i]));
-        EXPECT_LT(worst, 2e-4) << side << " " << depth_m;  // each of both within 1e-4
-      }
-    }
-  }
-}
-
-TEST(RoundImprints, HaveTheGradientOfTheirCost) {
-  RoundTrials trials(32, 0.001);
-  RoundTrial other = kTrial;
-  other.radius_m *= 1.1;
-  other.gamma = 0.6;
-  other.x_m += 0.0003;
-  other.direction_rad += 0.3;
-  trials.read(trials.by_sheets(other));
-  using Field = double RoundTrial::*;
-  constexpr Field kFields[] = {&RoundTrial::x_m,          &RoundTrial::y_m,  &RoundTrial::radius_m,
-                               &RoundTrial::peak_pa,      &RoundTrial::load, &RoundTrial::gamma,
-                               &RoundTrial::direction_rad};
-  for (std::size_t i = 0; i < std::size(kFields); ++i) {
-    const double step = i < 3 ? 1e-7 : 1e-4;
-    RoundTrial more = kTrial, less = kTrial;
-    more.*kFields[i] += step;
-    less.*kFields[i] -= step;
-    const double slope = (trials.cost(more) - trials.cost(less)) / (2 * step);
-    static_cast<void>(trials.by_table(kTrial));
-    EXPECT_NEAR(trials.gradient(i), slope, 2e-3 * std::fabs(slope) + 1e-4) << i;
-  }
-}
-
 TEST(ImprintFit, AllocatesNothing) {
   ImprintFrames frames(16, {.depth_m = 0.001, .stretch = 1.6});
   ImprintFit fit(frames.layout(), {0.1, 0.9}, 0.001, {});
@@ -507,19 +306,6 @@ TEST(ImprintFit, AllocatesNothing) {
     const std::uint64_t before = test::allocations();
     static_cast<void>(fit.estimate(patch, ratio));
     EXPECT_EQ(test::allocations(), before);
-  }
-}
-
-TEST(Chains, UnderASkinTakeMethodFitAndRefuseTheOthers) {
-  ChainSetup setup{
-      .layout = TaxelLayout::grid(16, 16, 0.001), .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
-  setup.scene.skin.depth_m = 0.001;
-  setup.estimator.method = MethodChoice::automatic;
-  EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::fit);
-  for (const MethodChoice method : {MethodChoice::moments, MethodChoice::registered, MethodChoice::svd_knn}) {
-    setup.estimator.method = method;
-    EXPECT_FALSE(needs_model(setup));
-    EXPECT_THROW(EstimatorChain(setup, nullptr), std::invalid_argument);
   }
 }
 
