@@ -7,8 +7,9 @@
 // direction of the pull, and for an ellipse e (cos 2 phi, sin 2 phi) with e = log(a/b) and the direction phi
 // of the long axis:
 //   p = p0 D(1),   q = p0 T (D(1) - k D(k)) / (1 - Gamma),   k^3 = Gamma,
-// with D(x) the dome of unit height over the ellipse x times as large, as it is read at the taxels' depth. A
-// round contact is fitted first, and an ellipse only where one step from there shows that it is not round.
+// with D(x) the dome of unit height over the ellipse x times as large, as it is read at the taxels' depth;
+// and the depth, with what was known of it before. A fit starts from an ellipse where the pressure's moments
+// show one. It ends with one where the taxels show that the contact is not round.
 //
 // Under a skin no taxel is free of the contact, so that the noise is that of the residuals.
 #pragma once
@@ -44,8 +45,8 @@ struct ImprintFitOptions {
   // range; Gamma, within FitOptions' range.
   double start_gamma = 0.5;
   double other_gamma = 0.9;
-  // An ellipse is fitted where one step away from a round contact is at least so many standard deviations
-  // long; 2 … 6. Too small: costs time for nothing. Too large: ellipses are read as round contacts.
+  // A contact is an ellipse where that is at least so many standard deviations away from a round one; 2 … 6.
+  // Too small: costs time for nothing. Too large: ellipses are read as round contacts.
   double elliptic_sigmas = 3;
   // Log of long over short axis up to which an ellipse is searched; 0.5 … 1.5. Too small: long contacts are
   // refused. Too large: noise stretches small contacts.
