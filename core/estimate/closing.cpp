@@ -52,9 +52,12 @@ void Closing::observe(const Frame&, const ContactPatch& patch) noexcept {
   if (skin_) skin_->prepare(maps_, kFilteredInClosing, maps_.slot_of(normal_n));
 }
 
-bool Closing::grown(const ContactPatch& patch, double normal_n) const noexcept {
-  return recorded(normal_n) && normal_n > maps_.force_n(maps_.size() - 1) &&
-         maps_.frames_like(normal_n) < options_.enough_frames && unmoved(patch, maps_.at(normal_n));
+bool Closing::grown(const ContactPatch& patch, double normal_n) noexcept {
+  if (!recorded(normal_n) || normal_n <= maps_.force_n(maps_.size() - 1) ||
+      maps_.frames_like(normal_n) >= options_.enough_frames)
+    return false;
+  maps_.find_contact(patch.noise_normal_pa);
+  return unmoved(patch, maps_.at(normal_n));
 }
 
 bool Closing::recorded(double normal_n) const noexcept {
@@ -80,21 +83,27 @@ Closing::Trial Closing::judge(double gamma, const ContactPatch& patch, const Clo
   const double product_pa2 = ClosingMaps::product(slipping, products);
   const double square_pa2 = maps_.square_pa2(slipping, patch.noise_normal_pa);
   Trial trial{.gamma = gamma};
-  if (!(product_pa2 > 0 && square_pa2 > 0)) return trial;
-  trial.friction = product_pa2 / square_pa2;
+  if (!(square_pa2 > 0)) return trial;
+  const double measured = product_pa2 / square_pa2, friction = std::max(0.0, measured);
   const double shear_pa2 = patch.noise_shear_pa * patch.noise_shear_pa;
-  const double map_pa = trial.friction * patch.noise_normal_pa;
+  const double map_pa = friction * patch.noise_normal_pa;
   const double noise_share = maps_.noise_share(slipping), map_pa2 = map_pa * map_pa * noise_share;
   trial.noise_pa2 = std::max(shear_pa2 + map_pa2, std::numeric_limits<double>::min());
   trial.map_share = map_pa2 / trial.noise_pa2;
-  const auto taxels = static_cast<double>(layout_.size());
+  const auto taxels = static_cast<double>(maps_.contact().size());
   // Of the maps as they are, with their noise.
   const double noisy_pa2 = square_pa2 + taxels * patch.noise_normal_pa * patch.noise_normal_pa * noise_share;
-  trial.residual_pa2 = std::max(
-      0.0, shear_square_pa2 - 2 * trial.friction * product_pa2 + trial.friction * trial.friction * noisy_pa2);
+  trial.residual_pa2 =
+      std::max(0.0, shear_square_pa2 - 2 * friction * product_pa2 + friction * friction * noisy_pa2);
   trial.misfit = 0.5 * (trial.residual_pa2 / trial.noise_pa2 + taxels * std::log(trial.noise_pa2));
-  trial.nats = prior_.nats_against(trial.friction);
+  weigh_friction(measured, square_pa2, trial);
   return trial;
+}
+
+void Closing::weigh_friction(double measured, double square_pa2, Trial& trial) const noexcept {
+  const FrictionPrior::Weighed weighed = prior_.weigh(measured, square_pa2 / trial.noise_pa2);
+  trial.friction = weighed.mu;
+  trial.nats = weighed.nats;
 }
 
 // Means over the likelihood of all margins: it need not be a parabola.
@@ -138,7 +147,8 @@ void Closing::give_profile(FrameEstimate& out) const noexcept {
 const Closing::Trial* Closing::best_trial() const noexcept {
   const Trial* best = nullptr;
   for (const Trial& trial : trials_) {
-    if (trial.friction > 0 && (best == nullptr || trial.misfit < best->misfit)) best = &trial;
+    if (trial.friction > 0 && (best == nullptr || trial.misfit + trial.nats < best->misfit + best->nats))
+      best = &trial;
   }
   return best;
 }
@@ -187,7 +197,7 @@ bool Closing::superpose(const ContactPatch& patch, const ClosingMaps::PerMap& pr
       .noise_shares = {},
       .felt = {},
       .shear_pa2 = shear_square_pa2,
-      .values = static_cast<double>(layout_.size()),
+      .values = static_cast<double>(maps_.contact().size()),
       .noise_pa2 = std::max(patch.noise_shear_pa * patch.noise_shear_pa, floor_pa2),
       .map_noise_pa2 = patch.noise_normal_pa * patch.noise_normal_pa};
   std::array<ClosingMaps::Sum, ClosingSuperposition::kTerms> terms;
@@ -210,17 +220,18 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
   if (skin_) return estimate_felt(patch);
   FrameEstimate out;
   if (!recorded(patch.normal_n)) return out;
+  maps_.find_contact(patch.noise_normal_pa);
   const ClosingMaps::Sum today = maps_.at(patch.normal_n);
   if (!unmoved(patch, today)) return out;
   double shear_square_pa2 = 0, across_pa2 = 0;
-  for (std::uint32_t i = 0; i < layout_.size(); ++i) {
+  for (const std::uint32_t i : maps_.contact()) {
     shear_pa_[i] = static_cast<float>(patch.shear_along_pa(i));
     shear_square_pa2 += static_cast<double>(shear_pa_[i]) * shear_pa_[i];
     const double across_pa =
         patch.direction_x * patch.taxels.shear_y_pa[i] - patch.direction_y * patch.taxels.shear_x_pa[i];
     across_pa2 += across_pa * across_pa;
   }
-  const auto taxels = static_cast<double>(layout_.size());
+  const auto taxels = static_cast<double>(maps_.contact().size());
   // Shear across the pull is none of a load that came in one direction.
   const double noise_pa2 = patch.noise_shear_pa * patch.noise_shear_pa;
   across_pa2 = std::max(0.0, across_pa2 - taxels * noise_pa2);
@@ -247,13 +258,14 @@ FrameEstimate Closing::estimate(const Frame&, const ContactPatch& patch) noexcep
 Closing::Trial Closing::judge_felt(std::size_t step, const ContactPatch& patch) const noexcept {
   const ClosingSkin::Pull pull = skin_->pull(step);
   Trial trial{.gamma = gamma_of(step)};
-  if (!(pull.x * patch.direction_x + pull.y * patch.direction_y > 0)) return trial;
-  trial.friction = std::hypot(pull.x, pull.y);
+  if (!(pull.noise_pa2 > 0)) return trial;
   trial.residual_pa2 = pull.residual_pa2;
   trial.noise_pa2 = pull.noise_pa2;
   // Both maps' noise is the same in all frames: the difference's, and that of what pressing is felt as.
   trial.map_share = std::min(1.0, pull.map_share + skin_->pressing_share());
-  trial.nats = prior_.nats_against(trial.friction);
+  // Against the force: noise.
+  const double along = pull.x * patch.direction_x + pull.y * patch.direction_y;
+  weigh_friction(along > 0 ? std::hypot(pull.x, pull.y) : along, pull.square_pa2, trial);
   return trial;
 }
 
@@ -261,10 +273,13 @@ Closing::Trial Closing::judge_felt(std::size_t step, const ContactPatch& patch) 
 // against margins that need more friction.
 std::size_t Closing::judge_felt(const ContactPatch& patch) noexcept {
   std::size_t best = kSteps;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kSteps; ++i) {
-    trials_[i] = judge_felt(i, patch);
-    if (trials_[i].friction > 0 && (best == kSteps || trials_[i].residual_pa2 < trials_[best].residual_pa2))
-      best = i;
+    const Trial trial = trials_[i] = judge_felt(i, patch);
+    const double nats = 0.5 * trial.residual_pa2 / trial.noise_pa2 + trial.nats;
+    if (!(trial.friction > 0 && nats < least)) continue;
+    best = i;
+    least = nats;
   }
   if (best == kSteps) return best;
   const double noise_pa2 = trials_[best].noise_pa2;
@@ -310,15 +325,14 @@ FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
     most_n_ = normal_n;
     if (!read_felt(patch, normal_n, felt)) return out;
   }
-  const auto values = static_cast<double>(2 * layout_.size());
-  // The variance of noise is itself measured, on differences that have neighbours in common.
-  constexpr double kOfMeasuredNoise = 4.8;
+  const double values = skin_->values();
   if (felt.summed) {
+    const auto shears = static_cast<double>(2 * layout_.size());
     const double noise_pa2 = skin_->shear_pa2(), excess_pa2 = felt.sum.excess_pa2();
     give_moments(felt.sum,
                  {.excess_pa2 = excess_pa2,
-                  .noise_pa2 = noise_pa2 * std::sqrt(2 * kOfMeasuredNoise * values),
-                  .explained_pa2 = skin_->square_pa2() - values * noise_pa2 - excess_pa2},
+                  .noise_pa2 = noise_pa2 * std::sqrt(2 * ClosingSkin::kOfMeasuredNoise * shears),
+                  .explained_pa2 = skin_->shear_square_pa2() - shears * noise_pa2 - excess_pa2},
                  out);
   }
   const std::size_t step = felt.best;
@@ -328,12 +342,12 @@ FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
   if (skin_->history_gain(step, pull) > options_.most_history_gain) return out;
   conclude(patch, best,
            {.excess_pa2 = best.residual_pa2 - skin_->shear_pa2() * values,
-            .noise_pa2 = best.noise_pa2 * std::sqrt(2 * kOfMeasuredNoise * values),
+            .noise_pa2 = best.noise_pa2 * std::sqrt(2 * ClosingSkin::kOfMeasuredNoise * values),
             .explained_pa2 = skin_->square_pa2() - best.residual_pa2},
            out);
   if (!out.in_model) return out;
   out.normal_n = normal_n;
-  out.shear_n = best.friction * (1 - best.gamma) * normal_n;
+  out.shear_n = std::hypot(pull.x, pull.y) * (1 - best.gamma) * normal_n;
   const double by_depth = sigma_by_depth(patch, step, out.gamma);
   out.sigma = std::hypot(out.sigma, by_depth);
   out.common_sigma = std::hypot(out.common_sigma, by_depth);

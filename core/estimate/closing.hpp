@@ -99,9 +99,7 @@ class Closing final : public SlipMethod {
   }
   Method name() const noexcept override { return Method::closing; }
   MethodSettings settings() const noexcept override {
-    const std::size_t channels = skin_ ? 3 : 1;
-    return {.memory_bytes = sizeof(*this) +
-                            (channels * ClosingMaps::kMaps + 1) * sizeof(float) * layout_.size() +
+    return {.memory_bytes = sizeof(*this) + maps_.memory_bytes() + sizeof(float) * shear_pa_.size() +
                             (skin_ ? skin_->memory_bytes() : 0)};
   }
 
@@ -130,8 +128,8 @@ class Closing final : public SlipMethod {
   // How one trial margin explains the shear.
   struct Trial {
     double gamma = 0;
-    double friction = 0;      // > 0; 0: none
-    double nats = 0;          // that the prior has against this friction
+    double friction = 0;      // most likely with the prior, > 0; 0: nothing is known
+    double nats = 0;          // against this friction
     double misfit = 0;        // half the squared residual in units of noise, and half the logarithm of noise
     double residual_pa2 = 0;  // sum of squares
     double noise_pa2 = 0;     // variance of one taxel's residual
@@ -143,15 +141,16 @@ class Closing final : public SlipMethod {
   double force_n(const ContactPatch& patch) const noexcept;
   bool recorded(double normal_n) const noexcept;
   // Whether the grip has tightened since it closed. Its pressure is that of closing, whatever pulls.
-  bool grown(const ContactPatch& patch, double normal_n) const noexcept;
+  bool grown(const ContactPatch& patch, double normal_n) noexcept;
   bool unmoved(const ContactPatch& patch, const ClosingMaps::Sum& today) const noexcept;
   Trial judge(double gamma, const ContactPatch& patch, const ClosingMaps::Sum& today,
               const ClosingMaps::PerMap& products, double shear_square_pa2) const noexcept;
+  void weigh_friction(double measured, double square_pa2, Trial& trial) const noexcept;
   // The same under a skin, of the frame that skin_ has read; without the misfit.
   Trial judge_felt(std::size_t step, const ContactPatch& patch) const noexcept;
-  // All trials. Returns the best one; kSteps: none.
+  // All trials. Returns the most likely one, with the prior; kSteps: none.
   std::size_t judge_felt(const ContactPatch& patch) noexcept;
-  // Best of the trials; null: none.
+  // The most likely of the trials, with the prior; null: none.
   const Trial* best_trial() const noexcept;
   FrameEstimate estimate_felt(const ContactPatch& patch) noexcept;
   struct FeltFrame {

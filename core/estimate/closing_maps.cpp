@@ -1,8 +1,11 @@
 #include "core/estimate/closing_maps.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "core/estimate/taxel_sums.hpp"
 
 namespace slipd {
 namespace {
@@ -10,29 +13,31 @@ namespace {
 // The first map's slot, of kMaps: room for smaller forces, and for a force some times larger before maps are
 // joined.
 constexpr double kFirstSlot = 4;
-
-Eigen::Map<const Eigen::VectorXf> vector_of(std::span<const float> values) noexcept {
-  return {values.data(), static_cast<Eigen::Index>(values.size())};
-}
-
-double dot(std::span<const float> a, std::span<const float> b) noexcept {
-  return vector_of(a).dot(vector_of(b));
-}
+// Pressure of the last map from which on a taxel belongs to the contact, standard deviations of its noise; 2
+// …
+// 5. Too small: noise counts. Too large: the rim of a light contact is left out.
+constexpr double kClearlyPressed = 3;
+// What no pressure under no force counts for, in frames; it is known.
+constexpr double kFramesOfNone = 1000;
 
 }  // namespace
 
 ClosingMaps::ClosingMaps(std::size_t taxels, bool with_shear)
-    : taxels_(taxels), channels_(with_shear ? 3 : 1), values_(kMaps * channels_ * taxels) {}
+    : taxels_(taxels), channels_(with_shear ? 3 : 1), values_(kMaps * channels_ * taxels) {
+  contact_.reserve(taxels);
+}
 
 void ClosingMaps::clear() noexcept {
   maps_.fill({});
   root_step_ = 0;
   size_ = 0;
+  contact_.clear();
 }
 
 std::size_t ClosingMaps::slot_of(double normal_n) const noexcept {
-  const double slot = root_step_ > 0 ? std::sqrt(normal_n) / root_step_ : kMaps;
-  return slot < kMaps ? static_cast<std::size_t>(slot) : kMaps;
+  if (!(root_step_ > 0)) return kMaps;
+  const double slot = std::sqrt(normal_n) / root_step_;
+  return slot < static_cast<double>(kMaps) ? static_cast<std::size_t>(slot) : kMaps;
 }
 
 double ClosingMaps::frames_like(double normal_n) const noexcept {
@@ -54,18 +59,13 @@ void ClosingMaps::add(const TaxelView& taxels, double normal_n) noexcept {
   const std::array<const float*, 3> channels{taxels.normal_pa, taxels.shear_x_pa, taxels.shear_y_pa};
   for (std::size_t channel = 0; channel < channels_; ++channel) {
     const std::span<const float> values(channels[channel], taxels_);
-    Eigen::Map<Eigen::VectorXf> mean(values_of(slot).data() + channel * taxels_,
-                                     static_cast<Eigen::Index>(taxels_));
+    TaxelVector mean = taxel_vector(values_of(slot).subspan(channel * taxels_, taxels_));
     if (fresh)
-      mean = vector_of(values);
+      mean = taxel_vector(values);
     else
-      mean += static_cast<float>(part) * (vector_of(values) - mean);
+      mean += static_cast<float>(part) * (taxel_vector(values) - mean);
   }
   if (fresh) sort_out();
-  for (std::size_t i = 0; i < size_; ++i) {
-    const std::size_t other = order_[i];
-    products_[slot][other] = products_[other][slot] = dot(normal_of(slot), normal_of(other));
-  }
 }
 
 // Room for forces up to four times as large.
@@ -76,7 +76,6 @@ void ClosingMaps::halve() noexcept {
   sort_out();
 }
 
-// The products of a mean are means of products: none is computed anew.
 void ClosingMaps::join(std::size_t into, std::size_t first, std::size_t second) noexcept {
   const Map a = maps_[first], b = maps_[second];
   const double frames = a.frames + b.frames;
@@ -85,15 +84,9 @@ void ClosingMaps::join(std::size_t into, std::size_t first, std::size_t second) 
   const double share = b.frames / frames;
   maps_[into] = {
       .frames = frames, .force_n = (1 - share) * a.force_n + share * b.force_n, .version = ++versions_};
-  const auto of_first = vector_of(values_of(first)), of_second = vector_of(values_of(second));
-  Eigen::Map<Eigen::VectorXf> joined(values_of(into).data(), static_cast<Eigen::Index>(channels_ * taxels_));
+  const auto of_first = taxel_vector(values_of(first)), of_second = taxel_vector(values_of(second));
+  TaxelVector joined = taxel_vector(values_of(into));
   joined = static_cast<float>(1 - share) * of_first + static_cast<float>(share) * of_second;
-  const auto mixed = [share](double x, double y) { return (1 - share) * x + share * y; };
-  PerMap row{};
-  for (std::size_t i = 0; i < kMaps; ++i) row[i] = mixed(products_[first][i], products_[second][i]);
-  const double square = mixed(row[first], row[second]);
-  for (std::size_t i = 0; i < kMaps; ++i) products_[into][i] = products_[i][into] = row[i];
-  products_[into][into] = square;
 }
 
 void ClosingMaps::sort_out() noexcept {
@@ -104,22 +97,76 @@ void ClosingMaps::sort_out() noexcept {
 }
 
 ClosingMaps::Sum ClosingMaps::at(double normal_n) const noexcept {
-  std::size_t above = 0;
-  while (above + 1 < size_ && force_n(above) <= normal_n) ++above;
-  if (above == 0) return {.map = {0}, .weight = {normal_n / force_n(0)}};
-  const double below_n = force_n(above - 1);
-  const double part = (normal_n - below_n) / (force_n(above) - below_n);
-  return {.map = {above - 1, above}, .weight = {1 - part, part}};
+  const double last_n = force_n(size_ - 1), before_n = force_n(size_ - 2);
+  if (normal_n - last_n > last_n - before_n) {
+    const double part = (normal_n - before_n) / (last_n - before_n);
+    return {.map = {size_ - 2, size_ - 1}, .weight = {1 - part, part}};
+  }
+  // Point 0 is no force, point i map i - 1.
+  const double root = std::sqrt(normal_n);
+  const auto root_of = [this](std::size_t point) { return point > 0 ? std::sqrt(force_n(point - 1)) : 0; };
+  std::size_t above = 1;
+  while (above < size_ && root_of(above) <= root) ++above;
+  constexpr std::size_t kPoints = Sum::kOfOneForce;
+  const std::size_t first = std::min(above < kPoints / 2 ? 0 : above - kPoints / 2, size_ + 1 - kPoints);
+  const double scale = root_of(first + kPoints - 1) - root_of(first);
+  Eigen::Matrix<double, kPoints, 3> powers;
+  Eigen::Matrix<double, kPoints, 1> frames_of;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const std::size_t point = first + i;
+    const double x = (root_of(point) - root) / scale;
+    const auto row = static_cast<Eigen::Index>(i);
+    powers.row(row) << 1, x, x * x;
+    frames_of[row] = point > 0 ? frames(point - 1) : kFramesOfNone;
+  }
+  const Eigen::Matrix<double, kPoints, 3> weighted = frames_of.asDiagonal() * powers;
+  const Eigen::Matrix3d squares = powers.transpose().lazyProduct(weighted);
+  const Eigen::Vector3d here = squares.inverse().col(0);
+  Sum sum;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const std::size_t point = first + i;
+    if (point > 0)
+      sum.map[i] = point - 1, sum.weight[i] = weighted.row(static_cast<Eigen::Index>(i)).dot(here);
+  }
+  return sum;
 }
 
 ClosingMaps::Sum ClosingMaps::difference(const Sum& a, const Sum& b) noexcept {
-  return {.map = {a.map[0], a.map[1], b.map[0], b.map[1]},
-          .weight = {a.weight[0], a.weight[1], -b.weight[0], -b.weight[1]}};
+  Sum out = a;
+  for (std::size_t i = 0; i < Sum::kOfOneForce; ++i) {
+    out.map[Sum::kOfOneForce + i] = b.map[i];
+    out.weight[Sum::kOfOneForce + i] = -b.weight[i];
+  }
+  return out;
+}
+
+void ClosingMaps::find_contact(double noise_pa) noexcept {
+  if (version_of_contact_ == versions_ || size_ == 0) return;
+  version_of_contact_ = versions_;
+  const std::span<const float> last = normal_of(order_[size_ - 1]);
+  const double least_pa = kClearlyPressed * noise_pa / std::sqrt(frames(size_ - 1));
+  contact_.clear();
+  for (std::uint32_t i = 0; i < taxels_; ++i) {
+    if (last[i] > least_pa) contact_.push_back(i);
+  }
+  for (std::size_t i = 0; i < size_; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      const std::size_t one = order_[i], other = order_[j];
+      products_[one][other] = products_[other][one] = product(normal_of(one), normal_of(other));
+    }
+  }
+}
+
+double ClosingMaps::product(std::span<const float> a, std::span<const float> b) const noexcept {
+  float sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (std::size_t k = 0; k < contact_.size(); ++k) sum += a[contact_[k]] * b[contact_[k]];
+  return sum;
 }
 
 ClosingMaps::PerMap ClosingMaps::products(std::span<const float> values) const noexcept {
   PerMap out{};
-  for (std::size_t i = 0; i < size_; ++i) out[i] = dot(values, normal_of(order_[i]));
+  for (std::size_t i = 0; i < size_; ++i) out[i] = product(values, normal_of(order_[i]));
   return out;
 }
 
@@ -135,7 +182,7 @@ double ClosingMaps::product_pa2(const Sum& a, const Sum& b, double noise_pa) con
     for (std::size_t j = 0; j < Sum::kTerms; ++j)
       product += a.weight[i] * b.weight[j] * products_[order_[a.map[i]]][order_[b.map[j]]];
   }
-  return product - static_cast<double>(taxels_) * noise_pa * noise_pa * noise_share(a, b);
+  return product - static_cast<double>(contact_.size()) * noise_pa * noise_pa * noise_share(a, b);
 }
 
 double ClosingMaps::noise_share(const Sum& a, const Sum& b) const noexcept {

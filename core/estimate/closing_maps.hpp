@@ -21,15 +21,21 @@ class ClosingMaps {
   using PerMap = std::array<double, kMaps>;
   enum Channel : std::uint8_t { normal, shear_x, shear_y };
 
-  // A weighted sum of at most four maps; a weight of 0 for those that are not in it.
+  // A weighted sum of a few maps; a weight of 0 for those that are not in it.
   struct Sum {
-    static constexpr std::size_t kTerms = 4;
+    static constexpr std::size_t kOfOneForce = 4;
+    static constexpr std::size_t kTerms = 2 * kOfOneForce;
     std::array<std::size_t, kTerms> map{};
     std::array<double, kTerms> weight{};
   };
 
   // taxels: of each frame, > 0. with_shear: whether its shear is recorded as well.
   explicit ClosingMaps(std::size_t taxels, bool with_shear = false);
+
+  // Beside the object itself.
+  std::size_t memory_bytes() const noexcept {
+    return sizeof(float) * values_.size() + sizeof(std::uint32_t) * contact_.capacity();
+  }
 
   // Another contact: no maps.
   void clear() noexcept;
@@ -55,17 +61,22 @@ class ClosingMaps {
     return channel_of(order_[map], channel);
   }
 
-  // The map of a force as a sum of the two that lie about it, or of the first one and no pressure; above the
-  // last force, of the last two as they go on. normal_n >= 0, size() > 0.
+  // The map of a force: on the parabola over its square root that fits the four nearest best, no pressure
+  // under no force being one of them; far above the last force, of the last two as they go on.
+  // normal_n >= 0, size() >= 3.
   Sum at(double normal_n) const noexcept;
   // a - b.
   static Sum difference(const Sum& a, const Sum& b) noexcept;
 
-  // Sums over taxels of a map's pressure by each taxel's value; for maps below size().
+  // The taxels that sums are over: those that the last map presses clearly more than noise. The others have
+  // nothing but noise, which would count. To be called after add() and before sums. noise_pa: as below.
+  void find_contact(double noise_pa) noexcept;
+  std::span<const std::uint32_t> contact() const noexcept { return contact_; }
+  // Sums over the contact of a map's pressure by each taxel's value; for maps below size().
   PerMap products(std::span<const float> values) const noexcept;
   // The same of a sum of maps, from what products() gave.
   static double product(const Sum& sum, const PerMap& products) noexcept;
-  // The sum over taxels of the products of two sums of maps, Pa^2, less what noise adds to it.
+  // The sum over the contact of the products of two sums of maps, Pa^2, less what noise adds to it.
   // noise_pa: standard deviation of one taxel in one frame.
   double product_pa2(const Sum& a, const Sum& b, double noise_pa) const noexcept;
   double square_pa2(const Sum& sum, double noise_pa) const noexcept {
@@ -93,16 +104,19 @@ class ClosingMaps {
     return values_of(slot).subspan(channel * taxels_, taxels_);
   }
   std::span<const float> normal_of(std::size_t slot) const noexcept { return channel_of(slot, normal); }
+  double product(std::span<const float> a, std::span<const float> b) const noexcept;
   void halve() noexcept;
   void join(std::size_t into, std::size_t first, std::size_t second) noexcept;
   void sort_out() noexcept;
 
   std::size_t taxels_, channels_;
   std::uint64_t versions_ = 0;
+  std::uint64_t version_of_contact_ = 0;
+  std::vector<std::uint32_t> contact_;
   std::vector<float> values_;  // kMaps maps, one after the other
   // By slot: of forces whose square root is between slot and slot + 1 times root_step_.
   std::array<Map, kMaps> maps_;
-  std::array<PerMap, kMaps> products_{};  // of the maps of two slots, Pa^2
+  std::array<PerMap, kMaps> products_{};  // of the maps of two slots over the contact, Pa^2
   double root_step_ = 0;                  // sqrt(N); 0: no map yet
   std::size_t size_ = 0;
   std::array<std::size_t, kMaps> order_{};  // slots that have a map

@@ -43,23 +43,29 @@ class ClosingSkin {
   // force that sticks.
   struct Pull {
     double x = 0, y = 0;      // friction times the pull's direction; both 0: not at all
-    double residual_pa2 = 0;  // sum of squares of both components, less what the maps' noise adds
-    double noise_pa2 = 0;     // variance of one component of one taxel's residual
+    double residual_pa2 = 0;  // sum of squares, less what the maps' noise adds
+    double noise_pa2 = 0;     // variance of one value's residual
     double map_share = 0;     // the maps' part of it
+    double square_pa2 = 0;    // sum of squares of what a friction of 1 along the pull is felt as
   };
   // trial: Gamma = (trial + 1/2) over their number.
   Pull pull(std::size_t trial) const noexcept;
   // How much better a load of another history explains it: the greatest gain of twice the log likelihood,
   // nats, by one more difference of maps.
   double history_gain(std::size_t trial, const Pull& pull) const noexcept;
-  // Sum of squares of what was read, Pa^2.
+  // Sum of squares of what was read, Pa^2, and of the shear alone, which is two values a taxel.
   double square_pa2() const noexcept { return square_pa2_; }
+  double shear_square_pa2() const noexcept { return shear_square_pa2_; }
   // The part of their noise that what pressing is felt as has, and so each frame alike; 0 … 1.
   double pressing_share() const noexcept { return pressing_share_; }
-  // Variance of the noise of one of its values, Pa^2.
+  // How many values are in the first sum, and the variance of the noise of each, Pa^2.
+  double values() const noexcept { return values_; }
   double shear_pa2() const noexcept { return shear_pa2_; }
-  // What was read as a sum of maps, under any history of a load along a direction of length 1. False: it is
-  // not known. read() has its normal_n.
+  // The variance of that noise is itself measured, on differences that have neighbours in common: a mean
+  // square varies by so much more than one of as many independent values.
+  static constexpr double kOfMeasuredNoise = 4.8;
+  // The shear that was read as a sum of maps, under any history of a load along a direction of length 1.
+  // False: it is not known. read() has its normal_n.
   bool superpose(const ClosingMaps& maps, double normal_n, double direction_x, double direction_y,
                  ClosingSuperposition& out) noexcept;
 
@@ -86,28 +92,49 @@ class ClosingSkin {
   using Weights = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
   using Products = std::array<ClosingMaps::PerMap, ClosingMaps::kMaps>;
+  static constexpr std::size_t kChannels = 3;
 
-  // What taxels feel of a pull along x and along y for a map, both components one after the other.
+  // Of pulls along x and y by two maps: sums over taxels of the products of what they are felt as, Pa^2. By
+  // slot, and in order of the forces.
+  struct ProductsOfSlots {
+    Products xx{}, xy{}, yy{};
+  };
+  struct Pulls {
+    Square xx, xy, yy;
+  };
+  // What taxels feel of a pull along x and along y for a map: the shear's components, then the pressure.
   std::span<float> felt_of(std::size_t slot, bool along_y) noexcept {
-    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * 2 * taxels_, 2 * taxels_);
+    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * kChannels * taxels_,
+                                    kChannels * taxels_);
   }
   std::span<const float> felt_of(std::size_t slot, bool along_y) const noexcept {
-    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * 2 * taxels_, 2 * taxels_);
+    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * kChannels * taxels_,
+                                    kChannels * taxels_);
   }
   void filter(const ClosingMaps& maps, std::size_t map) noexcept;
   void find_depth(const ClosingMaps& maps) noexcept;
   void smooth(const ClosingMaps& maps) noexcept;
   // The map of a force as a sum of all, by Gaussian process regression.
   Weights at(double normal_n) const noexcept;
-  // of_xx_, of_xy_ and of_yy_ of pulls along a direction.
-  Square of_pulls(double direction_x, double direction_y) const noexcept {
-    return direction_x * direction_x * of_xx_ + 2 * direction_x * direction_y * of_xy_ +
-           direction_y * direction_y * of_yy_;
+  // Of pulls along a direction.
+  static Square of_pulls(const Pulls& of, double direction_x, double direction_y) noexcept {
+    return direction_x * direction_x * of.xx + 2 * direction_x * direction_y * of.xy +
+           direction_y * direction_y * of.yy;
   }
   static double product(const Square& of, const Weights& a, const Weights& b) noexcept {
     return a.dot(of.lazyProduct(b));
   }
   double noise_share(const Weights& weights) const noexcept { return weights.cwiseAbs2().dot(per_frames_); }
+  // What the noise of a map of one frame adds to the products of what pulls are felt as.
+  double map_noise_pa2() const noexcept {
+    return static_cast<double>(taxels_) * normal_pa2_ *
+           (ratio_.noise_gain() + pressure_weight_ * ratio_.pressing_gain());
+  }
+  void gather(const ProductsOfSlots& from, const ClosingMaps& maps, Pulls& out) const noexcept;
+  void find_ways() noexcept;
+  void weigh_pressure(const ClosingMaps& maps, double normal_n) noexcept;
+  double explained_pa2(const Weights& of_x, const Weights& of_y, double normal_n) const noexcept;
+  void without_ways(std::span<float> pressure) const noexcept;
   void multiply(const ClosingMaps& maps) noexcept;
   double unlike(const ClosingMaps& maps, const Weights& slipping, double friction_x,
                 double friction_y) noexcept;
@@ -120,20 +147,31 @@ class ClosingSkin {
   KernelRatio ratio_;
   std::vector<float> felt_;                                  // by slot of the maps
   std::array<std::uint64_t, ClosingMaps::kMaps> version_{};  // of the map that was filtered
-  Products xx_{}, xy_{}, yy_{};                              // of pulls along x and y by two slots, Pa^2
+  ProductsOfSlots as_shear_, as_pressure_;
 
   // Of all maps, when all are filtered.
-  std::uint64_t smoothed_ = 0;    // the newest version
-  double last_n_ = 0;             // the force of the last map
-  Weights roots_, per_frames_;    // of the force over the last one's; 1 over the frames
-  Square inverse_;                // of the covariance
-  Square of_xx_, of_xy_, of_yy_;  // xx_, xy_ and yy_ in order of the forces
+  std::uint64_t smoothed_ = 0;  // the newest version
+  double last_n_ = 0;           // the force of the last map
+  Weights roots_, per_frames_;  // of the force over the last one's; 1 over the frames
+  Square inverse_;              // of the covariance
+  Pulls felt_as_shear_, felt_as_pressure_;
 
   // Of the frame.
-  std::vector<float> shear_pa_;     // both components, less what pressing is felt as
+  // Both components of the shear, less what pressing is felt as; then the pressure, less today's map and all
+  // ways that it may have changed without a pull, times pressure_weight_.
+  std::vector<float> read_pa_;
   std::vector<float> pressure_pa_;  // less today's map
+  // How today's map changes if it moves along x or y, or grows: kWays orthogonal vectors of length 1.
+  static constexpr std::size_t kWays = 3;
+  std::vector<float> ways_;
   std::vector<float> scratch_;
-  double square_pa2_ = 0, shear_pa2_ = 0, normal_pa2_ = 0;  // the last two: variances of noise
+  double pressure_weight_ = 0;  // of squares of the pressure, in sums with those of the shear
+  // Whether a map was made of a frame with a pull: pressure then says no more of the pull than it did there.
+  bool pulled_ = false;
+  double values_ = 0;                             // number of independent values in read_pa_
+  Pulls pulls_;                                   // of both, weighted
+  double square_pa2_ = 0, shear_square_pa2_ = 0;  // of read_pa_, and of the shear in it
+  double shear_pa2_ = 0, normal_pa2_ = 0;         // variances of noise
   double pressing_share_ = 0;
   double map_pa2_ = 0;  // mean square of today's map
   Weights today_;       // the map of its force
@@ -143,8 +181,9 @@ class ClosingSkin {
     double noise_share = 0, xx = 0, xy = 0, yy = 0;
   };
   std::vector<Slipping> trials_;
-  Weights of_x_, of_y_;  // products of the shear with what is felt of the maps
-  Weights superposed_;   // of the maps, with friction
+  // Products of what was read with what is felt of the maps; of the shear alone.
+  Weights of_x_, of_y_, shear_of_x_, shear_of_y_;
+  Weights superposed_;  // of the maps, with friction
 };
 
 }  // namespace slipd

@@ -32,6 +32,24 @@ struct FrictionPrior {
     const double sigmas = beyond / spread;
     return 0.5 * sigmas * sigmas;
   }
+
+  // What a measured friction and this prior say together: the most likely mu, > 0, and what speaks against
+  // it, nats.
+  struct Weighed {
+    double mu = 0, nats = 0;
+  };
+  // measured: mu by a measurement alone, also 0 or less, where noise is larger than the load. information: of
+  // that measurement, 1 over its variance, > 0. What it says against 0 and below is not counted.
+  Weighed weigh(double measured, double information) const noexcept {
+    const double nearest = std::clamp(measured, expected.low, expected.high);
+    if (nearest == measured) return {measured, 0};
+    const auto against = [information](double off) { return 0.5 * information * off * off; };
+    // Two parabolas, the measurement's about its value and the prior's about the range.
+    const double to_range = against(nearest - measured);
+    if (!(measured > 0)) return {nearest, to_range - against(measured)};
+    const double stay = nats_against(measured), part = stay / (stay + to_range);
+    return {measured + part * (nearest - measured), part * to_range};
+  }
 };
 
 }  // namespace slipd

@@ -56,10 +56,13 @@ KernelRatio::KernelRatio(const TaxelLayout::Grid& grid, double depth_m, double l
     nodes_[i] = kernels_at(nominal_sides * std::exp(kReach * (static_cast<double>(i) - 1)), nominal_sides,
                            least_felt);
   now_ = nodes_[1];
-  double squares = 0;
-  for (std::size_t i = 0; i < size; ++i)
+  double squares = 0, pressing = 0;
+  for (std::size_t i = 0; i < size; ++i) {
     squares += 0.5 * (now_.xx[i] * now_.xx[i] + 2 * now_.xy[i] * now_.xy[i] + now_.yy[i] * now_.yy[i]);
+    pressing += 0.5 * (now_.press_re[i] * now_.press_re[i] + now_.press_im[i] * now_.press_im[i]);
+  }
   noise_gain_ = static_cast<double>(size) * squares;
+  pressing_gain_ = static_cast<double>(size) * pressing;
 }
 
 // The ratio's kernel falls only with the third power of the distance. So it is found on a plane
@@ -241,6 +244,7 @@ void KernelRatio::apply(std::span<const float> normal, const Felt& out) noexcept
   }
   transform_back();
   std::copy_n(lines_.re.begin(), out.xy.size(), out.xy.begin());
+  filter(now_.press_re, now_.press_im, out.nx, out.ny);
 }
 
 void KernelRatio::press(std::span<const float> normal, std::span<float> x, std::span<float> y) noexcept {

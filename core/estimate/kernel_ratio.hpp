@@ -26,20 +26,24 @@ class KernelRatio {
   // Another depth; log: of it over the nominal one, within kReach. Estimate thread; allocates nothing.
   void set_depth(double log) noexcept;
 
-  // Shear felt along i from a pull along j, each of the grid's size; all are overwritten.
+  // Shear felt along i from a pull along j, and the pressure felt from pulls along x and along y, each of the
+  // grid's size; all are overwritten.
   struct Felt {
-    std::span<float> xx, xy, yy;
+    std::span<float> xx, xy, yy, nx, ny;
   };
   // normal: the pressure felt, of the grid's size; the result has its unit. Estimate thread; allocates
-  // nothing. About 10 log2(16 n) operations for each of 4 n taxels, three times.
+  // nothing. About 10 log2(16 n) operations for each of 4 n taxels, four times.
   void apply(std::span<const float> normal, const Felt& out) noexcept;
 
-  // The shear that the pressure alone is felt as, along x and along y: -i k d/(1 + k d).
+  // The shear that the pressure alone is felt as, along x and along y: -i k d/(1 + k d). By the same kernel
+  // a pull is felt as pressure.
   void press(std::span<const float> normal, std::span<float> x, std::span<float> y) noexcept;
 
   // Variance of one taxel's shear after the filter, the mean of its two components summed, over the variance
   // of white noise before: the mean of |R t|^2 over all wave numbers.
   double noise_gain() const noexcept { return noise_gain_; }
+  // The same of the pressure that is felt from a pull.
+  double pressing_gain() const noexcept { return pressing_gain_; }
   std::size_t memory_bytes() const noexcept;
 
  private:
@@ -78,7 +82,7 @@ class KernelRatio {
   Plane spectrum_;  // wave number along x, then along y, each with its bits reversed
   Plane product_;   // the same, filtered
   Plane lines_;     // y, then x
-  double noise_gain_ = 1;
+  double noise_gain_ = 1, pressing_gain_ = 0;
 };
 
 }  // namespace slipd

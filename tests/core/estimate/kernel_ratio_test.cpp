@@ -1,5 +1,5 @@
-// The filter from pressure felt to shear felt: against its definition summed directly, and against what the
-// contact model's own stresses make taxels feel.
+// The filter from pressure felt to what is felt of a pull: against its definition summed directly, and
+// against what the contact model's own stresses make taxels feel.
 #include "core/estimate/kernel_ratio.hpp"
 
 #include <gtest/gtest.h>
@@ -19,10 +19,10 @@
 namespace slipd {
 namespace {
 
-struct FeltShear {
-  explicit FeltShear(std::size_t size) : xx(size), xy(size), yy(size) {}
-  KernelRatio::Felt spans() { return {xx, xy, yy}; }
-  std::vector<float> xx, xy, yy;
+struct FeltPull {
+  explicit FeltPull(std::size_t size) : xx(size), xy(size), yy(size), nx(size), ny(size) {}
+  KernelRatio::Felt spans() { return {xx, xy, yy, nx, ny}; }
+  std::vector<float> xx, xy, yy, nx, ny;
 };
 
 std::vector<float> random_map(std::size_t size) {
@@ -74,7 +74,7 @@ TEST(KernelRatio, IsTheFilterOfItsDefinition) {
     const DirectSum direct{grid, 1.3e-3};
     const std::vector<float> map = random_map(grid.columns * grid.rows);
     KernelRatio ratio(grid, direct.depth_m);
-    FeltShear felt(map.size());
+    FeltPull felt(map.size());
     ratio.apply(map, felt.spans());
     for (std::size_t row = 0; row < grid.rows; row += 2) {
       for (std::size_t column = 0; column < grid.columns; column += 3) {
@@ -90,7 +90,7 @@ TEST(KernelRatio, IsTheFilterOfItsDefinition) {
 TEST(KernelRatio, ChangesNothingAtTheSurface) {
   const std::vector<float> map = random_map(35);
   KernelRatio ratio({7, 5, 1e-3}, 0);
-  FeltShear felt(map.size());
+  FeltPull felt(map.size());
   ratio.apply(map, felt.spans());
   for (std::size_t i = 0; i < map.size(); ++i) {
     EXPECT_NEAR(felt.xx[i], map[i], 1e-5);
@@ -103,12 +103,32 @@ TEST(KernelRatio, AmplifiesNoNoise) {
     const KernelRatio ratio({32, 32, 0.5e-3}, depth_m);
     EXPECT_LT(ratio.noise_gain(), 1) << depth_m;
     EXPECT_GT(ratio.noise_gain(), 0.1) << depth_m;
+    EXPECT_LT(ratio.pressing_gain(), 0.5) << depth_m;  // of two components, each at most 1
   }
 }
 
-// A contact that slides all over: its shear is friction times its pressure. The tolerance is what a grid of
-// finite pitch and extent leaves.
-TEST(KernelRatio, MakesOfThePressureOfAContactTheShearOfItsPull) {
+// In the middle of the grid, where no noise from beyond is missing.
+TEST(KernelRatio, MakesOfNoiseAsMuchAsItSays) {
+  constexpr std::size_t kSide = 96;
+  KernelRatio ratio({kSide, kSide, 0.5e-3}, 1e-3);
+  const std::vector<float> map = random_map(kSide * kSide);
+  FeltPull felt(map.size());
+  ratio.apply(map, felt.spans());
+  double shear = 0, pressure = 0, before = 0;
+  for (std::size_t row = kSide / 4; row < 3 * kSide / 4; ++row) {
+    for (std::size_t i = row * kSide + kSide / 4; i < row * kSide + 3 * kSide / 4; ++i) {
+      before += map[i] * map[i];
+      shear += 0.5 * (felt.xx[i] * felt.xx[i] + 2 * felt.xy[i] * felt.xy[i] + felt.yy[i] * felt.yy[i]);
+      pressure += 0.5 * (felt.nx[i] * felt.nx[i] + felt.ny[i] * felt.ny[i]);
+    }
+  }
+  EXPECT_NEAR(shear / before, ratio.noise_gain(), 0.05 * ratio.noise_gain());
+  EXPECT_NEAR(pressure / before, ratio.pressing_gain(), 0.05 * ratio.pressing_gain());
+}
+
+// A contact that slides all over: its shear is friction times its pressure, and is felt as pressure, too. The
+// tolerance is what a grid of finite pitch and extent leaves.
+TEST(KernelRatio, MakesOfThePressureOfAContactWhatIsFeltOfItsPull) {
   const TaxelLayout layout = TaxelLayout::grid(32, 32, 0.5e-3);
   for (const double depth_m : {0.5e-3, 1e-3, 2e-3}) {
     contact::ImprintSheet sheet(layout, {.depth_m = depth_m, .stretch = 1.5, .angle_rad = 0.4});
@@ -122,7 +142,7 @@ TEST(KernelRatio, MakesOfThePressureOfAContactTheShearOfItsPull) {
     constexpr double kPull_rad = 0.7;
     sheet.feel(sliding, 0.6e-3, -0.9e-3, kPull_rad, p2, x2, y2);
     KernelRatio ratio(layout.regular().value(), depth_m);
-    FeltShear felt(n);
+    FeltPull felt(n);
     ratio.apply(p, felt.spans());
     const double qx = 0.5 * std::cos(kPull_rad), qy = 0.5 * std::sin(kPull_rad);
     const double most = 0.5 * static_cast<double>(*std::max_element(p.begin(), p.end()));
@@ -130,6 +150,7 @@ TEST(KernelRatio, MakesOfThePressureOfAContactTheShearOfItsPull) {
     for (std::size_t i = 0; i < n; ++i) {
       off = std::max(off, std::fabs(qx * felt.xx[i] + qy * felt.xy[i] - (x2[i] - x[i])));
       off = std::max(off, std::fabs(qx * felt.xy[i] + qy * felt.yy[i] - (y2[i] - y[i])));
+      off = std::max(off, std::fabs(qx * felt.nx[i] + qy * felt.ny[i] - (p2[i] - p[i])));
     }
     EXPECT_LT(off, 0.005 * most) << depth_m;
     RecordProperty("off at " + std::to_string(depth_m), std::to_string(off / most));
@@ -139,7 +160,7 @@ TEST(KernelRatio, MakesOfThePressureOfAContactTheShearOfItsPull) {
 TEST(KernelRatio, AllocatesNothing) {
   const std::vector<float> map = random_map(64);
   KernelRatio ratio({8, 8, 1e-3}, 1e-3);
-  FeltShear felt(map.size());
+  FeltPull felt(map.size());
   const std::uint64_t before = test::allocations();
   ratio.apply(map, felt.spans());
   EXPECT_EQ(test::allocations(), before);

@@ -1,6 +1,10 @@
-// The Cramér–Rao bound of contacts under a skin and of ellipses: the guide beside what method fit reaches.
+// The Cramér–Rao bounds of contacts under a skin and of other shapes: the guides beside what methods reach.
 #pragma once
 
+#include <cstddef>
+
+#include "core/contact/hertz.hpp"
+#include "core/contact/imprint.hpp"
 #include "core/contact/subsurface.hpp"
 #include "core/estimate/imprint_model.hpp"
 
@@ -20,5 +24,12 @@ struct KnownImprint {
 // over the greatest pressure that is read; for a round contact the axes are not unknowns. Infinite where the
 // frame has no information. Overwrites what the model holds.
 double cramer_rao_sigma(slipd::ImprintModel& model, const KnownImprint& truth, double noise_share) noexcept;
+
+// The same for a method that knows what the contact of this pair is felt as under each force, as method
+// closing does without noise: of any shape. Not known are Gamma, the pull, the normal force, and whether the
+// pressure has been shifted. taxels: of the sheet. Of `truth` the ellipse is not read. Allocates.
+double cramer_rao_sigma_by_closing(slipd::contact::ImprintSheet& sheet, std::size_t taxels,
+                                   const slipd::contact::BodyPair& pair, double normal_n,
+                                   const KnownImprint& truth, double noise_share);
 
 }  // namespace sliplab

@@ -96,7 +96,11 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
                 std::uint64_t seed) {
   // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
   const Range friction = expected_friction(scene);
-  ImprintModel model(layout, 1e-3 * of.depth_mm, bonded_poisson(scene, of.base));
+  const auto bonded = bonded_poisson(scene, of.base);
+  ImprintModel model(layout, 1e-3 * of.depth_mm, bonded);
+  contact::ImprintSheet sheet(
+      layout,
+      {.depth_m = 1e-3 * of.depth_mm, .bonded_poisson = bonded, .stretch = of.axes, .power = of.power});
   double sum = 0;
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
@@ -111,7 +115,12 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
                              .load = (1 - gamma) * draw.friction,
                              .gamma = gamma,
                              .pull_rad = 2 * std::numbers::pi * random.uniform(2)};
-    const double alone = cramer_rao_sigma(model, truth, kImprintNoise / std::numbers::sqrt3);
+    constexpr double kDeviation = kImprintNoise / std::numbers::sqrt3;
+    sheet.turn(truth.ellipse.angle_rad);
+    const double alone =
+        of.method == Method::closing
+            ? cramer_rao_sigma_by_closing(sheet, layout.size(), pair, draw.normal_n, truth, kDeviation)
+            : cramer_rao_sigma(model, truth, kDeviation);
     const double range = std::min(1.0, truth.load / friction.low) - truth.load / friction.high;
     sum += std::sqrt(2 / std::numbers::pi) / std::sqrt(1 / (alone * alone) + 12 / (range * range));
   }
@@ -148,7 +157,7 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
                                     of.method == Method::closing ? kClosingFrames : 0)
                .front(),
            here});
-      if (of.known() && of.power == 2)
+      if (of.known())
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
     }

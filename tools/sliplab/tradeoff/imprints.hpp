@@ -20,8 +20,8 @@ struct ImprintLine {
   double depth_taken = 1;
   // What the skin lies on, and what the method takes it to lie on.
   slipd::SkinBase base = slipd::SkinBase::half_space, base_taken = slipd::SkinBase::half_space;
-  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1; NaN where the depth or the base is
-  // wrong or the profile is no sphere's.
+  // Mean |error| of Gamma by the Cramér–Rao bound with the prior 0 … 1, for closing that of known maps; NaN
+  // where the depth or the base is wrong.
   double guide = 0;
   slipd::TradeoffRow row;
   std::size_t unit = 0;  // its number in the sweep
