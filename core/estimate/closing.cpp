@@ -287,6 +287,16 @@ std::size_t Closing::judge_felt(const ContactPatch& patch) noexcept {
   return best;
 }
 
+std::size_t Closing::closest_trial() const noexcept {
+  std::size_t closest = kSteps;
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    if (trials_[i].friction > 0 &&
+        (closest == kSteps || trials_[i].residual_pa2 < trials_[closest].residual_pa2))
+      closest = i;
+  }
+  return closest;
+}
+
 // The same frame, read as if the taxels lay deeper.
 double Closing::sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept {
   if (!(std::fabs(gamma - asked_at_gamma_) > options_.depth_asked_again)) return by_depth_;
@@ -339,11 +349,13 @@ FrameEstimate Closing::estimate_felt(const ContactPatch& patch) noexcept {
   if (step == kSteps) return out;
   const Trial best = trials_[step];
   const ClosingSkin::Pull pull = skin_->pull(step);
-  if (skin_->history_gain(step, pull) > options_.most_history_gain) return out;
+  const std::size_t closest = closest_trial();  // whatever the prior says
+  if (skin_->history_gain(closest, skin_->pull(closest)) > options_.most_history_gain) return out;
+  const double residual_pa2 = trials_[closest].residual_pa2;
   conclude(patch, best,
-           {.excess_pa2 = best.residual_pa2 - skin_->shear_pa2() * values,
+           {.excess_pa2 = residual_pa2 - skin_->shear_pa2() * values,
             .noise_pa2 = best.noise_pa2 * std::sqrt(2 * ClosingSkin::kOfMeasuredNoise * values),
-            .explained_pa2 = skin_->square_pa2() - best.residual_pa2},
+            .explained_pa2 = skin_->square_pa2() - residual_pa2},
            out);
   if (!out.in_model) return out;
   out.normal_n = normal_n;

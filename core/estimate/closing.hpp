@@ -150,6 +150,8 @@ class Closing final : public SlipMethod {
   Trial judge_felt(std::size_t step, const ContactPatch& patch) const noexcept;
   // All trials. Returns the most likely one, with the prior; kSteps: none.
   std::size_t judge_felt(const ContactPatch& patch) noexcept;
+  // The one that leaves least; kSteps: none.
+  std::size_t closest_trial() const noexcept;
   // The most likely of the trials, with the prior; null: none.
   const Trial* best_trial() const noexcept;
   FrameEstimate estimate_felt(const ContactPatch& patch) noexcept;

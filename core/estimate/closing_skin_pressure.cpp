@@ -30,7 +30,8 @@ void ClosingSkin::find_ways() noexcept {
                          along_y = std::span(ways_).subspan(taxels_, taxels_),
                          grown = std::span(ways_).last(taxels_);
   std::copy(pressure_pa_.begin(), pressure_pa_.end(), grown.begin());
-  std::fill(along_x.begin(), along_y.end(), 0.0F);
+  std::fill(along_x.begin(), along_x.end(), 0.0F);
+  std::fill(along_y.begin(), along_y.end(), 0.0F);
   for (std::size_t row = 0; row < rows_; ++row) {
     for (std::size_t i = row * columns_ + 1; i + 1 < (row + 1) * columns_; ++i)
       along_x[i] = pressure_pa_[i + 1] - pressure_pa_[i - 1];
