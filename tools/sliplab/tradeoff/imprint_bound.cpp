@@ -67,11 +67,11 @@ double cramer_rao_sigma_by_closing(slipd::contact::ImprintSheet& sheet, std::siz
   by(0, &KnownImprint::gamma, std::min({0.01, 0.2 * truth.gamma, 0.2 * (1 - truth.gamma)}));
   by(1, &KnownImprint::load, 0.01 * truth.load);
   by(2, &KnownImprint::pull_rad, 0.01);
-  constexpr double kForceStep = 0.01, kShift_m = 1e-4;
+  constexpr double kForceStep = 0.01, kShift = 1e-4;  // of the force; m
   slopes.col(3) = (felt(truth, (1 + kForceStep) * normal_n) - felt(truth, (1 - kForceStep) * normal_n)) /
                   (2 * kForceStep);
-  by(4, &KnownImprint::x_m, kShift_m);
-  by(5, &KnownImprint::y_m, kShift_m);
+  by(4, &KnownImprint::x_m, kShift);
+  by(5, &KnownImprint::y_m, kShift);
   slopes.topRightCorner(2 * n, 2).setZero();  // of the pressure alone
   felt(truth, normal_n);
   const double greatest = *std::max_element(p.begin(), p.end());
