@@ -138,7 +138,10 @@ std::size_t Daemon::descriptors_at_rest() const {
     try {
       RpcClient client(socket_);
       while (client.result("status")["clients"] != 1) patience.hold("clients that are gone are not let go");
-      return open_descriptors(program_->pid());
+      // slipd also opens files for a moment: what it holds is there the next time, too.
+      const std::size_t held = open_descriptors(program_->pid());
+      if (client.result("status")["clients"] == 1 && open_descriptors(program_->pid()) == held) return held;
+      patience.hold("descriptors come and go");
     } catch (const RpcClient::NoAnswer&) {  // clients that have left may still hold all places
       patience.hold("clients that are gone keep their places");
     }
