@@ -13,9 +13,8 @@ namespace {
 // The first map's slot, of kMaps: room for smaller forces, and for a force some times larger before maps are
 // joined.
 constexpr double kFirstSlot = 4;
-// Pressure of the last map from which on a taxel belongs to the contact, standard deviations of its noise; 2
-// …
-// 5. Too small: noise counts. Too large: the rim of a light contact is left out.
+// Pressure of the last map from which on a taxel is of the contact; standard deviations of its noise, 2 … 5.
+// Too small: noise counts. Too large: the rim of a light contact is left out.
 constexpr double kClearlyPressed = 3;
 // What no pressure under no force counts for, in frames; it is known.
 constexpr double kFramesOfNone = 1000;

@@ -8,7 +8,6 @@
 #include "core/estimate/taxel_sums.hpp"
 
 namespace slipd {
-
 namespace {
 
 // Wave numbers of which the skin leaves less are noise; share of the pressure, 0 … 0.3. Too small: maps keep

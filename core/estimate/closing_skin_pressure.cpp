@@ -9,7 +9,6 @@
 #include "core/estimate/taxel_sums.hpp"
 
 namespace slipd {
-
 namespace {
 
 // Forces over the frame's whose maps stand for what any pull is felt as; fewer: what is left of a pull passes
