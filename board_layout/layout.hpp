@@ -33,6 +33,8 @@ inline constexpr std::int64_t kHeartbeatPeriodNs = 20'000'000;
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 // Record::sliding if the sensor or contact cannot show it.
 inline constexpr std::uint8_t kSlidingUnknown = 255;
+// Record::alert and Record::health where there was no frame (core/estimate/estimate.hpp, Alert and Health).
+inline constexpr std::uint8_t kAlertUnknown = 3, kHealthUnknown = 255;
 // Record::first_sensor if there is none.
 inline constexpr std::uint32_t kNoSensor = 0xFFFF'FFFF;
 // Number of the state stale (core/estimate/estimate.hpp, State), which a slot has before its first record.
@@ -90,10 +92,10 @@ struct Record {
   double truth_friction = kUnknown;
   // Numbers of State, Alert, AlertCause, Method, Health and Sliding; docs/clients.md lists them.
   std::uint8_t state = kStale;
-  std::uint8_t alert = 0;
+  std::uint8_t alert = kAlertUnknown;
   std::uint8_t alert_cause = 0;
   std::uint8_t method = 0;
-  std::uint8_t health = 0;
+  std::uint8_t health = kHealthUnknown;
   std::uint8_t sliding = kSlidingUnknown;
   // 1: a simulated sensor, or a grasp of one.
   std::uint8_t simulated = 0;

@@ -19,7 +19,7 @@ constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 // By their numbers.
 constexpr std::array<const char*, 9> kStates{"ok",       "no_contact", "learning", "out_of_model", "no_shear",
                                              "unzeroed", "stale",      "fault",    "disconnected"};
-constexpr std::array<const char*, 3> kAlerts{"none", "warn", "slip"};
+constexpr std::array<const char*, 4> kAlerts{"none", "warn", "slip", "unknown"};
 constexpr std::array<const char*, 3> kCauses{"none", "margin", "sliding"};
 constexpr std::array<const char*, 4> kSlidings{"none", "disturbed", "translation", "rotation"};
 
@@ -36,7 +36,8 @@ void set_name(slipd_estimate& estimate, const char* name) noexcept {
 // Takes away what must not be used once it is old. `since_ns`: CLOCK_MONOTONIC from which its age counts.
 void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now_ns,
                double max_age_s) noexcept {
-  const bool framed = estimate.time_ns != 0;
+  // A sample of the future is of another clock, as in a time namespace: nobody knows how old it is.
+  const bool framed = estimate.time_ns != 0 && since_ns <= now_ns;
   estimate.age_s = framed ? 1e-9 * static_cast<double>(now_ns - since_ns) : kInfinite;
   if (max_age_s > 0) {
     const double until_ns = static_cast<double>(since_ns) + 1e9 * max_age_s;
@@ -44,6 +45,8 @@ void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now
   }
   if (framed && estimate.age_s <= max_age_s) return;  // false, too, if max_age_s is NaN
   if (estimate.state != SLIPD_STATE_FAULT) estimate.state = SLIPD_STATE_STALE;
+  estimate.alert = without_frames(estimate.alert);
+  estimate.valid_until_ns = 0;
   estimate.gamma = estimate.sigma = estimate.gamma_low = kUnknown;
   estimate.time_to_slip_s = estimate.grip_increase_n = estimate.grip_increase_sigma_n = kUnknown;
   estimate.sliding = SLIPD_SLIDING_UNKNOWN;
@@ -52,7 +55,7 @@ void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now
 
 // The cause that goes with this alert: none without one, and never none with one.
 int cause_of(int alert, int cause) noexcept {
-  if (alert == SLIPD_ALERT_NONE) return SLIPD_CAUSE_NONE;
+  if (alert == SLIPD_ALERT_NONE || alert == SLIPD_ALERT_UNKNOWN) return SLIPD_CAUSE_NONE;
   return cause == SLIPD_CAUSE_MARGIN || cause == SLIPD_CAUSE_SLIDING ? cause : int{SLIPD_CAUSE_UNKNOWN};
 }
 
@@ -72,11 +75,19 @@ std::int64_t monotonic_ns() noexcept {
   return clock_ns(CLOCK_MONOTONIC);
 }
 
+int without_frames(int alert) noexcept {
+  return alert == SLIPD_ALERT_NONE ? int{SLIPD_ALERT_UNKNOWN} : alert;
+}
+
+int alert_of(const board_layout::Record& record) noexcept {
+  return record.alert <= SLIPD_ALERT_UNKNOWN ? record.alert : int{SLIPD_ALERT_SLIP};
+}
+
 void clear(slipd_estimate& estimate, const char* name, int state) noexcept {
   estimate = slipd_estimate{};
   set_name(estimate, name);
   estimate.state = state;
-  estimate.alert_cause = SLIPD_CAUSE_UNKNOWN;
+  estimate.alert = SLIPD_ALERT_UNKNOWN;
   estimate.sliding = SLIPD_SLIDING_UNKNOWN;
   estimate.event = SLIPD_EVENT_ESTIMATE;
   estimate.age_s = kInfinite;
@@ -89,12 +100,17 @@ void clear(slipd_estimate& estimate, const char* name, int state) noexcept {
     *value = kUnknown;
 }
 
+void take_last_alert(const board_layout::Record& record, slipd_estimate& estimate) noexcept {
+  estimate.alert = without_frames(alert_of(record));
+  estimate.alert_cause = cause_of(estimate.alert, record.alert_cause);
+}
+
 void fill(slipd_estimate& estimate, const char* name, const board_layout::Record& record, std::int64_t now_ns,
           double max_age_s) noexcept {
   clear(estimate, name, SLIPD_STATE_STALE);
   // A number that this library does not have is of a newer slipd, and no margin.
   estimate.state = record.state <= SLIPD_STATE_FAULT ? record.state : int{SLIPD_STATE_FAULT};
-  estimate.alert = std::min<int>(record.alert, SLIPD_ALERT_SLIP);
+  estimate.alert = alert_of(record);
   estimate.alert_cause = cause_of(estimate.alert, record.alert_cause);
   estimate.sliding = record.sliding;
   estimate.simulated = record.simulated;
@@ -118,7 +134,8 @@ void fill(slipd_estimate& estimate, const char* name, const board_layout::Record
   estimate.sliding_for_s = record.sliding_for_s;
   // The clock of a recording may be ahead, so its age counts from the estimate at the latest.
   const std::int64_t since_ns = std::min(record.time_ns, record.published_ns);
-  judge_age(estimate, since_ns, std::max(now_ns, since_ns), max_age_s);
+  if (since_ns > now_ns) now_ns = monotonic_ns();  // published after the caller looked at the clock
+  judge_age(estimate, since_ns, now_ns, max_age_s);
 }
 
 void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t read_ns,

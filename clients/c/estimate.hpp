@@ -12,6 +12,12 @@ namespace slipd::client {
 // CLOCK_MONOTONIC, ns.
 std::int64_t monotonic_ns() noexcept;
 
+// SLIPD_ALERT_… of a record; an alert that this library does not have is of a newer slipd: slip.
+int alert_of(const board_layout::Record& record) noexcept;
+
+// What is known of an alert once its frames are too old: a raised one stands, none becomes unknown.
+int without_frames(int alert) noexcept;
+
 // No estimate: everything unknown. `state`: SLIPD_STATE_STALE or SLIPD_STATE_DISCONNECTED.
 void clear(slipd_estimate& estimate, const char* name, int state) noexcept;
 
@@ -22,5 +28,8 @@ void fill(slipd_estimate& estimate, const char* name, const board_layout::Record
 // Of an estimate or grasp on the socket. `read_ns`: when it was read, CLOCK_MONOTONIC.
 void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t read_ns,
           double max_age_s) noexcept;
+
+// The alert of the last record of a slipd that has gone, as far as it still stands. `estimate` was cleared.
+void take_last_alert(const board_layout::Record& record, slipd_estimate& estimate) noexcept;
 
 }  // namespace slipd::client

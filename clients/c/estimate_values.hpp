@@ -13,8 +13,8 @@ namespace slipd::client {
 struct EstimateValues {
   std::string name;                             // of the sensor or grasp
   std::string state = "stale";                  // ok, no_contact, learning …
-  std::string alert = "none";                   // none, warn or slip
-  std::string alert_cause;                      // margin or sliding; empty: no alert
+  std::string alert = "unknown";                // none, warn, slip or unknown
+  std::string alert_cause;                      // margin or sliding; empty: no alert or unknown
   std::string sliding;                          // none, disturbed, translation or rotation; empty: unknown
   std::string method;                           // estimation method
   std::uint64_t sequence = 0;                   // of the frame

@@ -19,9 +19,13 @@ constexpr std::int64_t kLookNs = 50'000'000;
 constexpr std::int64_t kBeatsMissed = 10;
 
 bool alive(const slipd_client& s, std::int64_t now_ns, double max_age_s) noexcept {
+  const std::int64_t beat_ns = s.board.heartbeat_ns();
+  // A heartbeat after the caller looked at the clock; one that is still ahead is of another clock, as in a
+  // time namespace, and says nothing of now.
+  if (beat_ns > now_ns) now_ns = monotonic_ns();
   const auto patience = static_cast<double>(kBeatsMissed * s.board.heartbeat_period_ns());
   const double allowed_ns = max_age_s > 0 ? std::max(patience, 1e9 * max_age_s) : patience;
-  return !s.board.closed() && static_cast<double>(now_ns - s.board.heartbeat_ns()) <= allowed_ns;
+  return !s.board.closed() && beat_ns <= now_ns && static_cast<double>(now_ns - beat_ns) <= allowed_ns;
 }
 
 // The slot; negative: a code to return, with `estimate` cleared.
@@ -33,9 +37,13 @@ int usable_slot(slipd_client& s, const char* name, std::int64_t now_ns, double m
   };
   s.error.front() = 0;
   if (!s.board.mapped()) return refuse(SLIPD_ATTACH_ANEW, "not attached: call slipd_attach first");
-  if (!alive(s, now_ns, max_age_s))
-    return refuse(SLIPD_ATTACH_ANEW, "slipd has stopped or was reloaded: call slipd_attach again");
   const int slot = name == nullptr ? -1 : s.board.find(name);
+  if (!alive(s, now_ns, max_age_s)) {
+    const int code =
+        refuse(SLIPD_ATTACH_ANEW, "slipd has stopped or was reloaded: call slipd_attach again");
+    if (slot >= 0) take_last_alert(s.board.record(slot), estimate);
+    return code;
+  }
   if (slot < 0) return refuse(SLIPD_INVALID, "there is no sensor or grasp of this name");
   return slot;
 }

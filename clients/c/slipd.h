@@ -57,7 +57,9 @@ enum {
   SLIPD_STATE_DISCONNECTED = 8  /* of the library: there is no slipd */
 };
 
-enum { SLIPD_ALERT_NONE = 0, SLIPD_ALERT_WARN = 1, SLIPD_ALERT_SLIP = 2 };
+/* NONE: slipd watches, and there is no alert. UNKNOWN: nobody watches: no frames, no slipd, or neither a margin nor a
+ * pattern that shows slides. An alert that was raised stands until frames show its end. */
+enum { SLIPD_ALERT_NONE = 0, SLIPD_ALERT_WARN = 1, SLIPD_ALERT_SLIP = 2, SLIPD_ALERT_UNKNOWN = 3 };
 /* Why there is an alert: the margin is small, or the object slides whatever the margin. NONE: there is no alert. */
 enum { SLIPD_CAUSE_NONE = 0, SLIPD_CAUSE_MARGIN = 1, SLIPD_CAUSE_SLIDING = 2, SLIPD_CAUSE_UNKNOWN = 255 };
 enum { SLIPD_SLIDING_NONE = 0, SLIPD_SLIDING_DISTURBED = 1, SLIPD_SLIDING_TRANSLATION = 2,
@@ -69,7 +71,7 @@ enum { SLIPD_EVENT_ESTIMATE = 1, SLIPD_EVENT_ALERT = 2, SLIPD_EVENT_STATE = 4 };
 struct slipd_estimate {
   char name[64];                /* of the sensor or grasp */
   int32_t state;                /* SLIPD_STATE_… when the function returned */
-  int32_t alert;                /* SLIPD_ALERT_…: also of an estimate that is too old */
+  int32_t alert;                /* SLIPD_ALERT_…; of an estimate that is too old WARN, SLIP or UNKNOWN */
   int32_t sliding;              /* SLIPD_SLIDING_… */
   int32_t event;                /* SLIPD_EVENT_…, of slipd_next */
   int32_t simulated;            /* 1: of a simulated sensor */
@@ -115,7 +117,8 @@ const char *slipd_error_text(const slipd_client *s);
 /* The margin of an estimate now: NaN unless its state is OK and it is still as young as was allowed. For a program
  * that keeps an estimate. */
 double slipd_margin(const struct slipd_estimate *estimate);
-/* As on the socket: "ok", "no_contact", …, "disconnected"; "none", "warn", "slip". "?" for other numbers. */
+/* As on the socket: "ok", "no_contact", …, "disconnected"; "none", "warn", "slip", "unknown".
+ * "?" for other numbers. */
 const char *slipd_state_name(int state);
 const char *slipd_alert_name(int alert);
 

@@ -18,28 +18,35 @@ bool AlertLogic::Stopwatch::has_run(bool condition, std::int64_t now_ns, std::in
   return now_ns - since_ns_ >= least_ns;
 }
 
-Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
+Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now, bool watched) noexcept {
   const std::int64_t passed_ns = time_ns - std::exchange(last_ns_, time_ns);
-  if (now.state == State::no_contact) {
-    below_warn_.restart();
-    below_slip_.restart();
-    above_.restart();
-    return level_ = Alert::none;
-  }
   std::optional<double> margin = now.gamma_low;
   if (settings_.use == AlertUse::margin) {
     margin = now.gamma;
     if (margin) *margin -= settings_.sigmas * now.sigma.value_or(0);
   }
-  if (!margin) {
+  if (now.state == State::no_contact) {
+    below_warn_.restart();
+    below_slip_.restart();
+    above_.restart();
+    level_ = Alert::none;
+  } else if (margin) {
+    level_ = level_after(time_ns, *margin);
+  } else {
     below_warn_.pause(passed_ns);
     below_slip_.pause(passed_ns);
     above_.restart();
-    return level_;
   }
+  if (watched || margin || now.state == State::no_contact) watched_ns_ = time_ns;
+  const bool none_holds = watched_ns_ && time_ns - *watched_ns_ <= kNoneHoldsNs;
+  return level_ != Alert::none || none_holds ? level_ : Alert::unknown;
+}
+
+// The level after a sample whose margin is known.
+Alert AlertLogic::level_after(std::int64_t time_ns, double margin) noexcept {
   const auto least_ns = static_cast<std::int64_t>(settings_.min_ms * 1e6);
-  const bool slip = below_slip_.has_run(*margin < settings_.slip_below, time_ns, least_ns);
-  const bool warn = below_warn_.has_run(*margin < settings_.warn_below, time_ns, least_ns);
+  const bool slip = below_slip_.has_run(margin < settings_.slip_below, time_ns, least_ns);
+  const bool warn = below_warn_.has_run(margin < settings_.warn_below, time_ns, least_ns);
   if (slip) {
     level_ = Alert::slip;
   } else if (warn && level_ == Alert::none) {
@@ -48,8 +55,8 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now) noexcept {
   if (level_ == Alert::none) return level_;
   const double leave =
       (level_ == Alert::slip ? settings_.slip_below : settings_.warn_below) + settings_.hysteresis;
-  if (above_.has_run(*margin >= leave, time_ns, least_ns)) {
-    level_ = *margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
+  if (above_.has_run(margin >= leave, time_ns, least_ns)) {
+    level_ = margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
     above_.restart();
   }
   return level_;
@@ -63,11 +70,19 @@ void AlertLogic::judge(Estimate& out) noexcept {
     out.sigma.reset();
     out.state = State::out_of_model;
   }
-  out.alert = update(out.time_ns, out);
-  out.alert_cause = out.alert == Alert::none ? AlertCause::none : AlertCause::margin;
-  if (!sliding || out.alert == Alert::slip) return;
-  out.alert = Alert::slip;
-  out.alert_cause = AlertCause::sliding;
+  out.alert = update(out.time_ns, out, out.sliding.has_value());
+  out.alert_cause = is_raised(out.alert) ? AlertCause::margin : AlertCause::none;
+  if (sliding && out.alert != Alert::slip) {
+    out.alert = Alert::slip;
+    out.alert_cause = AlertCause::sliding;
+  }
+  // The pattern of a contact that slides with all of its taxels may stand still. Where the margin leaves open
+  // that it slides, this is no evidence that it does not.
+  const bool may_slide = out.gamma && *out.gamma <= out.sigma.value_or(0);
+  if (may_slide && out.sliding == Sliding::none) {
+    out.sliding.reset();
+    out.sliding_for_s.reset();
+  }
 }
 
 std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<double> gamma,

@@ -21,7 +21,7 @@ std::string_view to_string(State state) noexcept {
 }
 
 std::string_view to_string(Alert alert) noexcept {
-  static constexpr std::array<std::string_view, 3> kNames{"none", "warn", "slip"};
+  static constexpr std::array<std::string_view, 4> kNames{"none", "warn", "slip", "unknown"};
   return name_of(kNames, alert);
 }
 

@@ -15,7 +15,23 @@ namespace slipd {
 
 // Fail safe: gamma is a number only in state ok. The order is that of the CAN signal `State`.
 enum class State : std::uint8_t { ok, no_contact, learning, out_of_model, no_shear, unzeroed, stale, fault };
-enum class Alert : std::uint8_t { none, warn, slip };
+enum class Alert : std::uint8_t {
+  none,    // something was there to raise one, and did not
+  warn,    // the margin is small
+  slip,    // the object slides, or is about to
+  unknown  // nothing was there to raise one: no frames, or neither a margin nor a pattern that shows slides
+};
+
+// Whether it is one that a controller acts on.
+constexpr bool is_raised(Alert alert) noexcept {
+  return alert == Alert::warn || alert == Alert::slip;
+}
+// What is known of an alert once frames have ended: one that was raised stands, as nobody saw the grip get
+// safer; that there was none is known no longer.
+constexpr Alert without_frames(Alert last) noexcept {
+  return is_raised(last) ? last : Alert::unknown;
+}
+
 // What an alert comes from.
 enum class AlertCause : std::uint8_t {
   none,    // there is no alert
@@ -34,7 +50,7 @@ enum class Method : std::uint8_t {
 };  // friction: 1 - (Q/P)/mu
 
 std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …
-std::string_view to_string(Alert) noexcept;       // "none", "warn", "slip"
+std::string_view to_string(Alert) noexcept;       // "none", "warn", "slip", "unknown"
 std::string_view to_string(AlertCause) noexcept;  // "none", "margin", "sliding"
 std::string_view to_string(Method) noexcept;      // "svd-knn", "registered", …
 
@@ -84,12 +100,12 @@ struct Estimate {
   std::optional<double> sliding_for_s;
   Truth truth;
   State state = State::stale;
-  Alert alert = Alert::none;
+  Alert alert = Alert::unknown;
   AlertCause alert_cause = AlertCause::none;
   Method method = Method::none;
   // What speaks against this frame; a gamma beside another health than `good` is of what is left of the
-  // frame.
-  Health health = Health::good;
+  // frame. `unknown`: no frame was checked.
+  Health health = Health::unknown;
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);
 

@@ -108,8 +108,10 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin,
   if (members.empty()) return result;
   State gravest = State::ok;
   Sums sums;
+  result.health = Health::good;
   for (std::size_t i = 0; i < members.size(); ++i) {
     const Estimate& member = members[i];
+    if (!is_implausible(result.health) && member.health != Health::good) result.health = member.health;
     result.sequence += member.sequence;
     result.time_ns = std::max(result.time_ns, member.time_ns);
     result.published_ns = std::max(result.published_ns, member.published_ns);
@@ -141,13 +143,17 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin,
 
 Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
   Estimate now = grasp_estimate(members, target_margin_, poses_);
-  now.alert = alert_.update(now.published_ns, now);
+  // What nobody watches its fingers say.
+  now.alert = alert_.update(now.published_ns, now, true);
+  for (const Estimate& member : members) {
+    if (member.alert == Alert::unknown && !now.gamma) now.alert = without_frames(now.alert);
+  }
   for (const Estimate& member : members) {
     // A finger that slides leaves the load to the others: no slip yet of what they hold, if they can.
-    if (member.alert == Alert::slip && member.state != State::no_contact)
-      now.alert = std::max(now.alert, Alert::warn);
+    if (member.alert == Alert::slip && member.state != State::no_contact && now.alert != Alert::slip)
+      now.alert = Alert::warn;
   }
-  now.alert_cause = now.alert == Alert::none ? AlertCause::none : AlertCause::margin;
+  now.alert_cause = is_raised(now.alert) ? AlertCause::margin : AlertCause::none;
   for (const Estimate& member : members) {
     if (!slides(member.sliding)) continue;
     now.sliding = member.sliding;

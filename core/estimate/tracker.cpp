@@ -123,7 +123,7 @@ std::optional<MeanSigma> Tracker::track(const ContactPatch& patch, const FrameEs
   const bool turning = frame_estimate != nullptr && frame_estimate->turning;
   const bool by_itself = turning && frame_estimate->in_model;  // needs no memory
   if (by_forces || by_itself ? friction_filter_.shear_lost() : !friction_filter_.explained()) {
-    if (out.health == Health::good) out.health = Health::unexplained;
+    if (!is_implausible(out.health)) out.health = Health::unexplained;
     return std::nullopt;
   }
   const auto [load, load_sigma] = friction_filter_.traction_ratio();

@@ -33,11 +33,13 @@ constexpr std::array<HealthText, kHealths> kHealthTexts{{
 }  // namespace
 
 std::string_view to_string(Health health) noexcept {
-  return kHealthTexts[static_cast<std::size_t>(health)].name;
+  const auto i = static_cast<std::size_t>(health);
+  return i < kHealths ? kHealthTexts[i].name : "unknown";
 }
 
 const char* describe(Health health) noexcept {
-  return kHealthTexts[static_cast<std::size_t>(health)].description;
+  const auto i = static_cast<std::size_t>(health);
+  return i < kHealths ? kHealthTexts[i].description : "there is no frame that could be checked";
 }
 
 }  // namespace slipd

@@ -27,11 +27,18 @@ enum class Health : std::uint8_t {
   jump,          // n: the contact is somewhere else than a frame ago, or all pressures rose at once
   unexplained,   // n: the method refuses frames, and the forces' course does not say why
   noisy,         // n: one channel has become much noisier than it was
+  unknown = 255,  // there is no frame, or none that could be checked
 };
 
+// `good` and what is found; without `unknown`.
 inline constexpr std::size_t kHealths = 17;
 
-// As on the socket: "good", "not_finite", …
+// Whether something speaks against the frame.
+constexpr bool is_implausible(Health health) noexcept {
+  return health != Health::good && health != Health::unknown;
+}
+
+// As on the socket: "good", "not_finite", …, "unknown".
 std::string_view to_string(Health health) noexcept;
 
 // For people: "implausible: shear x is dead". Static text that ends with a zero.

@@ -107,7 +107,9 @@ Record record_of(const Estimate& estimate, bool simulated) noexcept {
   return record;
 }
 
-static_assert(static_cast<std::uint8_t>(State::stale) == board_layout::kStale);
+static_assert(static_cast<std::uint8_t>(State::stale) == board_layout::kStale &&
+              static_cast<std::uint8_t>(Alert::unknown) == board_layout::kAlertUnknown &&
+              static_cast<std::uint8_t>(Health::unknown) == board_layout::kHealthUnknown);
 
 }  // namespace
 

@@ -71,7 +71,7 @@ Message encode_estimate(std::uint32_t id, const Estimate& estimate, bool simulat
   payload.put(estimate::kState, static_cast<std::uint64_t>(estimate.state));
   payload.put(estimate::kAlert, static_cast<std::uint64_t>(estimate.alert));
   payload.put(estimate::kSimulated, std::uint64_t{simulated});
-  payload.put(estimate::kImplausible, std::uint64_t{estimate.health != Health::good});
+  payload.put(estimate::kImplausible, std::uint64_t{is_implausible(estimate.health)});
   payload.put(estimate::kSequence, estimate.sequence);
   return payload.seal(id, counter);
 }

@@ -61,7 +61,7 @@ CanScheduler::Time CanScheduler::step(Time now) noexcept {
   publish();
   Time until = std::min(next_period_, next_heartbeat_ > now ? next_heartbeat_ : now + kReopenInterval);
   for (const MessageSlot& slot : slots_) {
-    if (slot.view.estimate.alert != Alert::none && slot.alert_due > now)
+    if (is_raised(slot.view.estimate.alert) && slot.alert_due > now)
       until = std::min(until, slot.alert_due);
   }
   return retry_ > now ? std::min(until, retry_) : until;
@@ -73,7 +73,7 @@ void CanScheduler::send_final(Time now) noexcept {
   for (MessageSlot& slot : slots_) {
     Estimate stale;
     stale.sequence = slot.view.estimate.sequence;
-    stale.alert = slot.view.estimate.alert;
+    stale.alert = without_frames(slot.view.estimate.alert);
     stale.alert_cause = slot.view.estimate.alert_cause;
     slot.view.estimate = stale;
     slot.due = true;
@@ -151,8 +151,10 @@ bool CanScheduler::send_alerts(Time now) noexcept {
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     MessageSlot& slot = slots_[i];
     const Estimate& estimate = slot.view.estimate;
-    const bool changed = estimate.alert != slot.last_sent_alert;
-    const bool repeated = estimate.alert != Alert::none && now >= slot.alert_due;
+    const bool raised = is_raised(estimate.alert);
+    // From none to unknown and back is told by the estimates.
+    const bool changed = estimate.alert != slot.last_sent_alert && (raised || is_raised(slot.last_sent_alert));
+    const bool repeated = raised && now >= slot.alert_due;
     if ((!changed && !repeated) || withheld(i, now)) continue;
     const std::uint32_t id = can_.base_id + kAlertOffset + static_cast<std::uint32_t>(i);
     if (send(encode_alert(id, estimate, slot.view.simulated, slot.alert_counter), now) != Outcome::sent)

@@ -33,7 +33,7 @@ CanSource::View CanSource::view_at(std::int64_t now_ns) const noexcept {
     view.estimate.sequence = latest.sequence;
     view.estimate.time_ns = latest.time_ns;
     view.estimate.published_ns = latest.published_ns;
-    view.estimate.alert = latest.alert;
+    view.estimate.alert = without_frames(latest.alert);
     view.estimate.alert_cause = latest.alert_cause;
   }
   return view;

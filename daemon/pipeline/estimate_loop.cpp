@@ -123,7 +123,7 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
 void EstimateLoop::count_health(SensorState& state) noexcept {
   const Estimate& estimate = state.published.estimate;
   const Health before = std::exchange(state.last_health, estimate.health);
-  if (estimate.health == Health::good) return;
+  if (!is_implausible(estimate.health)) return;
   SensorStatus& status = state.runtime->status;
   status.implausible[static_cast<std::size_t>(estimate.health)].fetch_add(1, std::memory_order_relaxed);
   if (estimate.health == before || estimate.state != State::fault) return;
@@ -157,7 +157,8 @@ void EstimateLoop::publish_no_data(SensorState& state, DeviceLink link, std::int
   no_data.time_ns = state.published.estimate.time_ns;
   no_data.method = state.instance != nullptr ? state.instance->chain.method() : Method::none;
   no_data.state = now;
-  no_data.alert = state.published.estimate.alert;  // missing frames do not end an alert
+  no_data.alert = without_frames(state.published.estimate.alert);
+  no_data.alert_cause = state.published.estimate.alert_cause;
   state.published.estimate = no_data;
   publish(state);
 }

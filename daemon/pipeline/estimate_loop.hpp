@@ -41,7 +41,7 @@ class EstimateLoop {
     std::uint32_t events_lost = 0;           // since the last event that fitted into the queue
     bool event_pending = false;              // the latest estimate did not fit into the queue
     State last_output_state = State::stale;  // when the output was last rung
-    Alert last_output_alert = Alert::none;
+    Alert last_output_alert = Alert::unknown;
     Health last_health = Health::good;  // of the frame before
   };
 

@@ -31,7 +31,7 @@ class GraspEvaluator {
     std::vector<Estimate> members;
     bool updated = false;
     State last_state = State::stale;
-    Alert last_alert = Alert::none;
+    Alert last_alert = Alert::unknown;
   };
   void publish_shared(std::size_t grasp, const Estimate& estimate) noexcept;
 

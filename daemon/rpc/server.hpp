@@ -44,7 +44,7 @@ class Server {
  private:
   struct LastNotified {
     State state = State::stale;
-    Alert alert = Alert::none;
+    Alert alert = Alert::unknown;
   };
   template <typename Body>
   auto while_alive(Body body);

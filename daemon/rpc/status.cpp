@@ -75,7 +75,7 @@ json implausible_json(const SensorStatus& status) {
 // Why there is no device, no estimator, or no plausible frame; null: there is.
 json trouble(const DeviceFacts& facts, const Estimate& latest) {
   if (!facts.trouble.empty()) return facts.trouble;
-  if (latest.health != Health::good) return describe(latest.health);
+  if (is_implausible(latest.health)) return describe(latest.health);
   return nullptr;
 }
 

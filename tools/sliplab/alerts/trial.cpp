@@ -71,7 +71,7 @@ class AlertWatch {
       trial_.answered_frames += estimate.gamma ? 1 : 0;
       trial_.least_margin = std::min(trial_.least_margin, truth.gamma);
     }
-    if (estimate.alert != Alert::none && !trial_.first_alert_s) {
+    if (is_raised(estimate.alert) && !trial_.first_alert_s) {
       trial_.first_alert_s = time_s;
       trial_.cause = estimate.alert_cause;
       if (sensor.realistic() != nullptr) trial_.slid_m = std::fabs(sensor.realistic()->contact().slid_m());

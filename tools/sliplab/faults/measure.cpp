@@ -115,10 +115,10 @@ Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, s
   Found found;
   bool named = false, changed = false;
   for (std::size_t i = 0; i < spoilt.size(); ++i) {
-    if (sound[i].health != Health::good) ++found.false_alarms[static_cast<std::size_t>(sound[i].health)];
+    if (is_implausible(sound[i].health)) ++found.false_alarms[static_cast<std::size_t>(sound[i].health)];
     if (i + 1 < first) continue;
     const auto since = static_cast<long>(i + 1 - first);
-    const bool bad = spoilt[i].health != Health::good;
+    const bool bad = is_implausible(spoilt[i].health);
     if (found.after < 0 && (bad || (ok(sound[i]) && !ok(spoilt[i])))) found.after = since;
     if (bad && !named) found.sums.as = spoilt[i].health;
     named = named || bad;
