@@ -19,7 +19,7 @@ enum { SLIP_CAN_PERIODS = 3 };  /* of silence end a margin; then as many frames 
 /* What may be used now. */
 struct slip_can_reading {
   int state;              /* 0 ok; all others: no margin. 6 also: nothing valid came for three periods */
-  int alert;              /* 0 none, 1 warn, 2 slip. 0 does not mean a safe grip */
+  int alert;              /* 0 none, 1 warn, 2 slip, 3 unknown. 0 does not mean a safe grip */
   double gamma;           /* safety margin, 0 … 1; NaN unless state is ok */
   double grip_increase_n; /* of the last alert: force to add, N; NaN: unknown */
 };

@@ -39,8 +39,7 @@ int usable_slot(slipd_client& s, const char* name, std::int64_t now_ns, double m
   if (!s.board.mapped()) return refuse(SLIPD_ATTACH_ANEW, "not attached: call slipd_attach first");
   const int slot = name == nullptr ? -1 : s.board.find(name);
   if (!alive(s, now_ns, max_age_s)) {
-    const int code =
-        refuse(SLIPD_ATTACH_ANEW, "slipd has stopped or was reloaded: call slipd_attach again");
+    const int code = refuse(SLIPD_ATTACH_ANEW, "slipd has stopped or was reloaded: call slipd_attach again");
     if (slot >= 0) take_last_alert(s.board.record(slot), estimate);
     return code;
   }

@@ -18,8 +18,9 @@ class AlertLogic {
   // first sample at which the margin has stayed below its threshold for min_ms, and lowered when it has
   // stayed above threshold + hysteresis for as long, or when contact is lost. A margin that is not known
   // raises nothing and lowers nothing: who does not know has no evidence that the grip got safer. Such
-  // samples do not count towards min_ms. No alert is `unknown` from kNoneHoldsNs after the last sample on that
-  // could have raised one: with a margin, without contact, or `watched`: slides of the object show otherwise.
+  // samples do not count towards min_ms. No alert is `unknown` from kNoneHoldsNs after the last sample on
+  // that could have raised one: with a margin, without contact, or `watched`: slides of the object show
+  // otherwise.
   Alert update(std::int64_t time_ns, const Estimate& now, bool watched = false) noexcept;
 
   // The same, written into `out`, with its cause. An object that is seen to slide is a slip whatever the
@@ -28,8 +29,9 @@ class AlertLogic {
   // `sliding` is then unknown and not none.
   void judge(Estimate& out) noexcept;
 
-  // How long `none` holds after the last sample that could have raised an alert, ns. Shorter: an alert flickers
-  // between none and unknown where margins come now and then. Longer: none is said by what sees nothing.
+  // How long `none` holds after the last sample that could have raised an alert, ns. Shorter: an alert
+  // flickers between none and unknown where margins come now and then. Longer: none is said by what sees
+  // nothing.
   static constexpr std::int64_t kNoneHoldsNs = 200'000'000;
 
  private:
@@ -47,7 +49,7 @@ class AlertLogic {
   };
 
   AlertSettings settings_;
-  Alert level_ = Alert::none;  // never unknown
+  Alert level_ = Alert::none;               // never unknown
   std::optional<std::int64_t> watched_ns_;  // the last sample that could have raised an alert
   Stopwatch below_warn_, below_slip_, above_;
   std::int64_t last_ns_ = 0;

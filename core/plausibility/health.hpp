@@ -11,22 +11,22 @@ namespace slipd {
 // are marked 1, those that compare frames are marked n.
 enum class Health : std::uint8_t {
   good,
-  not_finite,    // 1: a value is not a number, or so large that sums of it are not
-  full_scale,    // 1: several taxels are beyond the sensor's full scale
-  spike,         // 1: one taxel is far above what its neighbours can support; it is left out
-  uniform,       // 1: all taxels read the same pressure
-  wrong_scale,   // 1, n: the force does not fit the contact's size, or fell to nothing in one frame
-  saturated,     // n: taxels stand at a rail, so that forces are larger than what is read
-  repeated,      // n: the frame is the one before, of a sensor whose frames differ
-  frozen,        // n: frames repeat
-  dead_normal,   // n: the normal channel stands still while others move
-  dead_shear_x,  // n: shear along x stands still while others move
-  dead_shear_y,  // n: shear along y stands still while others move
-  dead_row,      // n: a row or column of taxels stands still while others move
-  time,          // n: the frame's time is not after the last one's
-  jump,          // n: the contact is somewhere else than a frame ago, or all pressures rose at once
-  unexplained,   // n: the method refuses frames, and the forces' course does not say why
-  noisy,         // n: one channel has become much noisier than it was
+  not_finite,     // 1: a value is not a number, or so large that sums of it are not
+  full_scale,     // 1: several taxels are beyond the sensor's full scale
+  spike,          // 1: one taxel is far above what its neighbours can support; it is left out
+  uniform,        // 1: all taxels read the same pressure
+  wrong_scale,    // 1, n: the force does not fit the contact's size, or fell to nothing in one frame
+  saturated,      // n: taxels stand at a rail, so that forces are larger than what is read
+  repeated,       // n: the frame is the one before, of a sensor whose frames differ
+  frozen,         // n: frames repeat
+  dead_normal,    // n: the normal channel stands still while others move
+  dead_shear_x,   // n: shear along x stands still while others move
+  dead_shear_y,   // n: shear along y stands still while others move
+  dead_row,       // n: a row or column of taxels stands still while others move
+  time,           // n: the frame's time is not after the last one's
+  jump,           // n: the contact is somewhere else than a frame ago, or all pressures rose at once
+  unexplained,    // n: the method refuses frames, and the forces' course does not say why
+  noisy,          // n: one channel has become much noisier than it was
   unknown = 255,  // there is no frame, or none that could be checked
 };
 

@@ -61,8 +61,7 @@ CanScheduler::Time CanScheduler::step(Time now) noexcept {
   publish();
   Time until = std::min(next_period_, next_heartbeat_ > now ? next_heartbeat_ : now + kReopenInterval);
   for (const MessageSlot& slot : slots_) {
-    if (is_raised(slot.view.estimate.alert) && slot.alert_due > now)
-      until = std::min(until, slot.alert_due);
+    if (is_raised(slot.view.estimate.alert) && slot.alert_due > now) until = std::min(until, slot.alert_due);
   }
   return retry_ > now ? std::min(until, retry_) : until;
 }
@@ -153,7 +152,8 @@ bool CanScheduler::send_alerts(Time now) noexcept {
     const Estimate& estimate = slot.view.estimate;
     const bool raised = is_raised(estimate.alert);
     // From none to unknown and back is told by the estimates.
-    const bool changed = estimate.alert != slot.last_sent_alert && (raised || is_raised(slot.last_sent_alert));
+    const bool changed =
+        estimate.alert != slot.last_sent_alert && (raised || is_raised(slot.last_sent_alert));
     const bool repeated = raised && now >= slot.alert_due;
     if ((!changed && !repeated) || withheld(i, now)) continue;
     const std::uint32_t id = can_.base_id + kAlertOffset + static_cast<std::uint32_t>(i);

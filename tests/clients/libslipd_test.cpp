@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <slipd.h>
 #include <sys/mman.h>
@@ -52,6 +53,12 @@ class Libslipd : public ::testing::Test {
     ADD_FAILURE() << name << ": last state " << slipd_state_name(estimate.state) << " "
                   << slipd_error_text(client_);
     return estimate;
+  }
+  void await_alert(const char* name, int alert) {
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    do ASSERT_GE(slipd_wait(client_, name, kAnyAge, 1, &now_), 0) << slipd_error_text(client_);
+    while (now_.alert != alert && std::chrono::steady_clock::now() < until);
+    ASSERT_EQ(now_.alert, alert);
   }
   int attach(const char* wait_for) { return slipd_attach(client_, wait_for, kPatienceS); }
 
@@ -135,6 +142,45 @@ TEST_F(Libslipd, AMarginIsGoneOnceItIsOlderThanAllowed) {
   EXPECT_TRUE(std::isnan(slipd_margin(&kept)));
 }
 
+TEST_F(Libslipd, ThatThereIsNoAlertIsUnknownOnceItIsOlderThanAllowed) {
+  ASSERT_EQ(attach("left"), SLIPD_DONE);
+  await_alert("left", SLIPD_ALERT_NONE);
+  await_alert("right", SLIPD_ALERT_WARN);
+  for (const auto& [name, alert] :
+       {std::pair("left", SLIPD_ALERT_UNKNOWN), std::pair("right", SLIPD_ALERT_WARN)}) {
+    slipd_latest(client_, name, 1e-9, &now_);
+    EXPECT_EQ(now_.alert, alert) << name;
+    slipd_gamma(client_, name, 1e-9, kPatienceS, &now_);
+    EXPECT_EQ(now_.alert, alert) << name;
+  }
+}
+
+// In a child whose clock is behind that of slipd, as in a container with a time namespace of its own.
+TEST_F(Libslipd, WhatComesFromTheFutureIsNotFresh) {
+  ASSERT_EQ(attach("left"), SLIPD_DONE);
+  awaited("left", SLIPD_STATE_OK);
+  constexpr int kNotPermitted = 77;
+  const pid_t child = fork();
+  if (child == 0) {
+    if (unshare(CLONE_NEWTIME) != 0) _exit(kNotPermitted);
+    std::ofstream("/proc/self/timens_offsets") << "monotonic -10 0\n";
+    const pid_t behind = fork();  // this process itself keeps its clock
+    if (behind == 0) {
+      slipd_estimate now{};
+      const int code = slipd_latest(client_, "left", kAnyAge, &now);
+      const bool judged_now = slipd_heartbeat_age(client_) < 0;
+      _exit(code == SLIPD_ATTACH_ANEW && now.state == SLIPD_STATE_DISCONNECTED && judged_now ? 0 : 1);
+    }
+    int status = 0;
+    waitpid(behind, &status, 0);
+    _exit(WEXITSTATUS(status));
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  if (WEXITSTATUS(status) == kNotPermitted) GTEST_SKIP() << "no time namespaces for this user";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
 TEST_F(Libslipd, AWaitingReaderIsWokenForEachEstimateAndToldWhatItMissed) {
   ASSERT_EQ(attach("left"), SLIPD_DONE);
   std::uint64_t got = 0, dropped = 0;
@@ -168,6 +214,7 @@ TEST_F(Libslipd, ReadingAndWaitingAllocateNothing) {
 TEST_F(Libslipd, AStoppedSlipdIsStaleAndGoesOn) {
   ASSERT_EQ(attach("left"), SLIPD_DONE);
   awaited("left", SLIPD_STATE_OK);
+  await_alert("right", SLIPD_ALERT_WARN);
   daemon_->program().signal(SIGSTOP);
   const auto until = std::chrono::steady_clock::now() + kPatience;
   int code = SLIPD_DONE;
@@ -176,6 +223,10 @@ TEST_F(Libslipd, AStoppedSlipdIsStaleAndGoesOn) {
   EXPECT_EQ(code, SLIPD_ATTACH_ANEW);
   EXPECT_EQ(now_.state, SLIPD_STATE_DISCONNECTED);
   EXPECT_TRUE(std::isnan(now_.gamma));
+  EXPECT_EQ(now_.alert, SLIPD_ALERT_UNKNOWN) << "there was none, and nobody watches";
+  EXPECT_EQ(slipd_latest(client_, "right", 0.05, &now_), SLIPD_ATTACH_ANEW);
+  EXPECT_EQ(now_.alert, SLIPD_ALERT_WARN) << "it stands";
+  EXPECT_EQ(now_.alert_cause, SLIPD_CAUSE_MARGIN);
   EXPECT_GT(slipd_heartbeat_age(client_), 0.05);
   daemon_->program().signal(SIGCONT);
   do code = slipd_wait(client_, "left", kAnyAge, 1, &now_);

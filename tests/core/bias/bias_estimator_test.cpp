@@ -276,7 +276,7 @@ TEST(BiasEstimator, WithoutABiasTheChainGivesStateUnzeroedAndNoNumber) {
   const Estimate estimate = chain.estimate(sensor.run(bias_estimator, 0.5).view());
   EXPECT_EQ(estimate.state, State::unzeroed);
   EXPECT_FALSE(estimate.gamma || estimate.normal_n || estimate.shear_n || estimate.friction);
-  EXPECT_EQ(estimate.alert, Alert::none);
+  EXPECT_EQ(estimate.alert, Alert::unknown);
 }
 
 TEST(BiasEstimator, AfterAReplugAHeldLoadIsNotTakenForDriftAndARequestIsAnswered) {

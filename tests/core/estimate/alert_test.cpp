@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 namespace slipd {
 namespace {
@@ -146,12 +147,56 @@ TEST(AlertLogic, CountsFromTimeZeroLikeFromAnyOther) {
 TEST_F(AlertLogicTest, AnUnknownMarginDoesNotChangeTheAlert) {
   for (const State state : kUnknowns) {
     logic_ = AlertLogic({});
+    after(1, known(0.9));
     EXPECT_EQ(after(100, unknown(state)), Alert::none) << to_string(state);
     after(5, known(0.1));
     EXPECT_EQ(after(1000, unknown(state)), Alert::slip) << to_string(state);
     EXPECT_EQ(after(1, known(0.9)), Alert::slip) << to_string(state);
     EXPECT_EQ(after(2, known(0.9)), Alert::none) << to_string(state);
   }
+}
+
+TEST_F(AlertLogicTest, NoAlertIsUnknownOnceNothingHasWatchedForTwoTenthsOfASecond) {
+  EXPECT_EQ(after(1, unknown(State::learning)), Alert::unknown) << "nothing has watched yet";
+  for (const Estimate& watched : {known(0.9), unknown(State::no_contact)}) {
+    EXPECT_EQ(after(1, watched), Alert::none);
+    EXPECT_EQ(after(200, unknown(State::learning)), Alert::none);
+    EXPECT_EQ(after(1, unknown(State::learning)), Alert::unknown);
+  }
+  EXPECT_EQ(after(1, known(0.9)), Alert::none);
+}
+
+TEST_F(AlertLogicTest, APatternThatWouldShowSlidesWatchesWithoutAMargin) {
+  Estimate seen = unknown(State::learning);
+  seen.sliding = Sliding::none;
+  for (int i = 0; i < 1000; ++i) {
+    seen.time_ns = now_ns_ += kMs;
+    logic_.judge(seen);
+    ASSERT_EQ(seen.alert, Alert::none) << i;
+  }
+}
+
+TEST(AlertLogic, AMarginThatMayBeNoneLeavesOpenWhetherTheObjectSlides) {
+  for (const auto& [gamma, sigma, open] :
+       {std::tuple(0.0, 0.0, true), std::tuple(0.02, 0.03, true), std::tuple(0.3, 0.03, false)}) {
+    AlertLogic logic({});
+    Estimate held = known(gamma, sigma);
+    held.sliding = Sliding::none;
+    held.sliding_for_s = 0.8;
+    logic.judge(held);
+    EXPECT_EQ(held.sliding.has_value(), !open) << gamma;
+    EXPECT_EQ(held.sliding_for_s.has_value(), !open) << gamma;
+    held.sliding = Sliding::translation;
+    logic.judge(held);
+    EXPECT_EQ(held.sliding, Sliding::translation) << "what is seen is said";
+  }
+}
+
+TEST(Alerts, ThatWereRaisedStandWithoutFramesAndNoneBecomesUnknown) {
+  EXPECT_EQ(without_frames(Alert::none), Alert::unknown);
+  EXPECT_EQ(without_frames(Alert::unknown), Alert::unknown);
+  EXPECT_EQ(without_frames(Alert::warn), Alert::warn);
+  EXPECT_EQ(without_frames(Alert::slip), Alert::slip);
 }
 
 TEST_F(AlertLogicTest, ALowMarginRaisesTheAlertDespiteFramesWithoutAMargin) {

@@ -153,6 +153,33 @@ TEST(GraspTracker, WarnsOfAFingerThatSlidesWhileTheOthersHold) {
   EXPECT_EQ(now.alert_cause, AlertCause::margin);
 }
 
+TEST(GraspTracker, KnowsOfNoAlertOnlyWhereItHasAMarginOrItsFingersKnowOfNone) {
+  std::array members{finger(4, 0.1, 0.6), finger(4, 0.1, 0.6)};
+  GraspTracker judge({});
+  members[0].alert = members[1].alert = Alert::none;
+  EXPECT_EQ(judge.judge(members).alert, Alert::none);
+  members[1] = in_state(State::learning);
+  members[1].alert = Alert::none;
+  EXPECT_EQ(judge.judge(members).alert, Alert::none) << "its pattern watches";
+  members[1] = in_state(State::stale);
+  const Estimate lost = judge.judge(members);
+  EXPECT_EQ(lost.alert, Alert::unknown);
+  EXPECT_EQ(lost.alert_cause, AlertCause::none);
+}
+
+TEST(GraspTracker, KeepsItsAlertWhenAFingerFallsSilent) {
+  std::array members{finger(1, 0.3, 0.31), finger(1, 0.3, 0.31)};
+  GraspTracker judge({});
+  Alert alert = Alert::unknown;
+  for (int i = 0; i < 10; ++i) {
+    for (Estimate& member : members) member.published_ns = i * 1'000'000;
+    alert = judge.judge(members).alert;
+  }
+  ASSERT_EQ(alert, Alert::slip);
+  members[1] = in_state(State::stale);
+  EXPECT_EQ(judge.judge(members).alert, Alert::slip);
+}
+
 TEST(GraspTracker, ForeseesTheSlipOfAMarginThatFalls) {
   GraspTracker judge({});
   for (int i = 0; i < 50; ++i) judge.judge(at(i * kMs, 0.9 - 0.01 * i));

@@ -5,6 +5,7 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
+#include <set>
 
 #include "daemon/pipeline/grasp_evaluator.hpp"
 #include "tests/daemon/can/fake_port.hpp"
@@ -186,6 +187,30 @@ TEST_F(CanSchedulerTest, AnEstimateThatIsNotRenewedIsStaleInTheNextPeriodAndItsA
   }
   EXPECT_GT(sent.end() - stale, 10) << "and it goes on saying so";
   for (const Message& each : port_.take(kAlert)) EXPECT_EQ(raw(each, "Alert"), 1U);
+}
+
+TEST_F(CanSchedulerTest, ThatNoAlertIsKnownIsToldByTheEstimatesAndNotByAlerts) {
+  begin(settings_for({"left"}));
+  pass(20ms);
+  pass(20ms, std::nullopt, Alert::unknown);
+  pass(20ms);
+  EXPECT_TRUE(port_.take(kAlert).empty());
+  std::set<std::uint64_t> told;
+  for (const Message& each : port_.take(kEstimate)) told.insert(raw(each, "Alert"));
+  EXPECT_EQ(told, (std::set<std::uint64_t>{0, 3}));
+}
+
+TEST_F(CanSchedulerTest, NoAlertIsUnknownOnceTheEstimateThreadStandsStill) {
+  begin(settings_for({"left"}));
+  pass(50ms);
+  port_.sent.clear();
+  while (now_ < CanScheduler::Time(1000s) + 200ms) {
+    now_ = due_;
+    step();
+  }
+  EXPECT_EQ(raw(port_.take(kEstimate).back(), "Alert"), 3U);
+  scheduler_->send_final(now_);
+  EXPECT_EQ(raw(port_.take(kEstimate).back(), "Alert"), 3U);
 }
 
 TEST_F(CanSchedulerTest, NoStateButOkHasAMargin) {
