@@ -54,7 +54,7 @@ struct Record {
   double gamma = kUnknown;
   // Standard deviation of gamma.
   double sigma = kUnknown;
-  // The margin that holds with 95 % confidence, 0 to 1.
+  // The margin that holds with 95 % confidence while friction stays, 0 to 1.
   double gamma_low = kUnknown;
   // Coefficient of friction, learnt or given.
   double friction = kUnknown;

@@ -21,7 +21,7 @@ struct EstimateValues {
   std::int64_t time_ns = 0;                     // of the frame, CLOCK_REALTIME; 0: there was none
   std::optional<double> gamma;                  // safety margin, 0 … 1; absent outside state ok
   std::optional<double> sigma;                  // standard deviation of gamma
-  std::optional<double> gamma_low;              // the margin that holds with 95 % confidence
+  std::optional<double> gamma_low;              // the margin that holds with 95 % confidence, see socket.md
   std::optional<double> friction;               // coefficient of friction
   std::optional<double> friction_sigma;         // standard deviation of friction
   std::optional<int> slip_class;                // 1 (slip) … 5

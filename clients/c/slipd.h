@@ -82,7 +82,7 @@ struct slipd_estimate {
   double age_s;                 /* age of the sample when the function returned; infinite: no frame */
   double gamma;                 /* safety margin, 0 (slips) to 1 (no tangential load); NaN unless state is OK */
   double sigma;                 /* its standard deviation */
-  double gamma_low;             /* the margin that holds with 95 % confidence; NaN if too old */
+  double gamma_low;             /* the margin that holds with 95 % confidence while friction stays; NaN if too old */
   double friction;              /* coefficient */
   double friction_sigma;
   double normal_n;              /* normal force, N */

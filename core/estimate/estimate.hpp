@@ -72,9 +72,9 @@ struct Estimate {
       a_over_r;  // radius over the skin's: contact models hold where it is small; flat: none
   std::optional<double> time_to_slip_s;
   std::optional<double> grip_increase_n, grip_increase_sigma_n;
-  // The margin that holds with 95 % confidence, 0 to 1: with what was learnt of friction, else with the low
-  // end of the range that was given or that the scene expects. Also in learning and out_of_model. None
-  // without contact and without known forces.
+  // The margin that holds with 95 % confidence while friction stays, 0 to 1: with what was learnt of
+  // friction, else with the low end of the range that was given or that the scene expects. Also in learning
+  // and out_of_model. None without contact and without known forces.
   std::optional<double> gamma_low;
   // The tangential force that the contact can carry, mu P, by what is known of friction: with its standard
   // deviation, in state ok; and what it is not below with 95 % confidence, in every state with contact and

@@ -30,10 +30,12 @@ namespace {
 
 using namespace slipd;
 
-// What the scene gives the estimator of a grasp's friction. A friction that is given stays constant.
-enum class GivenFriction : std::uint8_t { none, range, value };
-const std::map<std::string, GivenFriction> kGiven{
-    {"none", GivenFriction::none}, {"range", GivenFriction::range}, {"value", GivenFriction::value}};
+// What the scene gives the estimator of a grasp's friction, which stays constant unless it is `none`.
+enum class GivenFriction : std::uint8_t { none, constant, range, value };
+const std::map<std::string, GivenFriction> kGiven{{"none", GivenFriction::none},
+                                                  {"constant", GivenFriction::constant},
+                                                  {"range", GivenFriction::range},
+                                                  {"value", GivenFriction::value}};
 
 struct HistoriesOptions {
   std::size_t grasps = 400;
@@ -75,7 +77,7 @@ Grasp with_one_friction(Grasp grasp) {
 // A range that the friction lies anywhere in, by the grasp's number.
 std::optional<KnownFriction> given_friction(double friction, GivenFriction given, std::size_t grasp) {
   constexpr double kWidth = 1.6;  // high over low
-  if (given == GivenFriction::none) return std::nullopt;
+  if (given == GivenFriction::none || given == GivenFriction::constant) return std::nullopt;
   if (given == GivenFriction::value) return KnownFriction(friction);
   const double low = friction / std::pow(kWidth, RandomStream(0x746f6c64).uniform(grasp));
   return KnownFriction(Range{low, kWidth * low});
@@ -286,9 +288,10 @@ void add_histories(CLI::App& app, const Common& common) {
       ->check(CLI::Range(0.2, 5.0))
       ->capture_default_str();
   command
-      ->add_option("--friction", options->friction,
-                   "what the scene gives of friction: none; range (a factor of 1.6 wide) or value, of a "
-                   "friction that stays constant")
+      ->add_option(
+          "--friction", options->friction,
+          "what the scene gives of friction: none; of a friction that stays constant, constant gives "
+          "nothing, range a range a factor of 1.6 wide, and value itself")
       ->transform(CLI::CheckedTransformer(kGiven, CLI::ignore_case))
       ->default_str("none");
   command

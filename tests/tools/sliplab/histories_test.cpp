@@ -112,5 +112,31 @@ TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
   EXPECT_LT(load.mean_error(), 0.1);
 }
 
+// Whether friction was given as a range or learnt. What falls unseen is not covered: docs/socket.md.
+TEST(Histories, TheMarginOnTheSafeSideHoldsWhileFrictionStays) {
+  constexpr std::size_t kGrasps = 40;
+  constexpr double kWidth = 1.6;
+  const slipd::Skin skin = scene().skin;
+  for (const std::size_t side : {4UL, 8UL, 16UL}) {
+    for (const bool ranged : {false, true}) {
+      ErrorStatistics all;
+      for (std::size_t i = 0; i < kGrasps; ++i) {
+        slipd::ChainSetup setup = paper_chain(side, slipd::MethodChoice::fit, 0.01);
+        Grasp grasp = draw_grasp(setup.scene, 11, i);
+        const double friction = grasp.contact.friction;
+        for (LoadSegment& segment : grasp.segments) segment.friction = friction;
+        if (ranged)
+          setup.friction = slipd::KnownFriction(slipd::Range{friction / 1.2, kWidth * friction / 1.2});
+        slipd::EstimatorChain chain(setup, nullptr);
+        const auto by_move = drive(grasp, setup.layout, skin, {}, slipd::RandomStream(11).stream(i), chain);
+        for (const ErrorStatistics& each : by_move) all.add(each);
+      }
+      EXPECT_GT(all.answered(), 0.6) << side;
+      EXPECT_LT(all.low_above(), 0.05) << side << (ranged ? ", a range" : ", learnt");
+      EXPECT_LT(all.low_shortfall(), 0.3) << side << ": it is a margin, and not 0";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sliplab
