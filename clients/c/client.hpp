@@ -43,6 +43,8 @@ struct slipd_client {
   slipd::UniqueFd epoll, timer;
   std::string subscription;                     // parameters as JSON; empty: there is none
   std::uint64_t subscribed_by = 0;              // id of the request
+  // Of a subscription of one sensor: what is known of it while no estimate comes; else without a name.
+  slipd_estimate silent{};
   double pause_s = slipd::client::kFirstPause;  // before the next attempt to connect
   std::string last_event;                       // the message of slipd_event_text(); empty: there is none
   mutable std::string last_event_text;          // made from it when it is asked for

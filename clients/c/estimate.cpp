@@ -100,6 +100,11 @@ void clear(slipd_estimate& estimate, const char* name, int state) noexcept {
     *value = kUnknown;
 }
 
+void take_last_alert(const slipd_estimate& last, slipd_estimate& estimate) noexcept {
+  estimate.alert = without_frames(last.alert);
+  estimate.alert_cause = cause_of(estimate.alert, last.alert_cause);
+}
+
 void take_last_alert(const board_layout::Record& record, slipd_estimate& estimate) noexcept {
   estimate.alert = without_frames(alert_of(record));
   estimate.alert_cause = cause_of(estimate.alert, record.alert_cause);

@@ -29,7 +29,9 @@ void fill(slipd_estimate& estimate, const char* name, const board_layout::Record
 void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t read_ns,
           double max_age_s) noexcept;
 
-// The alert of the last record of a slipd that has gone, as far as it still stands. `estimate` was cleared.
+// The alert of another estimate, as far as it still stands while no frames come. `estimate` was cleared.
+void take_last_alert(const slipd_estimate& last, slipd_estimate& estimate) noexcept;
+// Of the last record of a slipd that has gone.
 void take_last_alert(const board_layout::Record& record, slipd_estimate& estimate) noexcept;
 
 }  // namespace slipd::client

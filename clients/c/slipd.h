@@ -148,7 +148,8 @@ int slipd_subscribe(slipd_client *s, const char *sensor, double max_rate_hz, int
 int slipd_fd(const slipd_client *s);
 /* The next estimate; waits at most timeout_s (0: not at all). SLIPD_DONE: there is one. SLIPD_TIMEOUT: none.
  * SLIPD_DISCONNECTED: slipd is away; it was said so by this return value and state, once for each attempt to
- * connect: 50 ms after the loss, then after twice the last pause, at most 2 s. */
+ * connect: 50 ms after the loss, then after twice the last pause, at most 2 s. Without an estimate `estimate` has the name of
+ * the sensor that was subscribed to, if it was one, and its alert if that stands. */
 int slipd_next(slipd_client *s, double max_age_s, double timeout_s, struct slipd_estimate *estimate);
 /* The estimate that slipd_next() returned last, as slipd sent it: a JSON object of docs/socket.md, which has more
  * than struct slipd_estimate. Its state and age are those when slipd sent it. "" if there is none, or no memory

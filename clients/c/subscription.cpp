@@ -41,12 +41,19 @@ void lose_subscription(slipd_client& s) noexcept {
   s.pause_s = std::min(2 * s.pause_s, kLastPause);
 }
 
+// There is no estimate. What is known: which sensor it would be of, and an alert that stands.
+void fill_silence(const slipd_client& s, int state, slipd_estimate& estimate) noexcept {
+  clear(estimate, s.silent.name, state);
+  take_last_alert(s.silent, estimate);
+}
+
 void fill_event(slipd_client& s, std::string_view line, const EstimateValues& values, std::string_view method,
                 double max_age_s, slipd_estimate& estimate) {
   fill(estimate, values, monotonic_ns(), max_age_s);
   for (const auto& [bit, name] : kEvents) {
     if (method == name) estimate.event = bit;
   }
+  if (s.silent.name[0] != 0) take_last_alert(estimate, s.silent);
   s.last_event = line;
 }
 
@@ -89,7 +96,7 @@ int next_event(slipd_client& s, double max_age_s, Clock::time_point until, slipd
     }
   } catch (...) {
     lose_subscription(s);
-    clear(estimate, "", SLIPD_STATE_DISCONNECTED);
+    fill_silence(s, SLIPD_STATE_DISCONNECTED, estimate);
     throw;
   }
 }
@@ -106,6 +113,7 @@ int slipd_subscribe(slipd_client* s, const char* sensor, double max_rate_hz, int
       if ((events & bit) != 0) params["events"].push_back(name);
     }
     s->events.close();
+    clear(s->silent, sensor == nullptr ? "" : sensor, SLIPD_STATE_STALE);
     s->subscription = params.dump(-1, ' ', true, Json::error_handler_t::replace);
     s->pause_s = kFirstPause;
     arm(s->timer, kLongestTimeout);  // not readable for an earlier subscription
@@ -128,7 +136,9 @@ int slipd_fd(const slipd_client* s) {
 int slipd_next(slipd_client* s, double max_age_s, double timeout_s, struct slipd_estimate* estimate) {
   if (estimate == nullptr) return SLIPD_INVALID;
   clear(*estimate, "", SLIPD_STATE_STALE);
-  if (s != nullptr) s->last_event.clear();
+  if (s == nullptr) return SLIPD_INVALID;
+  fill_silence(*s, SLIPD_STATE_STALE, *estimate);
+  s->last_event.clear();
   return guarded(s, [&] { return next_event(*s, max_age_s, after(timeout_s), *estimate); });
 }
 

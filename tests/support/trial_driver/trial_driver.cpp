@@ -18,7 +18,7 @@ using namespace slipd;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kOptions = R"({"type": "object", "additionalProperties": false, "properties": {
-  "behaviour": {"enum": ["steady", "hang_in_read", "hang_in_open", "throw_in_create", "throw_in_open",
+  "behaviour": {"enum": ["steady", "silent", "hang_in_read", "hang_in_open", "throw_in_create", "throw_in_open",
     "throw_oddly_in_open", "vanish", "end", "wrong_sensor", "allocate", "nonsense"], "default": "steady",
     "description": "What goes wrong, after `after` frames."},
   "after": {"type": "integer", "minimum": 0, "default": 0, "unit": "frames",
@@ -86,6 +86,7 @@ class TrialDriver : public DeviceDriver {
       throw DriverError("the trial device cannot be made: its options say so");
     vanishes_ = behaviour_ == "vanish";
     hangs_ = behaviour_ == "hang_in_read";
+    silent_ = behaviour_ == "silent";
     ends_ = behaviour_ == "end";
     lies_ = behaviour_ == "wrong_sensor";
     allocates_ = behaviour_ == "allocate";
@@ -120,6 +121,10 @@ class TrialDriver : public DeviceDriver {
     if (ends_ && sent_.frames >= after_ && !is_well()) return {ReadStatus::end, 0};
     if (given_ >= after_ && !is_well()) {
       if (hangs_) hang();
+      if (silent_) {
+        std::this_thread::sleep_for(timeout);
+        return {};
+      }
       if (vanishes_) return {ReadStatus::disconnected, 0};
       if (lies_) return {ReadStatus::frame, static_cast<std::uint16_t>(sensors_.size())};
     }
@@ -231,8 +236,8 @@ class TrialDriver : public DeviceDriver {
   nlohmann::json options_;
   std::string behaviour_;
   std::uint64_t after_ = 0, gap_every_ = 0, corrupt_every_ = 0;
-  bool burst_ = false, paced_ = false, vanishes_ = false, hangs_ = false, ends_ = false, lies_ = false,
-       allocates_ = false, raves_ = false;
+  bool burst_ = false, paced_ = false, vanishes_ = false, hangs_ = false, silent_ = false, ends_ = false,
+       lies_ = false, allocates_ = false, raves_ = false;
   double gamma_ = 0.5;
   std::unique_ptr<std::string> garbage_;
   std::vector<std::vector<float>> normal_, shear_;
