@@ -132,7 +132,7 @@ TaxelRun run(const TaxelLayout& layout, const Grasp& grasp, const ChainSetup& se
     if (estimate.gamma) ++result.answered;
     if (!result.warn_due_s && truth < setup.alerts.warn_below) result.warn_due_s = now_s;
     if (!result.slip_s && truth <= 1e-9) result.slip_s = now_s;
-    if (!result.alert_s && estimate.alert != Alert::none) {
+    if (!result.alert_s && is_raised(estimate.alert)) {
       result.alert_s = now_s;
       result.alert_margin = truth;
     }

@@ -55,7 +55,10 @@ std::optional<slipd::AlertCause> cause_of(const FrameSummary& frame) {
 }
 
 slipd::Alert alert_of(const FrameSummary& frame) {
-  return static_cast<slipd::Alert>(std::min<std::uint8_t>(frame.estimate ? frame.estimate->alert : 0, 2));
+  // Of a newer slipd, or of a frame without an estimate.
+  if (!frame.estimate || frame.estimate->alert > static_cast<std::uint8_t>(slipd::Alert::unknown))
+    return slipd::Alert::unknown;
+  return static_cast<slipd::Alert>(frame.estimate->alert);
 }
 
 // The extreme of `value` (lowest, or with `highest` the highest) in each of `columns` equal parts of the
@@ -95,7 +98,8 @@ void draw_margin(Canvas& canvas, const Box& box, const Recorded& recorded) {
 void draw_states(Canvas& canvas, const Box& box, const Recorded& recorded) {
   canvas.text(0, box.row, "alert", kFaint);
   const Columns alerts = in_columns(recorded, box.columns, true, [](const FrameSummary& frame) {
-    return frame.estimate ? std::optional(static_cast<double>(frame.estimate->alert)) : std::nullopt;
+    const slipd::Alert alert = alert_of(frame);
+    return frame.estimate ? std::optional(is_raised(alert) ? static_cast<double>(alert) : 0) : std::nullopt;
   });
   const Columns ok = in_columns(recorded, box.columns, true, [](const FrameSummary& frame) {
     return frame.estimate ? std::optional(state_of(frame) == slipd::State::ok ? 1.0 : 0.0) : std::nullopt;

@@ -42,7 +42,7 @@ void WatchStatistics::take(const EstimateValues& estimate, bool is_estimate) {
   // An alert event and its estimate arrive in either order: the first of them counts the rise.
   if (estimate.sequence >= sensor.sequence) {
     if (estimate.alert != sensor.alert) {
-      if (estimate.alert == "warn" && sensor.alert == "none") ++sensor.warnings;
+      if (estimate.alert == "warn" && sensor.alert != "slip") ++sensor.warnings;
       if (estimate.alert == "slip") ++sensor.slips;
     }
     sensor.alert = estimate.alert;

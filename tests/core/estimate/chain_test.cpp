@@ -58,7 +58,9 @@ TEST_F(Chain, TheFirstFrameWhoseMarginHasStayedLowForLongEnoughRaisesTheAlert) {
   for (const auto& [level, threshold] :
        {std::pair{Alert::warn, setup_.alerts.warn_below}, std::pair{Alert::slip, setup_.alerts.slip_below}}) {
     std::size_t raised = 0;
-    while (raised < estimates.size() && estimates[raised].alert < level) ++raised;
+    while (raised < estimates.size() &&
+           !(is_raised(estimates[raised].alert) && estimates[raised].alert >= level))
+      ++raised;
     ASSERT_LT(raised, estimates.size());
     int low_for = 0;  // frames; 2 ms are over with the third
     for (std::size_t i = 0; i <= raised; ++i) {
@@ -78,7 +80,7 @@ TEST_F(Chain, AnAlertOutlastsAnUnknownMarginAndEndsWithASaferGripOrWithoutContac
   }
   EXPECT_GT(doubted, 0);
   EXPECT_EQ(press(300, 6, 0.95).back().alert, Alert::none);
-  ASSERT_NE(press(200, 1.7, 0.8).back().alert, Alert::none);
+  ASSERT_TRUE(is_raised(press(200, 1.7, 0.8).back().alert));
   EXPECT_EQ(press(50, 0, 0).back().alert, Alert::none);
 }
 

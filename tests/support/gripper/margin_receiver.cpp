@@ -38,7 +38,7 @@ void MarginReceiver::receive(const can_frame& frame, Time now) noexcept {
   if (id == heartbeat_.id && heartbeat_.good(frame) && count(frame, can::heartbeat::kStopping) != 0) {
     margin_.reset();
   } else if (id == alert_.id && alert_.good(frame)) {
-    if (count(frame, can::alert::kAlert) != static_cast<std::uint64_t>(Alert::none))
+    if (is_raised(static_cast<Alert>(count(frame, can::alert::kAlert))))
       request_ = GripRequest{number(frame, can::alert::kGripIncrease_n)};
   } else if (id == estimate_.id && estimate_.good(frame)) {
     if (!received_ || now - *received_ > 3 * period_) to_ignore_ = kSuspectAfterSilence;

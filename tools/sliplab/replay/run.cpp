@@ -28,7 +28,7 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
     if (outcome == FileFrames::Outcome::corrupt) {  // the daemon counts it and estimates nothing
       out.time_s = static_cast<double>(time_ns) * 1e-9;
       out.estimate.state = State::fault;
-      if (row > 0) out.estimate.alert = run.rows[row - 1].estimate.alert;
+      if (row > 0) out.estimate.alert = without_frames(run.rows[row - 1].estimate.alert);
       continue;
     }
     time_ns = frames.time_ns();
