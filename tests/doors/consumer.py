@@ -2,9 +2,13 @@
 `alert`, `gamma`. Each door is a function that yields what its consumer believes, following the rules of the door's page."""
 import asyncio
 import json
+import math
+import os
 import socket
 import struct
+import subprocess
 import sys
+import threading
 import time
 
 import slipd
@@ -93,6 +97,117 @@ def modbus(address, max_age_s, name):
         time.sleep(POLL_S)
 
 
+class _Latest:
+    """What came last, from another thread."""
+
+    def __init__(self):
+        self.lock, self.value = threading.Lock(), None
+
+    def put(self, value):
+        with self.lock:
+            self.value = value
+
+    def get(self):
+        with self.lock:
+            return self.value
+
+
+def _mqtt(address, topics):
+    """What the broker sent last under each of `topics`, as JSON; "" for one that it has forgotten. None: no connection."""
+    import paho.mqtt.client as paho
+    host, port = address.rsplit(":", 1)
+    latest, connected = {topic: _Latest() for topic in topics}, _Latest()
+    client_of_broker = paho.Client(protocol=paho.MQTTv5)
+
+    def on_connect(*_):
+        connected.put(True)
+        for topic in topics:
+            client_of_broker.subscribe(topic)
+
+    client_of_broker.on_connect = on_connect
+    client_of_broker.on_disconnect = lambda *_: connected.put(None)
+    client_of_broker.on_message = lambda _, __, message: latest[message.topic].put(json.loads(message.payload or "null"))
+    client_of_broker.connect(host, int(port), keepalive=5)
+    client_of_broker.loop_start()
+    while True:
+        yield [latest[topic].get() for topic in topics] if connected.get() else None
+        time.sleep(POLL_S)
+
+
+def _believed_of(message, status, holds_s):
+    """Of docs/mqtt.md: a message counts while status is online, and for `holds_s` from its time on."""
+    if not status or status["status"] != "online" or not message:
+        return DISCONNECTED if not message or message["alert"] == "none" else ("disconnected", message["alert"], None)
+    if time.time() - 1e-9 * message["time_ns"] > holds_s:
+        return "stale", "unknown" if message["alert"] == "none" else message["alert"], None
+    return message["state"], message["alert"], message.get("gamma")
+
+
+def mqtt_estimates(address, max_age_s, name):
+    """A subscriber of estimates, docs/mqtt.md."""
+    for both in _mqtt(address, (f"slipd/gripper/{name}/estimate", "slipd/gripper/status")):
+        yield _believed_of(both[0], both[1], max_age_s) if both else DISCONNECTED
+
+
+def mqtt_states(address, _, name):
+    """A subscriber of the retained state, docs/mqtt.md."""
+    for both in _mqtt(address, (f"slipd/gripper/{name}/state", "slipd/gripper/status")):
+        yield _believed_of(both[0], both[1], 1e-3 * both[0]["valid_for_ms"] if both[0] else 0) if both else DISCONNECTED
+
+
+_ROS_STATES, _ROS_ALERTS = (*_STATES,), ("none", "warn", "slip", "unknown")
+
+
+def ros2(address, _, name):
+    """A node that asks for the deadline and the lease of docs/ros2.md, by a DDS of its own."""
+    deadline_ms, lease_ms, domain = address.split("/")
+    reader = subprocess.Popen([os.path.join(os.environ["SLIPD_BINARY_DIR"], "test-bin", "ros2-cyclone-reader"), domain, name],
+                              stdout=subprocess.PIPE, text=True, env={**os.environ, "DEADLINE_MS": deadline_ms, "LEASE_MS": lease_ms})
+    latest = _Latest()
+    latest.put(DISCONNECTED)
+
+    def read():
+        for line in reader.stdout:
+            topic, *words = line.split()
+            if not topic.endswith("/estimate"):
+                continue
+            if len(words) == 3:
+                latest.put(_of_message(bytes.fromhex(words[2])[4:], name))
+            elif words[0] == "missed" or words[1] == "0":  # the deadline has passed, or the writer is not alive
+                _, alert, _ = latest.get()
+                latest.put(("disconnected", alert if alert in ("warn", "slip") else "unknown", None))
+
+    threading.Thread(target=read, daemon=True).start()
+    while reader.poll() is None:
+        yield latest.get()
+        time.sleep(POLL_S)
+
+
+def _of_message(data, name):
+    """slipd_msgs/SlipEstimate in CDR: stamp, frame_id and name before state and alert; the margin is the second number behind the counters."""
+    at = 8 + 4 + len(name) + 1
+    at += -at % 4 + 4 + len(name) + 1
+    state, alert = data[at], data[at + 1]
+    at += 4
+    at += -at % 8 + 3 * 8
+    margin, = struct.unpack_from("<d", data, at)
+    return _ROS_STATES[state], _ROS_ALERTS[alert], None if math.isnan(margin) else margin
+
+
+def page(address, _, name):
+    """Somebody who looks at the page of slipd-web, docs/web.md."""
+    from page import browser
+    chromium = browser()
+    chromium.get(address)
+    look = """const card = document.querySelector(`.card[data-kind="sensor"][data-name="${arguments[0]}"]`);
+              return card ? [card.dataset.state, card.querySelector(".alert").dataset.alert, card.dataset.gamma] : null;"""
+    while True:
+        shown = chromium.execute_script(look, name)
+        if shown:
+            yield shown[0], shown[1], float(shown[2]) if shown[2] else None
+        time.sleep(POLL_S)
+
+
 async def _asynchronous(path, max_age_s, name):
     async with slipd.AsyncClient(path) as connection:
         async for now in connection.estimates(name, max_age_s=max_age_s):
@@ -104,7 +219,8 @@ def tell(believed):
     print(json.dumps({"t": time.monotonic(), "state": state, "alert": alert, "gamma": gamma}), flush=True)
 
 
-DOORS = {"board": board, "client": client, "socket": raw_socket, "modbus": modbus}
+DOORS = {"board": board, "client": client, "socket": raw_socket, "modbus": modbus, "mqtt-estimates": mqtt_estimates, "mqtt-states": mqtt_states,
+         "ros2": ros2, "page": page}
 
 
 def main(door, address, max_age_s, name):
