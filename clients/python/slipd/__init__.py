@@ -10,13 +10,14 @@
                 grip_harder(estimate.grip_increase_n)
 
     with slipd.Board() as board:  # shared memory: no request, no waiting
+        board.attach()
         estimate = board.latest("left", max_age_s=0.02)
 
     for frame in slipd.open("grasp.rec"):
         print(frame.time_s, sum(frame.normal_pa))
 
 A margin is a number in state "ok" only, and only while it is younger than the age that the caller allows. When slipd stops, an
-iterator yields estimates of state "disconnected", connects again by itself, and goes on.
+iterator yields estimates of state "disconnected", connects again by itself, and goes on. Estimates may be kept: an old one says so.
 
 AsyncClient has the same for asyncio. A client belongs to one thread. This file needs the standard library only, may be copied, and
 uses numpy for taxels if numpy is installed.
@@ -35,9 +36,9 @@ import struct
 import sys
 import time
 from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import open as io_open
-from typing import Any
+from typing import Any, BinaryIO
 
 try:
     import numpy
@@ -51,6 +52,10 @@ except ImportError:
 SOCKET = "/run/slipd/slipd.sock"
 _RETRY_FIRST_S, _RETRY_LAST_S = 0.05, 2.0  # pauses between attempts to connect
 _READ_BYTES = 1 << 16
+_HOLD = 0.25  # of max_age_s: how long what an estimate says when it is handed out stands at least
+_INFINITE = float("inf")
+_STATES = ("ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault")  # by their numbers
+_ALERTS = ("none", "warn", "slip", "unknown")
 
 
 class SlipdError(Exception):
@@ -67,33 +72,53 @@ class Disconnected(ConnectionError):
 
 @dataclass(frozen=True)
 class Estimate:
-    """An estimate of one sensor or of one grasp. None: unknown."""
+    """An estimate of one sensor or of one grasp. None: unknown.
+
+    It is judged when it is handed out and at each access after. Once it is older than max_age_s, all that nobody must act on any
+    more goes together: gamma, gamma_low, sigma, the advice, sliding and their like in `values` are None, state is "stale", an alert
+    that was "none" is "unknown", a raised one stands. Thus an estimate may be kept, and what is kept never says "ok" for a slipd
+    that is dead.
+
+    What it says when it is handed out stands for a quarter of max_age_s at least, so that a decision that reads several fields, as
+    `if estimate.gamma is None: … elif estimate.gamma < 0.3: grip(estimate.grip_increase_n)`, reads one judgement, also where the
+    estimate is about to be too old. A program that stands still for longer amid its decision finds None where a number was: an
+    error, rather than an act on an old margin. `kept.now()` hands out again what was kept.
+    """
 
     name: str  # of the sensor or grasp
     max_age_s: float  # older ones have state "stale"
     at_state: str  # the state when it was sent: "ok", "no_contact", "learning", "out_of_model", …, "disconnected"
-    at_gamma: float | None = field(repr=False, default=None)
-    at_gamma_low: float | None = field(repr=False, default=None)
-    sent_age_s: float = field(repr=False, default=0.0)  # age of its frame when it was sent, s
+    at_alert: str = "unknown"  # the alert when it was sent; of "stale" and "disconnected" the last one that came
+    at_alert_cause: str | None = None
+    sent: Mapping[str, Any] = field(repr=False, default_factory=dict)  # all that slipd sent, however old: not to act on
+    sent_age_s: float = field(repr=False, default=_INFINITE)  # age of its frame when it was sent, s; infinite: of no frame
     taken_ns: int = field(repr=False, default_factory=time.monotonic_ns)  # when it was read; CLOCK_MONOTONIC
     time_ns: int | None = None  # of its frame; CLOCK_REALTIME
-    seq: int | None = None  # of its frame
-    sigma: float | None = None  # standard deviation of the margin
+    seq: int | None = None  # of its frame; the device counts
     friction: float | None = None  # coefficient
     friction_sigma: float | None = None
     normal_n: float | None = None  # normal force, N
     shear_n: float | None = None  # tangential force, N
     torque_nmm: float | None = None  # about the contact's normal, N mm
-    grip_increase_n: float | None = None  # to add for the configured target margin, N
-    time_to_slip_ms: float | None = None
-    alert: str = "none"  # "none", "warn", "slip"
-    alert_cause: str | None = None  # "margin", "sliding"
-    sliding: str | None = None  # "none", "disturbed", "translation", "rotation"
-    health: str = "good"  # or what speaks against the frame
     simulated: bool = False
     dropped: int = 0  # estimates lost just before this one because they were read too slowly
     event: str = "estimate"  # "estimate", "alert", "state"; of subscriptions
-    values: Mapping[str, Any] = field(repr=False, default_factory=dict)  # all that slipd sent
+    held_until_s: float = field(init=False, repr=False)  # what it said when it was handed out stands until then, time.monotonic()
+
+    def __post_init__(self) -> None:
+        hold_s = _HOLD * self.max_age_s if self._is_young() else -_INFINITE
+        object.__setattr__(self, "held_until_s", time.monotonic() + hold_s)
+
+    def _is_young(self) -> bool:
+        age_s = self.age_s
+        return age_s <= self.max_age_s and age_s < _INFINITE
+
+    def _holds(self) -> bool:
+        return time.monotonic() <= self.held_until_s or self._is_young()
+
+    def now(self) -> Estimate:
+        """The same, handed out now."""
+        return replace(self)
 
     @property
     def age_s(self) -> float:
@@ -103,36 +128,87 @@ class Estimate:
 
     @property
     def state(self) -> str:
-        """The state now: at_state, or "stale" once it is too old."""
-        return self.at_state if self.at_state == "disconnected" or self.age_s <= self.max_age_s else "stale"
+        """The state now: at_state, or "stale" once it is too old. "fault" and "disconnected" stay."""
+        return self.at_state if self.at_state in ("fault", "disconnected") or self._holds() else "stale"
 
     @property
     def gamma(self) -> float | None:
         """The safety margin, 0 (slips) … 1 (no tangential load), in state "ok"; else None."""
-        return self.at_gamma if self.state == "ok" else None
+        return self._unless_old("gamma") if self.at_state == "ok" else None
 
     @property
     def gamma_low(self) -> float | None:
         """A margin that holds with 95 % confidence, also while friction is learnt; None if too old."""
-        return self.at_gamma_low if self.state not in ("stale", "disconnected") else None
+        return self._unless_old("gamma_low")
+
+    @property
+    def sigma(self) -> float | None:
+        """Standard deviation of the margin; None if too old."""
+        return self._unless_old("sigma")
+
+    @property
+    def grip_increase_n(self) -> float | None:
+        """Normal force to add for the configured target margin, N; None if too old."""
+        return self._unless_old("grip_increase_n")
+
+    @property
+    def time_to_slip_ms(self) -> float | None:
+        """Time until the object slips as the margin falls now, ms; None if it does not fall, or too old."""
+        return self._unless_old("time_to_slip_ms")
+
+    @property
+    def sliding(self) -> str | None:
+        """Whether the object slides: "none", "disturbed", "translation", "rotation"; None if nothing shows it, or too old."""
+        return self._unless_old("sliding")
+
+    @property
+    def alert(self) -> str:
+        """"none" (slipd watches and there is none), "warn", "slip", "unknown". A raised one stands, however old."""
+        return self.at_alert if self.at_alert != "none" or self._holds() else "unknown"
+
+    @property
+    def alert_cause(self) -> str | None:
+        """Of a raised alert: "margin" or "sliding"."""
+        return self.at_alert_cause if self.at_alert in ("warn", "slip") else None
+
+    @property
+    def health(self) -> str:
+        """"good", or what speaks against the frame; "unknown": no frame was checked, it is too old, or it is of a grasp."""
+        return self._unless_old("health") or "unknown"
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """All that slipd sent; of what is too old only what may still be used. Empty if slipd sent nothing."""
+        if not self.sent or self._holds():
+            return self.sent
+        return {**self.sent, **{key: None for key in _NOT_WHEN_OLD if key in self.sent}, "state": self.state, "alert": self.alert,
+                "health": "unknown"}
+
+    def _unless_old(self, key: str) -> Any:
+        return self.sent.get(key) if self._holds() else None
 
 
-_TAKEN = ("time_ns", "seq", "sigma", "friction", "friction_sigma", "normal_n", "shear_n", "torque_nmm", "grip_increase_n",
-          "time_to_slip_ms", "alert_cause", "sliding", "simulated", "dropped")
+_TAKEN = ("time_ns", "seq", "friction", "friction_sigma", "normal_n", "shear_n", "torque_nmm", "simulated", "dropped")
+_NOT_WHEN_OLD = ("gamma", "gamma_low", "sigma", "class", "grip_increase_n", "grip_increase_sigma_n", "time_to_slip_ms", "sliding",
+                 "sliding_for_ms", "a_over_r", "first", "first_gamma")
 
 
-def _estimate(values: Mapping[str, Any], max_age_s: float, event: str = "estimate") -> Estimate:
-    age_ms = values.get("age_ms")
+def _estimate(values: Mapping[str, Any], max_age_s: float, event: str = "estimate", taken_ns: int | None = None) -> Estimate:
+    age_ms, alert = values.get("age_ms"), values.get("alert") or "unknown"
     return Estimate(
         name=values.get("sensor") or values.get("grasp") or "", max_age_s=max_age_s, at_state=values.get("state") or "fault",
-        at_gamma=values.get("gamma"), at_gamma_low=values.get("gamma_low"), alert=values.get("alert") or "none",
-        health=values.get("health") or "good", event=event, values=values,
-        # An estimate without an age is of no frame.
-        sent_age_s=float("inf") if age_ms is None else age_ms * 1e-3, **{key: values[key] for key in _TAKEN if key in values})
+        # An alert that this module does not have is of a newer slipd: none is missed.
+        at_alert=alert if alert in _ALERTS else "slip", at_alert_cause=values.get("alert_cause"), event=event, sent=values,
+        taken_ns=time.monotonic_ns() if taken_ns is None else taken_ns,
+        # Without an age it is of no frame; one of the future is of another clock, and nobody knows how old it is.
+        sent_age_s=_INFINITE if age_ms is None or age_ms < 0 else age_ms * 1e-3,
+        **{key: values[key] for key in _TAKEN if key in values})
 
 
-def _without(name: str, state: str, max_age_s: float) -> Estimate:
-    return Estimate(name=name, max_age_s=max_age_s, at_state=state, sent_age_s=float("inf"))
+def _without(name: str, state: str, max_age_s: float, alert: tuple[str, str | None] = ("unknown", None)) -> Estimate:
+    """That there is no estimate. `alert`: the last one that came, and its cause."""
+    level, cause = alert
+    return Estimate(name=name, max_age_s=max_age_s, at_state=state, at_alert=level, at_alert_cause=cause)
 
 
 class _Lines:
@@ -142,7 +218,7 @@ class _Lines:
         self.last_id = 0
         self.rest = b""
         self.answers: dict[int, Any] = {}
-        self.notifications: list[tuple[str, Mapping[str, Any]]] = []
+        self.notifications: list[tuple[str, Mapping[str, Any], int]] = []  # the last: when it was read, CLOCK_MONOTONIC
 
     def request(self, method: str, params: Mapping[str, Any]) -> tuple[int, bytes]:
         self.last_id += 1
@@ -154,7 +230,7 @@ class _Lines:
         for line in lines:
             message = json.loads(line)
             if "method" in message:
-                self.notifications.append((message["method"], message["params"]))
+                self.notifications.append((message["method"], message["params"], time.monotonic_ns()))
             elif message.get("id") is None:  # slipd says why it closes the connection
                 raise Disconnected(message["error"]["message"])
             else:
@@ -174,6 +250,8 @@ def _why(path: str, error: OSError) -> Disconnected:
         return Disconnected(f"{path}: not permitted: become a member of the group slipd, and log in again")
     if isinstance(error, (FileNotFoundError, ConnectionRefusedError)):
         return Disconnected(f"{path}: slipd does not run here: start it, or give the path of its socket")
+    if isinstance(error, BlockingIOError):
+        return Disconnected(f"{path}: slipd accepts no connections: it hangs, or starts")
     if isinstance(error, (BrokenPipeError, ConnectionResetError)):
         return Disconnected(f"{path}: slipd has closed the connection: it was stopped or restarted")
     return Disconnected(f"{path}: {error.strerror or error}")
@@ -185,41 +263,81 @@ def _grasp(reply: Mapping[str, Any], name: str, max_age_s: float) -> Estimate:
     for grasp in reply["grasps"]:
         if grasp["grasp"] == name:
             fingers = [ages.get(sensor) for sensor in grasp["sensors"]]
-            return _estimate({**grasp, "age_ms": None if None in fingers else max(fingers)}, max_age_s)
+            known = None not in fingers and min(fingers) >= 0
+            return _estimate({**grasp, "age_ms": max(fingers) if known else None}, max_age_s)
     raise SlipdError(-32001, f"there is no grasp {name!r}; there are: " + ", ".join(g["grasp"] for g in reply["grasps"]))
 
 
 class _Watch:
-    """What a subscriber has to be told besides what arrives: sensors that are silent."""
+    """What a subscriber has to be told besides what arrives: sensors that are silent, and a slipd that has gone."""
 
-    def __init__(self, names: Sequence[str], max_age_s: float, events: Sequence[str]) -> None:
-        self.max_age_s, self.names = max_age_s, names
-        # Whoever wants changes only is not told of silence.
-        self.due = dict.fromkeys(names if "estimate" in events else (), time.monotonic() + max_age_s)
+    def __init__(self, max_age_s: float, events: Sequence[str]) -> None:
+        self.max_age_s, self.events = max_age_s, events
+        self.due: dict[str, float] | None = None  # of each name: when it is silent; None: nothing was ever subscribed
+        self.alerts: dict[str, tuple[str, str | None]] = {}  # the last ones that came
         self.pause_s = _RETRY_FIRST_S
+        self.was_lost = False
 
-    def fresh(self, event: str, values: Mapping[str, Any]) -> Estimate:
-        estimate = _estimate(values, self.max_age_s, event)
-        if estimate.name in self.due:
-            self.due[estimate.name] = time.monotonic() + self.max_age_s
+    def begin(self, names: Sequence[str]) -> None:
+        """A subscription is made."""
+        self.due, self.pause_s = dict.fromkeys(names, self._next_due()), _RETRY_FIRST_S
+
+    def _next_due(self) -> float:
+        # Whoever wants changes only is not told of silence.
+        return time.monotonic() + self.max_age_s if "estimate" in self.events else _INFINITE
+
+    def must_ask(self) -> bool:
+        """Whether one who is told of changes only has to be told what there is after a loss."""
+        return self.was_lost and "estimate" not in self.events
+
+    def found(self, reply: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any], int]]:
+        """What there is, from the answer to `gamma`."""
+        assert self.due is not None
+        return [(self.events[0], each, time.monotonic_ns()) for each in reply["sensors"] if each["sensor"] in self.due]
+
+    def fresh(self, event: str, values: Mapping[str, Any], taken_ns: int) -> Estimate:
+        estimate = _estimate(values, self.max_age_s, event, taken_ns)
+        assert self.due is not None
+        self.due[estimate.name] = self._next_due()
+        self.alerts[estimate.name] = estimate.at_alert, estimate.at_alert_cause
         return estimate
 
     def wait_s(self) -> float:
-        return max(0.0, min(self.due.values(), default=time.monotonic() + 1) - time.monotonic())
+        assert self.due is not None
+        return max(0.0, min(1.0, min(self.due.values(), default=_INFINITE) - time.monotonic()))
 
     def silent(self) -> list[Estimate]:
         now = time.monotonic()
+        assert self.due is not None
         late = [name for name, due in self.due.items() if due <= now]
         for name in late:
             self.due[name] = now + self.max_age_s
-        return [_without(name, "stale", self.max_age_s) for name in late]
+        return [self._without(name, "stale") for name in late]
 
     def lost(self) -> list[Estimate]:
-        return [_without(name, "disconnected", self.max_age_s) for name in self.names]
+        self.was_lost = True
+        return [self._without(name, "disconnected") for name in self.due or ()]
+
+    def _without(self, name: str, state: str) -> Estimate:
+        return _without(name, state, self.max_age_s, self.alerts.get(name, ("unknown", None)))
 
     def next_pause(self) -> float:
         pause, self.pause_s = self.pause_s, min(2 * self.pause_s, _RETRY_LAST_S)
         return pause
+
+
+def _await_readable(descriptor: Any, until: float) -> None:
+    if not select.select([descriptor], [], [], max(0.0, until - time.monotonic()))[0]:
+        raise TimeoutError("slipd sends nothing any more")
+
+
+def _take_with_descriptors(connection: socket.socket, lines: _Lines) -> list[int]:
+    """Takes what has arrived, and returns the descriptors that came along."""
+    received, descriptors, _, _ = socket.recv_fds(connection, _READ_BYTES, 4)
+    if not received:
+        raise Disconnected("slipd has closed the connection")
+    lines.take(received)
+    return descriptors
 
 
 def _subscription(names: Sequence[str], max_rate_hz: float | None, events: Sequence[str]) -> dict[str, Any]:
@@ -267,22 +385,21 @@ class Client:
         return self._socket
 
     def _read(self, timeout_s: float) -> bool:
-        """Takes what has arrived; False after timeout_s without anything."""
-        connection = self._connected()
-        if not select.select([connection], [], [], max(0.0, timeout_s))[0]:
+        """Takes what has arrived; False after timeout_s without anything. It never connects: what was subscribed would be gone."""
+        assert self._socket is not None
+        if not select.select([self._socket], [], [], max(0.0, timeout_s))[0]:
             return False
-        received = connection.recv(_READ_BYTES)
+        received = self._socket.recv(_READ_BYTES)
         if not received:
             raise Disconnected(f"{self.path}: slipd has closed the connection")
         self._lines.take(received)
         return True
 
-    def call(self, method: str, params: Mapping[str, Any] | None = None, *, timeout_s: float | None = None,
-             descriptor: int | None = None) -> Any:
-        """The result of any method of docs/socket.md. `descriptor` is passed along, as `record` wants it."""
+    def call(self, method: str, params: Mapping[str, Any] | None = None, *, timeout_s: float | None = None) -> Any:
+        """The result of any method of docs/socket.md."""
         deadline = time.monotonic() + (self.timeout_s if timeout_s is None else timeout_s)
         try:
-            number = self._send(method, params or {}, descriptor)
+            number = self._send(method, params or {})
             while number not in self._lines.answers:
                 if not self._read(deadline - time.monotonic()):
                     raise TimeoutError(f"no answer to {method}")
@@ -293,7 +410,7 @@ class Client:
             raise _why(self.path, error) from error
         return self._lines.result(number)
 
-    def _send(self, method: str, params: Mapping[str, Any], descriptor: int | None) -> int:
+    def _send(self, method: str, params: Mapping[str, Any]) -> int:
         """Sends a request, on a new connection if slipd has left the one that there is; the request's number."""
         if self._socket is not None and select.select([self._socket], [], [], 0)[0]:
             try:
@@ -302,10 +419,7 @@ class Client:
                 self.close()
         connection = self._connected()
         number, line = self._lines.request(method, params)
-        if descriptor is None:
-            connection.sendall(line)
-        else:
-            socket.send_fds(connection, [line], [descriptor])
+        connection.sendall(line)
         return number
 
     def gamma(self, sensor: str, max_age_s: float) -> Estimate:
@@ -329,37 +443,74 @@ class Client:
         return {key: _taxels(value) if isinstance(value, list) else value
                 for key, value in self.call("frame", {"sensor": sensor}).items()}
 
-    def record(self, sensor: str, seconds: float, path: str) -> dict[str, Any]:
-        """Records frames into a new file, until it is complete; slipd's own answer."""
-        with io_open(path, "xb") as file:
-            return self.call("record", {"sensor": sensor, "seconds": seconds}, descriptor=file.fileno(),
-                             timeout_s=seconds + self.timeout_s)
+    def record(self, sensor: str, seconds: float, path: str | os.PathLike[str]) -> dict[str, Any]:
+        """Records frames into a new file and returns when it is complete: `recording`, `sensor`, `frames`, `missed`, `bytes`,
+        `seconds`. Raises SlipdError if slipd refuses, or ended the recording early; the file has what came until then."""
+        until = time.monotonic() + seconds + self.timeout_s
+        with io_open(path, "xb") as file, Client(self.path, self.timeout_s) as own:
+            try:
+                return own._record({"sensor": sensor, "seconds": seconds}, file, until)
+            except OSError as error:
+                raise error if isinstance(error, TimeoutError) else _why(self.path, error) from error
+            finally:
+                if file.tell() == 0:
+                    os.unlink(path)
+
+    def _record(self, params: Mapping[str, Any], file: BinaryIO, until: float) -> dict[str, Any]:
+        number, descriptors = self._send("record", params), []
+        assert self._socket is not None
+        try:
+            while number not in self._lines.answers:
+                _await_readable(self._socket, until)
+                descriptors += _take_with_descriptors(self._socket, self._lines)
+            self._lines.result(number)
+            if not descriptors:
+                raise Disconnected(f"{self.path}: slipd passed no recording")
+            while True:
+                _await_readable(descriptors[0], until)
+                frames = os.read(descriptors[0], _READ_BYTES)
+                if not frames:
+                    break
+                file.write(frames)
+        finally:
+            for descriptor in descriptors:
+                os.close(descriptor)
+        while True:
+            for event, result, _ in self._lines.notifications:
+                if event == "recorded":
+                    if result.get("trouble"):
+                        raise SlipdError(-32003, result["trouble"])
+                    return dict(result)
+            self._lines.notifications.clear()
+            if not self._read(until - time.monotonic()):
+                raise TimeoutError("slipd does not say that the recording is complete")
 
     def estimates(self, *sensors: str, max_age_s: float, max_rate_hz: float | None = None,
                   events: Sequence[str] = ("estimate",)) -> Iterator[Estimate]:
         """Estimates as they come, of all sensors unless some are named, without end. Among them, of each sensor: one of state
         "stale" whenever it was silent for max_age_s, which is to be longer than the estimates' period; one of state
-        "disconnected" when slipd is gone, and at each vain attempt to reach it.
+        "disconnected" when slipd is gone, and at each vain attempt to reach it. Without the event "estimate", one who is told of
+        changes only is told of no silence, but of a slipd that is gone, and what there is when it is back.
 
         Raises SlipdError if there is no such sensor, and Disconnected if slipd cannot be reached at first."""
-        watch: _Watch | None = None
-        own = Client(self.path, self.timeout_s)
-        with own:
+        watch = _Watch(max_age_s, events)
+        with Client(self.path, self.timeout_s) as own:
             while True:
                 try:
                     if own._socket is None:
                         names = sensors or [sensor["name"] for sensor in own.sensors()]
                         own.call("subscribe", _subscription(sensors, max_rate_hz, events))
-                        watch = _Watch(names, max_age_s, events)
-                    assert watch is not None
+                        watch.begin(names)
+                        if watch.must_ask():
+                            own._lines.notifications += watch.found(own.call("gamma"))
                     if not own._lines.notifications and not own._read(watch.wait_s()):
                         yield from watch.silent()
                     arrived, own._lines.notifications = own._lines.notifications, []
-                    for event, values in arrived:
-                        yield watch.fresh(event, values)
+                    for each in arrived:
+                        yield watch.fresh(*each)
                 except OSError as error:
                     own.close()
-                    if watch is None:
+                    if watch.due is None:
                         raise _why(self.path, error) from error
                     yield from watch.lost()
                     time.sleep(watch.next_pause())
@@ -374,10 +525,13 @@ _NUMBERS = (("gamma", 1), ("sigma", 1), ("gamma_low", 1), ("friction", 1), ("fri
             ("first_gamma", 1), ("truth_gamma", 1), ("truth_friction", 1))
 _HEALTHS = ("good", "not_finite", "full_scale", "spike", "uniform", "wrong_scale", "saturated", "repeated", "frozen", "dead_normal",
             "dead_shear_x", "dead_shear_y", "dead_row", "time", "jump", "unexplained", "noisy")
+_HEALTH_UNKNOWN = 255
 _CAUSES = (None, "margin", "sliding")
 _METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction", "closing", "block-fit")
 _SLIDINGS = ("none", "disturbed", "translation", "rotation")
 _HEADER = struct.Struct("<8s6IQqI")
+_HEARTBEAT = 64  # where it is
+_LOOK_S = 0.001  # how often attach() looks whether slipd has written its first records
 _BOARD_VERSION, _BEATS_MISSED = 1, 10  # a heartbeat older than so many of its periods is that of a slipd that has stopped
 
 
@@ -385,18 +539,68 @@ def _named(names: Sequence[Any], number: int, other: Any) -> Any:
     return names[number] if number < len(names) else other
 
 
+class _Attaching:
+    """A request for slipd's shared memory that is under way. Nothing here waits."""
+
+    def __init__(self, path: str) -> None:
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self._lines, self._descriptors = _Lines(), list[int]()
+        self._memory: mmap.mmap | None = None
+        try:
+            self.socket.setblocking(False)
+            self.socket.connect(path)
+            self._number, line = self._lines.request("attach", {"wait": []})
+            self.socket.send(line)
+        except OSError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Lets go of what was not taken."""
+        self._close_descriptors()
+        if self._memory is not None:
+            self._memory.close()
+        self.socket.close()
+
+    def _close_descriptors(self) -> None:
+        while self._descriptors:
+            os.close(self._descriptors.pop())
+
+    def memory(self) -> mmap.mmap | None:
+        """The memory, the caller's from now on; None: slipd has not yet answered, or not yet written into it."""
+        try:
+            self._descriptors += _take_with_descriptors(self.socket, self._lines)
+        except BlockingIOError:
+            pass
+        if self._number in self._lines.answers:
+            self._lines.result(self._number)
+            if not self._descriptors:
+                raise Disconnected("slipd passed no memory")
+            self._memory = mmap.mmap(self._descriptors[0], 0, mmap.MAP_SHARED, mmap.PROT_READ)
+            self._close_descriptors()
+            magic, version = struct.unpack_from("<8sI", self._memory)
+            if magic != b"slipdbrd" or version != _BOARD_VERSION:
+                raise Disconnected("the board of this slipd is of another version: upgrade slipd and python3-slipd together")
+        if self._memory is None or struct.unpack_from("<q", self._memory, _HEARTBEAT)[0] == 0:
+            return None
+        memory, self._memory = self._memory, None
+        return memory
+
+
 class Board:
     """The latest estimates in slipd's shared memory: reading one takes some microseconds, and slipd nothing.
 
-    It is attached at the first use and again after slipd was restarted or reloaded; in between, estimates have the state
-    "disconnected". To wait for the next estimate, use Client.estimates(). A board belongs to one thread.
+    It is attached at the first use, and again after slipd was restarted or reloaded, or hung; until it is, estimates have the state
+    "disconnected". Only attach() waits. To wait for the next estimate, use Client.estimates(). A board belongs to one thread.
     """
 
     def __init__(self, path: str = SOCKET, timeout_s: float = 5.0) -> None:
+        """`timeout_s`: how long attach() waits."""
         self.path, self.timeout_s = path, timeout_s
-        self._socket: socket.socket | None = None
+        self._socket: socket.socket | None = None  # slipd lets go of the memory when it closes
         self._memory: mmap.mmap | None = None
         self._slots: dict[str, int] = {}
+        self._attaching: _Attaching | None = None
         self._next_attempt, self._pause_s, self._period_ns = 0.0, _RETRY_FIRST_S, 0
 
     def __enter__(self) -> Board:
@@ -407,6 +611,7 @@ class Board:
 
     def close(self) -> None:
         """Ends the connection and the mapping; a later use makes new ones."""
+        self._give_up()
         if self._memory is not None:
             self._memory.close()
         if self._socket is not None:
@@ -414,45 +619,46 @@ class Board:
         self._memory, self._socket, self._slots = None, None, {}
 
     def attach(self) -> None:
-        """Maps the memory anew. Raises Disconnected if there is no slipd, SlipdError if it refuses. latest() does so by itself."""
+        """Maps the memory anew, and waits for it. latest() does so, too, by and by and without waiting. Raises Disconnected if
+        there is no slipd, SlipdError if it refuses, TimeoutError."""
         self.close()
-        made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        descriptors: list[int] = []
+        until = time.monotonic() + self.timeout_s
         try:
-            made.settimeout(self.timeout_s)
-            made.connect(self.path)
-            lines = _Lines()
-            number, line = lines.request("attach", {"wait": []})
-            made.sendall(line)
-            while number not in lines.answers:
-                received, passed, _, _ = socket.recv_fds(made, _READ_BYTES, 4)
-                descriptors += passed
-                if not received:
-                    raise Disconnected(f"{self.path}: slipd has closed the connection")
-                lines.take(received)
-            lines.result(number)
-            self._memory = mmap.mmap(descriptors[0], 0, mmap.MAP_SHARED, mmap.PROT_READ)
+            while not self._attach_on():
+                if time.monotonic() > until:
+                    raise TimeoutError(f"{self.path}: slipd does not answer")
+                if self._attaching is not None:
+                    select.select([self._attaching.socket], [], [], _LOOK_S)
         except OSError as error:
-            made.close()
+            self._give_up()
+            if isinstance(error, TimeoutError):
+                raise
             raise _why(self.path, error) from error
-        except (SlipdError, IndexError):
-            made.close()
+        except SlipdError:
+            self._give_up()
             raise
-        finally:
-            for descriptor in descriptors:
-                os.close(descriptor)
-        self._socket = made
-        magic, version, header, self._slot_bytes, _, sensors, grasps, _, self._period_ns, _ = _HEADER.unpack_from(self._memory)
-        if magic != b"slipdbrd" or version != _BOARD_VERSION:
-            self.close()
-            raise Disconnected(f"{self.path}: the board of this slipd is of another version: upgrade python3-slipd")
+
+    def _attach_on(self) -> bool:
+        """The next step of attaching, which never waits: connecting to a slipd that hangs would, and so would its answer. What is
+        mapped stays until there is another. True: it is attached."""
+        if self._attaching is None:
+            self._attaching = _Attaching(self.path)
+        memory = self._attaching.memory()
+        if memory is None:
+            return False
+        made, self._attaching = self._attaching.socket, None
+        self.close()
+        self._memory, self._socket = memory, made
+        _, _, header, slot_bytes, _, sensors, grasps, _, self._period_ns, _ = _HEADER.unpack_from(memory)
         for slot in reversed(range(sensors + grasps)):  # a sensor's name comes before a grasp's
-            at = header + slot * self._slot_bytes
-            self._slots[self._memory[at:at + 64].rstrip(b"\0").decode()] = at
-        self._pause_s = _RETRY_FIRST_S
-        end = time.monotonic() + self.timeout_s
-        while self._word("<q", 64) == 0 and time.monotonic() < end:  # until slipd has written its first records
-            time.sleep(0.0001)
+            at = header + slot * slot_bytes
+            self._slots[memory[at:at + 64].rstrip(b"\0").decode()] = at
+        return True
+
+    def _give_up(self) -> None:
+        if self._attaching is not None:
+            self._attaching.close()
+            self._attaching = None
 
     def _word(self, form: str, at: int) -> int:
         assert self._memory is not None
@@ -470,31 +676,47 @@ class Board:
 
     @property
     def _heartbeat_age_s(self) -> float:
-        """Infinite if no memory is mapped, or slipd has closed it."""
+        """Infinite if no memory is mapped, or slipd has closed it; or of the future, which is of another clock, as in a time
+        namespace, and says nothing of now."""
         if self._memory is None or self._word("<I", 72) != 0:
-            return float("inf")
-        return 1e-9 * (time.monotonic_ns() - self._word("<q", 64))
+            return _INFINITE
+        beat_ns = self._word("<q", _HEARTBEAT)
+        age_ns = time.monotonic_ns() - beat_ns  # the clock after the heartbeat
+        return _INFINITE if age_ns < 0 else 1e-9 * age_ns
 
-    def _alive_or_attached(self, max_age_s: float) -> bool:
+    def _usable(self, max_age_s: float) -> bool:
         """Whether memory is mapped whose heartbeat is no older than the caller allows estimates to be, as in libslipd."""
-        if self.alive or self._heartbeat_age_s <= max_age_s:
-            return True
-        if time.monotonic() < self._next_attempt:
-            return False
-        self._next_attempt, self._pause_s = time.monotonic() + self._pause_s, min(2 * self._pause_s, _RETRY_LAST_S)
-        try:
-            self.attach()
-        except OSError:
-            return False
         return self.alive or self._heartbeat_age_s <= max_age_s
 
+    def _usable_or_attached(self, max_age_s: float) -> bool:
+        if self._usable(max_age_s):
+            self._give_up()  # slipd hung, and goes on
+            self._pause_s = _RETRY_FIRST_S
+            return True
+        if self._attaching is None:
+            if time.monotonic() < self._next_attempt:
+                return False
+            self._next_attempt, self._pause_s = time.monotonic() + self._pause_s, min(2 * self._pause_s, _RETRY_LAST_S)
+        try:
+            return self._attach_on() and self._usable(max_age_s)
+        except (OSError, SlipdError):
+            self._give_up()
+            return False
+
     def latest(self, name: str, max_age_s: float) -> Estimate:
-        """The latest estimate of a sensor or grasp. Raises SlipdError if there is none of this name."""
-        if not self._alive_or_attached(max_age_s):
-            return _without(name, "disconnected", max_age_s)
+        """The latest estimate of a sensor or grasp. It never waits, whatever slipd does: while there is no memory of a slipd that
+        runs, it is "disconnected", with the last alert if one was raised. Raises SlipdError if slipd has none of this name."""
+        if not self._usable_or_attached(max_age_s):
+            return self._disconnected(name, max_age_s)
         if name not in self._slots:
             raise SlipdError(-32001, f"there is no sensor or grasp {name!r}; there are: " + ", ".join(sorted(self._slots)))
-        return self._estimate(name, self._record(self._slots[name]), max_age_s)
+        return _estimate(self._values(name), max_age_s)
+
+    def _disconnected(self, name: str, max_age_s: float) -> Estimate:
+        if name not in self._slots:
+            return _without(name, "disconnected", max_age_s)
+        last = self._values(name)
+        return _without(name, "disconnected", max_age_s, (last["alert"], last["alert_cause"]))
 
     def _record(self, slot: int) -> tuple[Any, ...]:
         """A whole record: slipd writes into two copies in turn, each with a version that is odd meanwhile."""
@@ -507,20 +729,22 @@ class Board:
             if before % 2 == 0 and before == self._word("<Q", copy) and current == self._word("<I", slot + 640):
                 return _RECORD.unpack(content)
 
-    def _estimate(self, name: str, record: tuple[Any, ...], max_age_s: float) -> Estimate:
+    def _values(self, name: str) -> dict[str, Any]:
+        """The record with the keys of the socket."""
+        record = self._record(self._slots[name])
         seq, time_ns, published_ns, _ = record[:4]
         state, alert, cause, method, health, sliding, simulated, _, _ = record[24:]
         values: dict[str, Any] = {key: None if value != value else value * factor
                                   for (key, factor), value in zip(_NUMBERS, record[4:24])}
-        now_ns = time.monotonic_ns()
-        # The clock of a recording may be ahead, so its age counts from the estimate at the latest.
-        age_ns = now_ns - min(time_ns, published_ns)
+        # The clock after the record. That of a recording may be ahead, so its age counts from the estimate at the latest; an estimate
+        # of the future is of another clock, and its age is negative.
+        age_ns = time.monotonic_ns() - min(time_ns, published_ns)
         values.update(sensor=name, seq=seq, state=_named(_STATES, state, "fault"), alert=_named(_ALERTS, alert, "slip"),
                       alert_cause=_named(_CAUSES, cause, None), method=_named(_METHODS, method, "none"),
-                      health=_named(_HEALTHS, health, "unexplained"), sliding=_named(_SLIDINGS, sliding, None),
-                      simulated=bool(simulated), time_ns=time.time_ns() - age_ns if time_ns else None,
-                      age_ms=age_ns * 1e-6 if time_ns else None)
-        return _estimate(values, max_age_s)
+                      health="unknown" if health == _HEALTH_UNKNOWN else _named(_HEALTHS, health, "unexplained"),
+                      sliding=_named(_SLIDINGS, sliding, None), simulated=bool(simulated),
+                      time_ns=time.time_ns() - age_ns if time_ns else None, age_ms=age_ns * 1e-6 if time_ns else None)
+        return values
 
 
 class AsyncClient:
@@ -544,17 +768,21 @@ class AsyncClient:
             self._streams[1].close()
         self._streams, self._lines = None, _Lines()
 
-    async def _connected(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-        if self._streams is not None and self._streams[0].at_eof():  # slipd has left
+    async def _connected(self) -> asyncio.StreamWriter:
+        if self._streams is not None and (self._streams[0].at_eof() or self._streams[0].exception()):  # slipd has left
             self.close()
         if self._streams is None:
-            self._streams = await asyncio.open_unix_connection(self.path)
-        return self._streams
+            try:
+                self._streams = await asyncio.wait_for(asyncio.open_unix_connection(self.path), self.timeout_s)
+            except asyncio.TimeoutError:
+                raise TimeoutError(f"{self.path}: slipd accepts no connections") from None
+        return self._streams[1]
 
     async def _read(self, timeout_s: float) -> bool:
-        reader, _ = await self._connected()
+        """As Client._read."""
+        assert self._streams is not None
         try:
-            received = await asyncio.wait_for(reader.read(_READ_BYTES), timeout_s)
+            received = await asyncio.wait_for(self._streams[0].read(_READ_BYTES), timeout_s)
         except asyncio.TimeoutError:
             return False
         if not received:
@@ -566,7 +794,7 @@ class AsyncClient:
         """As Client.call."""
         deadline = time.monotonic() + self.timeout_s
         try:
-            _, writer = await self._connected()
+            writer = await self._connected()
             number, line = self._lines.request(method, params or {})
             writer.write(line)
             await writer.drain()
@@ -591,25 +819,25 @@ class AsyncClient:
     async def estimates(self, *sensors: str, max_age_s: float, max_rate_hz: float | None = None,
                         events: Sequence[str] = ("estimate",)) -> AsyncIterator[Estimate]:
         """As Client.estimates."""
-        watch: _Watch | None = None
-        own = AsyncClient(self.path, self.timeout_s)
-        async with own:
+        watch = _Watch(max_age_s, events)
+        async with AsyncClient(self.path, self.timeout_s) as own:
             while True:
                 try:
                     if own._streams is None:
                         names = sensors or [sensor["name"] for sensor in (await own.call("sensors"))["sensors"]]
                         await own.call("subscribe", _subscription(sensors, max_rate_hz, events))
-                        watch = _Watch(names, max_age_s, events)
-                    assert watch is not None
+                        watch.begin(names)
+                        if watch.must_ask():
+                            own._lines.notifications += watch.found(await own.call("gamma"))
                     if not own._lines.notifications and not await own._read(watch.wait_s()):
                         for estimate in watch.silent():
                             yield estimate
                     arrived, own._lines.notifications = own._lines.notifications, []
-                    for event, values in arrived:
-                        yield watch.fresh(event, values)
+                    for each in arrived:
+                        yield watch.fresh(*each)
                 except OSError as error:
                     own.close()
-                    if watch is None:
+                    if watch.due is None:
                         raise _why(self.path, error) from error
                     for estimate in watch.lost():
                         yield estimate
@@ -618,8 +846,6 @@ class AsyncClient:
 
 # Recordings: a CBOR sequence (RFC 8742); core/storage/recording.hpp describes it.
 
-_STATES = ("ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault")
-_ALERTS = ("none", "warn", "slip")
 _BLOCK = bytes.fromhex("A865626C6F636B1B")  # what each block begins with
 _FLOATS = 85  # RFC 8746: little-endian float32
 
@@ -774,7 +1000,9 @@ class Recording:
                 return
             estimate = values.get("estimate")
             if estimate is not None:
-                estimate = {**estimate, "state": _STATES[estimate["state"]], "alert": _ALERTS[estimate["alert"]]}
+                # Numbers that this module does not have are of a newer slipd: no margin, and no alert that is missed.
+                estimate = {**estimate, "state": _named(_STATES, estimate["state"], "fault"),
+                            "alert": _named(_ALERTS, estimate["alert"], "slip")}
             yield Frame(time_s=1e-9 * (values["time_ns"] - self.start_monotonic_ns), estimate=estimate,
                         **{key: values[key] for key in ("seq", "time_ns", "device_time_ns", "normal_pa", "shear_x_pa", "shear_y_pa",
                                                         "truth_gamma", "truth_friction")})
