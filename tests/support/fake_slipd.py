@@ -11,6 +11,7 @@ class FakeSlipd:
         self.grasps = {name: {} for name in grasps}  # of all sensors: members of the next answers
         self.sequence = 0
         self.clients = []  # [socket, input, events, next due, period]
+        self.recordings = []  # [client, the end into which its frames are written]
         self.lock = threading.Lock()
         self.listener = socket.socket(socket.AF_UNIX)
         self.listener.bind(path)
@@ -86,7 +87,22 @@ class FakeSlipd:
         for line in lines:
             request = json.loads(line)
             answer = self._answer(client, request["method"], request.get("params") or {})
-            client["socket"].sendall((json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": answer}) + "\n").encode())
+            line = (json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": answer}) + "\n").encode()
+            if request["method"] == "record":
+                frames, passed = socket.socketpair()
+                with passed:
+                    socket.send_fds(client["socket"], [line], [passed.fileno()])
+                self.recordings.append((client, frames))
+            else:
+                client["socket"].sendall(line)
+
+    def recorded(self, number, content, trouble=None):
+        """Writes what a client gets of its recording, and tells it that this is all."""
+        client, frames = self.recordings[number]
+        with frames:
+            frames.sendall(content)
+        params = {"recording": number + 1, "sensor": self.sensors[0], "frames": 2, "missed": 0, "bytes": len(content), "seconds": 0.5, "trouble": trouble}
+        client["socket"].sendall((json.dumps({"jsonrpc": "2.0", "method": "recorded", "params": params}) + "\n").encode())
 
     def _answer(self, client, method, params):
         if method == "version":
@@ -99,6 +115,8 @@ class FakeSlipd:
         if method == "subscribe":
             client["events"] = tuple(params.get("events", ["estimate"]))
             return {"subscription": 1}
+        if method == "record":
+            return {"recording": len(self.recordings) + 1, "sensor": params["sensor"]}
         return {}
 
 
