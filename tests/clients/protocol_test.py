@@ -67,7 +67,7 @@ class Protocol(unittest.TestCase):
         return found
 
     def test_the_clients_ask_for_methods_and_parameters_that_exist(self):
-        python = self.asked(text_of("clients", "python", "slipd", "__init__.py"), r'(?:call|request)\("([\w.]+)"', r'"(\w+)":')
+        python = self.asked(text_of("clients", "python", "slipd", "__init__.py"), r'(?:call|request|_send)\("([\w.]+)"', r'"(\w+)":')
         folder = os.path.join(SOURCE, "clients", "c")
         sources = "".join(text_of("clients", "c", name) for name in os.listdir(folder) if name.endswith(".cpp"))
         c = self.asked(sources, r'(?:call|request)\((?:\*?s, )?"([\w.]+)"', r'\{"(\w+)":')
@@ -82,7 +82,8 @@ class Protocol(unittest.TestCase):
         page = text_of("docs", "clients.md")
         rows = {int(row[0]): row[1] for row in re.findall(r"^\| (19\d) \| u8 \| (.*) \|$", page, re.MULTILINE)}
         for at, names in ((192, slipd._STATES), (193, slipd._ALERTS), (195, slipd._METHODS), (196, slipd._HEALTHS), (197, slipd._SLIDINGS)):
-            self.assertEqual([each for _, each in re.findall(r"\b(\d+) ([a-z_-]+)", rows[at]) if each != "unknown"], list(names), at)
+            numbers = [(int(number), name) for number, name in re.findall(r"\b(\d+) ([a-z_-]+)", rows[at])]
+            self.assertEqual([each for each in numbers if each != (slipd._UNKNOWN, "unknown")], list(enumerate(names)), at)
         states = re.findall(r"SLIPD_STATE_(\w+) = (\d)", text_of("clients", "c", "slipd.h"))
         self.assertEqual([name.lower() for name, _ in states][:8], list(slipd._STATES))
         self.assertEqual([int(number) for _, number in states], list(range(9)))

@@ -22,8 +22,9 @@ class Daemon:
                        "grasps": [{"name": "cup", "sensors": ["left", "right"]}]}, file)
         self.start()
 
-    def start(self):
-        self.process = subprocess.Popen([PROGRAM, "--config", self.settings], stderr=subprocess.PIPE, text=True)
+    def start(self, *through):
+        """`through`: a program with its arguments that becomes slipd."""
+        self.process = subprocess.Popen([*through, PROGRAM, "--config", self.settings], stderr=subprocess.PIPE, text=True)
         for line in self.process.stderr:
             if "serves" in line:
                 break

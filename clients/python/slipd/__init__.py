@@ -449,15 +449,15 @@ class Client:
         until = time.monotonic() + seconds + self.timeout_s
         with io_open(path, "xb") as file, Client(self.path, self.timeout_s) as own:
             try:
-                return own._record({"sensor": sensor, "seconds": seconds}, file, until)
+                return own._record(sensor, seconds, file, until)
             except OSError as error:
                 raise error if isinstance(error, TimeoutError) else _why(self.path, error) from error
             finally:
                 if file.tell() == 0:
                     os.unlink(path)
 
-    def _record(self, params: Mapping[str, Any], file: BinaryIO, until: float) -> dict[str, Any]:
-        number, descriptors = self._send("record", params), []
+    def _record(self, sensor: str, seconds: float, file: BinaryIO, until: float) -> dict[str, Any]:
+        number, descriptors = self._send("record", {"sensor": sensor, "seconds": seconds}), []
         assert self._socket is not None
         try:
             while number not in self._lines.answers:
@@ -525,7 +525,7 @@ _NUMBERS = (("gamma", 1), ("sigma", 1), ("gamma_low", 1), ("friction", 1), ("fri
             ("first_gamma", 1), ("truth_gamma", 1), ("truth_friction", 1))
 _HEALTHS = ("good", "not_finite", "full_scale", "spike", "uniform", "wrong_scale", "saturated", "repeated", "frozen", "dead_normal",
             "dead_shear_x", "dead_shear_y", "dead_row", "time", "jump", "unexplained", "noisy")
-_HEALTH_UNKNOWN = 255
+_UNKNOWN = 255  # of health and of sliding
 _CAUSES = (None, "margin", "sliding")
 _METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction", "closing", "block-fit")
 _SLIDINGS = ("none", "disturbed", "translation", "rotation")
@@ -741,7 +741,7 @@ class Board:
         age_ns = time.monotonic_ns() - min(time_ns, published_ns)
         values.update(sensor=name, seq=seq, state=_named(_STATES, state, "fault"), alert=_named(_ALERTS, alert, "slip"),
                       alert_cause=_named(_CAUSES, cause, None), method=_named(_METHODS, method, "none"),
-                      health="unknown" if health == _HEALTH_UNKNOWN else _named(_HEALTHS, health, "unexplained"),
+                      health="unknown" if health == _UNKNOWN else _named(_HEALTHS, health, "unexplained"),
                       sliding=_named(_SLIDINGS, sliding, None), simulated=bool(simulated),
                       time_ns=time.time_ns() - age_ns if time_ns else None, age_ms=age_ns * 1e-6 if time_ns else None)
         return values
