@@ -9,11 +9,10 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-static const double kFirstGripN = 2;   /* when it closes on an object */
 static const double kFirmN = 6;       /* without a margin: holds each object, breaks none */
-static const double kMostN = 8;        /* what no object is harmed by */
-static const double kShareMore = 1.1;  /* on an alert without advice */
-static const double kMaxAgeS = 0.1;    /* some frames, and less than the time in which an object slips */
+static const double kMostN = 8;       /* what no object is harmed by */
+static const double kShareMore = 1.1; /* on an alert without advice */
+static const double kMaxAgeS = 0.1;   /* some frames, and less than the time in which an object slips */
 
 static volatile sig_atomic_t ended = 0;
 static void end(int signal) {
@@ -22,7 +21,7 @@ static void end(int signal) {
 }
 
 /* Replace this with your gripper's command. */
-static void command(double force_n, const char *grip_input) {
+static void command(double force_n, const char* grip_input) {
   struct sockaddr_un address = {.sun_family = AF_UNIX};
   char text[32];
   int fd;
@@ -30,29 +29,28 @@ static void command(double force_n, const char *grip_input) {
   strcpy(address.sun_path, grip_input);
   fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   snprintf(text, sizeof text, "%.3f", force_n);
-  sendto(fd, text, strlen(text), MSG_DONTWAIT, (const struct sockaddr *)&address, sizeof address);
+  sendto(fd, text, strlen(text), MSG_DONTWAIT, (const struct sockaddr*)&address, sizeof address);
   close(fd);
 }
 
 /* The force after an estimate. It never lets go by itself: when to do so depends on the task. */
-static double next_force(double force_n, const struct slipd_estimate *now) {
-  if (now->state == SLIPD_STATE_STALE || now->state == SLIPD_STATE_FAULT || now->state == SLIPD_STATE_DISCONNECTED)
-    return fmax(force_n, kFirmN);
-  if (now->alert == SLIPD_ALERT_NONE) return force_n;
-  const double more_n = now->state == SLIPD_STATE_OK && isfinite(now->grip_increase_n) ? now->grip_increase_n : 0;
+static double next_force(double force_n, const struct slipd_estimate* now) {
+  if (now->state != SLIPD_STATE_OK || now->alert == SLIPD_ALERT_UNKNOWN) force_n = fmax(force_n, kFirmN);
+  if (now->alert != SLIPD_ALERT_WARN && now->alert != SLIPD_ALERT_SLIP) return force_n;
+  const double more_n = isfinite(now->grip_increase_n) ? now->grip_increase_n : 0;
   return fmin(kMostN, fmax(force_n + more_n, force_n * kShareMore));
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   if (argc < 2) return fprintf(stderr, "usage: gripper SENSOR [SOCKET [GRIP_INPUT]]\n"), 2;
-  const char *grip_input = argc > 3 ? argv[3] : NULL;
-  slipd_client *slipd = NULL;
+  const char* grip_input = argc > 3 ? argv[3] : NULL;
+  slipd_client* slipd = NULL;
   if (slipd_open(&slipd, argc > 2 ? argv[2] : NULL) != SLIPD_DONE) return 1;
   if (slipd_attach(slipd, argv[1], 1.0) != SLIPD_DONE)
     return fprintf(stderr, "gripper: %s\n", slipd_error_text(slipd)), 1;
   signal(SIGTERM, end);
   signal(SIGINT, end);
-  double force_n = kFirstGripN;
+  double force_n = kFirmN;
   int state = -1, alert = -1;
   struct slipd_estimate now;
   while (!ended) {

@@ -13,7 +13,6 @@
 
 namespace {
 
-constexpr double kFirstGripN = 2;   // when it closes on an object
 constexpr double kFirmN = 6;        // without a margin: holds each object, breaks none
 constexpr double kMostN = 8;        // what no object is harmed by
 constexpr double kShareMore = 1.1;  // on an alert without advice
@@ -37,18 +36,17 @@ void command(double force_n, const std::string& grip_input) {
 // The force after an estimate. It never lets go by itself: when to do so depends on the task.
 double next_force(double force_n, const slipd::client::Estimate& now) {
   const slipd_estimate& fields = now.fields();
-  if (fields.state == SLIPD_STATE_STALE || fields.state == SLIPD_STATE_FAULT ||
-      fields.state == SLIPD_STATE_DISCONNECTED)
-    return std::max(force_n, kFirmN);
-  if (fields.alert == SLIPD_ALERT_NONE) return force_n;
-  const double more_n = now.margin() && std::isfinite(fields.grip_increase_n) ? fields.grip_increase_n : 0;
+  if (fields.state != SLIPD_STATE_OK || fields.alert == SLIPD_ALERT_UNKNOWN)
+    force_n = std::max(force_n, kFirmN);
+  if (fields.alert != SLIPD_ALERT_WARN && fields.alert != SLIPD_ALERT_SLIP) return force_n;
+  const double more_n = std::isfinite(fields.grip_increase_n) ? fields.grip_increase_n : 0;
   return std::min(kMostN, std::max(force_n + more_n, force_n * kShareMore));
 }
 
 int run(const std::string& sensor, const std::string& socket, const std::string& grip_input) {
   slipd::client::Connection slipd(socket);
   slipd.subscribe(sensor);
-  double force_n = kFirstGripN;
+  double force_n = kFirmN;
   int state = -1, alert = -1;
   while (ended == 0) {
     // The next estimate, or after kMaxAgeS none: its state is then stale or disconnected.

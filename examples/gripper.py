@@ -7,7 +7,6 @@ import sys
 
 import slipd
 
-FIRST_GRIP_N = 2.0  # when it closes on an object
 FIRM_N = 6.0  # without a margin: holds each object, breaks none
 MOST_N = 8.0  # what no object is harmed by
 SHARE_MORE = 1.1  # on an alert without advice
@@ -28,16 +27,15 @@ def command(force_n, grip_input):
 
 def next_force(force_n, now):
     """The force after an estimate. It never lets go by itself: when to do so depends on the task."""
-    if now.state in ("stale", "fault", "disconnected"):
-        return max(force_n, FIRM_N)
-    if now.alert == "none":
+    if now.state != "ok" or now.alert == "unknown":
+        force_n = max(force_n, FIRM_N)
+    if now.alert not in ("warn", "slip"):
         return force_n
-    more_n = now.grip_increase_n if now.gamma is not None and now.grip_increase_n is not None else 0.0
-    return min(MOST_N, max(force_n + more_n, force_n * SHARE_MORE))
+    return min(MOST_N, max(force_n + (now.grip_increase_n or 0.0), force_n * SHARE_MORE))
 
 
 def main(sensor, path=slipd.SOCKET, grip_input=None):
-    force_n, before = FIRST_GRIP_N, None
+    force_n, before = FIRM_N, None
     with slipd.Client(path) as client:
         for now in client.estimates(sensor, max_age_s=MAX_AGE_S):
             wanted_n = next_force(force_n, now)

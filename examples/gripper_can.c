@@ -1,7 +1,7 @@
 /* A gripper's loop in C, on slipd's CAN frames: gripper-can INTERFACE BASE_ID NUMBER PERIOD_MS [GRIP_INPUT]
- * as in: gripper-can can0 5A0 0 10. NUMBER: of the sensor or grasp in slipd's configuration, sensors first. GRIP_INPUT:
- * datagram socket of a simulated sensor. Needs only the kernel's SocketCAN and slip_can.h. Prints a line for each change of
- * state or force. */
+ * as in: gripper-can can0 5A0 0 10. NUMBER: of the sensor or grasp in slipd's configuration, sensors first.
+ * GRIP_INPUT: datagram socket of a simulated sensor. Needs only the kernel's SocketCAN and slip_can.h. Prints
+ * a line for each change of state or force. */
 #include <errno.h>
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -19,7 +19,6 @@
 
 #include "slip_can.h"
 
-static const double kFirstGripN = 2;  /* when it closes on an object */
 static const double kFirmN = 6;       /* without a margin: holds each object, breaks none */
 static const double kMostN = 8;       /* what no object is harmed by */
 static const double kShareMore = 1.1; /* on an alert without advice */
@@ -37,7 +36,7 @@ static double clock_s(void) {
 }
 
 /* Replace this with your gripper's command. */
-static void command(double force_n, const char *grip_input) {
+static void command(double force_n, const char* grip_input) {
   struct sockaddr_un address = {.sun_family = AF_UNIX};
   char text[32];
   int fd;
@@ -45,13 +44,14 @@ static void command(double force_n, const char *grip_input) {
   strcpy(address.sun_path, grip_input);
   fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   snprintf(text, sizeof text, "%.3f", force_n);
-  sendto(fd, text, strlen(text), MSG_DONTWAIT, (const struct sockaddr *)&address, sizeof address);
+  sendto(fd, text, strlen(text), MSG_DONTWAIT, (const struct sockaddr*)&address, sizeof address);
   close(fd);
 }
 
 /* A socket for the three messages of this sensor; -1: the interface is absent, and errno says why. */
-static int open_bus(const char *interface, const struct slip_can *slip) {
-  const canid_t ids[] = {slip->base_id + slip->number, slip->base_id + 0x20 + slip->number, slip->base_id + 0x3F};
+static int open_bus(const char* interface, const struct slip_can* slip) {
+  const canid_t ids[] = {slip->base_id + slip->number, slip->base_id + 0x20 + slip->number,
+                         slip->base_id + 0x3F};
   struct can_filter only[3];
   const struct sockaddr_can address = {.can_family = AF_CAN, .can_ifindex = (int)if_nametoindex(interface)};
   const int bus = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
@@ -61,14 +61,15 @@ static int open_bus(const char *interface, const struct slip_can *slip) {
     only[i].can_mask = CAN_EFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG;
   }
   if (address.can_ifindex != 0 && setsockopt(bus, SOL_CAN_RAW, CAN_RAW_FILTER, only, sizeof only) == 0 &&
-      bind(bus, (const struct sockaddr *)&address, sizeof address) == 0)
+      bind(bus, (const struct sockaddr*)&address, sizeof address) == 0)
     return bus;
   close(bus);
   return -1;
 }
 
-/* Reads all pending frames: the first one in the queue can be old. Returns SLIP_CAN_HEARD_… of all; closes a bus that is gone. */
-static int hear_all(int *bus, struct slip_can *slip) {
+/* Reads all pending frames: the first one in the queue can be old. Returns SLIP_CAN_HEARD_… of all; closes a
+ * bus that is gone. */
+static int hear_all(int* bus, struct slip_can* slip) {
   struct can_frame frame;
   int heard = 0;
   for (;;) {
@@ -85,35 +86,37 @@ static int hear_all(int *bus, struct slip_can *slip) {
 }
 
 /* The next force. It never lets go by itself: when to do so depends on the task. */
-static double next_force(double force_n, const struct slip_can_reading *now, int heard) {
-  const int lost = now->state == SLIP_CAN_STALE || now->state == SLIP_CAN_FAULT;
-  if (force_n == 0) return lost ? 0 : kFirstGripN;
-  if (lost) return fmax(force_n, kFirmN);
-  if (now->alert == 0 || (heard & SLIP_CAN_HEARD_ALERT) == 0) return force_n;
+static double next_force(double force_n, const struct slip_can_reading* now, int heard) {
+  const int raised = now->alert == SLIP_CAN_WARN || now->alert == SLIP_CAN_SLIP;
+  if (now->state != SLIP_CAN_OK || now->alert == SLIP_CAN_UNKNOWN) force_n = fmax(force_n, kFirmN);
+  if (!raised || (heard & SLIP_CAN_HEARD_ALERT) == 0) return force_n;
   const double more_n = isfinite(now->grip_increase_n) ? now->grip_increase_n : 0;
   return fmin(kMostN, fmax(force_n + more_n, force_n * kShareMore));
 }
 
-static const char *state_name(int state) {
-  static const char *const kNames[] = {"ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault"};
+static const char* state_name(int state) {
+  static const char* const kNames[] = {"ok",       "no_contact", "learning", "out_of_model",
+                                       "no_shear", "unzeroed",   "stale",    "fault"};
   return state >= 0 && state <= SLIP_CAN_FAULT ? kNames[state] : "fault";
 }
 
-static const char *alert_name(int alert) {
-  return alert == 0 ? "none" : alert == 1 ? "warn" : "slip";
+static const char* alert_name(int alert) {
+  static const char* const kNames[] = {"none", "warn", "slip", "unknown"};
+  return alert >= 0 && alert <= SLIP_CAN_UNKNOWN ? kNames[alert] : "slip";
 }
 
-int main(int argc, char **argv) {
-  if (argc < 5) return fprintf(stderr, "usage: gripper-can INTERFACE BASE_ID NUMBER PERIOD_MS [GRIP_INPUT]\n"), 2;
-  const char *grip_input = argc > 5 ? argv[5] : NULL;
-  struct slip_can slip =
-      slip_can_begin((uint32_t)strtoul(argv[2], NULL, 16), (unsigned)atoi(argv[3]), 1e-3 * strtod(argv[4], NULL));
+int main(int argc, char** argv) {
+  if (argc < 5)
+    return fprintf(stderr, "usage: gripper-can INTERFACE BASE_ID NUMBER PERIOD_MS [GRIP_INPUT]\n"), 2;
+  const char* grip_input = argc > 5 ? argv[5] : NULL;
+  struct slip_can slip = slip_can_begin((uint32_t)strtoul(argv[2], NULL, 16), (unsigned)atoi(argv[3]),
+                                        1e-3 * strtod(argv[4], NULL));
   slip.accept_simulated = grip_input != NULL;
   int bus = open_bus(argv[1], &slip);
   if (bus < 0) return perror(argv[1]), 1;
   signal(SIGTERM, end);
   signal(SIGINT, end);
-  double force_n = 0; /* open: it closes once slipd is heard */
+  double force_n = kFirmN;
   int state = -1, alert = -1;
   while (!ended) {
     struct pollfd frames = {.fd = bus, .events = POLLIN};
@@ -123,7 +126,8 @@ int main(int argc, char **argv) {
     const struct slip_can_reading now = slip_can_now(&slip, clock_s());
     const double wanted_n = next_force(force_n, &now, heard);
     if (wanted_n != force_n || now.state != state || now.alert != alert) {
-      printf("%s %s margin %.3f force %.2f N\n", state_name(now.state), alert_name(now.alert), now.gamma, wanted_n);
+      printf("%s %s margin %.3f force %.2f N\n", state_name(now.state), alert_name(now.alert), now.gamma,
+             wanted_n);
       fflush(stdout);
     }
     force_n = wanted_n;

@@ -13,13 +13,14 @@
 #include <stdint.h>
 
 enum { SLIP_CAN_OK = 0, SLIP_CAN_STALE = 6, SLIP_CAN_FAULT = 7 };  /* State; those between have no margin either */
+enum { SLIP_CAN_NONE = 0, SLIP_CAN_WARN = 1, SLIP_CAN_SLIP = 2, SLIP_CAN_UNKNOWN = 3 };  /* Alert */
 enum { SLIP_CAN_HEARD_ESTIMATE = 1, SLIP_CAN_HEARD_ALERT = 2, SLIP_CAN_HEARD_HEARTBEAT = 4 };
 enum { SLIP_CAN_PERIODS = 3 };  /* of silence end a margin; then as many frames are ignored */
 
 /* What may be used now. */
 struct slip_can_reading {
   int state;              /* 0 ok; all others: no margin. 6 also: nothing valid came for three periods */
-  int alert;              /* 0 none, 1 warn, 2 slip, 3 unknown. 0 does not mean a safe grip */
+  int alert;              /* SLIP_CAN_NONE does not mean a safe grip; a raised one stands in silence */
   double gamma;           /* safety margin, 0 … 1; NaN unless state is ok */
   double grip_increase_n; /* of the last alert: force to add, N; NaN: unknown */
 };
@@ -37,7 +38,7 @@ struct slip_can {
 };
 
 static inline struct slip_can slip_can_begin(uint32_t base_id, unsigned number, double period_s) {
-  struct slip_can s = {base_id, number, period_s, false, {-1, -1, -1}, -1, 0, {SLIP_CAN_STALE, 0, NAN, NAN}};
+  struct slip_can s = {base_id, number, period_s, false, {-1, -1, -1}, -1, 0, {SLIP_CAN_STALE, SLIP_CAN_UNKNOWN, NAN, NAN}};
   return s;
 }
 
@@ -66,6 +67,13 @@ static inline bool slip_can_is_new(int *counter, uint32_t id, const uint8_t *dat
   return true;
 }
 
+/* Rules 3 to 5: without margins nobody watches for alerts, but a raised one stands. */
+static inline void slip_can_take_away(struct slip_can_reading *now) {
+  now->state = SLIP_CAN_STALE;
+  now->gamma = NAN;
+  if (now->alert == SLIP_CAN_NONE) now->alert = SLIP_CAN_UNKNOWN;
+}
+
 static inline void slip_can_estimate(struct slip_can *s, const uint8_t *d, double now_s) {
   const int state = d[4] & 0x0F;
   const unsigned gamma = d[0] + 256U * d[1];
@@ -79,8 +87,7 @@ static inline void slip_can_estimate(struct slip_can *s, const uint8_t *d, doubl
   if (state == SLIP_CAN_OK && gamma > 10000) s->last.state = SLIP_CAN_FAULT;
   if (s->to_ignore == 0) return;
   --s->to_ignore;
-  s->last.state = SLIP_CAN_STALE;
-  s->last.gamma = NAN;
+  slip_can_take_away(&s->last);
 }
 
 /* For each frame of the bus, also those of others. `id`: without flags; no remote and no error frames. now_s: of a clock that is
@@ -100,10 +107,7 @@ static inline int slip_can_hear(struct slip_can *s, uint32_t id, const uint8_t *
   }
   if (id == s->base_id + 0x3F) {
     if (!slip_can_is_new(&s->counters[2], id, data, length)) return 0;
-    if ((data[5] & 0x01) != 0) { /* rule 10: slipd stops */
-      s->last.state = SLIP_CAN_STALE;
-      s->last.gamma = NAN;
-    }
+    if ((data[5] & 0x01) != 0) slip_can_take_away(&s->last); /* rule 10: slipd stops */
     return SLIP_CAN_HEARD_HEARTBEAT;
   }
   return 0;
@@ -112,10 +116,7 @@ static inline int slip_can_hear(struct slip_can *s, uint32_t id, const uint8_t *
 /* What may be used now, after all pending frames were read (rule 11). */
 static inline struct slip_can_reading slip_can_now(const struct slip_can *s, double now_s) {
   struct slip_can_reading now = s->last;
-  if (slip_can_silent(s, now_s)) {
-    now.state = SLIP_CAN_STALE;
-    now.gamma = NAN;
-  }
+  if (slip_can_silent(s, now_s)) slip_can_take_away(&now);
   return now;
 }
 

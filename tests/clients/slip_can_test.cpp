@@ -57,6 +57,20 @@ class SlipCan : public ::testing::Test {
 TEST_F(SlipCan, NothingHeardIsStale) {
   EXPECT_EQ(now().state, SLIP_CAN_STALE);
   EXPECT_TRUE(std::isnan(now().gamma));
+  EXPECT_EQ(now().alert, SLIP_CAN_UNKNOWN);
+}
+
+TEST_F(SlipCan, NoAlertIsUnknownInSilenceAndARaisedOneStands) {
+  for (const auto& [sent, after] : {std::pair{Alert::none, SLIP_CAN_UNKNOWN}, {Alert::slip, SLIP_CAN_SLIP}}) {
+    hear_some();
+    hear(estimate(0.7, State::ok, sent));
+    EXPECT_EQ(now().alert, static_cast<int>(sent));
+    now_s_ += 4 * kPeriod_s;
+    EXPECT_EQ(now().state, SLIP_CAN_STALE);
+    EXPECT_EQ(now().alert, after);
+    hear(estimate(0.7, State::ok, sent));  // one that waited while the bus was interrupted
+    EXPECT_EQ(now().alert, after);
+  }
 }
 
 TEST_F(SlipCan, AMarginIsThereAfterFramesThatMayBeOldAndEndsWithItsDeadline) {
