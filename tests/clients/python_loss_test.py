@@ -1,7 +1,13 @@
 """What users of the Python module are told by a slipd that hangs, dies or comes back, and that nothing waits for it in vain."""
 import asyncio, contextlib, itertools, json, os, shutil, signal, socket, subprocess, sys, tempfile, unittest
 
+from concurrent.futures import ThreadPoolExecutor
+
 from python_test import OLD_S, PATIENCE_S, Daemon, first
+
+sys.path.insert(0, os.path.join(os.environ["SLIPD_SOURCE_DIR"], "tests", "support"))
+from awaiting import await_true
+from fake_slipd import FakeSlipd, Server
 import slipd
 
 FRESH_S = 1  # the heartbeat of a killed slipd may be as old before its memory counts as left
@@ -176,6 +182,29 @@ class Losses(unittest.TestCase):
             first(estimates, lambda each: each.name == "right")
             daemon.end(signal.SIGKILL)
             first(estimates, lambda each: each.name == "right" and each.state == "disconnected")
+
+
+class Standing(unittest.TestCase):
+    def test_whoever_is_told_of_alerts_alone_is_told_after_a_loss_the_one_that_stands(self):
+        server = Server()
+        self.addCleanup(server.close)
+        with tempfile.TemporaryDirectory() as folder:
+            stand_in = FakeSlipd(os.path.join(folder, "socket"), ["left"], server)
+            with slipd.Client(stand_in.path, timeout_s=PATIENCE_S) as client:
+                estimates = client.estimates(max_age_s=OLD_S, events=("alert",))
+                self.addCleanup(estimates.close)
+                with ThreadPoolExecutor(1) as consumer:  # what it is told comes after it has subscribed
+                    told = consumer.submit(next, estimates)
+                    await_true(lambda: stand_in.clients and stand_in.clients[0]["events"] == ("alert",), "the subscription")
+                    stand_in.alert("left")
+                    self.assertEqual(told.result().alert, "slip")
+                stand_in.close()
+                lost = next(estimates)
+                self.assertEqual((lost.state, lost.alert, lost.alert_cause), ("disconnected", "slip", "margin"))
+                stand_in = FakeSlipd(stand_in.path, ["left"], server)  # which watches, and sends no event
+                back = first(estimates, lambda each: each.state != "disconnected")
+                self.assertEqual((back.event, back.state, back.alert), ("alert", "ok", "none"))
+            stand_in.close()
 
 
 class Copies(unittest.TestCase):

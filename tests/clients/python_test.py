@@ -1,5 +1,5 @@
 """clients/python/slipd against the real slipd."""
-import asyncio, contextlib, io, itertools, json, os, signal, subprocess, tempfile, threading, time, unittest
+import asyncio, contextlib, io, itertools, json, os, re, signal, subprocess, sys, tempfile, threading, time, unittest
 
 import slipd
 
@@ -250,6 +250,17 @@ class WithSlipd(unittest.TestCase):
         self.assertEqual(recording.damaged, 1)
         os.truncate(path, blocks[2] + 100)
         self.assertLess({frame.seq for frame in slipd.open(path)}, rest)
+
+    def test_the_examples_of_the_page_are_programs(self):
+        with open(os.path.join(os.environ["SLIPD_SOURCE_DIR"], "docs", "clients.md"), encoding="utf-8") as page:
+            examples = re.findall(r"```python\n(.*?)```", page.read(), re.DOTALL)
+        self.assertEqual(len(examples), 3)
+        for example in examples:
+            here = re.sub(r"(Client|Board)\(\)", rf"\1({self.daemon.socket!r})", example)
+            with subprocess.Popen([sys.executable, "-u", "-c", here], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+                lines = list(itertools.islice(program.stdout, 2))
+                program.kill()
+                self.assertEqual(len(lines), 2, program.stderr.read())
 
     def test_the_command_prints_a_line_for_each_sensor(self):
         printed = io.StringIO()
