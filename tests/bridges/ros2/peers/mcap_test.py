@@ -148,9 +148,9 @@ class Live(Programs):
                 continue
             compared += 1
             margin = number(message["margin"])
-            self.assertEqual(math.isnan(margin), one.at_gamma is None)
-            if one.at_gamma is not None:
-                self.assertEqual(margin, one.at_gamma)
+            self.assertEqual(math.isnan(margin), one.sent["gamma"] is None)
+            if one.sent["gamma"] is not None:
+                self.assertEqual(margin, one.sent["gamma"])
             if one.shear_n is not None and "shear_x_n" in one.values:
                 self.assertEqual(message["shear_force_x"], one.values["shear_x_n"])
         return compared
