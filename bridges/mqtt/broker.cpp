@@ -1,8 +1,12 @@
 #include "bridges/mqtt/broker.hpp"
 
 #include <mosquitto.h>
+#include <mqtt_protocol.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/epoll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -16,8 +20,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Reasons of MQTT 5 from here on are refusals.
+constexpr int kRefusals = 0x80;
+
+// A code of libmosquitto, or a reason of MQTT 5.
 std::string library_text_of(int code) {
+  if (code >= kRefusals) return mosquitto_reason_string(code);
   return code == MOSQ_ERR_ERRNO ? std::generic_category().message(errno) : mosquitto_strerror(code);
+}
+
+// After a cut of the network the kernel sends what it has: nothing that is older than this, and no more than
+// was under way when the cut began.
+void bound_what_waits(int fd) {
+  constexpr unsigned int kLongestMs = 2000;
+  constexpr int kUnsentBytes = 1;
+  setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &kLongestMs, sizeof(kLongestMs));
+  setsockopt(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));
 }
 
 void succeeded(int code, const std::string& what) {
@@ -53,13 +71,15 @@ void Broker::Free::operator()(mosquitto* client) const noexcept {
 }
 
 Broker::Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::string& client_id,
-               const std::optional<LastWill>& will, BrokerListener listener, BrokerLimits limits)
+               MqttVersion version, const std::optional<LastWill>& will, BrokerListener listener,
+               BrokerLimits limits)
     : loop_(loop),
       listener_(std::move(listener)),
       limits_(limits),
       name_(settings.host + ":" + std::to_string(settings.port)),
       client_(mosquitto_new(client_id.c_str(), true, this)),
       begun_(Clock::now()),
+      version_(version),
       time_(loop, [this] { look_at_time(); }),
       failing_(loop, [this] { listener_.lost(failure_); }) {
   if (!client_) throw std::bad_alloc();
@@ -75,13 +95,15 @@ Broker::~Broker() = default;
 
 void Broker::set_up(const BrokerSettings& settings, const std::optional<LastWill>& will) {
   mosquitto_connect_callback_set(client_.get(), &Broker::on_connect);
-  mosquitto_publish_callback_set(client_.get(), &Broker::on_publish);
+  mosquitto_publish_v5_callback_set(client_.get(), &Broker::on_publish);
   mosquitto_disconnect_callback_set(client_.get(), &Broker::on_disconnect);
   mosquitto_message_callback_set(client_.get(), &Broker::on_message);
   mosquitto_subscribe_callback_set(client_.get(), &Broker::on_subscribe);
   mosquitto_unsubscribe_callback_set(client_.get(), &Broker::on_unsubscribe);
   mosquitto_log_callback_set(client_.get(), &Broker::on_log);
   succeeded(mosquitto_int_option(client_.get(), MOSQ_OPT_TCP_NODELAY, 1), "TCP_NODELAY");
+  const int version = version_ == MqttVersion::v5 ? MQTT_PROTOCOL_V5 : MQTT_PROTOCOL_V311;
+  succeeded(mosquitto_int_option(client_.get(), MOSQ_OPT_PROTOCOL_VERSION, version), "the version of MQTT");
   if (will) {
     succeeded(mosquitto_will_set(client_.get(), will->topic.c_str(), static_cast<int>(will->payload.size()),
                                  will->payload.data(), 1, true),
@@ -152,10 +174,18 @@ bool Broker::writable() const {
   return accepted_ && failure_.empty() && !mosquitto_want_write(client_.get());
 }
 
-int Broker::publish(const std::string& topic, const std::string& payload, int qos, bool retain) {
+int Broker::publish(const std::string& topic, const std::string& payload, int qos, bool retain,
+                    std::chrono::seconds keeps) {
+  mosquitto_property* properties = nullptr;
+  if (version_ == MqttVersion::v5 && keeps.count() > 0 &&
+      !fine(mosquitto_property_add_int32(&properties, MQTT_PROP_MESSAGE_EXPIRY_INTERVAL,
+                                         static_cast<std::uint32_t>(keeps.count()))))
+    return 0;
   int message = 0;
-  const int code = mosquitto_publish(client_.get(), &message, topic.c_str(), static_cast<int>(payload.size()),
-                                     payload.data(), qos, retain);
+  const int code =
+      mosquitto_publish_v5(client_.get(), &message, topic.c_str(), static_cast<int>(payload.size()),
+                           payload.data(), qos, retain, properties);
+  mosquitto_property_free_all(&properties);
   if (!fine(code)) return 0;
   watch_socket();
   return message;
@@ -211,16 +241,22 @@ void Broker::lose(const std::string& why) {
 void Broker::on_connect(mosquitto*, void* self, int code) {
   Broker& broker = *static_cast<Broker*>(self);
   if (code != 0) {
-    broker.lose(mosquitto_connack_string(code));
+    constexpr int kVersionRefused = 1;  // MQTT 3.1.1, section 3.2.2.3
+    broker.refuses_version_ = broker.version_ == MqttVersion::v5 &&
+                              (code == MQTT_RC_UNSUPPORTED_PROTOCOL_VERSION || code == kVersionRefused);
+    broker.lose(code < kRefusals ? mosquitto_connack_string(code)
+                                 : "Connection refused: " + library_text_of(code));
     return;
   }
+  bound_what_waits(mosquitto_socket(broker.client_.get()));
   broker.accepted_ = true;
   broker.accepted_at_ = Clock::now();
   broker.listener_.accepted();
 }
 
-void Broker::on_publish(mosquitto*, void* self, int message) {
-  const Broker& broker = *static_cast<Broker*>(self);
+void Broker::on_publish(mosquitto*, void* self, int message, int reason, const mqtt5__property*) {
+  Broker& broker = *static_cast<Broker*>(self);
+  if (reason >= kRefusals) return broker.lose("refuses a message: " + library_text_of(reason));
   if (broker.listener_.acknowledged) broker.listener_.acknowledged(message);
 }
 

@@ -19,6 +19,7 @@
 
 struct mosquitto;
 struct mosquitto_message;
+struct mqtt5__property;
 
 namespace slipd::mqtt {
 
@@ -30,6 +31,8 @@ class MosquittoLibrary {
   MosquittoLibrary(const MosquittoLibrary&) = delete;
   MosquittoLibrary& operator=(const MosquittoLibrary&) = delete;
 };
+
+enum class MqttVersion { v3_1_1, v5 };
 
 struct BrokerLimits {
   // A broker that has not accepted the connection by then is left.
@@ -64,20 +67,25 @@ class Broker {
  public:
   // Begins to connect. Never throws for a network's error: lost() tells.
   Broker(bridges::Loop& loop, const BrokerSettings& settings, const std::string& client_id,
-         const std::optional<LastWill>& will, BrokerListener listener, BrokerLimits limits = {});
+         MqttVersion version, const std::optional<LastWill>& will, BrokerListener listener,
+         BrokerLimits limits = {});
   ~Broker();
   Broker(const Broker&) = delete;
   Broker& operator=(const Broker&) = delete;
 
   bool accepted() const noexcept { return accepted_; }
+  // Whether the broker refused the connection because it does not speak this version.
+  bool refuses_version() const noexcept { return refuses_version_; }
   // Since it was accepted; 0: it was not.
   std::chrono::milliseconds held() const;
   // Whether the broker takes what is sent. Publish only then: libmosquitto keeps the rest in memory without a
   // limit.
   bool writable() const;
 
-  // Gives a message to the connection. Returns its number, 0 if it failed (lost() follows).
-  int publish(const std::string& topic, const std::string& payload, int qos, bool retain);
+  // Gives a message to the connection. `keeps`: the broker throws it away after this long (MQTT 5); 0: it
+  // does not. Returns its number, 0 if it failed (lost() follows).
+  int publish(const std::string& topic, const std::string& payload, int qos, bool retain,
+              std::chrono::seconds keeps = {});
 
   // Asks for the messages of these topic filters, QoS 0. The broker refuses one: lost() follows.
   void subscribe(const std::vector<std::string>& filters);
@@ -90,7 +98,8 @@ class Broker {
     void operator()(mosquitto* client) const noexcept;
   };
   static void on_connect(mosquitto* client, void* self, int code);
-  static void on_publish(mosquitto* client, void* self, int message);
+  static void on_publish(mosquitto* client, void* self, int message, int reason,
+                         const mqtt5__property* properties);
   static void on_disconnect(mosquitto* client, void* self, int code);
   static void on_message(mosquitto* client, void* self, const mosquitto_message* message);
   static void on_subscribe(mosquitto* client, void* self, int request, int count, const int* granted);
@@ -113,7 +122,8 @@ class Broker {
   std::string errors_;  // what libmosquitto has logged as errors, for messages
   std::unique_ptr<mosquitto, Free> client_;
   std::chrono::steady_clock::time_point begun_, accepted_at_;
-  bool accepted_ = false;
+  MqttVersion version_;
+  bool accepted_ = false, refuses_version_ = false;
   int watched_ = -1;
   std::string failure_;  // told when the library has returned
   bool told_ = false;

@@ -19,7 +19,7 @@ constexpr double kPeriods = 2;
 // From the state that needs a person most to the one that needs nobody.
 constexpr std::array<const char*, 9> kStates{
     "disconnected", "fault", "stale", "unzeroed", "out_of_model", "learning", "no_shear", "no_contact", "ok"};
-constexpr std::array<const char*, 3> kAlerts{"slip", "warn", "none"};
+constexpr std::array<const char*, 4> kAlerts{"slip", "warn", "unknown", "none"};
 
 // The member, null if there is none.
 const Json& at(const Json& object, const char* key) {
@@ -85,7 +85,7 @@ const Json& line_of(const Json& summary, const std::string& name) {
 Fleet::Fleet(std::string prefix) : prefix_(std::move(prefix)) {}
 
 std::vector<std::string> Fleet::filters() const {
-  return {prefix_ + "/+/status", prefix_ + "/+/summary", prefix_ + "/+/+/state"};
+  return {prefix_ + "/+/status", prefix_ + "/+/summary", prefix_ + "/+/seen", prefix_ + "/+/+/state"};
 }
 
 std::string Fleet::take(std::string_view topic, std::string_view payload, bool retained, const Moment& now) {
@@ -94,7 +94,7 @@ std::string Fleet::take(std::string_view topic, std::string_view payload, bool r
   std::string name(topic.substr(0, topic.find('/')));
   const std::string_view rest = topic.substr(std::min(topic.size(), name.size() + 1));
   const auto slash = rest.find('/');
-  const bool of_host = rest == "status" || rest == "summary";
+  const bool of_host = rest == "status" || rest == "summary" || rest == "seen";
   if (name.empty() || (!of_host && (slash == std::string_view::npos || rest.substr(slash) != "/state")))
     return {};
   if (!grippers_.contains(name) && (payload.empty() || grippers_.size() >= kMostGrippers)) return {};
@@ -109,11 +109,14 @@ std::string Fleet::take(std::string_view topic, std::string_view payload, bool r
       gripper.states[std::move(subject)] = std::move(message);
   } else if (rest == "status") {
     gripper.status = std::move(message);
+  } else if (rest == "seen") {
+    gripper.seen = std::move(message);
   } else {
     gripper.made = now.steady - (retained ? age_of(message, now.realtime_ns) : std::chrono::nanoseconds(0));
     gripper.summary = std::move(message);
   }
-  if (gripper.status.is_null() && gripper.summary.is_null() && payload.empty()) grippers_.erase(name);
+  if (gripper.status.is_null() && gripper.summary.is_null() && gripper.seen.is_null() && payload.empty())
+    grippers_.erase(name);
   return name;
 }
 
@@ -135,8 +138,8 @@ bool Fleet::is_fresh(const Gripper& gripper, const Moment& now) {
 
 // A sensor that has said nothing yet is stale.
 Fleet::Worst Fleet::worst_of(const Gripper& gripper) {
-  Worst worst{"ok", nullptr, "none", true};
-  std::size_t place = kStates.size(), alert = kAlerts.size() - 1;
+  Worst worst{"ok", nullptr, true};
+  std::size_t place = kStates.size();
   for (const std::string& name : names_of(gripper.status)) {
     const auto found = gripper.states.find(name);
     std::string state = found == gripper.states.end() ? "stale" : text_at(found->second, "state");
@@ -149,12 +152,27 @@ Fleet::Worst Fleet::worst_of(const Gripper& gripper) {
       worst.name = name;
       place = here;
     }
-    if (found != gripper.states.end())
-      alert = std::min(alert, place_of(kAlerts, text_at(found->second, "alert")));
   }
-  if (worst.name.is_null()) worst = {"stale", nullptr, "none", false};  // it has no sensors
-  worst.alert = kAlerts[alert];
+  if (worst.name.is_null()) worst = {"stale", nullptr, false};  // it has no sensors
   return worst;
+}
+
+// `watched`: what the states say holds. Otherwise a raised alert stands, and that there is none is unknown.
+const char* Fleet::worst_alert_of(const Gripper& gripper, bool watched) {
+  constexpr std::size_t kUnknown = 2;
+  std::size_t worst = watched ? kAlerts.size() - 1 : kUnknown;
+  const auto take = [&](const Json& state) {
+    worst = std::min(worst, state.is_null() ? kUnknown : place_of(kAlerts, text_at(state, "alert")));
+  };
+  if (at(gripper.status, "slipd").is_string()) {
+    for (const std::string& name : names_of(gripper.status)) {
+      const auto found = gripper.states.find(name);
+      take(found == gripper.states.end() ? Json() : found->second);
+    }
+  } else {  // it does not say what it has
+    for (const auto& [name, state] : gripper.states) take(state);
+  }
+  return kAlerts[worst];
 }
 
 void Fleet::add_margin(const Gripper& gripper, Json& line) {
@@ -180,7 +198,7 @@ void Fleet::add_counts(const Gripper& gripper, bool fresh, Json& line) {
   line["alerts_waiting"] = fresh ? count_at(counts, "waiting") : Json(nullptr);
   line["alerts_dropped"] = fresh ? count_at(counts, "dropped") : Json(nullptr);
   const Json& version = at(gripper.status, "slipd");
-  const Json& before = at(gripper.summary, "version");
+  const Json& before = at(gripper.seen, "version");
   line["version"] = version.is_string() ? version : before.is_string() ? before : Json(nullptr);
   line["simulated"] = nullptr;
   const Json& sensors = at(gripper.status, "sensors");
@@ -201,7 +219,7 @@ std::string Fleet::line(const std::string& name, const Moment& now) const {
   const bool is_offline = text_at(gripper.status, "status") == "offline";
   const bool fresh = is_online && is_fresh(gripper, now);
   const bool served = is_online && at(gripper.status, "slipd").is_string();
-  const Worst worst = served ? worst_of(gripper) : Worst{"disconnected", nullptr, nullptr, false};
+  const Worst worst = served ? worst_of(gripper) : Worst{"disconnected", nullptr, false};
   line["status"] = is_online ? "online" : is_offline ? "offline" : "unknown";
   // Without a summary nobody says that what the states say still holds.
   const bool silent = served && !fresh && worst.all_known;
@@ -209,12 +227,12 @@ std::string Fleet::line(const std::string& name, const Moment& now) const {
   line["state_of"] = silent ? Json(nullptr) : worst.name;
   line["gamma"] = line["gamma_of"] = nullptr;
   if (served && fresh && worst.all_known) add_margin(gripper, line);
-  line["alert"] = worst.alert;
+  line["alert"] = worst_alert_of(gripper, served && fresh && !worst.name.is_null());
   add_counts(gripper, fresh, line);
   line["offline_since_ns"] = nullptr;
   if (is_offline) {
     const Json& end = at(gripper.status, "time_ns");
-    line["offline_since_ns"] = end.is_number_integer() ? end : at(gripper.summary, "time_ns");
+    line["offline_since_ns"] = end.is_number_integer() ? end : at(gripper.seen, "time_ns");
   }
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

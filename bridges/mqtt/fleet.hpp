@@ -34,7 +34,7 @@ class Fleet {
   std::vector<std::string> filters() const;
 
   // A message of one of these topics. Returns the gripper that it is of; empty: it is none of slipd-mqtt's.
-  // An empty payload removes what the topic said, and with status and summary the gripper.
+  // An empty payload removes what the topic said, and with status, summary and seen the gripper.
   std::string take(std::string_view topic, std::string_view payload, bool retained, const Moment& now);
 
   // In the order of their names.
@@ -42,9 +42,9 @@ class Fleet {
 
   // The line as JSON text: gripper, status (online, offline, unknown; removed: there is no such gripper
   // anymore), state (the worst one) and state_of (the sensor or grasp that has it), gamma (least margin of
-  // the last summary's period) and gamma_of, alert (the worst), alerts_last_hour, alerts_waiting,
-  // alerts_dropped, version (of slipd), simulated, offline_since_ns (CLOCK_REALTIME of the last sign of
-  // life).
+  // the last summary's period) and gamma_of, alert (the worst that stands; unknown where nobody watches),
+  // alerts_last_hour, alerts_waiting, alerts_dropped, version (of slipd), simulated, offline_since_ns
+  // (CLOCK_REALTIME of the last sign of life).
   std::string line(const std::string& gripper, const Moment& now) const;
 
   // The broker is away: nothing is known.
@@ -54,7 +54,7 @@ class Fleet {
   using Json = nlohmann::ordered_json;
   struct Gripper {
     // Payloads; null: there was none.
-    Json status, summary;
+    Json status, summary, seen;
     // Of each sensor and grasp by its name.
     std::map<std::string, Json> states;
     // When the summary was made.
@@ -64,12 +64,12 @@ class Fleet {
   struct Worst {
     std::string state;
     Json name;
-    Json alert = "none";
     bool all_known = true;
   };
   static bool online(const Gripper& gripper);
   static bool is_fresh(const Gripper& gripper, const Moment& now);
   static Worst worst_of(const Gripper& gripper);
+  static const char* worst_alert_of(const Gripper& gripper, bool watched);
   static void add_margin(const Gripper& gripper, Json& line);
   static void add_counts(const Gripper& gripper, bool fresh, Json& line);
 

@@ -92,7 +92,7 @@ class FleetProgram {
     };
     listener.lost = [this](const std::string& why) { lose(why); };
     const std::string id = "slipd-fleet-" + std::to_string(getpid()) + "-" + std::to_string(random_());
-    broker_ = std::make_unique<Broker>(loop_, broker, id, std::nullopt, listener);
+    broker_ = std::make_unique<Broker>(loop_, broker, id, MqttVersion::v3_1_1, std::nullopt, listener);
   }
 
   void take(std::string_view topic, std::string_view payload, bool retained) {

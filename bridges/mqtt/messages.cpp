@@ -21,11 +21,14 @@ Json object_of(std::string_view text) {
   return object.is_object() ? object : Json::object();
 }
 
-// slipd's object, with the state of now.
+// slipd's object, with the state and alert of now.
 Json judged(const slipd_estimate& estimate, std::string_view text) {
   Json object = object_of(text);
   object[object.contains("grasp") ? "grasp" : "sensor"] = estimate.name;
   object["state"] = slipd_state_name(estimate.state);
+  object["alert"] = slipd_alert_name(estimate.alert);
+  if (estimate.sliding == SLIPD_SLIDING_UNKNOWN) object["sliding"] = object["sliding_for_ms"] = nullptr;
+  if (estimate.state == SLIPD_STATE_STALE && object.contains("health")) object["health"] = "unknown";
   if (!std::isnan(slipd_margin(&estimate))) return object;
   object["gamma"] = nullptr;
   object["class"] = nullptr;
@@ -122,11 +125,11 @@ std::optional<GraspEstimate> grasp_of(Json grasp, const Json& sensors, double ma
   slipd_estimate& estimate = out.estimate;
   name.copy(estimate.name, name.size());
   estimate.state = code_of(grasp, "state", SLIPD_STATE_DISCONNECTED, slipd_state_name, SLIPD_STATE_FAULT);
-  estimate.alert = code_of(grasp, "alert", SLIPD_ALERT_SLIP, slipd_alert_name, SLIPD_ALERT_SLIP);
+  estimate.alert = code_of(grasp, "alert", SLIPD_ALERT_UNKNOWN, slipd_alert_name, SLIPD_ALERT_SLIP);
   estimate.age_s = grasp["age_ms"].is_number() ? grasp["age_ms"].get<double>() / kMsPerS
                                                : std::numeric_limits<double>::infinity();
   const bool young = estimate.age_s <= max_age_s;
-  if (!young && estimate.state != SLIPD_STATE_FAULT) estimate.state = SLIPD_STATE_STALE;
+  if (!young) grow_old(estimate);
   const bool has_margin =
       estimate.state == SLIPD_STATE_OK && grasp.contains("gamma") && grasp["gamma"].is_number();
   estimate.gamma = has_margin ? grasp["gamma"].get<double>() : std::numeric_limits<double>::quiet_NaN();
@@ -147,6 +150,13 @@ Json line_json(const char* key, const std::string& name, const SummaryLine& line
 
 }  // namespace
 
+void grow_old(slipd_estimate& estimate) {
+  if (estimate.state != SLIPD_STATE_FAULT) estimate.state = SLIPD_STATE_STALE;
+  if (estimate.alert == SLIPD_ALERT_NONE) estimate.alert = SLIPD_ALERT_UNKNOWN;
+  estimate.sliding = SLIPD_SLIDING_UNKNOWN;
+  estimate.gamma = std::numeric_limits<double>::quiet_NaN();
+}
+
 std::vector<GraspEstimate> grasps_of(std::string_view answer, double max_age_s, std::int64_t monotonic_ns) {
   std::vector<GraspEstimate> found;
   const Json all = object_of(answer);
@@ -161,31 +171,21 @@ std::string estimate_message(const slipd_estimate& estimate, std::string_view te
   return text_of(judged(estimate, text));
 }
 
-std::string state_message(const slipd_estimate& estimate, std::string_view text) {
+std::string state_message(const slipd_estimate& estimate, std::string_view text,
+                          std::chrono::milliseconds valid_for) {
   const Json all = judged(estimate, text);
   Json object;
   copy_members(all, all.contains("grasp") ? kGraspStateKeys : kStateKeys, object);
+  object["valid_for_ms"] = valid_for.count();
   return text_of(object);
 }
 
-std::string away_message(const std::string& sensor, std::int64_t now_ns) {
-  return text_of({{"sensor", sensor},
-                  {"time_ns", now_ns},
-                  {"state", slipd_state_name(SLIPD_STATE_DISCONNECTED)},
-                  {"health", nullptr},
-                  {"alert", "none"},
-                  {"sliding", nullptr},
-                  {"simulated", nullptr}});
+std::string away_text(const std::string& sensor, std::int64_t now_ns) {
+  return text_of({{"sensor", sensor}, {"time_ns", now_ns}});
 }
 
-std::string away_message(const bridges::GraspFacts& grasp, std::int64_t now_ns) {
-  return text_of({{"grasp", grasp.name},
-                  {"sensors", grasp.sensors},
-                  {"time_ns", now_ns},
-                  {"state", slipd_state_name(SLIPD_STATE_DISCONNECTED)},
-                  {"alert", "none"},
-                  {"sliding", nullptr},
-                  {"simulated", nullptr}});
+std::string away_text(const bridges::GraspFacts& grasp, std::int64_t now_ns) {
+  return text_of({{"grasp", grasp.name}, {"sensors", grasp.sensors}, {"time_ns", now_ns}});
 }
 
 std::string alert_message(std::string_view text, const std::string& series, std::int64_t number,
@@ -197,7 +197,10 @@ std::string alert_message(std::string_view text, const std::string& series, std:
 }
 
 std::string online_message(const Gripper& gripper, std::int64_t now_ns) {
-  Json object{{"status", "online"}, {"time_ns", now_ns}, {"version", gripper.version}};
+  Json object{{"status", "online"},
+              {"time_ns", now_ns},
+              {"valid_for_ms", gripper.valid_for.count()},
+              {"version", gripper.version}};
   object["slipd"] = gripper.slipd ? Json(gripper.slipd->version) : Json(nullptr);
   if (!gripper.slipd) object["trouble"] = gripper.trouble;
   const Json inventory = inventory_json(gripper.slipd.value_or(bridges::Inventory{}));
@@ -210,6 +213,11 @@ std::string online_message(const Gripper& gripper, std::int64_t now_ns) {
 
 std::string offline_message(std::int64_t now_ns) {
   return text_of({{"status", "offline"}, {"time_ns", now_ns > 0 ? Json(now_ns) : Json(nullptr)}});
+}
+
+std::string seen_message(const Gripper& gripper, std::int64_t now_ns) {
+  return text_of(
+      {{"time_ns", now_ns}, {"version", gripper.slipd ? Json(gripper.slipd->version) : Json(nullptr)}});
 }
 
 std::string summary_message(const Gripper& gripper, const Summary& summary, std::int64_t now_ns) {

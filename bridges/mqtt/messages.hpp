@@ -3,6 +3,7 @@
 
 #include <slipd.h>
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -27,15 +28,20 @@ struct AlertCounts {
   std::int64_t dropped = 0;
 };
 
-// An estimate as slipd sent it. If `estimate` is too old by now, state is "stale" and margin and advice are
-// null. Empty if `text` is no JSON object.
+// An estimate as slipd sent it, with the state and alert of `estimate`. If that is too old by now, state is
+// "stale" and margin and advice are null. Empty if `text` is no JSON object.
 std::string estimate_message(const slipd_estimate& estimate, std::string_view text);
 
-// State, health and alert of a sensor or grasp. `text`: what slipd sent, or GraspEstimate::text.
-std::string state_message(const slipd_estimate& estimate, std::string_view text);
-// The same when slipd is away.
-std::string away_message(const std::string& sensor, std::int64_t now_ns);
-std::string away_message(const bridges::GraspFacts& grasp, std::int64_t now_ns);
+// State, health and alert of a sensor or grasp. `text`: what slipd sent, GraspEstimate::text or away_text().
+// `valid_for`: how long it holds unless another one comes.
+std::string state_message(const slipd_estimate& estimate, std::string_view text,
+                          std::chrono::milliseconds valid_for);
+// In place of what slipd sent while it is away.
+std::string away_text(const std::string& sensor, std::int64_t now_ns);
+std::string away_text(const bridges::GraspFacts& grasp, std::int64_t now_ns);
+
+// What is left of an estimate that is too old: no margin, and of its alert what still stands.
+void grow_old(slipd_estimate& estimate);
 
 // A grasp as an estimate for the functions here.
 struct GraspEstimate {
@@ -62,17 +68,21 @@ struct Gripper {
   AlertCounts alerts;
   // Why slipd is away; empty if it is not.
   std::string trouble;
+  // How long what is said of it holds unless it is said again.
+  std::chrono::milliseconds valid_for{};
 };
 
 // Birth and every change: online, versions, sensors, grasps, and a hash of these.
 std::string online_message(const Gripper& gripper, std::int64_t now_ns);
 // Last will, and at an orderly end. `now_ns` 0: unknown, as of a last will.
 std::string offline_message(std::int64_t now_ns);
+// Last sign of life: time and version of slipd. It stays when all else of a gripper has expired.
+std::string seen_message(const Gripper& gripper, std::int64_t now_ns);
 
 // Latest state and margin of a sensor or grasp for the summary.
 struct SummaryLine {
   std::string state = "stale";
-  std::string alert = "none";
+  std::string alert = "unknown";
   // NaN unless state is ok and the estimate young.
   double gamma = std::numeric_limits<double>::quiet_NaN();
   // The least margin since the summary before; NaN: there was none.

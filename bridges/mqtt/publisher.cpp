@@ -26,8 +26,18 @@ constexpr std::chrono::seconds kSummaryAfterAlert{1};
 // Between two requests for grasps. Too small: events of sensors in a row cost slipd a request each. Too
 // large: a short alert of a grasp is missed.
 constexpr std::chrono::milliseconds kGraspPause{10};
-// How long slipd may take to answer. The loop stands still meanwhile.
-constexpr double kGraspTimeout = 1;  // s
+// Silence of slipd for which a state of a margin may stand, at least: a machine under load pauses.
+constexpr std::chrono::milliseconds kLeastSilence{200};
+// So many estimates come in this time from a sensor that is fast enough, so that one that is late is no
+// silence.
+constexpr double kEstimatesPerSilence = 4;
+// How long slipd may take to answer, s, and at least, however soon a state is stale. The loop stands still
+// meanwhile.
+constexpr double kLongestPatience = 1, kLeastPatience = 0.05;
+
+std::chrono::seconds in_seconds(Clock::duration duration) {
+  return std::max(std::chrono::seconds(1), std::chrono::ceil<std::chrono::seconds>(duration));
+}
 
 }  // namespace
 
@@ -38,12 +48,14 @@ Publisher::Publisher(Settings settings, std::string version, bridges::Loop& loop
       store_(settings_.store, settings_.max_alerts),
       turns_(settings_.brokers.size()),
       random_(std::random_device{}()),
+      states_({silence(), settings_.summary}),
       progress_at_(Clock::now()),
       told_dropped_(store_.dropped()),
       connecting_(loop, [this] { connect(); }),
       summary_(loop, [this] { put_summary(); }),
       flush_(loop, [this] { check_progress(); }),
       asking_(loop, [this] { ask_grasps(); }),
+      saying_(loop, [this] { send(); }),
       feed_(loop, feed_options(), feed_listener()) {
   if (store_.waiting() > 0)
     log(LogLevel::info, std::to_string(store_.waiting()) + " alerts wait from before");
@@ -54,6 +66,10 @@ Publisher::Publisher(Settings settings, std::string version, bridges::Loop& loop
 
 Publisher::~Publisher() {
   if (!broker_ || !broker_->accepted()) return;
+  lose_states();
+  for (const auto& [name, state] : states_.all())
+    broker_->publish(topic_of(name, "state"), state_message(state.estimate, state.text, valid_for()), 0, true,
+                     in_seconds(valid_for()));
   broker_->publish(host_topic("status"), offline_message(realtime_ns()), 1, true);
   broker_->leave(kLeavePatience);
 }
@@ -61,10 +77,28 @@ Publisher::~Publisher() {
 bridges::FeedOptions Publisher::feed_options() const {
   bridges::FeedOptions options;
   options.socket = settings_.socket;
-  options.max_rate_hz = settings_.rate_hz;
+  options.max_rate_hz = feed_rate_hz();
   options.max_age_s = settings_.max_age_s;
   options.texts = true;
+  options.patience_s = [this] { return patience_s(); };
   return options;
+}
+
+std::chrono::nanoseconds Publisher::silence() const {
+  const std::chrono::duration<double> age(settings_.max_age_s);
+  return std::max<std::chrono::nanoseconds>(kLeastSilence,
+                                            std::chrono::duration_cast<std::chrono::nanoseconds>(age));
+}
+
+// Of a sensor; rate_hz is that of its messages.
+double Publisher::feed_rate_hz() const {
+  return std::max(settings_.rate_hz, kEstimatesPerSilence / std::chrono::duration<double>(silence()).count());
+}
+
+// A slipd that hangs must not keep this program from saying so in time.
+double Publisher::patience_s() const {
+  const std::chrono::duration<double> left = states_.next_stale() - Clock::now();
+  return std::clamp(left.count(), kLeastPatience, kLongestPatience);
 }
 
 bridges::FeedListener Publisher::feed_listener() {
@@ -75,32 +109,40 @@ bridges::FeedListener Publisher::feed_listener() {
   return listener;
 }
 
-// When a message of it would show a margin that has expired.
-std::chrono::steady_clock::time_point Publisher::expiry_of(const slipd_estimate& estimate) const {
-  if (estimate.state != SLIPD_STATE_OK) return Clock::time_point::max();
-  const std::chrono::duration<double> left(std::max(0.0, settings_.max_age_s - estimate.age_s));
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(left);
-}
-
 void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
-  remember(estimate);
-  if (estimate.event == SLIPD_EVENT_ALERT) {
-    take_alert(estimate, text);
-  } else if (estimate.event == SLIPD_EVENT_ESTIMATE) {
-    put(topic_of(estimate.name, "estimate"), {estimate_message(estimate, text), false, expiry_of(estimate)});
-  }
-  if (estimate.event != SLIPD_EVENT_ESTIMATE || !states_.contains(estimate.name))
-    note_state(estimate.name, state_message(estimate, text));
-  want_grasps(estimate);
+  slipd_estimate now = estimate;
+  const int stood = states_.standing_alert(now.name);
+  states_.take(now, std::string(text), Clock::now());
+  note_margin(now);
+  const bool ended = is_raised(stood) && now.alert == SLIPD_ALERT_NONE;
+  if (ended || (now.event == SLIPD_EVENT_ALERT && is_raised(now.alert))) take_alert(now, text);
+  if (now.event == SLIPD_EVENT_ESTIMATE) put_estimate(now, text);
+  want_grasps(now);
   send();
 }
 
-void Publisher::remember(const slipd_estimate& estimate) {
-  latest_[estimate.name] = estimate;
+void Publisher::note_margin(const slipd_estimate& estimate) {
   const double gamma = slipd_margin(&estimate);
   if (std::isnan(gamma)) return;
   const auto [least, first] = least_.emplace(estimate.name, gamma);
   if (!first) least->second = std::min(least->second, gamma);
+}
+
+// At most rate_hz of a name, where slipd sends more so that its silence is noticed.
+void Publisher::put_estimate(const slipd_estimate& estimate, std::string_view text) {
+  const auto now = Clock::now();
+  if (settings_.rate_hz < feed_rate_hz()) {
+    auto& due = estimate_due_[estimate.name];
+    if (now < due) return;
+    const auto period =
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / settings_.rate_hz));
+    due = std::max(due + period, now);
+  }
+  const std::chrono::duration<double> age(std::isfinite(estimate.age_s) ? estimate.age_s : 0);
+  const std::chrono::duration<double> holds(settings_.max_age_s);
+  const auto left = std::chrono::duration_cast<Clock::duration>(age <= holds ? holds - age : holds);
+  put(topic_of(estimate.name, "estimate"),
+      {estimate_message(estimate, text), false, now + left, in_seconds(left)});
 }
 
 // A grasp changes with each of its sensors. Its estimates follow those of the sensor that it names last.
@@ -120,7 +162,7 @@ void Publisher::ask_grasps() {
   grasps_asked_at_ = Clock::now();
   char* text = nullptr;
   // If it fails, the feed finds and says that slipd is away.
-  if (slipd_call(feed_.client(), "gamma", nullptr, -1, kGraspTimeout, &text) != SLIPD_DONE) return;
+  if (slipd_call(feed_.client(), "gamma", nullptr, -1, patience_s(), &text) != SLIPD_DONE) return;
   const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
   for (const GraspEstimate& grasp : grasps_of(text, settings_.max_age_s, bridges::monotonic_ns()))
     take_grasp(grasp);
@@ -129,17 +171,14 @@ void Publisher::ask_grasps() {
 }
 
 void Publisher::take_grasp(const GraspEstimate& grasp) {
-  const slipd_estimate& now = grasp.estimate;
+  slipd_estimate now = grasp.estimate;
   if (!serves(now.name) || slipd_->has_sensor(now.name)) return;
-  const auto before = latest_.find(now.name);
-  const bool known = before != latest_.end();
-  const bool alerted = now.alert != (known ? before->second.alert : int{SLIPD_ALERT_NONE});
-  const bool changed = !known || alerted || now.state != before->second.state;
-  remember(now);
-  if (alerted) take_alert(now, grasp.text);
-  if (changed) note_state(now.name, state_message(now, grasp.text));
-  if (changed || want_grasp_estimates_)
-    put(topic_of(now.name, "estimate"), {estimate_message(now, grasp.text), false, expiry_of(now)});
+  const int stood = states_.standing_alert(now.name);
+  const bool changed = states_.take(now, grasp.text, Clock::now());
+  note_margin(now);
+  if (now.alert != stood && (is_raised(now.alert) || now.alert == SLIPD_ALERT_NONE))
+    take_alert(now, grasp.text);
+  if (changed || want_grasp_estimates_) put_estimate(now, grasp.text);
 }
 
 bool Publisher::serves(const std::string& name) const {
@@ -172,34 +211,36 @@ void Publisher::note_serving(const bridges::Inventory& inventory) {
     if (inventory.has_sensor(grasp.name))
       log(LogLevel::error, "the grasp " + grasp.name + " has no topics: a sensor has its name; rename one");
   }
-  std::erase_if(latest_, [&](const auto& each) { return !serves(each.first); });
-  std::erase_if(states_, [&](const auto& each) {
-    const bool gone = !serves(each.first);
-    if (gone) put_retained(topic_of(each.first, "state"), "");  // the broker forgets the topic
-    return gone;
-  });
+  for (const std::string& name : states_.forget([&](const std::string& each) { return !serves(each); }))
+    put_retained(topic_of(name, "state"), "");  // the broker forgets the topic
   put_status();
   send();
 }
 
 void Publisher::note_away(std::string_view why) {
   log(LogLevel::warning, why);
-  if (slipd_) {
-    for (const auto& sensor : slipd_->sensors)
-      note_state(sensor.name, away_message(sensor.name, realtime_ns()));
-    for (const auto& grasp : slipd_->grasps)
-      if (!slipd_->has_sensor(grasp.name)) note_state(grasp.name, away_message(grasp, realtime_ns()));
-  }
+  lose_states();
   slipd_.reset();
   trouble_ = why;
-  latest_.clear();
   put_status();
   send();
 }
 
-void Publisher::note_state(const std::string& sensor, std::string payload) {
-  states_[sensor] = payload;
-  put_retained(topic_of(sensor, "state"), std::move(payload));
+// Nobody watches any more. An alert that was raised stands.
+void Publisher::lose_states() {
+  if (!slipd_) return;
+  for (const auto& sensor : slipd_->sensors) states_.lose(sensor.name, away_text(sensor.name, realtime_ns()));
+  for (const auto& grasp : slipd_->grasps)
+    if (!slipd_->has_sensor(grasp.name)) states_.lose(grasp.name, away_text(grasp, realtime_ns()));
+}
+
+void Publisher::say_states() {
+  states_.say_due(Clock::now(), [this](const States::State& state) {
+    put_retained(topic_of(state.estimate.name, "state"),
+                 state_message(state.estimate, state.text, valid_for()));
+  });
+  if (const auto next = states_.next(); next != States::Time::max())
+    saying_.start(std::max(Clock::duration(0), next - Clock::now()));
 }
 
 void Publisher::connect() {
@@ -210,21 +251,21 @@ void Publisher::connect() {
   listener.writable = [this] { send(); };
   listener.lost = [this](const std::string& why) { note_lost(why); };
   const LastWill will{host_topic("status"), offline_message(0)};
-  broker_ =
-      std::make_unique<Broker>(loop_, next, settings_.topic_prefix + "-" + settings_.host, will, listener);
+  broker_ = std::make_unique<Broker>(loop_, next, settings_.topic_prefix + "-" + settings_.host, mqtt_, will,
+                                     listener);
 }
 
 // All retained topics are published anew: the broker may be another one.
 void Publisher::note_accepted() {
   const BrokerSettings& broker = settings_.brokers[turns_.current()];
   log(LogLevel::info, broker.host + ":" + std::to_string(broker.port) + ": accepted, " +
-                          std::to_string(store_.waiting()) + " alerts wait");
+                          std::to_string(store_.waiting()) + " alerts wait" +
+                          (mqtt_ == MqttVersion::v5 ? "" : "; MQTT 3.1.1, so retained topics do not expire"));
   store_.flush();
   on_their_way_.clear();
   sent_ = 0;
   progress_at_ = Clock::now();
-  put_status();
-  for (const auto& [sensor, payload] : states_) put_retained(topic_of(sensor, "state"), payload);
+  states_.renew();
   put_summary();
   send();
 }
@@ -239,10 +280,13 @@ void Publisher::note_acknowledged(int message) {
 }
 
 void Publisher::note_lost(const std::string& why) {
-  log(LogLevel::warning, why);
   const auto held = broker_->held();
+  const bool older = broker_->refuses_version();
   broker_.reset();
   on_their_way_.clear();
+  mqtt_ = older ? MqttVersion::v3_1_1 : MqttVersion::v5;
+  if (older) return connecting_.start({});
+  log(LogLevel::warning, why);
   const double share = static_cast<double>(random_()) / static_cast<double>(std::minstd_rand::max());
   connecting_.start(turns_.lost(held, share));
 }
@@ -259,7 +303,7 @@ void Publisher::put(const std::string& topic, Pending message) {
 }
 
 void Publisher::put_retained(const std::string& topic, std::string payload) {
-  put(topic, {std::move(payload), true});
+  put(topic, {std::move(payload), true, Clock::time_point::max(), in_seconds(valid_for())});
 }
 
 void Publisher::put_status() {
@@ -270,12 +314,16 @@ void Publisher::put_summary() {
   summary_.start(settings_.summary);
   summary_is_near_ = false;
   Summary summary;
-  for (const auto& [name, estimate] : latest_)
-    (slipd_ && slipd_->has_sensor(name) ? summary.sensors : summary.grasps)[name] = summary_line(estimate);
+  if (slipd_) {
+    for (const auto& [name, state] : states_.all())
+      (slipd_->has_sensor(name) ? summary.sensors : summary.grasps)[name] = summary_line(state.estimate);
+  }
   least_.clear();
   summary.alerts_last_hour = store_.last_hour(realtime_ns());
   summary.period_s = std::chrono::duration<double>(settings_.summary).count();
   put_retained(host_topic("summary"), summary_message(gripper(), summary, realtime_ns()));
+  put_status();
+  put(host_topic("seen"), {seen_message(gripper(), realtime_ns()), true});
   send();
 }
 
@@ -291,11 +339,13 @@ SummaryLine Publisher::summary_line(const slipd_estimate& estimate) const {
 
 // Alerts first. The rest while the broker takes it: what it does not take stays in its place.
 void Publisher::send() {
+  say_states();
   send_alerts();
   while (!pending_.empty() && broker_ && broker_->writable()) {
     const auto next = pending_.extract(pending_.begin());
     const Pending& message = next.mapped();
-    if (Clock::now() <= message.expires) broker_->publish(next.key(), message.payload, 0, message.retain);
+    if (Clock::now() <= message.expires)
+      broker_->publish(next.key(), message.payload, 0, message.retain, message.broker_keeps);
   }
 }
 
@@ -320,7 +370,11 @@ std::string Publisher::host_topic(const char* kind) const {
 }
 
 Gripper Publisher::gripper() const {
-  return {version_, slipd_, {store_.series(), store_.last(), store_.waiting(), store_.dropped()}, trouble_};
+  return {version_,
+          slipd_,
+          {store_.series(), store_.last(), store_.waiting(), store_.dropped()},
+          trouble_,
+          valid_for()};
 }
 
 }  // namespace slipd::mqtt

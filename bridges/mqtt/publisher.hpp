@@ -4,8 +4,10 @@
 // sensors, and their alerts are found by comparing: one that begins and ends between two answers is missed.
 //
 // Estimates, states, status and summary have one place each, in which the newest replaces what was not sent
-// yet: a slow or absent broker costs no memory. Alerts go through the store on disk and stay there until a
-// broker has acknowledged them; at most kWindow of them are on their way, in the order of their numbers.
+// yet: a slow or absent broker costs no memory, and no estimate waits for longer than it holds. All retained
+// topics are said again once a period and expire after two, so that none outlives this program. Alerts go
+// through the store on disk and stay there until a broker has acknowledged them; at most kWindow of them are
+// on their way, in the order of their numbers.
 #pragma once
 
 #include <map>
@@ -18,6 +20,7 @@
 #include "bridges/mqtt/broker_turns.hpp"
 #include "bridges/mqtt/messages.hpp"
 #include "bridges/mqtt/settings.hpp"
+#include "bridges/mqtt/states.hpp"
 #include "bridges/support/feed.hpp"
 #include "bridges/support/program.hpp"
 
@@ -31,7 +34,7 @@ class Publisher : public bridges::Service {
 
   // Throws std::runtime_error if the store cannot be used.
   Publisher(Settings settings, std::string version, bridges::Loop& loop);
-  // Publishes that it is offline.
+  // Publishes that nobody watches and that it is offline.
   ~Publisher() override;
 
  private:
@@ -40,21 +43,27 @@ class Publisher : public bridges::Service {
     std::string payload;
     bool retain = false;
     std::chrono::steady_clock::time_point expires = std::chrono::steady_clock::time_point::max();
+    // For the broker; 0: none.
+    std::chrono::seconds broker_keeps{0};
   };
 
   bridges::FeedListener feed_listener();
   bridges::FeedOptions feed_options() const;
-  std::chrono::steady_clock::time_point expiry_of(const slipd_estimate& estimate) const;
+  std::chrono::nanoseconds silence() const;
+  double feed_rate_hz() const;
+  double patience_s() const;
   void take(const slipd_estimate& estimate, std::string_view text);
   void take_alert(const slipd_estimate& estimate, std::string_view text);
   void want_grasps(const slipd_estimate& estimate);
   void ask_grasps();
   void take_grasp(const GraspEstimate& grasp);
-  void remember(const slipd_estimate& estimate);
+  void note_margin(const slipd_estimate& estimate);
+  void put_estimate(const slipd_estimate& estimate, std::string_view text);
   bool serves(const std::string& name) const;
   void note_serving(const bridges::Inventory& inventory);
   void note_away(std::string_view why);
-  void note_state(const std::string& sensor, std::string payload);
+  void lose_states();
+  void say_states();
 
   void connect();
   void note_accepted();
@@ -64,6 +73,7 @@ class Publisher : public bridges::Service {
 
   void put(const std::string& topic, Pending message);
   void put_retained(const std::string& topic, std::string payload);
+  std::chrono::milliseconds valid_for() const { return 2 * settings_.summary; }
   void put_status();
   void put_summary();
   void send();
@@ -83,12 +93,12 @@ class Publisher : public bridges::Service {
   // What is known of slipd.
   std::optional<bridges::Inventory> slipd_;
   std::string trouble_{"not asked yet"};
-  std::map<std::string, slipd_estimate> latest_;             // of each sensor and grasp
-  std::map<std::string, std::string> states_;                // payload of their topics `state`
-  std::map<std::string, double> least_;                      // their least margin since the last summary
-  bool want_grasp_estimates_ = false;                        // not only their changes
-  std::chrono::steady_clock::time_point grasps_asked_at_{};  // last request
-  bool summary_is_near_ = false;                             // because of an alert
+  States states_;                        // of each sensor and grasp
+  std::map<std::string, double> least_;  // their least margin since the last summary
+  std::map<std::string, std::chrono::steady_clock::time_point> estimate_due_;  // next estimate of each
+  bool want_grasp_estimates_ = false;                                          // not only their changes
+  std::chrono::steady_clock::time_point grasps_asked_at_{};                    // last request
+  bool summary_is_near_ = false;                                               // because of an alert
 
   // What waits for the broker, by topic.
   std::map<std::string, Pending> pending_;
@@ -98,8 +108,9 @@ class Publisher : public bridges::Service {
   std::int64_t told_dropped_ = 0;
 
   MosquittoLibrary library_;
+  MqttVersion mqtt_ = MqttVersion::v5;  // of the next attempt
   std::unique_ptr<Broker> broker_;
-  bridges::Loop::Timer connecting_, summary_, flush_, asking_;
+  bridges::Loop::Timer connecting_, summary_, flush_, asking_, saying_;
   bridges::Feed feed_;
 };
 

@@ -54,7 +54,8 @@ void Feed::limit_rate(double max_rate_hz) {
 // False: slipd is away.
 bool Feed::ask() {
   try {
-    Inventory now = ask_inventory(slipd_, options_.answer_timeout_s);
+    Inventory now =
+        ask_inventory(slipd_, options_.patience_s ? options_.patience_s() : options_.answer_timeout_s);
     const bool news = !connected_ || now != inventory_;
     inventory_ = std::move(now);
     connected_ = told_ = true;

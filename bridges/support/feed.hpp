@@ -31,6 +31,9 @@ struct FeedOptions {
   std::chrono::milliseconds refresh{5000};
   // How long slipd may take for one answer, s. The loop stands still meanwhile.
   double answer_timeout_s = 1;
+  // The same, asked for before each request for the inventory, for a bridge that must not stand still for
+  // longer than something else allows. Empty: answer_timeout_s.
+  std::function<double()> patience_s;
 };
 
 struct FeedListener {

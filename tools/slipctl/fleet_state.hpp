@@ -19,7 +19,7 @@ struct FleetLine {
   std::string state_of;                          // the sensor or grasp that has it
   std::optional<double> gamma;                   // least margin of the last summary's period
   std::string gamma_of;                          // the sensor or grasp that had it
-  std::string alert;                             // the worst alert: none, warn, slip
+  std::string alert;                             // the worst alert: none, unknown, warn, slip
   std::optional<std::int64_t> alerts_last_hour;  // that began
   std::optional<std::int64_t> alerts_dropped;    // by a full or failing disk
   std::string version;                           // of slipd

@@ -30,7 +30,8 @@ Gripper gripper() {
               {{"left", "sim", "array3", 16, 100, true}, {"right", "usb", "array3", 16, 100, false}},
               {{"cup", {"left", "right"}}}},
           {std::string(32, 'a'), 7, 2, 1},
-          ""};
+          "",
+          std::chrono::seconds(20)};
 }
 
 // What slipd-mqtt publishes, in its own words, to the Fleet under test.
@@ -47,7 +48,7 @@ class AFleet : public ::testing::Test {
     estimate.state = state;
     estimate.alert = alert;
     json text{{"state", "ok"}, {"alert", slipd_alert_name(alert)}, {"simulated", true}};
-    send(topic + "/state", state_message(estimate, text.dump()));
+    send(topic + "/state", state_message(estimate, text.dump(), std::chrono::seconds(20)));
   }
   void summary(const std::string& host, double left, double right, double cup, bool retained = false,
                double at_s = 0) {
@@ -57,6 +58,7 @@ class AFleet : public ::testing::Test {
     all.alerts_last_hour = 3;
     all.period_s = kPeriod;
     send(host + "/summary", summary_message(gripper(), all, kStart), retained, at_s);
+    send(host + "/seen", seen_message(gripper(), kStart), retained, at_s);
   }
   // A gripper whose three margins are known.
   void serve(const std::string& host) {
@@ -138,7 +140,7 @@ TEST_F(AFleet, OfflineSinceTheEndThatWasAnnouncedElseSinceTheLastSummary) {
   EXPECT_EQ(got.at("status"), "offline");
   EXPECT_EQ(got.at("offline_since_ns"), kStart + 5);
   EXPECT_TRUE(got.at("gamma").is_null());
-  EXPECT_TRUE(got.at("alert").is_null());
+  EXPECT_EQ(got.at("alert"), "unknown");
   EXPECT_TRUE(got.at("alerts_last_hour").is_null());
   EXPECT_EQ(got.at("version"), "0.1.0");
   send("g1/status", offline_message(0));  // the last will
@@ -156,6 +158,53 @@ TEST_F(AFleet, WithoutSlipdTheGripperIsDisconnected) {
   EXPECT_TRUE(line().at("gamma").is_null());
 }
 
+// Worst first: slip, warn, unknown, none.
+TEST_F(AFleet, TheAlertIsTheWorstThatStandsAndNoneOnlyWhereAllAreWatched) {
+  serve("g1");
+  EXPECT_EQ(line().at("alert"), "none");
+  state("g1/left", SLIPD_STATE_STALE, SLIPD_ALERT_UNKNOWN);
+  EXPECT_EQ(line().at("alert"), "unknown");
+  state("g1/right", SLIPD_STATE_OK, SLIPD_ALERT_WARN);
+  EXPECT_EQ(line().at("alert"), "warn");
+  state("g1/cup", SLIPD_STATE_DISCONNECTED, SLIPD_ALERT_SLIP);
+  EXPECT_EQ(line().at("alert"), "slip");
+}
+
+TEST_F(AFleet, ASensorThatHasSaidNothingIsNotWatched) {
+  serve("g1");
+  send("g1/left/state", "");
+  EXPECT_EQ(line().at("alert"), "unknown");
+}
+
+TEST_F(AFleet, WithoutASummaryNobodyKnowsThatThereIsNoAlert) {
+  serve("g1");
+  EXPECT_EQ(line("g1", 2 * kPeriod + 0.1).at("alert"), "unknown");
+}
+
+TEST_F(AFleet, AGripperThatWentInASlipStaysInIt) {
+  for (const int alert : {SLIPD_ALERT_NONE, SLIPD_ALERT_SLIP}) {
+    const json expected = alert == SLIPD_ALERT_SLIP ? "slip" : "unknown";
+    serve("g1");
+    state("g1/left", SLIPD_STATE_OK, alert);
+    Gripper away = gripper();
+    away.slipd.reset();
+    status("g1", away);
+    EXPECT_EQ(line().at("alert"), expected);
+    send("g1/status", offline_message(0));
+    EXPECT_EQ(line().at("alert"), expected);
+  }
+}
+
+// What has expired at the broker it never sends to one that starts now.
+TEST_F(AFleet, ATimeThatStaysSaysSinceWhenAGripperIsOffline) {
+  send("g1/status", offline_message(0), true);
+  send("g1/seen", seen_message(gripper(), kStart + 7), true);
+  const json got = line();
+  EXPECT_EQ(got.at("offline_since_ns"), kStart + 7);
+  EXPECT_EQ(got.at("version"), "0.1.0");
+  EXPECT_EQ(got.at("alert"), "unknown");
+}
+
 TEST_F(AFleet, StatesOfSensorsThatTheGripperNoLongerHasDoNotCount) {
   serve("g1");
   state("g1/old", SLIPD_STATE_FAULT, SLIPD_ALERT_SLIP);
@@ -167,8 +216,7 @@ TEST_F(AFleet, AGripperIsRemovedWithItsTopics) {
   serve("g1");
   serve("g2");
   EXPECT_THAT(fleet_.grippers(), ElementsAre("g1", "g2"));
-  send("g1/status", "");
-  send("g1/summary", "");
+  for (const char* kind : {"status", "summary", "seen"}) send(std::string("g1/") + kind, "");
   EXPECT_THAT(fleet_.grippers(), ElementsAre("g2"));
   EXPECT_EQ(line("g1").at("status"), "removed");
 }

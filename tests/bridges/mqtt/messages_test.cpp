@@ -29,6 +29,7 @@ slipd_estimate estimate_in(int state, double valid_for_s) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   estimate.state = state;
+  estimate.alert = SLIPD_ALERT_WARN;
   estimate.gamma = state == SLIPD_STATE_OK ? 0.62 : std::numeric_limits<double>::quiet_NaN();
   estimate.valid_until_ns =
       now.tv_sec * 1'000'000'000LL + now.tv_nsec + static_cast<std::int64_t>(1e9 * valid_for_s);
@@ -78,19 +79,49 @@ TEST(MqttMessages, AnAlertIsIdentifiedAndComplete) {
   checked(alert_message("no JSON", std::string(32, 'a'), 1, 0), "alert");
 }
 
-TEST(MqttMessages, StatesFitTheSchema) {
-  EXPECT_EQ(checked(state_message(estimate_in(SLIPD_STATE_OK, 100), kSent), "state").at("state"), "ok");
-  EXPECT_EQ(checked(away_message("left", 5), "state").at("state"), "disconnected");
+constexpr std::chrono::milliseconds kValid{20'000};
+
+TEST(MqttMessages, AStateSaysHowLongItHolds) {
+  const json sent = checked(state_message(estimate_in(SLIPD_STATE_OK, 100), kSent, kValid), "state");
+  EXPECT_EQ(sent.at("state"), "ok");
+  EXPECT_EQ(sent.at("valid_for_ms"), 20'000);
+}
+
+TEST(MqttMessages, AStateWithoutFramesKnowsNeitherHealthNorSlidingNorThatThereIsNoAlert) {
+  for (const auto& [alert, name] : {std::pair{SLIPD_ALERT_NONE, "unknown"}, {SLIPD_ALERT_SLIP, "slip"}}) {
+    slipd_estimate estimate = estimate_in(SLIPD_STATE_OK, 100);
+    estimate.alert = alert;
+    grow_old(estimate);
+    const json sent = checked(state_message(estimate, kSent, kValid), "state");
+    EXPECT_EQ(sent.at("state"), "stale");
+    EXPECT_EQ(sent.at("alert"), name);
+    EXPECT_EQ(sent.at("health"), "unknown");
+    EXPECT_TRUE(sent.at("sliding").is_null());
+  }
+}
+
+TEST(MqttMessages, AStateOfASlipdThatIsAwayFitsTheSchema) {
+  slipd_estimate away = estimate_in(SLIPD_STATE_DISCONNECTED, -1);
+  for (const auto& [text, kind] :
+       {std::pair{away_text("left", 5), "state"},
+        std::pair{away_text(bridges::GraspFacts{"left", {"a"}}, 5), "grasp_state"}}) {
+    const json sent = checked(state_message(away, text, kValid), kind);
+    EXPECT_EQ(sent.at("state"), "disconnected");
+    EXPECT_EQ(sent.at("alert"), "warn");
+    EXPECT_EQ(sent.at("time_ns"), 5);
+  }
 }
 
 TEST(MqttMessages, TheStatusSaysWhetherSlipdServes) {
   const AlertCounts alerts{std::string(32, 'a'), 7, 2, 1};
-  const json there = checked(online_message({"0.1.0", inventory(), alerts, ""}, 5), "status");
+  const json there = checked(online_message({"0.1.0", inventory(), alerts, "", kValid}, 5), "status");
   EXPECT_EQ(there.at("slipd"), "0.1.0");
   EXPECT_EQ(there.at("sensors").at(0).at("name"), "left");
-  const json away = checked(online_message({"0.1.0", std::nullopt, alerts, "gone"}, 5), "status");
+  const json away = checked(online_message({"0.1.0", std::nullopt, alerts, "gone", kValid}, 5), "status");
   EXPECT_TRUE(away.at("slipd").is_null());
   EXPECT_TRUE(checked(offline_message(0), "status").at("time_ns").is_null());
+  EXPECT_EQ(checked(seen_message({"0.1.0", inventory(), alerts, "", kValid}, 5), "seen").at("version"),
+            "0.1.0");
 }
 
 TEST(MqttMessages, TheSummaryHasAMarginOnlyWhereItIsKnown) {
@@ -99,7 +130,7 @@ TEST(MqttMessages, TheSummaryHasAMarginOnlyWhereItIsKnown) {
   summary.grasps = {{"gripper", {"ok", "warn", 0.3, 0.2}}};
   summary.alerts_last_hour = 3;
   summary.period_s = 10;
-  const json sent = checked(summary_message({"0.1.0", inventory(), {}, ""}, summary, 5), "summary");
+  const json sent = checked(summary_message({"0.1.0", inventory(), {}, "", kValid}, summary, 5), "summary");
   EXPECT_EQ(sent.at("sensors").at(0).at("gamma"), 0.5);
   EXPECT_EQ(sent.at("sensors").at(0).at("gamma_min"), 0.4);
   EXPECT_TRUE(sent.at("sensors").at(1).at("gamma").is_null());
@@ -107,7 +138,7 @@ TEST(MqttMessages, TheSummaryHasAMarginOnlyWhereItIsKnown) {
   EXPECT_EQ(sent.at("grasps").at(0).at("gamma_min"), 0.2);
   EXPECT_EQ(sent.at("alerts_last_hour"), 3);
   summary.alerts_last_hour.reset();
-  EXPECT_TRUE(json::parse(summary_message({"0.1.0", inventory(), {}, ""}, summary, 5))
+  EXPECT_TRUE(json::parse(summary_message({"0.1.0", inventory(), {}, "", kValid}, summary, 5))
                   .at("alerts_last_hour")
                   .is_null());
 }
@@ -170,13 +201,11 @@ TEST(MqttMessages, MessagesOfAGraspFitTheSchema) {
   ASSERT_EQ(grasps.size(), 1U);
   const auto& [estimate, text] = grasps[0];
   EXPECT_EQ(checked(estimate_message(estimate, text), "grasp_estimate").at("gamma"), 0.5);
-  EXPECT_EQ(checked(state_message(estimate, text), "grasp_state").at("alert"), "warn");
+  EXPECT_EQ(checked(state_message(estimate, text, kValid), "grasp_state").at("alert"), "warn");
   const json alert = checked(alert_message(text, std::string(32, 'a'), 7, 2), "grasp_alert");
   EXPECT_EQ(alert.at("grasp"), "cup");
   EXPECT_EQ(alert.at("number"), 7);
   EXPECT_EQ(alert.at("first").at("sensor"), "left");
-  EXPECT_EQ(checked(away_message(bridges::GraspFacts{"cup", {"left"}}, 5), "grasp_state").at("state"),
-            "disconnected");
 }
 
 TEST(MqttMessages, AnAnswerThatIsNoneHasNoGrasps) {
