@@ -115,7 +115,7 @@ void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
   states_.take(now, std::string(text), Clock::now());
   note_margin(now);
   const bool ended = is_raised(stood) && now.alert == SLIPD_ALERT_NONE;
-  if (ended || (now.event == SLIPD_EVENT_ALERT && is_raised(now.alert))) take_alert(now, text);
+  if (ended || (now.event == SLIPD_EVENT_ALERT && is_raised(estimate.alert))) take_alert(now, text);
   if (now.event == SLIPD_EVENT_ESTIMATE) put_estimate(now, text);
   want_grasps(now);
   send();
@@ -282,11 +282,11 @@ void Publisher::note_acknowledged(int message) {
 void Publisher::note_lost(const std::string& why) {
   const auto held = broker_->held();
   const bool older = broker_->refuses_version();
+  if (!older) log(LogLevel::warning, why);
   broker_.reset();
   on_their_way_.clear();
   mqtt_ = older ? MqttVersion::v3_1_1 : MqttVersion::v5;
   if (older) return connecting_.start({});
-  log(LogLevel::warning, why);
   const double share = static_cast<double>(random_()) / static_cast<double>(std::minstd_rand::max());
   connecting_.start(turns_.lost(held, share));
 }

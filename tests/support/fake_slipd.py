@@ -9,6 +9,7 @@ class FakeSlipd:
     def __init__(self, path, sensors, server, grasps=()):
         self.path, self.sensors, self.server = path, list(sensors), server
         self.grasps = {name: {} for name in grasps}  # of all sensors: members of the next answers
+        self.alerts = {}  # by sensor: the alert that stands
         self.sequence = 0
         self.clients = []  # [socket, input, events, next due, period]
         self.recordings = []  # [client, the end into which its frames are written]
@@ -30,12 +31,14 @@ class FakeSlipd:
     def message(self, sensor, **members):
         self.sequence += 1
         gamma = 0.5 + 0.4 * math.sin(self.sequence / 50)
+        level = self.alerts.get(sensor, "none")
         return {"sensor": sensor, "seq": self.sequence, "time_ns": time.time_ns(), "state": "ok", "gamma": gamma, "sigma": 0.02,
                 "class": min(4, int(5 * gamma)) + 1, "gamma_low": gamma - 0.03, "friction": 0.45, "friction_sigma": 0.02, "normal_n": 2.1,
                 "shear_n": 0.36, "torque_nmm": 0.4, "torque_sigma_nmm": 0.02, "turned_deg": None, "turned_sigma_deg": None,
                 "center_mm": [0.1, -0.4], "radius_mm": 3.1, "a_over_r": 0.31, "time_to_slip_ms": None, "grip_increase_n": 0.0,
-                "grip_increase_sigma_n": 0.1, "alert": "none", "alert_cause": None, "sliding": "none", "sliding_for_ms": 812,
-                "method": "registered", "health": "good", "simulated": True, "latency_us": 35.2, "age_ms": 0.8} | members
+                "grip_increase_sigma_n": 0.1, "alert": level, "alert_cause": "margin" if level in ("warn", "slip") else None,
+                "sliding": "none", "sliding_for_ms": 812, "method": "registered", "health": "good", "simulated": True, "latency_us": 35.2,
+                "age_ms": 0.8} | members
 
     def grasp(self, name):
         return {"grasp": name, "sensors": self.sensors, "state": "ok", "gamma": 0.5, "sigma": 0.02, "class": 3, "gamma_low": 0.45, "friction": 0.45,
@@ -57,7 +60,8 @@ class FakeSlipd:
         self.send("estimate", self.message(sensor, **members))
 
     def alert(self, sensor, level="slip", **members):
-        params = self.message(sensor, alert=level, alert_cause="margin" if level != "none" else None, gamma=0.1, **members)
+        self.alerts[sensor] = level
+        params = self.message(sensor, gamma=0.1, **members)
         self.send("alert", params)
         return params["seq"]
 

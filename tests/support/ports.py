@@ -10,11 +10,11 @@ def free_port():
         return listener.getsockname()[1]
 
 
-def await_listening(port, what):
+def await_listening(port, what, address="127.0.0.1"):
     """Until `what` accepts connections there."""
     def listens():
         try:
-            socket.create_connection(("127.0.0.1", port)).close()
+            socket.create_connection((address, port)).close()
             return True
         except OSError:
             return False

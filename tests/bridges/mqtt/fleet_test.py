@@ -104,7 +104,7 @@ class Fleet(WithGrippers):
         line = lines.await_line("g1", lambda line: line["status"] == "offline", "the last will")
         self.assertLess(line["offline_since_ns"], killed)
         self.assertGreater(line["offline_since_ns"], killed - 60e9)
-        self.assertEqual((line["gamma"], line["alert"], line["alerts_last_hour"], line["version"]), (None, None, None, "0.1.0"))
+        self.assertEqual((line["gamma"], line["alert"], line["alerts_last_hour"], line["version"]), (None, "warn", None, "0.1.0"))
         bridge.start()
         line = lines.await_line("g1", lambda line: line["alerts_last_hour"] is not None, "the gripper again")
         self.assertEqual((line["status"], line["alerts_last_hour"]), ("online", 3))  # counted before it was killed
@@ -143,7 +143,7 @@ class Fleet(WithGrippers):
         writer = Subscriber(self.broker.port, "operator")
         self.addCleanup(writer.close)
         lines.await_line("g1", lambda line: line["status"] == "offline", "the last will")
-        for topic in "status", "summary":
+        for topic in "status", "summary", "seen":
             writer.client.publish(f"slipd/g1/{topic}", b"", 1, True)
         lines.await_line("g1", lambda line: line["status"] == "removed", "the removal")
 

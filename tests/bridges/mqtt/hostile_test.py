@@ -58,14 +58,18 @@ def read_packet(connection):
     return first[0], exactly(length) if length else b""
 
 
-CONNACK = b"\x20\x02\x00\x00"
+CONNACK, CONNACK_5 = b"\x20\x02\x00\x00", b"\x20\x03\x00\x00\x00"
+VERSION_REFUSED = b"\x20\x02\x00\x01"
 
 
 def good(published):
-    """A broker that acknowledges and keeps (topic, payload) of QoS 1."""
+    """A broker of MQTT 3.1.1 that refuses MQTT 5, acknowledges, and keeps (topic, payload) of QoS 1."""
     def behave(connection):
         while (packet := read_packet(connection)) is not None:
             kind, body = packet
+            if kind >> 4 == 1 and body[6] > 4:
+                connection.sendall(VERSION_REFUSED)
+                return
             if kind >> 4 == 1:
                 connection.sendall(CONNACK)
             elif kind >> 4 == 12:
@@ -98,23 +102,23 @@ def closes_at_once(connection):
 
 def refuses(connection):
     read_packet(connection)
-    connection.sendall(b"\x20\x02\x00\x05")
+    connection.sendall(b"\x20\x03\x00\x87\x00")
 
 
 def accepts_and_closes(connection):
     read_packet(connection)
-    connection.sendall(CONNACK)
+    connection.sendall(CONNACK_5)
 
 
 def huge_packet(connection):
     read_packet(connection)
-    connection.sendall(CONNACK + b"\x30\xff\xff\xff\x7f" + b"x" * 65536)
+    connection.sendall(CONNACK_5 + b"\x30\xff\xff\xff\x7f" + b"x" * 65536)
     silent(connection)
 
 
 def acknowledges_nonsense(connection):
     read_packet(connection)
-    connection.sendall(CONNACK + b"".join(b"\x40\x02" + n.to_bytes(2, "big") for n in range(60_000, 62_000)))
+    connection.sendall(CONNACK_5 + b"".join(b"\x40\x02" + n.to_bytes(2, "big") for n in range(60_000, 62_000)))
     connection.sendall(b"\x62\x02\x00\x01\x70\x02\x00\x01\x90\x03\x00\x01\x00\xb0\x02\x00\x01")
     closes_at_once(connection)
 
@@ -165,12 +169,24 @@ class Hostile(BridgeTest):
     def test_acknowledges_nonsense(self):
         self.alerts_pass(acknowledges_nonsense)
 
+    # As one that may not write the topic: the alert is not the broker's.
+    def test_refuses_alerts(self):
+        def behave(connection):
+            while (packet := read_packet(connection)) is not None:
+                kind, body = packet
+                if kind >> 4 == 1:
+                    connection.sendall(CONNACK_5)
+                elif kind >> 4 == 3 and kind & 6:
+                    length = int.from_bytes(body[:2], "big")
+                    connection.sendall(b"\x40\x03" + body[2 + length:4 + length] + b"\x87")
+        self.alerts_pass(behave)
+
     # QoS 1 messages that are not acknowledged: the broker is left after a while, and nothing is lost.
     def test_never_acknowledges(self):
         def behave(connection):
             while (packet := read_packet(connection)) is not None:
                 if packet[0] >> 4 == 1:
-                    connection.sendall(CONNACK)
+                    connection.sendall(CONNACK_5)
                 elif packet[0] >> 4 == 12:
                     connection.sendall(b"\xd0\x00")
         self.alerts_pass(behave)
@@ -180,7 +196,7 @@ class Hostile(BridgeTest):
         def behave(connection):
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
             read_packet(connection)
-            connection.sendall(CONNACK)
+            connection.sendall(CONNACK_5)
             time.sleep(60)
         hostile = HostileBroker(behave)
         bridge = self.bridge(hostile, rate_hz=1000)

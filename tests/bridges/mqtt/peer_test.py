@@ -16,20 +16,20 @@ from support import Bridge, BridgeTest, Certificates
 
 
 class Mosquitto:
-    def __init__(self, folder, lines=(), listener=""):
-        self.port, self.folder = free_port(), folder
+    def __init__(self, folder, lines=(), listener="", address="127.0.0.1"):
+        self.port, self.folder, self.address = free_port(), folder, address
         self.file = os.path.join(folder, f"mosquitto-{self.port}.conf")
         store = os.path.join(folder, f"store-{self.port}")
         os.mkdir(store)
         with open(self.file, "w") as file:
-            file.write("\n".join(["persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} 127.0.0.1",
+            file.write("\n".join(["persistence true", f"persistence_location {store}/", "autosave_interval 1", "user root", f"listener {self.port} {address}",
                                   listener, *(lines or ["allow_anonymous true"])]) + "\n")
         self.start()
 
     def start(self):
         with open(os.path.join(self.folder, f"mosquitto-{self.port}.log"), "a") as log:
             self.program = subprocess.Popen([MOSQUITTO, "-c", self.file], stdout=log, stderr=log)
-        await_listening(self.port, "mosquitto")
+        await_listening(self.port, "mosquitto", self.address)
 
     def stop(self):
         self.program.terminate()
@@ -71,7 +71,9 @@ class Subscriber:
         self.client.loop_stop()
 
 
-class Peer(BridgeTest):
+class PeerTest(BridgeTest):
+    """A stand-in for slipd with two sensors, mosquitto and Paho."""
+
     def setUp(self):
         super().setUp()
         self.slipd = self.fake_slipd()
@@ -89,6 +91,8 @@ class Peer(BridgeTest):
         self.addCleanup(subscriber.close)
         return subscriber
 
+
+class Peer(PeerTest):
     def test_birth_states_estimates_and_the_end(self):
         broker = self.broker()
         reader = self.subscriber(broker.port)
@@ -108,6 +112,8 @@ class Peer(BridgeTest):
         self.assertEqual(bridge.stop(), 0)
         ended = await_true(lambda: reader.retained["slipd/gripper/status"]["status"] == "offline" and reader.retained["slipd/gripper/status"], "the end")
         self.assertIsNotNone(ended["time_ns"])
+        # Which came before the end of the connection.
+        self.assertEqual([reader.retained[f"slipd/gripper/{sensor}/state"]["state"] for sensor in ("left", "right")], ["disconnected"] * 2)
 
     def test_an_estimate_that_is_old_has_no_margin(self):
         broker = self.broker()

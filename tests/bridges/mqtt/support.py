@@ -30,9 +30,10 @@ class Certificates:
 
 
 class Bridge:
-    """slipd-mqtt with these brokers."""
+    """slipd-mqtt with these brokers. `within`: a command that runs it."""
 
-    def __init__(self, folder, socket, brokers, host="gripper", **more):
+    def __init__(self, folder, socket, brokers, host="gripper", within=(), **more):
+        self.within = within
         self.log_file = os.path.join(folder, host + ".log")
         self.settings = os.path.join(folder, host + ".json")
         with open(self.settings, "w") as file:
@@ -42,7 +43,7 @@ class Bridge:
 
     def start(self):
         with open(self.log_file, "a") as log:
-            self.program = subprocess.Popen([os.path.join(BUILD, "bin", "slipd-mqtt"), "--config", self.settings], stderr=log)
+            self.program = subprocess.Popen([*self.within, os.path.join(BUILD, "bin", "slipd-mqtt"), "--config", self.settings], stderr=log)
 
     def log(self):
         with open(self.log_file) as log:
