@@ -33,7 +33,7 @@ struct FeedOptions {
   double answer_timeout_s = 1;
   // The same, asked for before each request for the inventory, for a bridge that must not stand still for
   // longer than something else allows. Empty: answer_timeout_s.
-  std::function<double()> patience_s;
+  std::function<double()> patience_s = {};
 };
 
 struct FeedListener {

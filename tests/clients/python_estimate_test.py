@@ -95,8 +95,15 @@ class Ages(unittest.TestCase):
         young = self.sent()
         self.clock.now_s += 0.9 * MAX_AGE_S
         now = young.now()
-        self.clock.now_s += 0.2 * MAX_AGE_S
+        self.clock.now_s += 0.15 * MAX_AGE_S
         self.assertEqual((young.state, now.state), ("stale", "ok"), "what was handed out in time stands for one decision")
+
+    def test_a_decision_takes_no_longer_than_twenty_milliseconds_however_old_an_estimate_may_be(self):
+        late = slipd._estimate({**SENT, "age_ms": 990}, 1.0)
+        self.clock.now_s += 0.019
+        self.assertEqual(late.state, "ok")
+        self.clock.now_s += 0.002
+        self.assertEqual(late.state, "stale")
 
     def test_an_estimate_of_the_future_is_of_another_clock_and_has_no_margin(self):
         early = self.sent(age_ms=-1.0)

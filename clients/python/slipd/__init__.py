@@ -52,7 +52,7 @@ except ImportError:
 SOCKET = "/run/slipd/slipd.sock"
 _RETRY_FIRST_S, _RETRY_LAST_S = 0.05, 2.0  # pauses between attempts to connect
 _READ_BYTES = 1 << 16
-_HOLD = 0.25  # of max_age_s: how long what an estimate says when it is handed out stands at least
+_HOLD, _HOLD_MOST_S = 0.25, 0.02  # how long what an estimate says when it is handed out stands at least: share of max_age_s, at most
 _INFINITE = float("inf")
 _STATES = ("ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault")  # by their numbers
 _ALERTS = ("none", "warn", "slip", "unknown")
@@ -79,7 +79,7 @@ class Estimate:
     that was "none" is "unknown", a raised one stands. Thus an estimate may be kept, and what is kept never says "ok" for a slipd
     that is dead.
 
-    What it says when it is handed out stands for a quarter of max_age_s at least, so that a decision that reads several fields, as
+    What it says when it is handed out stands for a quarter of max_age_s, but no more than 20 ms, so that a decision that reads several fields, as
     `if estimate.gamma is None: … elif estimate.gamma < 0.3: grip(estimate.grip_increase_n)`, reads one judgement, also where the
     estimate is about to be too old. A program that stands still for longer amid its decision finds None where a number was: an
     error, rather than an act on an old margin. `kept.now()` hands out again what was kept.
@@ -106,7 +106,7 @@ class Estimate:
     held_until_s: float = field(init=False, repr=False)  # what it said when it was handed out stands until then, time.monotonic()
 
     def __post_init__(self) -> None:
-        hold_s = _HOLD * self.max_age_s if self._is_young() else -_INFINITE
+        hold_s = min(_HOLD * self.max_age_s, _HOLD_MOST_S) if self._is_young() else -_INFINITE
         object.__setattr__(self, "held_until_s", time.monotonic() + hold_s)
 
     def _is_young(self) -> bool:
