@@ -1,5 +1,6 @@
 #include "daemon/rpc/frame_requests.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <boost/archive/iterators/base64_from_binary.hpp>
@@ -38,41 +39,44 @@ std::string base64_of(std::span<const std::byte> bytes) {
   return text;
 }
 
+// Which frame it is, and what it is worth: the last one stays here when no more come.
+json about(const FrameCopy::Content& frame, State state, const Now& now) {
+  const std::int64_t age_ns = std::max<std::int64_t>(0, now.monotonic_ns - frame.time_ns);
+  return {{"seq", frame.sequence},
+          {"time_ns", now.realtime_of(frame.time_ns)},
+          {"state", to_string(state)},
+          {"age_ms", 1e-6 * static_cast<double>(age_ns)}};
+}
+
 // float32, little-endian: a third of the time and of the bytes that digits take.
-json values_json(const FrameCopy::Content& frame, const Now& now) {
+void add_base64(json& answer, const FrameCopy::Content& frame) {
   static_assert(std::endian::native == std::endian::little);
   const auto text_of = [](const std::vector<float>& values) {
     return base64_of(std::as_bytes(std::span(values)));
   };
-  return {{"seq", frame.sequence},
-          {"time_ns", now.realtime_of(frame.time_ns)},
-          {"normal_pa", text_of(frame.normal_pa)},
-          {"shear_x_pa", text_of(frame.shear_x_pa)},
-          {"shear_y_pa", text_of(frame.shear_y_pa)}};
+  answer["normal_pa"] = text_of(frame.normal_pa);
+  answer["shear_x_pa"] = text_of(frame.shear_x_pa);
+  answer["shear_y_pa"] = text_of(frame.shear_y_pa);
 }
 
-json bytes_json(const FrameCopy::Content& frame, const Now& now) {
+void add_bytes(json& answer, const FrameCopy::Content& frame) {
   const FrameBytes bytes = frame_bytes(frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa);
-  return {{"seq", frame.sequence},
-          {"time_ns", now.realtime_of(frame.time_ns)},
-          {"peak_pa", bytes.peak_pa},
-          {"peak_shear_pa", bytes.peak_shear_pa},
-          {"values", base64_of(std::as_bytes(std::span(bytes.values)))}};
+  answer["peak_pa"] = bytes.peak_pa;
+  answer["peak_shear_pa"] = bytes.peak_shear_pa;
+  answer["values"] = base64_of(std::as_bytes(std::span(bytes.values)));
 }
 
-json frame_json(const FrameCopy::Content& frame, const TaxelLayout& layout, const Now& now) {
+void add_digits(json& answer, const FrameCopy::Content& frame, const TaxelLayout& layout) {
   std::vector<double> x_mm(layout.x_m().begin(), layout.x_m().end());
   std::vector<double> y_mm(layout.y_m().begin(), layout.y_m().end());
   for (auto* axis : {&x_mm, &y_mm}) {
     for (double& value : *axis) value *= 1e3;
   }
-  return {{"seq", frame.sequence},
-          {"time_ns", now.realtime_of(frame.time_ns)},
-          {"normal_pa", frame.normal_pa},
-          {"shear_x_pa", frame.shear_x_pa},
-          {"shear_y_pa", frame.shear_y_pa},
-          {"x_mm", x_mm},
-          {"y_mm", y_mm}};
+  answer["normal_pa"] = frame.normal_pa;
+  answer["shear_x_pa"] = frame.shear_x_pa;
+  answer["shear_y_pa"] = frame.shear_y_pa;
+  answer["x_mm"] = x_mm;
+  answer["y_mm"] = y_mm;
 }
 
 }  // namespace
@@ -124,21 +128,23 @@ void FrameRequests::complete_of(std::size_t sensor) {
   std::array<std::string, kEncodings> texts;
   const char* trouble = usable ? nullptr : "no frame of this sensor has come yet";
   try {
+    const State state = status.latest.load().estimate.state;
     for (const Pending& wanted : waiting) {
       std::string& text = texts[static_cast<std::size_t>(wanted.encoding)];
       if (!usable || !text.empty()) continue;
-      const Now now = Now::read();
+      json answer = about(*frame, state, Now::read());
       switch (wanted.encoding) {
         case Encoding::digits:
-          text = frame_json(*frame, *layout, now).dump();
+          add_digits(answer, *frame, *layout);
           break;
         case Encoding::base64:
-          text = values_json(*frame, now).dump();
+          add_base64(answer, *frame);
           break;
         case Encoding::bytes:
-          text = bytes_json(*frame, now).dump();
+          add_bytes(answer, *frame);
           break;
       }
+      text = answer.dump();
     }
   } catch (const std::bad_alloc&) {
     trouble = "slipd has not enough memory for this";

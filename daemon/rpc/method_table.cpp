@@ -29,7 +29,7 @@ std::vector<MethodFacts> make_methods() {
          "values in base64, without places: base64 as float32, bytes as shares of their peaks, a byte each; "
          "absent: as numbers"}},
        kObject,
-       "One frame: pressure and shear of each taxel, and where it is"},
+       "The newest frame, its age and the sensor's state: pressure and shear of each taxel, and where it is"},
       {"tradeoff", {kSensor}, kObject, "Error against time of the estimators measured for a sensor"},
       {"subscribe",
        {{"sensors", false, kNames, "names of sensors; absent: all"},

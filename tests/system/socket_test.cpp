@@ -90,6 +90,41 @@ TEST_F(Socket, AFrameHasAColumnForEveryTaxel) {
   EXPECT_NEAR(frame["x_mm"][0].get<double>(), -9.5 * 0.72, 1e-9);
 }
 
+// The sensor ends once the file is there, and its last frame is all that there is from then on.
+TEST(EndedSensor, ItsFrameSaysTheStateAndHowOldItIs) {
+  const TempFolder folder;
+  const auto end = folder.file("end");
+  const json sensor = trial_sensor("left", {{"behaviour", "end"}, {"well_until", end.string()}},
+                                   {{"stale_after_ms", 60'000}});
+  Daemon daemon(config_with(folder, json::array({sensor})), trial_drivers());
+  const auto state_is = [](const char* state) {
+    return [state](const json& r) { return r["sensors"][0]["state"] == state; };
+  };
+  daemon.wait_for("gamma", state_is("ok"));
+  const json encodings = {nullptr, "base64", "bytes"};
+  auto client = daemon.client();
+  const auto frame_in = [&](const json& encoding) {
+    json params{{"sensor", "left"}};
+    if (!encoding.is_null()) params["encoding"] = encoding;
+    return client.result("frame", params);
+  };
+  for (const json& encoding : encodings) {
+    EXPECT_EQ(frame_in(encoding)["state"], "ok") << encoding;
+    EXPECT_GE(frame_in(encoding)["age_ms"].get<double>(), 0) << encoding;
+  }
+  folder.write("end", "");
+  daemon.wait_for("gamma", state_is("stale"));
+  for (const json& encoding : encodings) {
+    const json first = frame_in(encoding), second = frame_in(encoding);
+    EXPECT_EQ(first["state"], "stale") << encoding;
+    EXPECT_EQ(first["seq"], second["seq"]) << encoding;
+    EXPECT_GT(second["age_ms"].get<double>(), first["age_ms"].get<double>()) << encoding;
+    const double sampled_s = 1e-9 * second["time_ns"].get<double>(),
+                 age_s = 1e-3 * second["age_ms"].get<double>();
+    EXPECT_NEAR(sampled_s + age_s, static_cast<double>(std::time(nullptr)), 60) << encoding;
+  }
+}
+
 // RFC 4648, section 4.
 std::string bytes_of_base64(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
