@@ -101,7 +101,7 @@ Loop::Loop() : state_(std::make_unique<State>()) {
   sd_event* made = nullptr;
   succeeded(sd_event_new(&made), "event loop");
   state_->event.reset(made);
-  succeeded(sd_event_set_watchdog(made, 1), "watchdog");  // 0 without WatchdogSec=
+  feed_watchdog(true);
 }
 
 Loop::~Loop() = default;
@@ -167,6 +167,10 @@ void Loop::on_signal(int number, std::function<void()> handler) {
   sd_event_source* made = nullptr;
   succeeded(sd_event_add_signal(state_->event.get(), &made, number, call, &kept), "wait for a signal");
   kept.source.reset(made);
+}
+
+void Loop::feed_watchdog(bool feed) {
+  succeeded(sd_event_set_watchdog(state_->event.get(), feed ? 1 : 0), "watchdog");
 }
 
 void Loop::run() {

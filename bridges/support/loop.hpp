@@ -64,6 +64,10 @@ class Loop {
   // starts later, so call it before any thread is started.
   void on_signal(int number, std::function<void()> handler);
 
+  // Whether run() feeds systemd's watchdog, which it does from the start where WatchdogSec= asks for it. For
+  // a program that has to know of more than this thread. Throws std::system_error.
+  void feed_watchdog(bool feed);
+
   // Serves until stop(). Throws what a handler throws.
   void run();
   // Serves what has come, and waits for it at most `patience`. For tests. Throws what a handler throws.

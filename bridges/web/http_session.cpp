@@ -117,7 +117,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       case Part::page:
         return answer_page(route.name);
       case Part::login:
-        return answer_login();
+        return answer_login(asked.host);
       case Part::recordings:
         return answer_json(recordings_json(serving_.settings.recordings));
       case Part::recording:
@@ -188,13 +188,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                 std::string(text_of(Refusal::unknown)) + "\n", ends());
   }
 
-  void answer_login() {
+  void answer_login(std::string_view host) {
     const bool end = ends();
     Text response{http::status::see_other, 11};
     set_fields(response, "text/plain");
     response.set(http::field::location, "./");
-    response.set(http::field::set_cookie, "slipd-token=" + serving_.rules->token() +
-                                              "; Path=/; HttpOnly; SameSite=Strict; Max-Age=31536000");
+    response.set(http::field::set_cookie,
+                 serving_.rules->cookie(host) + "; Path=/; HttpOnly; SameSite=Strict; Max-Age=31536000");
     response.keep_alive(!end);
     send(std::move(response), {}, end);
   }

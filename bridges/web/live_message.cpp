@@ -9,10 +9,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kMarginKeys[] = {
-    "gamma",           "sigma",           "gamma_low", "class",
-    "time_to_slip_ms", "grip_increase_n", "sliding",   "grip_increase_sigma_n",
-    "sliding_for_ms",  "a_over_r",        "first"};
+// What an estimate keeps when its frame is too old.
+constexpr std::string_view kLasting[] = {"sensor", "grasp",       "sensors", "seq",   "time_ns",  "age_ms",
+                                         "alert",  "alert_cause", "method",  "state", "simulated"};
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -37,14 +36,30 @@ std::optional<double> oldest_of(const Json& members, const Json& sensors) {
   return members.empty() ? std::nullopt : std::optional(oldest);
 }
 
+// Without frames an alert that was raised stands, and that there is none is not known any more.
+void without_frames(Json& estimate, std::string_view state) {
+  for (auto& [key, value] : estimate.items()) {
+    if (std::find(std::begin(kLasting), std::end(kLasting), key) == std::end(kLasting)) value = nullptr;
+  }
+  estimate["state"] = state;
+  if (estimate.at("alert") == "none") estimate["alert"] = "unknown";
+  if (estimate.contains("health")) estimate["health"] = "unknown";
+}
+
 void judge(Json& estimate, std::optional<double> age_ms, double max_age_ms) {
   const bool young = age_ms && *age_ms <= max_age_ms;
-  if (!young && estimate.at("state") != "fault") estimate["state"] = "stale";
+  if (!young) without_frames(estimate, estimate.at("state") == "fault" ? "fault" : "stale");
   if (estimate.at("state") != "ok") estimate["gamma"] = nullptr;
-  if (young) return;
-  for (const char* key : kMarginKeys) {
-    if (estimate.contains(key)) estimate[key] = nullptr;
+}
+
+// Those of a message of before, as they are while slipd is away.
+Json disconnected(const Json& live, const char* kind) {
+  Json estimates = live.is_object() ? live.at(kind) : Json::array();
+  for (Json& estimate : estimates) {
+    without_frames(estimate, "disconnected");
+    estimate["age_ms"] = nullptr;
   }
+  return estimates;
 }
 
 }  // namespace
@@ -69,12 +84,13 @@ std::string live_message(std::string_view gamma_answer, double max_age_ms) {
       {{"type", "live"}, {"slipd", "ok"}, {"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}});
 }
 
-std::string away_message(std::string_view why) {
+std::string away_message(std::string_view why, std::string_view last_live) {
+  const Json last = Json::parse(last_live, nullptr, false);
   return text_of({{"type", "live"},
                   {"slipd", "away"},
                   {"why", why},
-                  {"sensors", Json::array()},
-                  {"grasps", Json::array()}});
+                  {"sensors", disconnected(last, "sensors")},
+                  {"grasps", disconnected(last, "grasps")}});
 }
 
 std::string status_message(std::string_view sensors_answer, std::string_view status_answer) {

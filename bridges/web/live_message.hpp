@@ -7,12 +7,13 @@
 namespace slipd::web {
 
 // {"type":"live","slipd":"ok","sensors":[…],"grasps":[…]} from slipd's answer to `gamma`. An estimate older
-// than max_age_ms, or without an age, is stale: it keeps its alert and loses every number that a margin could
-// be taken for. A grasp is as old as its oldest sensor. Throws std::exception for an answer of another form.
+// than max_age_ms, or without an age, is stale: it keeps an alert that was raised, and loses all that its
+// frame said. A grasp is as old as its oldest sensor. Throws std::exception for an answer of another form.
 std::string live_message(std::string_view gamma_answer, double max_age_ms);
 
-// The same while slipd is away; `why` is a sentence for people.
-std::string away_message(std::string_view why);
+// The same while slipd is away; `why` is a sentence for people. The sensors and grasps are those of
+// `last_live`, the last live_message (empty: there was none): disconnected, with the alerts that stand.
+std::string away_message(std::string_view why, std::string_view last_live);
 
 // {"type":"status","sensors":[…],"status":{…}} from slipd's answers. Throws as above.
 std::string status_message(std::string_view sensors_answer, std::string_view status_answer);

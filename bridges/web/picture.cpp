@@ -47,13 +47,16 @@ std::string with_head(const Json& head, std::size_t room) {
 
 }  // namespace
 
-std::string frame_picture(const std::string& sensor, std::string_view answer) {
+std::string frame_picture(const std::string& sensor, std::string_view answer, double max_age_ms) {
   const Json frame = Json::parse(answer);
+  const double age_ms = frame.at("age_ms");
+  if (age_ms > max_age_ms || frame.at("state") == "stale") throw std::runtime_error("slipd's frame is old");
   const std::string values = taxels_in(frame.at("values"));
   const Json head{{"kind", "frame"},
                   {"sensor", sensor},
                   {"taxels", values.size() / kChannels},
                   {"seq", frame.at("seq")},
+                  {"age_ms", age_ms},
                   {"peak_pa", frame.at("peak_pa")},
                   {"peak_shear_pa", frame.at("peak_shear_pa")}};
   return with_head(head, values.size()) += values;

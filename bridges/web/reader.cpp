@@ -21,6 +21,7 @@ constexpr double kAnswerS = 0.4;    // slipd may take this long; the page says t
 constexpr double kOldAge = 1e6;     // s: the subscription is for its events, ages are judged elsewhere
 constexpr auto kStatusPeriod = 1s;  // the status has no events
 constexpr auto kLayoutPeriod = 5s;  // a reload may have changed where taxels are
+constexpr auto kPulse = 1s;         // in which the server's thread must run once
 constexpr int kEvents = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
 
 std::string quoted(const std::string& text) {
@@ -40,8 +41,10 @@ Reader::Reader(bridges::Loop& loop, Settings settings)
       beat_(loop, [this] { send_live(); }),
       status_(loop, [this] { send_status(); }),
       pictures_(loop, [this] { send_pictures(); }),
+      pulse_(loop, [this] { check_server(); }),
       rung_(loop, bell_->fd(), EPOLLIN, [this](std::uint32_t) { wanted_changed(); }) {
   server_ = std::make_unique<Server>(settings_, [bell = bell_.get()] { bell->ring(); });
+  check_server();
 }
 
 Reader::~Reader() = default;
@@ -52,7 +55,13 @@ void Reader::wanted_changed() {
   if (wanted_.browsers > 0 && !events_) begin();
   if (wanted_.browsers == 0 && events_) end();
   if (wanted_.method) send_method();
-  if (!wanted_.looks.empty() && !pictures_.running()) pictures_.start(until_next(pictured_));
+  plan_pictures();
+}
+
+// This thread feeds the watchdog, and only while the server's thread runs too.
+void Reader::check_server() {
+  pulse_.start(kPulse);
+  loop_.feed_watchdog(server_->answers());
 }
 
 Reader::Clock::duration Reader::until_next(Clock::time_point last) const {
@@ -99,7 +108,8 @@ void Reader::send_live() {
   estimates_.stop();
   beat_.start(kHeartbeat);
   try {
-    server_->publish_live(live_message(ask("gamma"), settings_.max_age_ms));
+    live_ = live_message(ask("gamma"), settings_.max_age_ms);
+    server_->publish_live(live_);
     if (!away_.empty()) bridges::log(bridges::LogLevel::notice, "slipd is there again");
     if (!away_.empty()) laid_out_.clear();
     away_.clear();
@@ -108,7 +118,7 @@ void Reader::send_live() {
     if (away_.empty())
       bridges::log(bridges::LogLevel::warning, std::string("slipd is not reached: ") + error.what());
     away_ = error.what();
-    server_->publish_live(away_message(away_));
+    server_->publish_live(away_message(away_, live_));
   }
 }
 
@@ -122,15 +132,26 @@ void Reader::send_status() {
   }
 }
 
+// The server says when a browser is ready for the next one. A sensor without pictures is asked again later,
+// and does not delay the others.
+void Reader::plan_pictures() {
+  const bool due = std::any_of(wanted_.looks.begin(), wanted_.looks.end(),
+                               [&](const std::string& sensor) { return !without_.contains(sensor); });
+  if (due) return pictures_.start(until_next(pictured_));
+  if (!wanted_.looks.empty() && !pictures_.running()) pictures_.start(kHeartbeat);
+}
+
 void Reader::send_pictures() {
   wanted_ = server_->wanted();
-  if (wanted_.looks.empty()) return;  // the server says when a browser is ready for the next one
   // In step with the last one, so that neither a late timer nor the work below makes the rate lower.
   const auto now = Clock::now();
   pictured_ = now - pictured_ < 2 * period_ ? pictured_ + period_ : now;
-  bool sent = away_.empty();
-  for (const std::string& sensor : wanted_.looks) sent = sent && send_picture(sensor);
-  pictures_.start(sent ? until_next(pictured_) : Clock::duration(kHeartbeat));
+  std::erase_if(without_, [&](const auto& each) { return each.second <= now; });
+  for (const std::string& sensor : wanted_.looks) {
+    if (without_.contains(sensor) || (away_.empty() && send_picture(sensor))) continue;
+    without_[sensor] = Clock::now() + kHeartbeat;
+  }
+  plan_pictures();
 }
 
 // False: there is none now.
@@ -142,7 +163,8 @@ bool Reader::send_picture(const std::string& sensor) {
       server_->publish_layout(sensor, layout_picture(sensor, ask("frame", name + "}")));
       asked = Clock::now();
     }
-    server_->publish_picture(sensor, frame_picture(sensor, ask("frame", name + R"(,"encoding":"bytes"})")));
+    server_->publish_picture(
+        sensor, frame_picture(sensor, ask("frame", name + R"(,"encoding":"bytes"})"), settings_.max_age_ms));
     return true;
   } catch (const std::exception&) {
     laid_out_.erase(sensor);  // a browser may look at what is no sensor

@@ -47,8 +47,10 @@ class Reader : public bridges::Service {
   void take_events();
   void send_live();
   void send_status();
+  void plan_pictures();
   void send_pictures();
   bool send_picture(const std::string& sensor);
+  void check_server();
   void send_method();
   // The answer as text. Throws std::runtime_error with libslipd's text.
   std::string ask(const char* method, const std::string& params = "{}");
@@ -60,13 +62,15 @@ class Reader : public bridges::Service {
   client::Connection requests_;               // what has an answer
   std::optional<client::Connection> events_;  // the subscription, while there are browsers
   std::unique_ptr<bridges::Bell> bell_;
-  bridges::Loop::Timer estimates_, beat_, status_, pictures_;
+  bridges::Loop::Timer estimates_, beat_, status_, pictures_, pulse_;
   bridges::Loop::Watch event_, rung_;
   Clock::time_point sent_{}, pictured_{};  // of the estimates; when the pictures were due
   Wanted wanted_;
   bool subscribed_ = false;
   std::string away_;                                   // why slipd is not reached; empty: it is
+  std::string live_;                                   // the last live_message
   std::map<std::string, Clock::time_point> laid_out_;  // when a sensor's layout was asked for
+  std::map<std::string, Clock::time_point> without_;   // sensors without a picture, and until when
   std::unique_ptr<Server> server_;                     // its thread uses bell_
 };
 

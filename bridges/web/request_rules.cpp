@@ -8,7 +8,6 @@
 namespace slipd::web {
 namespace {
 
-constexpr std::string_view kCookie = "slipd-token=";
 constexpr std::string_view kBearer = "Bearer ";
 constexpr std::size_t kLongestTarget = 512;
 
@@ -53,14 +52,20 @@ Route named(Part part, std::string_view escaped) {
   return {part, std::move(*name), {}};
 }
 
-// The token among "a=b; slipd-token=…".
-std::string_view token_in(std::string_view cookies) {
+// "slipd-token-8077=" for 127.0.0.1:8077, "slipd-token=" for a host without a port.
+std::string cookie_name(std::string_view host) {
+  const std::size_t colon = host.find(':', host.starts_with('[') ? host.find(']') : 0);
+  return "slipd-token" + (colon == host.npos ? "" : "-" + std::string(host.substr(colon + 1))) + "=";
+}
+
+// The token among "a=b; slipd-token-8077=…"; `name`: with its "=".
+std::string_view token_in(std::string_view cookies, std::string_view name) {
   while (!cookies.empty()) {
     const std::size_t end = std::min(cookies.find(';'), cookies.size());
     std::string_view cookie = cookies.substr(0, end);
     cookies.remove_prefix(std::min(end + 1, cookies.size()));
     while (!cookie.empty() && cookie.front() == ' ') cookie.remove_prefix(1);
-    if (cookie.starts_with(kCookie)) return cookie.substr(kCookie.size());
+    if (cookie.starts_with(name)) return cookie.substr(name.size());
   }
   return {};
 }
@@ -111,7 +116,11 @@ bool RequestRules::right(std::string_view token) const noexcept {
 bool RequestRules::admitted(const RequestHead& head) const {
   if (token_.empty()) return true;
   if (head.authorization.starts_with(kBearer)) return right(head.authorization.substr(kBearer.size()));
-  return right(token_in(head.cookie));
+  return right(token_in(head.cookie, cookie_name(head.host)));
+}
+
+std::string RequestRules::cookie(std::string_view host) const {
+  return cookie_name(host) + token_;
 }
 
 Refusal RequestRules::judge(const RequestHead& head, const Route& route) const {

@@ -64,7 +64,9 @@ class RequestRules {
   Refusal judge(const RequestHead& head, const Route& route) const;
   // Whether a token is the right one. Takes as long for any.
   bool right(std::string_view token) const noexcept;
-  const std::string& token() const noexcept { return token_; }
+  // Name and value of the cookie that admits a browser that asks for `host`. Cookies are shared by all ports
+  // of a host, so the name has the port: several of these pages do not overwrite each other's.
+  std::string cookie(std::string_view host) const;
 
  private:
   bool own_host(std::string_view host) const;

@@ -2,6 +2,7 @@
 
 #include <slipd.h>
 
+#include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -95,6 +96,7 @@ struct Server::State {
   Tcp::acceptor acceptor;
   asio::steady_timer pause;
   std::uint16_t port = 0;
+  std::atomic<bool> answered{true};  // what answers() posted last; relaxed: no other memory is read by it
   std::thread thread;
 };
 
@@ -129,6 +131,12 @@ Server::~Server() {
 Wanted Server::wanted() const {
   const std::lock_guard lock(state_->serving.mutex);
   return state_->serving.wanted;
+}
+
+bool Server::answers() {
+  if (!state_->answered.exchange(false, std::memory_order_relaxed)) return false;
+  state_->in_serving_thread([&state = *state_] { state.answered.store(true, std::memory_order_relaxed); });
+  return true;
 }
 
 std::uint16_t Server::port() const noexcept {

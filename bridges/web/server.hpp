@@ -47,6 +47,8 @@ class Server {
   void publish_layout(const std::string& sensor, std::string layout);
   // The answer to api/method.
   void publish_method(std::string json);
+  // Whether the serving thread has run since the last call, or this is the first. Does not wait for it.
+  bool answers();
   // TCP port that it listens on.
   std::uint16_t port() const noexcept;
 

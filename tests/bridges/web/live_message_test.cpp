@@ -12,9 +12,11 @@ using Json = nlohmann::json;
 constexpr double kMaxAgeMs = 100;
 
 Json sensor(const char* name, const Json& age_ms, const char* state = "ok") {
-  return {{"sensor", name},          {"state", state},   {"gamma", 0.5},           {"sigma", 0.01},
-          {"gamma_low", 0.4},        {"class", 3},       {"grip_increase_n", 0.1}, {"alert", "warn"},
-          {"alert_cause", "margin"}, {"age_ms", age_ms}, {"simulated", true},      {"sliding", "none"}};
+  return {
+      {"sensor", name},          {"state", state},   {"gamma", 0.5},           {"sigma", 0.01},
+      {"gamma_low", 0.4},        {"class", 3},       {"grip_increase_n", 0.1}, {"alert", "warn"},
+      {"alert_cause", "margin"}, {"age_ms", age_ms}, {"simulated", true},      {"sliding", "none"},
+      {"health", "good"},        {"normal_n", 2.1},  {"center_mm", {0, 0}},    {"truth", {{"gamma", 0.5}}}};
 }
 
 Json message_of(const Json& sensors, const Json& grasps = Json::array()) {
@@ -31,9 +33,34 @@ TEST(LiveMessage, HasNoMarginThatIsTooOld) {
   for (const Json& age : {Json(100.1), Json(1e9), Json(nullptr), Json("young")}) {
     const Json estimate = message_of(Json::array({sensor("left", age)})).at("sensors").at(0);
     EXPECT_EQ(estimate.at("state"), "stale") << age;
-    for (const char* key : {"gamma", "sigma", "gamma_low", "class", "grip_increase_n", "sliding"})
+    for (const char* key : {"gamma", "sigma", "gamma_low", "class", "grip_increase_n", "sliding", "normal_n",
+                            "center_mm", "truth"})
       EXPECT_TRUE(estimate.at(key).is_null()) << key;
-    EXPECT_EQ(estimate.at("alert"), "warn");
+    EXPECT_EQ(estimate.at("health"), "unknown");
+    EXPECT_EQ(estimate.at("age_ms"), age);
+  }
+}
+
+TEST(LiveMessage, WithoutFramesARaisedAlertStandsAndNoneIsUnknown) {
+  const std::pair<const char*, const char*> alerts[] = {
+      {"none", "unknown"}, {"unknown", "unknown"}, {"warn", "warn"}, {"slip", "slip"}};
+  for (const auto& [alert, after] : alerts) {
+    for (const char* state : {"ok", "fault"}) {
+      Json young = sensor("left", 5, state);
+      young["alert"] = alert;
+      EXPECT_EQ(message_of(Json::array({young})).at("sensors").at(0).at("alert"), alert);
+      Json old = young;
+      old["age_ms"] = 500;
+      EXPECT_EQ(message_of(Json::array({old})).at("sensors").at(0).at("alert"), after) << state;
+      const std::string before =
+          live_message(Json{{"sensors", {young}}, {"grasps", Json::array()}}.dump(), 100);
+      const Json away = Json::parse(away_message("gone", before)).at("sensors").at(0);
+      EXPECT_EQ(away.at("alert"), after);
+      EXPECT_EQ(away.at("state"), "disconnected");
+      EXPECT_EQ(away.at("sensor"), "left");
+      for (const char* key : {"gamma", "sigma", "gamma_low", "normal_n", "age_ms", "sliding", "truth"})
+        EXPECT_TRUE(away.at(key).is_null()) << key;
+    }
   }
 }
 
@@ -69,7 +96,7 @@ TEST(LiveMessage, RefusesWhatIsNoAnswer) {
 }
 
 TEST(LiveMessage, SaysWhySlipdIsAway) {
-  const Json message = Json::parse(away_message("it \"sleeps\"\xff"));
+  const Json message = Json::parse(away_message("it \"sleeps\"\xff", ""));
   EXPECT_EQ(message.at("slipd"), "away");
   EXPECT_TRUE(message.at("sensors").empty());
 }

@@ -13,11 +13,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string answer(const std::string& values) {
+constexpr double kOldestMs = 100;
+
+std::string answer(const std::string& values, const char* state = "ok", const Json& age_ms = 5) {
   namespace other = boost::beast::detail::base64;
   std::string text(other::encoded_size(values.size()), '\0');
   text.resize(other::encode(text.data(), values.data(), values.size()));
-  return Json{{"seq", 7}, {"time_ns", 1}, {"peak_pa", 40.5}, {"peak_shear_pa", 2.5}, {"values", text}}.dump();
+  return Json{{"seq", 7},        {"time_ns", 1},         {"state", state}, {"age_ms", age_ms},
+              {"peak_pa", 40.5}, {"peak_shear_pa", 2.5}, {"values", text}}
+      .dump();
 }
 
 struct Read {
@@ -33,10 +37,11 @@ Read read(const std::string& message) {
 TEST(Picture, HasTheFramesBytes) {
   std::string values;
   for (std::size_t taxels = 0; taxels < 9; ++taxels) {  // every length of the last group of base64
-    const Read picture = read(frame_picture("left", answer(values)));
+    const Read picture = read(frame_picture("left", answer(values), kOldestMs));
     EXPECT_EQ(picture.values, values);
     EXPECT_EQ(picture.head.at("taxels"), taxels);
     EXPECT_EQ(picture.head.at("seq"), 7);
+    EXPECT_EQ(picture.head.at("age_ms"), 5);
     EXPECT_EQ(picture.head.at("sensor"), "left");
     EXPECT_EQ(picture.head.at("peak_pa"), 40.5);
     EXPECT_EQ(picture.head.at("peak_shear_pa"), 2.5);
@@ -44,14 +49,23 @@ TEST(Picture, HasTheFramesBytes) {
   }
 }
 
+TEST(Picture, IsNotMadeOfAFrameThatIsPast) {
+  EXPECT_NO_THROW(frame_picture("left", answer("abc", "ok", kOldestMs), kOldestMs));
+  EXPECT_NO_THROW(frame_picture("left", answer("abc", "fault", 5), kOldestMs));
+  EXPECT_ANY_THROW(frame_picture("left", answer("abc", "ok", kOldestMs + 0.1), kOldestMs));
+  EXPECT_ANY_THROW(frame_picture("left", answer("abc", "stale", 5), kOldestMs));
+  EXPECT_ANY_THROW(frame_picture("left", answer("abc", "ok", nullptr), kOldestMs));
+}
+
 TEST(Picture, RefusesWhatIsNoFrame) {
   const auto frame = [](const char* values) {
-    return R"({"seq":1,"peak_pa":1,"peak_shear_pa":1,"values":)" + std::string(values) + "}";
+    return R"({"seq":1,"state":"ok","age_ms":5,"peak_pa":1,"peak_shear_pa":1,"values":)" +
+           std::string(values) + "}";
   };
-  EXPECT_NO_THROW(frame_picture("left", frame(R"("AAAA")")));
+  EXPECT_NO_THROW(frame_picture("left", frame(R"("AAAA")"), kOldestMs));
   for (const std::string& text : {std::string(), std::string("{}"), frame("[1]"), frame(R"("AAA=")"),
                                   frame(R"("AAAAA===")"), frame(R"("AAAAA")"), frame(R"("!!!!")")})
-    EXPECT_ANY_THROW(frame_picture("left", text)) << text;
+    EXPECT_ANY_THROW(frame_picture("left", text, kOldestMs)) << text;
 }
 
 TEST(Picture, OfTheLayoutHasPlaces) {

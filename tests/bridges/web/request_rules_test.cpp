@@ -86,13 +86,15 @@ TEST(Rules, AskForTheTokenOfEverything) {
        {"/", "/live", "/api/counts", "/nothing/at/all", "/?token=0123456789abcdeF", "/?token="})
     EXPECT_EQ(judged(closed, asks(target)), Refusal::token) << target;
   EXPECT_EQ(judged(closed, asks("/?token=0123456789abcdef")), Refusal::none);
-  for (const char* cookie : {"slipd-token=0123456789abcdef", "a=b; slipd-token=0123456789abcdef; c=d"}) {
+  EXPECT_EQ(closed.cookie("127.0.0.1:8077"), "slipd-token-8077=0123456789abcdef");
+  for (const char* cookie :
+       {"slipd-token-8077=0123456789abcdef", "a=b; slipd-token-8077=0123456789abcdef; c=d"}) {
     RequestHead head = asks("/");
     head.cookie = cookie;
     EXPECT_EQ(judged(closed, head), Refusal::none) << cookie;
   }
-  for (const char* cookie : {"slipd-token=0123456789abcde", "slipd-token=0123456789abcdef0",
-                             "x-slipd-token=0123456789abcdef", ";;;", "slipd-token"}) {
+  for (const char* cookie : {"slipd-token-8077=0123456789abcde", "slipd-token-8077=0123456789abcdef0",
+                             "x-slipd-token-8077=0123456789abcdef", ";;;", "slipd-token-8077"}) {
     RequestHead head = asks("/");
     head.cookie = cookie;
     EXPECT_EQ(judged(closed, head), Refusal::token) << cookie;
@@ -100,6 +102,22 @@ TEST(Rules, AskForTheTokenOfEverything) {
   RequestHead head = asks("/");
   head.authorization = "Bearer 0123456789abcdef";
   EXPECT_EQ(judged(closed, head), Refusal::none);
+}
+
+TEST(Rules, TheCookieIsThatOfTheHostsPort) {
+  const RequestRules two{host_names("::1", true, 80, {"gripper.example", "[::1]:8078"}), "0123456789abcdef"};
+  const auto admits = [&](const char* host, const char* cookie) {
+    RequestHead head = asks("/", host);
+    head.cookie = cookie;
+    return judged(two, head) == Refusal::none;
+  };
+  EXPECT_TRUE(admits("[::1]:8078", "slipd-token-8078=0123456789abcdef"));
+  EXPECT_TRUE(admits("[::1]:8078", "slipd-token-8077=fedcba9876543210; slipd-token-8078=0123456789abcdef"));
+  EXPECT_TRUE(admits("[::1]", "slipd-token=0123456789abcdef"));
+  EXPECT_TRUE(admits("gripper.example", "slipd-token=0123456789abcdef"));
+  EXPECT_FALSE(admits("[::1]:8078", "slipd-token-8077=0123456789abcdef"));
+  EXPECT_FALSE(admits("[::1]:8078", "slipd-token=0123456789abcdef"));
+  EXPECT_FALSE(admits("gripper.example", "slipd-token-8078=0123456789abcdef"));
 }
 
 TEST(Rules, AHostOfSixWordsIsInBrackets) {
