@@ -64,10 +64,13 @@ Json disconnected(const Json& live, const char* kind) {
 
 }  // namespace
 
-std::string live_message(std::string_view gamma_answer, double max_age_ms) {
-  Json answer = Json::parse(gamma_answer);
+std::string live_message(const Answer& gamma, double max_age_ms) {
+  Json answer = Json::parse(gamma.text);
   Json& sensors = answer.at("sensors");
   Json& grasps = answer.at("grasps");
+  for (Json& sensor : sensors) {
+    if (const auto age = age_of(sensor)) sensor["age_ms"] = *age + gamma.waited_ms();
+  }
   for (Json& grasp : grasps) {
     const auto age = oldest_of(grasp.at("sensors"), sensors);
     grasp["age_ms"] = age ? Json(*age) : Json(nullptr);
@@ -80,8 +83,11 @@ std::string live_message(std::string_view gamma_answer, double max_age_ms) {
     judge(grasp, age, max_age_ms);
   }
   for (Json& sensor : sensors) judge(sensor, age_of(sensor), max_age_ms);
-  return text_of(
-      {{"type", "live"}, {"slipd", "ok"}, {"sensors", std::move(sensors)}, {"grasps", std::move(grasps)}});
+  return text_of({{"type", "live"},
+                  {"slipd", "ok"},
+                  {"made_ms", gamma.had_ms},
+                  {"sensors", std::move(sensors)},
+                  {"grasps", std::move(grasps)}});
 }
 
 std::string away_message(std::string_view why, std::string_view last_live) {

@@ -4,12 +4,15 @@
 #include <string>
 #include <string_view>
 
+#include "bridges/web/answer.hpp"
+
 namespace slipd::web {
 
-// {"type":"live","slipd":"ok","sensors":[…],"grasps":[…]} from slipd's answer to `gamma`. An estimate older
-// than max_age_ms, or without an age, is stale: it keeps an alert that was raised, and loses all that its
-// frame said. A grasp is as old as its oldest sensor. Throws std::exception for an answer of another form.
-std::string live_message(std::string_view gamma_answer, double max_age_ms);
+// {"type":"live","slipd":"ok","made_ms","sensors":[…],"grasps":[…]} from slipd's answer to `gamma`; made_ms
+// is Answer::had_ms. Ages are the largest that they may be. An estimate older than max_age_ms, or without an
+// age, is stale: it keeps an alert that was raised, and loses all that its frame said. A grasp is as old as
+// its oldest sensor. Throws std::exception for an answer of another form.
+std::string live_message(const Answer& gamma, double max_age_ms);
 
 // The same while slipd is away; `why` is a sentence for people. The sensors and grasps are those of
 // `last_live`, the last live_message (empty: there was none): disconnected, with the alerts that stand.

@@ -59,8 +59,6 @@ void LiveSession::run(Request request) {
     self->open_ = true;
     self->serving_.counts.add(Count::live_pages);
     self->hello_ = self->serving_.hello;
-    self->live_ = self->serving_.newest_live;
-    self->status_ = self->serving_.newest_status;
     self->serving_.update_wanted();
     self->read();
     self->send_next();

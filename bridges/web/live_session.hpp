@@ -1,5 +1,7 @@
 // One live page's WebSocket. It has at most one message under way, and keeps only the newest of each kind for
 // when that one is sent and the page said that it took the last: so a slow page gets fewer, never old ones.
+// Nor does a new page get what was said before it was there: while there is no page, nobody asks slipd for
+// more.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>

@@ -7,6 +7,7 @@
 #include "embedded/web_card_js.hpp"
 #include "embedded/web_dial_js.hpp"
 #include "embedded/web_dom_js.hpp"
+#include "embedded/web_health_js.hpp"
 #include "embedded/web_history_js.hpp"
 #include "embedded/web_icon_svg.hpp"
 #include "embedded/web_index_html.hpp"
@@ -34,6 +35,7 @@ std::span<const PageFile> page_files() {
                                  PageFile{"card.js", kScript, web_card_js},
                                  PageFile{"dial.js", kScript, web_dial_js},
                                  PageFile{"dom.js", kScript, web_dom_js},
+                                 PageFile{"health.js", kScript, web_health_js},
                                  PageFile{"history.js", kScript, web_history_js},
                                  PageFile{"icon.svg", kSvg, web_icon_svg},
                                  PageFile{"index.html", kHtml, web_index_html},

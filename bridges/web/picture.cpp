@@ -47,9 +47,9 @@ std::string with_head(const Json& head, std::size_t room) {
 
 }  // namespace
 
-std::string frame_picture(const std::string& sensor, std::string_view answer, double max_age_ms) {
-  const Json frame = Json::parse(answer);
-  const double age_ms = frame.at("age_ms");
+std::string frame_picture(const std::string& sensor, const Answer& answer, double max_age_ms) {
+  const Json frame = Json::parse(answer.text);
+  const double age_ms = frame.at("age_ms").get<double>() + answer.waited_ms();
   if (age_ms > max_age_ms || frame.at("state") == "stale") throw std::runtime_error("slipd's frame is old");
   const std::string values = taxels_in(frame.at("values"));
   const Json head{{"kind", "frame"},
@@ -57,6 +57,7 @@ std::string frame_picture(const std::string& sensor, std::string_view answer, do
                   {"taxels", values.size() / kChannels},
                   {"seq", frame.at("seq")},
                   {"age_ms", age_ms},
+                  {"made_ms", answer.had_ms},
                   {"peak_pa", frame.at("peak_pa")},
                   {"peak_shear_pa", frame.at("peak_shear_pa")}};
   return with_head(head, values.size()) += values;

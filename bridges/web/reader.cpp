@@ -126,7 +126,7 @@ void Reader::send_status() {
   status_.start(kStatusPeriod);
   if (!away_.empty()) return;
   try {
-    server_->publish_status(status_message(ask("sensors"), ask("status")));
+    server_->publish_status(status_message(ask("sensors").text, ask("status").text));
   } catch (const std::exception&) {
     // The next estimates say why.
   }
@@ -160,7 +160,7 @@ bool Reader::send_picture(const std::string& sensor) {
     const std::string name = R"({"sensor":)" + quoted(sensor);
     auto& asked = laid_out_[sensor];
     if (asked == Clock::time_point{} || Clock::now() - asked > kLayoutPeriod) {
-      server_->publish_layout(sensor, layout_picture(sensor, ask("frame", name + "}")));
+      server_->publish_layout(sensor, layout_picture(sensor, ask("frame", name + "}").text));
       asked = Clock::now();
     }
     server_->publish_picture(
@@ -174,7 +174,7 @@ bool Reader::send_picture(const std::string& sensor) {
 
 std::string Reader::tradeoff_of(const std::string& sensor) {
   try {
-    return ask("tradeoff", R"({"sensor":)" + quoted(sensor) + "}");
+    return ask("tradeoff", R"({"sensor":)" + quoted(sensor) + "}").text;
   } catch (const std::exception& error) {
     return Json{{"trouble", error.what()}}.dump(-1, ' ', true, Json::error_handler_t::replace);
   }
@@ -184,7 +184,7 @@ void Reader::send_method() {
   wanted_.method = false;
   Json answer;
   try {
-    answer = Json::parse(ask("sensors"));
+    answer = Json::parse(ask("sensors").text);
     for (Json& sensor : answer.at("sensors")) {
       Json tradeoff = Json::parse(tradeoff_of(sensor.at("name")));
       if (tradeoff.contains("trouble")) {
@@ -199,8 +199,13 @@ void Reader::send_method() {
   server_->publish_method(answer.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
-std::string Reader::ask(const char* method, const std::string& params) {
-  return requests_.call(method, params, -1, kAnswerS);
+Answer Reader::ask(const char* method, const std::string& params) {
+  const auto now_ms = [] {
+    return std::chrono::duration<double, std::milli>(Clock::now().time_since_epoch()).count();
+  };
+  const double asked_ms = now_ms();
+  std::string text = requests_.call(method, params, -1, kAnswerS);
+  return {std::move(text), asked_ms, now_ms()};
 }
 
 }  // namespace slipd::web

@@ -17,6 +17,7 @@
 #include "bridges/support/bell.hpp"
 #include "bridges/support/loop.hpp"
 #include "bridges/support/program.hpp"
+#include "bridges/web/answer.hpp"
 #include "bridges/web/server.hpp"
 #include "bridges/web/settings.hpp"
 
@@ -52,8 +53,8 @@ class Reader : public bridges::Service {
   bool send_picture(const std::string& sensor);
   void check_server();
   void send_method();
-  // The answer as text. Throws std::runtime_error with libslipd's text.
-  std::string ask(const char* method, const std::string& params = "{}");
+  // Throws std::runtime_error with libslipd's text.
+  Answer ask(const char* method, const std::string& params = "{}");
   std::string tradeoff_of(const std::string& sensor);
 
   bridges::Loop& loop_;

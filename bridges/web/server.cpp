@@ -145,14 +145,12 @@ std::uint16_t Server::port() const noexcept {
 
 void Server::publish_live(std::string message) {
   state_->in_serving_thread([&serving = state_->serving, text = shared(std::move(message))] {
-    serving.newest_live = text;
     for (LiveSession* session : std::set(serving.live)) session->offer_live(text);
   });
 }
 
 void Server::publish_status(std::string message) {
   state_->in_serving_thread([&serving = state_->serving, text = shared(std::move(message))] {
-    serving.newest_status = text;
     for (LiveSession* session : std::set(serving.live)) session->offer_status(text);
   });
 }

@@ -59,7 +59,7 @@ struct Serving {
   Counts counts;
   int connections = 0;
   std::set<LiveSession*> live;
-  Message hello, newest_live, newest_status;
+  Message hello;
   std::map<std::string, Message, std::less<>> layouts;
   // Called with the answer to api/method.
   std::vector<std::function<void(Message)>> waiting_for_method;

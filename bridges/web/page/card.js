@@ -1,7 +1,7 @@
 // A sensor or a grasp in short: dial, number, state in words, alert and its cause, sliding, advice.
 import { Dial } from "./dial.js";
 import { fixed, isNumber, make, setData, setText } from "./dom.js";
-import { adviceWords, alertLevel, alertWords, lowerBoundWords, slidingWords, stateWords } from "./words.js";
+import { adviceWords, alertLevel, alertWords, lowerBoundWords, marginLevel, slidingWords, stateWords } from "./words.js";
 
 export class Card {
   #dial = new Dial();
@@ -39,8 +39,9 @@ export class Card {
     setText(this.#low, lowerBoundWords(estimate));
     setData(this.#low, "beside", known ? "margin" : "");
     setText(this.#truth, isNumber(estimate.truth?.gamma) ? `true ${estimate.truth.gamma.toFixed(2)}` : "");
-    setText(this.#state, stateWords(estimate.state));
+    setText(this.#state, stateWords(estimate));
     setData(this.#state, "state", estimate.state);
+    setData(this.#state, "margin", marginLevel(estimate));
     setText(this.#alert, alertWords(estimate));
     setData(this.#alert, "alert", alertLevel(estimate));
     setData(this.element, "alert", alertLevel(estimate));
@@ -71,7 +72,3 @@ export class Card {
     return fixed(estimate.friction, 2) + (isNumber(estimate.friction) ? spread : "");
   }
 }
-
-// What a card shows when slipd, or slipd-web, is not reached: nothing that could be taken for a margin.
-export const disconnected = (estimate) => ({ sensor: estimate?.sensor, grasp: estimate?.grasp, state: "disconnected",
-                                             simulated: estimate?.simulated, gamma: null });

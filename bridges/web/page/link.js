@@ -7,6 +7,7 @@ const kSilentMs = 800;  // without a message, the connection counts as lost
 const kConnectMs = 5000;  // for the first one
 const kLookMs = 100;    // between two looks at the clock
 const kFirstPauseMs = 250, kLastPauseMs = 2000;
+const kDrift = 1e-3;    // what two clocks may differ by, of the time
 
 export class Link extends EventTarget {
   #socket = null;
@@ -14,6 +15,8 @@ export class Link extends EventTarget {
   #pause = kFirstPauseMs;
   #look = "";
   #lost = true;
+  #quickest = Infinity;
+  #timed = 0;
 
   constructor() {
     super();
@@ -23,6 +26,15 @@ export class Link extends EventTarget {
 
   // Whether messages come.
   get lost() { return this.#lost; }
+
+  // How much longer than the quickest message one was on its way, ms, that slipd-web made at `made_ms` of its own clock: what
+  // waited in slipd-web, in the network or in a browser that slept is older than it says.
+  late(made_ms) {
+    const now = performance.now(), way = now - made_ms;
+    this.#quickest = Math.min(way, this.#quickest + kDrift * (now - this.#timed));
+    this.#timed = now;
+    return way - this.#quickest;
+  }
 
   // The sensor of which pictures are wanted; "": none.
   look(sensor) {
@@ -38,6 +50,7 @@ export class Link extends EventTarget {
     socket.binaryType = "arraybuffer";
     this.#socket = socket;
     this.#heard = performance.now();
+    this.#quickest = Infinity;  // a clock may have stood still while a machine slept
     socket.onopen = () => this.look(this.#look);
     socket.onmessage = (event) => { if (socket === this.#socket) this.#take(event.data); };
     socket.onclose = () => { if (socket === this.#socket) this.#again(); };

@@ -1,17 +1,15 @@
 // The page "Live": a card for each grasp and sensor; of the one that is chosen its map, its last minute, and its health.
-import { Card, disconnected } from "./card.js";
+import { Card } from "./card.js";
 import { fixed, isNumber, make, setText } from "./dom.js";
+import { Health } from "./health.js";
 import { History } from "./history.js";
-import { Layout, TaxelMap } from "./map.js";
+import { Layout, TaxelMap, shearNoise } from "./map.js";
 import { drawPlot, keys } from "./plot.js";
 import { readPicture } from "./picture.js";
-import { alertWords, healthWords, stateWords } from "./words.js";
+import { alertWords, stateWords, withoutFrames } from "./words.js";
 
 const kSpans = [60, 20, 5];  // s, of the history
-const kHealthRows = [
-  ["health", "Frames"], ["rate", "Rate"], ["lost", "Gaps, lost, skipped"], ["latency", "Latency, last minute"],
-  ["zero", "Zero"], ["realtime", "Real time"], ["device", "Device"], ["trouble", "Trouble"],
-];
+const kStatusMs = 3000;        // how long a status holds; there is one each second
 
 export class LivePage {
   #cards = new Map();
@@ -21,7 +19,9 @@ export class LivePage {
   #layouts = new Map();
   #picture = null;
   #status = null;
-  #expiry = new Map();
+  #statusAt = 0;
+  #sampled = new Map();  // when the frame of an estimate was taken, ms of performance.now()
+  #timer = 0;
   #maxAge = 500;
   #stopped = "connecting to slipd-web";
   #drawn = false;
@@ -36,13 +36,13 @@ export class LivePage {
     this.detail = make("section", { class: "detail", "aria-label": "Details", hidden: true });
     this.empty = make("p", { class: "empty" }, "Waiting for slipd.");
     this.element.append(this.lost, this.said, this.empty, this.cards, this.detail);
+    this.health = new Health();
     this.#makeDetail();
     link.addEventListener("hello", ({ detail }) => { this.#maxAge = detail.max_age_ms; });
     link.addEventListener("live", ({ detail }) => this.#take(detail));
-    link.addEventListener("status", ({ detail }) => { this.#status = detail; this.#showHealth(); });
+    link.addEventListener("status", ({ detail }) => this.#takeStatus(detail));
     link.addEventListener("picture", ({ detail }) => this.#takePicture(detail));
     link.addEventListener("lost", () => this.#stop("slipd-web is not reached: what was here is gone; trying again"));
-    setInterval(() => this.#expire(), 100);
     window.addEventListener("resize", () => this.#redraw());
   }
 
@@ -61,73 +61,101 @@ export class LivePage {
   #sensor(name) { return this.#latest.get(name)?.sensor !== undefined; }
 
   #take(message) {
+    const all = [...message.grasps, ...message.sensors];
     if (message.slipd !== "ok") {
-      this.#stop(`slipd is not reached: ${message.why}`);
+      this.#stop(`slipd is not reached: ${message.why}`, all);
       return;
     }
     this.#stopped = "";
     this.lost.hidden = true;
-    const now = performance.now();
-    const all = [...message.grasps, ...message.sensors];
-    const names = new Set(all.map((each) => each.grasp ?? each.sensor));
+    const now = performance.now(), late = this.link.late(message.made_ms);
+    const names = new Set(all.map(nameOf));
     for (const name of this.#cards.keys()) if (!names.has(name)) this.#remove(name);
     for (const estimate of all) {
-      const name = estimate.grasp ?? estimate.sensor;
-      if (!this.#cards.has(name)) this.#add(name, estimate);
-      const before = this.#latest.get(name);
-      this.#latest.set(name, estimate);
-      this.#expiry.set(name, now + this.#maxAge - (estimate.age_ms ?? 0));
-      this.#histories.get(name).add(estimate, now);
-      this.#tell(name, before, estimate);
+      const name = nameOf(estimate), before = this.#latest.get(name);
+      this.#add(estimate);
+      if (isNumber(estimate.age_ms)) this.#sampled.set(name, now - estimate.age_ms - late);
+      this.#expire(name, now);
+      this.#histories.get(name).add(this.#latest.get(name), now);
+      this.#tell(name, before, this.#latest.get(name));
     }
     this.empty.hidden = all.length > 0;
     if (all.length === 0) setText(this.empty, "slipd has no sensors; its configuration names them.");
-    if (!this.#chosen && all.length > 0) this.#choose(message.sensors[0]?.sensor ?? all[0].grasp);
+    this.#chooseFirst();
+    this.#watch();
     this.#redraw();
   }
 
   // No margin outlives its frame, even if nothing else comes.
-  #expire() {
-    if (this.#stopped) return;
-    const now = performance.now();
-    for (const [name, until] of this.#expiry) {
-      const estimate = this.#latest.get(name);
-      if (now <= until || estimate.state === "stale" || estimate.state === "fault") continue;
-      this.#latest.set(name, { ...disconnected(estimate), state: "stale", alert: estimate.alert, alert_cause: estimate.alert_cause });
-      this.#redraw();
-    }
+  #expire(name, now) {
+    const estimate = this.#latest.get(name);
+    if (now - this.#sampled.get(name) <= this.#maxAge) return;
+    this.#latest.set(name, withoutFrames(estimate, estimate.state === "fault" ? "fault" : "stale"));
   }
 
-  #stop(why) {
+  #expireAll() {
+    const now = performance.now();
+    if (!this.#stopped) for (const name of this.#latest.keys()) this.#expire(name, now);
+    if (now - this.#statusAt > kStatusMs) this.#status = null;
+    this.#watch();
+    this.#showHealth();
+    this.#redraw();
+  }
+
+  // Sets the clock for what gets too old next.
+  #watch() {
+    const now = performance.now();
+    const ends = [...this.#sampled.values(), this.#picture?.sampled].map((sampled) => sampled + this.#maxAge);
+    if (this.#status) ends.push(this.#statusAt + kStatusMs);
+    const next = Math.min(...ends.filter((end) => end >= now));
+    clearTimeout(this.#timer);
+    if (next < Infinity) this.#timer = setTimeout(() => this.#expireAll(), next - now + 1);
+  }
+
+  // `known`: what slipd-web still knows, for a page that was loaded meanwhile.
+  #stop(why, known = []) {
     this.#stopped = why;
     setText(this.lost, why);
     this.lost.hidden = false;
+    for (const estimate of known) if (!this.#latest.has(nameOf(estimate))) this.#add(estimate);
     for (const [name, estimate] of this.#latest) {
-      this.#latest.set(name, disconnected(estimate));
+      this.#latest.set(name, withoutFrames(estimate, "disconnected"));
       this.#histories.get(name).gap();
     }
-    this.#picture = null;
+    this.empty.hidden = this.#latest.size > 0;
+    this.#picture = this.#status = null;
+    this.#chooseFirst();
+    this.#showHealth();
     this.#redraw();
   }
 
   // Alerts for those who cannot see the page, and changes of state of the chosen one.
   #tell(name, before, now) {
-    const alerted = before && before.alert !== now.alert && now.alert !== "none";
+    const alerted = before && before.alert !== now.alert && now.alert !== "none" && now.alert !== "unknown";
     const changed = before && before.state !== now.state && name === this.#chosen && now.state !== "ok";
     if (alerted) setText(this.said, `${name}: ${alertWords(now)}`);
-    else if (changed) setText(this.said, `${name}: ${stateWords(now.state)}`);
+    else if (changed) setText(this.said, `${name}: ${stateWords(now)}`);
   }
 
-  #add(name, estimate) {
+  #add(estimate) {
+    const name = nameOf(estimate);
+    this.#latest.set(name, estimate);
+    if (this.#cards.has(name)) return;
     const card = new Card(name, estimate.grasp !== undefined ? "grasp" : "sensor", () => this.#choose(name));
     this.#cards.set(name, card);
     this.#histories.set(name, new History());
     this.cards.append(card.element);
+    if (name === this.#chosen) this.#choose(name);  // an address had named it before it was known
+  }
+
+  #chooseFirst() {
+    const names = [...this.#latest.keys()];
+    if (!this.#chosen && names.length > 0) this.#choose(names.find((name) => this.#sensor(name)) ?? names[0]);
   }
 
   #remove(name) {
     this.#cards.get(name).element.remove();
-    for (const map of [this.#cards, this.#latest, this.#histories, this.#expiry, this.#layouts]) map.delete(name);
+    for (const map of [this.#cards, this.#latest, this.#histories, this.#sampled, this.#layouts]) map.delete(name);
     if (this.#chosen === name) this.#chosen = "";
   }
 
@@ -138,7 +166,7 @@ export class LivePage {
     this.detail.hidden = !this.#latest.has(name);
     const sensor = this.#sensor(name);
     this.figure.hidden = !sensor;
-    this.healthCard.hidden = !sensor;
+    this.health.element.hidden = !sensor;
     setText(this.title, name);
     if (this.shown !== false) this.link.look(sensor ? name : "");
     this.#showHealth();
@@ -164,14 +192,11 @@ export class LivePage {
       const factor = { "+": 0.8, "-": 1.25 }[event.key];
       if (factor) this.#zoom(Math.min(60, Math.max(2, this.#span * factor)));
     });
-    this.health = Object.fromEntries(kHealthRows.map(([key]) => [key, make("dd")]));
-    this.healthCard = make("section", { class: "card" }, make("h3", {}, "Health"),
-      make("dl", { class: "facts" }, ...kHealthRows.flatMap(([key, label]) => [make("dt", {}, label), this.health[key]])));
     this.history = new HistoryView(this.margins, this.forces, this.others);
     const time = make("section", { class: "card" },
       make("div", { class: "head" }, make("h3", {}, "The last minute"), make("span", { class: "bar", role: "group", "aria-label": "Time shown" }, ...this.spans)),
       ...this.history.parts());
-    this.detail.append(make("div", { class: "wide" }, this.title), make("div", { class: "column" }, this.figure, this.healthCard), time);
+    this.detail.append(make("div", { class: "wide" }, this.title), make("div", { class: "column" }, this.figure, this.health.element), time);
   }
 
   #zoom(span) {
@@ -183,27 +208,20 @@ export class LivePage {
   #takePicture(data) {
     const picture = readPicture(data);
     if (picture.kind === "layout") this.#layouts.set(picture.sensor, new Layout(picture.x, picture.y));
-    else if (picture.sensor === this.#chosen) this.#picture = picture;
+    else if (picture.sensor === this.#chosen)
+      this.#picture = { ...picture, sampled: performance.now() - picture.age_ms - this.link.late(picture.made_ms) };
+    this.#watch();
     this.#redraw();
   }
 
-  #showHealth() {
-    const sensor = this.#status?.status.sensors.find((each) => each.name === this.#chosen);
-    const facts = this.#status?.sensors.find((each) => each.name === this.#chosen);
-    if (!sensor) return;
-    const latency = sensor.latency_last_minute_us, zero = sensor.zero, realtime = this.#status.status.realtime;
-    const rows = {
-      health: healthWords(sensor.health) + (sensor.receiving ? "" : "; no fresh frames"),
-      rate: `${fixed(sensor.rate_hz, 0, "Hz")} (device ${fixed(facts?.rate_hz, 0, "Hz")})`,
-      lost: `${sensor.gaps}, ${sensor.lost}, ${sensor.skipped} of ${sensor.received}`,
-      latency: `p50 ${fixed(latency?.p50, 0, "µs")}, p99 ${fixed(latency?.p99, 0, "µs")}`,
-      zero: !zero ? "needs none" : zero.trouble ?? (isNumber(zero.taken_s_ago) ? `${zero.origin}, ${fixed(zero.taken_s_ago, 0, "s")} old` : "not known yet"),
-      realtime: realtime.mode === "off" ? "off" : !realtime.got?.priority ? `asked, not got${realtime.refused ? `: ${realtime.refused}` : ""}` : `priority ${realtime.got.priority}`,
-      device: `${facts?.device || sensor.driver}, ${facts?.taxels ?? "–"} taxels, method ${sensor.method ?? "–"}`,
-      trouble: sensor.trouble ?? "none",
-    };
-    for (const [key, text] of Object.entries(rows)) setText(this.health[key], text);
+  #takeStatus(status) {
+    this.#status = status;
+    this.#statusAt = performance.now();
+    this.#watch();
+    this.#showHealth();
   }
+
+  #showHealth() { this.health.show(this.#chosen, this.#status, this.#latest.get(this.#chosen)?.state); }
 
   // At most once a picture of the screen, whatever comes.
   #redraw() {
@@ -226,20 +244,32 @@ export class LivePage {
   }
 
   #drawMap(estimate) {
-    const picture = this.#picture;
-    if (!picture) {
-      this.map.draw(null, { normal: [] });
-      setText(this.caption, this.#stopped || "no picture yet");
+    const picture = this.#picture, now = performance.now();
+    if (!picture || !(now - picture.sampled <= this.#maxAge)) {
+      this.map.clear();
+      setText(this.caption, this.#noPicture(estimate, now));
       return;
     }
     const loaded = picture.peak_pa > 0 && estimate.state !== "no_contact";
+    const zero = this.#status?.status.sensors.find((each) => each.name === this.#chosen)?.zero;
+    const noise = shearNoise(picture.peak_pa, picture.peak_shear_pa, zero?.noise_shear_pa);
     this.map.draw(this.#layouts.get(picture.sensor),
-      { ...picture, normalScale: loaded ? 1 / 255 : 0, shearScale: loaded ? 1 / 127 : 0 }, estimate);
+      { ...picture, normalScale: loaded ? 1 / 255 : 0, shearScale: loaded ? 1 / 127 : 0, noise }, estimate);
     setText(this.caption, `peak ${fixed(picture.peak_pa / 1000, 1, "kPa")}, shear up to ${fixed(picture.peak_shear_pa / 1000, 1, "kPa")}. ` +
       "Ring: the contact; dashed: what sticks; orange arrows: what slips.");
     this.canvas.dataset.sequence = String(picture.seq);
   }
+
+  #noPicture(estimate, now) {
+    if (this.#stopped) return `no picture: ${this.#stopped}`;
+    const sampled = this.#sampled.get(this.#chosen);
+    if (sampled === undefined) return "no picture yet";
+    const age = fixed((now - sampled) / 1000, 0, "s");
+    return now - sampled > this.#maxAge ? `no picture: ${estimate.state} for ${age}` : "no picture: it is under way";
+  }
 }
+
+const nameOf = (estimate) => estimate.grasp ?? estimate.sensor;
 
 // The canvases of the last minute.
 class HistoryView {

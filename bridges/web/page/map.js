@@ -4,6 +4,8 @@ import { sized } from "./dom.js";
 
 const kMostArrows = 20;        // along a side
 const kSmallestArrow = 0.04;   // share of the largest shear below which there is no arrow
+const kNoiseSigmas = 5;        // standard deviations of noise below which there is none either
+const kUsualNoise = 0.01;      // standard deviation of a taxel's shear where it was not measured, share of the greatest pressure
 // From no pressure to the peak: dark to bright without a change of hue that the colour-blind lose (after viridis' blue half).
 const kRamp = [[16, 19, 26], [28, 52, 96], [38, 98, 140], [72, 152, 158], [150, 205, 160], [240, 246, 190]];
 
@@ -12,6 +14,9 @@ function ramp(share) {
   return kRamp[low].map((value, i) => Math.round(value + part * (kRamp[low + 1][i] - value)));
 }
 const kColours = Array.from({ length: 256 }, (_, i) => ramp(i / 255));
+
+// Standard deviation of one taxel's shear as a share of the largest shear. `known`: as slipd measured it, in the unit of the peaks.
+export const shearNoise = (peak, peakShear, known = null) => (known ?? kUsualNoise * peak) / peakShear;
 
 // Where taxels are: x and y, mm, of each. A grid has `columns`.
 export class Layout {
@@ -66,9 +71,18 @@ export class TaxelMap {
     this.canvas = canvas;
   }
 
-  // `normal`, `x`, `y`: values of each taxel; `scale`: what to multiply them with to get shares of the peaks.
+  // There is no picture: it must not look like one of a sensor that nothing touches.
+  clear() {
+    const { context, width, height } = sized(this.canvas);
+    context.clearRect(0, 0, width, height);
+    this.canvas.dataset.picture = "none";
+    this.canvas.dataset.sequence = this.canvas.dataset.stick = "";
+  }
+
+  // `normal`, `x`, `y`: values of each taxel; `scale`: what to multiply them with to get shares of the peaks; `noise`: shearNoise().
   // `contact`: center_mm, radius_mm, gamma and state of an estimate; absent: no zones.
-  draw(layout, { normal, x, y, normalScale, shearScale }, contact) {
+  draw(layout, { normal, x, y, normalScale, shearScale, noise }, contact) {
+    this.canvas.dataset.picture = "shown";
     const { context, width, height } = sized(this.canvas);
     context.fillStyle = "#10131a";
     context.fillRect(0, 0, width, height);
@@ -82,7 +96,7 @@ export class TaxelMap {
     else this.#discs(context, layout, normal, normalScale, place, per);
     const zones = this.#zones(contact);
     this.canvas.dataset.stick = zones !== null && zones.stick !== null ? String(zones.stick / zones.radius) : "";
-    this.#drawArrows(context, layout, x, y, shearScale, zones, place, per);
+    this.#drawArrows(context, layout, x, y, { scale: shearScale, noise }, zones, place, per);
     this.#drawZones(context, zones, place, per);
   }
 
@@ -145,8 +159,8 @@ export class TaxelMap {
     if (zones.stick !== null) ring(zones.stick, [5, 4]);
   }
 
-  // Means over squares of taxels, so that a fine grid has arrows that can be seen.
-  #drawArrows(context, layout, x, y, scale, zones, place, per) {
+  // Means over squares of taxels, so that a fine grid has arrows that can be seen. None is of noise alone.
+  #drawArrows(context, layout, x, y, { scale, noise }, zones, place, per) {
     const fine = layout.columns > kMostArrows || layout.size > kMostArrows * kMostArrows;
     const side = fine ? Math.max(layout.right - layout.left, layout.top - layout.bottom, 1e-9) / kMostArrows : 0;
     const bins = this.#arrows;
@@ -174,12 +188,15 @@ export class TaxelMap {
     const length = (fine ? side : layout.pitch) * per * 1.15;
     context.lineWidth = Math.max(1.2, length / 11);
     context.lineCap = "round";
+    let arrows = 0;
     for (const [mx, my, sx, sy, count] of bins) {
       const ax = sx * scale / count, ay = sy * scale / count, size = Math.hypot(ax, ay);
-      if (!(size > kSmallestArrow)) continue;
+      if (!(size > Math.max(kSmallestArrow, kNoiseSigmas * noise / Math.sqrt(count)))) continue;
+      ++arrows;
       const slips = zones && zones.stick !== null && Math.hypot(mx - zones.x, my - zones.y) > zones.stick;
       this.#arrow(context, place(mx, my), ax * length, -ay * length, slips ? "#ff9d2e" : "#f4f8ff");
     }
+    this.canvas.dataset.arrows = String(arrows);
   }
 
   #arrow(context, [px, py], dx, dy, colour) {

@@ -114,7 +114,7 @@ function upright(context, at, height, stroke, width) {
 function marks(context, points, x, height) {
   for (let i = 0; i < points.length; ++i) {
     const level = points[i].alert;
-    if (!level || level === "none") continue;
+    if (!level || level === "none" || level === "unknown") continue;
     const fill = colour(level === "warn" ? "mid-fill" : "bad-fill");
     if (i > 0 && points[i - 1].alert !== level) upright(context, x(points[i].t), height, fill, level === "warn" ? 1 : 1.5);
     let end = i;

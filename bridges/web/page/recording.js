@@ -4,7 +4,7 @@
 const kText = new TextDecoder();
 const kFloats = 85;  // tag of RFC 8746: float32, little-endian
 const kStates = ["ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault"];
-const kAlerts = ["none", "warn", "slip"];
+const kAlerts = ["none", "warn", "slip", "unknown"];
 const kSlidings = ["none", "disturbed", "translation", "rotation"];
 const kCauses = [null, "margin", "sliding"];
 // How a block begins: a map of eight, its first key "block", a number of 8 bytes.

@@ -1,6 +1,6 @@
 // The page "Recordings": the list, and one of them played with its time line. A link #/recordings/FILE@SECONDS leads to a moment.
 import { bytes, fixed, make, setText, withSigma } from "./dom.js";
-import { Layout, TaxelMap } from "./map.js";
+import { Layout, TaxelMap, shearNoise } from "./map.js";
 import { drawPlot, firstAt, keys } from "./plot.js";
 import { readRecording, taxels } from "./recording.js";
 import { alertWords, stateWords } from "./words.js";
@@ -176,13 +176,13 @@ class Player {
       { key: "shear", colour: "mid-fill" }, { key: "normal", colour: "good-fill" }] });
     const [normal, x, y] = point.taxels.map(taxels);
     const { peak, peakShear } = this.recording;
-    this.map.draw(this.layout, { normal, x, y, normalScale: peak > 0 ? 1 / peak : 0, shearScale: peakShear > 0 ? 1 / peakShear : 0 }, null);
+    this.map.draw(this.layout, { normal, x, y, normalScale: peak > 0 ? 1 / peak : 0, shearScale: peakShear > 0 ? 1 / peakShear : 0, noise: shearNoise(peak, peakShear) }, null);
     this.canvas.dataset.sequence = String(point.seq);
     this.scrub.value = String(this.t);
     this.scrub.setAttribute("aria-valuetext", fixed(this.t, 3, "s"));
     this.moment.href = `#/recordings/${encodeURIComponent(this.file)}@${this.t.toFixed(3)}`;
     setText(this.rows.Time, `${fixed(point.t, 3, "s")}, frame ${point.seq}`);
-    setText(this.rows.State, point.state ? stateWords(point.state) : "this frame has no estimate");
+    setText(this.rows.State, point.state ? stateWords(point) : "this frame has no estimate");
     setText(this.rows.Margin, withSigma(point.gamma, point.sigma, 2) + (point.truth === null ? "" : ` (true ${fixed(point.truth, 2)})`));
     setText(this.rows.Alert, alertWords(point));
     setText(this.rows.Forces, `${fixed(point.normal, 2, "N")} normal, ${fixed(point.shear, 2, "N")} shear`);

@@ -32,6 +32,17 @@ def two_fingers(folder, **more):
             "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": f"{folder}/slipd.sock"}, **more}
 
 
+def trial(name, options=None, **more):
+    """A sensor of the driver that misbehaves as its options ask (tests/support/trial_driver). It does not go stale for being slow."""
+    return {"name": name, "driver": "trial", "rate_hz": 100, "stale_after_ms": 60000, "layout": {"grid": [20, 20], "pitch_mm": 0.72}, "options": options or {}, **more}
+
+
+def of_trials(*sensors, **more):
+    """A configuration of such sensors, for Bed."""
+    return lambda folder: {"sensors": list(sensors), "estimator": {"method": "moments"}, "realtime": {"mode": "off"},
+                           "socket": {"path": f"{folder}/slipd.sock"}, **more}
+
+
 class Program:
     """A program with its output in a file."""
 
@@ -57,7 +68,8 @@ class Program:
 class Bed:
     """Both programs, in a folder that is removed at the end."""
 
-    def __init__(self, config=two_fingers, slipd=True, **settings):
+    def __init__(self, config=two_fingers, slipd=True, drivers="drivers", environment=None, **settings):
+        self.drivers, self.environment = BUILD / drivers, environment
         self.folder = Path(tempfile.mkdtemp(prefix="slipd-web-"))
         (self.folder / "recordings").mkdir()
         self.config = self.folder / "slipd.json"
@@ -71,7 +83,7 @@ class Bed:
         self.start_web()
 
     def start_slipd(self):
-        self.slipd = Program(self.folder / "slipd.log", BUILD / "bin/slipd", "--config", self.config, env={"STATE_DIRECTORY": str(self.folder)})
+        self.slipd = Program(self.folder / "slipd.log", BUILD / "bin/slipd", "--config", self.config, "--driver-dir", self.drivers, env={"STATE_DIRECTORY": str(self.folder)})
         await_true(lambda: self._serves() or self._ended(self.slipd), "slipd's socket")
 
     def _serves(self):
@@ -85,7 +97,7 @@ class Bed:
         return False
 
     def start_web(self):
-        self.web = Program(self.folder / "web.log", BUILD / "bin/slipd-web", "--config", self.settings)
+        self.web = Program(self.folder / "web.log", BUILD / "bin/slipd-web", "--config", self.settings, env=self.environment)
         serves = lambda: re.search(r"serves http://(.*):(\d+)/", self.web.said()) or self._ended(self.web)
         self.port = int(await_true(serves, "slipd-web's port")[2])
         self.url = f"http://127.0.0.1:{self.port}/"
@@ -152,17 +164,21 @@ class WebSocket:
         return first & 15, self._take(length)
 
     def message(self, kind):
-        """The next message in JSON of a type; the ones before are answered as the page does."""
+        """The next message of a type, or the head of the next picture of a kind; the ones before are answered as the page does."""
         while True:
             opcode, content = self.next()
             if opcode == 8:
                 raise ConnectionError(f"closed: {content!r}")
-            if opcode != 1:
+            if opcode == 2:
+                message = json.loads(content[4:4 + struct.unpack("<I", content[:4])[0]])
+                self.say("drawn")
+            elif opcode == 1:
+                message = json.loads(content)
+                if message["type"] == "live":
+                    self.say("ready")
+            else:
                 continue
-            message = json.loads(content)
-            if message["type"] == "live":
-                self.say("ready")
-            if message["type"] == kind:
+            if kind in (message.get("type"), message.get("kind")):
                 return message
 
     def say(self, text, opcode=1, masked=True):

@@ -5,7 +5,6 @@ SLIPD_SCREENSHOTS=FOLDER keeps pictures of the page at three widths in both them
 """
 import json
 import os
-import shutil
 import signal
 import sys
 import threading
@@ -13,33 +12,23 @@ import unittest
 from pathlib import Path
 
 try:
-    from selenium import webdriver
     from selenium.common.exceptions import StaleElementReferenceException
-    from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
 except ImportError:
-    webdriver = None
+    pass
 
 import slipd
 from awaiting import await_true
 from bed import Bed, two_fingers
+from page import PageCase, browser, missing
 
-DRIVER = shutil.which("chromedriver")
 WIDTHS = {390: 844, 1280: 900, 2560: 1440}
 TOLD_WITHIN_MS = 1000
 
 
 def configured(folder):
     return two_fingers(folder, recorder={"seconds": 4})
-
-
-def browser(width=1280, height=900):
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars", f"--window-size={width},{height}"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    return webdriver.Chrome(service=Service(DRIVER), options=options)
 
 
 class Margins(threading.Thread):
@@ -59,7 +48,7 @@ class Margins(threading.Thread):
                     return
 
 
-class Page(unittest.TestCase):
+class Page(PageCase):
     @classmethod
     def setUpClass(cls):
         cls.bed = Bed(configured)
@@ -76,23 +65,6 @@ class Page(unittest.TestCase):
         self.browser.get_log("browser")
         self.open("#/live")
         self.card("left", "ok")
-
-    def open(self, where):
-        self.browser.get("about:blank")
-        self.browser.get(self.bed.url + where)
-
-    def script(self, text, *arguments):
-        return self.browser.execute_script(text, *arguments)
-
-    def all(self, selector):
-        return self.browser.find_elements(By.CSS_SELECTOR, selector)
-
-    def card(self, name, state):
-        """Waits until a card shows this state."""
-        return await_true(lambda: self.all(f'.card[data-name="{name}"][data-state="{state}"]'), f"{name} {state}")[0]
-
-    def no_errors(self):
-        self.assertEqual([entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")], [])
 
     def test_the_page_shows_the_margins_of_the_socket(self):
         margins = Margins(self.bed.folder / "slipd.sock")
@@ -340,7 +312,7 @@ class Page(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if webdriver is None or DRIVER is None:
-        print("chromium-driver and python3-selenium are not installed (tools/setup --peers): skipped")
+    if missing():
+        print(missing())
         sys.exit(77)
     unittest.main()

@@ -231,6 +231,11 @@ class Token(unittest.TestCase):
                 self.assertIn("SameSite=Strict", headers["Set-Cookie"])
                 cookie = headers["Set-Cookie"].split(";")[0]
                 self.assertEqual(bed.get("/", Cookie=cookie)[0], 200)
+                self.assertEqual(cookie, f"slipd-token-{bed.port}=0123456789abcdef0123")
+                # The cookie of another port's page comes along: it is neither taken nor in the way.
+                other = "slipd-token-1=" + cookie.split("=")[1]
+                self.assertEqual(bed.get("/", Cookie=other)[0], 401)
+                self.assertEqual(bed.get("/", Cookie="slipd-token-1=fedcba9876543210; " + cookie)[0], 200)
                 self.assertEqual(bed.get("/", Authorization="Bearer 0123456789abcdef0123")[0], 200)
                 self.assertEqual(status_of_upgrade(bed, headers=["Cookie: a=b; " + cookie]), 101)
                 self.assertEqual(bed.get("/", Cookie=cookie[:-1])[0], 401)

@@ -19,8 +19,21 @@ Json sensor(const char* name, const Json& age_ms, const char* state = "ok") {
       {"health", "good"},        {"normal_n", 2.1},  {"center_mm", {0, 0}},    {"truth", {{"gamma", 0.5}}}};
 }
 
-Json message_of(const Json& sensors, const Json& grasps = Json::array()) {
-  return Json::parse(live_message(Json{{"sensors", sensors}, {"grasps", grasps}}.dump(), kMaxAgeMs));
+Json message_of(const Json& sensors, const Json& grasps = Json::array(), double waited_ms = 0) {
+  const Answer answer{Json{{"sensors", sensors}, {"grasps", grasps}}.dump(), 1000, 1000 + waited_ms};
+  return Json::parse(live_message(answer, kMaxAgeMs));
+}
+
+TEST(LiveMessage, AnAnswerIsAsOldAsItMayBe) {
+  const Json grasp{{"grasp", "g"}, {"sensors", {"left"}}, {"state", "ok"}, {"gamma", 0.3}, {"alert", "none"}};
+  Json message = message_of(Json::array({sensor("left", 5)}), Json::array({grasp}), 50);
+  EXPECT_EQ(message.at("made_ms"), 1050);
+  EXPECT_EQ(message.at("sensors").at(0).at("age_ms"), 55);
+  EXPECT_EQ(message.at("grasps").at(0).at("age_ms"), 55);
+  EXPECT_EQ(message.at("sensors").at(0).at("state"), "ok");
+  message = message_of(Json::array({sensor("left", 5)}), Json::array({grasp}), kMaxAgeMs);
+  EXPECT_EQ(message.at("sensors").at(0).at("state"), "stale");
+  EXPECT_EQ(message.at("grasps").at(0).at("state"), "stale");
 }
 
 TEST(LiveMessage, PassesAYoungMarginOn) {
@@ -52,8 +65,7 @@ TEST(LiveMessage, WithoutFramesARaisedAlertStandsAndNoneIsUnknown) {
       Json old = young;
       old["age_ms"] = 500;
       EXPECT_EQ(message_of(Json::array({old})).at("sensors").at(0).at("alert"), after) << state;
-      const std::string before =
-          live_message(Json{{"sensors", {young}}, {"grasps", Json::array()}}.dump(), 100);
+      const std::string before = message_of(Json::array({young})).dump();
       const Json away = Json::parse(away_message("gone", before)).at("sensors").at(0);
       EXPECT_EQ(away.at("alert"), after);
       EXPECT_EQ(away.at("state"), "disconnected");
@@ -92,7 +104,7 @@ TEST(LiveMessage, AGraspIsAsOldAsItsOldestSensor) {
 
 TEST(LiveMessage, RefusesWhatIsNoAnswer) {
   for (const char* text : {"", "{}", "[]", R"({"sensors":1,"grasps":2})", R"({"sensors":[{}],"grasps":[]})"})
-    EXPECT_ANY_THROW(live_message(text, kMaxAgeMs)) << text;
+    EXPECT_ANY_THROW(live_message({text}, kMaxAgeMs)) << text;
 }
 
 TEST(LiveMessage, SaysWhySlipdIsAway) {

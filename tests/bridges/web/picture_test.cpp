@@ -15,13 +15,14 @@ using Json = nlohmann::json;
 
 constexpr double kOldestMs = 100;
 
-std::string answer(const std::string& values, const char* state = "ok", const Json& age_ms = 5) {
+Answer answer(const std::string& values, const char* state = "ok", const Json& age_ms = 5,
+              double waited_ms = 0) {
   namespace other = boost::beast::detail::base64;
   std::string text(other::encoded_size(values.size()), '\0');
   text.resize(other::encode(text.data(), values.data(), values.size()));
-  return Json{{"seq", 7},        {"time_ns", 1},         {"state", state}, {"age_ms", age_ms},
-              {"peak_pa", 40.5}, {"peak_shear_pa", 2.5}, {"values", text}}
-      .dump();
+  const Json frame{{"seq", 7},        {"time_ns", 1},         {"state", state}, {"age_ms", age_ms},
+                   {"peak_pa", 40.5}, {"peak_shear_pa", 2.5}, {"values", text}};
+  return {frame.dump(), 1000, 1000 + waited_ms};
 }
 
 struct Read {
@@ -42,6 +43,7 @@ TEST(Picture, HasTheFramesBytes) {
     EXPECT_EQ(picture.head.at("taxels"), taxels);
     EXPECT_EQ(picture.head.at("seq"), 7);
     EXPECT_EQ(picture.head.at("age_ms"), 5);
+    EXPECT_EQ(picture.head.at("made_ms"), 1000);
     EXPECT_EQ(picture.head.at("sensor"), "left");
     EXPECT_EQ(picture.head.at("peak_pa"), 40.5);
     EXPECT_EQ(picture.head.at("peak_shear_pa"), 2.5);
@@ -53,6 +55,7 @@ TEST(Picture, IsNotMadeOfAFrameThatIsPast) {
   EXPECT_NO_THROW(frame_picture("left", answer("abc", "ok", kOldestMs), kOldestMs));
   EXPECT_NO_THROW(frame_picture("left", answer("abc", "fault", 5), kOldestMs));
   EXPECT_ANY_THROW(frame_picture("left", answer("abc", "ok", kOldestMs + 0.1), kOldestMs));
+  EXPECT_ANY_THROW(frame_picture("left", answer("abc", "ok", 5, kOldestMs), kOldestMs));
   EXPECT_ANY_THROW(frame_picture("left", answer("abc", "stale", 5), kOldestMs));
   EXPECT_ANY_THROW(frame_picture("left", answer("abc", "ok", nullptr), kOldestMs));
 }
@@ -62,10 +65,10 @@ TEST(Picture, RefusesWhatIsNoFrame) {
     return R"({"seq":1,"state":"ok","age_ms":5,"peak_pa":1,"peak_shear_pa":1,"values":)" +
            std::string(values) + "}";
   };
-  EXPECT_NO_THROW(frame_picture("left", frame(R"("AAAA")"), kOldestMs));
+  EXPECT_NO_THROW(frame_picture("left", {frame(R"("AAAA")")}, kOldestMs));
   for (const std::string& text : {std::string(), std::string("{}"), frame("[1]"), frame(R"("AAA=")"),
                                   frame(R"("AAAAA===")"), frame(R"("AAAAA")"), frame(R"("!!!!")")})
-    EXPECT_ANY_THROW(frame_picture("left", text, kOldestMs)) << text;
+    EXPECT_ANY_THROW(frame_picture("left", {text}, kOldestMs)) << text;
 }
 
 TEST(Picture, OfTheLayoutHasPlaces) {

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""The watchdog of slipd-web: fed while both of its threads run, and not longer."""
+import ctypes
+import os
+import signal
+import socket
+import tempfile
+import unittest
+from pathlib import Path
+
+from awaiting import PATIENCE_S, await_true
+from bed import Bed
+
+PERIOD_S = 1  # of WATCHDOG_USEC: it is fed at least each 0.75 s
+SILENCE_S = 4 * PERIOD_S  # without being fed it is not fed any more
+
+PTRACE_DETACH, PTRACE_SEIZE, PTRACE_INTERRUPT = 17, 0x4206, 0x4207
+libc = ctypes.CDLL(None, use_errno=True)
+libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+
+
+def ptrace(request, thread):
+    if libc.ptrace(request, thread, None, None) != 0:
+        raise OSError(ctypes.get_errno(), f"ptrace({request:#x})")
+
+
+class Stopped:
+    """One thread of a program stands still."""
+
+    def __init__(self, thread):
+        self.thread = thread
+
+    def __enter__(self):
+        ptrace(PTRACE_SEIZE, self.thread)
+        ptrace(PTRACE_INTERRUPT, self.thread)
+        os.waitpid(self.thread, 0x40000000)  # __WALL
+
+    def __exit__(self, *_):
+        ptrace(PTRACE_DETACH, self.thread)
+
+
+class Watchdog(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.addCleanup(self.notify.close)
+        self.notify.bind(f"{folder.name}/notify")
+        self.bed = Bed(slipd=False, environment={"NOTIFY_SOCKET": f"{folder.name}/notify", "WATCHDOG_USEC": str(1_000_000 * PERIOD_S)})
+        self.addCleanup(self.bed.close)
+        self.fed()
+
+    def fed(self, within_s=PATIENCE_S):
+        """Whether it is fed within this time."""
+        self.notify.settimeout(within_s)
+        try:
+            while b"WATCHDOG=1" not in self.notify.recv(4096):
+                pass
+            return True
+        except TimeoutError:
+            return False
+
+    def starves(self):
+        return not self.fed(SILENCE_S)
+
+    def threads(self):
+        pid = self.bed.web.process.pid
+        return pid, [int(each) for each in os.listdir(f"/proc/{pid}/task") if int(each) != pid]
+
+    def test_it_is_fed_while_nothing_happens(self):
+        for _ in range(3):
+            self.assertTrue(self.fed())
+
+    def test_the_thread_that_serves_browsers_must_run(self):
+        _, (serving,) = self.threads()
+        with Stopped(serving):
+            await_true(self.starves, "the end of feeding")
+        self.assertTrue(self.fed())
+        self.assertEqual(self.bed.get("/")[0], 200)
+
+    def test_the_thread_that_asks_slipd_must_run(self):
+        asking, _ = self.threads()
+        with Stopped(asking):
+            await_true(self.starves, "the end of feeding")
+        self.assertTrue(self.fed())
+
+    def test_it_is_fed_after_the_settings_were_read_again(self):
+        self.bed.web.signal(signal.SIGHUP)
+        await_true(lambda: "again" in self.bed.web.said(), "the settings")
+        for _ in range(3):
+            self.assertTrue(self.fed())
+
+    def test_the_unit_asks_for_it(self):
+        unit = Path(os.environ["SLIPD_SOURCE_DIR"]) / "bridges/web/slipd-web.service.in"
+        self.assertRegex(unit.read_text(), r"(?m)^Type=notify$[^\0]*^WatchdogSec=\d+$")
+
+
+if __name__ == "__main__":
+    unittest.main()
