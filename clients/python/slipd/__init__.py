@@ -439,7 +439,8 @@ class Client:
         return self.call("status")
 
     def frame(self, sensor: str) -> dict[str, Any]:
-        """A frame: normal_pa, shear_x_pa, shear_y_pa, and the taxels' places x_mm, y_mm; one value a taxel."""
+        """The newest frame: normal_pa, shear_x_pa, shear_y_pa, and the taxels' places x_mm, y_mm; one value a taxel. state and age_ms say what
+        it is worth: the last frame of a sensor that has ended stays there."""
         return {key: _taxels(value) if isinstance(value, list) else value
                 for key, value in self.call("frame", {"sensor": sensor}).items()}
 
