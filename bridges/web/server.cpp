@@ -1,5 +1,6 @@
 #include "bridges/web/server.hpp"
 
+#include <pthread.h>
 #include <slipd.h>
 
 #include <atomic>
@@ -115,6 +116,7 @@ Server::Server(const Settings& settings, std::function<void()> changed)
                                               std::to_string(at.port()) + "/");
   state.accept();
   state.thread = std::thread([&state] { state.serving.io.run(); });
+  pthread_setname_np(state.thread.native_handle(), "serve");
 }
 
 Server::~Server() {

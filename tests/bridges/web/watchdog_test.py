@@ -1,42 +1,32 @@
 #!/usr/bin/env python3
 """The watchdog of slipd-web: fed while both of its threads run, and not longer."""
-import ctypes
+import contextlib
 import os
 import signal
 import socket
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
 from awaiting import PATIENCE_S, await_true
-from bed import Bed
+from bed import BUILD, Bed
 
 PERIOD_S = 1  # of WATCHDOG_USEC: it is fed at least each 0.75 s
 SILENCE_S = 4 * PERIOD_S  # without being fed it is not fed any more
 
-PTRACE_DETACH, PTRACE_SEIZE, PTRACE_INTERRUPT = 17, 0x4206, 0x4207
-libc = ctypes.CDLL(None, use_errno=True)
-libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
 
-
-def ptrace(request, thread):
-    if libc.ptrace(request, thread, None, None) != 0:
-        raise OSError(ctypes.get_errno(), f"ptrace({request:#x})")
-
-
-class Stopped:
-    """One thread of a program stands still."""
-
-    def __init__(self, thread):
-        self.thread = thread
-
-    def __enter__(self):
-        ptrace(PTRACE_SEIZE, self.thread)
-        ptrace(PTRACE_INTERRUPT, self.thread)
-        os.waitpid(self.thread, 0x40000000)  # __WALL
-
-    def __exit__(self, *_):
-        ptrace(PTRACE_DETACH, self.thread)
+@contextlib.contextmanager
+def stopped(program, thread):
+    """One thread of it stands still."""
+    holder = subprocess.Popen([BUILD / "test-bin/stop-thread", str(program.process.pid), thread], stdout=subprocess.PIPE, text=True)
+    try:
+        assert holder.stdout.readline() == "stopped\n"
+        yield
+    finally:
+        holder.kill()
+        holder.wait()
+        holder.stdout.close()
 
 
 class Watchdog(unittest.TestCase):
@@ -63,24 +53,18 @@ class Watchdog(unittest.TestCase):
     def starves(self):
         return not self.fed(SILENCE_S)
 
-    def threads(self):
-        pid = self.bed.web.process.pid
-        return pid, [int(each) for each in os.listdir(f"/proc/{pid}/task") if int(each) != pid]
-
     def test_it_is_fed_while_nothing_happens(self):
         for _ in range(3):
             self.assertTrue(self.fed())
 
     def test_the_thread_that_serves_browsers_must_run(self):
-        _, (serving,) = self.threads()
-        with Stopped(serving):
+        with stopped(self.bed.web, "serve"):
             await_true(self.starves, "the end of feeding")
         self.assertTrue(self.fed())
         self.assertEqual(self.bed.get("/")[0], 200)
 
     def test_the_thread_that_asks_slipd_must_run(self):
-        asking, _ = self.threads()
-        with Stopped(asking):
+        with stopped(self.bed.web, "slipd-web"):
             await_true(self.starves, "the end of feeding")
         self.assertTrue(self.fed())
 
