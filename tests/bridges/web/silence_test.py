@@ -7,8 +7,10 @@ SLIPD_SCREENSHOTS=FOLDER keeps pictures of the page in each case.
 import os
 import re
 import signal
+import socket
 import sys
 import tempfile
+import threading
 import unittest
 from pathlib import Path
 
@@ -306,17 +308,20 @@ class Tokens(PageCase):
 
 class WithoutABrowser(unittest.TestCase):
     def test_a_sensor_without_frames_does_not_stop_the_pictures_of_others(self):
-        # It sorts first, and its page is always ready for a picture.
+        # It sorts first, and its page is always ready for a picture, and there to the end.
         bed = Bed(of_trials(trial("aaa", {"gate": "/nowhere/at/all"}), trial("left")), drivers="test-drivers")
         self.addCleanup(bed.close)
         waits, looks = WebSocket(bed.port), WebSocket(bed.port)
         waits.say("look aaa")
-        waits.message("live")
+        there = threading.Thread(target=lambda: self.assertRaises((ConnectionError, OSError), waits.message, "frame"))
+        there.start()
+        self.addCleanup(there.join)
+        self.addCleanup(waits.socket.shutdown, socket.SHUT_RDWR)
         looks.say("look left")
         heads = [looks.message("frame") for _ in range(10)]
         self.assertEqual([head["sensor"] for head in heads], ["left"] * 10)
         self.assertLess(heads[0]["seq"], heads[-1]["seq"])
-        waits.close()
+        self.assertTrue(there.is_alive())
         looks.close()
 
     def test_a_new_page_is_not_told_what_was_said_before_it_was_there(self):
