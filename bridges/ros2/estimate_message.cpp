@@ -1,5 +1,7 @@
 #include "bridges/ros2/estimate_message.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "bridges/ros2/messages/sensor_messages.hpp"
@@ -11,29 +13,35 @@ namespace {
 
 // Two clocks that are read within this time are of one moment, ns. An interruption between them would be an
 // error of each stamp that is made from both.
-constexpr std::int64_t kOneMomentNs = 20'000;
+constexpr std::int64_t kOneMomentNs = 2'000;
 constexpr int kMostReadings = 4;
 
 }  // namespace
 
 Moment Moment::now() noexcept {
-  Moment moment{};
-  for (int i = 0; i < kMostReadings; ++i) {
-    moment = {bridges::monotonic_ns(), bridges::realtime_ns()};
-    if (bridges::monotonic_ns() - moment.monotonic_ns < kOneMomentNs) break;
+  Moment best{};
+  std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < kMostReadings && least_ns > kOneMomentNs; ++i) {
+    const Moment moment{bridges::monotonic_ns(), bridges::realtime_ns()};
+    const std::int64_t took_ns = bridges::monotonic_ns() - moment.monotonic_ns;
+    if (took_ns < least_ns) best = moment;
+    least_ns = std::min(least_ns, took_ns);
   }
-  return moment;
+  return best;
+}
+
+std::int64_t realtime_of_sample(const slipd_estimate& from, const Moment& now) noexcept {
+  return from.realtime_ns != 0 ? from.realtime_ns : now.realtime_ns - (now.monotonic_ns - from.time_ns);
 }
 
 void fill_message(const slipd_estimate& from, const Moment& now, SlipEstimate& to) {
-  const std::int64_t since_ns = from.time_ns == 0 ? 0 : now.monotonic_ns - from.time_ns;
-  to.header.stamp = time_of(now.realtime_ns - since_ns);
+  to.header.stamp = time_of(from.time_ns == 0 ? now.realtime_ns : realtime_of_sample(from, now));
   to.name = from.name;
   to.state = static_cast<std::uint8_t>(from.state);
   to.alert = static_cast<std::uint8_t>(from.alert);
   to.sliding = static_cast<std::uint8_t>(from.sliding);
   to.simulated = from.simulated != 0;
-  to.sequence = from.sequence;
+  to.seq = from.sequence;
   to.dropped = from.dropped;
   to.age = from.age_s;
   to.margin = slipd_margin(&from);
@@ -62,6 +70,9 @@ void clear_message(std::uint8_t state, const Moment& now, SlipEstimate& to) {
   none.header.frame_id = std::move(to.header.frame_id);
   none.header.stamp = time_of(now.realtime_ns);
   none.state = state;
+  none.alert = to.alert == SlipEstimate::kAlertNone ? SlipEstimate::kAlertUnknown : to.alert;
+  none.simulated = to.simulated;
+  none.seq = to.seq;
   to = std::move(none);
 }
 

@@ -1,4 +1,4 @@
-// One topic of the bridge: its writer, its rate, and its channel in the recording. One thread's own.
+// One topic of the bridge: its writer, its rate, and its channel in the recording. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +30,8 @@ class Output {
 
   // Whether anything takes messages: a reader, or the recording. Any thread.
   bool wanted() const noexcept { return writer_.has_readers() || recorder_.records(); }
+  // Readers take the writer for alive as long as WriterOptions::lease from now.
+  void assert_alive() const noexcept { writer_.assert_alive(); }
   // Publishes what `make` returns, unless nothing takes it or the rate forbids it.
   template <class Make>
   void put(const Moment& now, const Make& make) {

@@ -172,6 +172,7 @@ void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t r
   estimate.grip_increase_n = known(values.grip_increase_n);
   estimate.grip_increase_sigma_n = known(values.grip_increase_sigma_n);
   estimate.sliding_for_s = known(values.sliding_for_ms, 1e-3);
+  estimate.realtime_ns = values.time_ns;
   const std::int64_t now_ns = monotonic_ns();
   std::int64_t since_ns = now_ns;
   if (values.age_ms) {

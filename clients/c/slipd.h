@@ -97,7 +97,9 @@ struct slipd_estimate {
   int64_t valid_until_ns;       /* CLOCK_MONOTONIC at which it becomes older than allowed; see slipd_margin() */
   double shear_x_n, shear_y_n;  /* components of shear_n along the sensor's x and y, N; NaN: of a grasp, and in
                                    shared memory, which does not have them */
-  double reserved[6];
+  int64_t realtime_ns;          /* of the sample, CLOCK_REALTIME, as slipd sent it; 0: there was no frame, or of shared
+                                   memory, which has time_ns only */
+  double reserved[5];
 };
 
 /* "0.1.0" */

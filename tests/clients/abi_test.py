@@ -13,7 +13,7 @@ HEADER = os.path.join(SOURCE, "clients", "c", "slipd.h")
 LAYOUT = """name 0 64, state 64 4, alert 68 4, sliding 72 4, event 76 4, simulated 80 4, alert_cause 84 4, sequence 88 8, dropped 96 8,
 time_ns 104 8, age_s 112 8, gamma 120 8, sigma 128 8, gamma_low 136 8, friction 144 8, friction_sigma 152 8, normal_n 160 8, shear_n 168 8,
 torque_nm 176 8, torque_sigma_nm 184 8, center_x_m 192 8, center_y_m 200 8, radius_m 208 8, time_to_slip_s 216 8, grip_increase_n 224 8,
-grip_increase_sigma_n 232 8, sliding_for_s 240 8, valid_until_ns 248 8, shear_x_n 256 8, shear_y_n 264 8, reserved 272 48"""
+grip_increase_sigma_n 232 8, sliding_for_s 240 8, valid_until_ns 248 8, shear_x_n 256 8, shear_y_n 264 8, realtime_ns 272 8, reserved 280 40"""
 ESTIMATE_BYTES = 320
 # Numbers that programs were compiled with.
 NUMBERS = {"SLIPD_DONE": 0, "SLIPD_TIMEOUT": 1, "SLIPD_DISCONNECTED": -1, "SLIPD_REFUSED": -2, "SLIPD_INVALID": -3, "SLIPD_NO_MEMORY": -4,

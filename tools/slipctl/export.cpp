@@ -49,7 +49,7 @@ ros2::SlipEstimate estimate_message(const RecordedEstimate& from, const ros2::He
   out.alert = from.alert;
   out.sliding = from.sliding;
   out.simulated = simulated;
-  out.sequence = frame.slot.sequence;
+  out.seq = frame.slot.sequence;
   out.age = 0;
   if (from.state == ros2::SlipEstimate::kOk) out.margin = from.gamma;
   out.margin_sigma = from.sigma;
@@ -118,7 +118,7 @@ class McapSink final : public FrameSink {
   std::vector<std::uint8_t> bytes_;
   std::uint16_t wrench_ = 0, taxels_ = 0, margin_ = 0, estimate_ = 0, alert_ = 0;
   std::optional<std::uint16_t> truth_;
-  std::uint8_t last_alert_ = 0;
+  std::uint8_t last_alert_ = ros2::SlipEstimate::kAlertUnknown;
 };
 
 // Columns of taxels are those that the driver `replay` reads.

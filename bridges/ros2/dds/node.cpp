@@ -146,6 +146,10 @@ dds_entity_t Node::make_writer(const dds_topic_descriptor_t& type, const std::st
                        kNoWaiting);
   dds_qset_durability(qos.get(), transient ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, options.depth);
+  if (options.deadline.count() > 0) dds_qset_deadline(qos.get(), options.deadline.count());
+  // Asserted by hand: Cyclone's own threads go on while the program that makes the samples hangs.
+  if (options.lease.count() > 0)
+    dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, options.lease.count());
   const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &representation);
   if (!hash.empty()) set_user_data(*qos, "typehash=RIHS01_" + std::string(hash) + ";");

@@ -6,6 +6,7 @@
 #include <dds/dds.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <stdexcept>
@@ -48,6 +49,13 @@ struct WriterOptions {
   int depth = 10;
   // Whether lost samples are sent again.
   bool reliable = true;
+  // Longest time between two samples that is offered; 0: none is. Readers that ask for this, for more, or for
+  // none, match. Too short: readers are told of misses that mean nothing.
+  std::chrono::nanoseconds deadline{0};
+  // How long readers take the writer for alive after a sample or assert_alive(); 0: as long as the node
+  // lives. It is offered as manual by topic, so that readers match which ask for this or more, of any kind. A
+  // best-effort reader is told by samples only.
+  std::chrono::nanoseconds lease{0};
 };
 
 // Which readers a writer has. Cyclone's threads write it.
@@ -112,6 +120,8 @@ class Writer {
   dds_entity_t entity() const noexcept { return writer_; }
   // Whether there is a reader. Any thread.
   bool has_readers() const noexcept { return readers_.any(); }
+  // The writer is alive, though it has nothing to say. Any thread.
+  void assert_alive() const noexcept { dds_assert_liveliness(writer_); }
   // Sends a message to all readers. False: Cyclone has not taken it.
   bool write(const T& message) const {
     typename DdsType<T>::Sample sample{};

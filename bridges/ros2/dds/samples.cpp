@@ -115,7 +115,7 @@ void DdsType<SlipEstimate>::fill(const SlipEstimate& from, Sample& to, SampleMem
   to.alert = from.alert;
   to.sliding = from.sliding;
   to.simulated = from.simulated;
-  to.sequence_ = from.sequence;
+  to.seq = from.seq;
   to.dropped = from.dropped;
   to.age = from.age;
   to.margin = from.margin;

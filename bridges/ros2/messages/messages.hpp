@@ -199,11 +199,12 @@ struct DiagnosticArray {
 struct SlipEstimate {
   static constexpr std::string_view kName = "slipd_msgs/msg/SlipEstimate";
   static constexpr std::string_view kTypeHash =
-      "66d4c031db64c4e3b6da6dca3bd1fca874b4213012840a47a0a93f2e1877e1da";
+      "f53b2e6cc722b9d0c5f33933d914448c3770e3c0f0c0b1cb74bdd98ad2849d57";
   static constexpr std::string_view kConstants =
       "uint8 STATE_OK=0\nuint8 STATE_NO_CONTACT=1\nuint8 STATE_LEARNING=2\nuint8 STATE_OUT_OF_MODEL=3\n"
       "uint8 STATE_NO_SHEAR=4\nuint8 STATE_UNZEROED=5\nuint8 STATE_STALE=6\nuint8 STATE_FAULT=7\n"
       "uint8 STATE_DISCONNECTED=8\nuint8 ALERT_NONE=0\nuint8 ALERT_WARN=1\nuint8 ALERT_SLIP=2\n"
+      "uint8 ALERT_UNKNOWN=3\n"
       "uint8 SLIDING_NONE=0\nuint8 SLIDING_DISTURBED=1\nuint8 SLIDING_TRANSLATION=2\n"
       "uint8 SLIDING_ROTATION=3\nuint8 SLIDING_UNKNOWN=255\n";
   static constexpr std::uint8_t kOk = 0;
@@ -212,14 +213,16 @@ struct SlipEstimate {
   static constexpr std::uint8_t kStale = 6;
   static constexpr std::uint8_t kFault = 7;
   static constexpr std::uint8_t kDisconnected = 8;
+  static constexpr std::uint8_t kAlertNone = 0;
+  static constexpr std::uint8_t kAlertUnknown = 3;
   static constexpr std::uint8_t kSlidingUnknown = 255;
   Header header;
   std::string name;
   std::uint8_t state = kStale;
-  std::uint8_t alert = 0;
+  std::uint8_t alert = kAlertUnknown;
   std::uint8_t sliding = kSlidingUnknown;
   bool simulated = false;
-  std::uint64_t sequence = 0;
+  std::uint64_t seq = 0;
   std::uint64_t dropped = 0;
   double age = kUnknown;
   double margin = kUnknown;
@@ -248,7 +251,7 @@ struct SlipEstimate {
     visit("alert", m.alert);
     visit("sliding", m.sliding);
     visit("simulated", m.simulated);
-    visit("sequence", m.sequence);
+    visit("seq", m.seq);
     visit("dropped", m.dropped);
     visit("age", m.age);
     visit("margin", m.margin);

@@ -52,6 +52,14 @@ TEST(Cdr, SequencesOfMessagesAlignEachElement) {
                   2, 0, 0, 0, 'k', 0, 0, 0, 2, 0, 0, 0, 'v', 0));
 }
 
+TEST(Estimates, AreUnknownUntilSlipdSaysSomething) {
+  const SlipEstimate none;
+  EXPECT_EQ(none.alert, SlipEstimate::kAlertUnknown);
+  EXPECT_EQ(none.state, SlipEstimate::kStale);
+  EXPECT_EQ(none.sliding, SlipEstimate::kSlidingUnknown);
+  EXPECT_TRUE(std::isnan(none.margin) && std::isnan(none.margin_low));
+}
+
 TEST(Margins, AreNumbersInStateOkOnly) {
   SlipEstimate estimate;
   estimate.margin = 0.5;

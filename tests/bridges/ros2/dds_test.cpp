@@ -55,7 +55,7 @@ SlipEstimate sample_estimate() {
   estimate.name = "left";
   estimate.state = 0;
   estimate.alert = 1;
-  estimate.sequence = 0x0102030405060708;
+  estimate.seq = 0x0102030405060708;
   double value = 0.5;
   for (double* number :
        {&estimate.margin, &estimate.normal_force, &estimate.shear_force_x, &estimate.sliding_for})

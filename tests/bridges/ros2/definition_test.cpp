@@ -6,6 +6,7 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <sstream>
 
@@ -78,6 +79,41 @@ std::string without_comments(const std::string& file) {
 TEST(MessageTexts, AreThoseOfThePackageSlipdMsgs) {
   EXPECT_EQ(without_comments(SLIPD_SOURCE_DIR "/bridges/ros2/slipd_msgs/msg/SlipEstimate.msg"),
             msg_text(definitions_of<SlipEstimate>().front()));
+}
+
+// OMG IDL 4.2, table 7-6. Names that differ in case only collide, too.
+constexpr const char* kIdlKeywords[] = {
+    "abstract",  "any",      "alias",      "attribute", "bitfield", "bitmask",    "bitset",      "boolean",
+    "case",      "char",     "component",  "connector", "const",    "consumes",   "context",     "custom",
+    "default",   "double",   "exception",  "emits",     "enum",     "eventtype",  "factory",     "false",
+    "finder",    "fixed",    "float",      "getraises", "home",     "import",     "in",          "inout",
+    "interface", "local",    "long",       "manages",   "map",      "mirrorport", "module",      "multiple",
+    "native",    "object",   "octet",      "oneway",    "out",      "primarykey", "private",     "port",
+    "porttype",  "provides", "public",     "publishes", "raises",   "readonly",   "setraises",   "sequence",
+    "short",     "string",   "struct",     "supports",  "switch",   "true",       "truncatable", "typedef",
+    "typeid",    "typename", "typeprefix", "unsigned",  "union",    "uses",       "valuebase",   "valuetype",
+    "void",      "wchar",    "wstring",    "int8",      "uint8",    "int16",      "int32",       "int64",
+    "uint16",    "uint32",   "uint64"};
+
+template <class T>
+void expect_no_keyword() {
+  for (const Definition& definition : definitions_of<T>()) {
+    ASSERT_FALSE(definition.fields.empty());
+    for (const Field& field : definition.fields) {
+      std::string name = field.name;
+      std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+      EXPECT_EQ(std::count(std::begin(kIdlKeywords), std::end(kIdlKeywords), name), 0)
+          << field.name << " of " << definition.name << " is a keyword of IDL, which fastddsgen refuses";
+    }
+  }
+}
+
+TEST(Names, OfFieldsAreNoKeywordsOfIdl) {
+  expect_no_keyword<SlipEstimate>();
+  expect_no_keyword<WrenchStamped>();
+  expect_no_keyword<Float32>();
+  expect_no_keyword<PointCloud2>();
+  expect_no_keyword<DiagnosticArray>();
 }
 
 TEST(Names, AreThoseOfDds) {

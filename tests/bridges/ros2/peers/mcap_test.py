@@ -97,7 +97,7 @@ class Export(Programs):
         self.assertEqual(list(values[5::6]), list(frame.shear_y_pa))
 
     def compare_estimate(self, frame, margin, estimate):
-        self.assertEqual(int(estimate["sequence"]), frame.seq)
+        self.assertEqual(int(estimate["seq"]), frame.seq)
         self.assertEqual(state_name(estimate["state"]), frame.estimate["state"])
         known = frame.estimate["gamma"] if frame.estimate["state"] == "ok" else None
         if known is None:
@@ -143,7 +143,7 @@ class Live(Programs):
     def compare(self, published, truth):
         compared = 0
         for _, message in published:
-            one = truth.get(int(message["sequence"]))
+            one = truth.get(int(message["seq"]))
             if one is None or state_name(message["state"]) != one.at_state:  # too old by then
                 continue
             compared += 1

@@ -76,7 +76,7 @@ Sample read_sample(const std::string& leaf, const void* data, std::int64_t ahead
   if (leaf == "estimate") {
     const auto& estimate = *static_cast<const slipd_msgs_msg_dds__SlipEstimate_*>(data);
     sample.stamp_ns = nanoseconds(estimate.header) - ahead_ns;
-    sample.sequence = estimate.sequence_;
+    sample.sequence = estimate.seq;
   }
   return sample;
 }
