@@ -20,9 +20,11 @@ constexpr double kNsPerS = 1e9;
 constexpr double kIdleEstimates = 4;
 // How long slipd may take to pass its shared memory, s.
 constexpr double kAttach = 1;
-// Beats of Subjects within the deadline and the liveliness lease that topics offer: a beat may be late by
-// one.
+// Beats of Subjects within the deadline that topics offer: a beat may be late by one.
 constexpr int kBeatsOffered = 2;
+// Deadlines within the liveliness lease. A reader counts no deadlines of a writer that it takes for dead, so
+// the first miss must come before.
+constexpr int kDeadlinesOfALease = 2;
 
 NodeOptions node_options(const nlohmann::json& settings) {
   const nlohmann::json& network = settings.at("network");
@@ -135,9 +137,11 @@ void Ros2Bridge::add_subject(const std::string& name, const std::string& hardwar
     TopicOptions options = topic_options(leaf);
     WriterOptions& writer = options.writer;
     const bool rare = std::string_view(leaf) == "alert";
-    writer.lease = kBeatsOffered * Subjects::beat(max_age_s_) + (rare ? seconds(0) : period(options.rate_hz));
-    if (!rare) writer.deadline = writer.lease;
-    if (rare && !writer.reliable) writer.lease = seconds(0);  // that it lives goes to reliable readers only
+    const auto beats = kBeatsOffered * Subjects::beat(max_age_s_);
+    const auto deadline = rare ? beats : beats + period(options.rate_hz);
+    if (!rare) writer.deadline = deadline;
+    // That the writer of rare messages lives goes to reliable readers only.
+    if (!rare || writer.reliable) writer.lease = kDeadlinesOfALease * deadline;
     return options;
   };
   std::string other;

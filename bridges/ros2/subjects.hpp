@@ -3,8 +3,8 @@
 //
 // Fail safe: a margin is a number only in state ok and while it is young. A thread of its own watches each
 // estimate's age and publishes messages without numbers at the moment when it is too old, and again with each
-// beat. So they come in time also while the loop waits for a slipd that hangs. The deadline and the
-// liveliness that writers offer are two beats, which also the slowest of these messages keep.
+// beat. So they come in time also while the loop waits for a slipd that hangs, and keep the deadline that the
+// writers offer.
 #pragma once
 
 #include <chrono>

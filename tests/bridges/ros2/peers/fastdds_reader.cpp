@@ -3,6 +3,10 @@
 // writer's user data, and the bytes as hexadecimal text. Ends when each topic has brought MESSAGES of them.
 // Topics without their prefix `rt`, types as ROS 2 names them on DDS.
 //
+// With DEADLINE_MS and LEASE_MS in the environment it asks each topic for a message at least every
+// DEADLINE_MS (not `alert`, which is rare), and for a writer that shows within LEASE_MS that it lives. Lines
+// then also say `TOPIC missed N`, the deadlines so far, and `TOPIC alive N`, the writers that live.
+//
 // NETWORK: `default`, Fast DDS's transports as they are, which a ROS 2 node has by default; `loopback`, the
 // loopback interface only, as with ROS_LOCALHOST_ONLY=1; `localhost`, all interfaces, but other nodes are
 // found on 127.0.0.1 only, as with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST.
@@ -72,6 +76,13 @@ class Discovery : public DomainParticipantListener {
 class Printer : public DataReaderListener {
  public:
   explicit Printer(std::string topic) : topic_(std::move(topic)) {}
+  void on_requested_deadline_missed(DataReader* /*reader*/,
+                                    const RequestedDeadlineMissedStatus& status) override {
+    tell("missed", static_cast<int>(status.total_count));
+  }
+  void on_liveliness_changed(DataReader* /*reader*/, const LivelinessChangedStatus& status) override {
+    tell("alive", status.alive_count);
+  }
   void on_data_available(DataReader* reader) override {
     std::vector<unsigned char> sample;
     SampleInfo info;
@@ -92,8 +103,30 @@ class Printer : public DataReaderListener {
   }
 
  private:
+  void tell(const char* what, int number) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    std::printf("%s %s %d\n", topic_.c_str(), what, number);
+    std::fflush(stdout);
+  }
+
   std::string topic_;
 };
+
+eprosima::fastrtps::Duration_t milliseconds(const char* text) {
+  return eprosima::fastrtps::Duration_t(1e-3 * std::atof(text));
+}
+
+// Whether DEADLINE_MS and LEASE_MS are there, which `qos` then asks for.
+bool ask_for_promises(const std::string& topic, DataReaderQos& qos) {
+  const char* const deadline = std::getenv("DEADLINE_MS");
+  const char* const lease = std::getenv("LEASE_MS");
+  if (deadline == nullptr || lease == nullptr) return false;
+  const bool rare = topic.find("/alert") != std::string::npos;
+  qos.deadline().period = rare ? eprosima::fastrtps::c_TimeInfinite : milliseconds(deadline);
+  qos.liveliness().kind = MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  qos.liveliness().lease_duration = milliseconds(lease);
+  return true;
+}
 
 }  // namespace
 
@@ -139,9 +172,10 @@ int main(int argc, char** argv) {
     Topic* const topic =
         participant->create_topic(std::string(ros ? "rt" : "") + argv[i], argv[i + 1], TOPIC_QOS_DEFAULT);
     qos.durability().kind = ros ? VOLATILE_DURABILITY_QOS : TRANSIENT_LOCAL_DURABILITY_QOS;
-    if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), StatusMask::data_available()) ==
-        nullptr)
-      return 1;
+    StatusMask events = StatusMask::data_available();
+    if (ask_for_promises(argv[i], qos))
+      events << StatusMask::requested_deadline_missed() << StatusMask::liveliness_changed();
+    if (subscriber->create_datareader(topic, qos, new Printer(argv[i]), events) == nullptr) return 1;
   }
   std::unique_lock<std::mutex> lock(mutex);
   changed.wait(lock, [&] {
