@@ -1,5 +1,5 @@
 """MCAP files of slipctl and of slipd-ros2, read by @mcap/core and decoded by @foxglove/rosmsg2-serialization from the .msg texts in them."""
-import json, math, os, signal, struct, subprocess, tempfile, time, unittest
+import bisect, json, math, os, signal, struct, subprocess, tempfile, unittest
 
 import slipd
 from awaiting import PATIENCE_S, await_true
@@ -8,7 +8,8 @@ BUILD, SOURCE, NPM = os.environ["SLIPD_BINARY_DIR"], os.environ["SLIPD_SOURCE_DI
 DAEMON = os.environ.get("SLIPD_PROGRAM", os.path.join(BUILD, "bin", "slipd"))
 BRIDGE = os.path.join(BUILD, "bin", "slipd-ros2")
 FLOAT32_ROUNDING = 1e-6  # a number below 2 as a float32
-STATE_DISCONNECTED = 8
+STATE_DISCONNECTED, ALERT_NONE = 8, 0
+SAMPLES_APART_NS = 1_000_000  # less than a period of 200 Hz
 
 
 def messages(file):
@@ -123,7 +124,6 @@ class Live(Programs):
                 if len(truth) > 400:
                     break
         self.end(self.slipd, signal.SIGKILL)
-        time.sleep(1.5)  # the bridge repeats itself once a second
         self.end(bridge)
         head, topics = messages(self.path("live.mcap"))
         for subject in ("left", "right", "cup"):
@@ -133,12 +133,31 @@ class Live(Programs):
         self.assertGreater(len(topics["/diagnostics"]), 1)
         compared = self.compare(topics["/slipd/left/estimate"], truth)
         self.assertGreater(compared, 300)
+        self.compare_stamps(topics)
         for subject in ("left", "cup"):
             last = topics[f"/slipd/{subject}/estimate"][-1][1]
             self.assertEqual(last["state"], STATE_DISCONNECTED)
+            self.assertNotEqual(last["alert"], ALERT_NONE)
+            self.assertNotEqual(topics[f"/slipd/{subject}/alert"][-1][1]["alert"], ALERT_NONE)
             self.assertTrue(math.isnan(number(last["margin"])))
             self.assertTrue(math.isnan(number(topics[f"/slipd/{subject}/margin"][-1][1]["data"])))
             self.assertTrue(math.isnan(number(topics[f"/slipd/{subject}/wrench"][-1][1]["wrench"]["force"]["z"])))
+
+    def compare_stamps(self, topics):
+        """Messages of one sample have one stamp, whichever topic they are on."""
+        def stamps(leaf):
+            return {1_000_000_000 * int(message["header"]["stamp"]["sec"]) + int(message["header"]["stamp"]["nanosec"])
+                    for _, message in topics[f"/slipd/left/{leaf}"]}
+        samples = sorted(stamps("estimate"))
+        self.assertEqual(stamps("wrench"), set(samples))
+        self.assertLessEqual(stamps("alert"), set(samples))
+        same = 0
+        for stamp in stamps("taxels"):
+            at = bisect.bisect(samples, stamp - SAMPLES_APART_NS)
+            if at < len(samples) and samples[at] < stamp + SAMPLES_APART_NS:  # not of a frame that was skipped
+                same += 1
+                self.assertEqual(samples[at], stamp)
+        self.assertGreater(same, 5)
 
     def compare(self, published, truth):
         compared = 0
