@@ -6,6 +6,7 @@ from awaiting import PATIENCE_S, await_true
 from mcap_test import BUILD, STATE_DISCONNECTED
 from network_test import FLOAT, READER, Bed
 
+STOP_THREAD = os.path.join(BUILD, "test-bin", "stop-thread")
 CYCLONE = os.path.join(BUILD, "test-bin", "ros2-cyclone-reader")
 ESTIMATE = "slipd_msgs::msg::dds_::SlipEstimate_"
 DEADLINE_MS, LEASE_MS = 200, 400  # docs/ros2.md
@@ -133,6 +134,32 @@ class Promises(Bed):
         at = time.monotonic()
         self.slipd = self.start_slipd()
         self.await_all("slipd started", at, *self.OK)
+
+    def stop_thread(self, process, name):
+        """Time at which the thread stood still. Ending the holder lets it go on."""
+        holder = subprocess.Popen([STOP_THREAD, str(process.pid), name], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(holder.stdout.close)
+        self.addCleanup(holder.wait)
+        self.addCleanup(holder.kill)
+        if holder.stdout.readline() != "stopped\n":
+            self.skipTest("threads may not be stopped here: root may")
+        return holder, time.monotonic()
+
+    def test_a_slipd_whose_estimate_thread_hangs_is_stale(self):
+        holder, at = self.stop_thread(self.slipd, "estimate")
+        self.await_all("slipd's estimate thread stopped", at, *self.SILENT)
+        self.await_repeats("slipd's estimate thread stopped", at, without_numbers)
+        holder.kill()
+        at = time.monotonic()
+        self.await_all("slipd's estimate thread continued", at, *self.OK)
+
+    def test_a_bridge_whose_loop_hangs_says_that_all_is_stale(self):
+        holder, at = self.stop_thread(self.bridge, "slipd-ros2")
+        self.await_all("slipd-ros2's loop stopped", at, *self.SILENT)
+        self.await_repeats("slipd-ros2's loop stopped", at, without_numbers)
+        holder.kill()
+        at = time.monotonic()
+        self.await_all("slipd-ros2's loop continued", at, *self.OK)
 
     def await_repeats(self, what, since, condition):
         """Messages without numbers go on to come: twenty of them are ten promises."""
