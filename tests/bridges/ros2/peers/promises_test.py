@@ -11,6 +11,9 @@ CYCLONE = os.path.join(BUILD, "test-bin", "ros2-cyclone-reader")
 ESTIMATE = "slipd_msgs::msg::dds_::SlipEstimate_"
 DEADLINE_MS, LEASE_MS = 200, 400  # docs/ros2.md
 LEAVES = ("margin", "estimate", "alert")
+# Readers use the loopback interface: networks are the matter of network_test.py.
+LOOPBACK = ('<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface name="lo"/></Interfaces><AllowMulticast>false</AllowMulticast></General>'
+            '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>')
 STATE_OK, STATE_STALE = 0, 6
 ALERT_NONE, ALERT_UNKNOWN = 0, 3
 
@@ -20,7 +23,8 @@ class Reader:
 
     def __init__(self, name, command):
         self.name, self.told = name, {leaf: [] for leaf in LEAVES}
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "DEADLINE_MS": str(DEADLINE_MS), "LEASE_MS": str(LEASE_MS)})
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "CYCLONEDDS_URI": LOOPBACK, "DEADLINE_MS": str(DEADLINE_MS),
+                                                                                               "LEASE_MS": str(LEASE_MS)})
         self.thread = threading.Thread(target=self.read)
         self.thread.start()
 
@@ -61,7 +65,7 @@ class Promises(Bed):
         self.readers = [Reader("Cyclone DDS", [CYCLONE, str(self.domain), "left"])]
         if os.path.exists(READER):
             words = [word for leaf in LEAVES for word in (f"/slipd/left/{leaf}", FLOAT if leaf == "margin" else ESTIMATE)]
-            self.readers.append(Reader("Fast DDS", [READER, "default", str(self.domain), "0", *words]))
+            self.readers.append(Reader("Fast DDS", [READER, "loopback", str(self.domain), "0", *words]))
         for reader in self.readers:
             self.addCleanup(reader.end)
         self.await_all("before", 0, *self.ALIVE, *self.OK)
