@@ -1,7 +1,6 @@
 #include "bridges/ros2/subjects.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bridges/ros2/diagnostics.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
