@@ -32,8 +32,6 @@ struct World {
     serving.settings.recordings.clear();
     serving.rules = std::make_unique<web::RequestRules>(std::vector<std::string>{"a"}, "");
     serving.hello = std::make_shared<const std::string>("{}");
-    serving.newest_live = serving.hello;
-    serving.newest_status = serving.hello;
     acceptor = Tcp::acceptor(serving.io, Tcp::endpoint(boost::asio::ip::address_v4::loopback(), 0));
   }
   web::Serving serving;
