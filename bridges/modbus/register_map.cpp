@@ -25,11 +25,17 @@ double if_current(const slipd_estimate& e, double value) {
   return current(e) ? value : kNothing;
 }
 
+// A raised alert stands until frames show its end. "None" is no fact without frames.
+double alert(const slipd_estimate& e) {
+  if (e.alert == SLIPD_ALERT_UNKNOWN) return kNothing;
+  return e.alert == SLIPD_ALERT_NONE ? if_current(e, e.alert) : e.alert;
+}
+
 // An alert without a cause is of an older libslipd.
 double alert_cause(const slipd_estimate& e) {
   const bool known = (e.alert_cause == SLIPD_CAUSE_NONE) == (e.alert == SLIPD_ALERT_NONE) &&
                      e.alert_cause != SLIPD_CAUSE_UNKNOWN;
-  return known ? if_current(e, e.alert_cause) : kNothing;
+  return known && !std::isnan(alert(e)) ? e.alert_cause : kNothing;
 }
 
 constexpr std::array<Register<Header>, 6> kHeader{{
@@ -73,8 +79,8 @@ constexpr std::array<Register<slipd_estimate>, 18> kBlock{{
     {9, RegisterType::s16, 0.01, "N", "grip_increase",
      "normal force to add; negative: a smaller force suffices",
      [](const slipd_estimate& e) { return if_current(e, e.grip_increase_n); }},
-    {10, RegisterType::u16, 1, "", "alert", "0 none, 1 warn, 2 slip",
-     [](const slipd_estimate& e) { return if_current(e, e.alert); }},
+    {10, RegisterType::u16, 1, "", "alert",
+     "0 none, 1 warn, 2 slip; 1 and 2 stand until frames show their end, also in states 6 to 8", alert},
     {11, RegisterType::u16, 1, "", "sliding", "0 none, 1 disturbed, 2 translation, 3 rotation",
      [](const slipd_estimate& e) {
        return e.sliding == SLIPD_SLIDING_UNKNOWN ? kNothing : if_current(e, e.sliding);

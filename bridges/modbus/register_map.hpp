@@ -61,7 +61,7 @@ std::span<const Register<slipd_estimate>> block_registers();
 // Fills the header's kFirstBlock registers.
 void write_header(const Header& header, std::span<std::uint16_t> registers);
 // Fills a block's kBlockSize registers. An estimate whose margin has expired has none. State disconnected:
-// all else is unknown.
+// all else is unknown but an alert that stands.
 void write_block(const slipd_estimate& estimate, std::span<std::uint16_t> registers);
 
 // Both tables: CSV with a line for each register of the header and of block 0, and rows for docs/plc.md.

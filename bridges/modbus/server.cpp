@@ -10,43 +10,25 @@
 
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
-#include "bridges/support/clock.hpp"
 #include "bridges/support/log.hpp"
 
 namespace slipd::modbus {
 namespace {
 
-using bridges::log;
-using bridges::LogLevel;
 using Clock = std::chrono::steady_clock;
 
 // A frame of Modbus TCP: transaction and protocol (2 bytes each), length of what follows (2), unit, function,
 // data.
 constexpr std::size_t kHeaderBytes = 6, kMostBytes = MODBUS_TCP_MAX_ADU_LENGTH;
 constexpr std::size_t kFunctionAt = 7, kReadRequestBytes = 12;
-// slipd's last sign of life may be this old, s; it is 10 ms young when slipd works.
-constexpr double kAliveWithin = 0.5;
-constexpr std::chrono::milliseconds kAttachRetry{500};
-constexpr double kAttachTimeout = 0.5;  // s
-constexpr std::chrono::seconds kIdlePeriod{1};
+constexpr std::chrono::seconds kLookPeriod{1};
 constexpr double kMillisecondsPerSecond = 1e3;
-constexpr std::int64_t kNsPerMillisecond = 1'000'000;
-
-slipd_estimate nothing_known() {
-  slipd_estimate none{};
-  none.state = SLIPD_STATE_DISCONNECTED;
-  none.sliding = SLIPD_SLIDING_UNKNOWN;
-  none.age_s = std::numeric_limits<double>::infinity();
-  return none;
-}
 
 [[noreturn]] void fail(const ServerSettings& settings, int error) {
   throw std::runtime_error(settings.address + ":" + std::to_string(settings.port) +
@@ -96,17 +78,16 @@ Server::Server(ServerSettings settings, bridges::Loop& loop)
       loop_(loop),
       context_(modbus_new_tcp(nullptr, settings_.port)),
       mapping_(modbus_mapping_new(0, 0, 0, kRegisters)),
-      idle_(loop, [this] { drop_idle(); }),
-      names_(settings_.blocks),
-      feed_(loop, {.socket = settings_.socket, .events = 0},
-            {.serves = [this](const bridges::Inventory& all) { note_serving(all); },
-             .away = [](std::string_view why) { log(LogLevel::warning, why); },
-             .estimate = {}}) {
+      timer_(loop, [this] { look_around(); }),
+      registers_(loop, settings_.socket, settings_.blocks, settings_.max_age_s) {
   if (!context_ || !mapping_) throw std::bad_alloc();
   // libmodbus sleeps this long before some exceptions.
   modbus_set_response_timeout(context_.get(), 0, 1);
   listen_at();
-  idle_.start(kIdlePeriod);
+  timer_.start(kLookPeriod);
+  bridges::log(bridges::LogLevel::notice, "answers PLCs on " + settings_.address + ":" +
+                                              std::to_string(settings_.port) + "; asks slipd on " +
+                                              settings_.socket);
 }
 
 Server::~Server() {
@@ -171,7 +152,7 @@ bool Server::answer(Client& client, std::size_t length) {
     return modbus_reply_exception(context_.get(), request, MODBUS_EXCEPTION_ILLEGAL_FUNCTION) >= 0;
   if (length != kReadRequestBytes)
     return modbus_reply_exception(context_.get(), request, MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE) >= 0;
-  refresh();
+  registers_.write({mapping_->tab_input_registers, std::size_t{kRegisters}});
   return modbus_reply(context_.get(), request, static_cast<int>(length), mapping_.get()) >= 0;
 }
 
@@ -179,53 +160,12 @@ void Server::drop(Client* client) {
   clients_.remove_if([&](const Client& each) { return &each == client; });
 }
 
-void Server::drop_idle() {
-  idle_.start(kIdlePeriod);
+// Also without requests slipd is looked for, so that the log tells of it.
+void Server::look_around() {
+  timer_.start(kLookPeriod);
   const auto begin = Clock::now() - settings_.idle;
   clients_.remove_if([&](const Client& each) { return each.last_request < begin; });
-}
-
-void Server::note_serving(const bridges::Inventory& inventory) {
-  attached_ = false;
-  if (!settings_.blocks.empty()) return;
-  names_.clear();
-  for (const auto& sensor : inventory.sensors) names_.push_back(sensor.name);
-  for (const auto& grasp : inventory.grasps) names_.push_back(grasp.name);
-  if (names_.size() <= std::size_t{kMostBlocks}) return;
-  log(LogLevel::warning, "only " + std::to_string(kMostBlocks) + " of " + std::to_string(names_.size()) +
-                             " sensors and grasps have a block; choose them with \"blocks\"");
-  names_.resize(kMostBlocks);
-}
-
-// Whether the board is mapped; tries again now and then.
-bool Server::attach() {
-  if (attached_) return true;
-  if (!feed_.connected() || Clock::now() < attach_after_) return false;
-  attach_after_ = Clock::now() + kAttachRetry;
-  attached_ = slipd_attach(feed_.client(), nullptr, kAttachTimeout) == SLIPD_DONE;
-  return attached_;
-}
-
-// All registers as of now.
-void Server::refresh() {
-  const std::span registers(mapping_->tab_input_registers, std::size_t{kRegisters});
-  attach();
-  const bool alive = attached_ && slipd_heartbeat_age(feed_.client()) < kAliveWithin;
-  if (alive) {
-    alive_ms_ = bridges::monotonic_ns() / kNsPerMillisecond;
-  } else {
-    attached_ = false;  // a slipd that was started again has another board
-  }
-  write_header({alive, alive_ms_, static_cast<int>(names_.size())}, registers);
-  for (std::size_t i = 0; i < std::size_t{kMostBlocks}; ++i) {
-    slipd_estimate estimate = nothing_known();
-    if (alive && attached_ && i < names_.size()) {
-      const int code = slipd_latest(feed_.client(), names_[i].c_str(), settings_.max_age_s, &estimate);
-      if (code == SLIPD_ATTACH_ANEW) attached_ = false;
-      if (code < 0) estimate = nothing_known();
-    }
-    write_block(estimate, registers.subspan(kFirstBlock + i * kBlockSize, kBlockSize));
-  }
+  registers_.alive();
 }
 
 }  // namespace slipd::modbus

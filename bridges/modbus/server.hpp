@@ -1,5 +1,5 @@
 // A Modbus TCP server of slipd's board in shared memory. Registers are made when a client asks, so that the
-// board costs nothing between requests. One thread's own: that of the loop.
+// board costs nothing between requests. One thread's own: that of the loop, which never waits for slipd.
 //
 // Requests are taken apart here as far as their length and function, because libmodbus waits for the rest of
 // a request. Only "read input registers" reaches libmodbus; every other function is answered with
@@ -14,8 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "bridges/modbus/register_map.hpp"
-#include "bridges/support/feed.hpp"
+#include "bridges/modbus/live_registers.hpp"
 #include "bridges/support/program.hpp"
 
 using modbus_t = struct _modbus;  // modbus.h has only the second name
@@ -55,10 +54,7 @@ class Server : public bridges::Service {
   bool serve(Client& client);
   bool answer(Client& client, std::size_t length);
   void drop(Client* client);
-  void drop_idle();
-  void note_serving(const bridges::Inventory& inventory);
-  bool attach();
-  void refresh();
+  void look_around();
 
   struct Free {
     void operator()(modbus_t* context) const noexcept;
@@ -71,12 +67,8 @@ class Server : public bridges::Service {
   int listening_ = -1;
   bridges::Loop::Watch listen_watch_;
   std::list<Client> clients_;
-  bridges::Loop::Timer idle_;
-  std::vector<std::string> names_;  // of the blocks
-  bool attached_ = false;
-  std::chrono::steady_clock::time_point attach_after_;
-  std::int64_t alive_ms_ = 0;
-  bridges::Feed feed_;
+  bridges::Loop::Timer timer_;
+  LiveRegisters registers_;
 };
 
 }  // namespace slipd::modbus

@@ -108,5 +108,8 @@ int slipd_wait(slipd_client* s, const char* name, double max_age_s, double timeo
 
 double slipd_heartbeat_age(const slipd_client* s) {
   if (s == nullptr || !s->board.mapped() || s->board.closed()) return std::numeric_limits<double>::infinity();
-  return 1e-9 * static_cast<double>(monotonic_ns() - s->board.heartbeat_ns());
+  const std::int64_t beat_ns = s->board.heartbeat_ns();
+  const std::int64_t now_ns = monotonic_ns();
+  if (beat_ns > now_ns) return std::numeric_limits<double>::infinity();  // of another clock
+  return 1e-9 * static_cast<double>(now_ns - beat_ns);
 }

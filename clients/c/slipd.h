@@ -170,8 +170,8 @@ int slipd_latest(slipd_client *s, const char *name, double max_age_s, struct sli
 /* Waits for an estimate that this function has not returned before, at most timeout_s. SLIPD_DONE: it is new.
  * SLIPD_TIMEOUT: there is none; `estimate` has the last one, judged by its age. */
 int slipd_wait(slipd_client *s, const char *name, double max_age_s, double timeout_s, struct slipd_estimate *estimate);
-/* Age of slipd's last sign of life, s; infinite if it is not attached. A running slipd's is below 0.02, more only
- * if its threads get no processor. */
+/* Age of slipd's last sign of life, s; infinite if it is not attached, or slipd's clock is ahead of this program's.
+ * A running slipd's is below 0.02, more only if its threads get no processor. */
 double slipd_heartbeat_age(const slipd_client *s);
 
 #pragma GCC visibility pop

@@ -78,9 +78,31 @@ TEST(RegisterMap, AnAlertHasItsCauseOrAnUnknownOne) {
   EXPECT_EQ(block_of(e)[19], 2);
   e.alert_cause = SLIPD_CAUSE_UNKNOWN;
   EXPECT_EQ(block_of(e)[19], kUnknown);
-  e.state = SLIPD_STATE_STALE;
-  e.alert_cause = SLIPD_CAUSE_SLIDING;
-  EXPECT_EQ(block_of(e)[19], kUnknown);
+}
+
+TEST(RegisterMap, WithoutFramesARaisedAlertStandsAndNoneIsUnknown) {
+  slipd_estimate e = sure();
+  for (const int state : {SLIPD_STATE_STALE, SLIPD_STATE_DISCONNECTED}) {
+    e.state = state;
+    e.alert = SLIPD_ALERT_SLIP;
+    e.alert_cause = SLIPD_CAUSE_SLIDING;
+    EXPECT_EQ(block_of(e)[10], 2);
+    EXPECT_EQ(block_of(e)[19], 2);
+    e.alert = SLIPD_ALERT_NONE;
+    e.alert_cause = SLIPD_CAUSE_NONE;
+    EXPECT_EQ(block_of(e)[10], kUnknown);
+    EXPECT_EQ(block_of(e)[19], kUnknown);
+  }
+}
+
+TEST(RegisterMap, AnUnknownAlertIsNotKnownInAnyState) {
+  slipd_estimate e = sure();
+  e.alert = SLIPD_ALERT_UNKNOWN;
+  for (const int state : {SLIPD_STATE_NO_CONTACT, SLIPD_STATE_FAULT, SLIPD_STATE_STALE}) {
+    e.state = state;
+    EXPECT_EQ(block_of(e)[10], kUnknown);
+    EXPECT_EQ(block_of(e)[19], kUnknown);
+  }
 }
 
 TEST(RegisterMap, AMarginThatHasExpiredIsUnknown) {

@@ -1,16 +1,21 @@
-// The server without slipd, with libmodbus as its client and with bytes that are no Modbus.
+// The server without slipd or with one that hangs, with libmodbus as its client and with bytes that are no
+// Modbus.
 #include "bridges/modbus/server.hpp"
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <modbus.h>
+#include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "tests/support/patience.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace slipd::modbus {
 namespace {
@@ -30,12 +35,13 @@ int free_port() {
 // The server in a thread of its own.
 class Serving {
  public:
-  explicit Serving(std::size_t max_clients = 16) : port_(free_port()) {
+  explicit Serving(std::size_t max_clients = 16, const std::string& slipd = "/nowhere/slipd.sock")
+      : port_(free_port()) {
     ServerSettings settings;
     settings.port = port_;
     settings.max_clients = max_clients;
     settings.blocks = {"left"};
-    settings.socket = "/nowhere/slipd.sock";
+    settings.socket = slipd;
     thread_ = std::thread([this, settings] {
       bridges::Loop loop;
       const Server server(settings, loop);
@@ -82,6 +88,92 @@ struct Plc {
   }
   modbus_t* context;
 };
+
+// A slipd that answers requests until one of the method `hangs_at`, and that one never.
+class HangingSlipd {
+ public:
+  explicit HangingSlipd(std::string hangs_at)
+      : hangs_at_(std::move(hangs_at)), listening_(socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path().copy(at.sun_path, sizeof at.sun_path - 1);
+    EXPECT_EQ(bind(listening_, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
+    EXPECT_EQ(listen(listening_, SOMAXCONN), 0);
+  }
+  ~HangingSlipd() {
+    forget();
+    close(listening_);
+  }
+  std::string path() const { return folder_.file("s.sock").string(); }
+
+  // Until somebody waits for the answer that will not come. False: nobody came.
+  bool await_request() {
+    forget();
+    for (;;) {
+      std::vector<pollfd> ready{{listening_, POLLIN, 0}};
+      for (const int fd : clients_) ready.push_back({fd, POLLIN, 0});
+      if (poll(ready.data(), ready.size(), testing::kPollPatience) <= 0) return false;
+      if (ready[0].revents != 0) clients_.push_back(accept(listening_, nullptr, nullptr));
+      for (std::size_t i = 1; i < ready.size(); ++i) {
+        if (ready[i].revents != 0 && take_request(ready[i].fd)) return true;
+      }
+    }
+  }
+  // Whether it is still waited for: the connection was not closed since.
+  bool is_waited_for() const {
+    char byte = 0;
+    return recv(asking_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) < 0 && errno == EAGAIN;
+  }
+
+ private:
+  bool take_request(int fd) {
+    std::array<char, 4096> text{};
+    const auto got = read(fd, text.data(), text.size());
+    if (got <= 0) {
+      std::erase(clients_, fd);
+      close(fd);
+      return false;
+    }
+    const auto request = nlohmann::json::parse(std::string_view(text.data(), static_cast<std::size_t>(got)));
+    asking_ = fd;
+    if (request.at("method") == hangs_at_) return true;
+    const std::string answer =
+        nlohmann::json{{"jsonrpc", "2.0"}, {"id", request.at("id")}, {"result", nlohmann::json::object()}}
+            .dump() +
+        "\n";
+    EXPECT_EQ(write(fd, answer.data(), answer.size()), static_cast<ssize_t>(answer.size()));
+    return false;
+  }
+  void forget() {
+    for (const int fd : clients_) close(fd);
+    clients_.clear();
+  }
+
+  std::string hangs_at_;
+  testing::TempFolder folder_;
+  int listening_;
+  int asking_ = -1;
+  std::vector<int> clients_;
+};
+
+TEST(ModbusServer, AnswersWhileItWaitsForSlipd) {
+  for (const char* const method : {"version", "gamma", "attach"}) {
+    HangingSlipd slipd(method);
+    const Serving serving(16, slipd.path());
+    const Plc plc(serving.port());
+    bool answered_meanwhile = false;
+    // On a machine that does much else an answer may come after the end of the wait. A server that waits
+    // itself answers after it each time.
+    for (int attempt = 0; attempt < 20 && !answered_meanwhile; ++attempt) {
+      ASSERT_TRUE(slipd.await_request()) << method;
+      std::uint16_t alive = 0;
+      ASSERT_EQ(modbus_read_input_registers(plc.context, 2, 1, &alive), 1);
+      EXPECT_EQ(alive, 2);
+      answered_meanwhile = slipd.is_waited_for();
+    }
+    EXPECT_TRUE(answered_meanwhile) << method;
+  }
+}
 
 TEST(ModbusServer, AnswersSentinelsWhileSlipdIsAway) {
   const Serving serving;
