@@ -35,11 +35,17 @@
 //   "normal_pa"           array of little-endian float32 (RFC 8746, tag 85), one value a taxel
 //   "shear_x_pa"          the same
 //   "shear_y_pa"          the same
-//   "estimate"            present if the frame's estimate is known (flight recorder): map of "state" and
-//                         "alert" (uint, numbered as State and Alert of core/estimate/estimate.hpp), "gamma",
-//                         "sigma", "friction", "normal_n" and "shear_n" (float64 or null), and, absent in
-//                         older recordings, "sliding" (int or null) and "alert_cause" (uint), numbered as
-//                         Sliding and AlertCause there, and "torque_nm" and "turned_rad" (float64 or null)
+//   "estimate"            present if the frame's estimate is known (flight recorder): map of the entries of
+//                         recorded_estimate.hpp in this order: "state" and "alert" (uint), "gamma", "sigma",
+//                         "friction", "normal_n" and "shear_n" (float64 or null); absent in older recordings
+//                         "sliding" and "alert_cause" (uint or null); "torque_nm" and "turned_rad"
+//                         (float64 or null); "gamma_low", "friction_sigma", "shear_x_n", "shear_y_n",
+//                         "torque_sigma_nm", "turned_sigma_rad", "center_x_m", "center_y_m", "radius_m",
+//                         "a_over_r", "time_to_slip_s", "grip_increase_n", "grip_increase_sigma_n" and
+//                         "sliding_for_s" (float64 or null), "method" and "health" (uint or null). Numbers
+//                         of names are those of State, Alert, AlertCause and Method of
+//                         core/estimate/estimate.hpp, Sliding of core/sliding/sliding.hpp and Health of
+//                         core/plausibility/health.hpp. Further entries are of a newer slipd, and passed over
 // The last item of a recording that was finished is the index, a map of these entries in this order, with
 // widths as above:
 //   "index"     byte string: of some blocks, the first one among them, position in the file and "first_ns",
@@ -70,6 +76,7 @@
 #include "core/frame/layout.hpp"
 #include "core/storage/bounded_output.hpp"
 #include "core/storage/buffered_file.hpp"
+#include "core/storage/recorded_estimate.hpp"
 #include "core/storage/recording_block.hpp"
 
 namespace slipd {
@@ -97,33 +104,6 @@ struct RecordingHeader {
   std::string description;
   // Whether frames read 0 without load.
   bool zeroed = true;
-};
-
-// What was estimated from a frame when it was recorded. Unknown numbers are NaN.
-struct RecordedEstimate {
-  // State of core/estimate/estimate.hpp, as a number: this room does not include estimate.
-  std::uint8_t state = 0;
-  // Alert of core/estimate/estimate.hpp, as a number.
-  std::uint8_t alert = 0;
-  // Safety margin, 0 to 1.
-  double gamma = kUnknown;
-  // Standard deviation of gamma.
-  double sigma = kUnknown;
-  // Friction coefficient.
-  double friction = kUnknown;
-  // Normal force, N.
-  double normal_n = kUnknown;
-  // Tangential force, N.
-  double shear_n = kUnknown;
-  // Sliding of core/sliding/sliding.hpp, as a number; kNoSliding: unknown, or not in the recording.
-  std::uint8_t sliding = kNoSliding;
-  // AlertCause of core/estimate/estimate.hpp, as a number; 0: no alert, or not in the recording.
-  std::uint8_t alert_cause = 0;
-  // Torque about the contact's normal, N m, and the angle by which the object turned over the skin, rad; NaN:
-  // unknown, or not in the recording.
-  double torque_nm = kUnknown;
-  double turned_rad = kUnknown;
-  static constexpr std::uint8_t kNoSliding = 255;
 };
 
 // what() is `FILE: byte N: what is wrong, what was expected`.

@@ -4,79 +4,63 @@ namespace slipd {
 namespace {
 
 constexpr std::uint64_t kEntries = 8;  // of a frame without estimate
-constexpr std::uint64_t kEstimateEntries = 11;
-constexpr std::uint64_t kEstimateEntriesBeforeTorque = 9;
-constexpr std::uint64_t kEstimateEntriesBeforeSliding = 7;
-constexpr std::size_t kMostBesideTaxels = 448;  // bytes of a frame beside its taxels' values; it takes less
 
-// Calls `body` with the name and the value of each number. Writing and reading use the same list.
-template <typename Estimate, typename Body>
-void for_each_number(Estimate& estimate, Body body) {
-  body("gamma", estimate.gamma);
-  body("sigma", estimate.sigma);
-  body("friction", estimate.friction);
-  body("normal_n", estimate.normal_n);
-  body("shear_n", estimate.shear_n);
+constexpr std::size_t most_estimate_bytes() {
+  constexpr std::size_t kHead = 9;  // of CBOR, at most; a number takes as many
+  std::size_t bytes = 0;
+  for (const RecordedEntry& entry : kRecordedEntries) bytes += kHead + entry.key.size() + kHead;
+  return bytes;
 }
-
-template <typename Estimate, typename Body>
-void for_each_number_of_turning(Estimate& estimate, Body body) {
-  body("torque_nm", estimate.torque_nm);
-  body("turned_rad", estimate.turned_rad);
-}
+// Bytes of a frame beside its taxels' values and the estimate's entries; it takes less.
+constexpr std::size_t kMostBesides = 256;
 
 void put_estimate(cbor::Writer& out, const RecordedEstimate& estimate) noexcept {
   out.text("estimate");
-  out.map(kEstimateEntries);
-  out.text("state");
-  out.unsigned_integer(estimate.state);
-  out.text("alert");
-  out.unsigned_integer(estimate.alert);
-  const auto put_number = [&out](const char* name, double value) {
-    out.text(name);
-    out.float64_or_null(value);
-  };
-  for_each_number(estimate, put_number);
-  out.text("sliding");
-  if (estimate.sliding == RecordedEstimate::kNoSliding) {
-    out.null();
-  } else {
-    out.integer(estimate.sliding);
+  out.map(kRecordedEntries.size());
+  for (const RecordedEntry& entry : kRecordedEntries) {
+    out.text(entry.key);
+    if (entry.number != nullptr) {
+      out.float64_or_null(estimate.*entry.number);
+    } else if (estimate.*entry.code == RecordedEstimate::kNoCode) {
+      out.null();
+    } else {
+      out.unsigned_integer(estimate.*entry.code);
+    }
   }
-  out.text("alert_cause");
-  out.unsigned_integer(estimate.alert_cause);
-  for_each_number_of_turning(estimate, put_number);
 }
 
-// False: the estimate's map has another number of entries.
+// A code that is none of this or a newer slipd is unknown.
+std::uint8_t code_of(std::optional<std::int64_t> number) noexcept {
+  return number && *number >= 0 && *number < RecordedEstimate::kNoCode ? static_cast<std::uint8_t>(*number)
+                                                                       : RecordedEstimate::kNoCode;
+}
+
+// False: the estimate's map has too few entries.
 bool take_estimate(cbor::Reader& in, RecordedEstimate& estimate) noexcept {
   in.text("estimate");
   const std::uint64_t entries = in.map();
-  if (in.ok() && entries != kEstimateEntries && entries != kEstimateEntriesBeforeTorque &&
-      entries != kEstimateEntriesBeforeSliding)
-    return false;
-  in.text("state");
-  estimate.state = static_cast<std::uint8_t>(in.unsigned_integer());
-  in.text("alert");
-  estimate.alert = static_cast<std::uint8_t>(in.unsigned_integer());
-  const auto take_number = [&in](const char* name, double& value) {
-    in.text(name);
-    value = in.float64_or_null();
-  };
-  for_each_number(estimate, take_number);
-  if (entries == kEstimateEntriesBeforeSliding) return true;
-  in.text("sliding");
-  estimate.sliding = static_cast<std::uint8_t>(in.integer_or_null().value_or(RecordedEstimate::kNoSliding));
-  in.text("alert_cause");
-  estimate.alert_cause = static_cast<std::uint8_t>(in.unsigned_integer());
-  if (entries == kEstimateEntries) for_each_number_of_turning(estimate, take_number);
+  if (in.ok() && entries < kFewestRecordedEntries) return false;
+  for (std::uint64_t i = 0; i < entries && in.ok(); ++i) {
+    if (i >= kRecordedEntries.size()) {
+      in.skip();
+      in.skip();
+      continue;
+    }
+    const RecordedEntry& entry = kRecordedEntries[i];
+    in.text(entry.key);
+    if (entry.number != nullptr) {
+      estimate.*entry.number = in.float64_or_null();
+    } else {
+      estimate.*entry.code = code_of(in.integer_or_null());
+    }
+  }
   return true;
 }
 
 }  // namespace
 
 std::size_t largest_frame_bytes(std::size_t taxels) noexcept {
-  return kMostBesideTaxels + 3 * taxels * sizeof(float);
+  return kMostBesides + most_estimate_bytes() + 3 * taxels * sizeof(float);
 }
 
 void put_frame(cbor::Writer& out, const FrameSlot& frame, const RecordedEstimate* estimate) noexcept {

@@ -11,6 +11,7 @@
 
 #include "core/storage/recording.hpp"
 #include "daemon/log/log.hpp"
+#include "daemon/record/recorded.hpp"
 #include "daemon/rt/clock.hpp"
 
 namespace slipd {
@@ -42,10 +43,6 @@ std::string recording_name(const std::string& sensor) {
   std::string fraction = std::to_string(1000 + ms % 1000);
   fraction[0] = '.';
   return sensor + "-" + std::string(text.data(), length) + fraction + "Z";
-}
-
-std::uint8_t recorded_sliding(const Estimate& estimate) noexcept {
-  return estimate.sliding ? static_cast<std::uint8_t>(*estimate.sliding) : RecordedEstimate::kNoSliding;
 }
 
 }  // namespace
@@ -93,19 +90,7 @@ void FlightRecorder::finish(Track& track, std::string file, std::string trouble)
 }
 
 void FlightRecorder::add_estimate(std::size_t sensor, const Estimate& estimate) noexcept {
-  tracks_[sensor]->estimates_in.push(
-      {.time_ns = estimate.time_ns,
-       .estimate = {.state = static_cast<std::uint8_t>(estimate.state),
-                    .alert = static_cast<std::uint8_t>(estimate.alert),
-                    .gamma = estimate.gamma.value_or(kUnknown),
-                    .sigma = estimate.sigma.value_or(kUnknown),
-                    .friction = estimate.friction.value_or(kUnknown),
-                    .normal_n = estimate.normal_n.value_or(kUnknown),
-                    .shear_n = estimate.shear_n.value_or(kUnknown),
-                    .sliding = recorded_sliding(estimate),
-                    .alert_cause = static_cast<std::uint8_t>(estimate.alert_cause),
-                    .torque_nm = estimate.torque_nm.value_or(kUnknown),
-                    .turned_rad = estimate.turned_rad.value_or(kUnknown)}});
+  tracks_[sensor]->estimates_in.push({.time_ns = estimate.time_ns, .estimate = recorded(estimate)});
 }
 
 void FlightRecorder::run() {

@@ -19,8 +19,8 @@ using ::testing::StartsWith;
 
 class Export : public ::testing::Test {
  protected:
-  ExportOptions options(bool estimates) const {
-    write_sample_recording(folder_.file("s.rec"), estimates);
+  ExportOptions options(bool estimates, bool whole = true) const {
+    write_sample_recording(folder_.file("s.rec"), estimates, whole);
     ExportOptions options;
     options.file = folder_.file("s.rec");
     options.prefix = "/slipd";
@@ -51,9 +51,9 @@ TEST_F(Export, CsvHasALineForEachFrameAndEmptyFieldsForWhatIsUnknown) {
   ASSERT_EQ(lines.size(), 1 + kSampleFrames);
   EXPECT_THAT(lines[0], StartsWith("time,realtime_ns,seq,state,alert,gamma,sigma,friction,"));
   EXPECT_THAT(lines[0], HasSubstr(",txl1_x,txl1_y,txl1_z,txl2_x,"));
-  // The torque and the angle are not in this recording.
   EXPECT_THAT(lines[1], StartsWith("0,"));
-  EXPECT_THAT(lines[1], HasSubstr(",1000,ok,none,1,0.02,0.5,1.6,0,,,1,0.5,0,0,1e+05,"));
+  EXPECT_THAT(lines[1], HasSubstr(",1000,ok,none,1,0.02,0.5,1.6,0,none,none,0,,0.9,,0,0,,,0.001,-0.002,,,,,,,"
+                                  "moments,good,1,0.5,0,0,1e+05,"));
   for (const std::string& line : lines)
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
 }
@@ -62,7 +62,22 @@ TEST_F(Export, CsvOfARecordingWithoutEstimatesHasItsFrames) {
   ExportOptions csv = options(false);
   csv.csv = folder_.file("s.csv");
   EXPECT_TRUE(export_recording(csv));
-  EXPECT_THAT(lines_of(csv.csv).at(1), HasSubstr(",1000,,,,,,,,,,1,0.5,0,0,1e+05,"));
+  EXPECT_THAT(lines_of(csv.csv).at(1),
+              HasSubstr(",1000" + std::string(slipd::kRecordedEntries.size(), ',') + ",1,0.5,0,0,1e+05,"));
+}
+
+TEST_F(Export, OfAnOlderRecordingLeavesOutWhatItDoesNotHaveAndSaysSo) {
+  for (const bool whole : {true, false}) {
+    ExportOptions csv = options(true, whole);
+    csv.csv = folder_.file("s.csv");
+    csv.mcap = folder_.file("s.mcap");
+    csv.force = true;
+    ::testing::internal::CaptureStderr();
+    EXPECT_TRUE(export_recording(csv));
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said.find("older slipd") != std::string::npos, !whole) << said;
+    EXPECT_EQ(lines_of(csv.csv)[1].find(",moments,good,") != std::string::npos, whole);
+  }
 }
 
 TEST_F(Export, BothAreWrittenAtOnceAndNoneIsReplacedUnlessForced) {

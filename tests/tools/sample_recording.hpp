@@ -14,7 +14,8 @@ namespace slipctl::testing {
 
 inline constexpr std::size_t kSampleFrames = 200;  // a hundred a second; the margin falls from 1 to 0
 
-inline void write_sample_recording(const std::filesystem::path& file, bool estimates) {
+// `whole`: with all entries of estimates; otherwise as an older slipd left them.
+inline void write_sample_recording(const std::filesystem::path& file, bool estimates, bool whole = true) {
   using namespace slipd;
   const UniqueFd fd(::open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600));
   const RecordingHeader header{.sensor = "left",
@@ -36,22 +37,32 @@ inline void write_sample_recording(const std::filesystem::path& file, bool estim
     slot.sequence = 1000 + i;
     slot.time_ns = 5'000'000'000 + static_cast<std::int64_t>(i) * 10'000'000;
     slot.truth = {1 - load, 0.5};
-    const RecordedEstimate estimate{.state = 0,
-                                    .alert = static_cast<std::uint8_t>(load > 0.8   ? 2
+    RecordedEstimate estimate{.state = 0,
+                              .alert = static_cast<std::uint8_t>(load > 0.8   ? 2
+                                                                 : load > 0.6 ? 1
+                                                                              : 0),
+                              .gamma = 1 - load,
+                              .sigma = 0.02,
+                              .friction = 0.5,
+                              .normal_n = 1.6,
+                              .shear_n = 0.8 * load,
+                              // disturbed from 0.7 on, and then seen to slide
+                              .sliding = static_cast<std::uint8_t>(load > 0.9   ? 2
+                                                                   : load > 0.7 ? 1
+                                                                                : 0),
+                              .alert_cause = static_cast<std::uint8_t>(load > 0.9   ? 2
                                                                        : load > 0.6 ? 1
-                                                                                    : 0),
-                                    .gamma = 1 - load,
-                                    .sigma = 0.02,
-                                    .friction = 0.5,
-                                    .normal_n = 1.6,
-                                    .shear_n = 0.8 * load,
-                                    // disturbed from 0.7 on, and then seen to slide
-                                    .sliding = static_cast<std::uint8_t>(load > 0.9   ? 2
-                                                                         : load > 0.7 ? 1
-                                                                                      : 0),
-                                    .alert_cause = static_cast<std::uint8_t>(load > 0.9   ? 2
-                                                                             : load > 0.6 ? 1
-                                                                                          : 0)};
+                                                                                    : 0)};
+    if (whole) {
+      estimate.gamma_low = 0.9 * estimate.gamma;
+      estimate.shear_x_n = 0.75 * load;  // not the sum of the taxels, as of a contact's forces
+      estimate.shear_y_n = 0.25 * load;
+      estimate.center_x_m = 0.001;
+      estimate.center_y_m = -0.002;
+      estimate.torque_nm = 0;
+      estimate.method = 3;
+      estimate.health = 0;
+    }
     if (writer.append(slot, estimates ? &estimate : nullptr)) throw std::runtime_error("cannot write");
   }
 }

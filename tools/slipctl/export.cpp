@@ -22,6 +22,7 @@ namespace slipctl {
 namespace {
 
 namespace ros2 = slipd::ros2;
+using slipd::RecordedEntry;
 using slipd::RecordedEstimate;
 using slipd::RecordingHeader;
 
@@ -41,7 +42,7 @@ class FrameSink {
 };
 
 ros2::SlipEstimate estimate_message(const RecordedEstimate& from, const ros2::Header& header,
-                                    const RecordedFrame& frame, const ros2::Wrench& wrench, bool simulated) {
+                                    const RecordedFrame& frame, bool simulated) {
   ros2::SlipEstimate out;
   out.header = header;
   out.name = header.frame_id;
@@ -53,12 +54,22 @@ ros2::SlipEstimate estimate_message(const RecordedEstimate& from, const ros2::He
   out.age = 0;
   if (from.state == ros2::SlipEstimate::kOk) out.margin = from.gamma;
   out.margin_sigma = from.sigma;
+  out.margin_low = from.gamma_low;
   out.friction = from.friction;
+  out.friction_sigma = from.friction_sigma;
   out.normal_force = from.normal_n;
   out.shear_force = from.shear_n;
-  out.shear_force_x = wrench.force.x;
-  out.shear_force_y = wrench.force.y;
+  out.shear_force_x = from.shear_x_n;
+  out.shear_force_y = from.shear_y_n;
   out.torque = from.torque_nm;
+  out.torque_sigma = from.torque_sigma_nm;
+  out.center_x = from.center_x_m;
+  out.center_y = from.center_y_m;
+  out.radius = from.radius_m;
+  out.time_to_slip = from.time_to_slip_s;
+  out.grip_increase = from.grip_increase_n;
+  out.grip_increase_sigma = from.grip_increase_sigma_n;
+  out.sliding_for = from.sliding_for_s;
   return out;
 }
 
@@ -74,6 +85,7 @@ class McapSink final : public FrameSink {
     wrench_ = writer_.add_channel<ros2::WrenchStamped>(topic("wrench"));
     taxels_ = writer_.add_channel<ros2::PointCloud2>(topic("taxels"));
     margin_ = writer_.add_channel<ros2::Float32>(topic("margin"));
+    margin_low_ = writer_.add_channel<ros2::Float32>(topic("margin_low"));
     estimate_ = writer_.add_channel<ros2::SlipEstimate>(topic("estimate"));
     alert_ = writer_.add_channel<ros2::SlipEstimate>(topic("alert"));
     if (recording.simulated) truth_ = writer_.add_channel<ros2::Float32>(topic("truth_margin"));
@@ -84,6 +96,15 @@ class McapSink final : public FrameSink {
     const ros2::Taxels taxels{recording_.layout.x_m(), recording_.layout.y_m(), slot.normal_pa,
                               slot.shear_x_pa, slot.shear_y_pa};
     header_.stamp = ros2::time_of(frame.realtime_ns);
+    fill_cloud(header_, taxels, cloud_);
+    put(taxels_, frame, cloud_);
+    if (truth_) put(*truth_, frame, ros2::Float32{.data = static_cast<float>(slot.truth.gamma)});
+    if (frame.estimate && frame.estimate->is_whole()) {
+      const auto estimate = estimate_message(*frame.estimate, header_, frame, recording_.simulated);
+      put(wrench_, frame, ros2::wrench_of(estimate));
+      put_estimate(frame, estimate);
+      return;
+    }
     ros2::WrenchStamped wrench;
     wrench.header = header_;
     if (recording_.zeroed) {
@@ -91,20 +112,22 @@ class McapSink final : public FrameSink {
                                       recording_.sensor_class != slipd::SensorClass::normal);
     }
     put(wrench_, frame, wrench);
-    fill_cloud(header_, taxels, cloud_);
-    put(taxels_, frame, cloud_);
-    if (truth_) put(*truth_, frame, ros2::Float32{.data = static_cast<float>(slot.truth.gamma)});
     if (!frame.estimate) return;
-    const auto estimate =
-        estimate_message(*frame.estimate, header_, frame, wrench.wrench, recording_.simulated);
-    put(margin_, frame, margin_of(estimate));
-    put(estimate_, frame, estimate);
-    if (estimate.alert != last_alert_) put(alert_, frame, estimate);
-    last_alert_ = estimate.alert;
+    auto estimate = estimate_message(*frame.estimate, header_, frame, recording_.simulated);
+    estimate.shear_force_x = wrench.wrench.force.x;
+    estimate.shear_force_y = wrench.wrench.force.y;
+    put_estimate(frame, estimate);
   }
   void finish() override { writer_.close(); }
 
  private:
+  void put_estimate(const RecordedFrame& frame, const ros2::SlipEstimate& estimate) {
+    put(margin_, frame, margin_of(estimate));
+    put(margin_low_, frame, margin_low_of(estimate));
+    put(estimate_, frame, estimate);
+    if (estimate.alert != last_alert_) put(alert_, frame, estimate);
+    last_alert_ = estimate.alert;
+  }
   template <ros2::Message T>
   void put(std::uint16_t channel, const RecordedFrame& frame, const T& message) {
     encode(message, bytes_);
@@ -116,10 +139,22 @@ class McapSink final : public FrameSink {
   ros2::Header header_;
   ros2::PointCloud2 cloud_;
   std::vector<std::uint8_t> bytes_;
-  std::uint16_t wrench_ = 0, taxels_ = 0, margin_ = 0, estimate_ = 0, alert_ = 0;
+  std::uint16_t wrench_ = 0, taxels_ = 0, margin_ = 0, margin_low_ = 0, estimate_ = 0, alert_ = 0;
   std::optional<std::uint16_t> truth_;
   std::uint8_t last_alert_ = ros2::SlipEstimate::kAlertUnknown;
 };
+
+// The name of a code as on the socket; "" if it is unknown.
+std::string_view name_of(const RecordedEntry& entry, std::uint8_t code) {
+  if (code == RecordedEstimate::kNoCode) return {};
+  if (entry.code == &RecordedEstimate::state) return to_string(static_cast<slipd::State>(code));
+  if (entry.code == &RecordedEstimate::alert) return to_string(static_cast<slipd::Alert>(code));
+  if (entry.code == &RecordedEstimate::alert_cause) return to_string(static_cast<slipd::AlertCause>(code));
+  if (entry.code == &RecordedEstimate::method) return to_string(static_cast<slipd::Method>(code));
+  if (entry.code == &RecordedEstimate::health) return to_string(static_cast<slipd::Health>(code));
+  const auto sliding = static_cast<slipd::Sliding>(code);
+  return sliding <= slipd::Sliding::rotation ? to_string(sliding) : std::string_view();
+}
 
 // Columns of taxels are those that the driver `replay` reads.
 class CsvSink final : public FrameSink {
@@ -129,10 +164,9 @@ class CsvSink final : public FrameSink {
       throw ClientError(file_ + ": exists already; name another file, or give --force");
     out_.open(file_);
     if (!out_) throw ClientError("cannot write " + file_);
-    line_ =
-        "time,realtime_ns,seq,state,alert,gamma,sigma,friction,normal_n,shear_n,torque_nm,turned_rad,truth_"
-        "gamma,"
-        "truth_friction";
+    line_ = "time,realtime_ns,seq";
+    for (const RecordedEntry& entry : slipd::kRecordedEntries) (line_ += ',') += entry.key;
+    line_ += ",truth_gamma,truth_friction";
     for (std::size_t i = 1; i <= recording.layout.size(); ++i) {
       for (const char axis : {'x', 'y', 'z'}) line_ += ",txl" + std::to_string(i) + "_" + axis;
     }
@@ -145,15 +179,9 @@ class CsvSink final : public FrameSink {
     add(1e-9 * static_cast<double>(slot.time_ns - *first_ns_));
     add(frame.realtime_ns);
     add(slot.sequence);
-    const RecordedEstimate none;
-    const RecordedEstimate& estimate = frame.estimate ? *frame.estimate : none;
-    add(frame.estimate ? to_string(static_cast<slipd::State>(estimate.state)) : "");
-    add(frame.estimate ? to_string(static_cast<slipd::Alert>(estimate.alert)) : "");
-    add(estimate.state == static_cast<std::uint8_t>(slipd::State::ok) ? estimate.gamma : slipd::kUnknown);
-    for (const double value :
-         {estimate.sigma, estimate.friction, estimate.normal_n, estimate.shear_n, estimate.torque_nm,
-          estimate.turned_rad, slot.truth.gamma, slot.truth.friction})
-      add(value);
+    for (const RecordedEntry& entry : slipd::kRecordedEntries) add_entry(entry, frame.estimate);
+    add(slot.truth.gamma);
+    add(slot.truth.friction);
     for (std::size_t i = 0; i < slot.normal_pa.size(); ++i) {
       for (const float value : {slot.shear_x_pa[i], slot.shear_y_pa[i], slot.normal_pa[i]}) add(value);
     }
@@ -165,6 +193,14 @@ class CsvSink final : public FrameSink {
   }
 
  private:
+  // A margin is a number in state ok only.
+  void add_entry(const RecordedEntry& entry, const std::optional<RecordedEstimate>& estimate) {
+    const bool held_back = entry.number == &RecordedEstimate::gamma && estimate &&
+                           estimate->state != static_cast<std::uint8_t>(slipd::State::ok);
+    if (!estimate || held_back) return add(std::string_view());
+    if (entry.number != nullptr) return add((*estimate).*entry.number);
+    add(name_of(entry, (*estimate).*entry.code));
+  }
   // The shortest text that is read back as the same number. An unknown number is an empty field.
   template <class T>
   requires std::is_arithmetic_v<T>
@@ -195,7 +231,7 @@ class CsvSink final : public FrameSink {
   std::optional<std::int64_t> first_ns_;
 };
 
-std::uint64_t export_frames(slipd::RecordingReader& reader,
+std::uint64_t export_frames(const std::string& file, slipd::RecordingReader& reader,
                             const std::vector<std::unique_ptr<FrameSink>>& sinks) {
   const RecordingHeader& header = reader.header();
   const std::size_t taxels = header.layout.size();
@@ -207,12 +243,19 @@ std::uint64_t export_frames(slipd::RecordingReader& reader,
   frame.slot.shear_x_pa = x;
   frame.slot.shear_y_pa = y;
   std::uint64_t frames = 0;
+  bool is_old = false;
   while (reader.next_frame(frame.slot, &frame.estimate) == slipd::RecordingReader::Status::frame) {
     frame.realtime_ns = header.start_realtime_ns + frame.slot.time_ns - header.start_monotonic_ns;
     for (const auto& sink : sinks) sink->take(frame);
+    is_old = is_old || (frame.estimate && !frame.estimate->is_whole());
     ++frames;
   }
   for (const auto& sink : sinks) sink->finish();
+  if (is_old)
+    std::cerr
+        << "slipctl: " << file
+        << ": its estimates are those of an older slipd, which did not record everything: shear components "
+           "are sums of the taxels, the lower bound, place, grip and time to slip are unknown\n";
   return frames;
 }
 
@@ -223,7 +266,7 @@ bool export_recording(const ExportOptions& options) try {
   std::vector<std::unique_ptr<FrameSink>> sinks;
   if (!options.mcap.empty()) sinks.push_back(std::make_unique<McapSink>(options, reader.header()));
   if (!options.csv.empty()) sinks.push_back(std::make_unique<CsvSink>(options, reader.header()));
-  if (export_frames(reader, sinks) == 0)
+  if (export_frames(options.file, reader, sinks) == 0)
     throw ClientError(options.file + ": a recording without a frame" +
                       (reader.has_fault() ? "; " + reader.fault() : ""));
   if (!reader.has_fault()) return true;

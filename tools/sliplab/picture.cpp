@@ -85,7 +85,7 @@ std::string script_of(const Recorded& recorded, const std::string& name, const P
          << (map ? 0.63 : 0.46) << "\nset ylabel 'safety margin'\nset yrange [-0.05:1.05]\n"
          << "set style fill transparent solid 0.25 noborder\n"
          << "plot " << quoted(name + ".csv")
-         << " skip 1 using 1:($9>=2?1:NaN) with impulses lc rgb '#f4c7c3' title "
+         << " skip 1 using 1:($9==2?1:NaN) with impulses lc rgb '#f4c7c3' title "
          << "'slip alert', '' skip 1 using 1:($5-2*$6):($5+2*$6) with filledcurves lc rgb '#4a90d9' title '2 "
             "sigma', "
          << "'' skip 1 using 1:5 with lines lc rgb '#1f4e8c' lw 1.5 title 'estimated', "

@@ -184,7 +184,10 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
                                .normal_n = 2.5,
                                .sliding = 3,
                                .alert_cause = 2,
-                               .torque_nm = -0.0025};
+                               .torque_nm = -0.0025,
+                               .grip_increase_sigma_n = 0.75,
+                               .method = 3,
+                               .health = 16};
   {
     RecordingWriter writer(fd, header_for(TaxelLayout::grid(2, 2, 0.001)));
     for (std::uint64_t i = 0; i < 6; ++i)
@@ -211,6 +214,9 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
     EXPECT_EQ(estimate->alert_cause, 2);
     EXPECT_EQ(estimate->torque_nm, -0.0025);
     EXPECT_TRUE(std::isnan(estimate->turned_rad));
+    EXPECT_EQ(estimate->grip_increase_sigma_n, 0.75);
+    EXPECT_EQ(estimate->method, 3);
+    EXPECT_EQ(estimate->health, 16);
   }
   EXPECT_EQ(reader.next(got.slot, &estimate), Status::end);
   EXPECT_FALSE(estimate);
@@ -218,47 +224,87 @@ TEST_F(Recordings, GiveBackWhatWasEstimatedWhereItWasKnown) {
   EXPECT_EQ(count_frames(reader), 6U) << "who wants no estimates gets the frames alone";
 }
 
-// What a recording's estimates have.
-enum class Age : std::uint8_t { now, before_torque, before_sliding };
+// An estimate whose entries all differ.
+RecordedEstimate every_entry() {
+  RecordedEstimate estimate;
+  int next = 1;
+  for (const RecordedEntry& entry : kRecordedEntries) {
+    if (entry.number != nullptr) {
+      estimate.*entry.number = next++ / 8.0;
+    } else {
+      estimate.*entry.code = static_cast<std::uint8_t>(next++);
+    }
+  }
+  return estimate;
+}
 
-// A frame with an estimate as recordings of that age have it.
-std::vector<std::uint8_t> encoded(const RecordedEstimate& estimate, Age age) {
-  std::vector<std::uint8_t> memory(largest_frame_bytes(1));
-  cbor::Writer out(memory.data());
-  const OwnedFrame frame = some_frame(1, 0);
-  put_frame(out, frame.slot, &estimate);
-  memory.resize(static_cast<std::size_t>(out.at() - memory.data()));
-  if (age == Age::now) return memory;
-  // The estimate is the last entry: its map's head becomes that of fewer entries, and the text ends earlier.
+// A frame with the first `entries` of an estimate's entries, as an older or a newer slipd writes it.
+std::vector<std::uint8_t> encoded(const RecordedEstimate& estimate, std::size_t entries) {
+  std::vector<std::uint8_t> memory(largest_frame_bytes(1) + 64);
+  cbor::Writer whole(memory.data());
+  put_frame(whole, some_frame(1, 0).slot, &estimate);
+  memory.resize(static_cast<std::size_t>(whole.at() - memory.data()) + 64);
+  // The estimate is the last entry: its map's head becomes another, and entries end earlier or follow.
   const std::string_view bytes(reinterpret_cast<const char*>(memory.data()), memory.size());
-  const bool sliding = age == Age::before_torque;
-  const std::size_t end = bytes.find(sliding ? "torque_nm" : "sliding") - 1;
-  memory[bytes.find("estimate") + 8] = sliding ? 0xA9 : 0xA7;
+  const std::size_t head = bytes.find("estimate") + 8;
+  memory[head] = 0xB8;
+  memory[head + 1] = static_cast<std::uint8_t>(entries);
+  cbor::Writer more(memory.data() + memory.size() - 64);
+  for (std::size_t i = kRecordedEntries.size(); i < entries; ++i) {
+    more.text("later");
+    more.float64_or_null(1);
+  }
+  const auto end =
+      entries < kRecordedEntries.size()
+          ? bytes.find(std::string(1, static_cast<char>(0x60 + kRecordedEntries[entries].key.size())) +
+                           std::string(kRecordedEntries[entries].key),
+                       head)
+          : static_cast<std::size_t>(more.at() - memory.data());
   memory.resize(end);
   return memory;
 }
 
-TEST_F(Recordings, ThatAreOlderThanSlidingOrTorqueAreReadWithoutIt) {
-  for (const Age age : {Age::now, Age::before_torque, Age::before_sliding}) {
-    const auto bytes = encoded(
-        {.state = 1, .gamma = 0.5, .sliding = 2, .alert_cause = 1, .torque_nm = 0.25, .turned_rad = -1}, age);
+TEST_F(Recordings, GiveBackEachEntryThatTheirSlipdHadAndTheOthersAsUnknown) {
+  const RecordedEstimate all = every_entry();
+  for (std::size_t entries = kFewestRecordedEntries; entries <= kRecordedEntries.size() + 2; ++entries) {
+    const auto bytes = encoded(all, entries);
     cbor::Reader in(bytes);
     OwnedFrame got(1);
     std::optional<RecordedEstimate> estimate;
-    EXPECT_EQ(take_frame(in, got.slot, &estimate), nullptr);
+    ASSERT_EQ(take_frame(in, got.slot, &estimate), nullptr) << entries;
+    EXPECT_EQ(in.position(), bytes.size());
     ASSERT_TRUE(estimate);
-    EXPECT_EQ(estimate->gamma, 0.5);
-    EXPECT_EQ(estimate->sliding, age == Age::before_sliding ? RecordedEstimate::kNoSliding : 2);
-    EXPECT_EQ(estimate->alert_cause, age == Age::before_sliding ? 0 : 1);
-    EXPECT_EQ(std::isnan(estimate->torque_nm), age != Age::now);
-    EXPECT_EQ(estimate->turned_rad == -1, age == Age::now);
+    EXPECT_EQ(estimate->is_whole(), entries >= kRecordedEntries.size() - 1);
+    for (std::size_t i = 0; i < kRecordedEntries.size(); ++i) {
+      const RecordedEntry& entry = kRecordedEntries[i];
+      if (entry.number != nullptr) {
+        const double number = (*estimate).*entry.number;
+        EXPECT_TRUE(i < entries ? number == all.*entry.number : std::isnan(number)) << entry.key;
+      } else {
+        const RecordedEstimate none;
+        EXPECT_EQ((*estimate).*entry.code, i < entries ? all.*entry.code : none.*entry.code) << entry.key;
+      }
+    }
   }
-  const auto unknown = encoded({.state = 1}, Age::now);
-  cbor::Reader in(unknown);
+}
+
+TEST_F(Recordings, WithTooFewEntriesInAnEstimateAreNotRead) {
+  const auto bytes = encoded(every_entry(), kFewestRecordedEntries - 1);
+  cbor::Reader in(bytes);
+  OwnedFrame got(1);
+  std::optional<RecordedEstimate> estimate;
+  EXPECT_STREQ(take_frame(in, got.slot, &estimate), "an estimate");
+}
+
+TEST_F(Recordings, KeepWhatIsUnknownOfAnEstimateUnknown) {
+  const auto bytes = encoded({.state = 1}, kRecordedEntries.size());
+  cbor::Reader in(bytes);
   OwnedFrame got(1);
   std::optional<RecordedEstimate> estimate;
   EXPECT_EQ(take_frame(in, got.slot, &estimate), nullptr);
-  EXPECT_EQ(estimate.value().sliding, RecordedEstimate::kNoSliding);
+  EXPECT_EQ(estimate.value().sliding, RecordedEstimate::kNoCode);
+  EXPECT_EQ(estimate->method, RecordedEstimate::kNoCode);
+  EXPECT_TRUE(std::isnan(estimate->gamma_low));
 }
 
 TEST_F(Recordings, OfVersionOneCutAnywhereGiveAllFramesBeforeTheCutAndSayWhereItIs) {
