@@ -219,7 +219,7 @@ TEST(Export, GivesTheVeryNumbersThatWereLive) {
   std::string file;
   while (file.empty()) {  // until the recording of the first slip is written, a second after it
     const json estimate = subscriber.notification().at("params");
-    live[estimate.at("seq")] = estimate;
+    live.emplace(estimate.at("seq"), estimate);  // its first; another one says that no frame followed in time
     if (live.size() % 50 != 0) continue;
     const json last = daemon.client().result("status")["recorder"]["last"];
     if (!last.empty() && last[0]["file"].is_string()) file = last[0]["file"];

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/estimate/estimate.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/tools/sample_recording.hpp"
 #include "tools/slipctl/client.hpp"
@@ -55,6 +56,13 @@ TEST_F(Plot, ShowsWhetherTheObjectSlidAndWhatAnAlertCameFrom) {
   EXPECT_THAT(lines, AllOf(HasSubstr(R"("sliding":"none","alert_cause":null)"),
                            HasSubstr(R"("sliding":"disturbed","alert_cause":"margin")"),
                            HasSubstr(R"("sliding":"translation","alert_cause":"sliding")")));
+}
+
+TEST_F(Plot, ShowsNoSlipWhereTheAlertWasUnknown) {
+  auto recorded = read_recorded(sample(true), std::nullopt);
+  for (auto& frame : recorded.frames)
+    frame.estimate->alert = static_cast<std::uint8_t>(slipd::Alert::unknown);
+  EXPECT_THAT(drawn(recorded), AllOf(HasSubstr("alert unknown"), Not(HasSubstr("SS"))));
 }
 
 TEST_F(Plot, ShowsTheTaxelsOfTheMomentAskedFor) {
