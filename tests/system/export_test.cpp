@@ -165,7 +165,7 @@ ros2::SlipEstimate message_of(const std::map<std::string, std::string>& row, con
   message.alert = code(names[1], live.at("alert"));
   if (!live.at("sliding").is_null()) message.sliding = code(names[2], live.at("sliding"));
   message.simulated = live.at("simulated");
-  message.sequence = live.at("seq");
+  message.seq = live.at("seq");
   message.age = 0;
   message.margin = number("gamma");
   message.margin_sigma = number("sigma");
