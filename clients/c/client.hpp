@@ -41,8 +41,8 @@ struct slipd_client {
   // The subscription.
   slipd::client::Connection events;
   slipd::UniqueFd epoll, timer;
-  std::string subscription;                     // parameters as JSON; empty: there is none
-  std::uint64_t subscribed_by = 0;              // id of the request
+  std::string subscription;         // parameters as JSON; empty: there is none
+  std::uint64_t subscribed_by = 0;  // id of the request
   // Of a subscription of one sensor: what is known of it while no estimate comes; else without a name.
   slipd_estimate silent{};
   double pause_s = slipd::client::kFirstPause;  // before the next attempt to connect
