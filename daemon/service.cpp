@@ -122,7 +122,7 @@ class Service {
   void switch_to(std::unique_ptr<Engine> next);
   void report_ready_when_tried();
   void feed_watchdog();
-  int end();
+  int end(int code);
 
   const std::string config_file_;
   DriverModules& drivers_;
@@ -163,10 +163,9 @@ int Service::run() {
   } catch (const std::exception& error) {
     // A pending asynchronous wait may be lost with the exception. The service manager restarts slipd.
     write_log(LogLevel::error, {{}, Cause::machine}, std::string("slipd cannot go on: ") + error.what());
-    end();
-    return kFatal;
+    return end(kFatal);
   }
-  return end();
+  return end(0);
 }
 
 void Service::begin() {
@@ -256,12 +255,13 @@ void Service::switch_to(std::unique_ptr<Engine> next) {
   begin();
 }
 
-int Service::end() {
+// Returns the process's exit code, or ends it with that code if a thread does not end.
+int Service::end(int code) {
   notify::stopping();
   const auto deadline = std::chrono::steady_clock::now() + kStopTimeout;
   server_.reset();
+  recorder_.end_all();
   clients_.close_all();
-  const bool recordings_ended = recorder_.end_all();
   file_.reset();
   const bool clean = engine_->stop(deadline) && abandoned_.empty();
   drain_logs(engine_->board().logs, log_limit_);
@@ -270,15 +270,9 @@ int Service::end() {
     write_log(LogLevel::error, {{}, Cause::none},
               (unfinished.empty() ? "what an earlier reload left behind" : unfinished) +
                   " does not end; the process ends without it");
-    _exit(0);  // its thread may use anything that a destructor would free
+    _exit(code);  // its thread may use anything that a destructor would free
   }
-  if (!recordings_ended) {
-    engine_.reset();  // the flight recorder writes what is pending
-    write_log(LogLevel::warning, {{}, Cause::machine},
-              "what a client had passed for a recording takes nothing, and is left behind");
-    _exit(0);  // its thread may use the event loop
-  }
-  return 0;
+  return code;
 }
 
 // Opening a recording touches no device, and compares its columns with the sensor's layout. One that is not

@@ -37,18 +37,17 @@ void watch(const UniqueFd& epoll, int fd) {
     throw Failure(SLIPD_NO_MEMORY, "the system has no room to watch a connection");
 }
 
-Json call(slipd_client& s, std::string_view method, std::string_view params, int descriptor,
-          Clock::time_point until) {
+Json call(slipd_client& s, std::string_view method, std::string_view params, Clock::time_point until) {
   if (s.requests.connected()) {
     try {
-      return s.requests.answer(s.requests.request(method, params, descriptor, until), until);
+      return s.requests.answer(s.requests.request(method, params, until), until);
     } catch (const Failure& failure) {
       if (failure.code() != SLIPD_DISCONNECTED) throw;
       s.requests.close();  // slipd was restarted since the last request
     }
   }
   s.requests.connect(s.path);
-  return s.requests.answer(s.requests.request(method, params, descriptor, until), until);
+  return s.requests.answer(s.requests.request(method, params, until), until);
 }
 
 }  // namespace slipd::client

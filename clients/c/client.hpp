@@ -64,8 +64,7 @@ int note(slipd_client& s, int code, const char* text) noexcept;
 void watch(const UniqueFd& epoll, int fd);
 
 // The result of a request, on a new connection if slipd has closed the present one. Throws Failure.
-Json call(slipd_client& s, std::string_view method, std::string_view params, int descriptor,
-          Clock::time_point until);
+Json call(slipd_client& s, std::string_view method, std::string_view params, Clock::time_point until);
 
 // Calls `body`, which returns a code, and turns exceptions into codes.
 template <typename Body>

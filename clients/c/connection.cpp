@@ -104,15 +104,13 @@ bool Connection::wait_for(short events, Clock::time_point until) const {
   }
 }
 
-std::uint64_t Connection::request(std::string_view method, std::string_view params, int descriptor,
-                                  Clock::time_point until) {
+std::uint64_t Connection::request(std::string_view method, std::string_view params, Clock::time_point until) {
   const std::uint64_t id = ++last_id_;
   std::string text = R"({"jsonrpc":"2.0","id":)" + std::to_string(id) + R"(,"method":")";
   text.append(method).append(R"(","params":)").append(params).append("}\n");
   for (std::size_t sent = 0; sent < text.size();) {
-    // The descriptor goes with the first byte.
-    const auto more = send_passing(socket_.get(), std::string_view(text).substr(sent),
-                                   sent == 0 ? descriptor : -1, MSG_NOSIGNAL | MSG_DONTWAIT);
+    const auto more =
+        send(socket_.get(), text.data() + sent, text.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (more >= 0) {
       sent += static_cast<std::size_t>(more);
     } else if (errno == EAGAIN) {

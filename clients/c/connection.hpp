@@ -1,4 +1,4 @@
-// A connection to slipd's socket: messages out, messages in, descriptors both ways. libslipd and slipctl are
+// A connection to slipd's socket: messages out, messages and descriptors in. libslipd and slipctl are
 // built on it. One thread's own. Functions throw Failure or std::bad_alloc.
 #pragma once
 
@@ -49,9 +49,8 @@ class Connection {
   void connect(const std::string& path);
   void close() noexcept;
 
-  // Sends a request; `params`: JSON text; `descriptor` -1: none. Returns its id.
-  std::uint64_t request(std::string_view method, std::string_view params, int descriptor,
-                        Clock::time_point until);
+  // Sends a request; `params`: JSON text. Returns its id.
+  std::uint64_t request(std::string_view method, std::string_view params, Clock::time_point until);
   // The next message that has arrived by `until`, unread; valid until the next call of a function. False:
   // none.
   bool line(std::string_view& out, Clock::time_point until);

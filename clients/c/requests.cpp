@@ -7,6 +7,7 @@
 #include "clients/c/client.hpp"
 #include "clients/c/estimate.hpp"
 #include "clients/c/json_values.hpp"
+#include "clients/c/recording.hpp"
 
 using namespace slipd::client;
 
@@ -51,7 +52,7 @@ std::optional<double> oldest_ms(const Json& sensors, const Json& members) {
 
 int slipd_connect(slipd_client* s, double timeout_s) {
   return requested(s, [&] {
-    call(*s, "version", "{}", -1, after(timeout_s));
+    call(*s, "version", "{}", after(timeout_s));
     return SLIPD_DONE;
   });
 }
@@ -61,7 +62,7 @@ int slipd_gamma(slipd_client* s, const char* sensor, double max_age_s, double ti
   if (estimate == nullptr || sensor == nullptr) return SLIPD_INVALID;
   clear(*estimate, sensor, SLIPD_STATE_DISCONNECTED);
   return requested(s, [&] {
-    const Json result = call(*s, "gamma", R"({"sensor":)" + quoted(sensor) + "}", -1, after(timeout_s));
+    const Json result = call(*s, "gamma", R"({"sensor":)" + quoted(sensor) + "}", after(timeout_s));
     fill(*estimate, estimate_from(result.at("sensors").at(0)), monotonic_ns(), max_age_s);
     return SLIPD_DONE;
   });
@@ -72,7 +73,7 @@ int slipd_grasp(slipd_client* s, const char* grasp, double max_age_s, double tim
   if (estimate == nullptr || grasp == nullptr) return SLIPD_INVALID;
   clear(*estimate, grasp, SLIPD_STATE_DISCONNECTED);
   return requested(s, [&] {
-    const Json result = call(*s, "gamma", "{}", -1, after(timeout_s));
+    const Json result = call(*s, "gamma", "{}", after(timeout_s));
     for (const Json& each : member(result, "grasps")) {
       EstimateValues values = estimate_from(each);
       if (values.name != grasp) continue;
@@ -89,11 +90,12 @@ int slipd_call(slipd_client* s, const char* method, const char* params, int desc
   if (result == nullptr || method == nullptr) return SLIPD_INVALID;
   *result = nullptr;
   return requested(s, [&] {
+    if (descriptor >= 0) throw Failure(SLIPD_INVALID, "slipd takes no descriptors: give -1; slipd_record records");
     const Json named = Json::parse(params == nullptr ? "{}" : params, nullptr, false);
     if (!named.is_object()) throw Failure(SLIPD_INVALID, "params are no JSON object");
     const std::string name = quoted(method);
     const std::string_view bare = std::string_view(name).substr(1, name.size() - 2);
-    *result = copy_of(call(*s, bare, named.dump(), descriptor, after(timeout_s)).dump());
+    *result = copy_of(call(*s, bare, named.dump(), after(timeout_s)).dump());
     return SLIPD_DONE;
   });
 }
@@ -110,8 +112,23 @@ int slipd_frame(slipd_client* s, const char* sensor, double timeout_s, char** re
   if (sensor == nullptr || result == nullptr) return SLIPD_INVALID;
   *result = nullptr;
   return requested(s, [&] {
-    *result = copy_of(call(*s, "frame", R"({"sensor":)" + quoted(sensor) + "}", -1, after(timeout_s)).dump());
+    *result = copy_of(call(*s, "frame", R"({"sensor":)" + quoted(sensor) + "}", after(timeout_s)).dump());
     return SLIPD_DONE;
+  });
+}
+
+int slipd_record(slipd_client* s, const char* sensor, double seconds, int fd, double timeout_s, char** result) {
+  if (result == nullptr || sensor == nullptr) return SLIPD_INVALID;
+  *result = nullptr;
+  return guarded(s, [&] {
+    Connection connection;  // of its own, which ends the recording when it ends
+    connection.connect(s->path);
+    const auto patience = std::chrono::duration<double>(seconds_of(timeout_s));
+    const Json account = record(connection, quoted(sensor), seconds, fd,
+                                std::chrono::duration_cast<Clock::duration>(patience));
+    *result = copy_of(account.dump());
+    const std::string trouble = text(account, "trouble", "");
+    return trouble.empty() ? SLIPD_DONE : note(*s, SLIPD_REFUSED, trouble.c_str());
   });
 }
 

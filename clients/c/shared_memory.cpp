@@ -52,7 +52,7 @@ void attach(slipd_client& s, const char* wait_for, Clock::time_point until) {
   s.attached.close();
   s.attached.connect(s.path);
   const std::string params = R"({"wait":[)" + (wait_for == nullptr ? std::string() : quoted(wait_for)) + "]}";
-  s.attached.answer(s.attached.request("attach", params, -1, until), until);
+  s.attached.answer(s.attached.request("attach", params, until), until);
   const UniqueFd file = s.attached.take_descriptor();
   if (!file) throw Failure(SLIPD_DISCONNECTED, "slipd passed no memory");
   if (const std::string why = s.board.map(file); !why.empty()) throw Failure(SLIPD_INVALID, why);

@@ -130,13 +130,18 @@ const char *slipd_alert_name(int alert);
 int slipd_gamma(slipd_client *s, const char *sensor, double max_age_s, double timeout_s, struct slipd_estimate *estimate);
 /* The latest estimate of a grasp: as old as its oldest sensor. */
 int slipd_grasp(slipd_client *s, const char *grasp, double max_age_s, double timeout_s, struct slipd_estimate *estimate);
-/* Any method of docs/socket.md: `params` and `*result` are JSON text; params NULL: none. `descriptor`: passed along, as
- * `record` needs it; -1: none. The result is freed by slipd_free(). */
+/* Any method of docs/socket.md: `params` and `*result` are JSON text; params NULL: none. `descriptor`: -1; slipd takes
+ * none any more, and another value is SLIPD_INVALID. The result is freed by slipd_free(). */
 int slipd_call(slipd_client *s, const char *method, const char *params, int descriptor, double timeout_s, char **result);
 /* Lists of docs/socket.md as JSON text; freed by slipd_free(). */
 int slipd_sensors(slipd_client *s, double timeout_s, char **result);
 int slipd_status(slipd_client *s, double timeout_s, char **result);
 int slipd_frame(slipd_client *s, const char *sensor, double timeout_s, char **result);
+/* Records a sensor's frames for `seconds`, at most 86400, into `fd`, which is open for writing and stays the caller's.
+ * Returns when the recording has ended, at most timeout_s after its time. `*result`: what docs/socket.md says of
+ * `recorded`, as JSON text; freed by slipd_free(). SLIPD_REFUSED with a `*result`: it ended early, as slipd_error_text()
+ * says. SLIPD_INVALID: `fd` takes nothing, as on a full disk. What was written before any error can be read. */
+int slipd_record(slipd_client *s, const char *sensor, double seconds, int fd, double timeout_s, char **result);
 void slipd_free(char *text);
 
 /* --- By the socket: a subscription. ----------------------------------------------------------------------------- */

@@ -72,12 +72,21 @@ class Connection {
     check(slipd_grasp(get(), name.c_str(), max_age_s, timeout_s, &estimate.fields_));
     return estimate;
   }
-  // Any method, as JSON text.
+  // Any method, as JSON text. `descriptor`: -1; slipd takes none.
   std::string call(const std::string& method, const std::string& params = "{}", int descriptor = -1,
                    double timeout_s = 1) {
     char* text = nullptr;
     check(slipd_call(get(), method.c_str(), params.c_str(), descriptor, timeout_s, &text));
     const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
+    return text;
+  }
+
+  // Records a sensor into `fd`; the account of it, as JSON text. Throws Error if it is not whole.
+  std::string record(const std::string& sensor, double seconds, int fd, double timeout_s = 10) {
+    char* text = nullptr;
+    const int code = slipd_record(get(), sensor.c_str(), seconds, fd, timeout_s, &text);
+    const std::unique_ptr<char, void (*)(char*)> owned(text, slipd_free);
+    check(code);
     return text;
   }
 

@@ -31,7 +31,7 @@ void arm(const UniqueFd& timer, double pause_s) noexcept {
 void start_subscription(slipd_client& s, Clock::time_point until) {
   s.events.connect(s.path);
   watch(s.epoll, s.events.fd());
-  s.subscribed_by = s.events.request("subscribe", s.subscription, -1, until);
+  s.subscribed_by = s.events.request("subscribe", s.subscription, until);
 }
 
 // A descriptor that is closed leaves the epoll by itself.

@@ -70,4 +70,26 @@ inline ssize_t receive_passed(int socket, std::span<char> bytes, PassedDescripto
   return got;
 }
 
+// Lets receive_bare see every descriptor. Otherwise a byte that was sent out of band (MSG_OOB) is invisible to
+// it, and is dropped by the next read, with its descriptor.
+inline void prepare_for_bare(int socket) noexcept {
+  const int in_line = 1;
+  setsockopt(socket, SOL_SOCKET, SO_OOBINLINE, &in_line, sizeof in_line);
+}
+
+// Receives into `bytes`, as recv(2) with MSG_DONTWAIT does, unless a descriptor comes with them: then it sets
+// `bears_descriptor`, and leaves all where it is. It neither takes a descriptor nor lets the kernel drop one:
+// whoever is the last to close a file may wait for as long as its other end wants.
+inline ssize_t receive_bare(int socket, std::span<char> bytes, bool& bears_descriptor) noexcept {
+  iovec piece{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  // A look ends behind the first message with descriptors. They do not fit: there is no room for any.
+  const ssize_t seen = recvmsg(socket, &message, MSG_PEEK | MSG_DONTWAIT);
+  bears_descriptor = seen > 0 && (message.msg_flags & MSG_CTRUNC) != 0;
+  if (seen <= 0 || bears_descriptor) return seen;
+  return recv(socket, bytes.data(), static_cast<std::size_t>(seen), MSG_DONTWAIT);  // not what came since
+}
+
 }  // namespace slipd

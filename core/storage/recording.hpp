@@ -124,18 +124,19 @@ inline constexpr std::chrono::milliseconds kRecordingFlush{500};
 // Not thread-safe. Called from one thread: the recording's writer.
 class RecordingWriter {
  public:
-  // The caller owns `fd` and keeps it open while the writer lives; `patience` says how long a write may wait.
-  // The header is written with the first frames. Throws std::invalid_argument for a layout that is too large
-  // to record.
+  // The caller owns `fd` and keeps it open while the writer lives. `patience`: `fd` is a socket, whose reader
+  // is waited for so long; none: it is a file. The header is written with the first frames. Throws
+  // std::invalid_argument for a layout that is too large to record.
   RecordingWriter(int fd, const RecordingHeader& header,
-                  std::chrono::milliseconds flush_after = kRecordingFlush, OutputPatience patience = {});
+                  std::chrono::milliseconds flush_after = kRecordingFlush,
+                  std::optional<OutputPatience> patience = std::nullopt);
   // Finishes; an error is ignored.
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
   // Appends a frame and its estimate; null: the estimate is not known. Allocates nothing, may wait for the
-  // disk. The first error (disk full, pipe closed, a pipe whose reader takes nothing for longer than
+  // disk. The first error (disk full, socket closed, a reader that takes nothing for longer than
   // `patience`) is permanent: every later call returns it. A frame of another size returns invalid_argument,
   // which is not permanent.
   [[nodiscard]] std::error_code append(const FrameSlot& frame,
@@ -152,9 +153,9 @@ class RecordingWriter {
   void end_block() noexcept;
   void add_to_index(const IndexEntry& entry) noexcept;
   void write_out() noexcept;
+  std::error_code put(std::span<const std::uint8_t> bytes) const noexcept;
   int fd_;
-  OutputKind kind_;
-  OutputPatience patience_;
+  std::optional<OutputPatience> patience_;
   std::size_t taxels_;
   std::chrono::milliseconds flush_after_;
   std::chrono::steady_clock::time_point flushed_;

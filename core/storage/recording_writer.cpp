@@ -20,9 +20,8 @@ std::size_t largest_block_bytes(std::size_t taxels) {
 }  // namespace
 
 RecordingWriter::RecordingWriter(int fd, const RecordingHeader& header, std::chrono::milliseconds flush_after,
-                                 OutputPatience patience)
+                                 std::optional<OutputPatience> patience)
     : fd_(fd),
-      kind_(kind_of_output(fd)),
       patience_(patience),
       taxels_(header.layout.size()),
       flush_after_(flush_after),
@@ -88,8 +87,12 @@ void RecordingWriter::add_to_index(const IndexEntry& entry) noexcept {
   entries.push_back(entry);  // within its capacity
 }
 
+std::error_code RecordingWriter::put(std::span<const std::uint8_t> bytes) const noexcept {
+  return patience_ ? send_bounded(fd_, bytes, *patience_) : write_file(fd_, bytes);
+}
+
 void RecordingWriter::write_out() noexcept {
-  if (!error_) error_ = write_bounded(fd_, kind_, std::span(memory_).first(size_), patience_);
+  if (!error_) error_ = put(std::span(memory_).first(size_));
   if (!error_) written_ += size_;
   size_ = 0;
 }
@@ -108,7 +111,7 @@ std::error_code RecordingWriter::finish() noexcept {
   if (error_) return error_;
   try {
     const auto bytes = index_bytes(index_, written_);
-    error_ = write_bounded(fd_, kind_, bytes, patience_);
+    error_ = put(bytes);
     if (!error_) written_ += bytes.size();
   } catch (const std::bad_alloc&) {
     error_ = std::make_error_code(std::errc::not_enough_memory);

@@ -1,13 +1,14 @@
 #include "daemon/record/recorder.hpp"
 
-#include <fcntl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <asio/post.hpp>
 #include <chrono>
-#include <mutex>
+#include <limits>
 #include <new>
 #include <thread>
+#include <utility>
 
 #include "core/storage/bounded_output.hpp"
 #include "core/storage/recording.hpp"
@@ -21,84 +22,64 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-// Memory for frames that wait for the disk, bytes, for all recordings together. Smaller: a slow disk loses
-// frames earlier. Larger: clients can make slipd larger.
+// Memory for frames that wait for their readers, bytes, for all recordings together. Smaller: a slow reader
+// loses frames earlier. Larger: clients can make slipd larger.
 constexpr std::size_t kQueueBytes = std::size_t{24} * 1024 * 1024;
 // Frames of a queue. Fewer than the least are of no use; more than the most are not needed.
 constexpr std::size_t kLeastQueueFrames = 16, kMostQueueFrames = 4096;
-// Threads left behind beyond which no recording is started.
-constexpr std::size_t kMostLeftBehind = 4;
+// Recordings that their readers left unread, beyond which none is started.
+constexpr std::size_t kMostUnread = 16;
 // Time between two looks at an empty queue.
 constexpr auto kPollInterval = 5ms;
-// Longest time of end_all, for all recordings together.
-constexpr auto kEndPatience = 300ms;
+// Time that end_all leaves to all recordings together.
+constexpr auto kEndPatience = 200ms;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 std::size_t bytes_of_frame(std::size_t taxels) {
   return 3 * sizeof(float) * taxels;
 }
 
-// Posts to io, and retries while there is no memory: without the post io would never know that it ended.
-template <typename Handler>
-void post_retrying(asio::io_context& io, Handler handler) {
-  for (;;) {
-    try {
-      asio::post(io, handler);
-      return;
-    } catch (const std::bad_alloc&) {
-      std::this_thread::sleep_for(kPollInterval);
-    }
-  }
-}
-
-void require_fit(int fd) {
-  const int flags = fcntl(fd, F_GETFL);
-  if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY)
-    throw UnfitFile("the descriptor passed along is not open for writing");
-  if (kind_of_output(fd) == OutputKind::other)
-    throw UnfitFile("the descriptor passed along is neither a regular file, a pipe nor a socket");
+bool is_hang_up(const std::error_code& error) {
+  return error == std::errc::broken_pipe || error == std::errc::connection_reset;
 }
 
 std::string trouble_of(const std::error_code& error) {
   if (error == std::errc::timed_out)
-    return "writing the recording: what reads it took nothing for too long, the rest is lost";
-  return "writing the recording: " + error.message();
+    return "what reads the recording took nothing for too long, the rest is lost";
+  if (is_hang_up(error)) return "what read the recording has closed its descriptor";
+  return "sending the recording: " + error.message();
 }
 
 }  // namespace
 
-// Owned by its thread and by Recorder, so that a thread that is left behind keeps what it uses.
+// A recording and its thread. Its owner joins the thread before it reads the result.
 struct Recorder::Job {
-  Job(SensorStatus& of, UniqueFd to, const RecordingHeader& header, std::size_t queue_frames,
-      double for_seconds)
-      : file(std::move(to)),
+  Job(std::uint64_t its_number, SensorStatus& of, UniqueFd to, const RecordingHeader& header,
+      std::size_t queue_frames, double for_seconds)
+      : number(its_number),
+        status(of),
+        socket(std::move(to)),
         queue(header.layout.size(), queue_frames),
         queue_bytes(queue_frames * bytes_of_frame(header.layout.size())),
-        writer(file.get(), header, kRecordingFlush, {.hurry = &stop}),
-        seconds(for_seconds),
-        status(&of) {}
+        patience{.until_ns = &until_ns},
+        writer(socket.get(), header, kRecordingFlush, patience),
+        seconds(for_seconds) {}
 
-  // Ends the use of the status. Called by its thread, or by io if that does not come to it.
-  void release_status() {
-    const std::lock_guard lock(status_mutex);
-    if (status != nullptr) status->record_tap.detach();
-    status = nullptr;
-  }
+  bool to_stop() const noexcept { return until_ns.load(std::memory_order_relaxed) != kNever; }
 
-  UniqueFd file;
+  std::uint64_t number;
+  SensorStatus& status;
+  UniqueFd socket;
   FrameQueue queue;
   std::size_t queue_bytes;
-  std::atomic<bool> stop{false};  // set by io, read by the thread; no other memory is read because of it
+  // When it must have ended. Set by io, read by the thread; no other memory is read because of it.
+  std::atomic<std::int64_t> until_ns{kNever};
+  OutputPatience patience;
   RecordingWriter writer;
   double seconds;
   std::shared_ptr<std::atomic<bool>> cancelled;
-  std::function<void(const RecordingResult&)> done;  // used by io only
-
-  std::mutex status_mutex;
-  SensorStatus* status;  // null: released
-};
-
-struct Recorder::Running {
-  std::shared_ptr<Job> job;
+  std::function<void(std::uint64_t, const RecordingResult&)> done;  // used by io only
+  RecordingResult result;                                           // written by the thread
   Thread thread;
 };
 
@@ -108,42 +89,36 @@ Recorder::~Recorder() {
   end_all();
 }
 
-bool Recorder::end_all() {
-  const auto deadline = Clock::now() + kEndPatience;
-  for (Running& each : running_) each.job->stop = true;
-  for (Running& each : running_) {
-    if (each.thread.join_until(deadline)) continue;
-    each.job->release_status();
-    left_behind_.push_back(each.job);
-    if (const auto done = std::exchange(each.job->done, nullptr))
-      done({.trouble = "slipd stops, or takes up another configuration, and what reads the recording takes "
-                       "nothing"});
+void Recorder::end_all() {
+  const std::chrono::nanoseconds until = (Clock::now() + kEndPatience).time_since_epoch();
+  for (const auto& each : running_) each->until_ns = until.count();
+  while (!running_.empty()) {
+    const std::unique_ptr<Job> job = std::move(running_.front());
+    running_.pop_front();
+    finish(*job);
   }
-  std::erase_if(running_, [this](const Running& each) {
-    return std::find(left_behind_.begin(), left_behind_.end(), each.job) != left_behind_.end();
-  });
-  return left_behind_.empty();
 }
 
 // Half of the memory that other recordings leave. 0: there is none.
 std::size_t Recorder::queue_frames(std::size_t taxels) const {
   std::size_t used = 0;
-  for (const Running& each : running_) used += each.job->queue_bytes;
-  for (const auto& each : left_behind_) used += each->queue_bytes;
+  for (const auto& each : running_) used += each->queue_bytes;
   const std::size_t room = kQueueBytes - std::min(kQueueBytes, used);
   const std::size_t frames = room / 2 / bytes_of_frame(taxels);
   if (frames < kLeastQueueFrames && used > 0) return 0;
   return std::clamp(frames, kLeastQueueFrames, kMostQueueFrames);
 }
 
-void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
-                     std::shared_ptr<std::atomic<bool>> cancelled,
-                     std::function<void(const RecordingResult&)> done) {
-  require_fit(file.get());
+std::uint64_t Recorder::start(SensorStatus& status, UniqueFd socket, double seconds,
+                              std::shared_ptr<std::atomic<bool>> cancelled,
+                              std::function<void(std::uint64_t, const RecordingResult&)> done) {
   const DeviceFacts facts = status.facts();
   if (!facts.layout) throw RecordingRefused("this sensor's device has not been opened yet");
-  if (left_behind_.size() >= kMostLeftBehind)
-    throw RecordingRefused("earlier recordings still wait for readers that take nothing; end these readers");
+  std::erase_if(unread_, [](const UniqueFd& each) { return unread_bytes(each.get()) == 0; });
+  if (unread_.size() >= kMostUnread)
+    throw RecordingRefused("the readers of " + std::to_string(unread_.size()) +
+                           " recordings that have ended have not read them to the end; let them read, or end "
+                           "them");
   const std::size_t frames = queue_frames(facts.layout->size());
   if (frames == 0)
     throw RecordingRefused("other recordings take all memory that there is for them; wait for one to end");
@@ -157,43 +132,53 @@ void Recorder::start(SensorStatus& status, UniqueFd file, double seconds,
                                .start_monotonic_ns = now.monotonic_ns,
                                .description = facts.description,
                                .zeroed = status.bias.known()};
-  const auto job = std::make_shared<Job>(status, std::move(file), header, frames, seconds);
-  job->cancelled = std::move(cancelled);
-  job->done = std::move(done);
-  running_.push_back({job, {}});
-  if (!status.record_tap.attach(job->queue)) {
+  auto made = std::make_unique<Job>(started_ + 1, status, std::move(socket), header, frames, seconds);
+  Job& job = *made;
+  job.cancelled = std::move(cancelled);
+  job.done = std::move(done);
+  unread_.reserve(unread_.size() + running_.size() + 1);  // so that finish has room for each
+  running_.push_back(std::move(made));
+  if (!status.record_tap.attach(job.queue)) {
     running_.pop_back();
     throw RecordingRefused(status.name + " is being recorded already; wait for that to end");
   }
   try {
-    running_.back().thread = Thread("rec:" + status.name, kStackBytes, [this, job] {
-      const RecordingResult result = write(*job);
-      post_retrying(io_, [this, which = job.get(), result] { ended(which, result); });
-    });
+    job.thread = Thread("rec:" + status.name, kStackBytes, [this, &job] { write(job); });
   } catch (...) {
-    job->release_status();
+    status.record_tap.detach();
     running_.pop_back();
     throw;
   }
+  return ++started_;
 }
 
-// In the io thread, after the thread of a recording has written all it could.
-void Recorder::ended(const Job* job, const RecordingResult& result) {
-  std::erase_if(left_behind_, [&](const auto& each) { return each.get() == job; });
+// In the io thread, after the thread of a recording has done all it could.
+void Recorder::ended(std::uint64_t number) {
   const auto found = std::find_if(running_.begin(), running_.end(),
-                                  [&](const Running& each) { return each.job.get() == job; });
-  if (found == running_.end()) return;
-  const auto done = std::move(found->job->done);
+                                  [number](const auto& each) { return each->number == number; });
+  if (found == running_.end()) return;  // end_all was faster
+  const std::unique_ptr<Job> job = std::move(*found);
   running_.erase(found);
-  if (done) done(result);
+  finish(*job);
+}
+
+void Recorder::finish(Job& job) {
+  job.thread = {};  // joins it
+  if (unread_bytes(job.socket.get()) > 0) {
+    shutdown(job.socket.get(), SHUT_WR);  // its reader sees the end
+    unread_.push_back(std::move(job.socket));
+  } else {
+    job.socket = {};
+  }
+  job.done(job.number, job.result);
 }
 
 // The body of the writer thread.
-RecordingResult Recorder::write(Job& job) {
+void Recorder::write(Job& job) {
   const auto begin = Clock::now();
   const auto end =
       begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(job.seconds));
-  RecordingResult result;
+  RecordingResult& result = job.result;
   std::error_code error;
   const auto take_all = [&] {
     while (const FrameSlot* frame = error ? nullptr : job.queue.front()) {
@@ -202,22 +187,34 @@ RecordingResult Recorder::write(Job& job) {
       if (!error) ++result.frames;
     }
   };
-  while (!error && Clock::now() < end && !job.stop && !*job.cancelled) {
+  while (!error && Clock::now() < end && !job.to_stop() && !*job.cancelled) {
     take_all();
-    std::this_thread::sleep_until(std::min(end, Clock::now() + kPollInterval));
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    if (!error) error = await_hang_up(job.socket.get(), std::clamp(left, 0ms, kPollInterval));
   }
-  job.release_status();
+  job.status.record_tap.detach();
   take_all();
-  if (!error) error = job.writer.finish();
+  const std::error_code at_end = job.writer.finish();
+  if (!error) error = at_end;
+  if (!error) error = await_read(job.socket.get(), job.patience);
   if (error) {
     result.trouble = trouble_of(error);
-  } else if (job.stop) {
+    result.left = is_hang_up(error);
+  } else if (job.to_stop()) {
     result.trouble = "slipd stops, or takes up another configuration";
   }
   result.missed = job.queue.missed();
   result.bytes = job.writer.bytes();
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  return result;
+  // Retried, because without the post io would not know that it ended.
+  while (!job.to_stop()) {
+    try {
+      asio::post(io_, [this, number = job.number] { ended(number); });
+      return;
+    } catch (const std::bad_alloc&) {
+      std::this_thread::sleep_for(kPollInterval);
+    }
+  }
 }
 
 }  // namespace slipd

@@ -1,6 +1,5 @@
-// Recordings that clients requested. Each has a writer thread of its own, so that a slow disk blocks nobody
-// else. A thread that waits for a descriptor of a client beyond all limits is left behind: no stop and no
-// reload waits for it.
+// Recordings that clients requested. Each has a writer thread of its own, which sends it to a socket that the
+// client reads from, and which waits for no reader longer than a second.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -9,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "core/storage/unique_fd.hpp"
 #include "daemon/board/board.hpp"
@@ -17,28 +17,24 @@ namespace slipd {
 
 // How a recording ended.
 struct RecordingResult {
-  // Frames written.
+  // Frames sent.
   std::uint64_t frames = 0;
-  // Frames that did not fit into the queue because the disk or the reader was too slow.
+  // Frames that did not fit into the queue because the reader was too slow.
   std::uint64_t missed = 0;
   // Size of the recording.
   std::uint64_t bytes = 0;
   // Duration, s.
   double seconds = 0;
-  // Why it ended early, for people; empty: it did not.
+  // Why it ended early or is not whole, for people; empty: it is whole.
   std::string trouble;
+  // Whether that is because the reader closed its end.
+  bool left = false;
 };
 
 // Thrown by Recorder::start; nothing was recorded. what() says why.
 class RecordingRefused : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-};
-
-// The given file cannot be written.
-class UnfitFile : public RecordingRefused {
- public:
-  using RecordingRefused::RecordingRefused;
 };
 
 // Not thread-safe. Called from one thread: io.
@@ -49,27 +45,29 @@ class Recorder {
   // As end_all.
   ~Recorder();
 
-  // Ends all recordings early. What they have is written before it returns, as far as 0.3 s allow; no
-  // SensorStatus is used afterwards. False: a thread still waits for a client's descriptor. Then neither this
-  // object nor its io_context may be destroyed; the process may only end.
-  bool end_all();
+  // Ends all recordings early and calls their `done`. Takes at most a quarter of a second, whatever readers
+  // do. No SensorStatus is used afterwards.
+  void end_all();
 
-  // Records frames of a sensor into `file` for `seconds`, above 0. `done` is called in the io thread at the
-  // end. Setting `cancelled` ends it early without trouble. Throws UnfitFile if `file` is not open for
-  // writing, or is no regular file, pipe or socket; RecordingRefused if the sensor is being recorded, if its
-  // layout is not known yet, or if other recordings take all memory or threads that there are for them.
-  void start(SensorStatus& status, UniqueFd file, double seconds,
-             std::shared_ptr<std::atomic<bool>> cancelled, std::function<void(const RecordingResult&)> done);
+  // Records frames of a sensor for `seconds`, above 0, into `socket`, a stream socket of AF_UNIX whose other
+  // end is read from. `done` is called in the io thread at the end, never by this function. Setting
+  // `cancelled` ends it early without trouble. Returns the recording's number, from 1. Throws RecordingRefused
+  // if the sensor is being recorded, if its layout is not known yet, if other recordings take all memory that
+  // there is for them, or if too many readers have left their recordings unread.
+  std::uint64_t start(SensorStatus& status, UniqueFd socket, double seconds,
+                      std::shared_ptr<std::atomic<bool>> cancelled,
+                      std::function<void(std::uint64_t number, const RecordingResult&)> done);
 
  private:
   struct Job;
-  struct Running;
-  static RecordingResult write(Job& job);
-  void ended(const Job* job, const RecordingResult& result);
+  void write(Job& job);
+  void ended(std::uint64_t number);
+  void finish(Job& job);
   std::size_t queue_frames(std::size_t taxels) const;
   asio::io_context& io_;
-  std::list<Running> running_;
-  std::list<std::shared_ptr<Job>> left_behind_;  // until their threads end
+  std::list<std::unique_ptr<Job>> running_;
+  std::uint64_t started_ = 0;
+  std::vector<UniqueFd> unread_;  // ended, but not read to the end: what is under way counts as slipd's memory
 };
 
 }  // namespace slipd

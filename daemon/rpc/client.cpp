@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "core/storage/descriptor_passing.hpp"
-#include "daemon/rpc/descriptors.hpp"
 #include "daemon/rpc/rpc.hpp"
 
 namespace slipd {
@@ -35,7 +34,9 @@ Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
       linger_timer_(io),
       owner_(owner),
       backlog_(kMaxNotifications),
-      owed_(std::make_shared<OwedBytes>(&owner.owed)) {}
+      owed_(std::make_shared<OwedBytes>(&owner.owed)) {
+  prepare_for_bare(socket_.native_handle());
+}
 
 void Client::read_when_ready() {
   if (closed_ || reading_ || input_ended_ || yielded_ || hold_back()) return;
@@ -92,15 +93,14 @@ void Client::on_readable() {
 
 void Client::receive() {
   std::array<char, std::size_t{16} * 1024> bytes;
-  PassedDescriptors passed;
-  const auto got = receive_passed(socket_.native_handle(), bytes, passed, MSG_DONTWAIT);
+  bool bears_descriptor = false;
+  const auto got = receive_bare(socket_.native_handle(), bytes, bears_descriptor);
+  if (bears_descriptor)
+    return turn_away(rpc::kInvalidRequest,
+                     "slipd takes no descriptors: `record` answers with one to read the recording from");
   if (got < 0) {
     if (errno != EAGAIN && errno != EINTR) close();
     return;
-  }
-  for (std::size_t i = 0; i < passed.count; ++i) {
-    passed_.push_back(out_of_the_way(std::move(passed.files[i])));
-    if (passed_.size() > kMostPassed) passed_.pop_front();
   }
   if (got == 0) {
     input_ended_ = true;
@@ -177,6 +177,25 @@ void Client::notify(std::shared_ptr<const Notification> head, std::uint64_t lost
   if (closed_) return;
   backlog_.push_notification(std::move(head), lost);
   flush();
+}
+
+void Client::announce(std::string text) {
+  if (closed_) return;
+  const std::size_t bytes = text.size() + 1;  // with its end of line
+  backlog_.push_response(std::move(text));
+  owed_->add(bytes);
+  flush();
+}
+
+void Client::turn_away(int code, const std::string& why) {
+  if (closed_) return;
+  const bool within_a_line = sent_ > 0 && sent_ < output_.size();
+  if (!within_a_line) {
+    const std::string text = rpc::error_text(rpc::kNoId, code, why) + "\n";
+    [[maybe_unused]] const auto sent =
+        send(socket_.native_handle(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  }
+  close();
 }
 
 void Client::flush() {
@@ -264,11 +283,11 @@ void Client::close() {
   attachment.reset();
   *peer_closed_ = true;
   linger_timer_.cancel();
-  std::error_code ignored;
-  socket_.close(ignored);
+  leaving_ = UniqueFd(socket_.release());
+  let_go();
   // Posted, because the owner may be iterating over its clients.
   try {
-    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.on_closed(self); });
+    asio::post(socket_.get_executor(), [self = shared_from_this()] { self->owner_.on_closed(); });
   } catch (const std::bad_alloc&) {  // Server::update_statistics removes closed clients too
   }
 }
@@ -279,13 +298,6 @@ ucred Client::peer() const noexcept {
   getsockopt(const_cast<asio::posix::stream_descriptor&>(socket_).native_handle(), SOL_SOCKET, SO_PEERCRED,
              &who, &length);
   return who;
-}
-
-UniqueFd Client::take_fd() {
-  if (passed_.empty()) return {};
-  UniqueFd fd = std::move(passed_.front());
-  passed_.pop_front();
-  return fd;
 }
 
 }  // namespace slipd

@@ -1,5 +1,5 @@
-// One connection to the socket: lines in, lines out, passed descriptors. Reads and writes what the socket
-// takes without blocking.
+// One connection to the socket: lines in, lines and descriptors out. Reads and writes what the socket takes
+// without blocking. slipd takes no descriptor from a client: who passes one is turned away.
 #pragma once
 
 #include <sys/socket.h>
@@ -8,7 +8,6 @@
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/steady_timer.hpp>
 #include <atomic>
-#include <deque>
 #include <functional>
 #include <list>
 #include <memory>
@@ -19,6 +18,7 @@
 #include "daemon/board/shared_board.hpp"
 #include "daemon/rpc/backlog.hpp"
 #include "daemon/rpc/owed_bytes.hpp"
+#include "daemon/rpc/socket_closer.hpp"
 #include "daemon/rpc/subscription.hpp"
 
 namespace slipd {
@@ -31,7 +31,7 @@ class Client : public std::enable_shared_from_this<Client> {
     // Called with each whole line, without its end. Not null.
     std::function<void(const std::shared_ptr<Client>&, std::string_view line)> on_line;
     // Called once after the connection was closed. Not null.
-    std::function<void(const std::shared_ptr<Client>&)> on_closed;
+    std::function<void()> on_closed;
     // Called after a whole notification was handed to the kernel, with Notification::published_ns. Not null.
     std::function<void(std::int64_t published_ns)> on_notification_sent;
     // How often a client of this owner had input.
@@ -40,10 +40,16 @@ class Client : public std::enable_shared_from_this<Client> {
     OwedBytes owed;
     // How often a client was not read from any more because it did not read its answers.
     std::uint64_t held_back = 0;
+    // Closes their sockets.
+    SocketCloser closer;
   };
 
   // `owner` outlives it; its callbacks may be replaced.
   Client(asio::io_context& io, UniqueFd socket, Owner& owner);
+  // Leaves a socket that could not be let go to the end of the process, which waits for nothing.
+  ~Client() { leaving_.release(); }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
 
   // Starts reading. Once.
   void start() { read_when_ready(); }
@@ -51,8 +57,14 @@ class Client : public std::enable_shared_from_this<Client> {
   void respond(std::string text);
   // Sends a notification; `lost` as in Backlog.
   void notify(std::shared_ptr<const Notification> head, std::uint64_t lost);
+  // Sends a notification that is never dropped and counts as an answer.
+  void announce(std::string text);
+  // Sends an error without a request, if there is room for it, and closes the connection.
+  void turn_away(int code, const std::string& why);
   // Closes the connection at once. Lines that wait are lost.
   void close();
+  // Lets the socket of a closed connection go. False: that is not possible now; call it again later.
+  bool let_go() noexcept { return closed_ && (!leaving_ || owner_.closer.close(leaving_)); }
   // Whether the connection is closed.
   bool closed() const noexcept { return closed_; }
 
@@ -68,8 +80,6 @@ class Client : public std::enable_shared_from_this<Client> {
 
   // Process, user and group of the peer (SO_PEERCRED); user and group -1: unknown.
   ucred peer() const noexcept;
-  // Takes the oldest descriptor that the client passed; none: there is none.
-  UniqueFd take_fd();
   // Passes a descriptor along with the next response, which the caller sends at once.
   void pass_with_response(UniqueFd descriptor) noexcept { passing_ = std::move(descriptor); }
   // What the client holds of the board's shared memory; null: it has not attached to the present one.
@@ -113,7 +123,7 @@ class Client : public std::enable_shared_from_this<Client> {
   std::size_t sent_ = 0;  // of output_
   UniqueFd passing_;      // goes with the next response
   UniqueFd output_fd_;    // goes with the first byte of output_
-  std::deque<UniqueFd> passed_;
+  UniqueFd leaving_;      // the socket of a closed connection, until it is let go
   // Written by io, read by the writer of a recording that this client requested. No other memory is read
   // because of it.
   std::shared_ptr<std::atomic<bool>> peer_closed_ = std::make_shared<std::atomic<bool>>(false);

@@ -12,8 +12,8 @@
 namespace slipd {
 namespace {
 
-constexpr rlim_t kOwn = 128;       // slipd's own sockets, devices and files, with a reserve
-constexpr rlim_t kEachClient = 6;  // its connection, files that it passed, and one that it gets
+constexpr rlim_t kOwn = 128;       // slipd's own sockets, devices, files and recordings, with a reserve
+constexpr rlim_t kEachClient = 2;  // its connection, and one that it gets
 
 }  // namespace
 

@@ -17,7 +17,8 @@ class RecordingRequests {
   // `context` and `recorder` outlive it.
   RecordingRequests(ServiceContext& context, Recorder& recorder);
 
-  // Records into the descriptor that the client passed; responds when the recording ends. Throws rpc::Error.
+  // Responds with a descriptor that the client reads the recording from, and tells it the end by the
+  // notification `recorded`. Throws rpc::Error.
   void record(Client& client, const nlohmann::json& params, const rpc::Reply& reply);
   // Triggers the flight recorder for one sensor or for all. Throws rpc::Error.
   nlohmann::ordered_json flight(const nlohmann::json& params);

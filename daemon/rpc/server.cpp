@@ -39,6 +39,14 @@ void Clients::close_all() {
   all.clear();
 }
 
+void Clients::forget_closed() {
+  std::erase_if(all, [this](const auto& client) {
+    const bool gone = client->let_go();
+    if (gone) dropped_by_closed += client->dropped();
+    return gone;
+  });
+}
+
 Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, Recorder& recorder,
                int listener)
     : io_(io),
@@ -57,9 +65,8 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
       last_measured_(std::chrono::steady_clock::now()) {
   make_room_for(context.settings.socket.max_clients);
   clients_.owner.on_line = [this](const auto& client, std::string_view line) { handle(client, line); };
-  clients_.owner.on_closed = [this](const auto& client) {
-    clients_.dropped_by_closed += client->dropped();
-    clients_.all.erase(client);
+  clients_.owner.on_closed = [this] {
+    clients_.forget_closed();
     context_.clients = clients_.all.size();
   };
   clients_.owner.on_notification_sent = [this](std::int64_t published_ns) {
@@ -82,7 +89,7 @@ Server::~Server() {
   methods_.fail_pending();
   context_.owed_bytes = [] { return std::size_t{0}; };
   clients_.owner.on_line = [](const auto&, const auto&) {};
-  clients_.owner.on_closed = [](const auto&) {};
+  clients_.owner.on_closed = [] {};
   clients_.owner.on_notification_sent = [](std::int64_t) {};
 }
 
@@ -104,32 +111,30 @@ void Server::accept_when_ready() {
                        }));
 }
 
-// False: the system has no descriptor or memory for another client now.
+// False: the system has no descriptor or memory for another client now, or clients that were turned away
+// cannot be let go yet.
 bool Server::accept_one() {
+  const std::size_t places = context_.settings.socket.max_clients;
+  if (clients_.all.size() > places) clients_.forget_closed();
+  if (clients_.all.size() > places) return false;
   UniqueFd socket(accept4(listener_.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket && (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS)) {
     return false;
   }
-  if (socket && clients_.all.size() >= context_.settings.socket.max_clients) {
-    reject(socket);
-  } else if (socket) {
-    const auto client = std::make_shared<Client>(io_, out_of_the_way(std::move(socket)), clients_.owner);
-    clients_.all.insert(client);
-    context_.clients = clients_.all.size();
+  if (!socket) return true;
+  const bool room = clients_.all.size() < places;
+  const auto client = std::make_shared<Client>(io_, out_of_the_way(std::move(socket)), clients_.owner);
+  clients_.all.insert(client);
+  if (room) {
     client->start();
+  } else {
+    client->turn_away(rpc::kTooManyClients,
+                      "all " + std::to_string(places) +
+                          " places are taken; close a client or raise socket.max_clients");
+    clients_.forget_closed();
   }
+  context_.clients = clients_.all.size();
   return true;
-}
-
-void Server::reject(const UniqueFd& socket) {
-  const std::string text =
-      rpc::error_text(rpc::kNoId, rpc::kTooManyClients,
-                      "all " + std::to_string(context_.settings.socket.max_clients) +
-                          " places are taken; close a client or raise socket.max_clients") +
-      "\n";
-  // A new socket's buffer is empty, so the text fits.
-  [[maybe_unused]] const auto sent =
-      send(socket.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 void Server::wait_for_events() {
@@ -271,8 +276,7 @@ void Server::update_statistics() {
   context_.requests_refused = methods_.refused();
   metrics_file_.write_if_due(context_, now);
   methods_.complete_rebias(true);
-  // Closed clients whose on_closed was not called for lack of memory.
-  std::erase_if(clients_.all, [](const auto& client) { return client->closed(); });
+  clients_.forget_closed();  // and those whose on_closed was not called for lack of memory
   context_.clients = clients_.all.size();
 }
 

@@ -29,6 +29,8 @@ struct Clients {
   std::uint64_t dropped_by_closed = 0;
   // Closes all. Lines that wait are lost.
   void close_all();
+  // Forgets those that are closed, unless their sockets cannot be let go yet: these keep their places.
+  void forget_closed();
 };
 
 // Not thread-safe. Called from one thread: io.
@@ -50,7 +52,6 @@ class Server {
   auto while_alive(Body body);
   void accept_when_ready();
   bool accept_one();
-  void reject(const UniqueFd& socket);
   void wait_for_events();
   void drain_events();
   void take_events();

@@ -81,7 +81,8 @@ SocketFile::SocketFile(int listener) : listener_(listener) {
 
 SocketFile::~SocketFile() {
   if (lock_fd_ >= 0) remove_own_files();
-  close(listener_);
+  // listener_ stays open: connections that wait in it may bear descriptors, whose close a client can hold up
+  // as long as it wants (socket_closer.hpp). The end of the process closes it, and waits for nothing.
   if (lock_fd_ >= 0) close(lock_fd_);
 }
 

@@ -16,9 +16,12 @@ constexpr const char* kKindNames[kEventKinds] = {"estimate", "alert", "state"};
 Subscription::Subscription(int id, const nlohmann::json& params, const Board& board) : id_(id) {
   if (const auto sensors = params.find("sensors"); sensors != params.end() && !sensors->is_null()) {
     if (!sensors->is_array()) throw rpc::Error(rpc::kInvalidParams, "\"sensors\" must be a list of names");
+    std::vector<bool> named(board.sensors.size());  // each once, however often the client names it
+    for (const nlohmann::json& name : *sensors) named[sensor_index(name, board)] = true;
     names_.emplace();
-    for (const nlohmann::json& name : *sensors)
-      names_->push_back(board.sensors[sensor_index(name, board)]->name);
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      if (named[i]) names_->push_back(board.sensors[i]->name);
+    }
   }
   rebind(board);
   if (const auto rate = params.find("max_rate_hz"); rate != params.end() && !rate->is_null()) {

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 #include "core/storage/descriptor_passing.hpp"
@@ -60,7 +61,9 @@ std::optional<std::string> RpcClient::line(std::chrono::milliseconds patience) {
     if (ended_ || left.count() < 0 || poll(&ready, 1, static_cast<int>(left.count())) <= 0)
       return std::nullopt;
     std::array<char, 65536> bytes{};
-    const auto got = recv(fd_, bytes.data(), bytes.size(), 0);
+    PassedDescriptors passed;
+    const auto got = receive_passed(fd_, bytes, passed, 0);
+    if (passed.count > 0) passed_ = std::move(passed.files[passed.count - 1]);
     if (got <= 0) {
       ended_ = true;
     } else {
@@ -91,6 +94,29 @@ json RpcClient::result(const std::string& method, const json& params) {
   const json answer = call(method, params);
   if (!answer.contains("result")) throw std::runtime_error(method + ": " + answer.dump());
   return answer["result"];
+}
+
+json RpcClient::record(const std::string& sensor, double seconds, const std::filesystem::path& file) {
+  const json answer = call("record", {{"sensor", sensor}, {"seconds", seconds}});
+  if (!answer.contains("result")) return answer;
+  copy_to_end(take_descriptor(), file);
+  for (;;) {
+    const json heard = notification();
+    if (heard["method"] == "recorded") return heard["params"];
+  }
+}
+
+void copy_to_end(UniqueFd from, const std::filesystem::path& file) {
+  std::ofstream out(file, std::ios::binary);
+  std::array<char, 65536> bytes{};
+  for (;;) {
+    pollfd ready{from.get(), POLLIN, 0};
+    if (poll(&ready, 1, static_cast<int>(kPatience.count())) <= 0)
+      throw std::runtime_error("nothing comes of the recording");
+    const auto got = recv(from.get(), bytes.data(), bytes.size(), 0);
+    if (got <= 0) return;
+    out.write(bytes.data(), got).flush();
+  }
 }
 
 json RpcClient::notification() {

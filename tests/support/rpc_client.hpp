@@ -1,5 +1,4 @@
-// A client of slipd's socket for tests: lines, requests, descriptors passed along. Every wait has a
-// deadline.
+// A client of slipd's socket for tests: lines, requests, descriptors both ways. Every wait has a deadline.
 #pragma once
 
 #include <chrono>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/storage/unique_fd.hpp"
 #include "tests/support/patience.hpp"
 
 namespace slipd::testing {
@@ -47,12 +47,22 @@ class RpcClient {
   // The next notification. Throws std::runtime_error if none comes.
   nlohmann::json notification();
 
+  // The descriptor that came last with a line; none: none has come since.
+  UniqueFd take_descriptor() { return std::move(passed_); }
+
+  // Records into a new file to the end, and returns the params of `recorded`, or the answer if it is an error.
+  nlohmann::json record(const std::string& sensor, double seconds, const std::filesystem::path& file);
+
  private:
   int fd_;
   int next_id_ = 0;
   std::string input_;
+  UniqueFd passed_;
   std::deque<nlohmann::json> notifications_;
   bool ended_ = false;
 };
+
+// Writes all that comes from the other end into a new file, as it comes.
+void copy_to_end(UniqueFd from, const std::filesystem::path& file);
 
 }  // namespace slipd::testing

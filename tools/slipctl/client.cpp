@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "clients/c/recording.hpp"
 #include "clients/c/slipd.h"
 
 namespace slipctl {
@@ -21,19 +22,31 @@ RpcClient::RpcClient(const std::string& socket_path) : path_(socket_path) {
   }
 }
 
-json RpcClient::call(const std::string& method, const json& params, std::chrono::milliseconds timeout,
-                     int passed_fd) {
-  const auto until = Clock::now() + timeout;
+template <typename Body>
+json RpcClient::asking(const std::string& what, Body body) {
   try {
-    return connection_.answer(connection_.request(method, params.dump(), passed_fd, until), until,
-                              [this](json&& message) { keep(std::move(message)); });
+    return body([this](json&& message) { keep(std::move(message)); });
   } catch (const Failure& failure) {
     if (failure.code() == SLIPD_REFUSED) throw RpcError(failure.rpc_code(), failure.what());
+    if (failure.code() == SLIPD_INVALID) throw ClientError(failure.what());
     if (failure.code() == SLIPD_TIMEOUT)
-      throw ClientError("the daemon at " + path_ + " did not answer " + method + " within " +
-                        std::to_string(timeout.count()) + " ms");
+      throw ClientError("the daemon at " + path_ + " did not answer " + what);
     throw ClientError(path_ + ": " + failure.what());
   }
+}
+
+json RpcClient::call(const std::string& method, const json& params, std::chrono::milliseconds timeout) {
+  const auto until = Clock::now() + timeout;
+  return asking(method + " within " + std::to_string(timeout.count()) + " ms", [&](const auto& keep_others) {
+    return connection_.answer(connection_.request(method, params.dump(), until), until, keep_others);
+  });
+}
+
+json RpcClient::record(const std::string& sensor, double seconds, int file) {
+  constexpr auto kPatience = std::chrono::seconds(10);
+  return asking("record in time", [&](const auto& keep_others) {
+    return slipd::client::record(connection_, json(sensor).dump(), seconds, file, kPatience, keep_others);
+  });
 }
 
 std::optional<Notification> RpcClient::next(std::chrono::milliseconds timeout) {

@@ -47,12 +47,15 @@ class RpcClient {
   // Connects at once. Throws ClientError, which names the socket and the remedy.
   explicit RpcClient(const std::string& socket_path);
 
-  // Sends a request and waits for its result. `passed_fd`, if not -1, is sent along (SCM_RIGHTS); the caller
-  // keeps its own. Throws RpcError for an error answer, ClientError for no answer within `timeout`.
+  // Sends a request and waits for its result. Throws RpcError for an error answer, ClientError for no answer
+  // within `timeout`.
   nlohmann::ordered_json call(const std::string& method,
                               const nlohmann::ordered_json& params = nlohmann::ordered_json::object(),
-                              std::chrono::milliseconds timeout = std::chrono::seconds(5),
-                              int passed_fd = -1);
+                              std::chrono::milliseconds timeout = std::chrono::seconds(5));
+
+  // Records a sensor into `file` and returns the daemon's account of it. Throws as call, and ClientError if
+  // `file` takes nothing.
+  nlohmann::ordered_json record(const std::string& sensor, double seconds, int file);
 
   // The next notification, or nothing within `timeout` (0: only if one has arrived). Throws ClientError when
   // the daemon has closed the connection.
@@ -62,6 +65,9 @@ class RpcClient {
   int fd() const noexcept { return connection_.fd(); }
 
  private:
+  // Calls `body`, which asks for `what`, and turns failures into errors.
+  template <typename Body>
+  nlohmann::ordered_json asking(const std::string& what, Body body);
   void keep(nlohmann::ordered_json&& message);
 
   std::string path_;

@@ -29,7 +29,7 @@ int keep_flight(const CommonOptions& common, const std::string& sensor);
 void print_dbc(const CommonOptions& common);  // the CAN messages as a DBC file
 void rebias(const CommonOptions& common, const std::string& sensor, bool force);
 
-// Opens the file with the user's own permissions and passes its descriptor to the daemon, which writes it.
+// Reads a recording from the daemon into a file that the user may write.
 void record(const CommonOptions& common, const RecordOptions& options);
 
 }  // namespace slipctl

@@ -1,11 +1,9 @@
-// `slipctl record`: opens the file with the user's own permissions and passes its descriptor to the daemon,
-// which writes the file without permission to open it.
+// `slipctl record`: reads the recording from the daemon and writes it into a file of the user's.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <iostream>
 #include <system_error>
 
@@ -34,16 +32,14 @@ bool empty(const UniqueFd& file) {
 void record(const CommonOptions& common, const RecordOptions& options) {
   RpcClient client(common.socket);  // before the file: without a daemon none is created
   const UniqueFd file = open_new(options);
-  // The daemon answers when the recording is complete.
-  const auto patience =
-      std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(options.seconds + 10));
   try {
-    const nlohmann::ordered_json result = client.call(
-        "record", {{"sensor", options.sensor}, {"seconds", options.seconds}}, patience, file.get());
+    const nlohmann::ordered_json result = client.record(options.sensor, options.seconds, file.get());
     if (common.json)
       std::cout << result.dump() << '\n';
     else
       std::cout << options.sensor << " is recorded in " << options.out << '\n' << tree(result, 2);
+    if (const auto& trouble = result.value("trouble", nlohmann::ordered_json()); trouble.is_string())
+      throw ClientError(options.out + " is not whole: " + trouble.get<std::string>());
   } catch (const ClientError&) {
     if (empty(file)) ::unlink(options.out.c_str());
     throw;
