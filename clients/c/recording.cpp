@@ -16,7 +16,7 @@ namespace slipd::client {
 namespace {
 
 constexpr double kLongestRecordingS = 86400;
-constexpr std::size_t kPieceBytes = std::size_t{256} * 1024;
+constexpr std::size_t kCopiedAtOnce = std::size_t{256} * 1024;
 
 void write_all(int file, const char* bytes, std::size_t count) {
   while (count > 0) {
@@ -25,16 +25,16 @@ void write_all(int file, const char* bytes, std::size_t count) {
       bytes += taken;
       count -= static_cast<std::size_t>(taken);
     } else if (taken < 0 && errno != EINTR) {
-      throw Failure(SLIPD_INVALID, "the recording cannot be written: " +
-                                       std::generic_category().message(errno) +
-                                       "; what was written before can be read");
+      throw Failure(SLIPD_INVALID,
+                    "the recording cannot be written: " + std::generic_category().message(errno) +
+                        "; what was written before can be read");
     }
   }
 }
 
 // Until slipd has closed its end.
 void copy(const UniqueFd& from, int file, Clock::time_point until) {
-  std::vector<char> piece(kPieceBytes);
+  std::vector<char> piece(kCopiedAtOnce);
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
     pollfd ready{from.get(), POLLIN, 0};
@@ -60,8 +60,8 @@ Json record(Connection& connection, std::string_view sensor, double seconds, int
                      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   const std::string params =
       R"({"sensor":)" + std::string(sensor) + R"(,"seconds":)" + Json(seconds).dump() + "}";
-  const Json answer =
-      connection.answer(connection.request("record", params, until), std::min(until, Clock::now() + patience), other);
+  const Json answer = connection.answer(connection.request("record", params, until),
+                                        std::min(until, Clock::now() + patience), other);
   UniqueFd from = connection.take_descriptor();
   const auto number = answer.find("recording");
   if (!from || number == answer.end())

@@ -90,7 +90,8 @@ int slipd_call(slipd_client* s, const char* method, const char* params, int desc
   if (result == nullptr || method == nullptr) return SLIPD_INVALID;
   *result = nullptr;
   return requested(s, [&] {
-    if (descriptor >= 0) throw Failure(SLIPD_INVALID, "slipd takes no descriptors: give -1; slipd_record records");
+    if (descriptor >= 0)
+      throw Failure(SLIPD_INVALID, "slipd takes no descriptors: give -1; slipd_record records");
     const Json named = Json::parse(params == nullptr ? "{}" : params, nullptr, false);
     if (!named.is_object()) throw Failure(SLIPD_INVALID, "params are no JSON object");
     const std::string name = quoted(method);
@@ -117,7 +118,8 @@ int slipd_frame(slipd_client* s, const char* sensor, double timeout_s, char** re
   });
 }
 
-int slipd_record(slipd_client* s, const char* sensor, double seconds, int fd, double timeout_s, char** result) {
+int slipd_record(slipd_client* s, const char* sensor, double seconds, int fd, double timeout_s,
+                 char** result) {
   if (result == nullptr || sensor == nullptr) return SLIPD_INVALID;
   *result = nullptr;
   return guarded(s, [&] {

@@ -17,8 +17,8 @@ namespace {
 using OutputClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kLook{5};  // between two looks at the reader and at OutputPatience
-// What one send hands over. The kernel keeps so little in one piece of memory, which splice(2) copies; of more,
-// the reader's pipes would hold pages that count as slipd's.
+// What one send hands over. The kernel keeps so little in one piece of memory, which splice(2) copies; of
+// more, the reader's pipes would hold pages that count as slipd's.
 constexpr std::size_t kSocketPiece = 3072;
 constexpr std::size_t kFilePiece = std::size_t{1} << 20;
 

@@ -23,8 +23,8 @@ struct OutputPatience {
 // written is then not known. Not thread-safe for one descriptor. Called from the thread of a recording.
 std::error_code write_file(int fd, std::span<const std::uint8_t> bytes) noexcept;
 
-// Sends all of `bytes` to a stream socket of AF_UNIX. Returns timed_out if `patience` is over, or the system's
-// error. Otherwise as write_file.
+// Sends all of `bytes` to a stream socket of AF_UNIX. Returns timed_out if `patience` is over, or the
+// system's error. Otherwise as write_file.
 std::error_code send_bounded(int socket, std::span<const std::uint8_t> bytes,
                              const OutputPatience& patience) noexcept;
 

@@ -70,8 +70,8 @@ inline ssize_t receive_passed(int socket, std::span<char> bytes, PassedDescripto
   return got;
 }
 
-// Lets receive_bare see every descriptor. Otherwise a byte that was sent out of band (MSG_OOB) is invisible to
-// it, and is dropped by the next read, with its descriptor.
+// Lets receive_bare see every descriptor. Otherwise a byte that was sent out of band (MSG_OOB) is invisible
+// to it, and is dropped by the next read, with its descriptor.
 inline void prepare_for_bare(int socket) noexcept {
   const int in_line = 1;
   setsockopt(socket, SOL_SOCKET, SO_OOBINLINE, &in_line, sizeof in_line);

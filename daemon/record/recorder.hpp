@@ -51,9 +51,9 @@ class Recorder {
 
   // Records frames of a sensor for `seconds`, above 0, into `socket`, a stream socket of AF_UNIX whose other
   // end is read from. `done` is called in the io thread at the end, never by this function. Setting
-  // `cancelled` ends it early without trouble. Returns the recording's number, from 1. Throws RecordingRefused
-  // if the sensor is being recorded, if its layout is not known yet, if other recordings take all memory that
-  // there is for them, or if too many readers have left their recordings unread.
+  // `cancelled` ends it early without trouble. Returns the recording's number, from 1. Throws
+  // RecordingRefused if the sensor is being recorded, if its layout is not known yet, if other recordings
+  // take all memory that there is for them, or if too many readers have left their recordings unread.
   std::uint64_t start(SensorStatus& status, UniqueFd socket, double seconds,
                       std::shared_ptr<std::atomic<bool>> cancelled,
                       std::function<void(std::uint64_t number, const RecordingResult&)> done);
@@ -67,7 +67,8 @@ class Recorder {
   asio::io_context& io_;
   std::list<std::unique_ptr<Job>> running_;
   std::uint64_t started_ = 0;
-  std::vector<UniqueFd> unread_;  // ended, but not read to the end: what is under way counts as slipd's memory
+  std::vector<UniqueFd>
+      unread_;  // ended, but not read to the end: what is under way counts as slipd's memory
 };
 
 }  // namespace slipd

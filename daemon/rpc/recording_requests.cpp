@@ -21,8 +21,8 @@ namespace {
 using json = nlohmann::ordered_json;  // results, in the order in which a person reads them
 using rpc::Reply;
 
-constexpr double kRecordingsPerSecond = 2;  // started for one sensor, in the long run
-constexpr double kRecordingsAtOnce = 20;    // after a pause
+constexpr double kRecordingsPerSecond = 2;   // started for one sensor, in the long run
+constexpr double kRecordingsAtOnce = 20;     // after a pause
 constexpr std::size_t kRecordedBytes = 512;  // of the notification, about
 
 // The ends of a connection on which nothing can be sent back, descriptors neither.

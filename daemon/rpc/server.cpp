@@ -128,9 +128,9 @@ bool Server::accept_one() {
   if (room) {
     client->start();
   } else {
-    client->turn_away(rpc::kTooManyClients,
-                      "all " + std::to_string(places) +
-                          " places are taken; close a client or raise socket.max_clients");
+    client->turn_away(
+        rpc::kTooManyClients,
+        "all " + std::to_string(places) + " places are taken; close a client or raise socket.max_clients");
     clients_.forget_closed();
   }
   context_.clients = clients_.all.size();

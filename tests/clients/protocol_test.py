@@ -54,7 +54,7 @@ class Protocol(unittest.TestCase):
             expected = 'there is no parameter "nonsense"' + ("; there are: " + ", ".join(parameters) if parameters else "")
             self.assertEqual(str(refused.exception), expected)
             for parameter, required in parameters.items():
-                if required and name != "record":  # which misses its descriptor first
+                if required and name != "record":  # which has two, and misses the first
                     with self.assertRaisesRegex(slipd.SlipdError, parameter):
                         self.client.call(name)
 

@@ -107,6 +107,7 @@ json RpcClient::record(const std::string& sensor, double seconds, const std::fil
 }
 
 void copy_to_end(UniqueFd from, const std::filesystem::path& file) {
+  if (!from) return;
   std::ofstream out(file, std::ios::binary);
   std::array<char, 65536> bytes{};
   for (;;) {

@@ -1,6 +1,9 @@
 // A client of slipd's socket for tests: lines, requests, descriptors both ways. Every wait has a deadline.
 #pragma once
 
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <deque>
 #include <filesystem>
@@ -8,6 +11,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "core/storage/unique_fd.hpp"
 #include "tests/support/patience.hpp"
@@ -32,6 +37,7 @@ class RpcClient {
   bool send_line(const std::string& line) { return send(line + "\n"); }
 
   void finish();  // sends no more, still reads
+  int fd() const { return fd_; }
 
   // The next line without its end; none if the other end closed first or time ran out.
   std::optional<std::string> line(std::chrono::milliseconds patience = kPatience);
@@ -50,7 +56,8 @@ class RpcClient {
   // The descriptor that came last with a line; none: none has come since.
   UniqueFd take_descriptor() { return std::move(passed_); }
 
-  // Records into a new file to the end, and returns the params of `recorded`, or the answer if it is an error.
+  // Records into a new file to the end, and returns the params of `recorded`, or the answer if it is an
+  // error.
   nlohmann::json record(const std::string& sensor, double seconds, const std::filesystem::path& file);
 
  private:
@@ -62,7 +69,24 @@ class RpcClient {
   bool ended_ = false;
 };
 
-// Writes all that comes from the other end into a new file, as it comes.
+// Writes all that comes from the other end into a new file, as it comes; nothing without a descriptor.
 void copy_to_end(UniqueFd from, const std::filesystem::path& file);
+
+// The same in a thread, until the other end closes.
+class Copying {
+ public:
+  Copying(UniqueFd from, const std::filesystem::path& file)
+      : from_(std::move(from)), thread_([this, file] { copy_to_end(UniqueFd(dup(from_.get())), file); }) {}
+  ~Copying() {
+    shutdown(from_.get(), SHUT_RD);
+    thread_.join();
+  }
+  Copying(const Copying&) = delete;
+  Copying& operator=(const Copying&) = delete;
+
+ private:
+  UniqueFd from_;
+  std::thread thread_;
+};
 
 }  // namespace slipd::testing

@@ -55,9 +55,7 @@ std::uint64_t watch(const json& sensors, const std::filesystem::path& drivers, S
   client.result("subscribe");
   client.result("attach");
   const std::string name = sensors[0]["name"];
-  const int fd = open(folder.file("recording").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  EXPECT_TRUE(client.call("record", {{"sensor", name}, {"seconds", 0.1}}, fd).contains("result"));
-  close(fd);
+  EXPECT_TRUE(client.record(name, 0.1, folder.file("recording")).contains("frames"));
   daemon.wait_for("status", [&](const json& s) {
     client.result("frame", {{"sensor", name}});
     return estimated(s) >= begin + 1000;

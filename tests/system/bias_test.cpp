@@ -199,10 +199,8 @@ TEST_F(BiasTest, HoldsThroughAReload) {
 TEST_F(BiasTest, ARecordingSaysWhetherItsFramesAreZeroed) {
   const auto file = [&](const char* name) { return folder_.file(name).string(); };
   const auto record = [&](const Daemon& daemon, const char* name) {
-    const int fd = open(file(name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-    const json answer = daemon.client().call("record", {{"sensor", "left"}, {"seconds", 0.1}}, fd);
-    EXPECT_TRUE(answer.contains("result")) << answer;
-    close(fd);
+    const json account = daemon.client().record("left", 0.1, file(name));
+    EXPECT_TRUE(account.contains("frames")) << account;
   };
   {
     const Daemon daemon = start(kHeld);

@@ -1,16 +1,14 @@
 // Clients that mean harm: none of them holds slipd up, makes it large, or costs what others recorded. How
 // long a reload and a stop take meanwhile is printed.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "core/storage/unique_fd.hpp"
 #include "tests/support/daemon.hpp"
@@ -25,6 +23,7 @@ using namespace std::chrono_literals;
 
 constexpr int kHostile = 60;                   // of the 64 places that there are
 constexpr std::size_t kAllowedKb = 64 * 1024;  // above idle
+const json kAnHour{{"sensor", "left"}, {"seconds", 3600}};
 
 json large_sensor(const json& options = json::object()) {
   return trial_sensor("left", options, {{"rate_hz", 500}, {"stale_after_ms", 60'000}});  // 100 x 100 taxels
@@ -36,11 +35,6 @@ std::string frame_batch() {
     batch += std::string(i > 0 ? "," : "") + R"({"jsonrpc":"2.0","id":)" + std::to_string(i) +
              R"(,"method":"frame","params":{"sensor":"left"}})";
   return batch + "]\n";
-}
-
-std::string record_request(double seconds) {
-  return R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":"left","seconds":)" +
-         std::to_string(seconds) + "}}\n";
 }
 
 class Hostile : public ::testing::Test {
@@ -77,9 +71,9 @@ TEST_F(Hostile, ThatReadNothingAreNotReadFromAndMakeItLittleLarger) {
   const std::string batch = frame_batch();
   std::vector<std::unique_ptr<RpcClient>> hostile;
   std::vector<std::jthread> sending;
-  const UniqueFd file(open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
   RpcClient recording(daemon_->socket());
-  recording.send(record_request(3600), file.get());
+  recording.result("record", kAnHour);
+  const Copying file(recording.take_descriptor(), folder_.file("r.rec"));
   for (int i = 0; i < kHostile; ++i) {
     hostile.push_back(std::make_unique<RpcClient>(daemon_->socket()));
     hostile.back()->send_line(R"({"jsonrpc":"2.0","method":"subscribe","params":{"max_rate_hz":)" +
@@ -121,66 +115,80 @@ TEST_F(Hostile, ThatReadNothingAreNotReadFromAndMakeItLittleLarger) {
   expect_reload_and_stop();
 }
 
-struct Pipe {
-  Pipe() {
-    if (pipe2(ends_, O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
-    reading = UniqueFd(ends_[0]);
-    writing = UniqueFd(ends_[1]);
-  }
-  UniqueFd reading, writing;
-
- private:
-  int ends_[2] = {-1, -1};
-};
-
-TEST_F(Hostile, APipeThatNobodyReadsEndsTheRecordingWithWhatDidNotFit) {
+TEST_F(Hostile, ThatDoNotReadTheirRecordingEndItAndAreToldWhatDidNotFit) {
   start(large_sensor());
-  const Pipe pipe;
   RpcClient client(daemon_->socket());
-  client.send(record_request(3600), pipe.writing.get());
-  const auto answer = client.line();
-  ASSERT_TRUE(answer);
-  EXPECT_THAT(*answer, HasSubstr("took nothing"));
-  EXPECT_THAT(*answer, HasSubstr("more did not fit"));
+  client.result("record", kAnHour);
+  const UniqueFd unread = client.take_descriptor();
+  const json told = client.notification();
+  EXPECT_EQ(told["method"], "recorded");
+  EXPECT_THAT(told["params"]["trouble"].get<std::string>(), HasSubstr("took nothing"));
+  EXPECT_GT(told["params"]["missed"], 0);
   EXPECT_EQ(client.result("version")["name"], "slipd");
+  daemon_->wait_for("status", [](const json& s) { return s["recordings"]["failed"] == 1; });
 }
 
-// The pipe blocks, and a thread of the client fills it whenever slipd finds room in it: a write may then wait
-// without end.
-TEST_F(Hostile, APipeThatAClientFillsMeanwhileHoldsUpNeitherReloadNorStop) {
+TEST_F(Hostile, ThatReadTheirRecordingByteByByteHoldUpNeitherReloadNorStop) {
   start(large_sensor());
-  const Pipe pipe;
   RpcClient client(daemon_->socket());
-  client.send(record_request(3600), pipe.writing.get());
-  std::atomic<bool> over{false};
-  std::thread filling([&] {
-    const Pipe own;  // its flags are its own, the pipe's stay blocking
-    char bytes[4096] = {};
-    const UniqueFd another(::open(("/proc/self/fd/" + std::to_string(pipe.writing.get())).c_str(),
-                                  O_WRONLY | O_NONBLOCK | O_CLOEXEC));
-    const UniqueFd draining(::open(("/proc/self/fd/" + std::to_string(pipe.reading.get())).c_str(),
-                                   O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-    while (!over) {
-      if (::read(draining.get(), bytes, 5000 % sizeof bytes) < 0) std::this_thread::yield();
-      while (::write(another.get(), bytes, sizeof bytes) > 0 && !over) {
-      }
+  client.result("record", kAnHour);
+  const UniqueFd reading = client.take_descriptor();
+  std::jthread sipping([&](const std::stop_token& stop) {
+    char byte = 0;
+    while (!stop.stop_requested() && recv(reading.get(), &byte, 1, 0) == 1) {
     }
   });
   for (int i = 0; i < 200; ++i) RpcClient(daemon_->socket()).result("gamma");
   expect_reload_and_stop();
-  over = true;
-  filling.join();
+  shutdown(reading.get(), SHUT_RD);
 }
 
-TEST_F(Hostile, WhatIsNeitherFileNorPipeNorSocketIsNotRecordedInto) {
-  start(large_sensor());
-  RpcClient client(daemon_->socket());
-  for (const char* name : {"/dev/null", "/dev/full"}) {
-    const UniqueFd device(open(name, O_WRONLY | O_CLOEXEC));
-    const json answer = client.call("record", {{"sensor", "left"}, {"seconds", 1}}, device.get());
-    EXPECT_EQ(answer["error"]["code"], -32602) << answer;
-    EXPECT_THAT(answer.dump(), HasSubstr("neither a regular file, a pipe nor a socket"));
+// What is on its way to a reader is memory of slipd's.
+TEST_F(Hostile, ThatLeaveRecordingsUnreadGetNoMoreUntilTheyRead) {
+  constexpr int kSensors = 8, kMost = 16;
+  json sensors = json::array();
+  for (int i = 0; i < kSensors; ++i)
+    sensors.push_back(trial_sensor("s" + std::to_string(i), json::object(), {{"stale_after_ms", 60'000}}));
+  Daemon daemon(config_with(folder_, sensors), trial_drivers());
+  RpcClient client(daemon.socket());
+  std::vector<UniqueFd> unread;
+  const auto ask = [&](int i) {
+    return client.call("record", {{"sensor", "s" + std::to_string(i % kSensors)}, {"seconds", 0.001}});
+  };
+  while (unread.size() < kMost) {
+    for (int i = 0; i < kSensors; ++i) {
+      const json answer = ask(i);
+      ASSERT_TRUE(answer.contains("result")) << answer;
+      unread.push_back(client.take_descriptor());
+    }
+    for (int i = 0; i < kSensors; ++i)
+      EXPECT_THAT(client.notification()["params"]["trouble"].get<std::string>(), HasSubstr("took nothing"));
   }
+  const json refused = ask(0);
+  EXPECT_EQ(refused["error"]["code"], -32003);
+  EXPECT_THAT(refused.dump(), HasSubstr("have not read them to the end"));
+  copy_to_end(std::move(unread.front()), folder_.file("r.rec"));
+  EXPECT_GT(std::filesystem::file_size(folder_.file("r.rec")), 0U);
+  EXPECT_TRUE(ask(0).contains("result"));
+}
+
+TEST_F(Hostile, ThatNameASensorAgainAndAgainInSubscriptionsMakeItLittleLarger) {
+  constexpr int kNaming = 4, kSubscriptions = 16, kNames = 16'000;
+  constexpr std::size_t kFewKb = 12 * 1024;  // of which one line and its values take a part
+  Daemon daemon(config_with(folder_, json::array({trial_sensor("a")})), trial_drivers());
+  const json params{{"sensors", std::vector<std::string>(kNames, "a")}};
+  std::vector<std::unique_ptr<RpcClient>> hostile;
+  const std::size_t idle_kb = resident_kb(daemon.program().pid());
+  for (int i = 0; i < kNaming; ++i) {
+    hostile.push_back(std::make_unique<RpcClient>(daemon.socket()));
+    for (int k = 0; k < kSubscriptions; ++k) hostile.back()->result("subscribe", params);
+  }
+  const std::size_t kb = resident_kb(daemon.program().pid());
+  std::printf("resident: %zu kB idle, %zu kB with the subscriptions\n", idle_kb, kb);
+  if (!sanitized()) {
+    EXPECT_LE(kb, idle_kb + kFewKb);
+  }
+  EXPECT_EQ(hostile.back()->notification()["params"]["sensor"], "a");
 }
 
 std::size_t files_ending(const std::filesystem::path& folder, const std::string& ending) {

@@ -67,6 +67,25 @@ TEST(Life, EndsWhileADriverHangs) {
   }
 }
 
+// So that the service manager starts it again.
+TEST(Life, AFatalErrorEndsItWithAnErrorAlsoWhileADriverHangs) {
+  if (sanitized()) GTEST_SKIP() << "the sanitizer must be the first library";
+  for (const char* behaviour : {"steady", "hang_in_read"}) {
+    const TempFolder folder;
+    json config = well(folder);
+    config["sensors"].push_back(
+        {{"name", "ill"}, {"driver", "trial"}, {"options", {{"behaviour", behaviour}, {"after", 5}}}});
+    Daemon daemon(config, trial_drivers(),
+                  {{"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-epoll-refusal.so"},
+                   {"SLIPD_EPOLL_REFUSAL", folder.file("refuse").string()}});
+    daemon.wait_for("status", [](const json& s) { return s["sensors"][1]["received"] >= 5; });
+    folder.write("refuse", "");
+    RpcClient client(daemon.socket());
+    EXPECT_EQ(daemon.program().wait(), 1) << behaviour;
+    EXPECT_THAT(daemon.program().errors(), HasSubstr("slipd cannot go on"));
+  }
+}
+
 TEST(Life, ASecondInstanceIsRefusedAndTheFirstGoesOn) {
   const TempFolder folder;
   Daemon daemon(well(folder), trial_drivers());

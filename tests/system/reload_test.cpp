@@ -83,20 +83,11 @@ TEST_F(Reload, ADriverThatHangsDoesNotKeepItFromTheNextConfiguration) {
 
 TEST_F(Reload, EndsARecordingAndSaysSo) {
   auto client = daemon_.client();
-  const int file = open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT, 0600);
-  client.send(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":1000}})"
-              "\n",
-              file);
-  close(file);
-  // Two clients cannot record the same sensor: when the second is refused, the first records.
-  daemon_.wait_for("version", [&](const json&) {
-    return std::filesystem::exists(folder_.file("r.rec")) &&
-           std::filesystem::file_size(folder_.file("r.rec")) > 0;
-  });
+  client.result("record", {{"sensor", "left"}, {"seconds", 1000}});
+  UniqueFd reading = client.take_descriptor();
   reload(only(trial_sensor("left")));
-  const auto answer = client.line();
-  ASSERT_TRUE(answer);
-  EXPECT_THAT(*answer, HasSubstr("another configuration"));
+  copy_to_end(std::move(reading), folder_.file("r.rec"));
+  EXPECT_THAT(client.notification().dump(), HasSubstr("another configuration"));
 }
 
 TEST_F(Reload, RepeatedWhileClientsSendRequests) {

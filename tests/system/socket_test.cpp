@@ -6,10 +6,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
+#include <memory>
 #include <set>
 #include <thread>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "core/storage/recording.hpp"
 #include "tests/support/daemon.hpp"
 
@@ -394,18 +397,18 @@ TEST_F(Socket, MetricsAreOpenMetricsAndAgreeWithStatus) {
   EXPECT_THAT(text, ::testing::EndsWith("# EOF\n"));
 }
 
-TEST_F(Socket, RecordsIntoADescriptorThatIsPassedAlong) {
+TEST_F(Socket, ARecordingIsReadFromTheDescriptorThatTheAnswerCarriesAndItsEndIsTold) {
   const auto file = folder_.file("left.slipd");
-  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   auto client = daemon_.client();
-  json answer;
+  json account;
   do {  // until some frames have come
-    ASSERT_EQ(ftruncate(fd, 0), 0);
-    ASSERT_EQ(lseek(fd, 0, SEEK_SET), 0);
-    answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.2}}, fd);
-    ASSERT_TRUE(answer.contains("result")) << answer;
-  } while (answer["result"]["frames"] == 0);
-  close(fd);
+    account = client.record("left", 0.2, file);
+    ASSERT_TRUE(account.contains("frames")) << account;
+  } while (account["frames"] == 0);
+  EXPECT_TRUE(account["trouble"].is_null());
+  EXPECT_EQ(account["sensor"], "left");
+  EXPECT_EQ(account["bytes"], std::filesystem::file_size(file));
+  EXPECT_GE(account["seconds"], 0.2);
   RecordingReader reader(file);
   EXPECT_EQ(reader.header().sensor, "left");
   std::vector<float> memory(1200);
@@ -416,27 +419,44 @@ TEST_F(Socket, RecordsIntoADescriptorThatIsPassedAlong) {
   std::uint64_t frames = 0;
   while (reader.next(slot) == RecordingReader::Status::frame) ++frames;
   EXPECT_EQ(reader.fault(), "");
-  EXPECT_EQ(answer["result"]["frames"], frames);
+  EXPECT_EQ(account["frames"], frames);
 }
 
-TEST_F(Socket, ARecordingEndsWithItsClient) {
-  const auto file = folder_.file("left.slipd");
-  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  {
-    auto client = daemon_.client();
-    client.send(R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":"left","seconds":3600}})"
-                "\n",
-                fd);
-    EXPECT_EQ(client.result("version")["name"], "slipd");
+TEST_F(Socket, ARecordingEndsWithItsClientOrItsReader) {
+  const json whole_hour{{"sensor", "left"}, {"seconds", 3600}};
+  auto other = daemon_.client();
+  for (const bool leaves : {false, true}) {
+    auto client = std::make_unique<RpcClient>(daemon_.socket());
+    json answer;
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    do {  // the sensor can be recorded again as soon as the earlier recording has ended
+      answer = client->call("record", whole_hour);
+    } while (!answer.contains("result") && std::chrono::steady_clock::now() < until);
+    ASSERT_TRUE(answer.contains("result")) << answer;
+    UniqueFd reading = client->take_descriptor();
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(other.call("record", whole_hour)["error"]["code"], -32003) << "it is being recorded";
+    if (leaves) {
+      client.reset();
+      copy_to_end(std::move(reading), folder_.file("left.slipd"));
+    } else {
+      reading = {};
+      const json told = client->notification();
+      EXPECT_EQ(told["method"], "recorded");
+      EXPECT_EQ(told["params"]["recording"], answer["result"]["recording"]);
+      EXPECT_THAT(told["params"]["trouble"].get<std::string>(),
+                  ::testing::HasSubstr("has closed its descriptor"));
+    }
   }
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  json answer;
-  do {  // the sensor can be recorded again as soon as the first recording has ended
-    auto client = daemon_.client();
-    answer = client.call("record", {{"sensor", "left"}, {"seconds", 0.01}}, fd);
-  } while (!answer.contains("result") && std::chrono::steady_clock::now() < until);
-  close(fd);
-  EXPECT_TRUE(answer.contains("result")) << answer;
+  EXPECT_EQ(other.result("status")["recordings"]["failed"], 0);
+}
+
+TEST_F(Socket, NothingCanBeSentIntoADescriptorOfARecording) {
+  auto client = daemon_.client();
+  client.result("record", {{"sensor", "left"}, {"seconds", 3600}});
+  const UniqueFd reading = client.take_descriptor();
+  EXPECT_EQ(send_passing(reading.get(), "x", reading.get(), MSG_NOSIGNAL), -1);
+  EXPECT_EQ(errno, EPIPE);
 }
 
 }  // namespace

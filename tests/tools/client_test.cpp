@@ -74,19 +74,24 @@ TEST(Client, TakesAnAnswerOfSeveralMegabytes) {
   EXPECT_EQ(RpcClient(daemon.path()).call("frame"), values);
 }
 
-TEST(Client, PassesAFileDescriptorAlong) {
+TEST(Client, CopiesARecordingIntoAFileAndKeepsWhatElseIsSaid) {
   FakeDaemon daemon([](const Asked& asked) {
-    EXPECT_EQ(::write(asked.passed_fd, "recorded", 8), 8);
-    return result_line(asked.line, true);
+    return recording_line(asked, "first ") +
+           json{{"jsonrpc", "2.0"}, {"method", "estimate"}, {"params", {{"seq", 1}}}}.dump() + "\n" +
+           result_line(asked.line, true);
   });
   std::array<int, 2> pipe{};
   ASSERT_EQ(::pipe(pipe.data()), 0);
   const UniqueFd read_end(pipe[0]);
   const UniqueFd writing(pipe[1]);
-  RpcClient(daemon.path()).call("record", {{"sensor", "left"}}, kPatience, writing.get());
+  RpcClient client(daemon.path());
+  EXPECT_EQ(client.record("left", 1, writing.get())["frames"], 3);
   std::array<char, 8> bytes{};
-  ASSERT_EQ(::read(read_end.get(), bytes.data(), bytes.size()), 8);
-  EXPECT_EQ(std::string(bytes.data(), bytes.size()), "recorded");
+  ASSERT_EQ(::read(read_end.get(), bytes.data(), bytes.size()), 6);
+  EXPECT_EQ(std::string(bytes.data()), "first ");
+  const auto kept = client.next(kPatience);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->method, "estimate");
 }
 
 TEST(Client, ThrowsTheDaemonsErrorWithItsCode) {

@@ -24,10 +24,11 @@ bool readable(int fd, int stop) {
   return wanted[1].revents == 0;
 }
 
-bool send_all(int client, std::string_view bytes) {
+bool send_all(int client, std::string_view bytes, slipd::UniqueFd passing) {
   while (!bytes.empty()) {
-    const ssize_t count = ::send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t count = slipd::send_passing(client, bytes, passing.get(), MSG_NOSIGNAL);
     if (count <= 0) return false;
+    passing = {};
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
   return true;
@@ -63,21 +64,16 @@ void FakeDaemon::serve() {
 
 void FakeDaemon::converse(int client) {
   std::string received;
-  Asked asked;
   while (readable(client, stop_.get())) {
     std::array<char, 4096> bytes;
-    slipd::PassedDescriptors passed;
-    const ssize_t count = slipd::receive_passed(client, bytes, passed, 0);
-    if (passed.count > 0) asked.passed_fd = passed.files[0].release();
+    const ssize_t count = ::recv(client, bytes.data(), bytes.size(), 0);
     if (count <= 0) return;
     received.append(bytes.data(), static_cast<std::size_t>(count));
     for (std::size_t end = received.find('\n'); end != std::string::npos; end = received.find('\n')) {
-      asked.line = received.substr(0, end);
+      slipd::UniqueFd passing;
+      const auto answer = answer_({received.substr(0, end), passing});
       received.erase(0, end + 1);
-      const auto answer = answer_(asked);
-      if (asked.passed_fd >= 0) ::close(asked.passed_fd);
-      asked.passed_fd = -1;
-      if (!answer || !send_all(client, *answer)) return;
+      if (!answer || !send_all(client, *answer, std::move(passing))) return;
     }
   }
 }
@@ -98,6 +94,18 @@ FakeDaemon::Answer by_method(std::map<std::string, std::function<json(const json
     if (method == methods.end()) return error_line(asked.line, -32601, "no such method");
     return result_line(asked.line, method->second(request["params"]));
   };
+}
+
+std::string recording_line(const Asked& asked, const std::string& bytes, const json& trouble) {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw std::runtime_error("socketpair");
+  asked.passing = slipd::UniqueFd(ends[0]);
+  const slipd::UniqueFd writing(ends[1]);
+  send_all(writing.get(), bytes, {});
+  const json end{{"recording", 7}, {"sensor", "left"}, {"frames", 3}, {"trouble", trouble}};
+  return result_line(asked.line, {{"recording", 7}, {"sensor", "left"}}) +
+         json{{"jsonrpc", "2.0"}, {"method", "recorded"}, {"params", end}}.dump() + "\n";
 }
 
 std::string temporary_folder() {

@@ -10,10 +10,10 @@
 
 namespace slipctl::testing {
 
-// A received line, and the descriptor that came with it (-1: none; closed after the answer).
+// A received line, and the descriptor that goes with the answer to it; none at first.
 struct Asked {
   std::string line;
-  int passed_fd = -1;
+  slipd::UniqueFd& passing;
 };
 
 class FakeDaemon {
@@ -43,6 +43,10 @@ std::string error_line(const std::string& line, int code, const std::string& mes
 // Answers by method, as slipd does: an unknown method is error -32601.
 FakeDaemon::Answer by_method(
     std::map<std::string, std::function<nlohmann::json(const nlohmann::json& params)>> methods);
+
+// Answers to `record` with a recording of these bytes, and tells its end. `trouble`: null or text.
+std::string recording_line(const Asked& asked, const std::string& bytes,
+                           const nlohmann::json& trouble = nullptr);
 
 // A path in a new folder of its own.
 std::string temporary_folder();

@@ -39,10 +39,7 @@ class SlipctlWithADaemon : public ::testing::Test {
                          {{"sensors", {estimate_sample("left", 1, 0.62)}}, {"grasps", json::array()}});
     if (method == "frame") return result_line(asked.line, frame_sample(4, 4));
     if (method == "subscribe") return result_line(asked.line, {{"subscription", 1}}) + estimates();
-    if (method == "record" && asked.passed_fd >= 0) {
-      EXPECT_EQ(::write(asked.passed_fd, "frames", 6), 6);
-      return result_line(asked.line, {{"frames", 3}});
-    }
+    if (method == "record") return recording_line(asked, "frames");
     return error_line(asked.line, -32001, "no sensor is called so");
   }
 
@@ -199,6 +196,22 @@ TEST_F(SlipctlWithADaemon, RecordsIntoANewFileOnly) {
   forced.push_back("--force");
   EXPECT_EQ(ask(forced).exit_code, 0);
   EXPECT_EQ(contents(file), "frames");
+}
+
+TEST_F(SlipctlWithADaemon, ARecordingThatEndedEarlyIsKeptAndTheProgramFailsWithTheReason) {
+  const std::string file = folder_ / "left.rec";
+  const FakeDaemon ending([](const Asked& asked) { return recording_line(asked, "some", "slipd stops"); });
+  const Ran ran = slipctl_with(
+      {"--socket", ending.path(), "record", "--sensor", "left", "--seconds", "9", "--out", file});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, HasSubstr("left.rec is not whole: slipd stops"));
+  EXPECT_EQ(contents(file), "some");
+}
+
+TEST_F(SlipctlWithADaemon, ARecordingOntoAFullDiskFailsWithTheReason) {
+  const Ran ran = ask({"record", "--sensor", "left", "--seconds", "9", "--out", "/dev/full", "--force"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.err, HasSubstr("No space left on device"));
 }
 
 TEST_F(SlipctlWithADaemon, LeavesNoFileBehindWhenRecordingIsRefused) {

@@ -3,9 +3,11 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <string>
 
@@ -93,6 +95,54 @@ TEST_F(DescriptorPassing, OfTooManyTheFirstAreTakenAndNoneIsLeftOpen) {
   EXPECT_EQ(open_files(), before + static_cast<std::ptrdiff_t>(kMostPassed));
   passed_ = {};
   EXPECT_EQ(open_files(), before);
+}
+
+class BareReceiving : public DescriptorPassing {
+ protected:
+  void SetUp() override {
+    DescriptorPassing::SetUp();
+    prepare_for_bare(far_.get());
+  }
+  // What comes: bytes, "end", "nothing", or "descriptor".
+  std::string bare() {
+    std::array<char, 64> bytes{};
+    bool bears = false;
+    const ssize_t got = receive_bare(far_.get(), bytes, bears);
+    if (bears) return "descriptor";
+    if (got < 0) return errno == EAGAIN ? "nothing" : "error";
+    return got == 0 ? "end" : std::string(bytes.data(), static_cast<std::size_t>(got));
+  }
+};
+
+TEST_F(BareReceiving, BytesComeAsTheyWereSent) {
+  EXPECT_EQ(bare(), "nothing");
+  ASSERT_EQ(send_passing(near_.get(), "one ", -1, 0), 4);
+  ASSERT_EQ(send_passing(near_.get(), "two", -1, 0), 3);
+  EXPECT_EQ(bare(), "one two");
+  near_ = {};
+  EXPECT_EQ(bare(), "end");
+}
+
+TEST_F(BareReceiving, ADescriptorIsSeenAndNeitherTakenNorDropped) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+  const UniqueFd reading(ends[0]);
+  UniqueFd writing(ends[1]);
+  ASSERT_EQ(send_passing(near_.get(), "before", -1, 0), 6);
+  ASSERT_EQ(send_passing(near_.get(), "with", writing.get(), 0), 4);
+  writing = {};
+  const std::ptrdiff_t before = open_files();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(bare(), "descriptor");
+  EXPECT_EQ(open_files(), before);
+  pollfd ended{reading.get(), 0, 0};
+  EXPECT_EQ(poll(&ended, 1, 0), 0) << "the pipe's other end is still open";
+}
+
+// The kernel drops a byte out of band when the bytes behind it are read, unless it comes in line.
+TEST_F(BareReceiving, ADescriptorBesideAByteOutOfBandIsSeenToo) {
+  if (send_passing(near_.get(), "x", file_.get(), MSG_OOB) < 0) GTEST_SKIP() << "this kernel has none";
+  ASSERT_EQ(send_passing(near_.get(), "after", -1, 0), 5);
+  EXPECT_EQ(bare(), "descriptor");
 }
 
 }  // namespace

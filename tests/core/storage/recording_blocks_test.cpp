@@ -287,53 +287,64 @@ TEST_F(Blocks, ARecordingOfVersionOneStillPlays) {
   EXPECT_EQ(reader.next(got.slot), Status::frame);
 }
 
-// A reader that takes nothing ends a recording, and does not hold its writer up.
-TEST(Outputs, ThatTakeNothingEndTheWriteInTime) {
-  for (const bool of_socket : {false, true}) {
-    int ends[2] = {-1, -1};
-    ASSERT_EQ(of_socket ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) : pipe2(ends, O_CLOEXEC),
-              0);
-    const UniqueFd reading(ends[0]);
-    const UniqueFd writing(ends[1]);
-    RecordingWriter writer(writing.get(), block_header(), 0ms, {.stalled = 20ms});
-    std::error_code error;
-    for (std::uint64_t i = 0; !error; ++i) error = writer.append(numbered_frame(i).slot);
-    EXPECT_EQ(error, std::errc::timed_out);
-    EXPECT_EQ(writer.append(numbered_frame(0).slot), std::errc::timed_out);
+class Outputs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+    reading_ = UniqueFd(ends[0]);
+    writing_ = UniqueFd(ends[1]);
   }
+  UniqueFd reading_, writing_;
+  const std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(1'000'000);
+};
+
+// A reader that takes nothing ends a recording, and does not hold its writer up.
+TEST_F(Outputs, ThatTakeNothingEndTheWriteInTime) {
+  RecordingWriter writer(writing_.get(), block_header(), 0ms, OutputPatience{.stalled = 20ms});
+  std::error_code error;
+  for (std::uint64_t i = 0; !error; ++i) error = writer.append(numbered_frame(i).slot);
+  EXPECT_EQ(error, std::errc::timed_out);
+  EXPECT_EQ(writer.append(numbered_frame(0).slot), std::errc::timed_out);
+  EXPECT_GT(unread_bytes(writing_.get()), 0U);
 }
 
-TEST(Outputs, ThatAreReadSlowlyGetAllOfIt) {
-  int ends[2] = {-1, -1};
-  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-  UniqueFd writing(ends[1]);
+TEST_F(Outputs, ThatAreReadSlowlyGetAllOfIt) {
   std::string got;
-  std::thread reader([fd = UniqueFd(ends[0]), &got] {
+  std::thread reader([&] {
     char piece[1000];
-    for (ssize_t n = 0; (n = ::read(fd.get(), piece, sizeof piece)) > 0;)
+    for (ssize_t n = 0; (n = ::read(reading_.get(), piece, sizeof piece)) > 0;)
       got.append(piece, static_cast<std::size_t>(n));
   });
   std::uint64_t written = 0;
   {
-    RecordingWriter writer(writing.get(), block_header());
+    RecordingWriter writer(writing_.get(), block_header(), kRecordingFlush, OutputPatience{.stalled = 24h});
     for (std::uint64_t i = 0; i < 5000; ++i) ASSERT_FALSE(writer.append(numbered_frame(i).slot));
     ASSERT_FALSE(writer.finish());
     written = writer.bytes();
   }
-  writing = UniqueFd();
+  EXPECT_FALSE(await_read(writing_.get(), {.stalled = 24h}));
+  EXPECT_EQ(unread_bytes(writing_.get()), 0U);
+  writing_ = {};
   reader.join();
   EXPECT_EQ(got.size(), written);
 }
 
-TEST(Outputs, InAHurryAreWaitedForNoLonger) {
-  int ends[2] = {-1, -1};
-  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-  const UniqueFd reading(ends[0]);
-  const UniqueFd writing(ends[1]);
-  const std::atomic<bool> hurry{true};
-  const std::vector<std::uint8_t> bytes(1'000'000);
-  EXPECT_EQ(write_bounded(writing.get(), OutputKind::pipe, bytes, {.stalled = 24h, .hurry = &hurry}),
-            std::errc::timed_out);
+TEST_F(Outputs, InAHurryAreWaitedForNoLonger) {
+  const std::atomic<std::int64_t> now{std::chrono::steady_clock::now().time_since_epoch().count()};
+  const OutputPatience patience{.stalled = 24h, .until_ns = &now};
+  EXPECT_EQ(send_bounded(writing_.get(), bytes_, patience), std::errc::timed_out);
+  EXPECT_EQ(await_read(writing_.get(), patience), std::errc::timed_out);
+}
+
+TEST_F(Outputs, ThatCloseUnreadAreNoticed) {
+  const auto some = std::span(bytes_).first(10);
+  ASSERT_FALSE(send_bounded(writing_.get(), some, {}));
+  reading_ = {};
+  EXPECT_EQ(await_read(writing_.get(), {.stalled = 24h}), std::errc::connection_reset);
+  EXPECT_EQ(await_hang_up(writing_.get(), 24h), std::errc::connection_reset);
+  EXPECT_EQ(unread_bytes(writing_.get()), 0U);
+  EXPECT_EQ(send_bounded(writing_.get(), some, {}), std::errc::broken_pipe);
 }
 
 }  // namespace

@@ -63,11 +63,8 @@ class Killed : public ::testing::Test {
       try {
         Subscriber listening(socket);
         RpcClient recording(socket);
-        const UniqueFd file(open(asked().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-        recording.send(
-            R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":"left","seconds":100}})"
-            "\n",
-            file.get());
+        recording.call("record", {{"sensor", "left"}, {"seconds", 100}});
+        const Copying file(recording.take_descriptor(), asked());
         for (int turn = 0; Clock::now() < until; ++turn) {
           listening.read(5ms);
           if (turn % 20 == 10) recording.send_line(R"({"jsonrpc":"2.0","method":"flight"})");
@@ -130,11 +127,9 @@ int wanted_kills() {
 TEST_F(Killed, WhileItRecordsItLosesNoFrameThatWasOnDiskBefore) {
   Daemon daemon(config(), real_drivers(), environment());
   RpcClient recording(daemon.socket());
-  const UniqueFd file(open(asked().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   daemon.wait_for("status", [](const json& s) { return s["sensors"][0]["received"] > 0; });
-  recording.send(R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":"left","seconds":36000}})"
-                 "\n",
-                 file.get());
+  recording.result("record", {{"sensor", "left"}, {"seconds", 36000}});
+  const Copying file(recording.take_descriptor(), asked());
   Replayed before;
   daemon.wait_for("version", [&](const json&) {
     before = replay(asked());

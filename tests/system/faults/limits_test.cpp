@@ -63,8 +63,7 @@ TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
   waiting.send_line(R"({"jsonrpc":"2.0","id":1,"method":"version"})");
   EXPECT_FALSE(waiting.line(300ms));
   expect_frames_go_on(old);
-  const UniqueFd file(open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
-  EXPECT_EQ(old.call("record", {{"sensor", "left"}, {"seconds", 0.1}}, file.get())["error"]["code"], -32602);
+  EXPECT_THAT(old.record("left", 0.1, folder_.file("r.rec")).dump(), HasSubstr("Too many open files"));
   old.result("flight");
   while (old.result("status")["recorder"]["failed"] != 1) std::this_thread::sleep_for(1ms);
   EXPECT_THAT(daemon_.program().errors(), HasSubstr("Too many open files"));
@@ -73,7 +72,7 @@ TEST_F(Limits, WithoutDescriptorsThoseConnectedAreServedAndTheOthersWait) {
   expect_frames_go_on(old);
   lift(RLIMIT_NOFILE);
   EXPECT_TRUE(waiting.line()) << "it is served when there is room again";
-  EXPECT_TRUE(old.call("record", {{"sensor", "left"}, {"seconds", 0.1}}, file.get()).contains("result"));
+  EXPECT_TRUE(old.record("left", 0.1, folder_.file("r.rec")).contains("frames"));
 }
 
 TEST_F(Limits, StoppedAndContinuedItGoesOnWithTheNewestFrameAndAccountsForAll) {
@@ -105,15 +104,13 @@ TEST_F(Limits, WithLittleMemoryOnlyLargeRequestsAreRefused) {
   constexpr rlim_t kLittle = 4'000'000;  // less than the queue of a recording
   RpcClient client(daemon_.socket());
   limit(RLIMIT_AS, address_space(daemon_) + kLittle);
-  const UniqueFd file(open(folder_.file("r.rec").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
-  const json record{{"sensor", "left"}, {"seconds", 0.1}};
+  const auto file = folder_.file("r.rec");
   for (int i = 0; i < 3; ++i)
-    EXPECT_THAT(client.call("record", record, file.get()).dump(), HasSubstr("not enough memory"));
+    EXPECT_THAT(client.record("left", 0.1, file).dump(), HasSubstr("not enough memory"));
   for (int i = 0; i < 20; ++i) RpcClient(daemon_.socket()).result("frame", {{"sensor", "left"}});
   expect_frames_go_on(client);
   lift(RLIMIT_AS);
-  EXPECT_TRUE(client.call("record", record, file.get()).contains("result"))
-      << "succeeds when there is more memory";
+  EXPECT_TRUE(client.record("left", 0.1, file).contains("frames")) << "succeeds when there is more memory";
 }
 
 // slipd may end with an error, for the service manager to restart it. It must not run without serving.

@@ -12,11 +12,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::string record_request(const std::string& sensor, double seconds) {
-  return R"({"jsonrpc":"2.0","id":"r","method":"record","params":{"sensor":")" + sensor + R"(","seconds":)" +
-         std::to_string(seconds) + "}}\n";
-}
-
 }  // namespace
 
 Disturbances::Disturbances(const Daemon& daemon, const TempFolder& folder, std::uint64_t seed)
@@ -84,10 +79,12 @@ void Disturbances::pause() {
 }
 
 void Disturbances::record(bool leave) {
-  const UniqueFd file(open(folder_.file("soak.rec").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   RpcClient client(daemon_.socket());
-  client.send(record_request(sensor(), leave ? 1000 : 0.05 * up_to(4)), file.get());
-  if (!leave && !client.line()) ADD_FAILURE() << "no answer to record";
+  if (leave) {
+    client.call("record", {{"sensor", sensor()}, {"seconds", 1000}});
+  } else {
+    client.record(sensor(), 0.05 * up_to(4), folder_.file("soak.rec"));
+  }
 }
 
 void Disturbances::never_read() {

@@ -1,0 +1,245 @@
+// Clients that pass descriptors, which slipd takes none of: whatever files are behind them, whoever closes
+// them last, slipd answers others, reloads and stops. Closing a lingering connection takes an hour here, so
+// whatever waits for one fails the test. The longest time to an answer is printed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <atomic>
+#include <deque>
+#include <fstream>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "tests/support/daemon.hpp"
+#include "tests/support/passed_files.hpp"
+#include "tests/support/process_facts.hpp"
+
+namespace slipd::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kClosingThreads = 16;
+constexpr std::size_t kAllowedAboveIdleKb = 64 * 1024;  // above idle
+
+// Asks slipd for its version again and again, and keeps the longest time to an answer.
+class Asking {
+ public:
+  explicit Asking(const std::filesystem::path& socket)
+      : client_(socket), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+  // The longest time, ms; ends.
+  double longest_ms() {
+    thread_ = {};
+    EXPECT_GT(answers_, 0);
+    return longest_ms_;
+  }
+
+ private:
+  void run(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      const auto begin = Clock::now();
+      client_.result("version");
+      longest_ms_ =
+          std::max(longest_ms_, std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+      ++answers_;
+    }
+  }
+  RpcClient client_;
+  double longest_ms_ = 0;
+  int answers_ = 0;
+  std::jthread thread_;
+};
+
+// How many threads of slipd are closing something.
+std::size_t closing(pid_t process) {
+  std::size_t count = 0;
+  std::error_code ignored;
+  for (const auto& task :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", ignored)) {
+    std::ifstream comm(task.path() / "comm");
+    std::string name;
+    count += std::getline(comm, name) && name == "close" ? 1 : 0;
+  }
+  return count;
+}
+
+class Passed : public ::testing::Test {
+ protected:
+  std::size_t closing() const { return testing::closing(daemon_.program().pid()); }
+  void expect_turned_away(RpcClient& client) const {
+    const auto line = client.line();
+    ASSERT_TRUE(line);
+    EXPECT_THAT(*line, HasSubstr("takes no descriptors"));
+    EXPECT_THAT(*line, HasSubstr("-32600"));
+    EXPECT_TRUE(client.closed_by_peer());
+  }
+  template <typename Done>
+  void timed(const char* what, int signal, Done done) {
+    const auto begin = Clock::now();
+    daemon_.program().signal(signal);
+    done();
+    std::printf("%s: %.0f ms\n", what,
+                std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+  }
+  void expect_reload_and_stop() {
+    timed("reload", SIGHUP, [&] { daemon_.wait_for_log("the new configuration is in force"); });
+    timed("stop", SIGTERM, [&] { EXPECT_EQ(daemon_.program().wait(), 0); });
+  }
+
+  TempFolder folder_;
+  SilentPeer peer_;
+  Daemon daemon_{config_with(folder_, json::array({trial_sensor("left")})), trial_drivers()};
+};
+
+TEST_F(Passed, OfAnyKindAndAnywhereInWhatIsSentTheClientIsTurnedAway) {
+  Asking asking(daemon_.socket());
+  const std::size_t descriptors = daemon_.descriptors_at_rest();
+  for (int kind = 0; kind < kPassedKinds - 1; ++kind) {
+    for (const bool after_a_request : {false, true}) {
+      RpcClient client(daemon_.socket());
+      if (after_a_request) client.result("version");
+      client.send(R"({"jsonrpc":"2.0","id":1,"method":"version"})"
+                  "\n",
+                  passed_file(static_cast<PassedKind>(kind), peer_, daemon_.socket()).get());
+      expect_turned_away(client);
+    }
+  }
+  EXPECT_GT(descriptors, 0U);
+  std::printf("longest answer: %.1f ms\n", asking.longest_ms());
+  expect_reload_and_stop();
+}
+
+// More than there are threads that close.
+TEST_F(Passed, ThatLingerHoldUpNeitherAnswersNorReloadNorStop) {
+  Asking asking(daemon_.socket());
+  std::vector<std::unique_ptr<RpcClient>> hostile;
+  for (std::size_t i = 0; i < 2 * kClosingThreads; ++i) {
+    hostile.push_back(std::make_unique<RpcClient>(daemon_.socket()));
+    if (i % 3 == 0) {  // a byte out of band, which the kernel would drop on its own
+      send_passing(hostile.back()->fd(), "x", peer_.lingering().get(), MSG_OOB | MSG_NOSIGNAL);
+    }
+    hostile.back()->send("\n", i % 3 == 0 ? -1 : peer_.lingering().get());
+    expect_turned_away(*hostile.back());
+  }
+  daemon_.wait_for("version", [&](const json&) { return closing() == kClosingThreads; });
+  const json status = daemon_.wait_for("status", [](const json&) { return true; });
+  EXPECT_GE(status["clients"], kClosingThreads) << "those that cannot be closed yet keep their places";
+  std::printf("longest answer while %zu threads close: %.1f ms\n", closing(), asking.longest_ms());
+  expect_reload_and_stop();
+}
+
+TEST_F(Passed, ThatLingerAreClosedAndGiveTheirPlacesBackWhenTheirPeersEnd) {
+  {
+    const SilentPeer ending;
+    for (std::size_t i = 0; i < 2 * kClosingThreads; ++i) {
+      RpcClient client(daemon_.socket());
+      client.send("\n", ending.lingering().get());
+      expect_turned_away(client);
+    }
+    daemon_.wait_for("version", [&](const json&) { return closing() == kClosingThreads; });
+  }
+  daemon_.wait_for("status", [&](const json& s) { return s["clients"] == 1 && closing() == 0; });
+}
+
+// Descriptors in connections that slipd has not accepted, and in what it has not read.
+TEST_F(Passed, BeforeTheyAreReadHoldUpNoStop) {
+  std::vector<std::unique_ptr<RpcClient>> hostile;
+  hostile.push_back(std::make_unique<RpcClient>(daemon_.socket()));
+  hostile.back()->result("version");
+  daemon_.program().signal(SIGSTOP);
+  for (int i = 0; i < 20; ++i) {
+    if (i > 0) hostile.push_back(std::make_unique<RpcClient>(daemon_.socket()));
+    hostile.back()->send("\n", peer_.lingering().get());
+  }
+  daemon_.program().signal(SIGTERM);
+  timed("stop", SIGCONT, [&] { EXPECT_EQ(daemon_.program().wait(), 0); });
+}
+
+// A client that does anything, by chance.
+class Anything {
+ public:
+  Anything(const std::filesystem::path& socket, const SilentPeer& peer, std::minstd_rand& random,
+           int& lingering)
+      : client_(socket), peer_(peer), socket_(socket), random_(random), lingering_(lingering) {
+    for (int steps = up_to(4); steps > 0; --steps) step();
+  }
+
+ private:
+  int up_to(unsigned most) { return static_cast<int>(1 + random_() % most); }
+  void step() {
+    static const std::array<std::string, 7> kLines{
+        R"({"jsonrpc":"2.0","id":1,"method":"gamma"})"
+        "\n",
+        R"({"jsonrpc":"2.0","id":2,"method":"subscribe"})"
+        "\n",
+        R"({"jsonrpc":"2.0","id":3,"method":"record","params":{"sensor":"left","seconds":3600}})"
+        "\n",
+        R"({"jsonrpc":"2.0","id":4,"method":"attach"})"
+        "\n",
+        R"({"jsonrpc":"2.0","id":5,"method":"frame","params":{"sensor":"left"}})"
+        "\n",
+        "nonsense\n",
+        R"({"jsonrpc":"2.0","id":6,)"};
+    const std::string& line = kLines[random_() % kLines.size()];
+    switch (random_() % 6) {
+      case 0:
+        client_.finish();
+        break;
+      case 1:
+      case 2: {
+        const UniqueFd file = any_file();
+        send_passing(client_.fd(), line, file.get(),
+                     MSG_NOSIGNAL | MSG_DONTWAIT | (random_() % 4 == 0 ? MSG_OOB : 0));
+        break;
+      }
+      default:
+        send_passing(client_.fd(), line, -1, MSG_NOSIGNAL | MSG_DONTWAIT);
+    }
+  }
+  // At most so many linger that places are left for the others.
+  UniqueFd any_file() {
+    auto kind = static_cast<PassedKind>(random_() % kPassedKinds);
+    if (kind == PassedKind::board) kind = PassedKind::memory;  // which waits for an answer
+    if ((kind == PassedKind::lingering || kind == PassedKind::nested) && ++lingering_ > 40)
+      kind = PassedKind::epoll;
+    return passed_file(kind, peer_, socket_);
+  }
+
+  RpcClient client_;
+  const SilentPeer& peer_;
+  std::filesystem::path socket_;
+  std::minstd_rand& random_;
+  int& lingering_;
+};
+
+TEST_F(Passed, AmongAnythingThatAThousandClientsDoByChanceOthersAreAnswered) {
+  constexpr int kThousand = 1000;
+  constexpr std::size_t kAtOnce = 20;
+  std::minstd_rand random(1);
+  int lingering = 0;
+  const std::size_t idle_kb = resident_kb(daemon_.program().pid());
+  std::size_t most_kb = 0;
+  Asking asking(daemon_.socket());
+  std::deque<std::unique_ptr<Anything>> connected;
+  for (int i = 0; i < kThousand; ++i) {
+    connected.push_back(std::make_unique<Anything>(daemon_.socket(), peer_, random, lingering));
+    if (connected.size() > kAtOnce) connected.erase(connected.begin() + random() % kAtOnce);
+    most_kb = std::max(most_kb, resident_kb(daemon_.program().pid()));
+  }
+  std::printf("%d clients: longest answer %.1f ms; resident %zu kB idle, at most %zu kB; %zu threads close\n",
+              kThousand, asking.longest_ms(), idle_kb, most_kb, closing());
+  if (!sanitized()) {
+    EXPECT_LE(most_kb, idle_kb + kAllowedAboveIdleKb);
+  }
+  EXPECT_GT(closing(), 0U);
+  connected.clear();
+  expect_reload_and_stop();
+}
+
+}  // namespace
+}  // namespace slipd::testing
