@@ -12,12 +12,17 @@
 #include <array>
 #include <stdexcept>
 #include <string>
-#include <vector>
+#include <thread>
 
 #include "core/storage/descriptor_passing.hpp"
 #include "tests/support/rpc_client.hpp"
 
 namespace slipd::testing {
+
+// Closes a file where nothing waits for it: this process may be the last to hold it.
+inline void close_elsewhere(UniqueFd file) {
+  std::thread([held = file.release()] { close(held); }).detach();
+}
 
 // Two ends of a stream socket.
 inline std::array<UniqueFd, 2> socket_pair() {
@@ -33,6 +38,7 @@ class SilentPeer {
   SilentPeer() : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     address_.sin_family = AF_INET;
     address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    setsockopt(listener_.get(), SOL_SOCKET, SO_RCVBUF, &kTaken, sizeof kTaken);
     socklen_t length = sizeof address_;
     auto* const any = reinterpret_cast<sockaddr*>(&address_);
     if (bind(listener_.get(), any, length) != 0 || listen(listener_.get(), 4096) != 0 ||
@@ -43,8 +49,7 @@ class SilentPeer {
   // A connection with a full buffer. Its last close waits an hour, or until this object is destroyed.
   UniqueFd lingering() const {
     UniqueFd made(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const int little = 4096;  // bytes of the buffer, so that many connections fit into the system's memory
-    setsockopt(made.get(), SOL_SOCKET, SO_SNDBUF, &little, sizeof little);
+    setsockopt(made.get(), SOL_SOCKET, SO_SNDBUF, &kSent, sizeof kSent);
     if (connect(made.get(), reinterpret_cast<const sockaddr*>(&address_), sizeof address_) != 0)
       throw std::runtime_error("connect by TCP");
     const linger hour{1, 3600};
@@ -56,6 +61,8 @@ class SilentPeer {
   }
 
  private:
+  // Bytes that one end has room for: far more than its peer, so that much is always left to send.
+  static constexpr int kSent = 65536, kTaken = 2048;
   UniqueFd listener_;
   sockaddr_in address_{};
 };

@@ -146,9 +146,10 @@ TEST_F(Hostile, ThatReadTheirRecordingByteByByteHoldUpNeitherReloadNorStop) {
 // What is on its way to a reader is memory of slipd's.
 TEST_F(Hostile, ThatLeaveRecordingsUnreadGetNoMoreUntilTheyRead) {
   constexpr int kSensors = 8, kMost = 16;
+  const json small{{"layout", {{"grid", {4, 4}}, {"pitch_mm", 4}}}, {"stale_after_ms", 60'000}};
   json sensors = json::array();
   for (int i = 0; i < kSensors; ++i)
-    sensors.push_back(trial_sensor("s" + std::to_string(i), json::object(), {{"stale_after_ms", 60'000}}));
+    sensors.push_back(trial_sensor("s" + std::to_string(i), json::object(), small));
   Daemon daemon(config_with(folder_, sensors), trial_drivers());
   RpcClient client(daemon.socket());
   std::vector<UniqueFd> unread;
