@@ -307,6 +307,30 @@ TEST_F(Libslipd, RequestsGoOnAfterARestartAndSayWhatIsWrong) {
   EXPECT_EQ(slipd_attach(client_, "middle", kPatienceS), SLIPD_REFUSED);
 }
 
+TEST_F(Libslipd, ARecordingIsWrittenIntoTheCallersFileAndSaysIfItIsNotWhole) {
+  const auto path = folder_.file("left.rec");
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  char* text = nullptr;
+  ASSERT_EQ(slipd_record(client_, "left", 0.1, file, kPatienceS, &text), SLIPD_DONE)
+      << slipd_error_text(client_);
+  const json account = json::parse(text);
+  slipd_free(text);
+  EXPECT_EQ(account["bytes"], std::filesystem::file_size(path));
+  EXPECT_TRUE(account["trouble"].is_null());
+  const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+  EXPECT_EQ(slipd_record(client_, "left", 100, full, kPatienceS, &text), SLIPD_INVALID);
+  EXPECT_THAT(slipd_error_text(client_), HasSubstr("No space left on device"));
+  EXPECT_EQ(slipd_record(client_, "left", -1, file, kPatienceS, &text), SLIPD_INVALID);
+  EXPECT_EQ(slipd_record(client_, "middle", 1, file, kPatienceS, &text), SLIPD_REFUSED);
+  EXPECT_EQ(text, nullptr);
+  EXPECT_EQ(slipd_call(client_, "version", nullptr, file, kPatienceS, &text), SLIPD_INVALID);
+  EXPECT_THAT(slipd_error_text(client_), HasSubstr("takes no descriptors"));
+  slipd::client::Connection connection(daemon_->socket());
+  EXPECT_THAT(connection.record("left", 0.1, file, kPatienceS), HasSubstr("\"trouble\":null"));
+  close(full);
+  close(file);
+}
+
 TEST_F(Libslipd, TheCppHeaderHasTheSame) {
   slipd::client::Connection connection(daemon_->socket());
   connection.attach("left", kPatienceS);

@@ -16,6 +16,7 @@
 #include "tests/support/daemon.hpp"
 #include "tests/support/passed_files.hpp"
 #include "tests/support/process_facts.hpp"
+#include "tests/support/silent_fuse.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -150,6 +151,23 @@ TEST_F(Passed, ThatLingerAreClosedAndGiveTheirPlacesBackWhenTheirPeersEnd) {
     daemon_.wait_for("version", [&](const json&) { return closing() == kClosingThreads; });
   }
   daemon_.wait_for("status", [&](const json& s) { return s["clients"] == 1 && closing() == 0; });
+}
+
+TEST_F(Passed, OfAFileSystemThatNeverAnswersHoldUpNothing) {
+  const TempFolder folder;
+  const SilentFuse silent(folder.path());
+  if (!silent.mounted()) GTEST_SKIP() << "mounting a file system in user space needs root and /dev/fuse";
+  Asking asking(daemon_.socket());
+  for (int i = 0; i < 8; ++i) {
+    RpcClient client(daemon_.socket());
+    UniqueFd file = silent.file();
+    ASSERT_TRUE(file);
+    client.send("\n", file.get());
+    close_elsewhere(std::move(file));
+    expect_turned_away(client);
+  }
+  std::printf("longest answer: %.1f ms\n", asking.longest_ms());
+  expect_reload_and_stop();
 }
 
 // Descriptors in connections that slipd has not accepted, and in what it has not read.
