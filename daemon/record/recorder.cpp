@@ -197,11 +197,12 @@ void Recorder::write(Job& job) {
   const std::error_code at_end = job.writer.finish();
   if (!error) error = at_end;
   if (!error) error = await_read(job.socket.get(), job.patience);
-  if (error) {
+  if (job.to_stop()) {
+    result.trouble = "slipd stops, or takes up another configuration";
+    if (error) result.trouble += "; and " + trouble_of(error);
+  } else if (error) {
     result.trouble = trouble_of(error);
     result.left = is_hang_up(error);
-  } else if (job.to_stop()) {
-    result.trouble = "slipd stops, or takes up another configuration";
   }
   result.missed = job.queue.missed();
   result.bytes = job.writer.bytes();
