@@ -112,8 +112,7 @@ void copy_to_end(UniqueFd from, const std::filesystem::path& file) {
   std::array<char, 65536> bytes{};
   for (;;) {
     pollfd ready{from.get(), POLLIN, 0};
-    if (poll(&ready, 1, kPollPatience) <= 0)
-      throw std::runtime_error("nothing comes of the recording");
+    if (poll(&ready, 1, kPollPatience) <= 0) throw std::runtime_error("nothing comes of the recording");
     const auto got = recv(from.get(), bytes.data(), bytes.size(), 0);
     if (got <= 0) return;
     out.write(bytes.data(), got).flush();
