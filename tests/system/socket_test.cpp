@@ -203,7 +203,7 @@ TEST_F(Socket, WrongRequestsGetTheStandardsCodes) {
   EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"events":["all"]}})"), -32602);
   EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"max_rate_hz":-1}})"), -32602);
   EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"rebias","params":{"sensor":"left"}})"), -32003);
-  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":1}})"),
+  EXPECT_EQ(code_of(R"({"jsonrpc":"2.0","id":1,"method":"record","params":{"sensor":"left","seconds":0}})"),
             -32602);
   EXPECT_EQ(client.result("version")["protocol"], 1);
 }
