@@ -1,12 +1,10 @@
 """What users of the Python module are told by a slipd that hangs, dies or comes back, and that nothing waits for it in vain."""
 import asyncio, contextlib, itertools, json, os, shutil, signal, socket, subprocess, sys, tempfile, unittest
 
-from concurrent.futures import ThreadPoolExecutor
 
 from python_test import OLD_S, PATIENCE_S, Daemon, first
 
 sys.path.insert(0, os.path.join(os.environ["SLIPD_SOURCE_DIR"], "tests", "support"))
-from awaiting import await_true
 from fake_slipd import FakeSlipd, Server
 import slipd
 
@@ -193,11 +191,9 @@ class Standing(unittest.TestCase):
             with slipd.Client(stand_in.path, timeout_s=PATIENCE_S) as client:
                 estimates = client.estimates(max_age_s=OLD_S, events=("alert",))
                 self.addCleanup(estimates.close)
-                with ThreadPoolExecutor(1) as consumer:  # what it is told comes after it has subscribed
-                    told = consumer.submit(next, estimates)
-                    await_true(lambda: stand_in.clients and stand_in.clients[0]["events"] == ("alert",), "the subscription")
-                    stand_in.alert("left")
-                    self.assertEqual(told.result().alert, "slip")
+                self.assertEqual(next(estimates).alert, "none", "what there is at the beginning")
+                stand_in.alert("left")
+                self.assertEqual(next(estimates).alert, "slip")
                 stand_in.close()
                 lost = next(estimates)
                 self.assertEqual((lost.state, lost.alert, lost.alert_cause), ("disconnected", "slip", "margin"))

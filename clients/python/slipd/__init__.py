@@ -276,7 +276,6 @@ class _Watch:
         self.due: dict[str, float] | None = None  # of each name: when it is silent; None: nothing was ever subscribed
         self.alerts: dict[str, tuple[str, str | None]] = {}  # the last ones that came
         self.pause_s = _RETRY_FIRST_S
-        self.was_lost = False
 
     def begin(self, names: Sequence[str]) -> None:
         """A subscription is made."""
@@ -287,8 +286,8 @@ class _Watch:
         return time.monotonic() + self.max_age_s if "estimate" in self.events else _INFINITE
 
     def must_ask(self) -> bool:
-        """Whether one who is told of changes only has to be told what there is after a loss."""
-        return self.was_lost and "estimate" not in self.events
+        """Whether what there is has to be asked for: of one who is told of changes only, a change may have been before."""
+        return "estimate" not in self.events
 
     def found(self, reply: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any], int]]:
         """What there is, from the answer to `gamma`."""
@@ -315,7 +314,6 @@ class _Watch:
         return [self._without(name, "stale") for name in late]
 
     def lost(self) -> list[Estimate]:
-        self.was_lost = True
         return [self._without(name, "disconnected") for name in self.due or ()]
 
     def _without(self, name: str, state: str) -> Estimate:
@@ -491,7 +489,7 @@ class Client:
         """Estimates as they come, of all sensors unless some are named, without end. Among them, of each sensor: one of state
         "stale" whenever it was silent for max_age_s, which is to be longer than the estimates' period; one of state
         "disconnected" when slipd is gone, and at each vain attempt to reach it. Without the event "estimate", one who is told of
-        changes only is told of no silence, but of a slipd that is gone, and what there is when it is back.
+        changes only is told what there is at the beginning and after each loss, of a slipd that is gone, and of no silence.
 
         Raises SlipdError if there is no such sensor, and Disconnected if slipd cannot be reached at first."""
         watch = _Watch(max_age_s, events)
