@@ -155,16 +155,16 @@ def mqtt_states(address, _, name):
         yield _believed_of(both[0], both[1], 1e-3 * both[0]["valid_for_ms"] if both[0] else 0) if both else DISCONNECTED
 
 
-_ROS_STATES, _ROS_ALERTS = (*_STATES,), ("none", "warn", "slip", "unknown")
+_ROS_STATES, _ROS_ALERTS = _STATES, ("none", "warn", "slip", "unknown")
 
 
-def ros2(address, _, name):
-    """A node that asks for the deadline and the lease of docs/ros2.md, by a DDS of its own."""
+def ros2(address, max_age_s, name):
+    """A node that judges the stamp, and asks for the deadline and the lease of docs/ros2.md."""
     deadline_ms, lease_ms, domain = address.split("/")
     reader = subprocess.Popen([os.path.join(os.environ["SLIPD_BINARY_DIR"], "test-bin", "ros2-cyclone-reader"), domain, name],
                               stdout=subprocess.PIPE, text=True, env={**os.environ, "DEADLINE_MS": deadline_ms, "LEASE_MS": lease_ms})
     latest = _Latest()
-    latest.put(DISCONNECTED)
+    latest.put((0, *DISCONNECTED))
 
     def read():
         for line in reader.stdout:
@@ -174,24 +174,30 @@ def ros2(address, _, name):
             if len(words) == 3:
                 latest.put(_of_message(bytes.fromhex(words[2])[4:], name))
             elif words[0] == "missed" or words[1] == "0":  # the deadline has passed, or the writer is not alive
-                _, alert, _ = latest.get()
-                latest.put(("disconnected", alert if alert in ("warn", "slip") else "unknown", None))
+                *_, alert, _ = latest.get()
+                latest.put((0, "disconnected", alert if alert in ("warn", "slip") else "unknown", None))
 
     threading.Thread(target=read, daemon=True).start()
     while reader.poll() is None:
-        yield latest.get()
+        stamp_s, state, alert, margin = latest.get()
+        if state == "ok" and time.time() - stamp_s > max_age_s:
+            yield "stale", "unknown" if alert == "none" else alert, None
+        else:
+            yield state, alert, margin
         time.sleep(POLL_S)
 
 
 def _of_message(data, name):
-    """slipd_msgs/SlipEstimate in CDR: stamp, frame_id and name before state and alert; the margin is the second number behind the counters."""
+    """Stamp, state, alert and margin of a slipd_msgs/SlipEstimate in CDR: stamp, frame_id and name are before state and alert, and the margin is
+    the second number behind the counters."""
+    seconds, nanoseconds = struct.unpack_from("<iI", data)
     at = 8 + 4 + len(name) + 1
     at += -at % 4 + 4 + len(name) + 1
     state, alert = data[at], data[at + 1]
     at += 4
     at += -at % 8 + 3 * 8
     margin, = struct.unpack_from("<d", data, at)
-    return _ROS_STATES[state], _ROS_ALERTS[alert], None if math.isnan(margin) else margin
+    return seconds + 1e-9 * nanoseconds, _ROS_STATES[state], _ROS_ALERTS[alert], None if math.isnan(margin) else margin
 
 
 def page(address, _, name):

@@ -3,8 +3,12 @@
 Each consumer is a program that follows the rules of its door's page and prints what it believes (consumer.py, consumer.c). Of a cell counts the last
 moment at which it believed in a margin or in "no alert", from the failure on. All runs in a network of its own, whose interface is taken down as
 the network's cut."""
+import importlib.util
 import json
 import os
+import re
+import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -13,7 +17,7 @@ from pathlib import Path
 
 from awaiting import PATIENCE_S, await_true
 from failures import BUILD, FAILURES, MAX_AGE_S, SENSORS, Bed, mend_network
-from ports import free_port
+from ports import await_listening, free_port
 
 HERE = Path(__file__).parent
 GOES_ON_S = 0.5  # how long a consumer is listened to after a failure at least; in the second half of that it must not believe
@@ -24,7 +28,8 @@ class Consumer:
 
     def __init__(self, command, log):
         self.said, self.lock = [], threading.Lock()
-        self.process = subprocess.Popen([str(each) for each in command], stdout=subprocess.PIPE, stderr=log, text=True)
+        self.process = subprocess.Popen([str(each) for each in command], stdout=subprocess.PIPE, stderr=log, text=True,
+                                        start_new_session=True)  # with the programs that it starts
         self.reader = threading.Thread(target=self._read)
         self.reader.start()
 
@@ -39,17 +44,18 @@ class Consumer:
             return list(self.said)
 
     def end(self):
-        self.process.kill()
+        os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
         self.reader.join()
         self.process.stdout.close()
 
 
 class Door:
-    """`command(bed, sensor)`: the consumer's. `serve(bed)`: starts what stands between slipd and the consumer; returns after it serves."""
+    """`command(bed, sensor)`: the consumer's. `serve(bed)`: starts what stands between slipd and the consumer; returns after it serves. `needs()`: which
+    programs of others are not installed, or None; without it the door needs none."""
 
-    def __init__(self, name, command, serve=None, networked=False):
-        self.name, self.command, self.serve, self.networked = name, command, serve, networked
+    def __init__(self, name, command, serve=None, networked=False, needs=None):
+        self.name, self.command, self.serve, self.networked, self.needs = name, command, serve, networked, needs
 
     def concerned_by(self, failure):
         return failure.reaches == "all" or (self.serve and failure.reaches == "bridges") or (self.networked and failure.reaches == "network")
@@ -68,6 +74,42 @@ def _serve_modbus(bed):
     bed.bridge("slipd-modbus", {"port": bed.modbus_port, "socket": bed.socket, "max_age_ms": 1e3 * MAX_AGE_S, "blocks": list(SENSORS)})
 
 
+def _serve_mqtt(bed):
+    if hasattr(bed, "mqtt_port"):  # two doors of one bridge
+        return
+    bed.mqtt_port = free_port()
+    (bed.folder / "mosquitto.conf").write_text(f"listener {bed.mqtt_port} 127.0.0.1\nallow_anonymous true\n")
+    bed.programs.append(subprocess.Popen(["mosquitto", "-c", bed.folder / "mosquitto.conf"], stdout=bed.log, stderr=bed.log))
+    await_listening(bed.mqtt_port, "mosquitto")
+    bed.bridge("slipd-mqtt", {"brokers": [{"host": "127.0.0.1", "port": bed.mqtt_port, "keepalive_s": 5}], "host": "gripper", "socket": bed.socket,
+                              "store": {"file": str(bed.folder / "alerts.db")}, "rate_hz": 50, "max_age_ms": 1e3 * MAX_AGE_S, "summary_s": 1})
+
+
+ROS_DEADLINE_MS, ROS_LEASE_MS = 200, 400  # docs/ros2.md
+
+
+def _serve_ros2(bed):
+    bed.domain = 1 + os.getpid() % 100
+    bed.bridge("slipd-ros2", {"socket": bed.socket, "domain": bed.domain, "max_age_ms": 1e3 * MAX_AGE_S})
+
+
+def _serve_page(bed):
+    bed.bridge("slipd-web", {"slipd": {"socket": bed.socket, "max_age_ms": 1e3 * MAX_AGE_S}, "listen": {"port": 0}, "recordings": str(bed.folder)})
+    bed.page = await_true(lambda: re.search(r"http://[0-9.:]+/", bed.said()), "the page's address").group(0) + "#/live"
+
+
+def _missing_for_mqtt():
+    return None if shutil.which("mosquitto") and importlib.util.find_spec("paho") else "mosquitto and python3-paho-mqtt"
+
+
+def _missing_for_ros2():
+    return None if (BUILD / "test-bin" / "ros2-cyclone-reader").exists() else "Cyclone DDS"
+
+
+def _missing_for_page():
+    return None if shutil.which("chromium") and shutil.which("chromedriver") and importlib.util.find_spec("selenium") else "chromium and python3-selenium"
+
+
 DOORS = [
     Door("shared memory, C", _libslipd("memory")),
     Door("shared memory, Python", _python("board")),
@@ -76,7 +118,22 @@ DOORS = [
     Door("socket, Python", _python("client")),
     Door("socket, asyncio", _python("asyncio")),
     Door("Modbus", _python("modbus", lambda bed: f"127.0.0.1:{bed.modbus_port}"), _serve_modbus, networked=True),
+    Door("MQTT, estimates", _python("mqtt-estimates", lambda bed: f"127.0.0.1:{bed.mqtt_port}"), _serve_mqtt, networked=True, needs=_missing_for_mqtt),
+    Door("MQTT, retained states", _python("mqtt-states", lambda bed: f"127.0.0.1:{bed.mqtt_port}"), _serve_mqtt, networked=True, needs=_missing_for_mqtt),
+    Door("ROS 2", _python("ros2", lambda bed: f"{ROS_DEADLINE_MS}/{ROS_LEASE_MS}/{bed.domain}"), _serve_ros2, networked=True, needs=_missing_for_ros2),
+    Door("page", _python("page", lambda bed: bed.page), _serve_page, needs=_missing_for_page),
 ]
+
+
+PEERLESS_DOORS = [door for door in DOORS if not door.needs]
+PEERS_DOORS = [door for door in DOORS if door.needs]
+
+
+def available(doors):
+    for door in doors:
+        if door.needs and door.needs():
+            print(f"doors: left out: {door.name}: {door.needs()} is not installed (tools/setup --peers)", file=sys.stderr)
+    return [door for door in doors if not (door.needs and door.needs())]
 
 
 def believes_ok(now):
