@@ -97,6 +97,42 @@ def modbus(address, max_age_s, name):
         time.sleep(POLL_S)
 
 
+_CAN_BASE = 0x5A0
+
+
+def _crc8(data):
+    """CRC-8 SAE J1850."""
+    crc = 0xFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1 ^ (0x1D if crc & 0x80 else 0)) & 0xFF
+    return crc ^ 0xFF
+
+
+def can(address, _, name):
+    """A controller on the bus, docs/can.md: nothing valid for three periods is no margin; an alert that was raised stands."""
+    interface, period_s = address.split("/")
+    wanted, deadline_s = _CAN_BASE + ("left", "right").index(name), 3 * float(period_s)
+    bus = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+    bus.bind((interface,))
+    bus.settimeout(POLL_S)
+    state, alert, gamma, heard, counter = "disconnected", "unknown", None, 0.0, None
+    while True:
+        try:
+            frame_id, length, data = struct.unpack("=IB3x8s", bus.recv(16))
+            valid = frame_id == wanted and length == 8 and _crc8(struct.pack("<I", frame_id) + data[:7]) == data[7] and data[6] >> 4 != counter
+            if valid:
+                state, alert, gamma = _STATES[data[4] & 15], ("none", "warn", "slip", "unknown")[data[4] >> 4 & 3], int.from_bytes(data[:2], "little")
+                gamma = None if gamma == 0xFFFF or state != "ok" else 1e-4 * gamma
+                heard, counter = time.monotonic(), data[6] >> 4
+        except OSError:  # nothing has come, or the interface is down
+            time.sleep(POLL_S)
+        if time.monotonic() - heard > deadline_s:
+            state, alert, gamma = "disconnected", "unknown" if alert == "none" else alert, None
+        yield state, alert, gamma
+
+
 class _Latest:
     """What came last, from another thread."""
 
@@ -138,7 +174,7 @@ def _believed_of(message, status, holds_s):
     """Of docs/mqtt.md: a message counts while status is online, and for `holds_s` from its time on."""
     if not status or status["status"] != "online" or not message:
         return DISCONNECTED if not message or message["alert"] == "none" else ("disconnected", message["alert"], None)
-    if time.time() - 1e-9 * message["time_ns"] > holds_s:
+    if not 0 <= time.time() - 1e-9 * message["time_ns"] <= holds_s:  # of the future: the clocks disagree
         return "stale", "unknown" if message["alert"] == "none" else message["alert"], None
     return message["state"], message["alert"], message.get("gamma")
 
@@ -180,7 +216,7 @@ def ros2(address, max_age_s, name):
     threading.Thread(target=read, daemon=True).start()
     while reader.poll() is None:
         stamp_s, state, alert, margin = latest.get()
-        if state == "ok" and time.time() - stamp_s > max_age_s:
+        if state == "ok" and not 0 <= time.time() - stamp_s <= max_age_s:  # of the future: the clocks disagree
             yield "stale", "unknown" if alert == "none" else alert, None
         else:
             yield state, alert, margin
@@ -225,7 +261,7 @@ def tell(believed):
     print(json.dumps({"t": time.monotonic(), "state": state, "alert": alert, "gamma": gamma}), flush=True)
 
 
-DOORS = {"board": board, "client": client, "socket": raw_socket, "modbus": modbus, "mqtt-estimates": mqtt_estimates, "mqtt-states": mqtt_states,
+DOORS = {"board": board, "client": client, "socket": raw_socket, "modbus": modbus, "can": can, "mqtt-estimates": mqtt_estimates, "mqtt-states": mqtt_states,
          "ros2": ros2, "page": page}
 
 

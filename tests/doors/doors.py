@@ -16,11 +16,11 @@ import time
 from pathlib import Path
 
 from awaiting import PATIENCE_S, await_true
-from failures import BUILD, FAILURES, MAX_AGE_S, SENSORS, Bed, mend_network
+from failures import BUILD, CAN_PERIOD_S, CLOCK_FAILURES, FAILURES, MAX_AGE_S, SENSORS, SLOWER, Bed, mend_network
 from ports import await_listening, free_port
 
 HERE = Path(__file__).parent
-GOES_ON_S = 0.5  # how long a consumer is listened to after a failure at least; in the second half of that it must not believe
+GOES_ON_S = 0.5 * SLOWER  # how long a consumer is listened to after a failure at least; in the second half of that it must not believe
 
 
 class Consumer:
@@ -129,6 +129,9 @@ PEERLESS_DOORS = [door for door in DOORS if not door.needs]
 PEERS_DOORS = [door for door in DOORS if door.needs]
 
 
+CAN_DOORS = [Door("CAN", _python("can", lambda bed: f"{bed.can}/{CAN_PERIOD_S}"), networked=True)]
+
+
 def available(doors):
     for door in doors:
         if door.needs and door.needs():
@@ -154,10 +157,10 @@ class Cell:
         self.then = after[-1]
 
 
-def run(failure, doors, folder, say=lambda text: None):
+def run(failure, doors, folder, can=None):
     """The cells of a failure, of all doors that it concerns, each for both sensors. Raises AssertionError if one goes on believing."""
     doors = [door for door in doors if door.concerned_by(failure)]
-    bed, consumers = Bed(folder, failure.misbehaves), {}
+    bed, consumers = Bed(folder, failure.misbehaves, can), {}
     try:
         for door in doors:
             if door.serve:
@@ -167,19 +170,26 @@ def run(failure, doors, folder, say=lambda text: None):
                 consumers[door.name, sensor] = Consumer(door.command(bed, sensor), bed.log)
         for (door, sensor), consumer in consumers.items():
             alert = "slip" if sensor == "right" else "none"
-            await_true(lambda c=consumer, a=alert: any(believes_ok(now) and now["alert"] == a for now in c.all()[-5:]),
-                       f"a margin of {sensor} at {door}: {consumer.all()[-1:]} {bed.said()[-2000:]}")
+            _await(lambda c=consumer, a=alert: any(believes_ok(now) and now["alert"] == a for now in c.all()[-5:]),
+                   lambda c=consumer, what=f"{failure.name}: no margin of {sensor} comes at {door}": f"{what}: {c.all()[-1:]} {bed.said()[-2000:]}")
         failure.break_it(bed)
         broken_at = time.monotonic()
         cells = [_settled(failure, door, sensor, consumer, broken_at) for (door, sensor), consumer in consumers.items()]
-        say(f"{failure.name}: {len(cells)} consumers")
         return cells
     finally:
         if failure.reaches == "network":
-            mend_network()
+            mend_network(bed)
         for consumer in consumers.values():
             consumer.end()
         bed.end()
+
+
+def _await(condition, explain):
+    """`explain()`: what went wrong, when it has."""
+    try:
+        await_true(condition, "", PATIENCE_S)
+    except AssertionError:
+        raise AssertionError(explain()) from None
 
 
 def _settled(failure, door, sensor, consumer, broken_at):
@@ -191,10 +201,7 @@ def _settled(failure, door, sensor, consumer, broken_at):
         said = after()
         return (len(said) >= 2 and said[-1]["t"] - broken_at > GOES_ON_S and
                 not any(believes_ok(now) or believes_no_alert(now) for now in said if now["t"] > said[-1]["t"] - GOES_ON_S / 2))
-    try:
-        await_true(settled, "", PATIENCE_S)
-    except AssertionError:
-        raise AssertionError(f"{failure.name}: {sensor} at {door} goes on believing: {consumer.all()[-3:]}") from None
+    _await(settled, lambda: f"{failure.name}: {sensor} at {door} goes on believing: {consumer.all()[-3:]}")
     return Cell(door, sensor, after(), broken_at)
 
 
@@ -209,5 +216,6 @@ def in_a_network_of_its_own():
     os.execvpe("unshare", [*command, sys.executable, *sys.argv], {**os.environ, "SLIPD_DOORS_NETWORK": "1"})
 
 
-def failures_possible(networked):
-    return [failure for failure in FAILURES if networked or failure.reaches != "network"]
+def failures_possible(networked, clock=False):
+    """`networked`: the network is its own, or the CAN bus; `clock`: the machine's clock may be set."""
+    return [failure for failure in FAILURES + (CLOCK_FAILURES if clock else []) if networked or failure.reaches != "network"]

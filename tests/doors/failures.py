@@ -4,14 +4,18 @@ import json
 import os
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 from awaiting import await_true
 
 BUILD = Path(os.environ["SLIPD_BINARY_DIR"])
-RATE_HZ = 100
-STALE_AFTER_MS = 100
-MAX_AGE_S = 0.1
+# By how much all is slower than elsewhere: a guest's processor is emulated.
+SLOWER = float(os.environ.get("SLIPD_DOORS_SLOWER", "1"))
+RATE_HZ = 100 / SLOWER
+MAX_AGE_S = 0.1 * SLOWER
+STALE_AFTER_MS = 1e3 * MAX_AGE_S
+CAN_PERIOD_S = 0.02 * SLOWER
 SENSORS = {"left": 0.7, "right": 0.05}  # margins
 
 
@@ -21,13 +25,13 @@ class Bed:
     def __init__(self, folder, misbehaves="steady", can=None):
         self.folder, self.log = Path(folder), open(Path(folder) / "log", "wb")
         self.socket = str(self.folder / "slipd.sock")
-        self.programs, self.bridges = [], []
+        self.programs, self.bridges, self.can = [], [], can
         sensor = {"driver": "trial", "rate_hz": RATE_HZ, "stale_after_ms": STALE_AFTER_MS, "layout": {"grid": [16, 16], "pitch_mm": 0.9}}
         options = {"simulated": can is None, "behaviour": misbehaves, "well_until": str(self.folder / "ill")}
         self.write("slipd.json", {
             "sensors": [{"name": name, "options": {**options, "gamma": gamma}, **sensor} for name, gamma in SENSORS.items()],
             "estimator": {"method": "moments"}, "realtime": {"mode": "off"}, "socket": {"path": self.socket},
-            **({"can": {"interface": can, "period_ms": 20}} if can else {})})
+            **({"can": {"interface": can, "period_ms": 1e3 * CAN_PERIOD_S}} if can else {})})
         self.slipd = self.start("slipd", "--driver-dir", str(BUILD / "test-drivers"))
         await_true(lambda: Path(self.socket).exists() or self.slipd.poll() is not None, "slipd's socket")
 
@@ -74,12 +78,20 @@ def _signal_bridges(number):
     return send
 
 
-def _cut_network(_):
-    subprocess.run(["ip", "link", "set", "lo", "down"], check=True)
+def _cut_network(bed):
+    subprocess.run(["ip", "link", "set", bed.can or "lo", "down"], check=True)
 
 
-def mend_network():
-    subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+def mend_network(bed):
+    subprocess.run(["ip", "link", "set", bed.can or "lo", "up"], check=True)
+
+
+def _set_clock_and_stop(hours):
+    """Whoever takes the age from the time of day only is wrong by an hour, and slipd says nothing more."""
+    def break_it(bed):
+        bed.slipd.send_signal(signal.SIGSTOP)
+        time.clock_settime(time.CLOCK_REALTIME, time.time() + 3600 * hours)
+    return break_it
 
 
 class Failure:
@@ -99,4 +111,9 @@ FAILURES = [
     Failure("bridge killed", _signal_bridges(signal.SIGKILL), reaches="bridges"),
     Failure("bridge stopped (SIGSTOP)", _signal_bridges(signal.SIGSTOP), reaches="bridges"),
     Failure("network cut", _cut_network, reaches="network"),
+]
+# Only where nobody else has this clock.
+CLOCK_FAILURES = [
+    Failure("clock set back, slipd stopped", _set_clock_and_stop(-1)),
+    Failure("clock set ahead, slipd stopped", _set_clock_and_stop(1)),
 ]
