@@ -51,7 +51,7 @@ awaits "its last heartbeat" eval 'tail -n 1 withheld.log | grep -q "5DF#.\{10\}0
 captures vcan0 vcan.log
 serve '{ "interface": "vcan0", "allow_simulated": true }'
 says_the_same "classic frames on the virtual bus are what the socket says" vcan.log
-awaits "the last estimate is stale" eval 'grep 5A0# vcan.log | tail -n 1 | grep -q "5A0#FFFFFFFF[456]6"'
+awaits "the last estimate is stale" eval 'grep 5A0# vcan.log | tail -n 1 | grep -q "5A0#FFFFFFFF[567]6"'
 
 captures vcan0 fd.log
 serve '{ "interface": "vcan0", "allow_simulated": true, "base_id": "0x12345600", "extended": true, "fd": true }'
