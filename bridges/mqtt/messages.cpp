@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "clients/c/alert.hpp"
+
 namespace slipd::mqtt {
 namespace {
 
@@ -152,7 +154,7 @@ Json line_json(const char* key, const std::string& name, const SummaryLine& line
 
 void grow_old(slipd_estimate& estimate) {
   if (estimate.state != SLIPD_STATE_FAULT) estimate.state = SLIPD_STATE_STALE;
-  if (estimate.alert == SLIPD_ALERT_NONE) estimate.alert = SLIPD_ALERT_UNKNOWN;
+  estimate.alert = client::without_frames(estimate.alert);
   estimate.sliding = SLIPD_SLIDING_UNKNOWN;
   estimate.gamma = std::numeric_limits<double>::quiet_NaN();
 }

@@ -6,6 +6,7 @@
 
 #include "bridges/support/clock.hpp"
 #include "bridges/support/log.hpp"
+#include "clients/c/alert.hpp"
 
 namespace slipd::mqtt {
 namespace {
@@ -114,8 +115,8 @@ void Publisher::take(const slipd_estimate& estimate, std::string_view text) {
   const int stood = states_.standing_alert(now.name);
   states_.take(now, std::string(text), Clock::now());
   note_margin(now);
-  const bool ended = is_raised(stood) && now.alert == SLIPD_ALERT_NONE;
-  if (ended || (now.event == SLIPD_EVENT_ALERT && is_raised(estimate.alert))) take_alert(now, text);
+  const bool ended = client::is_raised(stood) && now.alert == SLIPD_ALERT_NONE;
+  if (ended || (now.event == SLIPD_EVENT_ALERT && client::is_raised(estimate.alert))) take_alert(now, text);
   if (now.event == SLIPD_EVENT_ESTIMATE) put_estimate(now, text);
   want_grasps(now);
   send();
@@ -176,7 +177,7 @@ void Publisher::take_grasp(const GraspEstimate& grasp) {
   const int stood = states_.standing_alert(now.name);
   const bool changed = states_.take(now, grasp.text, Clock::now());
   note_margin(now);
-  if (now.alert != stood && (is_raised(now.alert) || now.alert == SLIPD_ALERT_NONE))
+  if (now.alert != stood && (client::is_raised(now.alert) || now.alert == SLIPD_ALERT_NONE))
     take_alert(now, grasp.text);
   if (changed || want_grasp_estimates_) put_estimate(now, grasp.text);
 }

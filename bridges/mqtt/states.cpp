@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bridges/mqtt/messages.hpp"
+#include "clients/c/alert.hpp"
 
 namespace slipd::mqtt {
 
@@ -12,7 +13,7 @@ bool States::take(slipd_estimate& estimate, std::string text, Time now) {
   State& state = at->second;
   if (estimate.alert != SLIPD_ALERT_UNKNOWN)
     state.stands = estimate.alert;
-  else if (is_raised(state.stands))
+  else if (client::is_raised(state.stands))
     estimate.alert = state.stands;
   const bool changed =
       first || estimate.state != state.estimate.state || estimate.alert != state.estimate.alert;
@@ -32,7 +33,7 @@ void States::lose(const std::string& name, std::string text) {
   name.copy(estimate.name, sizeof(estimate.name) - 1);
   grow_old(estimate);
   estimate.state = SLIPD_STATE_DISCONNECTED;
-  estimate.alert = is_raised(state.stands) ? state.stands : int{SLIPD_ALERT_UNKNOWN};
+  estimate.alert = client::without_frames(state.stands);
   state.text = std::move(text);
   state.stale_at = Time::max();
   state.is_new = true;

@@ -13,11 +13,6 @@
 
 namespace slipd::mqtt {
 
-// Whether it is an alert that somebody acts on.
-constexpr bool is_raised(int alert) {
-  return alert == SLIPD_ALERT_WARN || alert == SLIPD_ALERT_SLIP;
-}
-
 struct StateTimes {
   // An estimate that is older is stale.
   std::chrono::nanoseconds silence{};

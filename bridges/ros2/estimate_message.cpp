@@ -6,6 +6,7 @@
 
 #include "bridges/ros2/messages/sensor_messages.hpp"
 #include "bridges/support/clock.hpp"
+#include "clients/c/alert.hpp"
 
 namespace slipd::ros2 {
 
@@ -70,7 +71,7 @@ void clear_message(std::uint8_t state, const Moment& now, SlipEstimate& to) {
   none.header.frame_id = std::move(to.header.frame_id);
   none.header.stamp = time_of(now.realtime_ns);
   none.state = state;
-  none.alert = to.alert == SlipEstimate::kAlertNone ? SlipEstimate::kAlertUnknown : to.alert;
+  none.alert = static_cast<std::uint8_t>(client::without_frames(to.alert));
   none.simulated = to.simulated;
   none.seq = to.seq;
   to = std::move(none);

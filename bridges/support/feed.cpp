@@ -27,7 +27,7 @@ Feed::Feed(Loop& loop, FeedOptions options, FeedListener listener)
 // libslipd renews it.
 void Feed::refresh() {
   timer_.start(options_.refresh);
-  if (ask() && options_.events != 0 && (!subscribed_ || subscribed_rate_hz_ != options_.max_rate_hz))
+  if (ask() && (!subscribed_ || subscribed_rate_hz_ != options_.max_rate_hz))
     subscribe();
   if (!connected_) timer_.start(std::min(kRetry, options_.refresh));
 }
@@ -97,7 +97,7 @@ void Feed::take(const slipd_estimate& estimate) {
   const std::string text = options_.texts ? slipd_event_text(slipd_.get()) : "";
   const bool known = connected_ && inventory_.has_sensor(estimate.name);
   if (!known && !(ask() && inventory_.has_sensor(estimate.name))) return;
-  if (listener_.estimate) listener_.estimate(estimate, text);
+  listener_.estimate(estimate, text);
 }
 
 }  // namespace slipd::bridges

@@ -16,7 +16,7 @@ namespace slipd::bridges {
 struct FeedOptions {
   // slipd's socket.
   std::string socket = SLIPD_SOCKET;
-  // SLIPD_EVENT_… bits to subscribe to, of all sensors; 0: no subscription, the inventory only.
+  // SLIPD_EVENT_… bits to subscribe to, of all sensors.
   int events = SLIPD_EVENT_ESTIMATE | SLIPD_EVENT_ALERT | SLIPD_EVENT_STATE;
   // Highest rate of estimates of one sensor, Hz; 0: all. slipd thins them, so a low rate costs little.
   double max_rate_hz = 0;
@@ -44,7 +44,7 @@ struct FeedListener {
   std::function<void(std::string_view why)> away;
   // An estimate. `estimate.event` says which event it is; `text` is the JSON object that slipd sent
   // (docs/socket.md), whose age and state were those at sending; empty without FeedOptions::texts. After
-  // `serves`, and for a sensor of its inventory. May be empty if there is no subscription.
+  // `serves`, and for a sensor of its inventory.
   std::function<void(const slipd_estimate& estimate, std::string_view text)> estimate;
 };
 

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string_view>
 
+#include "clients/c/alert.hpp"
+
 namespace slipd::client {
 namespace {
 
@@ -55,7 +57,7 @@ void judge_age(slipd_estimate& estimate, std::int64_t since_ns, std::int64_t now
 
 // The cause that goes with this alert: none without one, and never none with one.
 int cause_of(int alert, int cause) noexcept {
-  if (alert == SLIPD_ALERT_NONE || alert == SLIPD_ALERT_UNKNOWN) return SLIPD_CAUSE_NONE;
+  if (!is_raised(alert)) return SLIPD_CAUSE_NONE;
   return cause == SLIPD_CAUSE_MARGIN || cause == SLIPD_CAUSE_SLIDING ? cause : int{SLIPD_CAUSE_UNKNOWN};
 }
 
@@ -73,10 +75,6 @@ int index_of(std::string_view name, const std::array<const char*, N>& names, int
 
 std::int64_t monotonic_ns() noexcept {
   return clock_ns(CLOCK_MONOTONIC);
-}
-
-int without_frames(int alert) noexcept {
-  return alert == SLIPD_ALERT_NONE ? int{SLIPD_ALERT_UNKNOWN} : alert;
 }
 
 int alert_of(const board_layout::Record& record) noexcept {
@@ -100,14 +98,9 @@ void clear(slipd_estimate& estimate, const char* name, int state) noexcept {
     *value = kUnknown;
 }
 
-void take_last_alert(const slipd_estimate& last, slipd_estimate& estimate) noexcept {
-  estimate.alert = without_frames(last.alert);
-  estimate.alert_cause = cause_of(estimate.alert, last.alert_cause);
-}
-
-void take_last_alert(const board_layout::Record& record, slipd_estimate& estimate) noexcept {
-  estimate.alert = without_frames(alert_of(record));
-  estimate.alert_cause = cause_of(estimate.alert, record.alert_cause);
+void take_last_alert(int alert, int cause, slipd_estimate& estimate) noexcept {
+  estimate.alert = without_frames(alert);
+  estimate.alert_cause = cause_of(estimate.alert, cause);
 }
 
 void fill(slipd_estimate& estimate, const char* name, const board_layout::Record& record, std::int64_t now_ns,

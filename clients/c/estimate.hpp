@@ -15,9 +15,6 @@ std::int64_t monotonic_ns() noexcept;
 // SLIPD_ALERT_… of a record; an alert that this library does not have is of a newer slipd: slip.
 int alert_of(const board_layout::Record& record) noexcept;
 
-// What is known of an alert once its frames are too old: a raised one stands, none becomes unknown.
-int without_frames(int alert) noexcept;
-
 // No estimate: everything unknown. `state`: SLIPD_STATE_STALE or SLIPD_STATE_DISCONNECTED.
 void clear(slipd_estimate& estimate, const char* name, int state) noexcept;
 
@@ -29,9 +26,7 @@ void fill(slipd_estimate& estimate, const char* name, const board_layout::Record
 void fill(slipd_estimate& estimate, const EstimateValues& values, std::int64_t read_ns,
           double max_age_s) noexcept;
 
-// The alert of another estimate, as far as it still stands while no frames come. `estimate` was cleared.
-void take_last_alert(const slipd_estimate& last, slipd_estimate& estimate) noexcept;
-// Of the last record of a slipd that has gone.
-void take_last_alert(const board_layout::Record& record, slipd_estimate& estimate) noexcept;
+// The alert that came last, as far as it still stands while no frames come. `estimate` was cleared.
+void take_last_alert(int alert, int cause, slipd_estimate& estimate) noexcept;
 
 }  // namespace slipd::client

@@ -40,7 +40,10 @@ int usable_slot(slipd_client& s, const char* name, std::int64_t now_ns, double m
   const int slot = name == nullptr ? -1 : s.board.find(name);
   if (!alive(s, now_ns, max_age_s)) {
     const int code = refuse(SLIPD_ATTACH_ANEW, "slipd has stopped or was reloaded: call slipd_attach again");
-    if (slot >= 0) take_last_alert(s.board.record(slot), estimate);
+    if (slot >= 0) {
+      const auto last = s.board.record(slot);
+      take_last_alert(alert_of(last), last.alert_cause, estimate);
+    }
     return code;
   }
   if (slot < 0) return refuse(SLIPD_INVALID, "there is no sensor or grasp of this name");

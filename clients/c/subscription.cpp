@@ -44,7 +44,7 @@ void lose_subscription(slipd_client& s) noexcept {
 // There is no estimate. What is known: which sensor it would be of, and an alert that stands.
 void fill_silence(const slipd_client& s, int state, slipd_estimate& estimate) noexcept {
   clear(estimate, s.silent.name, state);
-  take_last_alert(s.silent, estimate);
+  take_last_alert(s.silent.alert, s.silent.alert_cause, estimate);
 }
 
 void fill_event(slipd_client& s, std::string_view line, const EstimateValues& values, std::string_view method,
@@ -53,7 +53,7 @@ void fill_event(slipd_client& s, std::string_view line, const EstimateValues& va
   for (const auto& [bit, name] : kEvents) {
     if (method == name) estimate.event = bit;
   }
-  if (s.silent.name[0] != 0) take_last_alert(estimate, s.silent);
+  if (s.silent.name[0] != 0) take_last_alert(estimate.alert, estimate.alert_cause, s.silent);
   s.last_event = line;
 }
 

@@ -147,8 +147,6 @@ Estimate GraspTracker::judge(std::span<const Estimate> members) noexcept {
   now.alert = alert_.update(now.published_ns, now, true);
   for (const Estimate& member : members) {
     if (member.alert == Alert::unknown && !now.gamma) now.alert = without_frames(now.alert);
-  }
-  for (const Estimate& member : members) {
     // A finger that slides leaves the load to the others: no slip yet of what they hold, if they can.
     if (member.alert == Alert::slip && member.state != State::no_contact && now.alert != Alert::slip)
       now.alert = Alert::warn;

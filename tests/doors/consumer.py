@@ -17,13 +17,17 @@ POLL_S = 0.005
 DISCONNECTED = ("disconnected", "unknown", None)
 
 
+def _without_frames(alert):
+    """What is known of an alert once its frames are too old: a raised one stands."""
+    return "unknown" if alert == "none" else alert
+
+
 def board(path, max_age_s, name):
     """Python, shared memory."""
     with slipd.Board(path) as memory:
         while True:
             now = memory.latest(name, max_age_s)
             yield now.state, now.alert, now.gamma
-            time.sleep(POLL_S)
 
 
 def client(path, max_age_s, name):
@@ -33,68 +37,76 @@ def client(path, max_age_s, name):
             yield now.state, now.alert, now.gamma
 
 
-def raw_socket(path, max_age_s, name):
-    """A program without a library, docs/socket.md: asks, and believes an answer of state ok for as long as it is young."""
-    connection, rest, number = None, b"", 0
+def _asked(connect, ask):
+    """What `ask(connection)` answers, again and again, on a connection that is made anew after each failure."""
+    connection = None
     while True:
         try:
             if connection is None:
-                connection, rest = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM), b""
-                connection.settimeout(max_age_s)
-                connection.connect(path)
-            number += 1
-            connection.sendall(json.dumps({"jsonrpc": "2.0", "id": number, "method": "gamma", "params": {"sensor": name}}).encode() + b"\n")
-            while b"\n" not in rest:
-                received = connection.recv(1 << 16)
-                if not received:
-                    raise ConnectionError
-                rest += received
-            line, rest = rest.split(b"\n", 1)
-            now = json.loads(line)["result"]["sensors"][0]
-            young = now["age_ms"] is not None and now["age_ms"] <= 1e3 * max_age_s
-            if young:
-                yield now["state"], now["alert"], now["gamma"]
-            else:
-                yield "stale", "unknown" if now["alert"] == "none" else now["alert"], None
+                connection = connect()
+            believed = ask(connection)
         except OSError:
             if connection is not None:
                 connection.close()
-            connection = None
-            yield DISCONNECTED
-        time.sleep(POLL_S)
+            connection, believed = None, DISCONNECTED
+        yield believed
+
+
+def _received(connection, is_whole):
+    """Bytes of an answer, until it is whole."""
+    received = b""
+    while not is_whole(received):
+        more = connection.recv(1 << 16)
+        if not more:
+            raise ConnectionError
+        received += more
+    return received
+
+
+def raw_socket(path, max_age_s, name):
+    """A program without a library, docs/socket.md: asks, and believes an answer of state ok for as long as it is young."""
+    request = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "gamma", "params": {"sensor": name}}).encode() + b"\n"
+
+    def connect():
+        made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        made.settimeout(max_age_s)
+        try:
+            made.connect(path)
+        except OSError:
+            made.close()
+            raise
+        return made
+
+    def ask(connection):
+        connection.sendall(request)
+        now = json.loads(_received(connection, lambda received: received.endswith(b"\n")))["result"]["sensors"][0]
+        if now["age_ms"] is not None and now["age_ms"] <= 1e3 * max_age_s:
+            return now["state"], now["alert"], now["gamma"]
+        return "stale", _without_frames(now["alert"]), None
+
+    return _asked(connect, ask)
 
 
 # By registers.csv: blocks, in the order of these sensors, and what is in one.
 _FIRST_BLOCK, _BLOCK_SIZE, _STATE, _GAMMA, _ALERT = 16, 32, 0, 2, 10
 _STATES = ("ok", "no_contact", "learning", "out_of_model", "no_shear", "unzeroed", "stale", "fault", "disconnected")
-_ALERTS = ("none", "warn", "slip")
+_ALERTS = ("none", "warn", "slip", "unknown")
 
 
 def modbus(address, max_age_s, name):
     """A PLC, docs/plc.md: reads its block each cycle; no answer within max_age_s is no margin."""
     host, port = address.rsplit(":", 1)
     block = _FIRST_BLOCK + _BLOCK_SIZE * ("left", "right").index(name)
-    plc = None
-    while True:
-        try:
-            if plc is None:
-                plc = socket.create_connection((host, int(port)), timeout=max_age_s)
-            plc.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, 4, block, _BLOCK_SIZE))
-            answer = b""
-            while len(answer) < 9 + 2 * _BLOCK_SIZE:
-                received = plc.recv(256)
-                if not received:
-                    raise ConnectionError
-                answer += received
-            registers = struct.unpack(f">{_BLOCK_SIZE}H", answer[9:9 + 2 * _BLOCK_SIZE])
-            state, alert, gamma = (registers[at] for at in (_STATE, _ALERT, _GAMMA))
-            yield _STATES[state], _ALERTS[alert] if alert < len(_ALERTS) else "unknown", None if gamma == 0xFFFF else gamma * 1e-4
-        except OSError:
-            if plc is not None:
-                plc.close()
-            plc = None
-            yield DISCONNECTED
-        time.sleep(POLL_S)
+    whole = 9 + 2 * _BLOCK_SIZE
+
+    def ask(plc):
+        plc.sendall(struct.pack(">HHHBBHH", 1, 0, 6, 1, 4, block, _BLOCK_SIZE))
+        answer = _received(plc, lambda received: len(received) >= whole)
+        registers = struct.unpack(f">{_BLOCK_SIZE}H", answer[9:whole])
+        state, alert, gamma = (registers[at] for at in (_STATE, _ALERT, _GAMMA))
+        return _STATES[state], _ALERTS[alert] if alert < len(_ALERTS) else "unknown", None if gamma == 0xFFFF else gamma * 1e-4
+
+    return _asked(lambda: socket.create_connection((host, int(port)), timeout=max_age_s), ask)
 
 
 _CAN_BASE = 0x5A0
@@ -123,13 +135,13 @@ def can(address, _, name):
             frame_id, length, data = struct.unpack("=IB3x8s", bus.recv(16))
             valid = frame_id == wanted and length == 8 and _crc8(struct.pack("<I", frame_id) + data[:7]) == data[7] and data[6] >> 4 != counter
             if valid:
-                state, alert, gamma = _STATES[data[4] & 15], ("none", "warn", "slip", "unknown")[data[4] >> 4 & 3], int.from_bytes(data[:2], "little")
+                state, alert, gamma = _STATES[data[4] & 15], _ALERTS[data[4] >> 4 & 3], int.from_bytes(data[:2], "little")
                 gamma = None if gamma == 0xFFFF or state != "ok" else 1e-4 * gamma
                 heard, counter = time.monotonic(), data[6] >> 4
         except OSError:  # nothing has come, or the interface is down
             time.sleep(POLL_S)
         if time.monotonic() - heard > deadline_s:
-            state, alert, gamma = "disconnected", "unknown" if alert == "none" else alert, None
+            state, alert, gamma = "disconnected", _without_frames(alert), None
         yield state, alert, gamma
 
 
@@ -167,15 +179,14 @@ def _mqtt(address, topics):
     client_of_broker.loop_start()
     while True:
         yield [latest[topic].get() for topic in topics] if connected.get() else None
-        time.sleep(POLL_S)
 
 
 def _believed_of(message, status, holds_s):
     """Of docs/mqtt.md: a message counts while status is online, and for `holds_s` from its time on."""
     if not status or status["status"] != "online" or not message:
-        return DISCONNECTED if not message or message["alert"] == "none" else ("disconnected", message["alert"], None)
+        return ("disconnected", _without_frames(message["alert"]), None) if message else DISCONNECTED
     if not 0 <= time.time() - 1e-9 * message["time_ns"] <= holds_s:  # of the future: the clocks disagree
-        return "stale", "unknown" if message["alert"] == "none" else message["alert"], None
+        return "stale", _without_frames(message["alert"]), None
     return message["state"], message["alert"], message.get("gamma")
 
 
@@ -189,9 +200,6 @@ def mqtt_states(address, _, name):
     """A subscriber of the retained state, docs/mqtt.md."""
     for both in _mqtt(address, (f"slipd/gripper/{name}/state", "slipd/gripper/status")):
         yield _believed_of(both[0], both[1], 1e-3 * both[0]["valid_for_ms"] if both[0] else 0) if both else DISCONNECTED
-
-
-_ROS_STATES, _ROS_ALERTS = _STATES, ("none", "warn", "slip", "unknown")
 
 
 def ros2(address, max_age_s, name):
@@ -211,16 +219,15 @@ def ros2(address, max_age_s, name):
                 latest.put(_of_message(bytes.fromhex(words[2])[4:], name))
             elif words[0] == "missed" or words[1] == "0":  # the deadline has passed, or the writer is not alive
                 *_, alert, _ = latest.get()
-                latest.put((0, "disconnected", alert if alert in ("warn", "slip") else "unknown", None))
+                latest.put((0, "disconnected", _without_frames(alert), None))
 
     threading.Thread(target=read, daemon=True).start()
     while reader.poll() is None:
         stamp_s, state, alert, margin = latest.get()
         if state == "ok" and not 0 <= time.time() - stamp_s <= max_age_s:  # of the future: the clocks disagree
-            yield "stale", "unknown" if alert == "none" else alert, None
+            yield "stale", _without_frames(alert), None
         else:
             yield state, alert, margin
-        time.sleep(POLL_S)
 
 
 def _of_message(data, name):
@@ -233,7 +240,7 @@ def _of_message(data, name):
     at += 4
     at += -at % 8 + 3 * 8
     margin, = struct.unpack_from("<d", data, at)
-    return seconds + 1e-9 * nanoseconds, _ROS_STATES[state], _ROS_ALERTS[alert], None if math.isnan(margin) else margin
+    return seconds + 1e-9 * nanoseconds, _STATES[state], _ALERTS[alert], None if math.isnan(margin) else margin
 
 
 def page(address, _, name):
@@ -247,7 +254,8 @@ def page(address, _, name):
         shown = chromium.execute_script(look, name)
         if shown:
             yield shown[0], shown[1], float(shown[2]) if shown[2] else None
-        time.sleep(POLL_S)
+        else:  # the page has no card yet
+            time.sleep(POLL_S)
 
 
 async def _asynchronous(path, max_age_s, name):
@@ -263,6 +271,7 @@ def tell(believed):
 
 DOORS = {"board": board, "client": client, "socket": raw_socket, "modbus": modbus, "can": can, "mqtt-estimates": mqtt_estimates, "mqtt-states": mqtt_states,
          "ros2": ros2, "page": page}
+AS_IT_COMES = {"client", "can"}  # these wait for what comes; the others look again after a pause
 
 
 def main(door, address, max_age_s, name):
@@ -271,6 +280,8 @@ def main(door, address, max_age_s, name):
         return
     for believed in DOORS[door](address, float(max_age_s), name):
         tell(believed)
+        if door not in AS_IT_COMES:
+            time.sleep(POLL_S)
 
 
 if __name__ == "__main__":

@@ -75,8 +75,6 @@ def _serve_modbus(bed):
 
 
 def _serve_mqtt(bed):
-    if hasattr(bed, "mqtt_port"):  # two doors of one bridge
-        return
     bed.mqtt_port = free_port()
     (bed.folder / "mosquitto.conf").write_text(f"listener {bed.mqtt_port} 127.0.0.1\nallow_anonymous true\n")
     bed.programs.append(subprocess.Popen(["mosquitto", "-c", bed.folder / "mosquitto.conf"], stdout=bed.log, stderr=bed.log))
@@ -162,9 +160,8 @@ def run(failure, doors, folder, can=None):
     doors = [door for door in doors if door.concerned_by(failure)]
     bed, consumers = Bed(folder, failure.misbehaves, can), {}
     try:
-        for door in doors:
-            if door.serve:
-                door.serve(bed)
+        for serve in dict.fromkeys(door.serve for door in doors if door.serve):  # doors may share a bridge
+            serve(bed)
         for door in doors:
             for sensor in SENSORS:
                 consumers[door.name, sensor] = Consumer(door.command(bed, sensor), bed.log)

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 from awaiting import await_true
+from stopping import StoppedThread
 
 BUILD = Path(os.environ["SLIPD_BINARY_DIR"])
 # By how much all is slower than elsewhere: a guest's processor is emulated.
@@ -25,7 +26,7 @@ class Bed:
     def __init__(self, folder, misbehaves="steady", can=None):
         self.folder, self.log = Path(folder), open(Path(folder) / "log", "wb")
         self.socket = str(self.folder / "slipd.sock")
-        self.programs, self.bridges, self.can = [], [], can
+        self.programs, self.bridges, self.can, self.stopped = [], [], can, None
         sensor = {"driver": "trial", "rate_hz": RATE_HZ, "stale_after_ms": STALE_AFTER_MS, "layout": {"grid": [16, 16], "pitch_mm": 0.9}}
         options = {"simulated": can is None, "behaviour": misbehaves, "well_until": str(self.folder / "ill")}
         self.write("slipd.json", {
@@ -58,6 +59,8 @@ class Bed:
         (self.folder / "ill").touch()
 
     def end(self):
+        if self.stopped:
+            self.stopped.end()
         for program in self.programs:
             program.send_signal(signal.SIGCONT)
             program.kill()
@@ -66,9 +69,7 @@ class Bed:
 
 
 def _stop_estimate_thread(bed):
-    holder = subprocess.Popen([BUILD / "test-bin" / "stop-thread", str(bed.slipd.pid), "estimate"], stdout=subprocess.PIPE, text=True)
-    bed.programs.insert(0, holder)
-    assert holder.stdout.readline() == "stopped\n"
+    bed.stopped = StoppedThread(bed.slipd.pid, "estimate")
 
 
 def _signal_bridges(number):

@@ -50,7 +50,7 @@ struct WriterOptions {
   // Whether lost samples are sent again.
   bool reliable = true;
   // Longest time between two samples that is offered; 0: none is. Readers that ask for this, for more, or for
-  // none, match. Too short: readers are told of misses that mean nothing.
+  // none, match. Too short: readers hear of missed deadlines although nothing is wrong.
   std::chrono::nanoseconds deadline{0};
   // How long readers take the writer for alive after a sample or assert_alive(); 0: as long as the node
   // lives. It is offered as manual by topic, so that readers match which ask for this or more, of any kind. A

@@ -213,7 +213,6 @@ struct SlipEstimate {
   static constexpr std::uint8_t kStale = 6;
   static constexpr std::uint8_t kFault = 7;
   static constexpr std::uint8_t kDisconnected = 8;
-  static constexpr std::uint8_t kAlertNone = 0;
   static constexpr std::uint8_t kAlertUnknown = 3;
   static constexpr std::uint8_t kSlidingUnknown = 255;
   Header header;

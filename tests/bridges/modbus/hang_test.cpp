@@ -1,10 +1,7 @@
 // slipd-modbus with a slipd that hangs, or is killed, while several PLCs poll: the real programs, and
 // libmodbus as the PLC.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <modbus.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <csignal>
@@ -16,6 +13,7 @@
 
 #include "bridges/modbus/register_map.hpp"
 #include "tests/support/daemon.hpp"
+#include "tests/support/free_port.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -32,18 +30,6 @@ constexpr auto kMaxAge = 50ms, kSilent = 200ms;
 constexpr int kLeft = kFirstBlock, kRight = kFirstBlock + kBlockSize;
 constexpr int kGamma = 2, kAlert = 10, kCause = 19;
 using Answer = std::array<std::uint16_t, kFirstBlock + 2 * kBlockSize>;
-
-int unused_port() {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof at;
-  EXPECT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&at), size), 0);
-  getsockname(fd, reinterpret_cast<sockaddr*>(&at), &size);
-  close(fd);
-  return ntohs(at.sin_port);
-}
 
 class Poller {
  public:
@@ -136,7 +122,7 @@ class ModbusWithoutSlipd : public ::testing::Test {
       : config_(config_with(folder_, nlohmann::json::array(
                                          {trial_sensor("left"), trial_sensor("right", {{"gamma", 0.05}})}))),
         slipd_(std::make_unique<Daemon>(config_, trial_drivers())),
-        port_(unused_port()),
+        port_(free_port()),
         bridge_(folder_, "modbus",
                 {(program_folder() / "slipd-modbus").string(), "--config",
                  folder_

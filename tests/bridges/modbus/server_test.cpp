@@ -14,29 +14,18 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tests/support/free_port.hpp"
 #include "tests/support/patience.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd::modbus {
 namespace {
 
-int free_port() {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof at;
-  EXPECT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&at), size), 0);
-  getsockname(fd, reinterpret_cast<sockaddr*>(&at), &size);
-  close(fd);
-  return ntohs(at.sin_port);
-}
-
 // The server in a thread of its own.
 class Serving {
  public:
   explicit Serving(std::size_t max_clients = 16, const std::string& slipd = "/nowhere/slipd.sock")
-      : port_(free_port()) {
+      : port_(testing::free_port()) {
     ServerSettings settings;
     settings.port = port_;
     settings.max_clients = max_clients;

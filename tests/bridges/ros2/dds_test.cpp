@@ -29,16 +29,6 @@ unsigned own_domain() {
   return 1 + static_cast<unsigned>(getpid()) % 100;
 }
 
-// Waits for what other participants see and tell no waitset of.
-template <class Condition>
-void await(const Condition& condition) {
-  const auto until = std::chrono::steady_clock::now() + slipd::testing::kPatience;
-  while (!condition()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), until);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-}
-
 // Waits until `condition` holds, which events of `entity` change.
 template <class Condition>
 void await(dds_entity_t participant, dds_entity_t entity, std::uint32_t events, const Condition& condition) {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "bridges/support/clock.hpp"
-#include "tests/support/patience.hpp"
+#include "tests/support/awaiting.hpp"
 
 namespace slipd::ros2 {
 namespace {
@@ -23,22 +23,13 @@ namespace {
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
+using slipd::testing::await_true;
 
 constexpr std::chrono::milliseconds kDeadline{200}, kLease{400};
 
 // A domain of this process, apart from those of dds_test.cpp.
 unsigned subjects_domain() {
   return 1 + (static_cast<unsigned>(getpid()) + 75) % 100;
-}
-
-// What a reader is told until `enough` holds.
-template <class Enough>
-void await_told(const Enough& enough) {
-  const auto until = std::chrono::steady_clock::now() + slipd::testing::kPatience;
-  while (!enough()) {
-    ASSERT_LT(std::chrono::steady_clock::now(), until);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
 }
 
 struct ReaderAsks {
@@ -120,7 +111,7 @@ class Told : public ::testing::Test {
     };
     std::string other;
     ASSERT_TRUE(subjects_->add({"left", "left", "sim", "/t", topic}, other));
-    await_told(
+    await_true(
         [&] { return estimate_.matched() && margin_.matched() && wrench_.matched() && alert_.matched(); });
     subjects_->set_connected(true);
   }
@@ -163,14 +154,14 @@ class Told : public ::testing::Test {
 TEST_F(Told, AReaderThatAsksForMoreThanIsPromisedDoesNotMatch) {
   const TopicReader<Float32> sooner(participant_, "/t/left/margin", {kDeadline / 2, {}});
   const TopicReader<Float32> shorter(participant_, "/t/left/margin", {{}, kLease / 2});
-  await_told([&] { return sooner.incompatible() != 0 && shorter.incompatible() != 0; });
+  await_true([&] { return sooner.incompatible() != 0 && shorter.incompatible() != 0; });
   EXPECT_EQ(sooner.incompatible(), std::uint32_t{DDS_DEADLINE_QOS_POLICY_ID});
   EXPECT_EQ(shorter.incompatible(), std::uint32_t{DDS_LIVELINESS_QOS_POLICY_ID});
 }
 
 TEST_F(Told, AnEstimateThatNoneFollowsIsStaleAndItsRaisedAlertStands) {
   subjects_->take(sample(SLIPD_ALERT_SLIP, std::chrono::milliseconds(20)));
-  await_told([&] { return has(estimates(), SlipEstimate::kStale, SLIPD_ALERT_SLIP, 5); });
+  await_true([&] { return has(estimates(), SlipEstimate::kStale, SLIPD_ALERT_SLIP, 5); });
   EXPECT_FALSE(has(estimates(), SlipEstimate::kStale, SLIPD_ALERT_UNKNOWN));
   EXPECT_TRUE(std::isnan(margin_.told([](const auto& m) { return m.data; }).back()));
   EXPECT_THAT(alerts(), SizeIs(1)) << "a raised alert that stands is no news";
@@ -178,8 +169,8 @@ TEST_F(Told, AnEstimateThatNoneFollowsIsStaleAndItsRaisedAlertStands) {
 
 TEST_F(Told, WithoutEstimatesTheAlertIsUnknownAndThatIsNews) {
   subjects_->take(sample(SLIPD_ALERT_NONE, std::chrono::milliseconds(20)));
-  await_told([&] { return has(estimates(), SlipEstimate::kStale, SLIPD_ALERT_UNKNOWN, 5); });
-  await_told([&] { return alerts().size() >= 2; });
+  await_true([&] { return has(estimates(), SlipEstimate::kStale, SLIPD_ALERT_UNKNOWN, 5); });
+  await_true([&] { return alerts().size() >= 2; });
   EXPECT_THAT(alerts(), ElementsAre(StateAndAlert(SlipEstimate::kOk, SLIPD_ALERT_NONE),
                                     StateAndAlert(SlipEstimate::kStale, SLIPD_ALERT_UNKNOWN)));
   EXPECT_THAT(subjects_->diagnostics(1).at(0).values.at(1).value, "unknown");
@@ -188,7 +179,7 @@ TEST_F(Told, WithoutEstimatesTheAlertIsUnknownAndThatIsNews) {
 TEST_F(Told, ASlipdThatGoesIsDisconnectedAtOnceAndAgainAndAgain) {
   subjects_->take(sample(SLIPD_ALERT_NONE, kLong));
   subjects_->set_connected(false);
-  await_told([&] { return has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_UNKNOWN, 5); });
+  await_true([&] { return has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_UNKNOWN, 5); });
   EXPECT_FALSE(has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_NONE));
   EXPECT_TRUE(std::isnan(margin_.told([](const auto& m) { return m.data; }).back()));
 }
@@ -199,7 +190,7 @@ TEST_F(Told, AnAlertThatOnlyItsEventHasBroughtStands) {
   raised.event = SLIPD_EVENT_ALERT;
   subjects_->take(raised);
   subjects_->set_connected(false);
-  await_told([&] { return has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_WARN); });
+  await_true([&] { return has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_WARN); });
 }
 
 TEST_F(Told, AFaultStandsWhileSlipdAnswers) {
@@ -207,16 +198,16 @@ TEST_F(Told, AFaultStandsWhileSlipdAnswers) {
   fault.state = SLIPD_STATE_FAULT;
   fault.valid_until_ns = 0;
   subjects_->take(fault);
-  await_told([&] { return has(estimates(), SlipEstimate::kFault, SLIPD_ALERT_UNKNOWN, 5); });
+  await_true([&] { return has(estimates(), SlipEstimate::kFault, SLIPD_ALERT_UNKNOWN, 5); });
   subjects_->set_connected(false);
-  await_told([&] { return has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_UNKNOWN); });
+  await_true([&] { return has(estimates(), SlipEstimate::kDisconnected, SLIPD_ALERT_UNKNOWN); });
 }
 
 TEST_F(Told, TheEndIsSaidBeforeTheTopicsGo) {
   subjects_->take(sample(SLIPD_ALERT_SLIP, kLong));
   subjects_.reset();
-  await_told([&] { return !estimate_.matched() && !margin_.matched(); });
-  await_told([&] { return estimate_.disposed() && margin_.disposed(); });
+  await_true([&] { return !estimate_.matched() && !margin_.matched(); });
+  await_true([&] { return estimate_.disposed() && margin_.disposed(); });
   EXPECT_EQ(estimates().back(), StateAndAlert(SlipEstimate::kDisconnected, SLIPD_ALERT_SLIP));
   EXPECT_TRUE(std::isnan(margin_.told([](const auto& m) { return m.data; }).back()));
 }
@@ -235,7 +226,7 @@ TEST_F(Told, AllMessagesOfASampleHaveOneStamp) {
   EXPECT_EQ(subjects_->stamp_of("left", one.sequence, one.realtime_ns), first_ns);
   constexpr std::int64_t kSecondNs = 1'000'000'000;
   const auto stamp = [](const auto& m) { return kSecondNs * m.header.stamp.sec + m.header.stamp.nanosec; };
-  await_told([&] { return alerts().size() >= 2; });
+  await_true([&] { return alerts().size() >= 2; });
   EXPECT_THAT(alert_.told(stamp), Each(first_ns));
   // Before, messages without a sample had stamps of their own.
   EXPECT_EQ(estimate_.told(stamp).back(), first_ns);

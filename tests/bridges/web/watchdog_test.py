@@ -1,32 +1,18 @@
 #!/usr/bin/env python3
 """The watchdog of slipd-web: fed while both of its threads run, and not longer."""
-import contextlib
 import os
 import signal
 import socket
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
 from awaiting import PATIENCE_S, await_true
-from bed import BUILD, Bed
+from bed import Bed
+from stopping import StoppedThread
 
 PERIOD_S = 1  # of WATCHDOG_USEC: it is fed at least each 0.75 s
 SILENCE_S = 4 * PERIOD_S  # without being fed it is not fed any more
-
-
-@contextlib.contextmanager
-def stopped(program, thread):
-    """One thread of it stands still."""
-    holder = subprocess.Popen([BUILD / "test-bin/stop-thread", str(program.process.pid), thread], stdout=subprocess.PIPE, text=True)
-    try:
-        assert holder.stdout.readline() == "stopped\n"
-        yield
-    finally:
-        holder.kill()
-        holder.wait()
-        holder.stdout.close()
 
 
 class Watchdog(unittest.TestCase):
@@ -58,13 +44,13 @@ class Watchdog(unittest.TestCase):
             self.assertTrue(self.fed())
 
     def test_the_thread_that_serves_browsers_must_run(self):
-        with stopped(self.bed.web, "serve"):
+        with StoppedThread(self.bed.web.process.pid, "serve"):
             await_true(self.starves, "the end of feeding")
         self.assertTrue(self.fed())
         self.assertEqual(self.bed.get("/")[0], 200)
 
     def test_the_thread_that_asks_slipd_must_run(self):
-        with stopped(self.bed.web, "slipd-web"):
+        with StoppedThread(self.bed.web.process.pid, "slipd-web"):
             await_true(self.starves, "the end of feeding")
         self.assertTrue(self.fed())
 

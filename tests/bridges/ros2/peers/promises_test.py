@@ -5,8 +5,8 @@ import math, os, signal, struct, subprocess, threading, time, unittest
 from awaiting import PATIENCE_S, await_true
 from mcap_test import BUILD, STATE_DISCONNECTED
 from network_test import FLOAT, READER, Bed
+from stopping import StoppedThread
 
-STOP_THREAD = os.path.join(BUILD, "test-bin", "stop-thread")
 CYCLONE = os.path.join(BUILD, "test-bin", "ros2-cyclone-reader")
 ESTIMATE = "slipd_msgs::msg::dds_::SlipEstimate_"
 DEADLINE_MS, LEASE_MS = 200, 400  # docs/ros2.md
@@ -142,31 +142,23 @@ class Promises(Bed):
         self.slipd = self.start_slipd()
         self.await_all("slipd started", at, *self.OK)
 
-    def stop_thread(self, process, name):
-        """Time at which the thread stood still. Ending the holder lets it go on."""
-        holder = subprocess.Popen([STOP_THREAD, str(process.pid), name], stdout=subprocess.PIPE, text=True)
-        self.addCleanup(holder.stdout.close)
-        self.addCleanup(holder.wait)
-        self.addCleanup(holder.kill)
-        if holder.stdout.readline() != "stopped\n":
-            self.skipTest("threads may not be stopped here: root may")
-        return holder, time.monotonic()
+    def hangs(self, process, thread, what):
+        """Readers are told while the thread stands still that all is stale, and that it is not once it goes on."""
+        try:
+            stopped = StoppedThread(process.pid, thread)
+        except PermissionError as why:
+            self.skipTest(str(why))
+        with stopped:
+            at = time.monotonic()
+            self.await_all(f"{what} stopped", at, *self.SILENT)
+            self.await_repeats(f"{what} stopped", at, without_numbers)
+        self.await_all(f"{what} continued", time.monotonic(), *self.OK)
 
     def test_a_slipd_whose_estimate_thread_hangs_is_stale(self):
-        holder, at = self.stop_thread(self.slipd, "estimate")
-        self.await_all("slipd's estimate thread stopped", at, *self.SILENT)
-        self.await_repeats("slipd's estimate thread stopped", at, without_numbers)
-        holder.kill()
-        at = time.monotonic()
-        self.await_all("slipd's estimate thread continued", at, *self.OK)
+        self.hangs(self.slipd, "estimate", "slipd's estimate thread")
 
     def test_a_bridge_whose_loop_hangs_says_that_all_is_stale(self):
-        holder, at = self.stop_thread(self.bridge, "slipd-ros2")
-        self.await_all("slipd-ros2's loop stopped", at, *self.SILENT)
-        self.await_repeats("slipd-ros2's loop stopped", at, without_numbers)
-        holder.kill()
-        at = time.monotonic()
-        self.await_all("slipd-ros2's loop continued", at, *self.OK)
+        self.hangs(self.bridge, "slipd-ros2", "slipd-ros2's loop")
 
     def await_repeats(self, what, since, condition):
         """Messages without numbers go on to come: twenty of them are ten promises."""
