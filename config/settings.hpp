@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/contact/scene.hpp"
-#include "core/estimate/finger_pose.hpp"
 #include "core/estimate/settings.hpp"
-#include "core/plausibility/limits.hpp"
+#include "core/grasp/finger_pose.hpp"
+#include "core/health/limits.hpp"
 #include "driver_api/driver.hpp"
 #include "schema/settings_error.hpp"
 

@@ -16,12 +16,12 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "core/estimate/model_setup.hpp"
-#include "core/model/model_file.hpp"
-#include "core/model/setup_json.hpp"
 #include "core/storage/unique_fd.hpp"
 #include "core/storage/whole_file.hpp"
 #include "daemon/log/log.hpp"
+#include "paper/model/model_file.hpp"
+#include "paper/model/setup_json.hpp"
+#include "paper/model_setup.hpp"
 
 namespace slipd {
 namespace {
@@ -91,13 +91,13 @@ std::filesystem::path trainer_beside_program() {
   return !error && std::filesystem::exists(beside, error) ? beside : std::filesystem::path("sliplab");
 }
 
-std::shared_ptr<const Model> ModelProvider::get(const std::string& sensor, const ChainSetup& setup) {
+std::shared_ptr<const TrainedModel> ModelProvider::get(const std::string& sensor, const ChainSetup& setup) {
   const ModelSetup wanted = model_setup_of(setup);
   const auto folder = model_cache_directory();
   const auto file = model_cache_file(wanted, folder);
-  std::weak_ptr<const Model>& known = loaded_[file];
+  std::weak_ptr<const TrainedModel>& known = loaded_[file];
   if (auto model = known.lock()) return model;
-  const auto load = [&] {
+  const auto load = [&]() -> std::shared_ptr<const TrainedModel> {
     auto model = std::make_shared<const Model>(load_cached_model(wanted, folder));
     known = model;
     return model;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 
 namespace slipd {
 
@@ -23,7 +23,7 @@ class ModelProvider {
   // Called from one thread: set-up. The model of this scene. A cached one that is damaged or foreign is
   // logged and trained anew. A failure to save a new one is logged only. May take minutes. Throws
   // std::runtime_error if there is no model, and soon after stop.
-  std::shared_ptr<const Model> get(const std::string& sensor, const ChainSetup& setup);
+  std::shared_ptr<const TrainedModel> get(const std::string& sensor, const ChainSetup& setup);
 
   // Called from any thread. Ends a training soon, and lets none begin.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
@@ -31,7 +31,8 @@ class ModelProvider {
  private:
   std::vector<std::uint8_t> train(const std::string& sensor, const std::string& setup_json);
   std::filesystem::path trainer_;
-  std::map<std::filesystem::path, std::weak_ptr<const Model>> loaded_;  // shared by sensors of the same scene
+  std::map<std::filesystem::path, std::weak_ptr<const TrainedModel>>
+      loaded_;                     // shared by sensors of the same scene
   std::atomic<bool> stop_{false};  // relaxed: no other memory is read because of it
 };
 

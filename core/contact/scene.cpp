@@ -10,4 +10,13 @@ std::vector<ObjectFamily> paper_objects() {
   return {stiff, soft};
 }
 
+Range expected_friction(const Scene& scene) {
+  Range all{0.1, 0.9};
+  if (!scene.objects.empty()) all = scene.objects.front().friction;
+  for (const auto& family : scene.objects) {
+    all = {std::min(all.low, family.friction.low), std::max(all.high, family.friction.high)};
+  }
+  return all;
+}
+
 }  // namespace slipd

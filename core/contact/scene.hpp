@@ -66,4 +66,7 @@ struct Scene {
 // The two halves of the data set of docs/theory.md §9.1: stiff objects and soft ones.
 std::vector<ObjectFamily> paper_objects();
 
+// The friction that a scene's objects may have; that of docs/theory.md §9.1 for a scene without objects.
+Range expected_friction(const Scene& scene);
+
 }  // namespace slipd

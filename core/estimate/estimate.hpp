@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "core/frame/frame.hpp"
-#include "core/plausibility/health.hpp"
+#include "core/health/health.hpp"
 #include "core/sliding/sliding.hpp"
 
 namespace slipd {

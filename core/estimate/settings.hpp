@@ -41,7 +41,7 @@ enum class AlertUse : std::uint8_t {
 
 struct ContactSettings {
   // P below which the sensor is not in contact, N, >= 0; none: default_min_normal_n of its layout
-  // (core/estimate/contact_gate.hpp).
+  // (core/patch/contact_gate.hpp).
   std::optional<double> min_normal_n;
   bool operator==(const ContactSettings&) const = default;
 };

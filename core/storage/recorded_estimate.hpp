@@ -60,7 +60,7 @@ struct RecordedEstimate {
   double sliding_for_s = kUnknown;
   // Method of core/estimate/estimate.hpp.
   std::uint8_t method = kNoCode;
-  // Health of core/plausibility/health.hpp.
+  // Health of core/health/health.hpp.
   std::uint8_t health = kNoCode;
 
   // Whether it has all that was estimated; else it is of a recording from before gamma_low and what follows.

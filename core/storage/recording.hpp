@@ -45,7 +45,7 @@
 //                         "sliding_for_s" (float64 or null), "method" and "health" (uint or null). Numbers
 //                         of names are those of State, Alert, AlertCause and Method of
 //                         core/estimate/estimate.hpp, Sliding of core/sliding/sliding.hpp and Health of
-//                         core/plausibility/health.hpp. Further entries are of a newer slipd, and passed over
+//                         core/health/health.hpp. Further entries are of a newer slipd, and passed over
 // The last item of a recording that was finished is the index, a map of these entries in this order, with
 // widths as above:
 //   "index"     byte string: of some blocks, the first one among them, position in the file and "first_ns",

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cstdint>
 
-#include "core/bias/bias.hpp"
 #include "core/frame/latest.hpp"
+#include "core/zero/bias.hpp"
 
 namespace slipd {
 

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/finger_pose.hpp"
 #include "core/frame/latest.hpp"
 #include "core/frame/layout.hpp"
-#include "core/model/work_precision.hpp"
-#include "core/plausibility/health.hpp"
+#include "core/grasp/finger_pose.hpp"
+#include "core/health/health.hpp"
+#include "core/reading/method/work_precision.hpp"
 #include "daemon/board/bias_channel.hpp"
 #include "daemon/board/frame_copy.hpp"
 #include "daemon/board/latency.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <new>
 
-#include "core/bias/gain.hpp"
+#include "core/zero/gain.hpp"
 
 namespace slipd {
 namespace {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bias/bias_estimator.hpp"
+#include "core/zero/bias_estimator.hpp"
 #include "daemon/board/bias_channel.hpp"
 #include "daemon/rt/doorbell.hpp"
 #include "daemon/state/bias_file.hpp"

@@ -5,8 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "core/estimate/fit.hpp"
-#include "core/estimate/tradeoff.hpp"
+#include "core/frame/few_taxels.hpp"
 
 namespace slipd {
 namespace {
@@ -20,7 +19,7 @@ std::string why_method_is_replaced(const ChainSetup& setup) {
   if (!always_fits(setup) || configured == MethodChoice::automatic || configured == MethodChoice::fit)
     return {};
   return "fit is used and not the configured estimator.method: while tracking is on, a sensor of at most " +
-         std::to_string(Fit::kFewTaxels) + " taxels always uses fit, as no single frame tells its margin";
+         std::to_string(kFewTaxels) + " taxels always uses fit, as no single frame tells its margin";
 }
 
 EstimatorFactory::EstimatorFactory(const Settings& settings,
@@ -72,9 +71,8 @@ void EstimatorFactory::run() {
 
 void EstimatorFactory::make(const Job& job) {
   SensorRuntime& runtime = *runtimes_[job.sensor];
-  const EstimatorInstance* instance = nullptr;
   try {
-    instance = &build(job, runtime);
+    build(job, runtime);
     runtime.refused.store(false, std::memory_order_relaxed);
   } catch (const std::exception& error) {
     const std::string trouble = error.what();
@@ -84,10 +82,6 @@ void EstimatorFactory::make(const Job& job) {
                runtime.status.name.c_str(), trouble.c_str());
   }
   estimate_.ring();
-  // Measured after the estimator is in use, because nothing depends on it.
-  if (instance == nullptr || !instance->work_precision.rows.empty()) return;
-  const WorkPrecision work_precision = measure_work_precision(instance->setup, instance->method);
-  runtime.status.change_facts([&](DeviceFacts& facts) { facts.tradeoff = work_precision; });
 }
 
 const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& runtime) {
@@ -109,7 +103,7 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
   std::optional<EstimatorChain> chain = take_learned_state(runtime, setup);
   const char* const past = chain ? ", with what it had learnt before the reload" : "";
   if (!chain) {
-    std::shared_ptr<const Model> model;
+    std::shared_ptr<const TrainedModel> model;
     if (needs_model(setup)) model = models_(runtime.status.name, setup);
     chain.emplace(setup, std::move(model));
     if (const std::string why = why_method_is_replaced(setup); !why.empty())

@@ -19,7 +19,7 @@ namespace slipd {
 // The trained model for a chain that needs one. Called from one thread: set-up. May take minutes. Throws
 // std::exception if there is none, and soon after a stop was requested.
 using ModelSource =
-    std::function<std::shared_ptr<const Model>(const std::string& sensor, const ChainSetup& setup)>;
+    std::function<std::shared_ptr<const TrainedModel>(const std::string& sensor, const ChainSetup& setup)>;
 
 // Why the chain does not use the configured method, for people; empty where it does.
 std::string why_method_is_replaced(const ChainSetup& setup);

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "config/settings.hpp"
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 #include "core/frame/mailbox.hpp"
-#include "core/model/work_precision.hpp"
+#include "core/reading/method/work_precision.hpp"
 #include "daemon/rt/doorbell.hpp"
 #include "driver_api/driver.hpp"
 

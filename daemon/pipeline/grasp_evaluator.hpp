@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/estimate/grasp.hpp"
+#include "core/grasp/grasp.hpp"
 #include "daemon/board/board.hpp"
 
 namespace slipd {

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "core/model/work_precision.hpp"
+#include "core/reading/method/work_precision.hpp"
 #include "daemon/telemetry/service_context.hpp"
 
 namespace slipd {

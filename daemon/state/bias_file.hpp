@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bias/bias.hpp"
+#include "core/zero/bias.hpp"
 #include "daemon/rt/clock.hpp"
 
 namespace slipd {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
 
 namespace {

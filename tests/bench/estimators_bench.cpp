@@ -10,11 +10,11 @@
 #include <functional>
 #include <random>
 
-#include "core/estimate/fit.hpp"
-#include "core/estimate/moments.hpp"
-#include "core/estimate/svd_knn.hpp"
-#include "core/estimate/tradeoff.hpp"
-#include "core/model/alpha.hpp"
+#include "core/reading/fit/fit.hpp"
+#include "core/reading/moments/moments.hpp"
+#include "paper/dataset/alpha.hpp"
+#include "paper/method/svd_knn.hpp"
+#include "paper/validation/tradeoff.hpp"
 #include "tests/bench/scenes.hpp"
 #include "tests/bench/times.hpp"
 
@@ -43,7 +43,7 @@ void time_method(benchmark::State& state, const ChainSetup& setup, SlipMethod& m
     const Frame& frame = frames.next();
     const std::int64_t since = now_ns();
     const ContactPatch& patch = finder.find(frame);
-    const FrameEstimate reading = method.estimate(frame, patch);
+    const Reading reading = method.estimate(frame, patch);
     times.add(since);
     answered += reading.in_model ? 1 : 0;
     ++asked;

@@ -3,11 +3,12 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "core/estimate/model_setup.hpp"
-#include "core/estimate/trial_frames.hpp"
-#include "core/model/model_file.hpp"
-#include "core/model/train.hpp"
+#include "core/contact/scene_draws.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
+#include "paper/model/model_file.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
+#include "paper/validation/trial_frames.hpp"
 
 namespace slipd::bench {
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 #include "core/frame/frame.hpp"
-#include "core/model/model.hpp"
+#include "paper/model/model.hpp"
 
 namespace slipd::bench {
 

@@ -32,7 +32,7 @@ inline Quantiles quantiles_of(std::vector<std::int64_t> times) {
   return {at(0.5), at(0.99), at(0.999), at(1)};
 }
 
-// FrameEstimate the clock twice is part of each time: some 40 ns.
+// Reading the clock twice is part of each time: some 40 ns.
 class Times {
  public:
   Times() { times_.reserve(1U << 20U); }

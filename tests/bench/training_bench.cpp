@@ -11,10 +11,10 @@
 #include <thread>
 #include <vector>
 
-#include "core/model/fold.hpp"
-#include "core/model/frame_columns.hpp"
-#include "core/model/neighbours.hpp"
-#include "core/model/svd.hpp"
+#include "paper/basis/svd.hpp"
+#include "paper/dataset/fold.hpp"
+#include "paper/dataset/frame_columns.hpp"
+#include "paper/neighbours/neighbours.hpp"
 #include "tests/bench/scenes.hpp"
 #include "tests/bench/times.hpp"
 

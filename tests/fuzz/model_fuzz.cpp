@@ -2,8 +2,8 @@
 // whether the rest is the whole file or the body of one with a matching checksum.
 #include <cmath>
 
-#include "core/model/knn.hpp"
-#include "core/model/model_file.hpp"
+#include "paper/method/knn.hpp"
+#include "paper/model/model_file.hpp"
 #include "tests/fuzz/demand.hpp"
 #include "tests/fuzz/sealed.hpp"
 

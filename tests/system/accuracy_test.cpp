@@ -12,10 +12,10 @@
 #include <numeric>
 
 #include "config/settings.hpp"
-#include "core/estimate/chain.hpp"
-#include "core/estimate/model_setup.hpp"
-#include "core/model/train.hpp"
+#include "core/chain/chain.hpp"
 #include "daemon/pipeline/modules.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
 #include "tests/support/daemon.hpp"
 
 namespace slipd::testing {

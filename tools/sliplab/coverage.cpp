@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/model_setup.hpp"
-#include "core/model/train.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/coverage/measure.hpp"
 #include "tools/sliplab/gnuplot.hpp"

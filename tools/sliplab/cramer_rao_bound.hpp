@@ -5,9 +5,9 @@
 
 #include "core/contact/history.hpp"
 #include "core/contact/scene.hpp"
-#include "core/estimate/trial_frames.hpp"
+#include "core/contact/scene_draws.hpp"
 #include "core/frame/layout.hpp"
-#include "core/model/dataset.hpp"
+#include "paper/validation/trial_frames.hpp"
 
 namespace sliplab {
 

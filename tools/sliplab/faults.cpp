@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/model_setup.hpp"
-#include "core/model/train.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/faults/report.hpp"
 #include "tools/sliplab/noise_options.hpp"

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/estimate/model_setup.hpp"
-#include "core/model/train.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/gnuplot.hpp"
 #include "tools/sliplab/histories/drive.hpp"

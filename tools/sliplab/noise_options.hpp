@@ -1,7 +1,7 @@
 // The noise of simulated frames on the command line.
 #pragma once
 
-#include "core/estimate/trial_frames.hpp"
+#include "paper/validation/trial_frames.hpp"
 
 namespace CLI {
 class App;

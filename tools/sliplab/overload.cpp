@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/model_setup.hpp"
-#include "core/model/train.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/noise_options.hpp"
 #include "tools/sliplab/overload/report.hpp"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/model/column_source.hpp"
+#include "paper/dataset/column_source.hpp"
 
 namespace sliplab {
 

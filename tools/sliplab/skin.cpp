@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "config/settings.hpp"
-#include "core/estimate/tradeoff.hpp"
+#include "paper/validation/tradeoff.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/replay/frames.hpp"
 #include "tools/sliplab/skin/depth.hpp"

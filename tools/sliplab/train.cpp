@@ -1,7 +1,7 @@
 // sliplab train: trains the model of a scene and stores it where slipd looks for it. slipd starts it as a
 // child process when no model exists, so that training takes neither time nor memory of the process that
 // estimates.
-#include "core/model/train.hpp"
+#include "paper/train.hpp"
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -13,10 +13,10 @@
 #include <nlohmann/json.hpp>
 
 #include "config/settings.hpp"
-#include "core/estimate/model_setup.hpp"
-#include "core/estimate/tradeoff.hpp"
-#include "core/model/model_file.hpp"
-#include "core/model/setup_json.hpp"
+#include "paper/model/model_file.hpp"
+#include "paper/model/setup_json.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/validation/tradeoff.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/progress.hpp"
 

@@ -1,4 +1,4 @@
-// One Winkler foundation in its plain form. core/estimate/winkler_foundations follows many of them and must
+// One Winkler foundation in its plain form. core/friction/winkler_foundations follows many of them and must
 // agree with this one to the last bit; this one must agree with the exact load history.
 #pragma once
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
 #include "tests/support/gripper/gripper.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "config/settings.hpp"
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 #include "daemon/can/scheduler.hpp"
 #include "drivers/sim/grip_input.hpp"
 #include "drivers/sim/simulated_sensor.hpp"

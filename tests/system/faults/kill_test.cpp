@@ -9,8 +9,8 @@
 
 #include <random>
 
-#include "core/model/model_file.hpp"
 #include "core/storage/unique_fd.hpp"
+#include "paper/model/model_file.hpp"
 #include "tests/support/daemon.hpp"
 #include "tests/support/replayed.hpp"
 #include "tests/support/subscriber.hpp"

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/contact/imprint.hpp"
-#include "core/estimate/imprint_model.hpp"
 #include "core/frame/layout.hpp"
+#include "core/reading/fit/contact_shape.hpp"
 
 namespace sliplab {
 namespace {
@@ -26,7 +26,7 @@ TEST(BoundByClosing, IsNearThatOfAKnownShapeForASphere) {
   const auto pair = slipd::contact::make_body_pair({0.01, 0.5e6, 0.45}, {0.02, 2e11, 0.25});
   const double a_m = pair.contact_radius_m(2);
   for (const double depth_m : {0.0, 1e-3}) {
-    slipd::ImprintModel model(kLayout, depth_m, {});
+    slipd::ContactShape model(kLayout, depth_m, {});
     const KnownImprint truth{
         .x_m = 0.4e-3, .y_m = -0.3e-3, .ellipse = {a_m, a_m, 0}, .load = 0.2, .gamma = 0.5, .pull_rad = 0.7};
     const double of_shape = cramer_rao_sigma(model, truth, 0.01), by_closing = bound_by_closing(depth_m, 2);

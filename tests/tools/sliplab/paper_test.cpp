@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/numeric/random.hpp"
-#include "tests/core/model/matrix_source.hpp"
+#include "tests/paper/matrix_source.hpp"
 #include "tools/sliplab/paper/experiment.hpp"
 #include "tools/sliplab/paper/split.hpp"
 #include "tools/sliplab/paper/vote.hpp"

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "core/estimate/chain.hpp"
-#include "core/model/model.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/model/model.hpp"
 
 namespace sliplab {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "core/contact/history.hpp"
-#include "core/estimate/trial_frames.hpp"
 #include "core/frame/frame.hpp"
 #include "core/numeric/random.hpp"
+#include "paper/validation/trial_frames.hpp"
 #include "tools/sliplab/parallel.hpp"
 
 namespace sliplab {

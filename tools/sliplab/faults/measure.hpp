@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
-#include "core/model/model.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/model/model.hpp"
 #include "tools/sliplab/alerts/trial.hpp"
 #include "tools/sliplab/faults/fault.hpp"
 #include "tools/sliplab/histories/drive.hpp"

@@ -6,7 +6,7 @@
 
 #include "core/contact/history.hpp"
 #include "core/contact/imprint.hpp"
-#include "core/estimate/thread_clock.hpp"
+#include "paper/validation/thread_clock.hpp"
 #include "tools/sliplab/histories/friction_trace.hpp"
 
 namespace sliplab {

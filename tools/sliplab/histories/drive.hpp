@@ -5,8 +5,8 @@
 #include <array>
 #include <functional>
 
-#include "core/estimate/chain.hpp"
-#include "core/estimate/trial_frames.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/validation/trial_frames.hpp"
 #include "tools/sliplab/error_statistics.hpp"
 #include "tools/sliplab/histories/grasp.hpp"
 

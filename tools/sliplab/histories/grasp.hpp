@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/contact/scene.hpp"
-#include "core/model/dataset.hpp"
+#include "core/contact/scene_draws.hpp"
 #include "core/numeric/random.hpp"
 
 namespace sliplab {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
-#include "core/model/model.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/model/model.hpp"
 #include "tools/sliplab/histories/drive.hpp"
 #include "tools/sliplab/overload/skipping.hpp"
 

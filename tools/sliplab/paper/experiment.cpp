@@ -4,8 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "core/contact/scene.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/model/svd.hpp"
+#include "paper/basis/svd.hpp"
 #include "tools/sliplab/paper/vote.hpp"
 
 namespace sliplab {

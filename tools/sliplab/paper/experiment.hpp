@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/model/paper_columns.hpp"
+#include "paper/dataset/paper_columns.hpp"
 #include "tools/sliplab/paper/split.hpp"
 
 namespace sliplab {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/dataset.hpp"
+#include "paper/dataset/dataset.hpp"
 
 namespace sliplab {
 

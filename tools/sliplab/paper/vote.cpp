@@ -4,7 +4,7 @@
 #include <array>
 #include <thread>
 
-#include "core/model/blocks.hpp"
+#include "paper/dataset/blocks.hpp"
 
 namespace sliplab {
 

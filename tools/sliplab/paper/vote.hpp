@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/model/column_source.hpp"
+#include "paper/dataset/column_source.hpp"
 #include "tools/sliplab/paper/split.hpp"
 
 namespace sliplab {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "config/settings.hpp"
-#include "core/bias/bias_estimator.hpp"
-#include "core/bias/gain.hpp"
+#include "core/zero/bias_estimator.hpp"
+#include "core/zero/gain.hpp"
 #include "drivers/replay/options.hpp"
 #include "drivers/replay/playlist.hpp"
 #include "embedded/replay_options.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
+#include "core/chain/chain.hpp"
 #include "core/frame/frame.hpp"
 
 namespace slipd {

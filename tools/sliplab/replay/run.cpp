@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "config/settings.hpp"
-#include "core/estimate/chain.hpp"
-#include "core/model/model.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/model/model.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/replay/frames.hpp"
 

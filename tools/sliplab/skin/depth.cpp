@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/estimate/imprint_fit.hpp"
+#include "core/reading/fit/subsurface_fit.hpp"
 
 namespace sliplab {
 namespace {
@@ -16,7 +16,7 @@ constexpr std::size_t kDepths = 13;
 // Searches, each between the neighbours of the last one's best.
 constexpr int kSearches = 2;
 // Below this share of a taxel's side a skin is the surface, see with_felt_skin in
-// core/estimate/chain_parts.cpp.
+// core/chain/chain_parts.cpp.
 constexpr double kThinnestSides = 1.0 / 9;
 // Presses without which no depth is told: one or two may as well be edges or objects that are no spheres.
 constexpr std::size_t kLeastPresses = 3;
@@ -43,7 +43,7 @@ class DepthTrial {
       : layout_(layout), friction_(friction), presses_(presses), bonded_poisson_(bonded_poisson) {}
 
   // The same taxels at all depths: those that the deepest reaches.
-  ImprintFit fit_at(double depth_m, double reach_m) const {
+  SubsurfaceFit fit_at(double depth_m, double reach_m) const {
     return {layout_, friction_, depth_m, {}, {.reach_depths = reach_m / depth_m}, 0, bonded_poisson_};
   }
 
@@ -52,7 +52,7 @@ class DepthTrial {
                 .sum = std::vector(kDepths, 0.0)};
     PatchFinder finder(layout_);
     for (std::size_t i = 0; i < kDepths; ++i) {
-      ImprintFit fit = fit_at(search.depth_m(i), reach_m);
+      SubsurfaceFit fit = fit_at(search.depth_m(i), reach_m);
       for (std::size_t j = 0; j < presses_.size(); ++j) {
         const PressFrame& press = presses_[j];
         const ContactPatch& patch = finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa});
@@ -94,7 +94,7 @@ std::optional<Parabola> parabola_at(const std::vector<double>& nats) {
 }
 
 // Of all frames' taxels under clear pressure.
-std::optional<double> gain_spread_of(const TaxelLayout& layout, ImprintFit fit,
+std::optional<double> gain_spread_of(const TaxelLayout& layout, SubsurfaceFit fit,
                                      const std::vector<PressFrame>& presses) {
   constexpr double kLeastPressure = 0.2;  // of the frame's peak
   constexpr std::size_t kLeastTaxels = 8;
@@ -103,7 +103,7 @@ std::optional<double> gain_spread_of(const TaxelLayout& layout, ImprintFit fit,
   for (const PressFrame& press : presses) {
     const ContactPatch& patch = finder.find({1, 1, press.normal_pa, press.shear_x_pa, press.shear_y_pa});
     if (!fit.estimate(patch, moment_ratio(patch, layout)).in_model) continue;
-    const ImprintModel& model = fit.model();
+    const ContactShape& model = fit.model();
     for (std::size_t j = 0; j < model.count(); ++j) {
       const double felt = model.data_pa()[j], noise_pa = patch.noise_normal_pa,
                    fitted = felt + model.residuals()[j] * model.noise().normal_pa;

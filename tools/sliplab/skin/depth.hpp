@@ -1,4 +1,4 @@
-// How deep a sensor's taxels lie under its skin, by frames of presses: ImprintFit at many depths, of which
+// How deep a sensor's taxels lie under its skin, by frames of presses: SubsurfaceFit at many depths, of which
 // the likeliest is taken (docs/theory.md §10.8). Pulls during a press do no harm.
 #pragma once
 

@@ -8,8 +8,8 @@
 
 #include "core/contact/history.hpp"
 #include "core/contact/scene.hpp"
-#include "core/estimate/trial_frames.hpp"
-#include "core/model/dataset.hpp"
+#include "core/contact/scene_draws.hpp"
+#include "paper/validation/trial_frames.hpp"
 
 namespace sliplab {
 

@@ -4,11 +4,11 @@
 #include <numbers>
 #include <optional>
 
-#include "core/estimate/fit.hpp"
-#include "core/estimate/moments.hpp"
-#include "core/estimate/svd_knn.hpp"
-#include "core/model/train.hpp"
 #include "core/patch/patch.hpp"
+#include "core/reading/fit/fit.hpp"
+#include "core/reading/moments/moments.hpp"
+#include "paper/method/svd_knn.hpp"
+#include "paper/train.hpp"
 #include "tools/sliplab/cramer_rao_bound.hpp"
 
 namespace sliplab {
@@ -40,7 +40,7 @@ contact::LoadHistory loaded(const Scene& scene, const ContactDraw& draw, double 
 std::optional<double> margin_in_model(SlipMethod& method, PatchFinder& finder, const Frame& frame) {
   const ContactPatch& patch = finder.find(frame);
   if (!patch.in_contact) return {};
-  const FrameEstimate reading = method.estimate(frame, patch);
+  const Reading reading = method.estimate(frame, patch);
   if (!reading.in_model) return {};
   return reading.gamma;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/method.hpp"
+#include "core/reading/method/method.hpp"
 #include "tools/sliplab/stability/trials.hpp"
 
 namespace sliplab {

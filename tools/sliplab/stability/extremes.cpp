@@ -8,7 +8,7 @@
 
 #include "core/contact/cattaneo_mindlin.hpp"
 #include "core/contact/history.hpp"
-#include "core/model/alpha.hpp"
+#include "paper/dataset/alpha.hpp"
 
 namespace sliplab {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/chain.hpp"
-#include "core/estimate/trial_frames.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/validation/trial_frames.hpp"
 #include "tools/sliplab/error_statistics.hpp"
 #include "tools/sliplab/stability/adversary.hpp"
 #include "tools/sliplab/stability/extremes.hpp"

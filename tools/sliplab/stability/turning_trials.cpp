@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/dataset.hpp"
+#include "core/contact/scene_draws.hpp"
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/torque/grasp.hpp"
 

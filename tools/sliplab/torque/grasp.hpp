@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "core/contact/scene_draws.hpp"
 #include "core/contact/turning_contact.hpp"
 #include "core/frame/frame.hpp"
-#include "core/model/dataset.hpp"
 #include "core/numeric/random.hpp"
 #include "tools/sliplab/torque/measure.hpp"
 

@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 
-#include "core/estimate/chain.hpp"
-#include "core/estimate/model_setup.hpp"
-#include "core/estimate/thread_clock.hpp"
-#include "core/model/train.hpp"
+#include "core/chain/chain.hpp"
+#include "paper/model_setup.hpp"
+#include "paper/train.hpp"
+#include "paper/validation/thread_clock.hpp"
 #include "tools/sliplab/histories/drive.hpp"
 #include "tools/sliplab/parallel.hpp"
 #include "tools/sliplab/torque/grasp.hpp"

@@ -10,30 +10,30 @@
 
 namespace sliplab {
 
-using slipd::ImprintModel;
+using slipd::ContactShape;
 
-double cramer_rao_sigma(ImprintModel& model, const KnownImprint& truth, double noise_share) noexcept {
+double cramer_rao_sigma(ContactShape& model, const KnownImprint& truth, double noise_share) noexcept {
   model.collect_nothing();
   model.set_noise({});
   const slipd::contact::Ellipse& ellipse = truth.ellipse;
   const double log_axes = std::log(ellipse.a_m / ellipse.b_m), twice = 2 * ellipse.angle_rad;
-  ImprintModel::Full at = ImprintModel::Full::Zero();
-  at[ImprintModel::center_x] = truth.x_m;
-  at[ImprintModel::center_y] = truth.y_m;
-  at[ImprintModel::size] = std::sqrt(ellipse.a_m * ellipse.b_m);
-  at[ImprintModel::peak] = 1;
-  at[ImprintModel::load] = truth.load;
-  at[ImprintModel::margin] = truth.gamma;
-  at[ImprintModel::direction] = truth.pull_rad;
-  at[ImprintModel::along] = log_axes * std::cos(twice);
-  at[ImprintModel::across] = log_axes * std::sin(twice);
-  ImprintModel::Normal normal;
-  model.evaluate(at, ellipse.round() ? int{ImprintModel::kRound} : int{ImprintModel::kMost}, normal);
-  normal.hessian(ImprintModel::depth, ImprintModel::depth) = ImprintModel::kHeldDepth;
+  ContactShape::Full at = ContactShape::Full::Zero();
+  at[ContactShape::center_x] = truth.x_m;
+  at[ContactShape::center_y] = truth.y_m;
+  at[ContactShape::size] = std::sqrt(ellipse.a_m * ellipse.b_m);
+  at[ContactShape::peak] = 1;
+  at[ContactShape::load] = truth.load;
+  at[ContactShape::margin] = truth.gamma;
+  at[ContactShape::direction] = truth.pull_rad;
+  at[ContactShape::along] = log_axes * std::cos(twice);
+  at[ContactShape::across] = log_axes * std::sin(twice);
+  ContactShape::Normal normal;
+  model.evaluate(at, ellipse.round() ? int{ContactShape::kRound} : int{ContactShape::kMost}, normal);
+  normal.hessian(ContactShape::depth, ContactShape::depth) = ContactShape::kHeldDepth;
   const auto pressures = model.residuals().first(model.count());
   const double greatest = *std::max_element(pressures.begin(), pressures.end());
-  const slipd::ScaledInverse<ImprintModel::Square> inverse(normal.hessian);
-  return noise_share * greatest * std::sqrt(inverse.variance(ImprintModel::margin));
+  const slipd::ScaledInverse<ContactShape::Square> inverse(normal.hessian);
+  return noise_share * greatest * std::sqrt(inverse.variance(ContactShape::margin));
 }
 
 double cramer_rao_sigma_by_closing(slipd::contact::ImprintSheet& sheet, std::size_t taxels,

@@ -6,7 +6,7 @@
 #include "core/contact/hertz.hpp"
 #include "core/contact/imprint.hpp"
 #include "core/contact/subsurface.hpp"
-#include "core/estimate/imprint_model.hpp"
+#include "core/reading/fit/contact_shape.hpp"
 
 namespace sliplab {
 
@@ -23,7 +23,7 @@ struct KnownImprint {
 // The bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all channels,
 // over the greatest pressure that is read; for a round contact the axes are not unknowns. Infinite where the
 // frame has no information. Overwrites what the model holds.
-double cramer_rao_sigma(slipd::ImprintModel& model, const KnownImprint& truth, double noise_share) noexcept;
+double cramer_rao_sigma(slipd::ContactShape& model, const KnownImprint& truth, double noise_share) noexcept;
 
 // The same for a method that knows what the contact of this pair is felt as under each force, as method
 // closing does without noise: of any shape. Not known are Gamma, the pull, the normal force, and whether the

@@ -9,10 +9,10 @@
 #include <numbers>
 #include <optional>
 
-#include "core/estimate/closing.hpp"
-#include "core/estimate/fit.hpp"
-#include "core/model/dataset.hpp"
+#include "core/contact/scene_draws.hpp"
 #include "core/numeric/random.hpp"
+#include "core/reading/fit/fit.hpp"
+#include "core/reading/pressure_maps/pressure_maps.hpp"
 #include "tools/sliplab/skin_base_name.hpp"
 #include "tools/sliplab/tradeoff/imprint_bound.hpp"
 
@@ -87,7 +87,7 @@ std::unique_ptr<SlipMethod> method_of(const ImprintCase& of, const TaxelLayout& 
   const double depth_m = 1e-3 * of.depth_mm * of.depth_taken;
   const Range friction = expected_friction(scene);
   if (of.method == Method::closing)
-    return std::make_unique<Closing>(layout, friction, Skin{.depth_m = depth_m});
+    return std::make_unique<PressureMaps>(layout, friction, Skin{.depth_m = depth_m});
   return std::make_unique<Fit>(layout, friction, FitOptions{}, depth_m, kUsualDepthSigma,
                                bonded_poisson(scene, of.base_taken));
 }
@@ -97,7 +97,7 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
   // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
   const Range friction = expected_friction(scene);
   const auto bonded = bonded_poisson(scene, of.base);
-  ImprintModel model(layout, 1e-3 * of.depth_mm, bonded);
+  ContactShape model(layout, 1e-3 * of.depth_mm, bonded);
   contact::ImprintSheet sheet(
       layout,
       {.depth_m = 1e-3 * of.depth_mm, .bonded_poisson = bonded, .stretch = of.axes, .power = of.power});

@@ -4,11 +4,13 @@
 #include <memory>
 #include <utility>
 
-#include "core/estimate/fit.hpp"
-#include "core/estimate/moments.hpp"
-#include "core/estimate/svd_knn.hpp"
-#include "core/estimate/tradeoff.hpp"
-#include "core/model/train.hpp"
+#include "core/chain/method_table.hpp"
+#include "core/frame/few_taxels.hpp"
+#include "core/reading/fit/fit.hpp"
+#include "core/reading/moments/moments.hpp"
+#include "paper/method/svd_knn.hpp"
+#include "paper/train.hpp"
+#include "paper/validation/tradeoff.hpp"
 #include "tools/sliplab/tradeoff/over_time.hpp"
 
 namespace sliplab {
@@ -107,7 +109,7 @@ std::vector<Line> lines_of(const std::string& name, const TaxelLayout& layout, c
     }
     mark_front(lines);
   }
-  if (layout.size() <= Fit::kFewTaxels) {
+  if (layout.size() <= kFewTaxels) {
     const std::size_t grasps = std::max<std::size_t>(1, options.contacts / kGraspsPerContact);
     for (auto& line : measure_over_time(name, layout, scene, noise, grasps, seed))
       lines.push_back(std::move(line));

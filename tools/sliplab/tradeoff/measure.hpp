@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/estimate/tradeoff.hpp"
+#include "paper/validation/tradeoff.hpp"
 #include "tools/sliplab/cramer_rao_bound.hpp"
 #include "tools/sliplab/sweep/sweep.hpp"
 

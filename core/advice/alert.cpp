@@ -1,0 +1,137 @@
+#include "core/advice/alert.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace slipd {
+void AlertLogic::Stopwatch::pause(std::int64_t for_ns) noexcept {
+  if (since_ns_ >= 0) since_ns_ += for_ns;
+}
+
+bool AlertLogic::Stopwatch::has_run(bool condition, std::int64_t now_ns, std::int64_t least_ns) noexcept {
+  if (!condition) {
+    restart();
+    return false;
+  }
+  if (since_ns_ < 0) since_ns_ = now_ns;
+  return now_ns - since_ns_ >= least_ns;
+}
+
+Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now, bool watched) noexcept {
+  const std::int64_t passed_ns = time_ns - std::exchange(last_ns_, time_ns);
+  std::optional<double> margin = now.gamma_low;
+  if (settings_.use == AlertUse::margin) {
+    margin = now.gamma;
+    if (margin) *margin -= settings_.sigmas * now.sigma.value_or(0);
+  }
+  if (now.state == State::no_contact) {
+    below_warn_.restart();
+    below_slip_.restart();
+    above_.restart();
+    level_ = Alert::none;
+  } else if (margin) {
+    level_ = level_after(time_ns, *margin);
+  } else {
+    below_warn_.pause(passed_ns);
+    below_slip_.pause(passed_ns);
+    above_.restart();
+  }
+  if (watched || margin || now.state == State::no_contact) watched_ns_ = time_ns;
+  const bool none_holds = watched_ns_ && time_ns - *watched_ns_ <= kNoneHoldsNs;
+  return level_ != Alert::none || none_holds ? level_ : Alert::unknown;
+}
+
+// The level after a sample whose margin is known.
+Alert AlertLogic::level_after(std::int64_t time_ns, double margin) noexcept {
+  const auto least_ns = static_cast<std::int64_t>(settings_.min_ms * 1e6);
+  const bool slip = below_slip_.has_run(margin < settings_.slip_below, time_ns, least_ns);
+  const bool warn = below_warn_.has_run(margin < settings_.warn_below, time_ns, least_ns);
+  if (slip) {
+    level_ = Alert::slip;
+  } else if (warn && level_ == Alert::none) {
+    level_ = Alert::warn;
+  }
+  if (level_ == Alert::none) return level_;
+  const double leave =
+      (level_ == Alert::slip ? settings_.slip_below : settings_.warn_below) + settings_.hysteresis;
+  if (above_.has_run(margin >= leave, time_ns, least_ns)) {
+    level_ = margin >= settings_.warn_below + settings_.hysteresis ? Alert::none : Alert::warn;
+    above_.restart();
+  }
+  return level_;
+}
+
+void AlertLogic::judge(Estimate& out) noexcept {
+  const bool sliding = slides(out.sliding);
+  if (sliding && out.gamma_low) out.gamma_low = 0;
+  if (sliding && out.gamma && *out.gamma > settings_.slip_below) {
+    out.gamma.reset();
+    out.sigma.reset();
+    out.state = State::out_of_model;
+  }
+  out.alert = update(out.time_ns, out, out.sliding.has_value());
+  out.alert_cause = is_raised(out.alert) ? AlertCause::margin : AlertCause::none;
+  if (sliding && out.alert != Alert::slip) {
+    out.alert = Alert::slip;
+    out.alert_cause = AlertCause::sliding;
+  }
+  // The pattern of a contact that slides with all of its taxels may stand still. Where the margin leaves open
+  // that it slides, this is no evidence that it does not.
+  const bool may_slide = out.gamma && *out.gamma <= out.sigma.value_or(0);
+  if (may_slide && out.sliding == Sliding::none) {
+    out.sliding.reset();
+    out.sliding_for_s.reset();
+  }
+}
+
+std::optional<double> SlipForecast::update(std::int64_t time_ns, std::optional<double> gamma,
+                                           double sigma) noexcept {
+  if (!gamma) {
+    weight_ = 0;
+    return std::nullopt;
+  }
+  const double passed = static_cast<double>(time_ns - last_ns_) * 1e-9;
+  last_ns_ = time_ns;
+  if (weight_ == 0 || passed <= 0 || passed > options_.max_gap * options_.forget_s) {
+    weight_ = 1;
+    t_ = tt_ = tg_ = 0;
+    g_ = *gamma;
+    gg_ = *gamma * *gamma;
+    return std::nullopt;
+  }
+  // Sums about the present: what was at t is at t - passed now.
+  const double keep = std::exp(-passed / options_.forget_s);
+  tt_ = keep * (tt_ - 2 * passed * t_ + passed * passed * weight_);
+  tg_ = keep * (tg_ - passed * g_);
+  t_ = keep * (t_ - passed * weight_);
+  weight_ = keep * weight_ + 1;
+  g_ = keep * g_ + *gamma;
+  gg_ = keep * gg_ + *gamma * *gamma;
+  const double spread = tt_ - t_ * t_ / weight_;
+  if (weight_ < options_.min_weight || spread <= 0) return std::nullopt;
+  const double slope = (tg_ - t_ * g_ / weight_) / spread;
+  const double scatter = std::max(0.0, gg_ - g_ * g_ / weight_ - slope * slope * spread) / weight_;
+  const double slope_sigma =
+      std::sqrt(std::max(scatter, options_.independent_share * sigma * sigma) / spread);
+  if (slope > -options_.clear_sigmas * slope_sigma || slope > -options_.min_rate_per_s) return std::nullopt;
+  return std::max(0.0, *gamma / -slope);
+}
+
+GripAdvice grip_advice(double normal_n, double shear_n, double shear_sigma_n, std::optional<double> friction,
+                       std::optional<double> friction_sigma, double target_margin) noexcept {
+  if (!friction || !(*friction > 0) || !(target_margin < 1)) return {};
+  const double per_shear = 1 / (*friction * (1 - target_margin));
+  const double of_friction = shear_n * per_shear * friction_sigma.value_or(0) / *friction;
+  return {std::max(0.0, shear_n * per_shear - normal_n), std::hypot(of_friction, shear_sigma_n * per_shear)};
+}
+
+void advise(Estimate& out, double pull_sigma_n, double target_margin) noexcept {
+  if (!out.normal_n || !out.shear_n) return;
+  const GripAdvice advice = grip_advice(*out.normal_n, out.pull_n.value_or(*out.shear_n), pull_sigma_n,
+                                        out.friction, out.friction_sigma, target_margin);
+  out.grip_increase_n = advice.increase_n;
+  out.grip_increase_sigma_n = advice.sigma_n;
+}
+
+}  // namespace slipd

@@ -1,0 +1,62 @@
+#include "core/friction/followed_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+// Backlash: `from` moves only as far as keeps `to` within the band about it.
+double drag(double from, double to, double band) noexcept {
+  if (to > from + band) return to - band;
+  if (to < from - band) return to + band;
+  return from;
+}
+
+}  // namespace
+
+// The direction of shear is the surer the more of it there is: until it is clear the axis follows each frame,
+// later with each growth by reaim_ratio.
+bool ShearAxis::aim(const ContactPatch& patch, const FollowedForcesOptions& options) noexcept {
+  const double clear_n = options.clear_sigmas * patch.shear_sigma_n;
+  const double across_n = std::fabs(patch.shear_y_n * x_ - patch.shear_x_n * y_);
+  const bool turned = across_n > clear_n && across_n > options.turned_share * patch.shear_n;
+  const double reaim_n =
+      std::max(options.reaim_ratio * aimed_n_, options.min_reaim_sigmas * patch.shear_sigma_n);
+  if (!(patch.shear_n > reaim_n || aimed_n_ < clear_n || turned)) return false;
+  const bool reversed = cosine(patch) < 0 && !turned;
+  x_ = reversed ? -patch.direction_x : patch.direction_x;
+  y_ = reversed ? -patch.direction_y : patch.direction_y;
+  const bool was_sure = aimed_n_ > clear_n;
+  aimed_n_ = patch.shear_n;
+  return turned && was_sure;
+}
+
+bool FollowedForces::aim(const ContactPatch& patch) noexcept {
+  const bool turned = axis_.aim(patch, options_);
+  if (turned) shear_n_ = patch.shear_n;
+  return turned;
+}
+
+bool FollowedForces::follow(const ContactPatch& patch) noexcept {
+  const double least_n = options_.band_share * patch.normal_n;
+  const double normal_to =
+      drag(normal_n_, patch.normal_n, options_.band_sigmas * patch.normal_sigma_n + least_n);
+  const double shear_to =
+      drag(shear_n_, axis_.along_n(patch),
+           options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n);
+  if (normal_to == normal_n_ && shear_to == shear_n_) return false;
+  normal_n_ = std::max(normal_to, options_.min_normal_share * patch.normal_n);
+  shear_n_ = shear_to;
+  return true;
+}
+
+bool FollowedForces::loaded_at_onset(const ContactPatch& patch) noexcept {
+  if (frames_ >= options_.onset_frames) return false;
+  if (frames_++ == 0) first_normal_n_ = patch.normal_n;
+  const bool loaded = patch.shear_n > options_.clear_sigmas * patch.shear_sigma_n;
+  return frames_ == options_.onset_frames && loaded &&
+         patch.normal_n < options_.onset_growth * first_normal_n_;
+}
+
+}  // namespace slipd

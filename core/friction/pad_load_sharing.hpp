@@ -1,0 +1,156 @@
+// How the taxels of a flat pad share its shear. Flat pillars, and pieces of a flat skin, are contacts of
+// their own (Winkler 1867): while an object is pulled, those that stick are sheared alike, by its shift, and
+// those that slip carry their friction. So a pad that sticks shares the pull evenly, and one that slips
+// shares it as it shares the pressure: taxels that are pressed least slip first. What lies between shows how
+// much of its friction the pad has used up, before it slides (docs/theory.md, "Taxels that slip first").
+//
+// Taxels under a layer share a pull alike, but feel it spread: of those only the way counts that their
+// pattern has gone since the pull began.
+//
+// Only pull that has come since P last rose counts. A gripper that closes askew presses and shears each taxel
+// at once, in proportion, and so does rubber that leans; both look like slip and stick.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+#include "core/reading/method/method.hpp"
+
+namespace slipd {
+
+// Checked with `sliplab alerts`. P: the normal force, Q: the shear force; shares have no unit.
+struct PadLoadSharingOptions {
+  // P that rises by this share above its least begins anew; 0.02 … 0.2. Too small: shaking. Too large: shear
+  // of pressing passes for a pull.
+  double normal_rise = 0.05;
+  // P that falls by this share while nothing pulls: the field of the hold is taken anew; 0.05 … 0.5.
+  double normal_fall = 0.1;
+  // Pull over P from which on something pulls; 0.01 … 0.1. Too small: noise. Too large: a slow pull passes
+  // for the field of the hold.
+  double pulled = 0.03;
+  // Pull over P from which on it is read; 0.05 … 0.3. Too small: uneven rubber passes for slip. Too large:
+  // slips on slippery objects come unseen.
+  double least_pull = 0.2;
+  // The same in standard deviations of Q; 3 … 20.
+  double pull_sigmas = 6;
+  // A pull below this share of the greatest one has fallen, and is not read; 0.7 … 1.
+  double fallen = 0.9;
+  // Standard deviations of what a taxel that stands alone carries: of that, and of the mean of all; 0.05 …
+  // 0.5. Too small: rubber of uneven stiffness passes for slip. Too large: nothing is learnt.
+  double uneven_share = 0.15;
+  double uneven_mean = 0.1;
+  // Mean squared misfit of a taxel from which on taxels are likelier to lie under a layer than to stand
+  // alone; 0.5 … 3. Too small: a pillar that is unlike its neighbours passes for a layer. Too large: the
+  // other way.
+  double most_misfit = 1.5;
+  // Standard deviation of friction over the pad, of its mean: one half is above, the other below; 0 … 0.3.
+  // Too small: a pad that is pressed evenly slips unseen. Too large: it seems to slip early.
+  double uneven_friction = 0.15;
+  // A layer evens out the pressure that acts on it, more where it is more uneven: what acts is the share that
+  // is felt to this power; 1 … 2. Too small: the first slip is seen late. Too large: it is taken for none.
+  double spread_pressure = 1.2;
+  // It evens out shear more than pressure: of how far the pattern goes on its surface, root mean square over
+  // the taxels, they feel this share, 0.1 … 1. A half space passes on 0.27 … 0.6 of what it passes on of the
+  // pressure, as deep as 0.3 … 0.9 of a pitch, of waves from one to ten pitches.
+  double spread_shear = 0.4;
+  // Standard deviations of the logarithm of that way, of pads under a layer and of those that stand alone;
+  // 0.2 … 1. Too small: a way that is felt by more than most is a false alert. Too large: no margin is clear.
+  double layer_sigma = 0.35;
+  double alone_sigma = 0.45;
+  // Way that a pattern goes without slip: of the mean, 0.005 … 0.05; of the pressure's unevenness, 0.02 …
+  // 0.2, for shear of pressing; and of the sine of the angle by which the pull has turned, 0.1 … 1, for a
+  // layer passes shear on along it and across it in other shares. Too small: false alerts. Too large: slip of
+  // evenly pressed pads is not seen.
+  double still_way = 0.01;
+  double still_way_share = 0.05;
+  double still_way_turned = 0.15;
+  // Standard deviation, over taxels, of what they carry of a pull that begins; of the mean; 0.1 … 0.5. Too
+  // small: rubber of uneven stiffness passes for slip. Too large: noise of the beginning does.
+  double stiffness_sigma = 0.3;
+};
+
+// Not thread-safe. Belongs to the estimate thread; fixed memory, nothing allocates.
+class PadLoadSharing {
+ public:
+  // With fewer there is no pattern; with more, taxels are no contacts of their own.
+  static constexpr std::size_t kLeastTaxels = 6, kMostTaxels = 64;
+
+  // Throws std::invalid_argument if the layout has fewer taxels than kLeastTaxels, or more than kMostTaxels.
+  explicit PadLoadSharing(const TaxelLayout& layout, const PadLoadSharingOptions& options = {});
+
+  // One frame in contact, in order of time, and its patch. Taxels are read from the frame itself: a hollow of
+  // the object is no dead taxel. How little each margin fits it, of Gamma = 1 - Q/(mu P) with the Q and P of
+  // `patch`; not known where the frame says nothing.
+  const MarginProfile& update(const Frame& frame, const ContactPatch& patch) noexcept;
+
+  // The contact was lost.
+  void forget() noexcept { state_ = {}; }
+
+ private:
+  using PerTaxel = std::array<double, kMostTaxels>;
+  using Misfits = std::array<double, MarginProfile::kSteps>;
+  // Of the hold before the pull: sums over frames, of each taxel's forces times its normal force, N^2.
+  struct Field {
+    int frames = 0;
+    double normal_n = 0;  // P of the first one
+    PerTaxel x{}, y{}, squares{};
+  };
+  struct State {
+    Field field;
+    double least_normal_n = 0;
+    bool pulled = false;
+    // While the pull is too small to be read: its sum over frames, and each taxel's part of it.
+    double begun_n = 0, begun_x_n = 0, begun_y_n = 0;
+    double begun_share = 0;  // the same of the pull over P times the pull, N
+    int begun_frames = 0;
+    PerTaxel begun{};
+    double highest = 0;  // the greatest pull over P
+  };
+  // What came upon the field of the hold.
+  struct Pull {
+    double x_n = 0, y_n = 0;
+    double size_n = 0;
+  };
+  // Ascending shares of what friction holds, two of each taxel.
+  using Limits = std::array<double, 2 * kMostTaxels>;
+  // A frame with a pull, as weigh() takes it.
+  struct Loads {
+    double load = 0;  // |Q|/P
+    double pull = 0;  // of that, what came upon the hold
+    double noise_n = 0;
+    // Of what friction holds of a pull over P, the share that `pull` uses up at the margin of step j.
+    double used(double pull_share, std::size_t j) const noexcept {
+      const double friction = load / (1 - MarginProfile::gamma_of(j));
+      return std::min(1.0, pull_share / (friction - load + pull));
+    }
+  };
+  // How far the pattern has gone since the pull began, and goes without slip: mean squares, of the mean.
+  struct Way {
+    double gone = 0, still = 0;
+  };
+  double read_normal(const Frame& frame) noexcept;
+  Pull read_pull(const Frame& frame, double noise_n) noexcept;
+  void learn_field(const Frame& frame, double normal_n) noexcept;
+  void learn_begin(const Pull& pull, double share) noexcept;
+  void weigh(const Loads& loads, const Pull& pull) noexcept;
+  void compare_pattern(const Loads& loads, const Pull& pull, Misfits& alone) const noexcept;
+  void compare_way(const Loads& loads, const Way& way, Misfits& alone, Misfits& under_layer) const noexcept;
+  void find_limits(double power, Limits& limits) const noexcept;
+  double way_between(const Limits& limits, double used, double used_before) const noexcept;
+  Way way_of(const Pull& pull, double noise_n) const noexcept;
+
+  PadLoadSharingOptions options_;
+  std::size_t taxels_;
+  double area_m2_;
+  State state_;
+  PerTaxel normal_n_{};               // of this frame
+  PerTaxel pull_x_n_{}, pull_y_n_{};  // the same
+  PerTaxel pressed_{}, pulled_{};     // shares of P, and of the pull along its direction
+  MarginProfile profile_;
+};
+
+}  // namespace slipd

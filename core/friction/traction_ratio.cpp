@@ -1,0 +1,127 @@
+#include "core/friction/traction_ratio.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace slipd {
+namespace {
+
+constexpr double kLeastLoad = 1e-9;  // |Q|/P: keeps a quotient finite without shear
+
+}  // namespace
+
+void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
+  const MeanSigma frame{patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
+  const bool first = state_.frame_sigma == 0;
+  const double gain = first ? 1 : options_.mean_gain;
+  state_.mean += gain * (frame.mean - state_.mean);
+  state_.normal_n = {state_.normal_n.mean + gain * (patch.normal_n - state_.normal_n.mean),
+                     options_.mean_sigma * patch.normal_sigma_n};
+  state_.frame_sigma = frame.sigma;
+  state_.shear_x_n += gain * (patch.shear_x_n - state_.shear_x_n);
+  state_.shear_y_n += gain * (patch.shear_y_n - state_.shear_y_n);
+  const double residual = frame.mean - (state_.now.mean + state_.line.slope);
+  if (!force_only_ || first || !(std::fabs(residual) < options_.jump_sigmas * frame.sigma)) {
+    restart_line(frame);
+  } else {
+    extend_line(residual, frame.sigma);
+  }
+}
+
+void TractionRatioFilter::restart_line(const MeanSigma& frame) noexcept {
+  state_.now = frame;
+  state_.line = {.slope = 0, .frames = 1, .residual = 0};
+}
+
+// Least squares over n frames, the newest counted in: its gain is 2 (2n - 1)/(n (n + 1)) for the level, which
+// is also the share of one frame's variance that is left in it, and 6/(n (n + 1)) for the slope. A frame
+// scatters about the line through the n before it by sigma sqrt((n + 1)(n + 2)/(n (n - 1))).
+void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
+  Line& line = state_.line;
+  const double expected = state_.now.mean + line.slope;
+  if (line.frames > options_.frames_after_turn) {
+    const double n = line.frames, scatter = sigma * std::sqrt((n + 1) * (n + 2) / (n * (n - 1)));
+    line.residual += options_.residual_gain * (residual / scatter - line.residual);
+    if (std::fabs(line.residual) > options_.turn_sigmas) {
+      line.frames = options_.frames_after_turn;
+      line.residual = 0;
+    }
+  }
+  line.frames = std::min(line.frames + 1, options_.max_line_frames);
+  const double n = line.frames, level_gain = 2 * (2 * n - 1) / (n * (n + 1)), slope_gain = 6 / (n * (n + 1));
+  line.slope += slope_gain * residual;
+  const double lag = std::max(0.0, std::fabs(line.residual) - options_.lag_sigmas);
+  const double level = std::max(0.0, expected + level_gain * residual);
+  // Noise across a small shear makes |Q| larger, and no mean takes that away: by sigma^2/(2 |Q|), or by
+  // sqrt(pi/2) sigma without shear (Rice 1944).
+  const double rectified =
+      std::min(std::sqrt(std::numbers::pi / 2), 0.5 * sigma / std::max(level, kLeastLoad));
+  state_.now = {level, std::hypot(std::sqrt(level_gain), std::hypot(lag, rectified)) * sigma};
+}
+
+TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {
+  const MeanSigma& now = state_.now;
+  if (!force_only_) return {{now.mean, std::max(now.sigma, options_.held_floor_frame * now.mean)}, 1};
+  const double sigma =
+      std::max(options_.mean_sigma * state_.frame_sigma, options_.held_floor_mean * now.mean);
+  return {{state_.mean, sigma}, options_.mean_gain};
+}
+
+bool TractionRatioFilter::is_highest(double load, double sigma) const noexcept {
+  return load > state_.highest - options_.highest_sigmas * sigma;
+}
+
+// Whether the resultant points as it did then.
+bool TractionRatioFilter::is_steady(const Plateau& since) const noexcept {
+  const double along = since.shear_x_n * state_.shear_x_n + since.shear_y_n * state_.shear_y_n;
+  const double across = since.shear_x_n * state_.shear_y_n - since.shear_y_n * state_.shear_x_n;
+  if (along == 0 && across == 0) return true;  // no direction
+  const double noise_rad = options_.plateau_sigmas * state_.frame_sigma / std::max(state_.mean, kLeastLoad);
+  return std::fabs(std::atan2(across, along)) < options_.steady_rad + noise_rad;
+}
+
+std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
+    const SlidingVerdict& course) noexcept {
+  const double load = state_.now.mean, normal_n = state_.normal_n.mean;
+  state_.highest = std::max(state_.highest, load - state_.now.sigma);
+  if (normal_n > (1 + options_.normal_rise) * state_.crest.normal_n +
+                     options_.plateau_fall_sigmas * state_.normal_n.sigma)
+    state_.crest = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
+  const std::optional<Slide> even = read_plateau();
+  if (course.field.known && course.field.coherence < options_.min_coherence) return std::nullopt;
+  if (course.sliding == Sliding::rotation) return std::nullopt;
+  if (course.field.known && course.sliding == Sliding::translation) return read_moving(course);
+  state_.moving = {};
+  return even;
+}
+
+std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
+    const SlidingVerdict& course) noexcept {
+  if (state_.block == course.field.block) return std::nullopt;
+  state_.block = course.field.block;
+  if (state_.moving.load == 0 || !is_steady(state_.moving)) {
+    state_.moving = {state_.mean, state_.normal_n.mean, state_.shear_x_n, state_.shear_y_n};
+    return std::nullopt;
+  }
+  return Slide{state_.mean, options_.moving_sigma};
+}
+
+std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() noexcept {
+  const auto [load, sigma] = state_.now;
+  Plateau& plateau = state_.plateau;
+  const double normal_n = state_.normal_n.mean;
+  const bool even =
+      std::fabs(load - plateau.load) < options_.plateau * plateau.load + options_.plateau_sigmas * sigma;
+  if (!even || plateau.load == 0 || normal_n > plateau.normal_n || !is_steady(plateau)) {
+    plateau = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
+    return std::nullopt;
+  }
+  const double fallen_n = plateau.normal_n - normal_n - options_.plateau_fall_sigmas * state_.normal_n.sigma;
+  if (fallen_n < options_.plateau_fall * plateau.normal_n) return std::nullopt;
+  if (load < options_.min_of_highest * state_.highest) return std::nullopt;
+  if (load < options_.risen * state_.crest.load + options_.plateau_sigmas * sigma) return std::nullopt;
+  return Slide{load, options_.plateau_sigma};
+}
+
+}  // namespace slipd

@@ -1,0 +1,161 @@
+// |Q|/P over the frames of a grasp, the share of the normal force that a contact carries as shear: each
+// frame's own where frames have a shape, that of a straight line through the last frames where a sensor gives
+// forces only. There it also detects gross slip (docs/theory.md §11). Estimate thread; fixed
+// memory, nothing allocates.
+#pragma once
+
+#include <optional>
+
+#include "core/numeric/posterior_sums.hpp"
+#include "core/patch/patch.hpp"
+#include "core/sliding/sliding.hpp"
+
+namespace slipd {
+
+// Sigmas are standard deviations of one frame's |Q|/P, or of what is named. Checked with `sliplab tradeoff
+// --layouts 4,wrench`, rows over time.
+struct TractionRatioOptions {
+  // The most frames of the line; frames, 8 … 200. Too small: noise stays in. Too large: a turn of the load is
+  // followed late.
+  int max_line_frames = 30;
+  // Frames that the line keeps when the load has turned; frames, 2 … max_line_frames. Too small: the slope
+  // after it is noise. Too large: frames before the turn bend it.
+  int frames_after_turn = 6;
+  // Gain of the running mean of residuals that detects a turn; dimensionless, 0.05 … 1. Too small: turns are
+  // seen late. Too large: single frames are taken for turns.
+  double residual_gain = 0.25;
+  // Running mean of residuals at which the load has turned; sigmas of a frame about the line, 0.5 … 3. (The
+  // mean's own deviation is 0.38 of them at the gain above, so that this is three of it.) Too small: the line
+  // is cut short in vain. Too large: it lags.
+  double turn_sigmas = 1.15;
+  // Running mean of residuals from which on it counts as lag in sigma; sigmas of a frame about the line, 0 …
+  // turn_sigmas; one of its own deviations. Too small: sigma is too wide at rest. Too large: sigma is too
+  // narrow just before a turn is detected.
+  double lag_sigmas = 1.15 / 3;
+  // Residual of one frame at which the line begins anew with it; sigmas, 3 … 10. Too small: noise cuts the
+  // line. Too large: a jump is followed late.
+  double jump_sigmas = 4;
+  // Gain of the plain running means of load and of normal force; dimensionless, 0.01 … 1. Too small: gross
+  // slip is seen late. Too large: it is seen in noise.
+  double mean_gain = 0.1;
+  // Standard deviation of such a mean over that of one frame; sqrt(gain/(2 - gain)), which is 0.23.
+  double mean_sigma = 0.23;
+  // A load that misses the highest one by less counts as the highest; sigmas, 0 … 5. Too small: a load at its
+  // extreme passes for one that has fallen. Too large: unloading passes for a monotonic load.
+  double highest_sigmas = 2;
+  // |Q|/P that stays this even while P falls is gross slip; relative, 0.002 … 0.1. Too small: a slide on a
+  // rough surface is missed. Too large: unloading both forces passes for a slide.
+  double plateau = 0.015;
+  // Added to it for noise; sigmas, 0 … 5.
+  double plateau_sigmas = 2;
+  // P has to fall by this much for a plateau to be gross slip; relative, 0.01 … 0.5. Too small: a slow drift
+  // passes for a slide. Too large: short slides are missed.
+  double plateau_fall = 0.06;
+  // Added to it for noise; standard deviations of the mean of P, 0 … 10.
+  double plateau_fall_sigmas = 4;
+  // A plateau below this share of the highest load is no gross slip; 0.5 … 1. Too small: a hold at a part of
+  // the load passes for a slide. Too large: friction that fell a little is not learnt from its slide.
+  double min_of_highest = 0.9;
+  // Load over that when P last rose, from which on it has risen to a plateau; 1.05 … 2. A grip that
+  // overshoots and relaxes keeps the load that it had at its greatest P. Too small: it passes for a slide.
+  // Too large: a slide from a load near friction's limit is missed.
+  double risen = 1.2;
+  // P that rises by more than this has risen; relative, 0.005 … 0.1. Too small: noise restarts it. Too large:
+  // the load of a grip that still closes counts as one before.
+  double normal_rise = 0.02;
+  // An object slides as a whole if its field is more coherent than this (FieldCourse::coherence); 0.7 … 0.95.
+  // Slides of real pillars have 0.90 to 0.98, grips that relax mostly less than 0.85. Too small: they pass
+  // for slides. Too large: slides under skin are missed.
+  double min_coherence = 0.85;
+  // The resultant keeps its direction during a slide up to this; rad, 0.05 … 0.5. Too small: a slide along a
+  // curve is missed. Too large: a load that turns is a slide.
+  double steady_rad = 0.26;
+  // Standard deviation of the friction that a plateau shows, and one block of a slide whose pattern is seen
+  // to move; of log mu, 0.01 … 0.2. |Q|/P of real slides scatters by 0.04 to 0.07. Too small: the slide's
+  // noise is taken for friction. Too large: a slide says little.
+  double plateau_sigma = 0.045;
+  double moving_sigma = 0.07;
+  // Floor of the sigma of what friction holds, relative to |Q|/P: of one frame, and of the running mean;
+  // 0 … 0.05. Too small: a frame without noise refutes a friction that is a little less. Too large: gross
+  // slip bounds friction loosely.
+  double held_floor_frame = 0.01;
+  double held_floor_mean = 0.005;
+};
+
+class TractionRatioFilter {
+ public:
+  // force_only: frames of this sensor have no shape, so that |Q|/P is all there is.
+  explicit TractionRatioFilter(bool force_only, const TractionRatioOptions& options = {}) noexcept
+      : force_only_(force_only), options_(options) {}
+
+  // A new grasp.
+  void reset() noexcept { state_ = {}; }
+
+  // One frame in contact, in order of time.
+  void update(const ContactPatch& patch) noexcept;
+
+  // |Q|/P now, dimensionless, >= 0.
+  const MeanSigma& now() const noexcept { return state_.now; }
+
+  // |Q|/P that friction holds by now, and in how many frames' worth of evidence it counts. Of a force-only
+  // sensor it is the running mean: of the many frames of a slide the noisiest would else decide.
+  struct Held {
+    MeanSigma load;
+    double frames = 1;
+  };
+  Held held() const noexcept;
+
+  // Whether one frame's |Q|/P is, within its sigma, the highest of this grasp that detect_slide() has seen.
+  bool is_highest(double load, double sigma) const noexcept;
+
+  // Gross slip by Coulomb's law.
+  struct Slide {
+    double load = 0;   // |Q|/P
+    double sigma = 0;  // standard deviation of log mu that it shows
+  };
+  // Once after each update(). The object slides as a whole: its field is coherent and keeps its direction,
+  // and either the taxels' pattern is seen to move (one reading a block), or |Q|/P, having risen while P did
+  // not, is even while P falls (one a frame). (A contact that sticks keeps |Q|/P even as well while both rise
+  // from nothing, and while a gripper that overshot relaxes.) `course`: of the same sensor, at most a frame
+  // old.
+  std::optional<Slide> detect_slide(const SlidingVerdict& course = {}) noexcept;
+
+ private:
+  // Straight line through the last frames, and the running mean of residuals that says when it has turned.
+  struct Line {
+    double slope = 0;  // per frame
+    int frames = 0;    // that level and slope come from
+    double residual = 0;
+  };
+  // Where an even |Q|/P began; load 0: nowhere yet.
+  struct Plateau {
+    double load = 0;
+    double normal_n = 0;
+    double shear_x_n = 0, shear_y_n = 0;
+  };
+  struct State {
+    MeanSigma now;  // the line's level at the newest frame
+    Line line;
+    double frame_sigma = 0;               // of the newest frame's |Q|/P; 0 before the first
+    double mean = 0;                      // running mean of |Q|/P
+    MeanSigma normal_n;                   // running mean of P
+    double highest = 0;                   // |Q|/P, less its sigma
+    double shear_x_n = 0, shear_y_n = 0;  // running means
+    Plateau plateau;
+    Plateau crest;            // when P last rose
+    Plateau moving;           // when the pattern began to move
+    std::uint32_t block = 0;  // the last one that was read
+  };
+
+  void restart_line(const MeanSigma& frame) noexcept;
+  void extend_line(double residual, double sigma) noexcept;
+  bool is_steady(const Plateau& since) const noexcept;
+  std::optional<Slide> read_moving(const SlidingVerdict& course) noexcept;
+  std::optional<Slide> read_plateau() noexcept;
+
+  bool force_only_;
+  TractionRatioOptions options_;
+  State state_;
+};
+
+}  // namespace slipd

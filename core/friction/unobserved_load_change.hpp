@@ -1,0 +1,43 @@
+// How far the forces moved from one frame to the next. The friction filter takes them to have gone there in a
+// straight line. Where many frames were skipped, or a grip is fast for its sensor, they may have gone another
+// way: a reversal or a regrip between two frames leaves a contact that nobody expects. The margin's deviation
+// grows with what was not seen. Estimate thread; fixed memory.
+#pragma once
+
+#include "core/estimate/estimate.hpp"
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+class UnobservedLoadChange {
+ public:
+  // A share of the normal force that moves between two frames at most, so that nothing can hide in between.
+  // Less: frames of a fast grip that are all there widen sigma. More: a reversal hides (`sliplab overload`).
+  static constexpr double kSeen = 0.05;
+  // Standard deviation of the margin for forces that moved by all of the normal force. Less: margins after a
+  // gap lie outside of their sigma more often than others. More: fewer frames are answered (`sliplab
+  // overload`).
+  static constexpr double kSigmaOfMotion = 0.05;
+  // Frames after which it counts for 1/e: so long the shape of frames determines the contact anew.
+  static constexpr double kFadeFrames = 100;
+
+  void reset() noexcept { *this = UnobservedLoadChange(); }
+
+  // One frame in contact. `friction`: shear that moves by friction times normal force counts as much as a
+  // normal force that moves by all of it.
+  void update(const ContactPatch& patch, double friction) noexcept;
+
+  // Of the margin, standard deviation.
+  double sigma() const noexcept { return kSigmaOfMotion * moved_; }
+
+  // Adds it to the sigma of `out`. A margin whose sigma is above `sigma_max` then is not published: state
+  // learning.
+  void widen(Estimate& out, double sigma_max) const noexcept;
+
+ private:
+  bool any_ = false;                                     // a frame of this contact has been seen
+  double normal_n_ = 0, shear_x_n_ = 0, shear_y_n_ = 0;  // of the last frame, N
+  double moved_ = 0;                                     // share of the normal force, the most of late, faded
+};
+
+}  // namespace slipd

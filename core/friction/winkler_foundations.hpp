@@ -1,0 +1,83 @@
+// The load history of one contact, followed for many frictions side by side (docs/theory.md §4): Popov's
+// dimensionality reduction as in core/contact/history.hpp, but with a fixed number of springs, no materials,
+// and one bed of springs for each friction. A spring at x touches from the normal force on at which the
+// contact's radius is x; it sticks, or slips at friction times its own normal load. Lengths are in units of
+// the radius that 1 N makes, so that a = cbrt(P) whatever touches what.
+//
+// Within 0.005 mu P of the exact history in shear_moments() for a load that the springs resolve (see follow).
+// Estimate thread; fixed memory, nothing allocates or throws.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/contact/shear_moments.hpp"
+#include "core/friction/winkler_kernels.hpp"
+
+namespace slipd {
+
+class WinklerFoundations {
+ public:
+  static constexpr std::size_t kMost = WinklerKernels::kBeds;
+
+  // A bed for each friction > 0, at most kMost; no contact yet. The first constructor takes the kernels
+  // given, the second those that suit this processor.
+  explicit WinklerFoundations(std::span<const double> frictions, const WinklerKernels& kernels) noexcept;
+  explicit WinklerFoundations(std::span<const double> frictions) noexcept;
+
+  void clear() noexcept;  // no contact
+
+  // The load goes straight to normal_n >= 0 and shear_n (signed); shear beyond mu P is not carried. Finite
+  // numbers only. A normal force below a thousandth of the largest one since clear() is felt by too few
+  // springs to mean anything.
+  void follow(double normal_n, double shear_n) noexcept;
+
+  // Forgets the past: shear rose from nothing to shear_n under a normal force that did not change.
+  void assume_monotonic(double normal_n, double shear_n) noexcept;
+
+  // The beds before `from` for which `chosen` is true go on from its contact, as far as their friction holds
+  // it under the same load.
+  template <typename Chosen>
+  void weaken(std::size_t from, Chosen chosen) noexcept {
+    PerBed<std::int32_t> which{};
+    for (std::size_t j = 0; j < from; ++j) which[j] = chosen(j) ? -1 : 0;
+    weaken(from, which);
+  }
+
+  double shear_n(std::size_t j) const noexcept { return shear_n_[j]; }
+
+  // Of bed j, 0 … frictions - 1; computed when first asked for after a change. (A spring at x counts with 2
+  // x^2 and 8/3 x^4.)
+  contact::ShearMoments shear_moments(std::size_t j) const noexcept;
+
+ private:
+  template <typename T>
+  using PerBed = std::array<T, kMost>;
+  using Rest = std::array<float, WinklerKernels::kSprings>;
+
+  void reach(double radius) noexcept;
+  Rest rests(double edge) const noexcept;
+  void weaken(std::size_t from, const PerBed<std::int32_t>& which) noexcept;
+  void settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept;
+  void sum_up() const noexcept;
+
+  const WinklerKernels* kernels_;
+  std::size_t count_, vectors_;
+  PerBed<double> friction_;
+  PerBed<float> mu_;  // the same
+  double step_ = 0;   // between springs; spring i stands at (i + 1/2) step
+  double normal_n_ = 0;
+  double asked_n_ = 0;  // the shear that all were asked to carry last
+  PerBed<double> shear_n_{};
+  std::array<PerBed<float>, WinklerKernels::kSprings> loads_{};
+
+  struct Sums {
+    PerBed<float> q, q2, q4;
+    float p, p2;
+  };
+  mutable Sums sums_{};
+  mutable bool summed_ = false;
+};
+
+}  // namespace slipd

@@ -1,0 +1,190 @@
+// Whether a frame can be what the sensor's skin felt. One monitor a sensor, in front of its estimator: a
+// fault of a device must not come out as a safe grip. Single taxels are left out, frames are refused, and a
+// channel that died is a fault of the sensor until it lives again. Health names each reason.
+//
+// What costs a pass over all taxels is measured by PatchFinder in the passes that it makes anyway (the
+// frame's extremes). What compares frames looks at probes only. Estimate thread; fixed memory, nothing
+// allocates after construction.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+#include "core/health/continuity.hpp"
+#include "core/health/health.hpp"
+#include "core/health/limits.hpp"
+#include "core/health/noise_jump.hpp"
+#include "core/health/probes.hpp"
+#include "core/health/spike_finder.hpp"
+#include "core/health/stillness.hpp"
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+// What is done about it; the later, the graver.
+enum class Verdict : std::uint8_t {
+  plausible,        // the frame is used
+  taxels_left_out,  // the frame is used without some taxels
+  frame_refused,    // the frame is not used
+  sensor_fault      // the sensor has failed
+};
+
+struct Judgement {
+  Verdict verdict = Verdict::plausible;
+  Health health = Health::good;
+  // Of the taxels that are left out.
+  std::uint32_t taxels_left_out = 0;
+  // The force that they stand for, of the normal force; 0 … 1.
+  double left_out_share = 0;
+};
+
+// Checked with `sliplab faults`.
+struct PlausibilityOptions {
+  static constexpr std::size_t kPast = 64;
+
+  SpikeOptions spikes;
+  // Share of the force that neighbours may stand for; 0.02 … 0.3. Too small: a frame with a spike gives no
+  // margin. Too large: on few taxels the margin is that of another contact.
+  double most_left_out_share = 0.1;
+  StillnessOptions stillness;
+  ContinuityOptions continuity;
+  NoiseJumpOptions noise_jump;
+
+  // Taxels that are compared from frame to frame, of large sensors; taxels, 32 … 10000. Too small: rows are
+  // judged by few values. More cost time in proportion.
+  std::size_t probes = 192;
+  // Frames that repeat before the sensor counts as frozen; frames, 2 … 20. Fewer are reported, and used. Too
+  // small: a repeated frame takes the margin away. Too large: a margin is given from the past.
+  std::uint32_t frozen_frames = 3;
+  // A frame that repeats counts as reported only if another did within about so many frames: drivers and
+  // recordings have a frame twice now and then; frames, 1 … 100.
+  double repeats_memory_frames = 20;
+  // Repeated frames within it; 1 … 5.
+  double repeats = 1.2;
+  // Earlier frames that a frame is compared with; frames, 2 … kPast. Too small: a device that plays a long
+  // block again and again is believed.
+  std::size_t past_frames = kPast;
+  // Good frames after which a fault has passed; frames, 1 … 100. Too small: a loose contact makes the state
+  // flicker. Too large: margins come back late.
+  std::uint32_t good_frames = 5;
+  // Frames in a row whose greatest value is the same before it counts as a rail; frames, 2 … 10. Too small:
+  // chance. Too large: late.
+  std::uint32_t rail_frames = 2;
+  // Taxels that read the same greatest value, of the contact's; 0.05 … 0.5, and at least so many. Too small:
+  // quantised values and symmetrical contacts pass for saturation. Too large: saturation is believed.
+  double rail_share = 0.15;
+  std::size_t rail_taxels = 12;
+  // Force over radius^3 may differ from the scene's contacts by this factor either way; 10 … 1000. Too small:
+  // contacts that the scene does not expect are refused. Too large: a wrong unit is believed.
+  double scale_factor = 30;
+  // Contacts of a smaller radius are not compared so, as their size is not known; sides, 1 … 4.
+  double least_sized_sides = 2;
+  // Forces below this are not compared, nor places; standard deviations of the normal force, 5 … 100.
+  double clear_sigmas = 20;
+  // The normal force of a contact does not fall by this factor in one frame and stay; 1e2 … 1e5.
+  double fallen_factor = 1e3;
+  // Shear that vanished in one frame did so on at least so many taxels; taxels, 2 … 16. Too small: the last
+  // rest of a shear that ends. Too large: sensors of few taxels.
+  std::size_t vanished_taxels = 4;
+  // The contact's centre does not move by more than the contact's radius and this in one frame; sides, 1
+  // … 10. Too small: rolling contacts at low rates jump. Too large: another sensor's frames are believed.
+  double jump_sides = 3;
+  // The least pressure of all taxels does not rise in one frame by this share of the greatest; 0.2 … 1. Too
+  // small: grips that press the whole pad at once. Too large: an offset of all taxels is believed.
+  double least_rise_share = 0.5;
+  // Flat skins are pressed everywhere at once. There an offset raises the least and the greatest pressure
+  // alike, to this share; 0.02 … 0.3. Too small: an offset is believed. Too large: quick grips have no
+  // margin.
+  double flat_rise_even = 0.1;
+  // By more than this factor of the greatest pressure before; 2 … 10. Too small: quick grips have no margin.
+  // Too large: an offset is believed.
+  double flat_rise_factor = 3;
+  // In a hold whose normal force changed by less than this share a frame; 0.01 … 0.2. Too small: an offset
+  // is believed. Too large: quick grips have no margin.
+  double steady_change = 0.05;
+};
+
+class PlausibilityMonitor {
+ public:
+  PlausibilityMonitor(const TaxelLayout& layout, const PlausibilityLimits& limits,
+                      const PlausibilityOptions& options = {});
+
+  // First call for each frame, with the patch that was found in it. True if taxels are left out: the patch is
+  // to be found anew in mended().
+  bool screen(const Frame& frame, const ContactPatch& patch) noexcept;
+
+  // The frame that was screened, with neighbours in place of the taxels that are left out. Valid until the
+  // next call of screen().
+  Frame mended(const Frame& frame) const noexcept { return spikes_.mended(frame); }
+
+  // Second call for each frame, with the patch that is used.
+  const Judgement& judge(const Frame& frame, const ContactPatch& patch) noexcept;
+
+ private:
+  // What is known of one channel.
+  struct Channel {
+    Stillness stillness;
+    bool alive_in_contact = false;  // it was not 0 since the contact began
+    std::uint32_t alive_free = 0;   // frames without contact in which it was not 0
+    bool dead = false;
+    float last_extreme_pa = 0;  // of the last frame
+    float extreme_step_pa = 0;  // its last change
+    Stillness extreme;          // whether it repeats
+    float rail_pa = 0;          // where it saturates; 0: not known
+  };
+
+  void blame(Verdict verdict, Health health) noexcept;
+  void judge_values(const ContactPatch& patch) noexcept;
+  void judge_size(const ContactPatch& patch) noexcept;
+  void judge_time(const Frame& frame) noexcept;
+  void judge_offset(const ContactPatch& patch) noexcept;
+  bool raised(const ContactPatch& patch) const noexcept;
+  void judge_course(const ContactPatch& patch) noexcept;
+  void judge_continuity(const Frame& frame, const ContactPatch& patch) noexcept;
+  bool judge_frozen() noexcept;
+  void judge_past() noexcept;
+  void blame_repeated(std::uint32_t run) noexcept;
+  void judge_channel(std::size_t channel, const ContactPatch& patch) noexcept;
+  void judge_lines() noexcept;
+  void judge_rail(std::size_t channel, const Frame& frame, const ContactPatch& patch) noexcept;
+  static std::size_t count_at(std::size_t channel, float magnitude_pa, const Frame& frame,
+                              const ContactPatch& patch) noexcept;
+  void remember(const Frame& frame, const ContactPatch& patch) noexcept;
+  void hold() noexcept;
+
+  TaxelLayout layout_;
+  PlausibilityLimits limits_;
+  PlausibilityOptions options_;
+  SpikeFinder spikes_;
+  Probes probes_;
+  Continuity continuity_;
+  NoiseJump noise_jump_;
+  Stillness frame_stillness_;
+  std::array<Channel, kChannels> channels_;
+  std::vector<Stillness> lines_;
+  std::size_t turn_ = 0;      // of the lines that are learnt from
+  bool lines_stand_ = false;  // a line did not change in the last frame
+  Judgement now_;
+  Judgement held_;              // the last fault
+  std::uint32_t good_run_ = 0;  // frames since the last fault
+  std::size_t spikes_found_ = 0;
+  std::array<std::uint64_t, PlausibilityOptions::kPast> past_{};  // fingerprints of the last frames, a ring
+  std::size_t next_past_ = 0;
+  double repeats_ = 0;          // frames that repeated of late, faded
+  std::uint32_t past_run_ = 0;  // frames in a row that were there before
+  bool felt_ = false;           // a probe of this frame is not 0
+  std::int64_t last_ns_ = 0;
+  bool any_ = false;  // a frame was judged before
+  bool last_in_contact_ = false;
+  double last_normal_n_ = 0, last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
+  float last_peak_pa_ = 0, last_least_pa_ = 0;  // of the last frame
+  Usual change_;                                // of the normal force in a frame, share, in this contact
+  float lifted_pa_ = 0;       // half of what all taxels have risen to at once; 0: they have not
+  bool last_clear_ = false;   // its force was far above the noise
+  double fallen_from_n_ = 0;  // the normal force fell from this to nothing in one frame; 0: it did not
+};
+
+}  // namespace slipd

@@ -1,0 +1,33 @@
+#include "core/health/stillness.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slipd {
+
+bool Stillness::update(const GroupChange& now, const StillnessOptions& options) noexcept {
+  if (now.changed == 0) {
+    ++run_;
+    if (!noisy(options)) return false;
+    const double unchanged = 1 - std::min(changing_, options.most_changing);
+    const double nats = -std::log(unchanged) * static_cast<double>(now.values) * run_;
+    called_ = nats > options.sure_nats && run_ > options.longer_than_before * longest_;
+    return called_;
+  }
+  const double gain = std::max(1.0 / (frames_ + 1), 1 / options.memory_frames);
+  // A run that was not called out was chance, or the sensor's way.
+  if (run_ > 0) {
+    if (!called_) {
+      longest_ = std::max(longest_, run_);
+      changing_ *= std::pow(1 - gain, run_);
+    }
+    skip();
+  }
+  const double values = static_cast<double>(now.values), changed = static_cast<double>(now.changed);
+  changing_ += gain * (changed / values - changing_);
+  turning_ += gain * (static_cast<double>(now.turned) / changed - turning_);
+  frames_ = std::min(frames_ + 1, static_cast<std::uint32_t>(options.memory_frames));
+  return false;
+}
+
+}  // namespace slipd

@@ -1,0 +1,64 @@
+#include "core/patch/contact_gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/frame/few_taxels.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr double kFewTaxelsMinNormalN = 0.1;
+
+bool is_small(const TaxelLayout& layout) noexcept {
+  return layout.size() <= kFewTaxels;
+}
+
+}  // namespace
+
+double default_min_normal_n(const TaxelLayout& layout) noexcept {
+  return is_small(layout) ? kFewTaxelsMinNormalN : 0;
+}
+
+ContactGate::ContactGate(const TaxelLayout& layout, SensorClass sensor_class,
+                         std::optional<double> min_normal_n, const ContactGateOptions& options)
+    : options_(options),
+      taxels_(layout.size()),
+      area_m2_(layout.area_m2()),
+      shows_shear_(sensor_class != SensorClass::normal),
+      min_normal_n_(min_normal_n.value_or(default_min_normal_n(layout))),
+      unloaded_n_(std::max(min_normal_n_, kFewTaxelsMinNormalN)),
+      noise_(layout, unloaded_n_) {}
+
+double ContactGate::threshold_n() const noexcept {
+  const double noise_n = noise_.now() ? noise_.now()->normal_n : 0;
+  return std::max(min_normal_n_, options_.contact_sigmas * noise_n);
+}
+
+double ContactGate::pull_threshold_n() const noexcept {
+  const double noise_n = noise_.now() ? noise_.now()->shear_n : 0;
+  return std::max(options_.pulled_over_normal * unloaded_n_, options_.contact_sigmas * noise_n);
+}
+
+bool ContactGate::judge(const Frame& frame, const ContactPatch& patch) noexcept {
+  const double threshold = (touching_ ? options_.kept_share : 1) * threshold_n();
+  touching_ = patch.in_contact && patch.normal_n >= threshold;
+  pulled_.reset();
+  if (taxels_ > kFewTaxels) return touching_;  // it shows pressure where anything hooks
+  const PulledForces all = forces_on(frame);
+  if (!touching_ && shows_shear_ && all.shear_n > pull_threshold_n()) pulled_ = all;
+  noise_.update(frame);
+  return touching_;
+}
+
+PulledForces ContactGate::forces_on(const Frame& frame) const noexcept {
+  double p = 0, x = 0, y = 0;
+  for (std::size_t i = 0; i < taxels_; ++i) {
+    p += static_cast<double>(frame.normal_pa[i]);
+    x += static_cast<double>(frame.shear_x_pa[i]);
+    y += static_cast<double>(frame.shear_y_pa[i]);
+  }
+  return {p * area_m2_, std::hypot(x, y) * area_m2_};
+}
+
+}  // namespace slipd

@@ -1,0 +1,73 @@
+// Whether something touches a sensor: force and shear against the noise that the sensor has without load,
+// with hysteresis. Estimate thread; fixed memory, nothing allocates.
+#pragma once
+
+#include <optional>
+
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+#include "core/patch/unloaded_noise.hpp"
+
+namespace slipd {
+
+// Checked with `tools/real`.
+struct ContactGateOptions {
+  // P from which on there is a contact, standard deviations of its noise without load; 3 … 10. Too small:
+  // drift and jitter of the zero are a contact. Too large: light contacts are missed.
+  double contact_sigmas = 5;
+  // Once in contact, it lasts down to this share of the threshold; 0.2 … 0.9. Too near 1: a light contact
+  // comes and goes. Too small: a released object is a contact for longer.
+  double kept_share = 0.5;
+  // Shear on all taxels that is a pull on a contact without pressure, over the threshold of P; 1 … 10. Too
+  // small: drift and jitter of the zero are a pull. Too large: a pulled contact is no contact.
+  double pulled_over_normal = 3;
+};
+
+// P below which a sensor is not in contact, N, if none is configured: of sensors of at most kFewTaxels
+// taxels, and of one force vector, 0.1, which their zeros wander by; of larger arrays 0, for their free
+// taxels show the noise of each frame.
+double default_min_normal_n(const TaxelLayout& layout) noexcept;
+
+// Forces of a contact without pressure to speak of: hooked, or pulled. Sums over all taxels, N.
+struct PulledForces {
+  double normal_n = 0;
+  double shear_n = 0;
+};
+
+class ContactGate {
+ public:
+  // min_normal_n: configured, >= 0 N; none: default_min_normal_n.
+  ContactGate(const TaxelLayout& layout, SensorClass sensor_class, std::optional<double> min_normal_n,
+              const ContactGateOptions& options = {});
+
+  // One frame with a zero, in order of time, and its patch. True: it is a contact.
+  bool judge(const Frame& frame, const ContactPatch& patch) noexcept;
+
+  // A frame that says nothing: the contact counts as lost.
+  void leave() noexcept { touching_ = false; }
+
+  bool touching() const noexcept { return touching_; }
+  // Of the last frame that was judged; none: it was a contact with pressure, or nothing pulls.
+  const std::optional<PulledForces>& pulled() const noexcept { return pulled_; }
+
+  // What the sensor's noise is without load, of sensors of few taxels; none: not known.
+  const std::optional<SensorNoise>& noise() const noexcept { return noise_.now(); }
+
+ private:
+  PulledForces forces_on(const Frame& frame) const noexcept;
+  double threshold_n() const noexcept;
+  double pull_threshold_n() const noexcept;
+
+  ContactGateOptions options_;
+  std::size_t taxels_;
+  double area_m2_;
+  bool shows_shear_;
+  double min_normal_n_;
+  double unloaded_n_;  // |P| and |Q| up to which the sensor is not loaded
+  UnloadedNoise noise_;
+  bool touching_ = false;
+  std::optional<PulledForces> pulled_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,376 @@
+#include "core/reading/fit/fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/reading/method/profile_posterior.hpp"
+#include "core/reading/moments/moments.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr std::size_t kRings = 12;
+// Hertz: p0 = 3 P/(2 pi a^2).
+double peak_pressure(const ContactPatch& patch) noexcept {
+  return 1.5 * patch.normal_n / (std::numbers::pi * patch.radius_m * patch.radius_m);
+}
+
+std::optional<SquareBlocks> blocks_of(const TaxelLayout& layout, double along_radius) {
+  if (!(along_radius > 0) || layout.size() <= kFewTaxels || !SquareBlocks::fits(layout)) return {};
+  return SquareBlocks(layout, along_radius);
+}
+
+}  // namespace
+
+Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, double skin_depth_m,
+         double skin_depth_sigma, std::optional<double> bonded_poisson)
+    : layout_(layout),
+      options_(options),
+      prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
+      blocks_(blocks_of(layout, options.blocks_along_radius)),
+      sheet_(blocks_ ? 0 : layout.size(), layout.side_m()),
+      imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma, bonded_poisson),
+      under_skin_(skin_depth_m > 0) {
+  if (blocks_) lattice_.emplace(blocks_->most_along());
+  const std::size_t most = blocks_ ? blocks_->most_along() * blocks_->most_along() : layout.size();
+  for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(most);
+  for (auto* sheet : {&outer_, &inner_}) {
+    for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(most);
+  }
+  slopes_.resize(2 * static_cast<Eigen::Index>(most), kUnknowns);
+  residuals_.resize(2 * static_cast<Eigen::Index>(most));
+}
+
+// Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
+void Fit::collect(const ContactPatch& patch) noexcept {
+  count_ = 0;
+  const auto take = [&](std::uint32_t i) {
+    x_[count_] = layout_.x_m()[i] - patch.center_x_m;
+    y_[count_] = layout_.y_m()[i] - patch.center_y_m;
+    p_[count_] = patch.taxels.normal_pa[i];
+    q_[count_] = patch.shear_along_pa(i);
+    ++count_;
+  };
+  if (layout_.size() <= kFewTaxels) {  // with so few loaded taxels, the unloaded ones count as well
+    for (std::uint32_t i = 0; i < layout_.size(); ++i) take(i);
+  } else {
+    patch.for_each_inside(take);
+  }
+}
+
+void Fit::collect_blocks(const ContactPatch& patch, double along_radius) noexcept {
+  blocks_->sum(patch, along_radius);
+  lattice_->set({.left_m = blocks_->left_m(),
+                 .bottom_m = blocks_->bottom_m(),
+                 .side_m = blocks_->side_m(),
+                 .rows = blocks_->rows()});
+  count_ = blocks_->size();
+  std::copy_n(blocks_->x_m().begin(), count_, x_.begin());
+  std::copy_n(blocks_->y_m().begin(), count_, y_.begin());
+  std::copy_n(blocks_->normal_pa().begin(), count_, p_.begin());
+  std::copy_n(blocks_->shear_pa().begin(), count_, q_.begin());
+}
+
+// A block's noise is that of the mean of its taxels.
+void Fit::set_noise(const ContactPatch& patch) noexcept {
+  const double floor_pa = options_.noise_floor * peak_pressure(patch);
+  const double averaged = blocks_ ? static_cast<double>(blocks_->taxels_along()) : 1;
+  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa) / averaged;
+  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / averaged;
+}
+
+void Fit::fill_sheet(double x, const Vector& at, Sheet& out) noexcept {
+  const std::span<double> value(out.value.data(), count_), d_x(out.d_x.data(), count_),
+      d_u(out.d_u.data(), count_), d_v(out.d_v.data(), count_);
+  if (lattice_) {
+    lattice_->evaluate(x, at[center_x], at[center_y], value, d_x, d_u, d_v);
+  } else {
+    sheet_.evaluate(x, {u_.data(), count_}, {v_.data(), count_}, value, d_x, d_u, d_v);
+  }
+}
+
+Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
+  const double a = patch.radius_m;
+  Vector at;
+  at[center_x] = at[center_y] = 0;
+  at[radius] = a;
+  at[height] = 1.5 * patch.normal_n / (std::numbers::pi * a * a * a);
+  at[load] = ratio.load;
+  at[margin] = std::clamp(gamma_of_moment_ratio(ratio.value), options_.min_start, options_.max_start);
+  return at;
+}
+
+double Fit::evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept {
+  const double gamma = at[margin], k = std::cbrt(gamma), rest = 1 - gamma, b = at[height], t = at[load];
+  const double a = at[radius];
+  for (std::size_t i = 0; i < count_; ++i) {
+    u_[i] = x_[i] - at[center_x];
+    v_[i] = y_[i] - at[center_y];
+  }
+  fill_sheet(a, at, outer_);
+  fill_sheet(k * a, at, inner_);
+
+  using Values = Eigen::Map<const Eigen::ArrayXd>;
+  const auto n = static_cast<Eigen::Index>(count_);
+  const auto values = [n](const std::vector<double>& list) { return Values(list.data(), n); };
+  const double wp = 1 / noise_normal_, wq = 1 / noise_shear_, shape = b * t / rest;
+  const double dk = a / (3 * k * k);  // of k a by Gamma
+  const Values outer = values(outer_.value), inner = values(inner_.value), inner_x = values(inner_.d_x);
+
+  auto jp = slopes_.topRows(n).array();
+  jp.col(center_x) = -wp * b * values(outer_.d_u);
+  jp.col(center_y) = -wp * b * values(outer_.d_v);
+  jp.col(radius) = wp * b * values(outer_.d_x);
+  jp.col(height) = wp * outer;
+  jp.rightCols(2).setZero();
+  residuals_.head(n) = wp * (b * outer - values(p_));
+
+  auto jq = slopes_.middleRows(n, n).array();
+  jq.col(center_x) = -wq * shape * (values(outer_.d_u) - values(inner_.d_u));
+  jq.col(center_y) = -wq * shape * (values(outer_.d_v) - values(inner_.d_v));
+  jq.col(radius) = wq * shape * (values(outer_.d_x) - k * inner_x);
+  jq.col(height) = wq * shape / b * (outer - inner);
+  jq.col(load) = wq * b / rest * (outer - inner);
+  jq.col(margin) = wq * shape * ((outer - inner) / rest - dk * inner_x);
+  residuals_.segment(n, n) = wq * (shape * (outer - inner) - values(q_));
+
+  // Column by column, as plain products of vectors: Eigen's matrix products may take memory for their blocks.
+  const auto columns = slopes_.topRows(2 * n);
+  const auto left = residuals_.head(2 * n);
+  for (int row = 0; row < kUnknowns; ++row) {
+    gradient[row] = columns.col(row).dot(left);
+    for (int column = 0; column <= row; ++column) {
+      hessian(row, column) = hessian(column, row) = columns.col(row).dot(columns.col(column));
+    }
+  }
+  return 0.5 * left.squaredNorm();
+}
+
+// Residuals summed ring by ring: noise averages out in a ring, another history does not.
+Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
+  const double shape = at[height] * at[load] / (1 - at[margin]);
+  struct Ring {
+    double off = 0, held = 0, taxels = 0;
+  };
+  std::array<Ring, kRings> rings;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double s = std::hypot(u_[i], v_[i]) / at[radius];
+    auto& ring = rings[std::min(static_cast<std::size_t>(s * kRings), kRings - 1)];
+    ring.off += shape * (outer_.value[i] - inner_.value[i]) - q_[i];
+    ring.held += shape * outer_.value[i];
+    ring.taxels += 1;
+  }
+  RingMisfit sums;
+  int used = 0;
+  for (const auto& ring : rings) {
+    if (ring.taxels < 1) continue;
+    const double uneven = options_.uneven_share * ring.held,
+                 noise = noise_shear_ * noise_shear_ * ring.taxels;
+    sums.by_noise += ring.off * ring.off / noise;
+    sums.by_skin += ring.off * ring.off / (noise + uneven * uneven);
+    ++used;
+  }
+  return used > 0 ? RingMisfit{sums.by_noise / used, sums.by_skin / used} : sums;
+}
+
+// Residual pressure that no noise explains, part by part of the disc, as a share of its peak: a contact that
+// is tilted, elliptic or felt through a skin is off to one side or another, an array with dead taxels here
+// and there. Shear is off by as much, and its residual does not show that, as the margin gives way to it.
+double Fit::residual_pressure(const Vector& at) const noexcept {
+  constexpr double kFitted = 4;  // unknowns of the pressure: place, radius, height
+  struct Part {
+    double off = 0, taxels = 0;
+  };
+  std::array<Part, 16> parts;
+  const double half = 0.5 * at[radius] * at[radius];
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double u = u_[i], v = v_[i];
+    const std::size_t which = (u > 0 ? 1U : 0U) + (v > 0 ? 2U : 0U) +
+                              (std::fabs(u) > std::fabs(v) ? 4U : 0U) + (u * u + v * v > half ? 8U : 0U);
+    parts[which].off += p_[i] - at[height] * outer_.value[i];
+    parts[which].taxels += 1;
+  }
+  double sum = 0;
+  for (const Part& part : parts) sum += part.taxels > 0 ? part.off * part.off / part.taxels : 0;
+  const double free = static_cast<double>(parts.size()) - kFitted;
+  const double by_noise = noise_normal_ * noise_normal_;
+  if (sum < (free + options_.clear_sigmas * std::sqrt(2 * free)) * by_noise) return 0;
+  return std::sqrt((sum - free * by_noise) / static_cast<double>(count_)) / (at[height] * at[radius]);
+}
+
+// The profile holds place, size and height of the contact as they fit best, and they are not known so well:
+// the margin's variance with them held, over that with them free.
+double Fit::profile_share(const Square& hessian) const noexcept {
+  const Square covariance = hessian.inverse();
+  const double free = covariance(margin, margin);
+  const double held =
+      1 / (hessian(margin, margin) - hessian(load, margin) * hessian(load, margin) / hessian(load, load));
+  const double share = held / free;
+  return share > 0 && share < 1 ? std::max(share, options_.min_profile_share) : 1;
+}
+
+// Where noise leaves the margin open, the likelihood is no parabola about the best fit. The whole range is
+// weighed instead: the likelihood of each margin, times the prior of the friction that it would need.
+void Fit::weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) noexcept {
+  const double share = profile_share(hessian);
+  ProfileFriction friction;
+  auto& profile = out.profile;
+  const auto n = static_cast<Eigen::Index>(count_);
+  const Eigen::Map<const Eigen::ArrayXd> q(q_.data(), n), outer(outer_.value.data(), n);
+  Eigen::Map<Eigen::ArrayXd> ring(inner_.value.data(), n);
+  for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
+    const double gamma = MarginProfile::gamma_of(j);
+    fill_sheet(std::cbrt(gamma) * at[radius], at, inner_);
+    ring = (outer - ring) * (at[height] / (1 - gamma));
+    const double square = ring.square().sum(), product = (ring * q).sum();
+    const double t = std::max(options_.min_traction_ratio, product / square);
+    friction[j] = t / (1 - gamma);
+    profile.misfit[j] = share * 0.5 * (t * t * square - 2 * t * product) / (noise_shear_ * noise_shear_);
+  }
+  weigh_profile(friction, prior_, out);
+}
+
+Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcept {
+  Minimum best{start, {}, false};
+  Vector gradient, trial_gradient;
+  Square trial_hessian;
+  double cost = evaluate(best.at, gradient, best.hessian), damping = options_.first_damping;
+  for (steps_ = 0; steps_ < kMostSteps && !best.converged; ++steps_) {
+    Square damped = best.hessian;
+    damped.diagonal() *= 1 + damping;
+    const Vector step = -damped.ldlt().solve(gradient);
+    Vector trial = best.at + step;
+    trial[margin] = std::clamp(trial[margin], options_.min_gamma, options_.max_gamma);
+    trial[radius] = std::clamp(trial[radius], best.at[radius] / options_.max_radius_factor,
+                               best.at[radius] * options_.max_radius_factor);
+    if (!trial.allFinite()) break;
+    const double trial_cost = evaluate(trial, trial_gradient, trial_hessian);
+    if (trial_cost <= cost) {
+      const Vector moved = trial - best.at;
+      const double moved_sigmas = (moved.array().abs() * best.hessian.diagonal().array().sqrt()).maxCoeff();
+      best.at = trial;
+      cost = trial_cost;
+      gradient = trial_gradient;
+      best.hessian = trial_hessian;
+      damping = std::max(options_.min_damping, damping / options_.damping_factor);
+      best.converged = moved_sigmas < converged_sigmas;
+    } else {
+      damping *= options_.damping_factor;
+      best.converged = damping > options_.max_damping;
+    }
+  }
+  return best;
+}
+
+Fit::Minimum Fit::minimise_blocks(const ContactPatch& patch, const Vector& start) noexcept {
+  Minimum best = minimise(start, options_.first_converged_sigmas);
+  collect_blocks(patch, options_.blocks_along_radius);
+  set_noise(patch);
+  if (best.converged && take_last_step(best)) return best;
+  return minimise(best.converged ? best.at : start, options_.converged_sigmas);
+}
+
+bool Fit::take_last_step(Minimum& minimum) noexcept {
+  Vector gradient;
+  evaluate(minimum.at, gradient, minimum.hessian);
+  const Vector step = -minimum.hessian.ldlt().solve(gradient);
+  const double squares = -step.dot(gradient);  // of its length in standard deviations
+  Vector at = minimum.at + step;
+  at[margin] = std::clamp(at[margin], options_.min_gamma, options_.max_gamma);
+  const double most = options_.most_last_step_sigmas;
+  if (!at.allFinite() || !(squares < most * most) || !(at[radius] > 0)) return false;
+  const auto move = [&](Sheet& sheet, double by_radius) {
+#pragma omp simd
+    for (std::size_t i = 0; i < count_; ++i) {
+      sheet.value[i] +=
+          by_radius * sheet.d_x[i] - step[center_x] * sheet.d_u[i] - step[center_y] * sheet.d_v[i];
+    }
+  };
+  move(outer_, step[radius]);
+  move(inner_, std::cbrt(at[margin]) * at[radius] - std::cbrt(minimum.at[margin]) * minimum.at[radius]);
+  for (std::size_t i = 0; i < count_; ++i) {
+    u_[i] -= step[center_x];
+    v_[i] -= step[center_y];
+  }
+  minimum.at = at;
+  ++steps_;
+  return true;
+}
+
+bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& out) const noexcept {
+  const Vector& at = minimum.at;
+  const Square covariance = minimum.hessian.inverse();
+  const double variance = covariance(margin, margin);
+  if (!(variance > 0) || !std::isfinite(variance)) return false;
+  const double load_sigmas = at[load] / std::sqrt(covariance(load, load));
+  if (!(load_sigmas > options_.clear_load_sigmas)) return false;
+  out.gamma = at[margin];
+  out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
+  const double mobilised = 1 - out.gamma;
+  out.friction = at[load] / mobilised;
+  out.friction_sigma =
+      out.sigma < options_.max_friction_share * mobilised
+          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(covariance(load, load)) / at[load])
+          : std::numeric_limits<double>::infinity();
+  place(patch, at, out);
+  return true;
+}
+
+void Fit::place(const ContactPatch& patch, const Vector& at, Reading& out) noexcept {
+  out.center_x_m = patch.center_x_m + at[center_x];
+  out.center_y_m = patch.center_y_m + at[center_y];
+  out.radius_m = at[radius];
+}
+
+Reading Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
+  Reading out;
+  if (under_skin_) return imprint_.estimate(patch, moment_ratio(patch, layout_, options_.ratio));
+  if (blocks_) {
+    collect_blocks(patch, options_.first_blocks_along_radius);
+  } else {
+    collect(patch);
+  }
+  set_noise(patch);
+  const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
+  out.moments = ratio.moments;
+  out.moments_sigma = ratio.moments_sigma;
+  out.moments_common_sigma = ratio.moments_common_sigma;
+  if (ratio.deviation.ellipticity > options_.elliptic_from && layout_.size() > kFewTaxels)
+    return imprint_.estimate(patch, ratio);
+  const Vector first = start(patch, ratio);
+  if (!(first[load] > 0) || count_ < kUnknowns) return out;
+  const Minimum minimum =
+      blocks_ ? minimise_blocks(patch, first) : minimise(first, options_.converged_sigmas);
+  const Vector& at = minimum.at;
+  if (layout_.size() <= kFewTaxels) {  // so few have no parabola: only the whole profile means anything
+    Vector gradient;
+    Square hessian;
+    evaluate(at, gradient, hessian);
+    weigh_by_prior(at, hessian, out);
+    place(patch, at, out);
+    out.in_model = minimum.converged;
+    return out;
+  }
+  if (!minimum.converged || !describe(patch, minimum, out)) return out;
+  const HertzDeviationOptions& deviation = options_.ratio.deviation;
+  const RingMisfit misfit = ring_misfit(at);
+  out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < options_.max_ring_misfit;
+  if (out.sigma > options_.open_sigma) weigh_by_prior(at, minimum.hessian, out);
+  // A residual beyond noise is taken for an uneven skin; it may as well be a little of another history.
+  const double uneven = misfit.by_noise > options_.max_ring_misfit ? options_.uneven_sigma : 0;
+  const double unlike =
+      std::max(options_.pressure_sigma * residual_pressure(at), ratio.deviation.sigma(deviation));
+  const double model_sigma = std::hypot(uneven, unlike);
+  out.sigma = std::hypot(out.sigma, model_sigma);
+  out.common_sigma = model_sigma;
+  out.friction_sigma =
+      std::hypot(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
+  return out;
+}
+
+}  // namespace slipd

@@ -1,0 +1,102 @@
+// How the contact model is fitted to taxels: what Fit and SubsurfaceFit share.
+#pragma once
+
+#include "core/reading/method/friction_prior.hpp"
+#include "core/reading/moments/moments.hpp"
+
+namespace slipd {
+
+// Dimensionless unless a unit is given. Checked with `sliplab tradeoff --no-models`, rows of fit: sigma is
+// right where 68 % of the answers are within it; those of a real skin with `sliplab stability --parts
+// adversary`. peak: a Hertz contact's largest pressure p0.
+struct FitOptions {
+  MomentRatioOptions ratio;
+  FrictionPriorOptions prior;
+
+  // The taxels of a grid are summed in square blocks, so many along the contact's radius or up to twice as
+  // many (SquareBlocks); 6 … 16; 0: each taxel by itself. Too small: margins are less exact. Too large: costs
+  // time.
+  double blocks_along_radius = 0;
+  // The same of the blocks on which such a fit takes all steps but the last one; 3 … 6. Too small: the last
+  // step starts far from the minimum. Too large: costs time.
+  double first_blocks_along_radius = 4;
+  // converged_sigmas on those; 0.01 … 0.5. Too small: more steps, for nothing. Too large: as above.
+  double first_converged_sigmas = 0.2;
+  // Length of the last step from which on one does not do; standard deviations, 2 … 10. Too small: costs
+  // time. Too large: what is not linear in the unknowns shows.
+  double most_last_step_sigmas = 6;
+  // Range of Gamma within which the fit searches; 1e-9 … 0.01 and 0.99 … 1. Too wide: the normal equations
+  // are singular at the ends. Too narrow: answers near the ends are drawn inwards.
+  double min_gamma = 1e-6;
+  double max_gamma = 1 - 1e-4;
+  // Range of Gamma from which it starts; within the one above. Too wide: it starts where slopes vanish, and
+  // does not converge. Too narrow: more steps.
+  double min_start = 0.05;
+  double max_start = 0.95;
+  // The most by which one step may change the radius; factor, 1.1 … 10. Too small: more steps. Too large: a
+  // wild step leaves the taxels.
+  double max_radius_factor = 2;
+  // Levenberg-Marquardt's first damping, the factor by which it falls or grows, its least, and the one from
+  // which on no step makes the fit better; 1e-6 … 1, 2 … 100, 0 … 1e-6, 1e3 … 1e12. Too small a first one:
+  // steps are refused. Too large: more steps.
+  double first_damping = 1e-3;
+  double damping_factor = 10;
+  double min_damping = 1e-9;
+  double max_damping = 1e6;
+  // It has converged when no unknown moves by more than this, in its own standard deviation; 1e-6 … 0.1. Too
+  // small: more steps, for nothing. Too large: it stops before the minimum.
+  double converged_sigmas = 1e-3;
+  // Floor of a taxel's noise, of the peak; 1e-8 … 0.01. Too small: frames without noise make the normal
+  // equations singular. Too large: sigma is more than the error on very good sensors.
+  double noise_floor = 1e-4;
+
+  // Ellipticity of the pressure (HertzDeviation) from which on an ellipse is fitted; 0.05 … 0.3. Too small:
+  // costs time for nothing. Too large: ellipses are read as round contacts, and sigma does not cover it.
+  double elliptic_from = 0.1;
+
+  // What a real skin deviates, ring by ring, of mu p; 0 … 0.1. Too small: real skins are refused. Too large:
+  // other histories pass.
+  double uneven_share = 0.02;
+  // Sigma of Gamma of a frame that only such a skin explains; Gamma, 0 … 0.2. Too small: sigma is less than
+  // the error. Too large: such frames are wasted.
+  double uneven_sigma = 0.03;
+  // Mean square residual over rings from which on a frame needs such a skin, or has another history; 1.5 …
+  // 20, about 1 where the model holds. Too small: frames are refused. Too large: a regrip passes.
+  double max_ring_misfit = 4;
+  // Residual pressure counts from this many standard deviations of its sum of squares on; 1 … 10. Too small:
+  // noise widens sigma. Too large: a tilted contact passes for a round one.
+  double clear_sigmas = 4;
+  // Sigma of Gamma over that residual as a share of the peak; 0 … 5. Too small: sigma is less than the error
+  // on contacts that are not Hertz's. Too large: it is more.
+  double pressure_sigma = 0.9;
+  // Friction's relative sigma over Gamma's for both causes above; 0 … 5. Too small and too large: as above.
+  double friction_sigma_factor = 2;
+  // Sigma of Gamma, of 1 - Gamma, below which friction is given by the parabola; 0.1 … 1. Too small: friction
+  // is given late. Too large: its sigma is wrong, because the likelihood is no parabola.
+  double max_friction_share = 0.5;
+
+  // Sigma of Gamma beyond which the whole profile is weighed with the prior; Gamma, 0.005 … 0.3. Too small:
+  // costs time. Too large: the likelihood is no parabola any more.
+  double open_sigma = 0.04;
+  // Standard deviations by which Q/P is above 0 for its field to have a shape; 2 … 6. Too small: noise has
+  // minima anywhere, and a light pull is read as gross slip. Too large: light pulls get no margin of their
+  // own.
+  double clear_load_sigmas = 3;
+  // The same below which the whole profile is weighed with the prior, as such a field has several minima; 3
+  // … 30. Too small: a light pull is read as gross slip. Too large: costs time.
+  double faint_load_sigmas = 10;
+  // The least share of a profile's evidence that is kept for what place and size leave open; 0.01 … 1. Too
+  // small: profiles of small contacts have no weight. Too large: they have too much.
+  double min_profile_share = 0.1;
+  // The least traction ratio of a profile's point; 1e-9 … 1e-3. Keeps its friction above 0.
+  double min_traction_ratio = 1e-6;
+
+  // Those of method `block-fit`.
+  static FitOptions in_blocks() {
+    FitOptions options;
+    options.blocks_along_radius = 8;
+    return options;
+  }
+};
+
+}  // namespace slipd

@@ -1,0 +1,122 @@
+// Friction from the taxels that slip, where force and torque act together (docs/theory.md §10.5). The shear
+// is then no sum of disc terms, and which part of the rim slips first depends on both; but where it slips,
+// |q|/p is friction. So the ratios |q|/p of the taxels end in a plateau, whatever the shape of the contact
+// and the history of its load. No disc, no Hertz. Estimate thread; allocates in its constructor only.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/frame/layout.hpp"
+#include "core/patch/patch.hpp"
+#include "core/reading/method/method.hpp"
+#include "core/reading/torque/torque_kernels.hpp"
+
+namespace slipd {
+
+// Ratio: |q|/p of a taxel. Checked on frames of a solver that shares no equation with slipd, from pure force
+// to pure torque, on 8 x 8 to 32 x 32 taxels with 1 to 5 % of sensor noise.
+struct FrictionPlateauOptions {
+  // Pressure from which on a taxel counts: standard deviations of its noise, and share of the peak; 3 … 15, 0
+  // … 0.2. Too small: ratios are noise. Too large: the rim, which slips first, is left out.
+  double least_sigmas = 6;
+  double least_share = 0.05;
+  // Of grids' contacts with more taxels than this every n-th row counts; 500 … 10000. Too small: more noise.
+  // Too large: costs time.
+  std::size_t most_taxels = 1500;
+  // Share of the load that is below the ratio from which the plateau is looked for; 0.9 … 0.995. Too small: a
+  // stuck part is taken for the plateau. Too large: noise is.
+  double start_share = 0.97;
+  // A taxel is of the plateau within this many of its standard deviations; 1.5 … 3. Too small: few taxels,
+  // more noise. Too large: taxels that stick draw the plateau down.
+  double plateau_sigmas = 2;
+  // Floor of a ratio's standard deviation, relative: gains of taxels; 0.002 … 0.05. Too small: gains scatter
+  // taxels out of the plateau. Too large: as above.
+  double gain_share = 0.01;
+  // The plateau is found when a step moves it by less than this, relative, at most so many steps; 1e-6 …
+  // 1e-3, 5 … 50.
+  double settled_share = 1e-4;
+  int most_steps = 20;
+  // Fewer taxels than this are no plateau; 6 … 40. Too small: chance makes one. Too large: heavy loads alone
+  // are answered.
+  std::size_t least_taxels = 12;
+  // The least share of the load that slips, over that of a pull with the margin found; 0.2 … 0.8. Too small:
+  // a peak of ratios passes for a plateau. Too large: frames of a torque are refused.
+  double least_slipping = 0.35;
+  // A ratio that falls with pressure by more than this many of its standard deviations is no plateau, but the
+  // flank of taxels that stick, which noise has blurred; 2 … 5. Too small: plateaus are refused. Too large:
+  // friction comes out too low where nothing slips yet.
+  double falling_sigmas = 3;
+  // A plateau's ratios rise with pressure, and so fall towards the rim, if that slope over its standard
+  // deviation is above this in the mean of frames; 0.2 … 1.5. Too small: friction that fell after a regrip is
+  // seen late. Too large: ratios that stick after a regrip or a reversal are read as friction.
+  double rising_sigmas = 0.4;
+  // Gain of that mean, frame by frame; 0.02 … 0.5. Too small and too large: noise decides, or earlier loads.
+  double slope_gain = 0.1;
+  // Mean noise of a ratio in the plateau, relative, up to which it is one; 0.03 … 0.2. Too small: noisy
+  // sensors get no answer. Too large: as above.
+  double max_width = 0.1;
+  // Standard deviation of friction over that by noise, and, over the mean width of a ratio's noise times
+  // (rounded_base + Gamma + rounded_steep Gamma^4), that by taxels which nearly slip; 1 … 3, 0.3 … 3, 0 … 1,
+  // 0 … 4. Too small: sigma is less than the error. Too large: it is more.
+  double noise_factor = 1.3;
+  double rounded_factor = 1.2;
+  double rounded_base = 0.15;
+  double rounded_steep = 1.6;
+  // Above this margin nothing is answered: the part that slips is narrower than a few taxels; Gamma, 0.5 …
+  // 0.9. Too small: frames that show friction are refused. Too large: a peak of ratios passes for a plateau.
+  double max_gamma = 0.72;
+  // Share of the load in the plateau from which on all of it slips, whatever came before; 0.6 … 0.95. Too
+  // small: a plateau that sticks again is read as friction. Too large: friction that fell under a torque is
+  // not seen.
+  double all_slip_share = 0.85;
+  // Friction is given below this relative standard deviation; 0.02 … 0.2. Too small: only heavy loads are
+  // answered. Too large: light ones are, by a peak below the plateau: friction too low.
+  double max_sigma = 0.06;
+};
+
+class FrictionPlateau {
+ public:
+  explicit FrictionPlateau(const TaxelLayout& layout, const FrictionPlateauOptions& options = {});
+
+  // `loaded` is in contact; its shear_n is the pull that asks for as much of friction as force and torque
+  // together. in_model is false where no plateau is seen. `turning` is set.
+  Reading estimate(const ContactPatch& loaded) noexcept;
+  // Whether all of the contact slipped in the last frame.
+  bool all_slipped() const noexcept { return all_slipped_; }
+  // Whether ratios fell towards the rim in the last frames: they are of taxels that stick.
+  bool rising() const noexcept { return slope_.mean > options_.rising_sigmas; }
+  // A new grasp.
+  void forget() noexcept { slope_ = {}; }
+
+ private:
+  struct Plateau {
+    double ratio = 0, weight = 0, width = 0;  // 1/variance of the ratio; weighted mean of the taxels' sigmas
+    double normal_pa = 0;                     // sum over its taxels
+    // How the ratio rises with pressure within the plateau, 1/Pa, and its standard deviation.
+    double slope = 0, slope_sigma = 0;
+    std::size_t taxels = 0;
+  };
+  void collect(const ContactPatch& patch) noexcept;
+  double start() const noexcept;
+  PlateauTest test_about(double ratio) const noexcept;
+  void follow_slope(double sigmas) noexcept;
+  Plateau find_plateau() const noexcept;  // without taxels if there is none
+
+  // Ratios that the start is looked for in: up to kMostRatio, beyond what friction may be; in steps.
+  static constexpr double kMostRatio = 4, kStartStep = kMostRatio / 512;
+
+  FrictionPlateauOptions options_;
+  double noise_normal_pa_ = 0, noise_shear_pa_ = 0, normal_pa_ = 0;
+  const TorqueKernels& kernels_;
+  bool rows_;                           // each run of taxels is of one row
+  std::size_t stored_ = 0, count_ = 0;  // values in the lists, taxels that count
+  bool all_slipped_ = false;
+  struct MeanSlope {
+    double mean = 0, frames = 0;  // in standard deviations; that were averaged
+  };
+  MeanSlope slope_;
+  std::vector<float> pressure_pa_, ratio_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,75 @@
+// The margin under force and torque from how far out the shear lies (docs/theory.md §10.7), where taxels are
+// too coarse to resolve the part that slips: as the moment ratio does for a pull (§7.1). For loads that rose
+// in a straight line, on round contacts. Estimate thread; allocates nothing.
+#pragma once
+
+#include "core/frame/layout.hpp"
+#include "core/patch/hertz_deviation.hpp"
+#include "core/patch/patch.hpp"
+#include "core/reading/method/method.hpp"
+#include "core/reading/torque/equivalent_pull.hpp"
+
+namespace slipd {
+
+// Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with `sliplab
+// torque --sides 16,32`.
+struct TorqueMomentRatioOptions {
+  HertzDeviationOptions deviation;
+  // Error of the ratio by square taxels, over (side/a)^2; 0 … 1. Too small: sigma is less than the error on
+  // coarse arrays. Too large: it is more, and they are refused.
+  double rim_error = 0.1;
+  // Floor of the ratio's sigma: of the relation to Gamma, and of paths that are not quite straight; 0 … 0.1.
+  // Too small and too large: as above.
+  double ratio_floor = 0.015;
+  // The ratio of fourth moments agrees with that of a half space within the sum of the first, the second
+  // times (side/a)^2 and the third in standard deviations of the ratio; 0.02 … 0.2, 0 … 1, 2 … 8. Too small:
+  // half spaces are refused. Too large: Winkler foundations and other histories pass.
+  double fourth_slack = 0.05;
+  double fourth_rim = 0.1;
+  double fourth_sigmas = 3;
+  // Contacts with a smaller side/a are answered above this margin only; 0 … 0.4; Gamma, 0.5 … 0.8. There
+  // FrictionPlateau, which assumes no half space, finds what slips. A skin like a Winkler foundation has
+  // ratios as a half space near slip, so that a ratio of a large margin is none of it. Too small: such skins
+  // get margins that are too low. Too large: fine arrays, coarse ones, get no answer.
+  double least_coarse = 0.15;
+  double resolved_gamma = 0.55;
+  // The greatest noise of the ratio: with more, neither the history nor the half space is checked;
+  // 0.005 … 0.1. Too small: light loads get no answer. Too large: other histories and skins pass.
+  double max_noise = 0.035;
+  // A ratio outside its range is read within this many standard deviations; 1 … 5. Too small: noise leaves
+  // frames near slip unanswered. Too large: other histories pass.
+  double range_sigmas = 3;
+  // A margin is given below this standard deviation of friction, relative; 0.02 … 0.3. Too small: only heavy
+  // loads get an answer. Too large: margins are imprecise.
+  double max_sigma = 0.15;
+  // Or below this one of Gamma, far from slip; 0.02 … 0.1. Too small and too large: as above.
+  double max_gamma_sigma = 0.07;
+  // And friction below this one; 0.02 … 0.2. Too small: friction is learnt late. Too large: it is off by more
+  // than a tenth.
+  double known_sigma = 0.08;
+};
+
+class TorqueMomentRatio {
+ public:
+  explicit TorqueMomentRatio(const TaxelLayout& layout, const TorqueMomentRatioOptions& options = {});
+
+  // `loaded`: as FrictionPlateau takes it; `load`: of that frame, bending. in_model is false for contacts
+  // that are cut or not round, and for other histories as far as the ratio shows them. `turning` is set.
+  Reading estimate(const ContactPatch& loaded, const EquivalentPullResult& load) const noexcept;
+
+ private:
+  // Of (10.5), its standard deviation by noise, and the same ratio of fourth moments.
+  struct Ratio {
+    double value = 0, noise = 0, fourth = 0;
+  };
+  // spin_share: the object's spin times a over the sum of that and its speed, 0 (a pull) … 1 (a torque
+  // alone).
+  static Ratio as_of_pull(const Ratio& ratio, double spin_share) noexcept;
+  bool half_space(const Ratio& ratio, double gamma, double coarse) const noexcept;
+  Ratio ratio_of(const ContactPatch& patch, double along, double spin) const noexcept;
+
+  TorqueMomentRatioOptions options_;
+  double side_m_, area_m2_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,85 @@
+// Whether a stored zero fits what a sensor reads now (docs/theory.md §13). A zero of another sensor, or one
+// that is wrong by more than noise and drift explain, must not be subtracted: what is left would look like no
+// contact, or like one. Used by BiasEstimator.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/zero/bias.hpp"
+
+namespace slipd {
+
+// Checked by tests/core/zero/zero_check_test.cpp and bias_estimator_test.cpp, on sensors with offsets, noise,
+// drift, contacts and exchanges.
+struct ZeroCheckOptions {
+  // A channel agrees with the zero within this: standard deviations of a frame, 5 … 20, or smallest steps,
+  // 2 … 5, whichever is more. Too small: drift while the sensor was away makes a zero doubtful. Too large:
+  // another sensor's offsets pass for drift.
+  float agree_sigmas = 10;
+  float agree_steps = 3;
+  // Share of the taxels that have to agree in all channels, 0.1 … 0.5, and their least number, 2 … 5 (all, of
+  // a sensor that has fewer). Too small: offsets that happen to be alike pass. Too large: a restart in
+  // mid-grasp is without a margin until the object is let go.
+  double agree_share = 0.25;
+  std::size_t min_agreeing_taxels = 3;
+  // A load that was held while the sensor was away may have changed by this share; 0.02 … 0.2. Too small: a
+  // skin that relaxes is taken for another sensor. Too large: an offset of another sensor passes for a load.
+  float held_share = 0.1F;
+  // A taxel is far below its zero by more than agree_sigmas, agree_steps and this share of the greatest
+  // pressure that it had; 0.02 … 0.1. Too small: skin that springs back counts. Too large: an offset hides.
+  float rebound_share = 0.05F;
+  // So many taxels far below contradict a zero: this share of all, 0.03 … 0.2, and at least this number,
+  // 2 … 5 (all, of a sensor that has fewer). Too small: a bad taxel does. Too large: a zero that was taken
+  // from a small contact is used.
+  double below_share = 1.0 / 16;
+  std::size_t min_below_taxels = 3;
+  // Their sum exceeds what the other taxels are pressed by, times this; 2 … 10. A cable that pulls at an
+  // object lifts some taxels and presses others. Too small: that contradicts a zero. Too large: a zero that
+  // was taken from a contact is used while another contact is there.
+  double below_over_pressed = 4;
+  // More than this share of the taxels far below contradict a zero whatever the others read; 0.4 … 0.8.
+  double most_share = 0.5;
+};
+
+// Not thread-safe: the acquire thread's. Allocates in its constructor only.
+class ZeroCheck {
+ public:
+  // What a channel flickers by at least, Pa, and the smallest difference that the sensor tells, Pa; 0: none,
+  // or not known.
+  struct Floors {
+    float noise_normal_pa = 0, noise_shear_pa = 0;
+    float step_normal_pa = 0, step_shear_pa = 0;
+  };
+
+  // `taxels`: at least 1.
+  explicit ZeroCheck(std::size_t taxels, const ZeroCheckOptions& options = {});
+
+  // Whether enough taxels of `reading` (before any zero is subtracted) are, in all channels, where `zero`
+  // says that they are without load, or where they were when the sensor was last seen (`last_pa`, as
+  // Bias::bias_pa; empty: not known). What is no number does not agree.
+  bool agrees(const Frame& reading, const Bias& zero, std::span<const float> last_pa,
+              const Floors& floors) const noexcept;
+
+  // Whether `reading` is further below `zero` than any contact presses it, on many taxels.
+  bool is_below(const Frame& reading, const Bias& zero, const Floors& floors) const noexcept;
+
+  // Keeps the greatest pressure of each taxel; of readings whose zero is in use.
+  void note_pressed(std::span<const float> normal_pa, const Bias& zero) noexcept;
+  // Forgets it; with a new zero.
+  void forget_pressed() noexcept;
+
+  // Mean difference of the normal pressures from the zero, Pa.
+  static float mean_off_pa(const Frame& reading, const Bias& zero) noexcept;
+
+ private:
+  float tolerance_pa(const Bias& zero, std::size_t channel, const Floors& floors) const noexcept;
+
+  std::size_t taxels_;
+  ZeroCheckOptions options_;
+  std::vector<float> pressed_pa_;
+};
+
+}  // namespace slipd

@@ -1,0 +1,103 @@
+// The forces that the foundations follow: without noise, signed along one axis.
+#include "core/friction/followed_forces.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace slipd {
+namespace {
+
+constexpr double kSigmaN = 0.01;
+
+ContactPatch patch_of(double normal_n, double shear_n, double direction_rad = 0) {
+  ContactPatch patch;
+  patch.in_contact = true;
+  patch.normal_n = normal_n;
+  patch.shear_n = std::fabs(shear_n);
+  const double sign = shear_n < 0 ? -1 : 1;
+  patch.direction_x = sign * std::cos(direction_rad);
+  patch.direction_y = sign * std::sin(direction_rad);
+  patch.shear_x_n = patch.shear_n * patch.direction_x;
+  patch.shear_y_n = patch.shear_n * patch.direction_y;
+  patch.normal_sigma_n = patch.shear_sigma_n = kSigmaN;
+  return patch;
+}
+
+TEST(FollowedForces, ForcesThatVaryWithinTheDeadBandDoNotChange) {
+  FollowedForces forces;
+  forces.aim(patch_of(2, 0.5));
+  forces.follow(patch_of(2, 0.5));
+  for (int i = 0; i < 100; ++i) {
+    const double off = i % 2 == 0 ? kSigmaN : -kSigmaN;
+    forces.aim(patch_of(2 + off, 0.5 + off));
+    EXPECT_FALSE(forces.follow(patch_of(2 - 0.5 * kSigmaN + 0.1 * off, 0.5 - 0.5 * kSigmaN + 0.1 * off)));
+  }
+}
+
+TEST(FollowedForces, DifferByTheDeadBandAtMost) {
+  const FollowedForcesOptions options;
+  FollowedForces forces(options);
+  for (int i = 0; i <= 400; ++i) {
+    const double normal_n = 2 + std::sin(0.05 * i), shear_n = 0.6 * std::sin(0.03 * i);
+    const ContactPatch patch = patch_of(normal_n, shear_n);
+    forces.aim(patch);
+    forces.follow(patch);
+    EXPECT_LE(std::fabs(forces.normal_n() - normal_n),
+              1.0001 * (options.band_sigmas * kSigmaN + options.band_share * normal_n));
+    EXPECT_LE(std::fabs(forces.shear_n() - shear_n),
+              1.0001 * (options.band_sigmas * kSigmaN + options.band_share * normal_n));
+  }
+}
+
+TEST(FollowedForces, AReversedShearIsNegativeAlongTheSameAxis) {
+  FollowedForces forces;
+  for (double shear_n = 0; shear_n < 0.8; shear_n += 0.02) {
+    EXPECT_FALSE(forces.aim(patch_of(2, shear_n, 0.4)));
+    forces.follow(patch_of(2, shear_n, 0.4));
+  }
+  EXPECT_GT(forces.shear_n(), 0.7);
+  for (double shear_n = 0.8; shear_n > -0.8; shear_n -= 0.02) {
+    EXPECT_FALSE(forces.aim(patch_of(2, shear_n, 0.4)));
+    forces.follow(patch_of(2, shear_n, 0.4));
+  }
+  EXPECT_LT(forces.shear_n(), -0.7);
+  EXPECT_NEAR(forces.axis().cosine(patch_of(2, -0.8, 0.4)), -1, 1e-9);
+}
+
+TEST(FollowedForces, ShearThatTurnsFromAKnownAxisIsReportedOnce) {
+  FollowedForces forces;
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(forces.aim(patch_of(2, 0.5, 0)));
+  EXPECT_TRUE(forces.aim(patch_of(2, 0.5, std::numbers::pi / 2)));
+  EXPECT_DOUBLE_EQ(forces.shear_n(), 0.5) << "signed anew along the new axis";
+  EXPECT_FALSE(forces.aim(patch_of(2, 0.5, std::numbers::pi / 2)));
+}
+
+TEST(FollowedForces, ShearWithoutAClearDirectionMayTurn) {
+  FollowedForces forces;
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(forces.aim(patch_of(2, 5 * kSigmaN, i)));
+}
+
+TEST(FollowedForces, AGraspThatGrowsBeganWithItsFirstFrame) {
+  FollowedForces forces;
+  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(forces.loaded_at_onset(patch_of(0.2 * i, 0.1 * i)));
+}
+
+TEST(FollowedForces, AGraspWithoutShearBeganWithItsFirstFrame) {
+  FollowedForces forces;
+  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(forces.loaded_at_onset(patch_of(2, 0)));
+}
+
+TEST(FollowedForces, AGraspThatIsLoadedAndDoesNotGrowWasMetUnderLoad) {
+  const FollowedForcesOptions options;
+  FollowedForces forces(options);
+  for (int i = 1; i <= 20; ++i)
+    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == options.onset_frames) << "frame " << i;
+  forces.reset();
+  for (int i = 1; i <= 20; ++i)
+    EXPECT_EQ(forces.loaded_at_onset(patch_of(2, 0.5)), i == options.onset_frames) << "after a reset";
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,363 @@
+// The friction filter over whole grasps: the state of the load history, the friction that it learns, and
+// recovery from errors in both.
+#include "core/friction/friction_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+
+#include "core/numeric/random.hpp"
+#include "core/reading/moments/moments.hpp"
+#include "tests/support/heap_count.hpp"
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+using synthetic::FrameMaker;
+constexpr FrictionPrior kPrior{.expected = {0.1, 0.9}, .spread = 0.15};
+
+// One contact on 50 x 50 taxels, estimated by moments, a frame each millisecond.
+class Grasp {
+ public:
+  explicit Grasp(const FrictionFilterOptions& options = {}) : filter(kPrior, false, options) {}
+
+  // Moves linearly to the given forces in `frames` frames; `seen` false: the filter gets none of them.
+  void move(double normal_n, double shear_n, double friction, int frames, bool seen = true) {
+    const double from_normal_n = contact_.normal_n(), from_shear_n = contact_.shear_n();
+    for (int i = 1; i <= frames; ++i) {
+      const double part = static_cast<double>(i) / frames;
+      contact_.move_to(from_normal_n + part * (normal_n - from_normal_n),
+                       from_shear_n + part * (shear_n - from_shear_n), friction);
+      if (seen) see();
+    }
+  }
+
+  void see() {
+    const Frame frame = maker_.make(contact_, 0, 0, direction_rad, 0.01);
+    const ContactPatch& patch = finder_.find(frame);
+    const Reading estimate = method_.estimate(frame, patch);
+    filter.update(frame.time_ns, patch, &estimate);
+    if (each_frame) each_frame();
+  }
+
+  double margin() const { return contact_.safety_margin(); }
+
+  FrictionFilter filter;
+  double direction_rad = 0.3;
+  std::function<void()> each_frame;
+
+ private:
+  FrameMaker maker_{TaxelLayout::grid(50, 50, 0.00029)};
+  PatchFinder finder_{maker_.layout()};
+  Moments method_{maker_.layout()};
+  contact::LoadHistory contact_{synthetic::paper_pair()};
+};
+
+// A frame with forces only, and a method's estimate of it.
+ContactPatch forces(double normal_n, double shear_n) {
+  ContactPatch patch;
+  patch.in_contact = true;
+  patch.normal_n = normal_n;
+  patch.shear_n = patch.shear_x_n = shear_n;
+  patch.normal_sigma_n = patch.shear_sigma_n = 0.001;
+  return patch;
+}
+
+Reading monotonic_frame(double gamma) {
+  Reading estimate;
+  estimate.in_model = true;
+  estimate.gamma = gamma;
+  estimate.sigma = 0.01;
+  return estimate;
+}
+
+TEST(FrictionFilter, AGraspThatIsSeenFromItsBeginHasAMonotonicHistory) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50);
+  grasp.move(2, 0.8, 0.5, 100);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::monotonic);
+  EXPECT_TRUE(grasp.filter.understood());
+  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.5, 0.02);
+}
+
+TEST(FrictionFilter, ARegripLeavesAGeneralHistoryAndLoadBeyondItAMonotonicOne) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50);
+  grasp.move(2, 0.8, 0.5, 100);
+  grasp.move(3, 0.8, 0.5, 50);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::general);
+  EXPECT_TRUE(grasp.filter.understood());
+  grasp.move(3, 1.45, 0.5, 150);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::monotonic);
+}
+
+TEST(FrictionFilter, UnloadingAndReversalAreAGeneralHistoryInWhichFrictionStaysKnown) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50);
+  grasp.move(2, 0.8, 0.5, 100);
+  grasp.move(2, -0.5, 0.5, 150);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::general);
+  EXPECT_TRUE(grasp.filter.understood());
+  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.5, 0.05);
+}
+
+TEST(FrictionFilter, AGraspMetUnderLoadHasNoMarginUntilFramesConfirmItsHistory) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50, false);
+  grasp.move(2, 0.6, 0.5, 50, false);
+  const FrictionFilterOptions options;
+  int frames = 0;
+  grasp.each_frame = [&] {
+    ++frames;
+    if (frames < options.forces.onset_frames) return;
+    const bool confirmed = frames >= options.forces.onset_frames + options.history.confirming_frames - 1;
+    EXPECT_EQ(grasp.filter.understood(), confirmed) << "frame " << frames;
+    EXPECT_EQ(grasp.filter.history(), confirmed ? HistoryState::monotonic : HistoryState::assumed_monotonic);
+  };
+  grasp.move(2, 0.7, 0.5, 40);
+  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.5, 0.02);
+}
+
+TEST(FrictionFilter, AGraspMetUnderLoadThatIsUnloadedStaysUnknown) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50, false);
+  grasp.move(2, 0.8, 0.5, 50, false);
+  grasp.move(2, 0.8, 0.5, 10);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::assumed_monotonic);
+  grasp.move(2, 0.2, 0.5, 60);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::unknown);
+  EXPECT_FALSE(grasp.filter.understood());
+}
+
+TEST(FrictionFilter, ShearThatTurnsLosesTheHistoryAndItIsConfirmedAgain) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.5, 50);
+  grasp.move(2, 0.6, 0.5, 60);
+  EXPECT_TRUE(grasp.filter.understood());
+  grasp.direction_rad += 1.2;
+  grasp.see();
+  EXPECT_EQ(grasp.filter.history(), HistoryState::assumed_monotonic);
+  EXPECT_FALSE(grasp.filter.understood());
+  grasp.move(2, 0.7, 0.5, 40);
+  EXPECT_EQ(grasp.filter.history(), HistoryState::monotonic);
+  EXPECT_TRUE(grasp.filter.understood());
+}
+
+TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesBringItBack) {
+  FrictionFilter filter(kPrior, true);
+  std::int64_t time_ns = 0;
+  const auto see = [&](double gamma) {
+    const Reading estimate = monotonic_frame(gamma);
+    filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
+  };
+  for (int i = 0; i < 10; ++i) see(0.5);
+  EXPECT_TRUE(filter.understood());
+  const FrictionFilterOptions options;
+  for (int i = 1; i <= options.history.outlier_frames; ++i) {
+    EXPECT_EQ(filter.history(), HistoryState::monotonic) << "before outlier " << i;
+    see(9);
+  }
+  EXPECT_EQ(filter.history(), HistoryState::assumed_monotonic);
+  EXPECT_FALSE(filter.understood());
+  int frames = 0;
+  while (!filter.understood() && frames < 200) {
+    see(0.5);
+    ++frames;
+  }
+  EXPECT_GE(frames, options.history.confirming_frames);
+  EXPECT_LT(frames, 3 * options.history.confirming_frames);
+  EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
+}
+
+// Such frames fit any history.
+TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
+  FrictionFilter filter(kPrior, false);
+  Reading estimate = monotonic_frame(0.4);
+  std::int64_t time_ns = 0;
+  const auto see = [&](double sigma) {
+    estimate.sigma = sigma;
+    for (int i = 0; i < 100; ++i) filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
+  };
+  see(0.25);  // from its first frame on loaded, and so assumed monotonic
+  EXPECT_EQ(filter.history(), HistoryState::assumed_monotonic);
+  see(0.05);
+  EXPECT_EQ(filter.history(), HistoryState::monotonic);
+}
+
+TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
+  FrictionFilter filter(kPrior, true);
+  std::int64_t time_ns = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Reading estimate = monotonic_frame(i % 4 == 3 ? 9 : 0.5);
+    filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
+  }
+  EXPECT_EQ(filter.history(), HistoryState::monotonic);
+  EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
+}
+
+// Methods read their sigmas from the same noisy frame: one that shows less margin than there is has the
+// smaller share in common with others.
+TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
+  constexpr double kFriction = 0.5, kNormal_n = 2, kSigma = 0.1;
+  constexpr int kGrasps = 60, kFrames = 150;
+  double sum_of_logs = 0;
+  for (std::uint64_t grasp = 0; grasp < kGrasps; ++grasp) {
+    const RandomStream random(grasp);
+    FrictionFilter filter(kPrior, false);
+    std::int64_t time_ns = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      const double mobilised = 0.5 * i / kFrames;
+      Reading frame = monotonic_frame(std::clamp(
+          1 - mobilised + std::sqrt(3) * kSigma * random.uniform(static_cast<std::uint64_t>(i), -1, 1), 0.0,
+          1.0));
+      frame.sigma = kSigma;
+      frame.common_sigma = 0.005 + 0.045 * frame.gamma;
+      filter.update(time_ns += 1'000'000, forces(kNormal_n, mobilised * kFriction * kNormal_n), &frame);
+    }
+    sum_of_logs += std::log(filter.grid().friction().mean / kFriction);
+  }
+  EXPECT_NEAR(sum_of_logs / kGrasps, 0, 0.02);
+}
+
+TEST(FrictionFilter, FrictionThatFellIsLearntWithinAFewFrames) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.6, 50);
+  grasp.move(2, 0.6, 0.6, 100);
+  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.6, 0.03);
+  bool surprised = false;
+  grasp.each_frame = [&] { surprised = surprised || grasp.filter.surprised(); };
+  grasp.move(2, 0.6, 0.4, 1);
+  grasp.move(2, 0.62, 0.4, 40);
+  EXPECT_TRUE(surprised);
+  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.4, 0.05);
+}
+
+TEST(FrictionFilter, FrictionThatRoseIsLearntOnceTheLoadGrows) {
+  Grasp grasp;
+  grasp.move(2, 0, 0.4, 50);
+  grasp.move(2, 0.6, 0.4, 100);
+  grasp.move(2, 1.1, 0.7, 200);
+  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.7, 0.07);
+}
+
+TEST(FrictionFilter, AJumpOfTheLikeliestFrictionIsDoubtedForAWhile) {
+  FrictionFilterOptions options;
+  options.jump_log = 0.1;
+  options.doubt_frames = 5;
+  Grasp grasp(options);
+  grasp.move(2, 0, 0.6, 50);
+  grasp.move(2, 0.7, 0.6, 100);
+  grasp.see();
+  for (int i = 0; i < options.doubt_frames; ++i) grasp.see();
+  EXPECT_FALSE(grasp.filter.doubted());
+  int doubted = 0;
+  grasp.each_frame = [&] { doubted += grasp.filter.doubted() ? 1 : 0; };
+  grasp.move(2, 0.7, 0.4, 1);
+  grasp.move(2, 0.72, 0.4, 60);
+  EXPECT_GE(doubted, options.doubt_frames);
+  EXPECT_FALSE(grasp.filter.doubted());
+}
+
+TEST(FrictionFilter, ANewGraspKnowsNothingOfTheOneBefore) {
+  Grasp used, fresh;
+  used.move(2, 0, 0.5, 30);
+  used.move(2, 0.8, 0.5, 30);
+  used.move(2, -0.4, 0.5, 30);
+  used.filter.reset();
+  EXPECT_EQ(used.filter.history(), HistoryState::monotonic);
+  EXPECT_TRUE(used.filter.understood());
+  EXPECT_FALSE(used.filter.surprised());
+  EXPECT_FALSE(used.filter.doubted());
+  EXPECT_EQ(used.filter.grid().friction().mean, fresh.filter.grid().friction().mean);
+  EXPECT_EQ(used.filter.traction_ratio().mean, 0);
+}
+
+TEST(FrictionFilter, ForcesThatHoldBoundFrictionFromBelow) {
+  FrictionFilter filter(kPrior, true);
+  for (int i = 1; i <= 200; ++i) filter.update(i * 1'000'000, forces(2, 1.2), nullptr);
+  EXPECT_GT(filter.grid().friction().mean - filter.grid().friction().sigma, 0.58);
+}
+
+TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterwards) {
+  FrictionFilterOptions options;
+  options.forget_s = 0.5;
+  FrictionFilter filter(kPrior, true, options);
+  std::int64_t time_ns = 0;
+  for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.008 * i), nullptr);
+  for (int i = 0; i < 200; ++i) {
+    const double normal_n = 3 - 0.005 * i;
+    filter.update(time_ns += 1'000'000, forces(normal_n, 0.4 * normal_n), nullptr);
+  }
+  EXPECT_NEAR(filter.grid().friction().mean, 0.4, 0.03);
+  const double sigma = filter.grid().friction().sigma;
+  EXPECT_LT(sigma, 0.04);
+  for (int i = 0; i < 200; ++i) filter.update(time_ns += 10'000'000, forces(2, 0.2), nullptr);
+  EXPECT_GT(filter.grid().friction().sigma, 3 * sigma);
+}
+
+TEST(FrictionFilter, ForcesOfALightTouchBoundNoStrongGrip) {
+  FrictionFilter filter(kPrior, true);
+  const double prior = filter.grid().friction().mean;
+  std::int64_t time_ns = 0;
+  for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(0.15, 0.12), nullptr);
+  EXPECT_GT(filter.grid().friction().mean, 0.75);
+  for (int i = 0; i < 100; ++i) {
+    const double normal_n = 0.15 + 0.1 * i;
+    filter.update(time_ns += 1'000'000, forces(normal_n, 0.05 * normal_n), nullptr);
+  }
+  EXPECT_LT(filter.grid().friction().mean, prior + 0.1);
+}
+
+TEST(FrictionFilter, AWrongFrictionIsCorrectedWithinASecondOfSliding) {
+  for (const double hz : {60.0, 500.0}) {
+    FrictionFilter filter({.expected = {0.1, 1}, .spread = 0.15}, true);
+    std::int64_t time_ns = 0;
+    std::uint32_t block = 0;
+    const auto slide_for = [&](double seconds, double friction) {
+      const std::int64_t end_ns = time_ns + static_cast<std::int64_t>(seconds * 1e9);
+      for (; time_ns < end_ns; time_ns += static_cast<std::int64_t>(1e9 / hz)) {
+        block = static_cast<std::uint32_t>(1 + time_ns / 50'000'000);
+        filter.update(time_ns, forces(2, 2 * friction), nullptr,
+                      {.sliding = Sliding::translation,
+                       .for_s = 1,
+                       .field = {.known = true, .coherence = 0.95, .block = block}});
+      }
+    };
+    slide_for(3, 0.3);
+    EXPECT_NEAR(filter.grid().friction().mean, 0.3, 0.03) << hz << " Hz";
+    slide_for(1, 0.7);
+    EXPECT_NEAR(filter.grid().friction().mean, 0.7, 0.07) << hz << " Hz";
+    slide_for(1, 0.3);
+    EXPECT_NEAR(filter.grid().friction().mean, 0.3, 0.04) << hz << " Hz";
+  }
+}
+
+TEST(FrictionFilter, TaxelsThatCarryAgainstEachOtherSayNothingOfFriction) {
+  FrictionFilter filter(kPrior, true);
+  const double prior = filter.grid().friction().mean;
+  for (int i = 1; i <= 200; ++i)
+    filter.update(i * 1'000'000, forces(2, 1.6), nullptr,
+                  {.sliding = Sliding::disturbed,
+                   .for_s = 1,
+                   .field = {.known = true, .coherence = 0.95, .internal_share = 0.3, .block = 1}});
+  EXPECT_EQ(filter.grid().friction().mean, prior);
+}
+
+TEST(FrictionFilter, AllocatesNothing) {
+  Grasp grasp;
+  std::int64_t time_ns = 0;
+  const Reading estimate = monotonic_frame(0.5);
+  const auto before = test::allocations();
+  for (int i = 1; i <= 100; ++i) {
+    grasp.filter.update(time_ns += 1'000'000, forces(2, 0.01 * i), &estimate);
+    if (i % 30 == 0) grasp.filter.reset();
+  }
+  EXPECT_EQ(test::allocations(), before);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,119 @@
+// Every transition of the load history's state, and the counts of frames on which two of them depend.
+#include "core/friction/history_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace slipd {
+namespace {
+
+using enum HistoryState;
+using Event = HistoryEvent;
+constexpr std::array kStates{monotonic, general, assumed_monotonic, unknown};
+
+TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
+  struct Row {
+    Event event;
+    std::array<HistoryState, 4> to;  // the next state from each of kStates
+  };
+  const Row rows[] = {
+      {Event::contact_lost, {monotonic, monotonic, monotonic, monotonic}},
+      {Event::loaded_at_onset, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
+      {Event::shear_turned, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
+      {Event::outlier_run, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
+      {Event::frame_monotonic, {monotonic, monotonic, assumed_monotonic, assumed_monotonic}},
+      {Event::frame_not_monotonic, {general, general, unknown, unknown}},
+      {Event::assumption_confirmed, {monotonic, general, monotonic, unknown}},
+  };
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < kStates.size(); ++i) {
+      EXPECT_EQ(next_state(kStates[i], row.event), row.to[i])
+          << "state " << i << ", event " << static_cast<int>(row.event);
+    }
+  }
+}
+
+TEST(HistoryState, OnlyAConfirmationOrANewGraspMakesALostHistoryKnown) {
+  for (const auto from : {assumed_monotonic, unknown}) {
+    for (const auto event : {Event::loaded_at_onset, Event::shear_turned, Event::outlier_run,
+                             Event::frame_monotonic, Event::frame_not_monotonic})
+      EXPECT_FALSE(is_known(next_state(from, event)));
+  }
+  EXPECT_FALSE(is_known(next_state(unknown, Event::assumption_confirmed)));
+}
+
+TEST(HistoryMonitor, BeginsWithAHistoryThatIsKnown) {
+  EXPECT_EQ(HistoryMonitor().state(), monotonic);
+}
+
+TEST(HistoryMonitor, ARunOfOutliersIsCompleteAtTheNumberGiven) {
+  HistoryMonitor monitor({.outlier_frames = 3, .confirming_frames = 2});
+  EXPECT_FALSE(monitor.outlier());
+  EXPECT_FALSE(monitor.outlier());
+  EXPECT_TRUE(monitor.outlier());
+  EXPECT_FALSE(monitor.outlier()) << "the next run begins anew";
+}
+
+TEST(HistoryMonitor, AFrameThatIsExplainedEndsARunOfOutliers) {
+  HistoryMonitor monitor({.outlier_frames = 2, .confirming_frames = 2});
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_FALSE(monitor.outlier());
+    monitor.explained(i % 2 == 0);
+  }
+}
+
+TEST(HistoryMonitor, ConfirmingFramesMakeAnAssumedHistoryKnown) {
+  HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 3});
+  monitor.lose(Event::loaded_at_onset);
+  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  monitor.explained(true);
+  monitor.explained(true);
+  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  monitor.explained(true);
+  EXPECT_EQ(monitor.state(), monotonic);
+}
+
+TEST(HistoryMonitor, FramesThatWereNotReadAsMonotonicConfirmNothing) {
+  HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 1});
+  monitor.lose(Event::shear_turned);
+  for (int i = 0; i < 10; ++i) monitor.explained(false);
+  EXPECT_EQ(monitor.state(), assumed_monotonic);
+}
+
+TEST(HistoryMonitor, AHistoryThatIsLostAgainIsConfirmedAllOver) {
+  HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 2});
+  monitor.lose(Event::outlier_run);
+  monitor.explained(true);
+  monitor.lose(Event::outlier_run);
+  monitor.explained(true);
+  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  monitor.explained(true);
+  EXPECT_EQ(monitor.state(), monotonic);
+}
+
+TEST(HistoryMonitor, UnloadingAfterALostHistoryLeavesItUnknownUntilTheLoadIsMonotonicAgain) {
+  HistoryMonitor monitor;
+  monitor.lose(Event::loaded_at_onset);
+  monitor.classify(false);
+  EXPECT_EQ(monitor.state(), unknown);
+  monitor.classify(true);
+  EXPECT_EQ(monitor.state(), assumed_monotonic);
+}
+
+TEST(HistoryMonitor, ALostContactForgetsBothCounts) {
+  HistoryMonitor monitor({.outlier_frames = 2, .confirming_frames = 2});
+  monitor.outlier();
+  monitor.lose(Event::loaded_at_onset);
+  monitor.explained(true);
+  monitor.outlier();
+  monitor.contact_lost();
+  EXPECT_EQ(monitor.state(), monotonic);
+  EXPECT_FALSE(monitor.outlier());
+  monitor.lose(Event::loaded_at_onset);
+  monitor.explained(true);
+  EXPECT_EQ(monitor.state(), assumed_monotonic);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,101 @@
+// The sigma that is added for forces that moved between two frames.
+#include "core/friction/unobserved_load_change.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace slipd {
+namespace {
+
+constexpr double kFriction = 0.5;
+constexpr double kLargest = 0.15;  // largest sigma with a margin
+
+ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
+  ContactPatch made;
+  made.in_contact = true;
+  made.normal_n = normal_n;
+  made.shear_x_n = shear_x_n;
+  made.shear_y_n = shear_y_n;
+  made.shear_n = std::hypot(shear_x_n, shear_y_n);
+  made.normal_sigma_n = made.shear_sigma_n = 0.002;
+  return made;
+}
+
+Estimate estimate_with(double sigma) {
+  Estimate out;
+  out.state = State::ok;
+  out.gamma = 0.4;
+  out.sigma = sigma;
+  return out;
+}
+
+TEST(UnobservedLoadChange, OfFramesThatFollowOneAnotherCloselyIsNone) {
+  UnobservedLoadChange unseen;
+  unseen.update(patch(0.05, 0), kFriction);
+  for (int i = 1; i <= 200; ++i) {
+    unseen.update(patch(2, 0.004 * i), kFriction);
+    if (i == 1) unseen.reset();  // the grip itself is not counted as motion
+  }
+  EXPECT_EQ(unseen.sigma(), 0);
+}
+
+TEST(UnobservedLoadChange, IsNoneInTheFirstFrameWithAnyForces) {
+  UnobservedLoadChange unseen;
+  unseen.update(patch(5, 2), kFriction);
+  EXPECT_EQ(unseen.sigma(), 0);
+}
+
+TEST(UnobservedLoadChange, WidensSigmaByTheShareOfTheForceThatMovedAlsoAcross) {
+  for (const auto& [next, share] :
+       {std::pair(patch(1, 0), 1.0), std::pair(patch(2, 0.4), 0.4), std::pair(patch(2, 0, 0.4), 0.4)}) {
+    UnobservedLoadChange unseen;
+    unseen.update(patch(2, 0), kFriction);
+    unseen.update(next, kFriction);
+    EXPECT_NEAR(unseen.sigma(), UnobservedLoadChange::kSigmaOfMotion * share, 0.002);
+    Estimate out = estimate_with(0.03);
+    unseen.widen(out, kLargest);
+    EXPECT_NEAR(out.sigma.value(), std::hypot(0.03, unseen.sigma()), 1e-12);
+    EXPECT_EQ(out.gamma, 0.4);
+    EXPECT_EQ(out.state, State::ok);
+  }
+}
+
+TEST(UnobservedLoadChange, OfNoiseIsNone) {
+  ContactPatch first = patch(1, 0), second = patch(1.2, 0.1);
+  first.normal_sigma_n = first.shear_sigma_n = second.normal_sigma_n = second.shear_sigma_n = 0.05;
+  UnobservedLoadChange unseen;
+  unseen.update(first, kFriction);
+  unseen.update(second, kFriction);
+  EXPECT_EQ(unseen.sigma(), 0);
+}
+
+TEST(UnobservedLoadChange, FadesOverTheFramesThatFollowAndEndsWithTheContact) {
+  UnobservedLoadChange unseen;
+  unseen.update(patch(2, 0), kFriction);
+  unseen.update(patch(1, 0), kFriction);
+  const double at_first = unseen.sigma();
+  for (int i = 0; i < static_cast<int>(UnobservedLoadChange::kFadeFrames); ++i)
+    unseen.update(patch(1, 0), kFriction);
+  EXPECT_NEAR(unseen.sigma(), at_first / std::exp(1), 1e-9);
+  unseen.reset();
+  EXPECT_EQ(unseen.sigma(), 0);
+}
+
+TEST(UnobservedLoadChange, RemovesAMarginWhoseSigmaBecomesTooLarge) {
+  UnobservedLoadChange unseen;
+  unseen.update(patch(2, 0), kFriction);
+  unseen.update(patch(1, 0), kFriction);
+  Estimate out = estimate_with(0.149);
+  unseen.widen(out, kLargest);
+  EXPECT_EQ(out.state, State::learning);
+  EXPECT_FALSE(out.gamma);
+  EXPECT_FALSE(out.sigma);
+  Estimate unknown;
+  unknown.state = State::out_of_model;
+  unseen.widen(unknown, kLargest);
+  EXPECT_EQ(unknown.state, State::out_of_model);
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,118 @@
+// Many foundations side by side agree with single ones, on every instruction set.
+#include "core/friction/winkler_foundations.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "core/simd/instruction_sets.hpp"
+#include "tests/core/contact/winkler_foundation.hpp"
+
+namespace slipd {
+namespace {
+
+using contact::WinklerFoundation;
+
+std::vector<double> frictions(std::size_t count) {
+  std::vector<double> all;
+  for (std::size_t j = 0; j < count; ++j)
+    all.push_back(0.04 * std::pow(55.0, static_cast<double>(j) / static_cast<double>(count)));
+  return all;
+}
+
+// The same contacts in both forms.
+class Both {
+ public:
+  Both(std::size_t count, const WinklerKernels& kernels)
+      : frictions_(frictions(count)), alone_(count), beds_(frictions_, kernels), name_(kernels.name) {}
+
+  void follow(double normal_n, double shear_n) {
+    beds_.follow(normal_n, shear_n);
+    for (std::size_t j = 0; j < alone_.size(); ++j) alone_[j].follow(normal_n, shear_n, frictions_[j]);
+    normal_n_ = normal_n;
+    shear_n_ = shear_n;
+  }
+  void assume_monotonic(double normal_n, double shear_n) {
+    normal_n_ = normal_n;
+    shear_n_ = shear_n;
+    beds_.assume_monotonic(normal_n, shear_n);
+    for (std::size_t j = 0; j < alone_.size(); ++j)
+      alone_[j].assume_monotonic(normal_n, shear_n, frictions_[j]);
+  }
+  void weaken(std::size_t from) {
+    const auto odd = [](std::size_t j) { return j % 2 == 1; };
+    beds_.weaken(from, odd);
+    for (std::size_t j = 0; j < from; ++j) {
+      if (!odd(j)) continue;
+      alone_[j] = alone_[from];
+      alone_[j].follow(normal_n_, shear_n_, frictions_[j]);
+    }
+  }
+  void clear() {
+    beds_.clear();
+    for (auto& bed : alone_) bed.clear();
+  }
+
+  void expect_same() {
+    for (std::size_t j = 0; j < alone_.size(); ++j) {
+      const auto expected = alone_[j].shear_moments(), got = beds_.shear_moments(j);
+      ASSERT_EQ(got.slip_moment_n, expected.slip_moment_n) << name_ << ", bed " << j;
+      ASSERT_EQ(got.second_legendre_n, expected.second_legendre_n) << name_ << ", bed " << j;
+      ASSERT_EQ(beds_.shear_n(j), alone_[j].shear_n()) << name_ << ", bed " << j;
+    }
+  }
+
+ private:
+  std::vector<double> frictions_;
+  std::vector<WinklerFoundation> alone_;
+  WinklerFoundations beds_;
+  const char* name_;
+  double normal_n_ = 1, shear_n_ = 0;
+};
+
+TEST(WinklerFoundations, AgreeWithSingleFoundationsToTheLastBit) {
+  for (const WinklerKernels* kernels : kernels_at_hand<WinklerKernels>()) {
+    for (const std::size_t count : {1U, 16U, 56U, 64U}) {
+      std::mt19937_64 random(count);
+      std::uniform_real_distribution<double> unit(0, 1);
+      Both both(count, *kernels);
+      double p = 1, q = 0;
+      for (int phase = 0; phase < 60; ++phase) {
+        const double what = unit(random);
+        if (what < 0.05) {
+          both.clear();
+        } else if (what < 0.1) {
+          both.assume_monotonic(p, q);
+        } else if (what < 0.25) {
+          both.weaken(std::uniform_int_distribution<std::size_t>(0, count - 1)(random));
+        }
+        const double p_to = what > 0.6 ? p : 0.3 + 4 * unit(random), q_to = 3 * p_to * (unit(random) - 0.5);
+        for (int i = 1; i <= 20; ++i) {
+          const double f = i / 20.0;
+          both.follow(p + f * (p_to - p), q + f * (q_to - q));
+          ASSERT_NO_FATAL_FAILURE(both.expect_same()) << "phase " << phase << " step " << i;
+        }
+        p = p_to;
+        q = q_to;
+      }
+    }
+  }
+}
+
+TEST(WinklerFoundations, WithoutAContactThereIsNoShape) {
+  const double friction = 0.5;
+  WinklerFoundations beds(std::span(&friction, 1));
+  EXPECT_EQ(beds.shear_moments(0).slip_moment_n, 0);
+  beds.follow(2, 5);
+  EXPECT_EQ(beds.shear_n(0), 1);
+  EXPECT_NEAR(beds.shear_moments(0).slip_moment_n, 2.0 / 3, 0.01)
+      << "gross slip: shear lies as pressure does";
+  beds.follow(0, 1);
+  EXPECT_EQ(beds.shear_n(0), 0);
+  EXPECT_EQ(beds.shear_moments(0).slip_moment_n, 0);
+}
+
+}  // namespace
+}  // namespace slipd
