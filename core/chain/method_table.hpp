@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "core/chain/chain.hpp"
+#include "core/chain/setup.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/reading/method/work_precision.hpp"
 
@@ -35,7 +35,7 @@ inline constexpr const char* kMethodTableProcessor = "AMD EPYC (virtual), one co
 
 // Each method that `setup` could use, at the mean size of its scene's contacts: between two rows of the table
 // linear in the number of taxels of the contact, beyond its ends the last row. No rows for sensors whose
-// method nobody chooses (one force, flat skins, few taxels, no shear).
+// method nobody chooses (one force, flat skins, no shear).
 WorkPrecision expected_work(const ChainSetup& setup);
 
 // The least mean error among those within the budget, the fastest if none is. A method that is silent on much

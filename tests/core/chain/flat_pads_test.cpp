@@ -19,12 +19,12 @@
 namespace slipd {
 namespace {
 
-constexpr double kPitch_m = 0.007;
+constexpr double kFlatPitch_m = 0.007;
 constexpr double kRate_hz = 500;
 constexpr Range kFriction{0.3, 1};
 
 ChainSetup finger_setup() {
-  ChainSetup setup{.layout = TaxelLayout::grid(3, 3, kPitch_m),
+  ChainSetup setup{.layout = TaxelLayout::grid(3, 3, kFlatPitch_m),
                    .scene = {},
                    .estimator = {},
                    .alerts = {},
@@ -85,7 +85,7 @@ class Finger {
   static double column_of(std::size_t i) { return static_cast<double>(i % 3) - 1; }
   static double row_of(std::size_t i) { return std::floor(static_cast<double>(i) / 3) - 1; }
   void set(std::vector<float>& channel, std::size_t i, double force_n) const {
-    channel[i] = static_cast<float>(force_n / (kPitch_m * kPitch_m));
+    channel[i] = static_cast<float>(force_n / (kFlatPitch_m * kFlatPitch_m));
   }
   Estimate estimate() {
     ++sequence_;

@@ -18,12 +18,12 @@ namespace slipd {
 namespace {
 
 using synthetic::FrameMaker;
-constexpr FrictionPrior kPrior{.expected = {0.1, 0.9}, .spread = 0.15};
+constexpr FrictionPrior kFilterPrior{.expected = {0.1, 0.9}, .spread = 0.15};
 
 // One contact on 50 x 50 taxels, estimated by moments, a frame each millisecond.
 class Grasp {
  public:
-  explicit Grasp(const FrictionFilterOptions& options = {}) : filter(kPrior, false, options) {}
+  explicit Grasp(const FrictionFilterOptions& options = {}) : filter(kFilterPrior, false, options) {}
 
   // Moves linearly to the given forces in `frames` frames; `seen` false: the filter gets none of them.
   void move(double normal_n, double shear_n, double friction, int frames, bool seen = true) {
@@ -148,7 +148,7 @@ TEST(FrictionFilter, ShearThatTurnsLosesTheHistoryAndItIsConfirmedAgain) {
 }
 
 TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesBringItBack) {
-  FrictionFilter filter(kPrior, true);
+  FrictionFilter filter(kFilterPrior, true);
   std::int64_t time_ns = 0;
   const auto see = [&](double gamma) {
     const Reading estimate = monotonic_frame(gamma);
@@ -175,7 +175,7 @@ TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesB
 
 // Such frames fit any history.
 TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
-  FrictionFilter filter(kPrior, false);
+  FrictionFilter filter(kFilterPrior, false);
   Reading estimate = monotonic_frame(0.4);
   std::int64_t time_ns = 0;
   const auto see = [&](double sigma) {
@@ -189,7 +189,7 @@ TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
 }
 
 TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
-  FrictionFilter filter(kPrior, true);
+  FrictionFilter filter(kFilterPrior, true);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 100; ++i) {
     const Reading estimate = monotonic_frame(i % 4 == 3 ? 9 : 0.5);
@@ -207,7 +207,7 @@ TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
   double sum_of_logs = 0;
   for (std::uint64_t grasp = 0; grasp < kGrasps; ++grasp) {
     const RandomStream random(grasp);
-    FrictionFilter filter(kPrior, false);
+    FrictionFilter filter(kFilterPrior, false);
     std::int64_t time_ns = 0;
     for (int i = 0; i < kFrames; ++i) {
       const double mobilised = 0.5 * i / kFrames;
@@ -277,7 +277,7 @@ TEST(FrictionFilter, ANewGraspKnowsNothingOfTheOneBefore) {
 }
 
 TEST(FrictionFilter, ForcesThatHoldBoundFrictionFromBelow) {
-  FrictionFilter filter(kPrior, true);
+  FrictionFilter filter(kFilterPrior, true);
   for (int i = 1; i <= 200; ++i) filter.update(i * 1'000'000, forces(2, 1.2), nullptr);
   EXPECT_GT(filter.grid().friction().mean - filter.grid().friction().sigma, 0.58);
 }
@@ -285,7 +285,7 @@ TEST(FrictionFilter, ForcesThatHoldBoundFrictionFromBelow) {
 TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterwards) {
   FrictionFilterOptions options;
   options.forget_s = 0.5;
-  FrictionFilter filter(kPrior, true, options);
+  FrictionFilter filter(kFilterPrior, true, options);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.008 * i), nullptr);
   for (int i = 0; i < 200; ++i) {
@@ -300,7 +300,7 @@ TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterward
 }
 
 TEST(FrictionFilter, ForcesOfALightTouchBoundNoStrongGrip) {
-  FrictionFilter filter(kPrior, true);
+  FrictionFilter filter(kFilterPrior, true);
   const double prior = filter.grid().friction().mean;
   std::int64_t time_ns = 0;
   for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(0.15, 0.12), nullptr);
@@ -337,7 +337,7 @@ TEST(FrictionFilter, AWrongFrictionIsCorrectedWithinASecondOfSliding) {
 }
 
 TEST(FrictionFilter, TaxelsThatCarryAgainstEachOtherSayNothingOfFriction) {
-  FrictionFilter filter(kPrior, true);
+  FrictionFilter filter(kFilterPrior, true);
   const double prior = filter.grid().friction().mean;
   for (int i = 1; i <= 200; ++i)
     filter.update(i * 1'000'000, forces(2, 1.6), nullptr,
