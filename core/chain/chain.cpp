@@ -125,13 +125,6 @@ struct EstimatorChain::Impl {
     if (out.radius_m && std::isfinite(skin_radius_m)) out.a_over_r = *out.radius_m / skin_radius_m;
     alert.judge(out);
     out.time_to_slip_s = forecast.update(out.time_ns, out.gamma, out.sigma.value_or(0));
-    // The pattern of a contact that slides with all of its taxels may stand still. Where the margin leaves
-    // open that it slides, this is no evidence that it does not.
-    const bool may_slide = out.gamma && *out.gamma <= out.sigma.value_or(0);
-    if (may_slide && out.sliding == Sliding::none) {
-      out.sliding.reset();
-      out.sliding_for_s.reset();
-    }
   }
 
   // The contact was lost.

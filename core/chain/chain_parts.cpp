@@ -30,9 +30,8 @@ bool has_skin(const ChainSetup& setup) {
 }
 
 std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& options = {}) {
-  return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene), options,
-                               setup.scene.skin.depth_m, setup.scene.skin.depth_sigma,
-                               setup.scene.skin.bonded_poisson());
+  return std::make_unique<Fit>(setup.layout, known_friction(setup).range, options, setup.scene.skin.depth_m,
+                               setup.scene.skin.depth_sigma, setup.scene.skin.bonded_poisson());
 }
 
 std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
@@ -40,7 +39,7 @@ std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
     throw std::invalid_argument(
         "method closing under a skin with depth_mm above 0 needs a regular grid of taxels and the base "
         "half_space");
-  return std::make_unique<PressureMaps>(setup.layout, expected_friction(setup.scene), setup.scene.skin);
+  return std::make_unique<PressureMaps>(setup.layout, known_friction(setup).range, setup.scene.skin);
 }
 
 // `auto`: of the methods that need no training, the one whose error on this scene is least within the time

@@ -42,6 +42,7 @@ void ForcePipeline::forget() noexcept {
 
 void ForcePipeline::lose_sight() noexcept {
   forget();
+  margin_->lose_sight();
   equivalent_pull_.lose_way();
 }
 

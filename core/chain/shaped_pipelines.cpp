@@ -73,6 +73,7 @@ void ShapedPipeline::forget() noexcept {
 
 void ShapedPipeline::lose_sight() noexcept {
   forget();
+  margin_->lose_sight();
   equivalent_pull_.lose_way();
 }
 

@@ -52,6 +52,12 @@ void MarginDecision::apply(Estimate& out) const noexcept {
     out.gamma = now->mean;
     out.sigma = now->sigma;
   }
+  // The pattern of a contact that slides with all of its taxels may stand still. Where the margin leaves open
+  // that it slides, this is no evidence that it does not.
+  if (now && now->mean <= now->sigma && out.sliding == Sliding::none) {
+    out.sliding.reset();
+    out.sliding_for_s.reset();
+  }
   if (!low_) return;
   const double own = now ? now->mean - kOneSided95 * now->sigma : 1;
   out.gamma_low = std::clamp(std::min(own, *low_ - kOneSided95 * left_out_), 0.0, 1.0);

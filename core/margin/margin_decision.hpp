@@ -52,7 +52,8 @@ class MarginDecision {
   // The margin that was proposed, if it stands.
   std::optional<MeanSigma> margin() const noexcept;
 
-  // Writes state, gamma, sigma and gamma_low.
+  // Writes state, gamma, sigma and gamma_low. Where the margin may be 0, that the object was not seen to
+  // slide says nothing: `sliding` none is then unknown.
   void apply(Estimate& out) const noexcept;
 
  private:

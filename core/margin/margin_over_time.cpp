@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "core/friction/by_forces.hpp"
+#include "core/friction/by_shape.hpp"
 
 namespace slipd {
 namespace {
@@ -30,6 +34,19 @@ Range shaped_bounds(const FrictionKnowledge& friction) {
   return friction.given ? friction.given->range : kUnbounded;
 }
 
+std::unique_ptr<FrictionFilter> by_forces(const FrictionKnowledge& friction,
+                                          const MarginOverTimeOptions& options) {
+  return std::make_unique<FrictionByForces>(
+      prior_of(friction, options.prior), bounded(options.filter, friction.range(), options.force_only_slack));
+}
+
+std::unique_ptr<FrictionFilter> by_shape(const FrictionKnowledge& friction,
+                                         const MarginOverTimeOptions& options) {
+  return std::make_unique<FrictionByShape>(
+      prior_of(friction, options.prior),
+      bounded(options.filter, shaped_bounds(friction), options.shaped_slack));
+}
+
 // Shear that a torque has changed.
 bool has_torque(const Reading* reading) noexcept {
   return reading != nullptr && reading->turning;
@@ -37,17 +54,17 @@ bool has_torque(const Reading* reading) noexcept {
 
 }  // namespace
 
-MarginOverTime::MarginOverTime(double sigma_max, const FrictionKnowledge& friction, Range bounds,
-                               double slack, bool force_only, const MarginOverTimeOptions& options)
+MarginOverTime::MarginOverTime(double sigma_max, Range bounds, std::unique_ptr<FrictionFilter> filter,
+                               const MarginOverTimeOptions& options)
     : options_(options),
       sigma_max_(sigma_max),
       bounds_(bounds),
-      filter_(prior_of(friction, options.prior), force_only, bounded(options.filter, bounds, slack)),
-      prior_(filter_.grid().friction()),
+      filter_(std::move(filter)),
+      prior_(filter_->grid().friction()),
       last_friction_(prior_.mean) {}
 
 MarginOverTime::Now MarginOverTime::now_with(MeanSigma margin) noexcept {
-  const MeanSigma load = filter_.traction_ratio(), friction = filter_.grid().friction();
+  const MeanSigma load = filter_->traction_ratio(), friction = filter_->grid().friction();
   margin.mean = std::clamp(margin.mean, std::max(0.0, 1 - load.mean / bounds_.low),
                            std::max(0.0, 1 - load.mean / bounds_.high));
   margin.sigma = std::hypot(margin.sigma, options_.least_friction_sigma * (1 - margin.mean));
@@ -79,7 +96,7 @@ void MarginOverTime::propose(const MeanSigma& margin, const MarginInput& frame, 
     out.limit_sigma_n = out.friction_sigma.value_or(0) * frame.acting.normal_n;
     return;
   }
-  const MeanSigma inverse = filter_.grid().inverse_friction();
+  const MeanSigma inverse = filter_->grid().inverse_friction();
   out.limit_n = frame.acting.normal_n / inverse.mean;
   out.limit_sigma_n = *out.limit_n * inverse.sigma / inverse.mean;
 }
@@ -94,13 +111,13 @@ MeanSigma MarginOverTime::by_itself(const Reading& reading, Estimate& out) const
 }
 
 MeanSigma MarginOverTime::own_margin(const Reading& reading) const noexcept {
-  const auto [offset, offset_sigma] = filter_.margin_offset();
+  const auto [offset, offset_sigma] = filter_->margin_offset();
   return {std::clamp(reading.gamma + offset, 0.0, 1.0), std::hypot(reading.sigma, offset_sigma)};
 }
 
 MeanSigma MarginOverTime::better_of(const MeanSigma& margin, const MeanSigma& own, const Reading& reading,
                                     Estimate& out) const noexcept {
-  if (!reading.in_model || !is_monotonic(filter_.history())) return margin;
+  if (!reading.in_model || !is_monotonic(filter_->history())) return margin;
   const double sigma = std::hypot(own.sigma, margin.sigma);
   if (!(std::fabs(own.mean - margin.mean) < options_.agreement_sigmas * sigma)) return margin;
   out.method = reading.by;
@@ -110,9 +127,9 @@ MeanSigma MarginOverTime::better_of(const MeanSigma& margin, const MeanSigma& ow
 // --- friction that is learnt
 
 LearntFrictionMargin::LearntFrictionMargin(double sigma_max, const FrictionKnowledge& friction, Range bounds,
-                                           double slack, bool force_only,
+                                           std::unique_ptr<FrictionFilter> filter,
                                            const MarginOverTimeOptions& options)
-    : MarginOverTime(sigma_max, friction, bounds, slack, force_only, options),
+    : MarginOverTime(sigma_max, bounds, std::move(filter), options),
       log_range_(std::log(friction.range().high / friction.range().low)),
       usual_friction_(std::sqrt(friction.range().low * friction.range().high)) {}
 
@@ -120,18 +137,18 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
                                                                MarginDecision& decision,
                                                                Estimate& out) noexcept {
   out.method = Method::friction;
-  filter_.update(frame.time_ns, frame.acting, frame.reading, frame.previous_sliding);
-  if (!filter_.understood()) {
+  filter_->update(frame.time_ns, frame.acting, frame.reading, frame.previous_sliding);
+  if (!filter_->understood()) {
     refuse_unknown(frame, decision);
     return std::nullopt;
   }
   // A frame whose torque shows friction by itself needs no memory.
   const bool alone = has_torque(frame.reading) && frame.reading->in_model;
-  if (alone ? filter_.shear_lost() : !filter_.explained()) {
+  if (alone ? filter_->shear_lost() : !filter_->explained()) {
     refuse_contradicted(frame, decision, out);
     return std::nullopt;
   }
-  const Now now = now_with(with_shared(filter_.traction_ratio(), frame.shared));
+  const Now now = now_with(with_shared(filter_->traction_ratio(), frame.shared));
   const bool learnt = now.relative() < options_.learnt_share * prior_.sigma / prior_.mean;
   const double known = has_torque(frame.reading) ? options_.frame_known_sigma : options_.known_sigma;
   if (learnt && now.relative() < known) give_friction(now.friction, out);
@@ -148,9 +165,9 @@ void LearntFrictionMargin::widen_by_unobserved(const MarginInput& frame, MarginD
 // lowers the margin: rubber that shares its shear evenly until it slides would pass for a pad that sticks.
 MeanSigma LearntFrictionMargin::with_shared(const MeanSigma& load,
                                             const MarginProfile* shared) const noexcept {
-  const MeanSigma by_filter = filter_.grid().margin(load.mean, load.sigma);
+  const MeanSigma by_filter = filter_->grid().margin(load.mean, load.sigma);
   if (shared == nullptr || !shared->known) return by_filter;
-  FrictionGrid grid = filter_.grid();
+  FrictionGrid grid = filter_->grid();
   for (std::size_t j = 0; j < grid.count(); ++j) grid.take(j, shared->at(1 - load.mean / grid.friction(j)));
   grid.normalise();
   const MeanSigma with_shared = grid.margin(load.mean, load.sigma);
@@ -169,7 +186,7 @@ MeanSigma LearntFrictionMargin::lowered(const MeanSigma& margin) const noexcept 
 
 LearntByForces::LearntByForces(double sigma_max, const FrictionKnowledge& friction,
                                const MarginOverTimeOptions& options)
-    : LearntFrictionMargin(sigma_max, friction, friction.range(), options.force_only_slack, true, options) {}
+    : LearntFrictionMargin(sigma_max, friction, friction.range(), by_forces(friction, options), options) {}
 
 // Forces alone never show how near slip is until it has come: the lower part of the posterior is given, as
 // long as friction has not settled.
@@ -201,13 +218,13 @@ MeanSigma LearntByForces::within_bounds(const MeanSigma& margin, double load) co
 
 LearntByShape::LearntByShape(double sigma_max, const FrictionKnowledge& friction,
                              const MarginOverTimeOptions& options)
-    : LearntFrictionMargin(sigma_max, friction, shaped_bounds(friction), options.shaped_slack, false,
+    : LearntFrictionMargin(sigma_max, friction, shaped_bounds(friction), by_shape(friction, options),
                            options) {}
 
 void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
   if (const auto now = learn(frame, decision, out)) {
     const Reading* const reading = frame.reading;
-    const bool torque = has_torque(reading), fallen = filter_.fallen() && !has_settled(*now);
+    const bool torque = has_torque(reading), fallen = filter_->fallen() && !has_settled(*now);
     MeanSigma margin;
     if (torque && reading->in_model) {
       margin = by_itself(*reading, out);
@@ -228,7 +245,7 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
 MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const noexcept {
   MeanSigma margin = lowered(now.margin);
   if (reading == nullptr) return margin;
-  if (!reading->turning && filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+  if (!reading->turning && filter_->doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
   if (reading->load_fallen) {
     const double held = std::max(now.load.mean, reading->friction);
     const double open = margin.mean - (held > 0 ? 1 - now.load.mean / held : 0);
@@ -240,8 +257,8 @@ MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const
 MeanSigma LearntByShape::combine(const Now& now, const Reading& reading, Estimate& out) const noexcept {
   const MeanSigma own = own_margin(reading);
   MeanSigma margin = now.margin;
-  if (filter_.doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
-  if (!filter_.surprised()) return better_of(margin, own, reading, out);
+  if (filter_->doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+  if (!filter_->surprised()) return better_of(margin, own, reading, out);
   // A frame of a monotonic load shows friction that fell at once, the filter a few frames later.
   if (!reading.in_model) {
     margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
@@ -254,53 +271,54 @@ MeanSigma LearntByShape::combine(const Now& now, const Reading& reading, Estimat
 
 // --- friction that was given as a value
 
-GivenFrictionMargin::GivenFrictionMargin(double sigma_max, const FrictionKnowledge& friction, double slack,
-                                         bool force_only, const MarginOverTimeOptions& options)
-    : MarginOverTime(sigma_max, friction, friction.range(), slack, force_only, options) {}
+GivenFrictionMargin::GivenFrictionMargin(double sigma_max, const FrictionKnowledge& friction,
+                                         std::unique_ptr<FrictionFilter> filter,
+                                         const MarginOverTimeOptions& options)
+    : MarginOverTime(sigma_max, friction.range(), std::move(filter), options) {}
 
 std::optional<MarginOverTime::Now> GivenFrictionMargin::follow(const MarginInput& frame,
                                                                MarginDecision& decision, Estimate& out,
                                                                bool& by_forces) noexcept {
   out.method = Method::friction;
-  filter_.update(frame.time_ns, frame.acting, frame.reading, frame.previous_sliding);
-  by_forces = !is_known(filter_.history());
-  if (!by_forces && !filter_.understood()) {
+  filter_->update(frame.time_ns, frame.acting, frame.reading, frame.previous_sliding);
+  by_forces = !is_known(filter_->history());
+  if (!by_forces && !filter_->understood()) {
     refuse_unknown(frame, decision);
     return std::nullopt;
   }
   const bool alone = by_forces || (has_torque(frame.reading) && frame.reading->in_model);
-  if (alone ? filter_.shear_lost() : !filter_.explained()) {
+  if (alone ? filter_->shear_lost() : !filter_->explained()) {
     refuse_contradicted(frame, decision, out);
     return std::nullopt;
   }
-  const MeanSigma load = filter_.traction_ratio();
-  const Now now = now_with(filter_.grid().margin(load.mean, load.sigma));
+  const MeanSigma load = filter_->traction_ratio();
+  const Now now = now_with(filter_->grid().margin(load.mean, load.sigma));
   give_friction(now.friction, out);
   return now;
 }
 
 GivenByForces::GivenByForces(double sigma_max, const FrictionKnowledge& friction,
                              const MarginOverTimeOptions& options)
-    : GivenFrictionMargin(sigma_max, friction, options.force_only_slack, true, options) {}
+    : GivenFrictionMargin(sigma_max, friction, by_forces(friction, options), options) {}
 
 void GivenByForces::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
-  bool by_forces = false;
-  if (const auto now = follow(frame, decision, out, by_forces)) propose(now->margin, frame, decision, out);
+  bool alone = false;
+  if (const auto now = follow(frame, decision, out, alone)) propose(now->margin, frame, decision, out);
 }
 
 GivenByShape::GivenByShape(double sigma_max, const FrictionKnowledge& friction,
                            const MarginOverTimeOptions& options)
-    : GivenFrictionMargin(sigma_max, friction, options.shaped_slack, false, options) {}
+    : GivenFrictionMargin(sigma_max, friction, by_shape(friction, options), options) {}
 
 void GivenByShape::estimate(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept {
-  bool by_forces = false;
-  const auto now = follow(frame, decision, out, by_forces);
+  bool alone = false;
+  const auto now = follow(frame, decision, out, alone);
   if (!now) return;
   const Reading* const reading = frame.reading;
   MeanSigma margin = now->margin;
   if (has_torque(reading)) {
     if (reading->in_model) margin = by_itself(*reading, out);
-  } else if (reading != nullptr && !by_forces) {
+  } else if (reading != nullptr && !alone) {
     margin = better_of(margin, own_margin(*reading), *reading, out);
   }
   propose(margin, frame, decision, out);

@@ -80,14 +80,18 @@ class MarginOverTime : public MarginSource {
  public:
   double friction() const noexcept override { return last_friction_; }
   void forget() noexcept override {
-    filter_.reset();
+    filter_->reset();
     last_friction_ = prior_.mean;
+  }
+  void lose_sight() noexcept override {
+    forget();
+    filter_->lose_sight();
   }
 
  protected:
-  // bounds: what friction is learnt within, mu. slack: see MarginOverTimeOptions.
-  MarginOverTime(double sigma_max, const FrictionKnowledge& friction, Range bounds, double slack,
-                 bool force_only, const MarginOverTimeOptions& options);
+  // bounds: what friction is learnt within, mu. filter: of the sensor's kind.
+  MarginOverTime(double sigma_max, Range bounds, std::unique_ptr<FrictionFilter> filter,
+                 const MarginOverTimeOptions& options);
 
   // What all frames up to this one say.
   struct Now {
@@ -119,7 +123,7 @@ class MarginOverTime : public MarginSource {
   MarginOverTimeOptions options_;
   double sigma_max_;
   Range bounds_;
-  FrictionFilter filter_;
+  std::unique_ptr<FrictionFilter> filter_;
   MeanSigma prior_;       // of friction
   double last_friction_;  // its mean a frame ago
 };
@@ -133,8 +137,8 @@ class LearntFrictionMargin : public MarginOverTime {
   }
 
  protected:
-  LearntFrictionMargin(double sigma_max, const FrictionKnowledge& friction, Range bounds, double slack,
-                       bool force_only, const MarginOverTimeOptions& options);
+  LearntFrictionMargin(double sigma_max, const FrictionKnowledge& friction, Range bounds,
+                       std::unique_ptr<FrictionFilter> filter, const MarginOverTimeOptions& options);
   // Nothing if frames contradict every friction; then the margin is refused.
   std::optional<Now> learn(const MarginInput& frame, MarginDecision& decision, Estimate& out) noexcept;
   // Adds to sigma what forces did between two frames.
@@ -180,8 +184,8 @@ class LearntByShape final : public LearntFrictionMargin {
 // doubted.
 class GivenFrictionMargin : public MarginOverTime {
  public:
-  GivenFrictionMargin(double sigma_max, const FrictionKnowledge& friction, double slack, bool force_only,
-                      const MarginOverTimeOptions& options);
+  GivenFrictionMargin(double sigma_max, const FrictionKnowledge& friction,
+                      std::unique_ptr<FrictionFilter> filter, const MarginOverTimeOptions& options);
 
  protected:
   // As LearntFrictionMargin::learn. by_forces: the history is not known, and friction answers alone.

@@ -41,6 +41,8 @@ class MarginSource {
   virtual double friction() const noexcept = 0;
   // The contact was lost.
   virtual void forget() noexcept = 0;
+  // The contact goes on, or another one has come, and what it does is not seen.
+  virtual void lose_sight() noexcept { forget(); }
 };
 
 // Each frame for itself: settings without tracking.

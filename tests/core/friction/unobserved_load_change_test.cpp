@@ -9,7 +9,6 @@ namespace slipd {
 namespace {
 
 constexpr double kMovedFriction = 0.5;
-constexpr double kLargest = 0.15;  // largest sigma with a margin
 
 ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
   ContactPatch made;
@@ -20,14 +19,6 @@ ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
   made.shear_n = std::hypot(shear_x_n, shear_y_n);
   made.normal_sigma_n = made.shear_sigma_n = 0.002;
   return made;
-}
-
-Estimate estimate_with(double sigma) {
-  Estimate out;
-  out.state = State::ok;
-  out.gamma = 0.4;
-  out.sigma = sigma;
-  return out;
 }
 
 TEST(UnobservedLoadChange, OfFramesThatFollowOneAnotherCloselyIsNone) {
@@ -46,18 +37,13 @@ TEST(UnobservedLoadChange, IsNoneInTheFirstFrameWithAnyForces) {
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
-TEST(UnobservedLoadChange, WidensSigmaByTheShareOfTheForceThatMovedAlsoAcross) {
+TEST(UnobservedLoadChange, GrowsWithTheShareOfTheForceThatMovedAlsoAcross) {
   for (const auto& [next, share] :
        {std::pair(patch(1, 0), 1.0), std::pair(patch(2, 0.4), 0.4), std::pair(patch(2, 0, 0.4), 0.4)}) {
     UnobservedLoadChange unseen;
     unseen.update(patch(2, 0), kMovedFriction);
     unseen.update(next, kMovedFriction);
     EXPECT_NEAR(unseen.sigma(), UnobservedLoadChange::kSigmaOfMotion * share, 0.002);
-    Estimate out = estimate_with(0.03);
-    unseen.widen(out, kLargest);
-    EXPECT_NEAR(out.sigma.value(), std::hypot(0.03, unseen.sigma()), 1e-12);
-    EXPECT_EQ(out.gamma, 0.4);
-    EXPECT_EQ(out.state, State::ok);
   }
 }
 
@@ -80,21 +66,6 @@ TEST(UnobservedLoadChange, FadesOverTheFramesThatFollowAndEndsWithTheContact) {
   EXPECT_NEAR(unseen.sigma(), at_first / std::exp(1), 1e-9);
   unseen.reset();
   EXPECT_EQ(unseen.sigma(), 0);
-}
-
-TEST(UnobservedLoadChange, RemovesAMarginWhoseSigmaBecomesTooLarge) {
-  UnobservedLoadChange unseen;
-  unseen.update(patch(2, 0), kMovedFriction);
-  unseen.update(patch(1, 0), kMovedFriction);
-  Estimate out = estimate_with(0.149);
-  unseen.widen(out, kLargest);
-  EXPECT_EQ(out.state, State::learning);
-  EXPECT_FALSE(out.gamma);
-  EXPECT_FALSE(out.sigma);
-  Estimate unknown;
-  unknown.state = State::out_of_model;
-  unseen.widen(unknown, kLargest);
-  EXPECT_EQ(unknown.state, State::out_of_model);
 }
 
 }  // namespace
