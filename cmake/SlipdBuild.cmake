@@ -50,16 +50,20 @@ function(slipd_library name)
   slipd_note_lines(${name})
 endfunction()
 
+# slipd_loadable(target file component): what the daemon loads at run time, FILE.so in the folder of its modules.
+function(slipd_loadable target file component)
+  set_target_properties(${target} PROPERTIES
+    PREFIX "" OUTPUT_NAME ${file} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON LIBRARY_OUTPUT_DIRECTORY ${SLIPD_MODULE_DIR})
+  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/slipd COMPONENT ${component})
+endfunction()
+
 # slipd_driver(name SOURCES … LINKS …): the loadable module slipd-driver-NAME.so.
 function(slipd_driver name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(slipd_driver_${name} MODULE ${ARG_SOURCES})
   target_link_libraries(slipd_driver_${name} PRIVATE slipd_flags ${ARG_LINKS})
   slipd_note_lines(slipd_driver_${name})
-  set_target_properties(slipd_driver_${name} PROPERTIES
-    PREFIX "" OUTPUT_NAME slipd-driver-${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
-    LIBRARY_OUTPUT_DIRECTORY ${SLIPD_MODULE_DIR})
-  install(TARGETS slipd_driver_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/slipd COMPONENT driver_${name})
+  slipd_loadable(slipd_driver_${name} slipd-driver-${name} driver_${name})
 endfunction()
 
 # slipd_bridge(name SOURCES … LINKS …): library slipd_bridge_NAME of SOURCES, which tests link, and program slipd-NAME of main.cpp,
