@@ -31,13 +31,13 @@ endif()
 
 # The preset `coverage` counts the lines that run in the folders below. Everything else is compiled as in the preset dev and comes
 # from the same cache. Threads may lose counts, but a line that ran has a count above 0.
-option(SLIPD_COVERAGE "Count which lines of core, schema, driver_api, config, drivers and daemon run" OFF)
+option(SLIPD_COVERAGE "Count which lines of core, paper, schema, driver_api, config, drivers and daemon run" OFF)
 if(SLIPD_COVERAGE)
   target_link_options(slipd_flags INTERFACE --coverage)
 endif()
 function(slipd_note_lines target)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
-  if(SLIPD_COVERAGE AND room MATCHES "^(core|schema|driver_api|config|drivers|daemon)(/|$)")
+  if(SLIPD_COVERAGE AND room MATCHES "^(core|paper|schema|driver_api|config|drivers|daemon)(/|$)")
     target_compile_options(${target} PRIVATE --coverage -O1)
   endif()
 endfunction()
