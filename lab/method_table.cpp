@@ -24,7 +24,7 @@ struct MethodTableOptions {
 
 void print(const MeasuredTableRow& measured) {
   const MethodTableRow& row = measured.row;
-  std::printf("{%s, %g, Method::%s, %.4f, %.3f, %.1f, %.1f},  // +- %.4f\n",
+  std::printf("{%s, %g, Method::%s, %.3g, %.3f, %.1f, %.1f},  // +- %.2g\n",
               row.under_skin ? "true" : "false", row.taxels_along_radius,
               row.method == Method::block_fit ? "block_fit" : std::string(to_string(row.method)).c_str(),
               row.mean_error, row.answered, row.p50_us, row.p99_us, measured.error_sigma);

@@ -37,14 +37,14 @@ std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
   return std::make_unique<PressureMaps>(setup.layout, expected_friction(setup.scene), setup.scene.skin);
 }
 
-// `auto`: of the methods that need no training, the one whose error on this scene is least within the time
-// given.
+// `auto`: of the methods that need no training, the one whose error on contacts of this size is least within
+// the time given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
   work_precision = expected_work(setup);
-  const std::string& name =
-      work_precision.rows[choose(work_precision.rows, setup.estimator.budget_us)].method;
-  if (name == to_string(Method::moments)) return std::make_unique<Moments>(setup.layout);
-  return make_fit(setup, name == to_string(Method::block_fit) ? FitOptions::in_blocks() : FitOptions{});
+  const Method method = choose_for(setup, work_precision).method;
+  if (method == Method::moments) return std::make_unique<Moments>(setup.layout);
+  if (method == Method::closing) return make_closing(setup);
+  return make_fit(setup, method == Method::block_fit ? FitOptions::in_blocks() : FitOptions{});
 }
 
 }  // namespace
@@ -99,8 +99,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
   }
   if (always_fits(setup)) return make_fit(setup);
   switch (wanted) {
-    case MethodChoice::automatic:  // of its methods only fit corrects for rubber over the taxels
-      return setup.scene.skin.depth_m > 0 ? make_fit(setup) : choose_method(setup, work_precision);
+    case MethodChoice::automatic:
+      return choose_method(setup, work_precision);
     case MethodChoice::fit:
       return make_fit(setup);
     case MethodChoice::block_fit:
@@ -119,7 +119,8 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
 
 std::unique_ptr<SlipMethod> make_closing_beside(const ChainSetup& setup) {
   if (setup.estimator.method != MethodChoice::automatic || weighed_over_time(setup) ||
-      setup.sensor_class == SensorClass::normal || !PressureMaps::can_read(setup.layout, setup.scene.skin))
+      setup.sensor_class == SensorClass::normal || !PressureMaps::can_read(setup.layout, setup.scene.skin) ||
+      !choose_for(setup, expected_work(setup)).closing_beside)
     return nullptr;
   return make_closing(setup);
 }
