@@ -39,14 +39,18 @@ function(slipd_note_lines target)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
   if(SLIPD_COVERAGE AND room MATCHES "^(core|paper|schema|driver_api|config|drivers|daemon)(/|$)")
     target_compile_options(${target} PRIVATE --coverage -O1)
+    set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
   endif()
 endfunction()
+
+include(SlipdPrecompiled)
 
 # slipd_library(name SOURCES … LINKS …): one room as a static library.
 function(slipd_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC slipd_flags ${ARG_LINKS})
+  slipd_use_precompiled(${name})
   slipd_note_lines(${name})
 endfunction()
 

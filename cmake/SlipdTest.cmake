@@ -20,8 +20,9 @@ function(slipd_test name)
   add_executable(${name} ${ARG_SOURCES})
   set(counts_heap ${ARG_SOURCES})  # replaces operator new, which the compiler must not see through
   list(FILTER counts_heap INCLUDE REGEX "heap_count[.]cpp$")
-  set_source_files_properties(${counts_heap} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_source_files_properties(${counts_heap} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
   target_link_libraries(${name} PRIVATE slipd_flags ${ARG_LINKS} GTest::gmock GTest::gtest_main)
+  slipd_use_precompiled(${name})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test-bin)
   target_compile_definitions(${name} PRIVATE SLIPD_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SLIPD_BINARY_DIR="${PROJECT_BINARY_DIR}")
   gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 300

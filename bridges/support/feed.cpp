@@ -27,8 +27,7 @@ Feed::Feed(Loop& loop, FeedOptions options, FeedListener listener)
 // libslipd renews it.
 void Feed::refresh() {
   timer_.start(options_.refresh);
-  if (ask() && (!subscribed_ || subscribed_rate_hz_ != options_.max_rate_hz))
-    subscribe();
+  if (ask() && (!subscribed_ || subscribed_rate_hz_ != options_.max_rate_hz)) subscribe();
   if (!connected_) timer_.start(std::min(kRetry, options_.refresh));
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "board_layout/layout.hpp"
@@ -21,6 +22,11 @@ class BoardView {
   // std::bad_alloc.
   std::string map(const UniqueFd& file);
   void unmap() noexcept;
+  void swap(BoardView& other) noexcept {
+    std::swap(memory_, other.memory_);
+    std::swap(bytes_, other.bytes_);
+    std::swap(slots_, other.slots_);
+  }
   bool mapped() const noexcept { return memory_ != nullptr; }
 
   // Whether slipd has stopped or taken up another configuration. Acquire: records are final then.

@@ -51,7 +51,8 @@ struct slipd_client {
 
   // The shared memory.
   slipd::client::Connection attached;
-  slipd::client::BoardView board;
+  slipd::client::BoardView board;   // of the last slipd_attach that was done
+  bool board_serves = false;        // false: a slipd_attach has failed since; only its alerts are used
   std::vector<std::uint64_t> seen;  // of each slot: number of the record that slipd_wait returned last
 };
 

@@ -25,7 +25,8 @@ bool alive(const slipd_client& s, std::int64_t now_ns, double max_age_s) noexcep
   if (beat_ns > now_ns) now_ns = monotonic_ns();
   const auto patience = static_cast<double>(kBeatsMissed * s.board.heartbeat_period_ns());
   const double allowed_ns = max_age_s > 0 ? std::max(patience, 1e9 * max_age_s) : patience;
-  return !s.board.closed() && beat_ns <= now_ns && static_cast<double>(now_ns - beat_ns) <= allowed_ns;
+  return s.board_serves && !s.board.closed() && beat_ns <= now_ns &&
+         static_cast<double>(now_ns - beat_ns) <= allowed_ns;
 }
 
 // The slot; negative: a code to return, with `estimate` cleared.
@@ -50,32 +51,34 @@ int usable_slot(slipd_client& s, const char* name, std::int64_t now_ns, double m
   return slot;
 }
 
+// The present board stays mapped until there is another, so that an alert that was raised stands.
 void attach(slipd_client& s, const char* wait_for, Clock::time_point until) {
-  s.board.unmap();
+  s.board_serves = false;
   s.attached.close();
   s.attached.connect(s.path);
   const std::string params = R"({"wait":[)" + (wait_for == nullptr ? std::string() : quoted(wait_for)) + "]}";
   s.attached.answer(s.attached.request("attach", params, until), until);
   const UniqueFd file = s.attached.take_descriptor();
   if (!file) throw Failure(SLIPD_DISCONNECTED, "slipd passed no memory");
-  if (const std::string why = s.board.map(file); !why.empty()) throw Failure(SLIPD_INVALID, why);
-  s.seen.assign(s.board.slots(), 0);
-  while (s.board.heartbeat_ns() == 0) {  // until the first round of slipd that writes it
+  BoardView board;
+  if (const std::string why = board.map(file); !why.empty()) throw Failure(SLIPD_INVALID, why);
+  while (board.heartbeat_ns() == 0) {  // until the first round of slipd that writes it
     if (Clock::now() >= until) throw Failure(SLIPD_TIMEOUT, "slipd writes nothing into its memory");
     const timespec moment{0, 100'000};
     nanosleep(&moment, nullptr);
   }
+  s.seen.assign(board.slots(), 0);
+  s.board.swap(board);
+  s.board_serves = true;
 }
 
 }  // namespace
 
 int slipd_attach(slipd_client* s, const char* wait_for, double timeout_s) {
-  const int code = guarded(s, [&] {
+  return guarded(s, [&] {
     attach(*s, wait_for, after(timeout_s));
     return SLIPD_DONE;
   });
-  if (s != nullptr && code != SLIPD_DONE) s->board.unmap();
-  return code;
 }
 
 int slipd_latest(slipd_client* s, const char* name, double max_age_s, struct slipd_estimate* estimate) {
@@ -110,7 +113,7 @@ int slipd_wait(slipd_client* s, const char* name, double max_age_s, double timeo
 }
 
 double slipd_heartbeat_age(const slipd_client* s) {
-  if (s == nullptr || !s->board.mapped() || s->board.closed()) return std::numeric_limits<double>::infinity();
+  if (s == nullptr || !s->board_serves || s->board.closed()) return std::numeric_limits<double>::infinity();
   const std::int64_t beat_ns = s->board.heartbeat_ns();
   const std::int64_t now_ns = monotonic_ns();
   if (beat_ns > now_ns) return std::numeric_limits<double>::infinity();  // of another clock

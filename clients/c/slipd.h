@@ -167,7 +167,8 @@ const char *slipd_event_text(const slipd_client *s);
 
 /* Maps the board of slipd. `wait_for`: the sensor or grasp that slipd_wait() is called with, which slipd wakes this
  * program for; NULL: none, which costs slipd nothing (slipd_wait() then looks twenty times a second). Call it again
- * after SLIPD_ATTACH_ANEW. */
+ * after SLIPD_ATTACH_ANEW. If it fails, slipd_latest() and slipd_wait() return SLIPD_ATTACH_ANEW, and alerts that were
+ * raised before stand. */
 int slipd_attach(slipd_client *s, const char *wait_for, double timeout_s);
 /* The latest estimate. Never blocks, no system call. SLIPD_ATTACH_ANEW: there is no memory, slipd has stopped, was
  * reloaded, or its heartbeat is older than max_age_s and ten of its periods: state SLIPD_STATE_DISCONNECTED. */

@@ -64,24 +64,11 @@ Alert AlertLogic::level_after(std::int64_t time_ns, double margin) noexcept {
 
 void AlertLogic::judge(Estimate& out) noexcept {
   const bool sliding = slides(out.sliding);
-  if (sliding && out.gamma_low) out.gamma_low = 0;
-  if (sliding && out.gamma && *out.gamma > settings_.slip_below) {
-    out.gamma.reset();
-    out.sigma.reset();
-    out.state = State::out_of_model;
-  }
   out.alert = update(out.time_ns, out, out.sliding.has_value());
   out.alert_cause = is_raised(out.alert) ? AlertCause::margin : AlertCause::none;
   if (sliding && out.alert != Alert::slip) {
     out.alert = Alert::slip;
     out.alert_cause = AlertCause::sliding;
-  }
-  // The pattern of a contact that slides with all of its taxels may stand still. Where the margin leaves open
-  // that it slides, this is no evidence that it does not.
-  const bool may_slide = out.gamma && *out.gamma <= out.sigma.value_or(0);
-  if (may_slide && out.sliding == Sliding::none) {
-    out.sliding.reset();
-    out.sliding_for_s.reset();
   }
 }
 

@@ -23,10 +23,8 @@ class AlertLogic {
   // otherwise.
   Alert update(std::int64_t time_ns, const Estimate& now, bool watched = false) noexcept;
 
-  // The same, written into `out`, with its cause. An object that is seen to slide is a slip whatever the
-  // margin: a margin above the threshold for slip is then no margin, and the state out_of_model; gamma_low is
-  // 0, if forces are known. Where the margin may be 0, that the object was not seen to slide says nothing:
-  // `sliding` is then unknown and not none.
+  // The same of `out`, whose margin and sliding are decided, written into its alert and cause. An object that
+  // is seen to slide is a slip whatever the margin.
   void judge(Estimate& out) noexcept;
 
   // How long `none` holds after the last sample that could have raised an alert, ns. Shorter: an alert

@@ -1,57 +1,18 @@
-// Frame → Estimate for one sensor: contact patch, the method chosen, friction over time, alert. The one door
-// through which the daemon and the tools reach the estimators.
+// Frame → Estimate for one sensor. The one door through which the daemon and the tools reach the estimators.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <vector>
 
-#include "core/contact/scene.hpp"
+#include "core/chain/setup.hpp"
 #include "core/estimate/estimate.hpp"
-#include "core/estimate/settings.hpp"
 #include "core/frame/frame.hpp"
-#include "core/frame/layout.hpp"
-#include "core/health/limits.hpp"
 
 namespace slipd {
 
 class TrainedModel;    // core/reading/method/trained_model.hpp
 struct WorkPrecision;  // core/reading/method/work_precision.hpp
-
-struct ChainSetup {
-  TaxelLayout layout;
-  SensorClass sensor_class = SensorClass::array3;
-  Scene scene;
-  EstimatorSettings estimator;
-  AlertSettings alerts;
-  std::optional<KnownFriction> friction;  // known beforehand
-  // Of the sensor, as configured; none: that of its class.
-  std::optional<FullScale> full_scale = std::nullopt;
-  ContactSettings contact = {};
-  bool operator==(const ChainSetup&) const = default;
-};
-
-// Whether the chain uses `fit` whatever method is configured: with tracking and at most kFewTaxels
-// taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs
-// over time.
-bool always_fits(const ChainSetup& setup);
-
-// Why a sensor's method is the one that it is.
-enum class MethodReason : std::uint8_t {
-  configured,  // estimator.method names it
-  automatic,   // `auto` chose it by error and time on the sensor's scene
-  few_taxels,  // see always_fits
-  skin,        // `auto`, under a skin of known depth: only fit and closing correct for it
-  forces,      // without taxels and curvature, friction and forces give the margin
-  no_shear     // there is no margin
-};
-std::string_view to_string(MethodReason reason) noexcept;  // as on the socket: "configured", "auto", …
-MethodReason why_method(const ChainSetup& setup);
-
-// Whether a trained model is needed, so that a scene that needs none never makes one.
-bool needs_model(const ChainSetup& setup);
 
 class EstimatorChain {
  public:
@@ -67,6 +28,9 @@ class EstimatorChain {
   // Error against run time on this scene: what the choice was made from for method `automatic`, for a trained
   // method what was measured with its model. No rows for others.
   const WorkPrecision& tradeoff() const noexcept;
+
+  // What this sensor's frames pass through, in order: the names of the stages that were constructed. Set-up.
+  std::vector<std::string_view> stages() const;
 
   // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
   Estimate estimate(const Frame& frame) noexcept;

@@ -67,7 +67,7 @@ bool blocks_pay(const TaxelLayout& layout, const Scene& scene) {
 }
 
 WorkPrecision expected_work(const ChainSetup& setup) {
-  if (kind_of(setup) != SensorKind::array) return {};
+  if (!has_contact_model(kind_of(setup))) return {};
   const double taxels = mean_contact_radius_m(with_objects(setup.scene)) / setup.layout.side_m();
   WorkPrecision work{.rows = {}, .processor = kMethodTableProcessor};
   if (felt_depth_m(setup) > 0) {

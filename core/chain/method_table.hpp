@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "core/chain/chain.hpp"
+#include "core/chain/setup.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/reading/method/work_precision.hpp"
 
@@ -38,7 +38,7 @@ inline constexpr const char* kMethodTableProcessor = "Intel Xeon (virtual), one 
 
 // Each method that `setup` could use, at the mean size of its scene's contacts: between two rows of the table
 // linear in the number of taxels of the contact, beyond its ends the last row. Unknown numbers are NaN. No
-// rows for sensors whose method nobody chooses (one force, flat skins, few taxels, no shear).
+// rows for sensors whose method nobody chooses (one force, flat skins, no shear).
 WorkPrecision expected_work(const ChainSetup& setup);
 
 // The time per frame that `auto` may spend, us: what the configuration says, else 50 at the surface, and

@@ -21,10 +21,8 @@ SensorKind kind_of(const ChainSetup& setup) noexcept {
 
 double felt_depth_m(const ChainSetup& setup) noexcept {
   constexpr double kThinnest = 1.0 / 9;
-  const SensorKind kind = kind_of(setup);
-  const bool has_model = kind == SensorKind::few_taxels || kind == SensorKind::array;
   const double depth_m = setup.scene.skin.depth_m;
-  return has_model && depth_m >= kThinnest * setup.layout.side_m() ? depth_m : 0;
+  return has_contact_model(kind_of(setup)) && depth_m >= kThinnest * setup.layout.side_m() ? depth_m : 0;
 }
 
 }  // namespace slipd

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/chain/chain.hpp"
+#include "core/chain/setup.hpp"
 
 namespace slipd {
 
@@ -23,6 +23,11 @@ SensorKind kind_of(const ChainSetup& setup) noexcept;
 // Whether no single frame of this kind determines its margin.
 constexpr bool needs_history(SensorKind kind) noexcept {
   return kind != SensorKind::array;
+}
+
+// Whether its frames are read by a contact model.
+constexpr bool has_contact_model(SensorKind kind) noexcept {
+  return kind == SensorKind::few_taxels || kind == SensorKind::array;
 }
 
 // Depth of the taxels under the skin as it counts, m; 0: at the surface. A skin that is thinner than a ninth

@@ -109,7 +109,7 @@ struct FrictionFilterOptions {
   double jump_log = 0.4;
 
   // The slip moment's step from one frame to the next that shows friction's fall: beyond what the likeliest
-  // friction expects, by standard deviations of noise, 3 … 10, by a share of the forces' step, 0.05 … 0.5,
+  // friction expects, by standard deviations of noise, 3 … 10, by a share of the forces' step, 0.005 … 0.5,
   // and of the shear, 0.002 … 0.05. Too small: noise, or a fast load, is taken for a fall, and no margin is
   // given. Too large: a fall between two frames is learnt late.
   double fall_sigmas = 4;

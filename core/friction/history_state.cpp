@@ -10,6 +10,7 @@ HistoryState next_state(HistoryState state, HistoryEvent event) noexcept {
     case HistoryEvent::loaded_at_onset:
     case HistoryEvent::shear_turned:
     case HistoryEvent::outlier_run:
+    case HistoryEvent::unseen:
       return assumed_monotonic;  // the commonest history, and the one that single frames can confirm
     case HistoryEvent::frame_monotonic:
       // Load beyond every earlier extreme wipes what these left (Masing): the state is monotonic again.

@@ -12,8 +12,7 @@ enum class HistoryState : std::uint8_t {
   // only rose (Cattaneo 1938, Mindlin 1949): one frame determines its margin.
   monotonic,
   // The load was followed since the grasp began, and a regrip, an unloading or a reversal has left traction
-  // of
-  // its own (Mindlin and Deresiewicz 1953): a frame is compared with the Winkler foundations.
+  // of its own (Mindlin and Deresiewicz 1953): a frame is compared with the Winkler foundations.
   general,
   // The load before was not seen. It is taken for a monotonic one, and frames confirm that or not. No margin
   // is given meanwhile.
@@ -28,6 +27,7 @@ enum class HistoryEvent : std::uint8_t {
   loaded_at_onset,       // the first frames of a grasp already carried shear, and their force did not grow
   shear_turned,          // shear left its axis; the foundations follow the load along one axis only
   outlier_run,           // no friction explained several frames in a row
+  unseen,                // frames were missing or refused, and the contact may be another one
   frame_monotonic,       // the likeliest friction's contact looks as under a monotonic load
   frame_not_monotonic,   // it does not
   assumption_confirmed,  // enough frames looked as the assumed monotonic load would make them
@@ -65,7 +65,7 @@ class HistoryMonitor {
 
   void contact_lost() noexcept;
 
-  // The history is not, or no longer, known: `why` is loaded_at_onset, shear_turned or outlier_run.
+  // The history is not, or no longer, known: `why` is loaded_at_onset, shear_turned, outlier_run or unseen.
   void lose(HistoryEvent why) noexcept;
 
   // Whether the likeliest friction's contact looks monotonic at this frame.

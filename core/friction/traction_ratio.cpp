@@ -22,7 +22,7 @@ void TractionRatioFilter::update(const ContactPatch& patch) noexcept {
   state_.shear_x_n += gain * (patch.shear_x_n - state_.shear_x_n);
   state_.shear_y_n += gain * (patch.shear_y_n - state_.shear_y_n);
   const double residual = frame.mean - (state_.now.mean + state_.line.slope);
-  if (!force_only_ || first || !(std::fabs(residual) < options_.jump_sigmas * frame.sigma)) {
+  if (first || !(std::fabs(residual) < options_.jump_sigmas * frame.sigma)) {
     restart_line(frame);
   } else {
     extend_line(residual, frame.sigma);
@@ -62,7 +62,6 @@ void TractionRatioFilter::extend_line(double residual, double sigma) noexcept {
 
 TractionRatioFilter::Held TractionRatioFilter::held() const noexcept {
   const MeanSigma& now = state_.now;
-  if (!force_only_) return {{now.mean, std::max(now.sigma, options_.held_floor_frame * now.mean)}, 1};
   const double sigma =
       std::max(options_.mean_sigma * state_.frame_sigma, options_.held_floor_mean * now.mean);
   return {{state_.mean, sigma}, options_.mean_gain};

@@ -1,7 +1,6 @@
-// |Q|/P over the frames of a grasp, the share of the normal force that a contact carries as shear: each
-// frame's own where frames have a shape, that of a straight line through the last frames where a sensor gives
-// forces only. There it also detects gross slip (docs/theory.md §11). Estimate thread; fixed
-// memory, nothing allocates.
+// |Q|/P over the frames of a grasp, the share of the normal force that a contact carries as shear, where a
+// sensor gives forces only: that of a straight line through the last frames. It also detects gross slip
+// (docs/theory.md §11). Estimate thread; fixed memory, nothing allocates.
 #pragma once
 
 #include <optional>
@@ -84,9 +83,7 @@ struct TractionRatioOptions {
 
 class TractionRatioFilter {
  public:
-  // force_only: frames of this sensor have no shape, so that |Q|/P is all there is.
-  explicit TractionRatioFilter(bool force_only, const TractionRatioOptions& options = {}) noexcept
-      : force_only_(force_only), options_(options) {}
+  explicit TractionRatioFilter(const TractionRatioOptions& options = {}) noexcept : options_(options) {}
 
   // A new grasp.
   void reset() noexcept { state_ = {}; }
@@ -97,8 +94,8 @@ class TractionRatioFilter {
   // |Q|/P now, dimensionless, >= 0.
   const MeanSigma& now() const noexcept { return state_.now; }
 
-  // |Q|/P that friction holds by now, and in how many frames' worth of evidence it counts. Of a force-only
-  // sensor it is the running mean: of the many frames of a slide the noisiest would else decide.
+  // |Q|/P that friction holds by now, and in how many frames' worth of evidence it counts: the running mean,
+  // for of the many frames of a slide the noisiest would else decide.
   struct Held {
     MeanSigma load;
     double frames = 1;
@@ -153,7 +150,6 @@ class TractionRatioFilter {
   std::optional<Slide> read_moving(const SlidingVerdict& course) noexcept;
   std::optional<Slide> read_plateau() noexcept;
 
-  bool force_only_;
   TractionRatioOptions options_;
   State state_;
 };

@@ -25,13 +25,4 @@ void UnobservedLoadChange::update(const ContactPatch& patch, double friction) no
   shear_y_n_ = patch.shear_y_n;
 }
 
-void UnobservedLoadChange::widen(Estimate& out, double sigma_max) const noexcept {
-  if (!out.gamma || !out.sigma) return;
-  out.sigma = std::hypot(*out.sigma, sigma());
-  if (*out.sigma <= sigma_max) return;
-  out.state = State::learning;
-  out.gamma.reset();
-  out.sigma.reset();
-}
-
 }  // namespace slipd

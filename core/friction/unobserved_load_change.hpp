@@ -4,7 +4,6 @@
 // grows with what was not seen. Estimate thread; fixed memory.
 #pragma once
 
-#include "core/estimate/estimate.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -30,10 +29,6 @@ class UnobservedLoadChange {
 
   // Of the margin, standard deviation.
   double sigma() const noexcept { return kSigmaOfMotion * moved_; }
-
-  // Adds it to the sigma of `out`. A margin whose sigma is above `sigma_max` then is not published: state
-  // learning.
-  void widen(Estimate& out, double sigma_max) const noexcept;
 
  private:
   bool any_ = false;                                     // a frame of this contact has been seen

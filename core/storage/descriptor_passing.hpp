@@ -70,6 +70,30 @@ inline ssize_t receive_passed(int socket, std::span<char> bytes, PassedDescripto
   return got;
 }
 
+// SO_PASSRIGHTS, which headers before Linux 6.16 lack; -1: its number is not known for this processor.
+#if defined(SO_PASSRIGHTS)
+inline constexpr int kPassRights = SO_PASSRIGHTS;
+#elif defined(__sparc__) || defined(__hppa__)
+inline constexpr int kPassRights = -1;
+#else
+inline constexpr int kPassRights = 83;
+#endif
+
+// Lets the kernel refuse descriptors that are sent to this socket, or to a connection made to it from now on:
+// the sender gets EPERM and nothing is sent. Before Linux 6.16 it does nothing.
+inline void refuse_descriptors(int socket) noexcept {
+  const int none = 0;
+  setsockopt(socket, SOL_SOCKET, kPassRights, &none, sizeof none);
+}
+
+// Whether the kernel refuses them. Of a connection that was accepted and not changed since, true means that
+// it never bore one: it has this from its listener since it was made.
+inline bool refuses_descriptors(int socket) noexcept {
+  int passes = 1;
+  socklen_t length = sizeof passes;
+  return getsockopt(socket, SOL_SOCKET, kPassRights, &passes, &length) == 0 && passes == 0;
+}
+
 // Lets receive_bare see every descriptor. Otherwise a byte that was sent out of band (MSG_OOB) is invisible
 // to it, and is dropped by the next read, with its descriptor.
 inline void prepare_for_bare(int socket) noexcept {

@@ -31,6 +31,7 @@ constexpr auto kLinger = seconds(1);
 
 Client::Client(asio::io_context& io, UniqueFd socket, Owner& owner)
     : socket_(io, socket.release()),
+      may_bear_descriptors_(!refuses_descriptors(socket_.native_handle())),
       linger_timer_(io),
       owner_(owner),
       backlog_(kMaxNotifications),
@@ -94,7 +95,9 @@ void Client::on_readable() {
 void Client::receive() {
   std::array<char, std::size_t{16} * 1024> bytes;
   bool bears_descriptor = false;
-  const auto got = receive_bare(socket_.native_handle(), bytes, bears_descriptor);
+  const int socket = socket_.native_handle();
+  const auto got = may_bear_descriptors_ ? receive_bare(socket, bytes, bears_descriptor)
+                                         : recv(socket, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (bears_descriptor)
     return turn_away(rpc::kInvalidRequest,
                      "slipd takes no descriptors: `record` answers with one to read the recording from");

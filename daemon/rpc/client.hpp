@@ -1,5 +1,6 @@
 // One connection to the socket: lines in, lines and descriptors out. Reads and writes what the socket takes
-// without blocking. slipd takes no descriptor from a client: who passes one is turned away.
+// without blocking. slipd takes no descriptor from a client: the kernel refuses to send one; where it cannot,
+// who passes one is turned away.
 #pragma once
 
 #include <sys/socket.h>
@@ -115,6 +116,7 @@ class Client : public std::enable_shared_from_this<Client> {
   void watch_for_hang_up();
 
   asio::posix::stream_descriptor socket_;
+  const bool may_bear_descriptors_;  // the kernel does not refuse them
   asio::steady_timer linger_timer_;  // closes a client that goes on sending after it was refused
   Owner& owner_;
   Backlog backlog_;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <exception>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "daemon/rt/thread.hpp"
 
 namespace slipd {
@@ -25,7 +26,7 @@ bool has_unread(int socket) noexcept {
 
 bool SocketCloser::close(UniqueFd& socket) noexcept {
   shutdown(socket.get(), SHUT_RDWR);
-  if (!has_unread(socket.get())) {
+  if (refuses_descriptors(socket.get()) || !has_unread(socket.get())) {
     ::close(socket.release());
     return true;
   }

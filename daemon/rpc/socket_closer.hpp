@@ -1,7 +1,8 @@
 // Closes clients' sockets where nothing waits for it. What a client sent and slipd did not read may bear
 // descriptors. slipd may be the last to hold the files behind them, and then it closes these with the socket:
 // the client decides how long that takes (TCP with SO_LINGER, a file system in user space). A socket with
-// nothing unread is closed at once, any other one by a thread of its own, which no reload or stop waits for.
+// nothing unread, or to which the kernel lets nobody pass descriptors, is closed at once, any other one by a
+// thread of its own, which no reload or stop waits for.
 #pragma once
 
 #include <atomic>

@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/storage/descriptor_passing.hpp"
 #include "core/storage/unique_fd.hpp"
 
 namespace slipd {
@@ -74,6 +75,7 @@ SocketFile::SocketFile(std::filesystem::path path, unsigned mode)
 }
 
 SocketFile::SocketFile(int listener) : listener_(listener) {
+  refuse_descriptors(listener_);  // clients that connected before may still pass them
   sockaddr_un address{};
   socklen_t length = sizeof address;
   if (getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &length) == 0) path_ = address.sun_path;
@@ -153,6 +155,7 @@ void SocketFile::bind_and_listen(unsigned mode) {
   if (bound != 0)
     fail("cannot bind " + path_.string(), error, "does its folder exist and may slipd write to it?");
   made_ = identity_of(path_);
+  refuse_descriptors(listener_);
   if (chmod(path_.c_str(), mode) != 0) fail("cannot set the mode of " + path_.string(), errno, "");
   if (listen(listener_, SOMAXCONN) != 0) fail("cannot listen on " + path_.string(), errno, "");
 }

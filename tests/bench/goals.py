@@ -14,7 +14,7 @@ WHY = {
     "fit": "each step evaluates the model and its slopes on every taxel of the disc",
     "latency": "acquire wakes estimate, estimate wakes io, io wakes the client, and each also keeps its accounts",
     "throughput": "two threads hand each frame over, and the device's own copy of it is one more pass over its memory",
-    "queries": "of a request slipd asks the kernel recvmsg, sendto and, by Asio before it waits again, epoll_ctl, Redis read and write only, and both "
+    "queries": "of a request slipd asks the kernel recvfrom, sendto and, by Asio before it waits again, epoll_ctl, Redis read and write only, and both "
                "epoll_wait for all that is ready; and the sensor at 1 kHz goes on meanwhile, on the cores that slipd's clients share",
     "shared read": "a whole record is copied under a version that is read before and after, and the clock is read",
     "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the floor's are "

@@ -250,6 +250,30 @@ TEST_F(Libslipd, AKilledSlipdIsToldAndItsSuccessorIsAttachedAnew) {
   awaited("left", SLIPD_STATE_OK);
 }
 
+TEST_F(Libslipd, AnAlertStandsUntilASuccessorIsAttached) {
+  ASSERT_EQ(attach("right"), SLIPD_DONE);
+  await_alert("left", SLIPD_ALERT_NONE);
+  await_alert("right", SLIPD_ALERT_WARN);
+  const auto expect_it_stands = [&](const char* when) {
+    EXPECT_EQ(slipd_latest(client_, "right", kAnyAge, &now_), SLIPD_ATTACH_ANEW) << when;
+    EXPECT_EQ(now_.state, SLIPD_STATE_DISCONNECTED) << when;
+    EXPECT_TRUE(std::isnan(now_.gamma)) << when;
+    EXPECT_EQ(now_.alert, SLIPD_ALERT_WARN) << when;
+    EXPECT_EQ(now_.alert_cause, SLIPD_CAUSE_MARGIN) << when;
+    EXPECT_EQ(slipd_latest(client_, "left", kAnyAge, &now_), SLIPD_ATTACH_ANEW) << when;
+    EXPECT_EQ(now_.alert, SLIPD_ALERT_UNKNOWN) << when;
+    EXPECT_TRUE(std::isinf(slipd_heartbeat_age(client_))) << when;
+  };
+  kill_it();
+  EXPECT_EQ(attach("right"), SLIPD_DISCONNECTED);
+  expect_it_stands("while slipd is away");
+  restart();
+  EXPECT_EQ(attach("middle"), SLIPD_REFUSED);
+  expect_it_stands("after the successor has refused");
+  ASSERT_EQ(attach("right"), SLIPD_DONE) << slipd_error_text(client_);
+  awaited("right", SLIPD_STATE_OK);
+}
+
 TEST_F(Libslipd, AReloadAndAnOrderlyStopAreToldAtOnce) {
   for (const int signal : {SIGHUP, SIGTERM}) {
     ASSERT_EQ(attach("left"), SLIPD_DONE) << slipd_error_text(client_);

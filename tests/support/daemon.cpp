@@ -1,16 +1,11 @@
 #include "tests/support/daemon.hpp"
 
 #include <gtest/gtest.h>
-#include <poll.h>
 #include <signal.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
-#include <array>
-#include <cstring>
 #include <thread>
 
+#include "tests/support/notify_socket.hpp"
 #include "tests/support/process_facts.hpp"
 
 namespace slipd::testing {
@@ -42,34 +37,6 @@ class Patience {
   Program& program_;
   std::uintmax_t said_ = 0;
   std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::now() + kPatience;
-};
-
-// The socket of a service manager, for READY=1.
-class NotifySocket {
- public:
-  explicit NotifySocket(const std::filesystem::path& path)
-      : fd_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-    if (bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-      throw std::runtime_error("bind");
-  }
-  ~NotifySocket() { close(fd_); }
-  NotifySocket(const NotifySocket&) = delete;
-  NotifySocket& operator=(const NotifySocket&) = delete;
-
-  bool says_ready(std::chrono::milliseconds patience) const {
-    pollfd ready{fd_, POLLIN, 0};
-    if (poll(&ready, 1, static_cast<int>(patience.count())) <= 0) return false;
-    std::array<char, 512> text{};
-    const auto got = recv(fd_, text.data(), text.size(), 0);
-    return got > 0 &&
-           std::string_view(text.data(), static_cast<std::size_t>(got)).find("READY=1") != std::string::npos;
-  }
-
- private:
-  int fd_;
 };
 
 }  // namespace
@@ -108,7 +75,7 @@ Daemon::Daemon(const json& config, const std::filesystem::path& drivers, const P
                                                          config_.string(), "--driver-dir", drivers.string()},
                                 environment);
   Patience patience(*program_);
-  while (!notify.says_ready(50ms)) patience.hold("it does not come up");
+  while (!notify.says("READY=1", 50ms)) patience.hold("it does not come up");
 }
 
 Daemon::~Daemon() {

@@ -1,18 +1,21 @@
 // Clients that pass descriptors, which slipd takes none of: whatever files are behind them, whoever closes
 // them last, slipd answers others, reloads and stops. Closing a lingering connection takes an hour here, so
-// whatever waits for one fails the test. The longest time to an answer is printed.
+// whatever waits for one fails the test. The longest time to an answer is printed. Refused: a kernel that
+// refuses descriptors for slipd. Passed: one that cannot, as before Linux 6.16.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <deque>
 #include <fstream>
 #include <memory>
 #include <random>
 #include <thread>
 
+#include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
 #include "tests/support/passed_files.hpp"
 #include "tests/support/process_facts.hpp"
@@ -69,8 +72,17 @@ std::size_t closing(pid_t process) {
   return count;
 }
 
-class Passed : public ::testing::Test {
+// Of a slipd whose kernel has no SO_PASSRIGHTS. AddressSanitizer wants to be the first library otherwise.
+Program::Environment older_kernel() {
+  const char* const options = std::getenv("ASAN_OPTIONS");
+  return {
+      {"LD_PRELOAD", std::string(SLIPD_BINARY_DIR) + "/test-bin/libslipd-older-kernel.so"},
+      {"ASAN_OPTIONS", (options == nullptr ? "" : options + std::string(":")) + "verify_asan_link_order=0"}};
+}
+
+class Passing : public ::testing::Test {
  protected:
+  explicit Passing(const Program::Environment& environment) : environment_(environment) {}
   std::size_t closing() const { return testing::closing(daemon_.program().pid()); }
   void expect_turned_away(RpcClient& client) const {
     const auto line = client.line();
@@ -109,9 +121,30 @@ class Passed : public ::testing::Test {
     timed("stop", SIGTERM, [&] { EXPECT_EQ(daemon_.program().wait(), 0); });
   }
 
+  void a_thousand_do_anything();
+
+ private:
+  const Program::Environment environment_;
+
+ protected:
   TempFolder folder_;
   SilentPeer peer_;
-  Daemon daemon_{config_with(folder_, json::array({trial_sensor("left")})), trial_drivers()};
+  Daemon daemon_{config_with(folder_, json::array({trial_sensor("left")})), trial_drivers(), environment_};
+};
+
+class Passed : public Passing {
+ protected:
+  Passed() : Passing(older_kernel()) {}
+};
+
+class Refused : public Passing {
+ protected:
+  Refused() : Passing({}) {}
+  void SetUp() override {
+    const auto ends = socket_pair();
+    refuse_descriptors(ends[0].get());
+    if (!refuses_descriptors(ends[0].get())) GTEST_SKIP() << "this kernel cannot; Linux 6.16 and later can";
+  }
 };
 
 TEST_F(Passed, OfAnyKindAndAnywhereInWhatIsSentTheClientIsTurnedAway) {
@@ -242,7 +275,7 @@ class Anything {
   int& lingering_;
 };
 
-TEST_F(Passed, AmongAnythingThatAThousandClientsDoByChanceOthersAreAnswered) {
+void Passing::a_thousand_do_anything() {
   constexpr int kThousand = 1000;
   constexpr std::size_t kAtOnce = 20;
   std::minstd_rand random(1);
@@ -261,9 +294,67 @@ TEST_F(Passed, AmongAnythingThatAThousandClientsDoByChanceOthersAreAnswered) {
   if (!sanitized()) {
     EXPECT_LE(most_kb, idle_kb + kAllowedAboveIdleKb);
   }
+}
+
+TEST_F(Passed, AmongAnythingThatAThousandClientsDoByChanceOthersAreAnswered) {
+  a_thousand_do_anything();
   EXPECT_GT(closing(), 0U);
-  connected.clear();
   expect_reload_and_stop();
+}
+
+TEST_F(Refused, AmongAnythingThatAThousandClientsDoByChanceOthersAreAnswered) {
+  a_thousand_do_anything();
+  EXPECT_EQ(closing(), 0U);
+  expect_reload_and_stop();
+}
+
+TEST_F(Refused, OfAnyKindNoneIsSentAndTheClientIsServedAsBefore) {
+  for (int kind = 0; kind < kPassedKinds - 1; ++kind) {
+    RpcClient client(daemon_.socket());
+    UniqueFd file = passed_file(static_cast<PassedKind>(kind), peer_, daemon_.socket());
+    for (const int flags : {0, int{MSG_OOB}}) {
+      EXPECT_EQ(send_passing(client.fd(), "\n", file.get(), flags | MSG_NOSIGNAL), -1);
+      EXPECT_EQ(errno, EPERM);
+    }
+    close_elsewhere(std::move(file));
+    EXPECT_EQ(client.result("version")["name"], "slipd");
+  }
+}
+
+TEST_F(Refused, BeforeTheConnectionIsAcceptedNoneIsSentEither) {
+  daemon_.program().signal(SIGSTOP);
+  RpcClient client(daemon_.socket());
+  UniqueFd file = peer_.lingering();
+  EXPECT_FALSE(client.send("\n", file.get()));
+  EXPECT_EQ(errno, EPERM);
+  close_elsewhere(std::move(file));
+  daemon_.program().signal(SIGCONT);
+  EXPECT_EQ(client.result("version")["name"], "slipd");
+}
+
+// slipd gets the listener with clients that connected when the kernel refused nothing.
+TEST_F(Refused, WhoConnectedBeforeSlipdStartedIsTurnedAway) {
+  const std::filesystem::path activate = "/usr/bin/systemd-socket-activate";
+  if (!std::filesystem::exists(activate)) GTEST_SKIP() << activate << " is not installed";
+  const TempFolder folder;
+  const auto socket = folder.file("passed.sock");
+  const auto config = folder.write("c.json", config_with(folder, json::array({trial_sensor("left")})).dump());
+  Program program(folder, "slipd",
+                  {activate.string(), "--listen=" + socket.string(), (program_folder() / "slipd").string(),
+                   "--config", config.string(), "--driver-dir", trial_drivers().string()},
+                  {{"SYSTEMD_LOG_LEVEL", "info"}});
+  ASSERT_TRUE(await_errors(program, "Listening on " + socket.string()));
+  const UniqueFd memory(memfd_create("passed", MFD_CLOEXEC));
+  RpcClient early(socket);  // what slipd is started for
+  // A service manager that is newer than Debian 12's may refuse them for slipd.
+  if (early.send("\n", memory.get())) {
+    expect_turned_away(early);
+  } else {
+    EXPECT_EQ(early.result("version")["name"], "slipd");
+  }
+  RpcClient late(socket);
+  EXPECT_FALSE(late.send("\n", memory.get()));
+  EXPECT_EQ(errno, EPERM);
 }
 
 }  // namespace

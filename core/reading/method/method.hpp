@@ -36,6 +36,8 @@ struct MarginProfile {
 // the method covers), and the numbers mean nothing. Sigmas are standard deviations; friction_sigma is
 // infinite where the frame does not determine friction (no load).
 struct Reading {
+  // The method that read the frame.
+  Method by = Method::none;
   bool in_model = false;
   // The contact carries a torque that makes its shear no sum of disc terms: gamma and friction are of that
   // load, by taxels that slip; there are no moments and no profile.

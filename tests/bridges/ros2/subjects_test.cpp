@@ -20,10 +20,10 @@
 namespace slipd::ros2 {
 namespace {
 
+using slipd::testing::await_true;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
-using slipd::testing::await_true;
 
 constexpr std::chrono::milliseconds kDeadline{200}, kLease{400};
 

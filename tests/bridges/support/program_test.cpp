@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <fstream>
+#include <iterator>
 
 #include "tests/support/await_output.hpp"
 #include "tests/support/daemon.hpp"
+#include "tests/support/notify_socket.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -70,6 +73,34 @@ TEST(BridgeProgram, ReadsItsSettingsAgainOnlyIfTheyAreRight) {
   printer.signal(SIGTERM);
   EXPECT_EQ(printer.wait(), 0);
   EXPECT_THAT(printer.output(), Not(HasSubstr("third")));
+}
+
+// Of all bridges: it is fed by the loop that they have of the skeleton.
+TEST(BridgeProgram, FeedsItsWatchdogAlsoWhileSlipdHangs) {
+  const TempFolder folder;
+  const auto config = config_with(folder, nlohmann::json::array({trial_sensor("left")}));
+  const auto settings = folder.write("p.json", nlohmann::json{{"socket", config["socket"]["path"]}}.dump());
+  const NotifySocket manager(folder.file("notify"));
+  Daemon slipd(config, trial_drivers());
+  Program printer(folder, "printer", {kPrinter, "--config", settings},
+                  {{"NOTIFY_SOCKET", folder.file("notify").string()}, {"WATCHDOG_USEC", "1000000"}});
+  ASSERT_TRUE(await_output(printer, "estimate left"));
+  slipd.program().signal(SIGSTOP);
+  ASSERT_TRUE(await_output(printer, "away"));
+  manager.forget();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(manager.says("WATCHDOG=1", kPatience));
+  slipd.program().signal(SIGCONT);
+  printer.signal(SIGTERM);
+  EXPECT_EQ(printer.wait(), 0);
+}
+
+TEST(BridgeProgram, TheUnitOfEachBridgeAsksForItsWatchdog) {
+  for (const char* bridge : {"modbus", "mqtt", "ros2", "web"}) {
+    std::ifstream unit(std::string(SLIPD_SOURCE_DIR) + "/bridges/" + bridge + "/slipd-" + bridge +
+                       ".service.in");
+    const std::string text{std::istreambuf_iterator<char>(unit), {}};
+    EXPECT_THAT(text, HasSubstr("\nWatchdogSec=")) << bridge;
+  }
 }
 
 }  // namespace

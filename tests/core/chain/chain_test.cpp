@@ -13,7 +13,7 @@ namespace slipd {
 namespace {
 
 constexpr double kSkinRadius_m = 0.01;
-constexpr double kFriction = 0.5;
+constexpr double kChainFriction = 0.5;
 
 ChainSetup setup_16() {
   ChainSetup setup{.layout = TaxelLayout::grid(16, 16, 0.9e-3),
@@ -36,7 +36,7 @@ class Chain : public ::testing::Test {
       const double f = static_cast<double>(i) / ms;
       normal_n_ = from_normal_n + f * (normal_n - from_normal_n);
       shear_n_ = from_shear_n + f * (shear_n - from_shear_n);
-      contact_.move_to(normal_n_, shear_n_, kFriction);
+      contact_.move_to(normal_n_, shear_n_, kChainFriction);
       estimates.push_back(chain_.estimate(maker_.make(contact_, 0, 0, 0.3, noise)));
     }
     return estimates;

@@ -19,16 +19,16 @@
 namespace slipd {
 namespace {
 
-constexpr double kPitch_m = 0.007;
+constexpr double kFlatPitch_m = 0.007;
 constexpr double kRate_hz = 500;
-constexpr Range kFriction{0.3, 1};
+constexpr Range kPadFrictions{0.3, 1};
 
 ChainSetup finger_setup() {
-  ChainSetup setup{.layout = TaxelLayout::grid(3, 3, kPitch_m),
+  ChainSetup setup{.layout = TaxelLayout::grid(3, 3, kFlatPitch_m),
                    .scene = {},
                    .estimator = {},
                    .alerts = {},
-                   .friction = KnownFriction(kFriction)};
+                   .friction = KnownFriction(kPadFrictions)};
   setup.scene.skin.radius_m = std::numeric_limits<double>::infinity();
   setup.scene.objects = paper_objects();
   return setup;
@@ -85,7 +85,7 @@ class Finger {
   static double column_of(std::size_t i) { return static_cast<double>(i % 3) - 1; }
   static double row_of(std::size_t i) { return std::floor(static_cast<double>(i) / 3) - 1; }
   void set(std::vector<float>& channel, std::size_t i, double force_n) const {
-    channel[i] = static_cast<float>(force_n / (kPitch_m * kPitch_m));
+    channel[i] = static_cast<float>(force_n / (kFlatPitch_m * kFlatPitch_m));
   }
   Estimate estimate() {
     ++sequence_;
@@ -133,7 +133,7 @@ TEST(FlatPads, AGripThatOvershootsRaisesNoAlertAndHasAMarginWhileItHolds) {
       if (said.state != State::ok) continue;
       ++ok;
       // Sigma covers both ends of what friction may be.
-      for (const double friction : {kFriction.low, kFriction.high})
+      for (const double friction : {kPadFrictions.low, kPadFrictions.high})
         EXPECT_LT(std::fabs(1 - load / friction - *said.gamma), 3 * *said.sigma) << load;
     }
     EXPECT_GT(ok, 0.95 * held) << load;
@@ -198,7 +198,7 @@ TEST(FlatPads, LearnNoFrictionFromAHook) {
     EXPECT_FALSE(said.friction) << load;
     EXPECT_LE(said.gamma.value_or(0), std::max(0.0, 1 - load / 0.55) + 0.1) << load;
   }
-  EXPECT_LE(said.gamma_low.value(), 1 - 0.16 / kFriction.low);
+  EXPECT_LE(said.gamma_low.value(), 1 - 0.16 / kPadFrictions.low);
 }
 
 TEST(FlatPads, LearnFrictionFromASlideWithinTheRangeAndKnowItAfterwards) {
@@ -223,8 +223,8 @@ TEST(FlatPads, LearnFrictionFromASlideWithinTheRangeAndKnowItAfterwards) {
     for (int i = 0; i < frames_of(1); ++i) said = finger.feel({.normal_n = 5, .pull_n = 1.2, .texture = 4.5});
     ASSERT_TRUE(said.friction) << friction;
     EXPECT_NEAR(*said.friction, friction, 0.07 * friction);
-    EXPECT_LE(*said.friction, kFriction.high);
-    EXPECT_GE(*said.friction, kFriction.low);
+    EXPECT_LE(*said.friction, kPadFrictions.high);
+    EXPECT_GE(*said.friction, kPadFrictions.low);
   }
 }
 
@@ -263,7 +263,7 @@ TEST(FlatPads, HaveALowMarginWhereTheRangeAloneLeavesItNearZero) {
       const double pulled = std::clamp(2 * (time_of(i) - 1.5), 0.0, 1.0);
       said =
           finger.feel({.normal_n = gripped_n(time_of(i)), .pull_n = pulled * load * gripped_n(time_of(i))});
-      if (said.state == State::ok && pulled * load > kFriction.low) {
+      if (said.state == State::ok && pulled * load > kPadFrictions.low) {
         EXPECT_LT(*said.gamma, 0.25) << pulled * load;
       }
     }
@@ -371,10 +371,10 @@ TEST(RecordedPillars, ThatNobodyPullsAtHaveAMarginThatTheirForcesExplain) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "needs ../shared/data/pillars";
   std::size_t frames = 0, ok = 0, slips = 0;
   // Of the range, log even: 1 - load <1/mu>, lowered by at most a sigma.
-  const double width = std::log(kFriction.high / kFriction.low);
-  const double inverse = (1 / kFriction.low - 1 / kFriction.high) / width;
+  const double width = std::log(kPadFrictions.high / kPadFrictions.low);
+  const double inverse = (1 / kPadFrictions.low - 1 / kPadFrictions.high) / width;
   const double square =
-      (1 / (kFriction.low * kFriction.low) - 1 / (kFriction.high * kFriction.high)) / (2 * width);
+      (1 / (kPadFrictions.low * kPadFrictions.low) - 1 / (kPadFrictions.high * kPadFrictions.high)) / (2 * width);
   const double spread = std::sqrt(square - inverse * inverse);
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     if (!file.path().filename().string().starts_with("grasp_release")) continue;

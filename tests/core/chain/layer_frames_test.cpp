@@ -19,7 +19,7 @@
 namespace slipd {
 namespace {
 
-constexpr std::size_t kAcross = 32, kTaxels = kAcross * kAcross;
+constexpr std::size_t kLayerAcross = 32, kTaxels = kLayerAcross * kLayerAcross;
 
 struct LayerFrame {
   double gamma = 0, radius_m = 0;
@@ -50,7 +50,7 @@ std::vector<LayerFrame> layer_frames() {
 // A contact as wide as the layer is thick is Hertz's; wider ones are not (docs/theory.md §5.5), which sigma
 // has to tell.
 TEST(LayerFrames, AreReadWithinTwoSigmasOrTooLittleMargin) {
-  const TaxelLayout layout = TaxelLayout::grid(kAcross, kAcross, 0.0005);
+  const TaxelLayout layout = TaxelLayout::grid(kLayerAcross, kLayerAcross, 0.0005);
   PatchFinder finder(layout);
   SubsurfaceFit fit(layout, {0.1, 0.9}, 0.001, {}, {}, 0, 0.45);
   double error = 0, answered = 0;

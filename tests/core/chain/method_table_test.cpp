@@ -21,7 +21,7 @@ Scene paper_scene() {
   return scene;
 }
 
-// A pad of 16 mm of side x side taxels, on the scene of docs/theory.md §9.1.
+// A pad of 16 mm of side x side taxels, on the scene of the paper.
 ChainSetup pad_of(std::size_t side, double depth_m = 0) {
   ChainSetup setup{.layout = TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side)),
                    .scene = paper_scene(),

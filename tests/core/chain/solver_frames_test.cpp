@@ -23,7 +23,7 @@ namespace slipd {
 namespace {
 
 constexpr std::size_t kAcross = 32;
-constexpr std::size_t kTaxels = kAcross * kAcross;
+constexpr std::size_t kSolverTaxels = kAcross * kAcross;
 
 struct SolverFrame {
   double friction = 0;        // mu
@@ -40,18 +40,18 @@ std::vector<SolverFrame> solver_frames() {
   std::ifstream in(SLIPD_SOURCE_DIR "/tests/data/force-and-torque.bin", std::ios::binary);
   std::vector<SolverFrame> frames;
   std::array<double, 4> head{};
-  std::vector<std::int16_t> counts(3 * kTaxels);
+  std::vector<std::int16_t> counts(3 * kSolverTaxels);
   while (in.read(reinterpret_cast<char*>(head.data()), sizeof head) &&
-         in.read(reinterpret_cast<char*>(counts.data()), 3 * kTaxels * sizeof(std::int16_t))) {
+         in.read(reinterpret_cast<char*>(counts.data()), 3 * kSolverTaxels * sizeof(std::int16_t))) {
     SolverFrame frame{.friction = head[0],
                       .least_friction = head[1],
                       .radius_m = head[2],
                       .peak_pa = head[3],
                       .channels = {}};
     for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < kTaxels; ++i)
+      for (std::size_t i = 0; i < kSolverTaxels; ++i)
         frame.channels[c].push_back(static_cast<float>(frame.peak_pa) *
-                                    static_cast<float>(counts[c * kTaxels + i]) / kFullCount);
+                                    static_cast<float>(counts[c * kSolverTaxels + i]) / kFullCount);
     }
     frames.push_back(std::move(frame));
   }
@@ -72,7 +72,7 @@ class Sensor {
     const auto width = static_cast<float>(noise * from.peak_pa);
     for (std::size_t c = 0; c < 3; ++c) {
       channels_[c].assign(layout_.size(), 0);
-      for (std::size_t i = 0; i < kTaxels; ++i)
+      for (std::size_t i = 0; i < kSolverTaxels; ++i)
         channels_[c][i / kAcross / pooled_ * across + i % kAcross / pooled_] +=
             from.channels[c][i] / static_cast<float>(pooled_ * pooled_);
       for (float& value : channels_[c]) value += width * unit(random_);
@@ -207,7 +207,7 @@ TEST(SolverFrames, FewTaxelsWithAGivenFrictionCountTheTorque) {
     setup.scene.objects = paper_objects();
     EstimatorChain chain(setup, nullptr);
     SolverFrame gripped = frame;
-    for (const std::size_t shear : {1, 2}) gripped.channels[shear].assign(kTaxels, 0);
+    for (const std::size_t shear : {1, 2}) gripped.channels[shear].assign(kSolverTaxels, 0);
     for (int i = 0; i < 10; ++i) chain.estimate(sensor.read(gripped, 0.01));
     for (int i = 0; i < 10; ++i, ++frames) {
       const Estimate estimate = chain.estimate(sensor.read(frame, 0.01));

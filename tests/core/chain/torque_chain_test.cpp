@@ -19,7 +19,7 @@ namespace {
 
 using synthetic::Turned;
 
-constexpr double kFriction = 0.5;
+constexpr double kTurningFriction = 0.5;
 
 // A grip that closes, and an object that then hangs in it off its centre of mass: pulled along `toward` and
 // turned at once.
@@ -81,16 +81,16 @@ class OffCentre {
   synthetic::TurningFrames frames_;
   EstimatorChain chain_;
   contact::LimitSurface hertz_ = contact::unit_hertz_surface();
-  Turned contact_{.center_x_m = 2e-4, .center_y_m = -1e-4, .friction = kFriction};
+  Turned contact_{.center_x_m = 2e-4, .center_y_m = -1e-4, .friction = kTurningFriction};
 };
 
-const TaxelLayout kFine = TaxelLayout::grid(32, 32, 0.00045);
+const TaxelLayout kFineGrid = TaxelLayout::grid(32, 32, 0.00045);
 
 // Gamma, error by error, over all mixes of force and torque.
 TEST(TurningChain, MarginAndFrictionAreThoseOfForceAndTorqueOrUnknown) {
   int answered = 0, heavy = 0;
   for (const double mix : {0.35, 0.8, 1.2, 1.57}) {
-    OffCentre grasp(kFine, std::nullopt);
+    OffCentre grasp(kFineGrid, std::nullopt);
     grasp.close(40);
     for (const auto& [estimate, gamma] : grasp.hang(120, 2.5 * std::cos(mix), -3.5 * std::sin(mix))) {
       if (gamma < 0.6) ++heavy;
@@ -99,7 +99,7 @@ TEST(TurningChain, MarginAndFrictionAreThoseOfForceAndTorqueOrUnknown) {
       EXPECT_LT(*estimate.gamma - gamma, 0.15) << "too safe, mix " << mix << ", Gamma " << gamma;
       EXPECT_NEAR(*estimate.gamma, gamma, std::max(0.08, 4 * *estimate.sigma)) << mix;
       if (gamma < 0.5 && estimate.friction) {
-        EXPECT_NEAR(*estimate.friction / kFriction, 1, 0.1) << mix << ' ' << gamma;
+        EXPECT_NEAR(*estimate.friction / kTurningFriction, 1, 0.1) << mix << ' ' << gamma;
       }
     }
   }
@@ -108,26 +108,26 @@ TEST(TurningChain, MarginAndFrictionAreThoseOfForceAndTorqueOrUnknown) {
 
 // A pull on its own: what noise makes of its torque changes no digit of the method's answer.
 TEST(TurningChain, WithoutTorqueMarginsAreThoseOfThePullToTheLastDigit) {
-  Moments moments(kFine);
+  Moments moments(kFineGrid);
   Scene scene;
   scene.objects = paper_objects();
-  Fit fit(kFine, expected_friction(scene));
+  Fit fit(kFineGrid, expected_friction(scene));
   for (const MethodChoice choice : {MethodChoice::moments, MethodChoice::fit}) {
     SlipMethod& method = choice == MethodChoice::fit ? static_cast<SlipMethod&>(fit) : moments;
-    ChainSetup setup{.layout = kFine,
+    ChainSetup setup{.layout = kFineGrid,
                      .scene = {},
                      .estimator = {.method = choice, .tracking = false},
                      .alerts = {},
                      .friction = {}};
     setup.scene = scene;
     EstimatorChain chain(setup, nullptr);
-    PatchFinder finder(kFine);
-    synthetic::FrameMaker maker(kFine, 7);
+    PatchFinder finder(kFineGrid);
+    synthetic::FrameMaker maker(kFineGrid, 7);
     int answered = 0;
     for (int i = 0; i <= 40; ++i) {
       contact::LoadHistory contact(synthetic::paper_pair());
-      contact.move_to(2, 0, kFriction);
-      contact.move_to(2, 0.024 * i * kFriction * 2, kFriction);
+      contact.move_to(2, 0, kTurningFriction);
+      contact.move_to(2, 0.024 * i * kTurningFriction * 2, kTurningFriction);
       const Frame frame = maker.make(contact, 2e-4, -1e-4, 0.4, 0.01);
       const Estimate estimate = chain.estimate(frame);
       ASSERT_TRUE(estimate.pull_n && estimate.shear_n);
@@ -143,7 +143,7 @@ TEST(TurningChain, WithoutTorqueMarginsAreThoseOfThePullToTheLastDigit) {
 }
 
 TEST(TurningChain, FewTaxelsWithAGivenFrictionCountTheTorque) {
-  OffCentre grasp(TaxelLayout::grid(4, 4, 0.0025), kFriction);
+  OffCentre grasp(TaxelLayout::grid(4, 4, 0.0025), kTurningFriction);
   grasp.close(40);
   double errors = 0;
   int answered = 0;
@@ -158,7 +158,7 @@ TEST(TurningChain, FewTaxelsWithAGivenFrictionCountTheTorque) {
 }
 
 TEST(TurningChain, TheBoundAndTheAdviceCountTheTorque) {
-  OffCentre grasp(kFine, kFriction);
+  OffCentre grasp(kFineGrid, kTurningFriction);
   grasp.close(40);
   const auto seen = grasp.hang(120, 0.5, 2.0);
   const auto& [estimate, gamma] = seen.back();
@@ -187,7 +187,7 @@ TEST(TurningChain, AGraspAddsUpWhatItsFingersAskOfFriction) {
 
 // After a torque has gone the contact keeps traction of its own, and memory of friction stays.
 TEST(TurningChain, ATorqueThatCameAndWentLeavesNoMarginThatIsTooSafe) {
-  OffCentre grasp(kFine, std::nullopt);
+  OffCentre grasp(kFineGrid, std::nullopt);
   grasp.close(40);
   grasp.hang(80, 0.6, 2.5);
   for (const auto& [estimate, gamma] : grasp.hang(100, 1.2, 0.02)) {

@@ -11,7 +11,7 @@
 namespace slipd::contact {
 namespace {
 
-const BodyPair kPair =
+const BodyPair kPressedPair =
     make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
 // The average by brute force: exact in one direction (the area of a circular segment), many lines in the
@@ -56,7 +56,7 @@ TEST(TaxelAverages, TheFastFormIsTheClosedFormToAFloatsResolution) {
 }
 
 TEST(TaxelAverages, ReturnTheForcesOnAnyGridThatHoldsTheContact) {
-  LoadHistory contact(kPair);
+  LoadHistory contact(kPressedPair);
   contact.move_to(2, 0.7, 0.5);
   contact.move_to(3, 0.7, 0.5);
   contact.move_to(3, 0.3, 0.5);

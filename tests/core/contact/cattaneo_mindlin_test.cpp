@@ -18,12 +18,12 @@
 namespace slipd::contact {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr Body kSkin{0.01, 0.5e6, 0.45};
-constexpr Body kFlat{kInf, 2e11, 0.25};
+constexpr double kFlatBody = std::numeric_limits<double>::infinity();
+constexpr Body kPad{0.01, 0.5e6, 0.45};
+constexpr Body kFlat{kFlatBody, 2e11, 0.25};
 
 TEST(CattaneoMindlin, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
-  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  const BodyPair pair = make_body_pair(kPad, kFlat);
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 400; ++i) {
@@ -41,7 +41,7 @@ TEST(CattaneoMindlin, AgreesWithFourHundredDigitsAtTheExtremesOfLoadAndPlace) {
                  friction = std::pow(10.0, -6 + 6.7 * unit(random));
     const CattaneoMindlin contact(pair, normal, friction, load);
     const auto got = contact.at(s);
-    const auto want = precise::reference(kSkin, kFlat, normal, friction, load, s);
+    const auto want = precise::reference(kPad, kFlat, normal, friction, load, s);
     // At the edge of the stick zone the ratio falls like the root of the distance. An error of 1e-12
     // therefore needs the distance to sixteen digits. 1 - Gamma gives them, a rounded k would not.
     EXPECT_LT(precise::error(got.pressure_pa, want.pressure), 1e-12) << "load " << load << " s " << s;
@@ -92,7 +92,7 @@ TEST(CattaneoMindlin, AgreesWithTheSharedReferenceTable) {
 }
 
 TEST(CattaneoMindlin, IntegralsReturnTheForces) {
-  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  const BodyPair pair = make_body_pair(kPad, kFlat);
   for (const double load : {0.0, 1e-6, 0.3, 0.9, 1.0}) {
     const CattaneoMindlin contact(pair, 2, 0.4, load);
     const double a = contact.contact_radius_m();
@@ -111,7 +111,7 @@ TEST(CattaneoMindlin, IntegralsReturnTheForces) {
 }
 
 TEST(CattaneoMindlin, AngleRisesWithRadiusAndWithLoadUpToFriction) {
-  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  const BodyPair pair = make_body_pair(kPad, kFlat);
   for (double load = 0.05; load <= 1; load += 0.05) {
     const CattaneoMindlin contact(pair, 1, 0.6, std::min(load, 1.0));
     const CattaneoMindlin lighter(pair, 1, 0.6, load - 0.05);
@@ -127,7 +127,7 @@ TEST(CattaneoMindlin, AngleRisesWithRadiusAndWithLoadUpToFriction) {
 }
 
 TEST(CattaneoMindlin, TractionIsZeroOutsideTheContactAndWithoutForce) {
-  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  const BodyPair pair = make_body_pair(kPad, kFlat);
   const auto outside = CattaneoMindlin(pair, 1, 0.5, 0.5).at(1.0000001);
   EXPECT_EQ(outside.pressure_pa, 0);
   EXPECT_EQ(outside.shear_pa, 0);
@@ -138,7 +138,7 @@ TEST(CattaneoMindlin, TractionIsZeroOutsideTheContactAndWithoutForce) {
 }
 
 TEST(CattaneoMindlin, InvalidLoadsAreRefused) {
-  const BodyPair pair = make_body_pair(kSkin, kFlat);
+  const BodyPair pair = make_body_pair(kPad, kFlat);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, -1e-12), ContactError);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, 1.0000001), ContactError);
   EXPECT_THROW(CattaneoMindlin(pair, 1, 0.5, std::nan("")), ContactError);

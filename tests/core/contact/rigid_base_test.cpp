@@ -21,8 +21,8 @@ namespace {
 
 using Sheet = SubsurfaceSheet;
 using Matrix = Eigen::Matrix<double, 6, 6>;
-constexpr std::array kAll{Sheet::nn, Sheet::nx, Sheet::ny, Sheet::xx,
-                          Sheet::xy, Sheet::yy, Sheet::xn, Sheet::yn};
+constexpr std::array kAllDomes{Sheet::nn, Sheet::nx, Sheet::ny, Sheet::xx,
+                               Sheet::xy, Sheet::yy, Sheet::xn, Sheet::yn};
 
 // Equilibrium of an elastic layer, shear modulus 1, through its thickness 1 from the surface down, of waves
 // along x: displacements i U, W and across V, the stresses s_xz = i T, s_zz = S and s_yz = Y, as Navier and
@@ -82,7 +82,7 @@ TEST(RigidBase, LongWavesPassAndPressingPressesOutwardsByLessThanItIsPulled) {
 
 // The dome's spectrum times the transfer functions, by Gauss's rule over wave numbers and even directions;
 // the layer's thickness is 1.
-LayerTensor by_quadrature(const Ellipse& dome, double poisson, double x, double y) {
+LayerTensor layer_by_quadrature(const Ellipse& dome, double poisson, double x, double y) {
   using Rule = boost::math::quadrature::gauss<double, 20>;
   constexpr int kPanels = 16, kDirections = 48;
   constexpr double kMost = 16;
@@ -126,7 +126,7 @@ TEST(RigidBase, IsFeltWithinFourTenThousandthsOfThePeak) {
     for (const double a : {0.3, 1.0, 3.0, 8.0}) {
       for (const double axes : {1.0, 0.6}) {
         const Ellipse dome{a, a * axes, 3 * unit(random)};
-        const double peak = by_quadrature(dome, poisson, 0, 0).nn;
+        const double peak = layer_by_quadrature(dome, poisson, 0, 0).nn;
         std::vector<double> u, v;
         for (int i = 0; i < 3; ++i) {
           u.push_back((a + 1.5) * (2 * unit(random) - 1));
@@ -135,9 +135,9 @@ TEST(RigidBase, IsFeltWithinFourTenThousandthsOfThePeak) {
         Sheet sheet(u.size(), 0.2, 1, poisson);
         sheet.evaluate_values(dome, u, v, Sheet::Detail::centre);
         for (std::size_t i = 0; i < u.size(); ++i) {
-          const auto truth = list_of(by_quadrature(dome, poisson, u[i], v[i]));
-          for (std::size_t j = 0; j < kAll.size(); ++j) {
-            const double error = std::fabs(sheet.row(Sheet::value, kAll[j])[i] - truth[j]) / peak;
+          const auto truth = list_of(layer_by_quadrature(dome, poisson, u[i], v[i]));
+          for (std::size_t j = 0; j < kAllDomes.size(); ++j) {
+            const double error = std::fabs(sheet.row(Sheet::value, kAllDomes[j])[i] - truth[j]) / peak;
             EXPECT_LT(error, 4e-4) << poisson << " " << a << " " << axes << " component " << j;
             worst = std::max(worst, error);
           }
@@ -164,7 +164,7 @@ TEST(RigidBase, AveragesOverTaxelsAreThoseOfManyPoints) {
       Sheet sheet(u.size(), side, 1, 0.45), fine(fine_u.size(), side, 1, 0.45);
       sheet.evaluate_values(dome, u, v);
       fine.evaluate_values(dome, fine_u, fine_v, Sheet::Detail::centre);
-      for (const auto component : kAll) {
+      for (const auto component : kAllDomes) {
         for (std::size_t i = 0; i < u.size(); ++i) {
           double mean = 0;
           for (std::size_t j = 0; j < kFine * kFine; ++j)
@@ -194,7 +194,7 @@ TEST(RigidBase, SlopesAreThoseOfTheValues) {
       };
       plus.evaluate_values(moved(kStep), u1, v);
       minus.evaluate_values(moved(-kStep), u0, v);
-      for (const auto c : kAll) {
+      for (const auto c : kAllDomes) {
         for (std::size_t i = 0; i < u.size(); ++i)
           EXPECT_NEAR(sheet.row(of, c)[i],
                       (plus.row(Sheet::value, c)[i] - minus.row(Sheet::value, c)[i]) / (2 * kStep), 1e-4)

@@ -25,7 +25,7 @@ std::array<double, 6> list_of(const FeltTensor& t) {
 
 // The integral of 3 d R_i R_j/(2 pi |R|^5) times the dome, which a force on the surface is felt by: Gauss in
 // panels of the angle whose sine is the distance from the centre, and even points around.
-FeltTensor by_quadrature(const Ellipse& dome, double depth, double x, double y) {
+FeltTensor felt_by_quadrature(const Ellipse& dome, double depth, double x, double y) {
   constexpr int kPanels = 16, kAround = 768;
   using Rule = boost::math::quadrature::gauss<double, 20>;
   const double c = std::cos(dome.angle_rad), s = std::sin(dome.angle_rad);
@@ -66,7 +66,7 @@ TEST(Subsurface, IsTheIntegralOfPointForcesOverRoundAndTiltedEllipticDomes) {
     const Ellipse dome{a, b, 3 * unit(random)};
     const double depth = 0.1 + unit(random), x = 4 * unit(random) - 2, y = 4 * unit(random) - 2;
     const auto felt = list_of(felt_of_dome(dome, depth, x, y)),
-               truth = list_of(by_quadrature(dome, depth, x, y));
+               truth = list_of(felt_by_quadrature(dome, depth, x, y));
     for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(felt[j], truth[j], 1e-10) << i << " " << j;
   }
 }
@@ -215,7 +215,7 @@ TEST(SubsurfaceSheets, SlopesAreThoseOfTheValues) {
   }
 }
 
-const BodyPair kPair =
+const BodyPair kFeltPair =
     make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
 struct Felt {
@@ -224,7 +224,7 @@ struct Felt {
 };
 
 TEST(Imprints, WithoutSkinAndOfASphereAreTheTaxelAveragesOfTheContact) {
-  LoadHistory contact(kPair);
+  LoadHistory contact(kFeltPair);
   contact.move_to(2, 0.7, 0.5);
   contact.move_to(3, 0.3, 0.5);
   const auto layout = TaxelLayout::grid(16, 16, 0.001);
@@ -243,7 +243,7 @@ TEST(Imprints, WithoutSkinAndOfASphereAreTheTaxelAveragesOfTheContact) {
 
 // Wide pads feel nearly all; what is missing lies beyond the pad.
 TEST(Imprints, OfAnyShapeCarryTheForcesOfTheirHistory) {
-  LoadHistory contact(kPair);
+  LoadHistory contact(kFeltPair);
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.6, 0.5);
   contact.move_to(2.5, 0.3, 0.5);

@@ -22,6 +22,7 @@ TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
       {Event::loaded_at_onset, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::shear_turned, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::outlier_run, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
+      {Event::unseen, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::frame_monotonic, {monotonic, monotonic, assumed_monotonic, assumed_monotonic}},
       {Event::frame_not_monotonic, {general, general, unknown, unknown}},
       {Event::assumption_confirmed, {monotonic, general, monotonic, unknown}},
@@ -36,7 +37,7 @@ TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
 
 TEST(HistoryState, OnlyAConfirmationOrANewGraspMakesALostHistoryKnown) {
   for (const auto from : {assumed_monotonic, unknown}) {
-    for (const auto event : {Event::loaded_at_onset, Event::shear_turned, Event::outlier_run,
+    for (const auto event : {Event::loaded_at_onset, Event::shear_turned, Event::outlier_run, Event::unseen,
                              Event::frame_monotonic, Event::frame_not_monotonic})
       EXPECT_FALSE(is_known(next_state(from, event)));
   }

@@ -15,7 +15,7 @@
 namespace slipd {
 namespace {
 
-constexpr double kPitch_m = 0.007, kNoise_n = 1e-4, kFriction = 0.6;
+constexpr double kPadPitch_m = 0.007, kNoise_n = 1e-4, kPadFriction = 0.6;
 using Shares = std::array<double, 9>;
 constexpr Shares kUneven{0.4, 0.6, 0.7, 0.9, 1.0, 1.1, 1.3, 1.4, 1.6}, kEven{1, 1, 1, 1, 1, 1, 1, 1, 1},
     kRough{0.2, 0.3, 0.5, 0.8, 1.0, 1.2, 1.5, 1.7, 1.8};
@@ -28,12 +28,12 @@ class Pad {
   }
   // Pillars that stick are sheared alike, by the shift that makes their sum the pull: found by bisection.
   Shares pull_n(double normal_n, double pull_n) const {
-    double low = 0, high = kFriction * normal_n;
+    double low = 0, high = kPadFriction * normal_n;
     Shares carried{};
     for (int step = 0; step < 100; ++step) {
       const double shift = (low + high) / 2;
       for (std::size_t i = 0; i < carried.size(); ++i)
-        carried[i] = std::min(shift, kFriction * pressed_[i] * normal_n);
+        carried[i] = std::min(shift, kPadFriction * pressed_[i] * normal_n);
       (std::accumulate(carried.begin(), carried.end(), 0.0) < pull_n ? low : high) = shift;
     }
     return carried;
@@ -70,7 +70,7 @@ class Pad {
 
  private:
   Shares pressed_;
-  TaxelLayout layout_ = TaxelLayout::grid(3, 3, kPitch_m);
+  TaxelLayout layout_ = TaxelLayout::grid(3, 3, kPadPitch_m);
   std::vector<float> normal_pa_ = std::vector<float>(9), shear_x_pa_ = normal_pa_, shear_y_pa_ = normal_pa_;
   PadLoadSharing shared_{layout_};
 };
@@ -87,7 +87,7 @@ double most(const MarginProfile& profile) {
 TEST(PadLoadSharing, OfPillarsThatSlipOneByOneShowsTheMargin) {
   for (const double margin : {0.05, 0.2, 0.4}) {
     Pad pad(kUneven);
-    const MarginProfile& profile = pad.pull_up_to(5, kFriction * (1 - margin));
+    const MarginProfile& profile = pad.pull_up_to(5, kPadFriction * (1 - margin));
     ASSERT_TRUE(profile.known);
     EXPECT_NEAR(likeliest(profile), margin, 0.06);
     EXPECT_LT(profile.at(margin), 0.5);
@@ -96,27 +96,27 @@ TEST(PadLoadSharing, OfPillarsThatSlipOneByOneShowsTheMargin) {
 
 TEST(PadLoadSharing, OfAPadThatIsPressedEvenlyShowsNoSlip) {
   Pad pad(kEven);
-  const MarginProfile& profile = pad.pull_up_to(5, 0.95 * kFriction);
+  const MarginProfile& profile = pad.pull_up_to(5, 0.95 * kPadFriction);
   EXPECT_LT(profile.at(0.9), 0.5);
 }
 
 TEST(PadLoadSharing, OfPressingIsNoPull) {
   Pad pad(kUneven);
   Shares askew = kUneven;  // in proportion to the pressure
-  for (double& shear_n : askew) shear_n *= 5.0 / 9 * 0.5 * kFriction;
+  for (double& shear_n : askew) shear_n *= 5.0 / 9 * 0.5 * kPadFriction;
   for (int i = 0; i < 40; ++i) EXPECT_FALSE(pad.feel(5, askew).known) << i;
 }
 
 TEST(PadLoadSharing, IsReadAnewWhenTheGripperCloses) {
   Pad pad(kUneven);
-  ASSERT_TRUE(pad.pull_up_to(5, 0.9 * kFriction).known);
-  EXPECT_FALSE(pad.feel_pull(6, 0.7 * kFriction).known);
+  ASSERT_TRUE(pad.pull_up_to(5, 0.9 * kPadFriction).known);
+  EXPECT_FALSE(pad.feel_pull(6, 0.7 * kPadFriction).known);
 }
 
 TEST(PadLoadSharing, IsNotReadWhileThePullFalls) {
   Pad pad(kUneven);
-  ASSERT_TRUE(pad.pull_up_to(5, 0.9 * kFriction).known);
-  EXPECT_FALSE(pad.feel_pull(5, 0.6 * kFriction).known);
+  ASSERT_TRUE(pad.pull_up_to(5, 0.9 * kPadFriction).known);
+  EXPECT_FALSE(pad.feel_pull(5, 0.6 * kPadFriction).known);
 }
 
 // What taxels under a layer feel of it: less of the pattern, and less of all at its edges.
@@ -134,7 +134,7 @@ TEST(PadLoadSharing, UnderALayerFallsWithTheMargin) {
     Pad pad(kRough);
     for (int i = 0; i < 20; ++i) pad.feel(5, {});
     const MarginProfile* profile = nullptr;
-    for (double share = 0.01; share < kFriction * (1 - margin); share += 0.01)
+    for (double share = 0.01; share < kPadFriction * (1 - margin); share += 0.01)
       profile = &pad.feel(5, under_layer(pad.pull_n(5, share * 5)));
     ASSERT_TRUE(profile->known);
     read.push_back(likeliest(*profile));
@@ -186,7 +186,8 @@ TEST(PadLoadSharing, SaysLessWhenThePullHasTurned) {
     Pad pad(kUneven);
     for (int i = 0; i < 20; ++i) pad.feel(5, {});
     for (double share = 0.01; share < 0.2; share += 0.01) pad.feel(5, under_layer(pad.pull_n(5, share * 5)));
-    const MarginProfile& profile = pad.feel(5, under_layer(pad.pull_n(5, 0.97 * kFriction * 5)), angle_rad);
+    const MarginProfile& profile =
+        pad.feel(5, under_layer(pad.pull_n(5, 0.97 * kPadFriction * 5)), angle_rad);
     ASSERT_TRUE(profile.known);
     sure.push_back(most(profile));
   }
@@ -205,14 +206,14 @@ TEST(PadLoadSharing, StaysFiniteWhateverTaxelsCarry) {
 }
 
 TEST(PadLoadSharing, NeedsAFewTaxels) {
-  EXPECT_THROW(PadLoadSharing(TaxelLayout::grid(2, 2, kPitch_m)), std::invalid_argument);
-  EXPECT_THROW(PadLoadSharing(TaxelLayout::grid(9, 9, kPitch_m)), std::invalid_argument);
+  EXPECT_THROW(PadLoadSharing(TaxelLayout::grid(2, 2, kPadPitch_m)), std::invalid_argument);
+  EXPECT_THROW(PadLoadSharing(TaxelLayout::grid(9, 9, kPadPitch_m)), std::invalid_argument);
 }
 
 TEST(PadLoadSharing, AllocatesNothing) {
   Pad pad(kUneven);
-  pad.pull_up_to(5, 0.5 * kFriction);
-  const Shares carried = pad.pull_n(5, 0.9 * kFriction * 5);
+  pad.pull_up_to(5, 0.5 * kPadFriction);
+  const Shares carried = pad.pull_n(5, 0.9 * kPadFriction * 5);
   const auto before = test::allocations();
   pad.feel(5, carried);
   EXPECT_EQ(test::allocations(), before);

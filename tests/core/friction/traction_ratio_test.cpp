@@ -33,7 +33,7 @@ class Readings {
 
 TEST(TractionRatioFilter, OfManyFramesIsFarBetterThanOfOne) {
   Readings readings;
-  TractionRatioFilter carried(true);
+  TractionRatioFilter carried;
   double squares = 0, within = 0;
   const int frames = 2000, settling = 50;
   for (int i = 0; i < frames + settling; ++i) {
@@ -51,7 +51,7 @@ TEST(TractionRatioFilter, OfManyFramesIsFarBetterThanOfOne) {
 // Loads that rise, stay and fall in 40 frames each: the lag stays within the given sigma.
 TEST(TractionRatioFilter, FollowsALoadThatTurns) {
   Readings readings;
-  TractionRatioFilter carried(true);
+  TractionRatioFilter carried;
   double within = 0, worst = 0;
   const int frames = 4000, leg = 40;
   for (int i = 0; i < frames; ++i) {
@@ -67,7 +67,7 @@ TEST(TractionRatioFilter, FollowsALoadThatTurns) {
 }
 
 TEST(TractionRatioFilter, FollowsAJumpAtOnce) {
-  TractionRatioFilter carried(true);
+  TractionRatioFilter carried;
   Readings readings;
   for (int i = 0; i < 100; ++i) carried.update(readings.of(3, 0.3));
   carried.update(readings.of(3, 2.1));
@@ -76,7 +76,7 @@ TEST(TractionRatioFilter, FollowsAJumpAtOnce) {
 
 TEST(TractionRatioFilter, NoiseInTheNormalForceIsNotTakenForSliding) {
   for (const double normal_n : {0.3, 0.5, 1.0, 3.0}) {
-    TractionRatioFilter carried(true);
+    TractionRatioFilter carried;
     Readings readings;
     for (int i = 0; i < 5000; ++i) {
       carried.update(readings.of(normal_n, 0.4 * normal_n));
@@ -87,7 +87,7 @@ TEST(TractionRatioFilter, NoiseInTheNormalForceIsNotTakenForSliding) {
 
 // Load rises to `load` in 50 frames, then P falls for 150 while it stays.
 std::optional<TractionRatioFilter::Slide> slide_of(double load, const SlidingVerdict& course) {
-  TractionRatioFilter carried(true);
+  TractionRatioFilter carried;
   Readings readings;
   std::optional<TractionRatioFilter::Slide> slide;
   for (int i = 0; i < 200 && !slide; ++i) {
@@ -116,7 +116,7 @@ TEST(TractionRatioFilter, ASlideOfTaxelsThatAreNotShearedOneWayIsNone) {
 // Rubber and controller let P overshoot and relax while |Q|/P stays.
 TEST(TractionRatioFilter, AGripThatOvershootsAndRelaxesDoesNotSlide) {
   for (const double load : {0.05, 0.1, 0.3}) {
-    TractionRatioFilter carried(true);
+    TractionRatioFilter carried;
     Readings readings;
     for (int i = 0; i < 1000; ++i) {
       const double normal_n = i < 50 ? 0.2 * (i + 1) : 4 + 6 * std::exp(-(i - 50) / 100.0);
@@ -128,7 +128,7 @@ TEST(TractionRatioFilter, AGripThatOvershootsAndRelaxesDoesNotSlide) {
 
 TEST(TractionRatioFilter, ALoadThatTurnsWhileTheGripFallsDoesNotSlide) {
   for (const double turned_rad : {0.0, 1.0}) {
-    TractionRatioFilter carried(true);
+    TractionRatioFilter carried;
     bool slid = false;
     for (int i = 0; i < 200; ++i) {
       const double normal_n = i < 50 ? 3 : 3 - 0.01 * (i - 50), load = 0.4 * std::min(1.0, i / 50.0);
@@ -148,7 +148,7 @@ TEST(TractionRatioFilter, ALoadThatTurnsWhileTheGripFallsDoesNotSlide) {
 
 // Real slides scatter by 4 to 7 %, far more than a plateau may.
 TEST(TractionRatioFilter, ASlideWhosePatternMovesIsReadOnceABlockHoweverItScatters) {
-  TractionRatioFilter carried(true);
+  TractionRatioFilter carried;
   std::mt19937 random(3);
   std::normal_distribution<double> scatter(0, 0.07);
   int readings = 0;
@@ -174,7 +174,7 @@ TEST(TractionRatioFilter, ASlideWhosePatternMovesIsReadOnceABlockHoweverItScatte
 
 // Without noise, as one force vector gives them.
 TEST(TractionRatioFilter, WithoutNoiseIsTheRatioOfEachFrame) {
-  TractionRatioFilter carried(true);
+  TractionRatioFilter carried;
   for (const double shear_n : {0.0, 0.5, 0.5, 0.6, 0.1}) {
     ContactPatch patch;
     patch.normal_n = 2;

@@ -113,7 +113,7 @@ TEST(Grasp, TheSafeMarginNeedsThatOfEveryFingerAndNoneOfThemHasToBeKnown) {
   EXPECT_FALSE(grasp_estimate(members, 0.5).gamma);
 }
 
-constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kMillisecond = 1'000'000;
 
 std::array<Estimate, 1> at(std::int64_t time_ns, double gamma, double friction_sigma = 0) {
   std::array members{finger(2, (1 - gamma) * 0.5 * 2, 0.5)};
@@ -124,22 +124,22 @@ std::array<Estimate, 1> at(std::int64_t time_ns, double gamma, double friction_s
 
 TEST(GraspTracker, HasTheHysteresisAndTheLeastDurationOfASensor) {
   GraspTracker judge({});  // warn below 0.4, 0.05 of hysteresis, 2 ms
-  EXPECT_EQ(judge.judge(at(0 * kMs, 0.3)).alert, Alert::none);
-  EXPECT_EQ(judge.judge(at(1 * kMs, 0.3)).alert, Alert::none);
-  EXPECT_EQ(judge.judge(at(2 * kMs, 0.3)).alert, Alert::warn);
-  for (int i = 3; i < 20; ++i) EXPECT_EQ(judge.judge(at(i * kMs, 0.42)).alert, Alert::warn) << i;
-  for (int i = 20; i < 23; ++i) judge.judge(at(i * kMs, 0.6));
-  EXPECT_EQ(judge.judge(at(23 * kMs, 0.6)).alert, Alert::none);
+  EXPECT_EQ(judge.judge(at(0 * kMillisecond, 0.3)).alert, Alert::none);
+  EXPECT_EQ(judge.judge(at(1 * kMillisecond, 0.3)).alert, Alert::none);
+  EXPECT_EQ(judge.judge(at(2 * kMillisecond, 0.3)).alert, Alert::warn);
+  for (int i = 3; i < 20; ++i) EXPECT_EQ(judge.judge(at(i * kMillisecond, 0.42)).alert, Alert::warn) << i;
+  for (int i = 20; i < 23; ++i) judge.judge(at(i * kMillisecond, 0.6));
+  EXPECT_EQ(judge.judge(at(23 * kMillisecond, 0.6)).alert, Alert::none);
 }
 
 TEST(GraspTracker, SigmaLowersTheMarginThatIsCompared) {
   GraspTracker sure({}), unsure({});
   for (int i = 0; i < 5; ++i) {
-    sure.judge(at(i * kMs, 0.45));
-    unsure.judge(at(i * kMs, 0.45, 0.1));
+    sure.judge(at(i * kMillisecond, 0.45));
+    unsure.judge(at(i * kMillisecond, 0.45, 0.1));
   }
-  EXPECT_EQ(sure.judge(at(5 * kMs, 0.45)).alert, Alert::none);
-  EXPECT_EQ(unsure.judge(at(5 * kMs, 0.45, 0.1)).alert, Alert::warn);
+  EXPECT_EQ(sure.judge(at(5 * kMillisecond, 0.45)).alert, Alert::none);
+  EXPECT_EQ(unsure.judge(at(5 * kMillisecond, 0.45, 0.1)).alert, Alert::warn);
 }
 
 TEST(GraspTracker, WarnsOfAFingerThatSlidesWhileTheOthersHold) {
@@ -182,8 +182,8 @@ TEST(GraspTracker, KeepsItsAlertWhenAFingerFallsSilent) {
 
 TEST(GraspTracker, ForeseesTheSlipOfAMarginThatFalls) {
   GraspTracker judge({});
-  for (int i = 0; i < 50; ++i) judge.judge(at(i * kMs, 0.9 - 0.01 * i));
-  EXPECT_NEAR(judge.judge(at(50 * kMs, 0.4)).time_to_slip_s.value(), 0.04, 1e-3);
+  for (int i = 0; i < 50; ++i) judge.judge(at(i * kMillisecond, 0.9 - 0.01 * i));
+  EXPECT_NEAR(judge.judge(at(50 * kMillisecond, 0.4)).time_to_slip_s.value(), 0.04, 1e-3);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace slipd {
 namespace {
 
-constexpr ContinuityOptions kOptions;
+constexpr ContinuityOptions kContinuity;
 constexpr double kFriction = 0.5, kNoise = 0.01;
 
 class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
@@ -28,7 +28,7 @@ class ContactThatGoesOn : public ::testing::TestWithParam<std::size_t> {
   Health judge(const Frame& frame) {
     probes_.update(frame);
     return continuity_.update(frame.time_ns, finder_.find(frame), probes_.pattern(), probes_.size(),
-                              kOptions);
+                              kContinuity);
   }
   void hold() {
     for (int i = 0; i < 50; ++i) ASSERT_EQ(feel(3, 0.6, 0, 0.3), Health::good) << i;
@@ -81,7 +81,7 @@ TEST_P(ContactThatGoesOn, MayMoveFasterAndFaster) {
     EXPECT_EQ(feel(3, 0.6, x_m, 0.3), Health::good) << step_m << " m";
     most_unlike = std::max(most_unlike, probes_.pattern().unlikeness());
   }
-  EXPECT_GT(most_unlike, 2 * kOptions.least_unlike_fast);
+  EXPECT_GT(most_unlike, 2 * kContinuity.least_unlike_fast);
 }
 
 TEST_P(ContactThatGoesOn, MayTurnItsShearSlowly) {

@@ -19,7 +19,7 @@
 namespace slipd {
 namespace {
 
-constexpr double kFriction = 0.5, kNormal_n = 3;
+constexpr double kGripFriction = 0.5, kNormal_n = 3;
 constexpr double kGross = 0.2;  // an error of the margin that lets objects fall
 constexpr float kClip_pa = 5e3F;
 constexpr int kGraceFrames = 5;  // after the fault began
@@ -53,7 +53,7 @@ class GraspWithFault {
     for (int i = 1; i <= frames; ++i) {
       const double part = static_cast<double>(i) / frames;
       contact_.move_to(from_normal_n + part * (normal_n - from_normal_n),
-                       from_shear_n + part * (shear_n - from_shear_n), kFriction);
+                       from_shear_n + part * (shear_n - from_shear_n), kGripFriction);
       const Frame frame = maker_.make(contact_, 0.2e-3, -0.1e-3, 0.3, 0.01, noise_);
       x_.assign(frame.shear_x_pa.begin(), frame.shear_x_pa.end());
       y_.assign(frame.shear_y_pa.begin(), frame.shear_y_pa.end());
@@ -84,7 +84,7 @@ class GraspWithFault {
   }
   const Estimate& last() const { return last_; }
 
-  static constexpr double kLoaded_n = 0.6 * kFriction * kNormal_n;
+  static constexpr double kLoaded_n = 0.6 * kGripFriction * kNormal_n;
 
  private:
   static const ChainSetup& with_objects(ChainSetup& setup) {
@@ -351,7 +351,7 @@ TEST(Plausibility, CostsNoMemory) {
   PlausibilityMonitor monitor(layout, {.full_scale = default_full_scale(SensorClass::array3, layout)});
   synthetic::FrameMaker maker(layout);
   contact::LoadHistory contact(synthetic::paper_pair());
-  contact.move_to(2, 0.3, kFriction);
+  contact.move_to(2, 0.3, kGripFriction);
   const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
   const ContactPatch& patch = finder.find(frame);
   const std::uint64_t before = test::allocations();

@@ -6,10 +6,12 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 
 #include <cerrno>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace slipd {
 namespace {
@@ -143,6 +145,61 @@ TEST_F(BareReceiving, ADescriptorBesideAByteOutOfBandIsSeenToo) {
   if (send_passing(near_.get(), "x", file_.get(), MSG_OOB) < 0) GTEST_SKIP() << "this kernel has none";
   ASSERT_EQ(send_passing(near_.get(), "after", -1, 0), 5);
   EXPECT_EQ(bare(), "descriptor");
+}
+
+class RefusedDescriptors : public DescriptorPassing {
+ protected:
+  void SetUp() override {
+    DescriptorPassing::SetUp();
+    refuse_descriptors(far_.get());
+    if (!refuses_descriptors(far_.get())) GTEST_SKIP() << "this kernel cannot; Linux 6.16 and later can";
+  }
+};
+
+TEST_F(RefusedDescriptors, AreNotSentNorAreTheirBytesAndTheConnectionGoesOn) {
+  const std::ptrdiff_t before = open_files();
+  for (const int flags : {0, int{MSG_OOB}, int{MSG_DONTWAIT}}) {
+    EXPECT_EQ(send_passing(near_.get(), "with", file_.get(), flags), -1);
+    EXPECT_EQ(errno, EPERM);
+  }
+  ASSERT_EQ(send_passing(near_.get(), "without", -1, 0), 7);
+  EXPECT_EQ(received(), "without");
+  EXPECT_EQ(passed_.count, 0U);
+  EXPECT_EQ(open_files(), before);
+}
+
+TEST_F(RefusedDescriptors, TheOtherEndStillGetsThem) {
+  ASSERT_EQ(send_passing(far_.get(), "with", file_.get(), 0), 4);
+  std::swap(near_, far_);
+  EXPECT_EQ(received(), "with");
+  EXPECT_EQ(passed_.count, 1U);
+}
+
+// Of connections to a listener that began to refuse between them.
+TEST_F(RefusedDescriptors, AConnectionIsLikeItsListenerWasWhenItWasMade) {
+  const UniqueFd listener(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  socklen_t length = sizeof address;
+  auto* const any = reinterpret_cast<sockaddr*>(&address);
+  ASSERT_EQ(bind(listener.get(), any, sizeof address.sun_family), 0);  // the kernel chooses its name
+  ASSERT_EQ(listen(listener.get(), 2), 0);
+  ASSERT_EQ(getsockname(listener.get(), any, &length), 0);
+  const auto connected = [&] {
+    UniqueFd made(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(connect(made.get(), any, length), 0);
+    return made;
+  };
+  const UniqueFd first = connected();
+  refuse_descriptors(listener.get());
+  const UniqueFd second = connected();
+  EXPECT_EQ(send_passing(first.get(), "x", file_.get(), 0), 1);
+  EXPECT_EQ(send_passing(second.get(), "x", file_.get(), 0), -1) << "before it is accepted";
+  EXPECT_EQ(errno, EPERM);
+  for (const bool refused : {false, true}) {
+    const UniqueFd accepted(accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    EXPECT_EQ(refuses_descriptors(accepted.get()), refused);
+  }
 }
 
 }  // namespace

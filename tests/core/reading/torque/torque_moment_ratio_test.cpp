@@ -15,7 +15,7 @@
 namespace slipd {
 namespace {
 
-constexpr double kRadius = 4e-3, kPeak = 60e3;  // m, Pa
+constexpr double kContactRadius = 4e-3, kPeak = 60e3;  // m, Pa
 
 // Contacts that stick all over: a Hertz pressure, and the shear (c + d x r)/sqrt(1 - r^2) of a half space
 // that is shifted and turned.
@@ -34,16 +34,17 @@ class StickingContact {
       double x_pa = 0, y_pa = 0;
       for (int part = 0; part < kParts * kParts; ++part) {
         const int row = part / kParts, column = part % kParts;
-        const double x = (layout_.x_m()[i] + ((column + 0.5) / kParts - 0.5) * side) / kRadius;
-        const double y = (layout_.y_m()[i] + ((row + 0.5) / kParts - 0.5) * side) / kRadius;
+        const double x = (layout_.x_m()[i] + ((column + 0.5) / kParts - 0.5) * side) / kContactRadius;
+        const double y = (layout_.y_m()[i] + ((row + 0.5) / kParts - 0.5) * side) / kContactRadius;
         const double rest = 1 - x * x - y * y;
         if (!(rest > 0)) continue;
         const double scale = kPeak / std::sqrt(rest) / (kParts * kParts);
         x_pa += scale * (shift - 2 * turn * y);
         y_pa += scale * 2 * turn * x;
       }
-      const double p =
-          kPeak * contact::disc_average_exact(kRadius, layout_.x_m()[i], layout_.y_m()[i], side) / kRadius;
+      const double p = kPeak *
+                       contact::disc_average_exact(kContactRadius, layout_.x_m()[i], layout_.y_m()[i], side) /
+                       kContactRadius;
       channels_[0][i] = static_cast<float>(p + kPeak * unit(random_));
       channels_[1][i] = static_cast<float>(x_pa + kPeak * unit(random_));
       channels_[2][i] = static_cast<float>(y_pa + kPeak * unit(random_));

@@ -1,9 +1,10 @@
-#include "core/margin/margin_fusion.hpp"
+#include "core/margin/margin_over_time.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -76,7 +77,7 @@ ChainSetup setup_for(std::size_t side, MethodChoice method) {
   return setup;
 }
 
-TEST(MarginFusion, FollowsAGraspThroughRegripUnloadingReversalAndAFallOfFriction) {
+TEST(MarginOverTime, FollowsAGraspThroughRegripUnloadingReversalAndAFallOfFriction) {
   for (const auto kind : {Noise::relative, Noise::sensor}) {
     const ChainSetup setup = setup_for(100, MethodChoice::fit);
     EstimatorChain chain(setup, nullptr);
@@ -87,14 +88,14 @@ TEST(MarginFusion, FollowsAGraspThroughRegripUnloadingReversalAndAFallOfFriction
   }
 }
 
-TEST(MarginFusion, WithMomentsNoMarginIsFarOffEither) {
+TEST(MarginOverTime, WithMomentsNoMarginIsFarOffEither) {
   const ChainSetup setup = setup_for(100, MethodChoice::moments);
   EstimatorChain chain(setup, nullptr);
   FrameMaker maker(setup.layout);
   live(chain, maker, kLife, 0.01, Noise::relative);
 }
 
-TEST(MarginFusion, AContactThatSticksEverywhereWhileBothForcesGrowIsNotTakenForSliding) {
+TEST(MarginOverTime, AContactThatSticksEverywhereWhileBothForcesGrowIsNotTakenForSliding) {
   const ChainSetup setup = setup_for(100, MethodChoice::fit);
   EstimatorChain chain(setup, nullptr);
   FrameMaker maker(setup.layout);
@@ -146,7 +147,7 @@ Tally grasp_on_few_taxels(const TaxelLayout& layout, double noise, int grasps, i
   return tally;
 }
 
-TEST(MarginFusion, FourByFourTaxelsLearnFrictionOverAGrasp) {
+TEST(MarginOverTime, FourByFourTaxelsLearnFrictionOverAGrasp) {
   int right = 0, after = 0;
   const Tally tally = grasp_on_few_taxels(TaxelLayout::grid(4, 4, 0.0047), 0.01, 40, right, after);
   EXPECT_GT(right, 0.85 * after);
@@ -154,14 +155,14 @@ TEST(MarginFusion, FourByFourTaxelsLearnFrictionOverAGrasp) {
   EXPECT_LT(tally.too_safe, 0.03 * tally.ok);
 }
 
-TEST(MarginFusion, OneForceVectorGetsNoMarginThatIsTooSafe) {
+TEST(MarginOverTime, OneForceVectorGetsNoMarginThatIsTooSafe) {
   int right = 0, after = 0;
   const Tally tally = grasp_on_few_taxels(TaxelLayout::wrench(0.0188), 0, 40, right, after);
   EXPECT_EQ(tally.too_safe, 0);
   EXPECT_LT(tally.ok, tally.frames) << "friction is not known before anything slipped";
 }
 
-TEST(MarginFusion, AGrownLoadThatSlidesIsNeverCalledSafe) {
+TEST(MarginOverTime, AGrownLoadThatSlidesIsNeverCalledSafe) {
   const ChainSetup setup = setup_for(100, MethodChoice::fit);
   EstimatorChain chain(setup, nullptr);
   FrameMaker maker(setup.layout);
@@ -172,20 +173,46 @@ TEST(MarginFusion, AGrownLoadThatSlidesIsNeverCalledSafe) {
        0.01, Noise::relative);
 }
 
-TEST(MarginFusion, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {
-  MarginFusion tracker({}, {0.1, 0.9}, std::nullopt, true);
+// A source with a decision, as a pipeline has them.
+class Source {
+ public:
+  Source(const FrictionKnowledge& friction, bool needs_history)
+      : source_(make_margin_over_time(EstimatorSettings{}.sigma_max, friction, needs_history)),
+        decision_(EstimatorSettings{}.sigma_max) {}
+
+  void update(const ContactPatch& patch, const Reading* reading, const MarginProfile* shared, Estimate& out) {
+    decision_.begin();
+    const SlidingVerdict unknown;
+    source_->estimate({.time_ns = out.time_ns,
+                       .measured = patch,
+                       .acting = patch,
+                       .reading = reading,
+                       .shared = shared,
+                       .previous_sliding = unknown},
+                      decision_, out);
+    decision_.apply(out);
+  }
+
+ private:
+  std::unique_ptr<MarginSource> source_;
+  MarginDecision decision_;
+};
+
+TEST(MarginOverTime, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {
+  Source source({.expected = {0.1, 0.9}, .given = std::nullopt}, true);
   ContactPatch patch;
   patch.normal_n = 2;
   patch.shear_n = patch.shear_x_n = 0.5;
   patch.shear_sigma_n = 0.01;
   Reading nonsense;
+  nonsense.by = Method::fit;
   nonsense.in_model = true;
   nonsense.gamma = 9;
   nonsense.sigma = 0.01;
   Estimate estimate;
   for (int i = 1; i <= 50; ++i) {
     estimate.time_ns = i * 1'000'000;
-    tracker.update(patch, &nonsense, Method::fit, estimate);
+    source.update(patch, &nonsense, nullptr, estimate);
   }
   EXPECT_EQ(estimate.state, State::out_of_model);
 }
@@ -193,12 +220,13 @@ TEST(MarginFusion, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {
 // A load with a torque that shows friction, and then falls to a share of its maximum at which all sticks.
 double sigma_below_the_maximum(const std::optional<KnownFriction>& friction, double share) {
   constexpr double kMost_n = 0.8, kNormal_n = 2, kFriction = 0.5;
-  MarginFusion tracker({}, {0.1, 0.9}, friction, false);
+  Source source({.expected = {0.1, 0.9}, .given = friction}, false);
   ContactPatch patch;
   patch.normal_n = kNormal_n;
   patch.normal_sigma_n = patch.shear_sigma_n = 1e-3;
   patch.radius_m = 4e-3;
   Reading frame;
+  frame.by = Method::moments;
   frame.turning = true;
   Estimate estimate;
   for (int i = 1; i <= 80; ++i) {
@@ -213,16 +241,16 @@ double sigma_below_the_maximum(const std::optional<KnownFriction>& friction, dou
     frame.common_sigma = 0.005;
     frame.friction = fallen ? share * kFriction : kFriction;
     frame.friction_sigma = 0.015;
-    tracker.update(patch, &frame, Method::moments, estimate);
+    source.update(patch, &frame, nullptr, estimate);
   }
   EXPECT_TRUE(estimate.gamma) << share;
   return estimate.sigma.value_or(0);
 }
 
 // Of a flat pad whose load has only risen.
-TEST(MarginFusion, WhatTheTaxelsOfAFlatPadShowLowersTheMarginAndNeverRaisesIt) {
+TEST(MarginOverTime, WhatTheTaxelsOfAFlatPadShowLowersTheMarginAndNeverRaisesIt) {
   const auto margin = [](const MarginProfile* shared) {
-    MarginFusion tracker({}, {0.3, 1}, KnownFriction(Range{0.3, 1}), true);
+    Source source({.expected = {0.3, 1}, .given = KnownFriction(Range{0.3, 1})}, true);
     Estimate out;
     ContactPatch patch;
     patch.in_contact = true;
@@ -232,7 +260,7 @@ TEST(MarginFusion, WhatTheTaxelsOfAFlatPadShowLowersTheMarginAndNeverRaisesIt) {
       patch.shear_n = patch.shear_x_n = 0.008 * i;
       out = {};
       out.time_ns = 1'000'000 * (i + 1);
-      tracker.update(patch, nullptr, Method::friction, out, {}, shared);
+      source.update(patch, nullptr, shared, out);
     }
     return out.gamma.value_or(-1);
   };
@@ -249,7 +277,7 @@ TEST(MarginFusion, WhatTheTaxelsOfAFlatPadShowLowersTheMarginAndNeverRaisesIt) {
   EXPECT_LT(margin(&slips), by_forces - 0.1);
 }
 
-TEST(MarginFusion, UnderATorqueSigmaCoversFrictionThatMayHaveFallenUnseenBelowTheLoadsMaximum) {
+TEST(MarginOverTime, UnderATorqueSigmaCoversFrictionThatMayHaveFallenUnseenBelowTheLoadsMaximum) {
   const double near = sigma_below_the_maximum(std::nullopt, 0.9),
                below = sigma_below_the_maximum(std::nullopt, 0.6),
                far = sigma_below_the_maximum(std::nullopt, 0.3);

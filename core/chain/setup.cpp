@@ -1,0 +1,35 @@
+#include "core/chain/setup.hpp"
+
+#include "core/chain/sensor_kind.hpp"
+
+namespace slipd {
+
+bool always_fits(const ChainSetup& setup) {
+  return kind_of(setup) == SensorKind::few_taxels && setup.estimator.tracking;
+}
+
+std::string_view to_string(MethodReason reason) noexcept {
+  static constexpr std::string_view kNames[] = {"configured", "auto",   "few_taxels",
+                                                "skin",       "forces", "no_shear"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+MethodReason why_method(const ChainSetup& setup) {
+  const MethodChoice wanted = setup.estimator.method;
+  const SensorKind kind = kind_of(setup);
+  if (kind == SensorKind::pressure_only) return MethodReason::no_shear;
+  if (!has_contact_model(kind)) return MethodReason::forces;
+  if (wanted == MethodChoice::fit) return MethodReason::configured;
+  if (always_fits(setup)) return MethodReason::few_taxels;
+  if (wanted != MethodChoice::automatic) return MethodReason::configured;
+  return felt_depth_m(setup) > 0 ? MethodReason::skin : MethodReason::automatic;
+}
+
+bool needs_model(const ChainSetup& setup) {
+  const MethodChoice wanted = setup.estimator.method;
+  return has_contact_model(kind_of(setup)) && !always_fits(setup) &&
+         !(setup.scene.skin.depth_m > 0) &&  // no trained method corrects for it
+         (wanted == MethodChoice::svd_knn || wanted == MethodChoice::registered);
+}
+
+}  // namespace slipd

@@ -1,0 +1,114 @@
+#include "core/chain/shaped_pipelines.hpp"
+
+#include <utility>
+
+#include "core/advice/alert.hpp"
+#include "core/chain/chain_parts.hpp"
+
+namespace slipd {
+namespace {
+
+// Taxels within the contact's disc below which a frame's shape is not used, 4 to 30. Too small: the shape is
+// noise. Too large: small contacts get no margin from their shape.
+constexpr std::size_t kFewInside = 12;
+
+bool is_clear(const ContactPatch& patch) noexcept {
+  return patch.shear_n > kClearSigmas * patch.shear_sigma_n;
+}
+
+}  // namespace
+
+ShapedPipeline::ShapedPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
+    : equivalent_pull_(setup.layout),
+      method_(std::move(method)),
+      forces_(make_surface_forces(setup)),
+      margin_(make_margin_source(setup, forces_->common_sigma())),
+      bound_(known_friction(setup).range),
+      target_margin_(setup.alerts.target_margin) {}
+
+void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, const SlidingVerdict& previous,
+                              MarginDecision& decision, Estimate& out) noexcept {
+  method_->observe(frame, patch);
+  publish_forces(patch, out);
+  publish_place(patch, out);
+  publish_torque(patch, out);
+  const EquivalentPullResult pull = equivalent_pull_.of(patch, margin_->friction());
+  torque_ = pull.turning;
+  out.pull_n = pull.pull_n;
+  const ContactPatch pulled = with_pull(patch, pull);
+  const std::optional<Reading> reading = read(frame, patch, pulled, pull);
+  const SurfaceLoad load = forces_->of(patch, pulled, reading.value_or(Reading{}), out);
+  margin_->estimate({.time_ns = out.time_ns,
+                     .measured = patch,
+                     .acting = load.acting,
+                     .reading = reading ? &*reading : nullptr,
+                     .previous_sliding = previous},
+                    decision, out);
+  if (!load.known && decision.stands()) {
+    decision.refuse(State::out_of_model);
+    out.friction.reset();
+    out.friction_sigma.reset();
+  }
+  if (reading && reading->in_model && !reading->turning) {
+    out.center_x_m = reading->center_x_m;
+    out.center_y_m = reading->center_y_m;
+    out.radius_m = reading->radius_m;
+  }
+  bound_.apply(load, 0, decision, out);
+  advise(out, pull.pull_sigma_n, target_margin_);
+}
+
+Reading ShapedPipeline::read_pull(const Frame& frame, const ContactPatch& patch) noexcept {
+  Reading reading = method_->estimate(frame, patch);
+  if (reading.by == Method::none) reading.by = method_->name();
+  return reading;
+}
+
+void ShapedPipeline::forget() noexcept {
+  margin_->forget();
+  equivalent_pull_.reset();
+  method_->forget();
+  forces_->forget();
+}
+
+void ShapedPipeline::lose_sight() noexcept {
+  forget();
+  margin_->lose_sight();
+  equivalent_pull_.lose_way();
+}
+
+ArrayPipeline::ArrayPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
+    : ShapedPipeline(setup, std::move(method)), torque_reading_(setup.layout, setup.estimator.tracking) {}
+
+std::optional<Reading> ArrayPipeline::read(const Frame& frame, const ContactPatch& patch,
+                                           const ContactPatch& pulled,
+                                           const EquivalentPullResult& pull) noexcept {
+  if (patch.count < kFewInside || !(pull.turning == Turning::bending || is_clear(patch))) return std::nullopt;
+  if (!torque_reading_.bent(pull)) return read_pull(frame, patch);
+  Reading reading = torque_reading_.estimate(pulled, pull);
+  reading.by = method();
+  return reading;
+}
+
+std::vector<std::string_view> ArrayPipeline::stages() const {
+  std::vector<std::string_view> all = ShapedPipeline::stages();
+  all.insert(all.begin() + 2, "torque_reading");
+  return all;
+}
+
+void ArrayPipeline::forget() noexcept {
+  ShapedPipeline::forget();
+  torque_reading_.forget();
+}
+
+FewTaxelsPipeline::FewTaxelsPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
+    : ShapedPipeline(setup, std::move(method)) {}
+
+std::optional<Reading> FewTaxelsPipeline::read(const Frame& frame, const ContactPatch& patch,
+                                               const ContactPatch& /*pulled*/,
+                                               const EquivalentPullResult& pull) noexcept {
+  if (pull.turning == Turning::bending || !is_clear(patch)) return std::nullopt;
+  return read_pull(frame, patch);
+}
+
+}  // namespace slipd

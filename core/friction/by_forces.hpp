@@ -1,0 +1,39 @@
+// Friction where single frames say little of their own: one force, flat pads, few taxels. Gross slip is read
+// from |Q|/P, which stays even while P falls. Estimate thread; fixed memory, nothing allocates.
+#pragma once
+
+#include "core/friction/friction_filter.hpp"
+#include "core/friction/traction_ratio.hpp"
+
+namespace slipd {
+
+class FrictionByForces final : public FrictionFilter {
+ public:
+  explicit FrictionByForces(const FrictionPrior& prior, const FrictionFilterOptions& options = {});
+
+  void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
+              const SlidingVerdict& previous = {}) noexcept override;
+  void reset() noexcept override;
+
+  // What the last few frames say of it.
+  const MeanSigma& traction_ratio() const noexcept override { return traction_ratio_.now(); }
+
+ private:
+  void fade(std::int64_t time_ns) noexcept;
+  void forget_lighter(const ContactPatch& patch) noexcept;
+  void watch_hook() noexcept;
+  void weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
+  void weigh_slide(const TractionRatioFilter::Slide& slide) noexcept;
+
+  // What a new grasp forgets.
+  struct GraspState {
+    double lighter_n = 0;      // P that the evidence stands for; 0: none yet
+    bool hooked = false;       // the load exceeded any friction, and has not fallen below all of them since
+    std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
+  };
+
+  TractionRatioFilter traction_ratio_;
+  GraspState grasp_;
+};
+
+}  // namespace slipd

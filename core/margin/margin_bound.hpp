@@ -1,0 +1,32 @@
+// The margin on the safe side of all that is not known: what holds with 95 % confidence by forces and
+// friction. Estimate thread; plain state.
+#pragma once
+
+#include "core/contact/scene.hpp"
+#include "core/estimate/estimate.hpp"
+#include "core/margin/margin_decision.hpp"
+#include "core/margin/surface_load.hpp"
+
+namespace slipd {
+
+// Shear from which on it is clear, in standard deviations; 2 … 6. Too small: methods read noise. Too large:
+// light pulls get no margin from their shape.
+inline constexpr double kClearSigmas = 3;
+
+class MarginBound {
+ public:
+  // known: friction that was given, else what the scene expects, mu.
+  explicit MarginBound(Range known) noexcept : known_(known) {}
+
+  // internal_n: force that taxels carry against each other, N, >= 0, as if it came on top: no more than that
+  // is used up of friction. Friction is that of `out`. Bounds the decision, and writes limit_low_n.
+  void apply(const SurfaceLoad& load, double internal_n, MarginDecision& decision,
+             Estimate& out) const noexcept;
+
+ private:
+  double least_friction(const Estimate& out) const noexcept;
+
+  Range known_;
+};
+
+}  // namespace slipd
