@@ -31,13 +31,13 @@ endif()
 
 # The preset `coverage` counts the lines that run in the folders below. Everything else is compiled as in the preset dev and comes
 # from the same cache. Threads may lose counts, but a line that ran has a count above 0.
-option(SLIPD_COVERAGE "Count which lines of core, schema, driver_api, config, drivers and daemon run" OFF)
+option(SLIPD_COVERAGE "Count which lines of core, paper, schema, driver_api, config, drivers and daemon run" OFF)
 if(SLIPD_COVERAGE)
   target_link_options(slipd_flags INTERFACE --coverage)
 endif()
 function(slipd_note_lines target)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
-  if(SLIPD_COVERAGE AND room MATCHES "^(core|schema|driver_api|config|drivers|daemon)(/|$)")
+  if(SLIPD_COVERAGE AND room MATCHES "^(core|paper|schema|driver_api|config|drivers|daemon)(/|$)")
     target_compile_options(${target} PRIVATE --coverage -O1)
     set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
   endif()
@@ -54,16 +54,20 @@ function(slipd_library name)
   slipd_note_lines(${name})
 endfunction()
 
+# slipd_loadable(target file component): what the daemon loads at run time, FILE.so in the folder of its modules.
+function(slipd_loadable target file component)
+  set_target_properties(${target} PROPERTIES
+    PREFIX "" OUTPUT_NAME ${file} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON LIBRARY_OUTPUT_DIRECTORY ${SLIPD_MODULE_DIR})
+  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/slipd COMPONENT ${component})
+endfunction()
+
 # slipd_driver(name SOURCES … LINKS …): the loadable module slipd-driver-NAME.so.
 function(slipd_driver name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(slipd_driver_${name} MODULE ${ARG_SOURCES})
   target_link_libraries(slipd_driver_${name} PRIVATE slipd_flags ${ARG_LINKS})
   slipd_note_lines(slipd_driver_${name})
-  set_target_properties(slipd_driver_${name} PROPERTIES
-    PREFIX "" OUTPUT_NAME slipd-driver-${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
-    LIBRARY_OUTPUT_DIRECTORY ${SLIPD_MODULE_DIR})
-  install(TARGETS slipd_driver_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/slipd COMPONENT driver_${name})
+  slipd_loadable(slipd_driver_${name} slipd-driver-${name} driver_${name})
 endfunction()
 
 # slipd_bridge(name SOURCES … LINKS …): library slipd_bridge_NAME of SOURCES, which tests link, and program slipd-NAME of main.cpp,

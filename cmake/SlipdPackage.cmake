@@ -1,5 +1,6 @@
 # Debian packages, by `cpack -G DEB` or tools/package. A component of the installation that is not named here is in none.
 #   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
+#   slipd-paper                  the trained methods svd-knn and registered, a module that the daemon loads
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
 #   slipd-realtime               a drop-in that allows real-time scheduling
@@ -79,6 +80,11 @@ slipd_package(realtime slipd-realtime COMPONENTS realtime SCRIPTS part DEPENDS "
   TEXT "Allows the service slipd real-time scheduling and locked memory, which\n\
 its unit does not ask for by itself.")
 set(CPACK_DEBIAN_REALTIME_PACKAGE_ARCHITECTURE all)
+
+slipd_package(paper slipd-paper COMPONENTS paper SCRIPTS part DEPENDS "${slipd_same_version}"
+  SUMMARY "trained methods of slipd, svd-knn and registered"
+  TEXT "Lets slipd use the methods svd-knn and registered, which compare a\n\
+frame with simulated contacts. slipd's other methods do not need it.")
 
 set(slipd_bus_usb "USB devices")
 set(slipd_bus_hid "HID devices")

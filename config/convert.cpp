@@ -136,7 +136,7 @@ class Converter {
                                                               {"closing", MethodChoice::closing},
                                                               {"block-fit", MethodChoice::block_fit}};
     s.estimator = {.method = kMethods.at(in["method"]),
-                   .budget_us = in["budget_us"],
+                   .budget_us = in.contains("budget_us") ? std::optional<double>(in["budget_us"]) : std::nullopt,
                    .rank = in["rank"],
                    .neighbours = in["neighbours"],
                    .tracking = in["tracking"],

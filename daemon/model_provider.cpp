@@ -12,16 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
 
 #include "core/storage/unique_fd.hpp"
 #include "core/storage/whole_file.hpp"
 #include "daemon/log/log.hpp"
-#include "paper/model/model_file.hpp"
-#include "paper/model/setup_json.hpp"
-#include "paper/model_setup.hpp"
+#include "daemon/paper_loader.hpp"
 
 namespace slipd {
 namespace {
@@ -92,29 +89,25 @@ std::filesystem::path trainer_beside_program() {
 }
 
 std::shared_ptr<const TrainedModel> ModelProvider::get(const std::string& sensor, const ChainSetup& setup) {
-  const ModelSetup wanted = model_setup_of(setup);
-  const auto folder = model_cache_directory();
-  const auto file = model_cache_file(wanted, folder);
+  const PaperModule& paper = paper_module();
+  const std::filesystem::path file = paper.cache_file(setup);
   std::weak_ptr<const TrainedModel>& known = loaded_[file];
   if (auto model = known.lock()) return model;
-  const auto load = [&]() -> std::shared_ptr<const TrainedModel> {
-    auto model = std::make_shared<const Model>(load_cached_model(wanted, folder));
-    known = model;
-    return model;
-  };
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) {
     try {
-      return load();
-    } catch (const ModelError& error) {
+      auto model = paper.load(setup);
+      known = model;
+      return model;
+    } catch (const std::runtime_error& error) {
       write_log(LogLevel::warning, {sensor, Cause::machine},
                 sensor + ": " + error.what() + "; it is made anew");
     }
   }
   write_log(LogLevel::info, {sensor},
             sensor + ": training a model of its scene; until it is there, the sensor is learning");
-  const std::vector<std::uint8_t> bytes = train(sensor, to_json(wanted).dump());
-  auto model = std::make_shared<const Model>(decode_model(bytes));
+  const std::vector<std::uint8_t> bytes = train(sensor, paper.training_setup(setup));
+  auto model = paper.decode(bytes);
   known = model;
   try {
     write_whole_file(file, bytes);

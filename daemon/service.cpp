@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <asio/io_context.hpp>
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
@@ -13,6 +14,7 @@
 #include "daemon/engine.hpp"
 #include "daemon/log/log.hpp"
 #include "daemon/notify.hpp"
+#include "daemon/paper_loader.hpp"
 #include "daemon/pipeline/estimator_factory.hpp"
 #include "daemon/rpc/server.hpp"
 #include "daemon/rpc/socket_file.hpp"
@@ -41,12 +43,40 @@ RealtimeGrant realtime_or_throw(const RealtimeSettings& settings) {
   return grant;
 }
 
+// As far as the settings alone say: a device may know its layout or class better.
+ChainSetup chain_setup_of(const Settings& settings, const SensorSettings& sensor) {
+  return {.layout = sensor.setup.layout,
+          .scene = settings.scene_of(sensor),
+          .estimator = settings.estimator,
+          .alerts = settings.alerts,
+          .friction = sensor.friction};
+}
+
+// A sensor's trained method that is not installed is a mistake of the configuration, as a driver is.
+std::string why_no_trained_method(const Settings& settings) {
+  const bool needed = std::ranges::any_of(settings.sensors, [&](const SensorSettings& sensor) {
+    return needs_model(chain_setup_of(settings, sensor));
+  });
+  if (!needed) return {};
+  try {
+    paper_module();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
 // Judges what the configuration names outside of it. Prefixes the drivers' problems with the file's name.
 std::unique_ptr<Engine> make_engine(Settings settings, DriverModules& drivers, const std::string& file) {
   if (const auto& metrics = settings.metrics.file; !metrics.empty()) {
     if (const std::string why = why_no_metrics_file(metrics); !why.empty())
       throw SettingsError({problem_of("/metrics/file", metrics.string(), why).in(file)});
   }
+  if (const std::string why = why_no_trained_method(settings); !why.empty())
+    throw SettingsError(
+        {problem_of("/estimator/method",
+                    settings.estimator.method == MethodChoice::svd_knn ? "svd-knn" : "registered", why)
+             .in(file)});
   try {
     return std::make_unique<Engine>(std::move(settings), drivers);
   } catch (const SettingsError& error) {
@@ -304,11 +334,7 @@ Settings check_configuration(const std::string& file, DriverModules& drivers) {
 std::vector<std::string> notes_on(const Settings& settings) {
   std::vector<std::string> notes;
   for (const auto& sensor : settings.sensors) {
-    const std::string why = why_method_is_replaced({.layout = sensor.setup.layout,
-                                                    .scene = settings.scene_of(sensor),
-                                                    .estimator = settings.estimator,
-                                                    .alerts = settings.alerts,
-                                                    .friction = sensor.friction});
+    const std::string why = why_method_is_replaced(chain_setup_of(settings, sensor));
     if (!why.empty()) notes.push_back(sensor.setup.name + ": " + why);
   }
   return notes;

@@ -42,14 +42,14 @@ std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {
   return std::make_unique<PressureMaps>(setup.layout, known_friction(setup).range, setup.scene.skin);
 }
 
-// `auto`: of the methods that need no training, the one whose error on this scene is least within the time
-// given.
+// `auto`: of the methods that need no training, the one whose error on contacts of this size is least within
+// the time given.
 std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision& work_precision) {
   work_precision = expected_work(setup);
-  const std::string& name =
-      work_precision.rows[choose(work_precision.rows, setup.estimator.budget_us)].method;
-  if (name == to_string(Method::moments)) return std::make_unique<Moments>(setup.layout);
-  return make_fit(setup, name == to_string(Method::block_fit) ? FitOptions::in_blocks() : FitOptions{});
+  const Method method = choose_for(setup, work_precision).method;
+  if (method == Method::moments) return std::make_unique<Moments>(setup.layout);
+  if (method == Method::closing) return make_closing(setup);
+  return make_fit(setup, method == Method::block_fit ? FitOptions::in_blocks() : FitOptions{});
 }
 
 }  // namespace
@@ -75,7 +75,8 @@ std::unique_ptr<MarginSource> make_margin_source(const ChainSetup& setup, double
   if (!setup.estimator.tracking)
     return std::make_unique<SingleFrameMargin>(std::sqrt(range.low * range.high));
   // Under a skin frames leave friction open for longer, and what they then show of it has more in common:
-  // relative, 0.03 … 0.2, as least_friction_sigma; `sliplab histories --skin-mm 1 --sides 16 --methods fit`.
+  // relative, 0.03 … 0.2, as least_friction_sigma; `slipd-lab histories --skin-mm 1 --sides 16 --methods
+  // fit`.
   constexpr double kSkinFrictionSigma = 0.1;
   MarginOverTimeOptions options;
   const bool history = needs_history(kind_of(setup));
@@ -87,10 +88,11 @@ std::unique_ptr<MarginSource> make_margin_source(const ChainSetup& setup, double
 }
 
 // For `auto`, pressure maps beside the method, for frames that its contact model does not fit; `method` alone
-// for other choices, and where maps cannot be used.
-std::unique_ptr<SlipMethod> with_maps_beside(const ChainSetup& setup, std::unique_ptr<SlipMethod> method) {
-  if (setup.estimator.method != MethodChoice::automatic || needs_history(kind_of(setup)) ||
-      !PressureMaps::can_read(setup.layout, setup.scene.skin))
+// where maps cannot be used, and where there is no time for them. `work`: of expected_work.
+std::unique_ptr<SlipMethod> with_maps_beside(const ChainSetup& setup, const WorkPrecision& work,
+                                             std::unique_ptr<SlipMethod> method) {
+  if (needs_history(kind_of(setup)) || !PressureMaps::can_read(setup.layout, setup.scene.skin) ||
+      !choose_for(setup, work).closing_beside)
     return method;
   if (has_skin(setup)) return std::make_unique<MapsUnderSkin>(std::move(method), make_closing(setup));
   return std::make_unique<MapsAtSurface>(setup.layout, std::move(method), make_closing(setup));
@@ -110,9 +112,10 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
   }
   if (always_fits(setup)) return make_fit(setup);
   switch (wanted) {
-    case MethodChoice::automatic:  // of its methods only fit corrects for rubber over the taxels
-      return with_maps_beside(setup,
-                              has_skin(setup) ? make_fit(setup) : choose_method(setup, work_precision));
+    case MethodChoice::automatic: {
+      std::unique_ptr<SlipMethod> method = choose_method(setup, work_precision);
+      return with_maps_beside(setup, work_precision, std::move(method));
+    }
     case MethodChoice::fit:
       return make_fit(setup);
     case MethodChoice::block_fit:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,12 @@
 #include "core/contact/scene_draws.hpp"
 #include "core/patch/square_blocks.hpp"
 #include "core/reading/fit/fit.hpp"
+#include "core/reading/pressure_maps/pressure_maps.hpp"
 
 namespace slipd {
 namespace {
 
-// By `slipd-lab method-table` (lab/method_table.cpp), 2000 contacts a row.
+// Printed by `slipd-lab method-table` (lab/method_table.cpp).
 constexpr MethodTableRow kRows[] = {
 #include "core/chain/method_table_rows.inc"
 };
@@ -40,8 +42,10 @@ TradeoffRow row_at(double taxels_along_radius, Method method, bool under_skin) {
   const double share =
       share_between(low->taxels_along_radius, high->taxels_along_radius, taxels_along_radius);
   const auto between = [share](double from, double to) { return from + share * (to - from); };
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   TradeoffRow out;
   out.method = to_string(method);
+  out.p95_error = out.right = out.within_sigma = out.within_two_sigma = out.claims_safer = kUnknown;
   out.mean_error = between(low->mean_error, high->mean_error);
   out.answered = between(low->answered, high->answered);
   out.p50_us = between(low->p50_us, high->p50_us);
@@ -68,12 +72,36 @@ WorkPrecision expected_work(const ChainSetup& setup) {
   WorkPrecision work{.rows = {}, .processor = kMethodTableProcessor};
   if (felt_depth_m(setup) > 0) {
     work.rows.push_back(row_at(taxels, Method::fit, true));
+    if (PressureMaps::can_read(setup.layout, setup.scene.skin))
+      work.rows.push_back(row_at(taxels, Method::closing, true));
     return work;
   }
   work.rows.push_back(row_at(taxels, Method::moments, false));
   if (blocks_pay(setup.layout, setup.scene)) work.rows.push_back(row_at(taxels, Method::block_fit, false));
   work.rows.push_back(row_at(taxels, Method::fit, false));
   return work;
+}
+
+double frame_budget_us(const ChainSetup& setup) noexcept {
+  constexpr double kAtSurface = 50;
+  if (setup.estimator.budget_us) return *setup.estimator.budget_us;
+  return felt_depth_m(setup) > 0 ? std::numeric_limits<double>::infinity() : kAtSurface;
+}
+
+AutoChoice choose_for(const ChainSetup& setup, const WorkPrecision& work) {
+  if (work.rows.empty()) return {Method::fit, false};
+  const double budget_us = frame_budget_us(setup);
+  const std::string& name = work.rows[choose(work.rows, budget_us)].method;
+  if (!(felt_depth_m(setup) > 0)) {
+    for (const Method method : {Method::moments, Method::block_fit})
+      if (name == to_string(method)) return {method, true};
+    return {Method::fit, true};
+  }
+  if (work.rows.size() == 1) return {Method::fit, false};
+  // fit needs no closing that was seen: where there is time for it, closing only stands beside it.
+  const double fit_us = work.rows[0].p50_us, closing_us = work.rows[1].p50_us;
+  if (fit_us <= budget_us) return {Method::fit, fit_us + closing_us <= budget_us};
+  return {name == to_string(Method::closing) ? Method::closing : Method::fit, false};
 }
 
 std::size_t choose(std::span<const TradeoffRow> rows, double budget_us) {

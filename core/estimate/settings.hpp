@@ -12,7 +12,8 @@ enum class MethodChoice : std::uint8_t { automatic, svd_knn, registered, moments
 
 struct EstimatorSettings {
   MethodChoice method = MethodChoice::automatic;
-  double budget_us = 50;    // for `automatic`: time per frame
+  // For `automatic`: time per frame, us, > 0; none: frame_budget_us (core/chain/method_table.hpp).
+  std::optional<double> budget_us = std::nullopt;
   int rank = 8;             // SVD bases kept
   int neighbours = 5;       // k of KNN
   bool tracking = true;     // false: each frame for itself

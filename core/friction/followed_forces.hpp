@@ -7,7 +7,7 @@
 
 namespace slipd {
 
-// Sigmas are standard deviations of a force's noise in the same frame. Checked with `sliplab histories
+// Sigmas are standard deviations of a force's noise in the same frame. Checked with `slipd-lab histories
 // --grasps 400`.
 struct FollowedForcesOptions {
   // Half-width of the dead band; sigmas, 0 … 5. Too small: noise is followed as small reversals, which wear

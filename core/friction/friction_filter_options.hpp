@@ -12,8 +12,8 @@ namespace slipd {
 
 // Sigmas are standard deviations of a force's noise in the same frame. A residual is what a frame shows less
 // what a friction expects of it; squared residuals are in units of their variance, so that half of one is a
-// nat of likelihood. Shares are dimensionless. Checked with `sliplab histories --grasps 400`; fields of
-// force-only sensors with `sliplab tradeoff --layouts 4,wrench`, rows over time.
+// nat of likelihood. Shares are dimensionless. Checked with `slipd-lab histories --grasps 400`; fields of
+// force-only sensors with `slipd-lab tradeoff --layouts 4,wrench`, rows over time.
 struct FrictionFilterOptions {
   FrictionGridOptions grid;
   TractionRatioOptions traction_ratio;

@@ -13,8 +13,8 @@
 
 namespace slipd {
 
-// Checked with `sliplab histories --grasps 400` (grids of 56) and `sliplab tradeoff --layouts 4,wrench` (of
-// 224). A nat is a unit of a natural logarithm of likelihood.
+// Checked with `slipd-lab histories --grasps 400` (grids of 56) and `slipd-lab tradeoff --layouts 4,wrench`
+// (of 224). A nat is a unit of a natural logarithm of likelihood.
 struct FrictionGridOptions {
   // The grid's ends, mu; 0.01 … 0.1 and 1 … 5. Too narrow: frictions outside come out as the end. Too wide:
   // the step grows, and with it what no frame can distinguish.

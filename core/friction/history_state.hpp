@@ -44,7 +44,7 @@ constexpr bool is_monotonic(HistoryState state) noexcept {
   return state == HistoryState::monotonic || state == HistoryState::assumed_monotonic;
 }
 
-// Checked with `sliplab histories --grasps 400`.
+// Checked with `slipd-lab histories --grasps 400`.
 struct HistoryOptions {
   // Outlier frames in a row that end the belief in the history; frames, 1 … 50. Too small: a burst of noise
   // ends it, and no margin is given for confirming_frames. Too large: margins from a history that is wrong

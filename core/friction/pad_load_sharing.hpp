@@ -22,7 +22,7 @@
 
 namespace slipd {
 
-// Checked with `sliplab alerts`. P: the normal force, Q: the shear force; shares have no unit.
+// Checked with `slipd-lab alerts`. P: the normal force, Q: the shear force; shares have no unit.
 struct PadLoadSharingOptions {
   // P that rises by this share above its least begins anew; 0.02 … 0.2. Too small: shaking. Too large: shear
   // of pressing passes for a pull.

@@ -11,7 +11,7 @@
 
 namespace slipd {
 
-// Sigmas are standard deviations of one frame's |Q|/P, or of what is named. Checked with `sliplab tradeoff
+// Sigmas are standard deviations of one frame's |Q|/P, or of what is named. Checked with `slipd-lab tradeoff
 // --layouts 4,wrench`, rows over time.
 struct TractionRatioOptions {
   // The most frames of the line; frames, 8 … 200. Too small: noise stays in. Too large: a turn of the load is

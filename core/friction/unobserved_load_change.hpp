@@ -11,10 +11,11 @@ namespace slipd {
 class UnobservedLoadChange {
  public:
   // A share of the normal force that moves between two frames at most, so that nothing can hide in between.
-  // Less: frames of a fast grip that are all there widen sigma. More: a reversal hides (`sliplab overload`).
+  // Less: frames of a fast grip that are all there widen sigma. More: a reversal hides (`slipd-lab
+  // overload`).
   static constexpr double kSeen = 0.05;
   // Standard deviation of the margin for forces that moved by all of the normal force. Less: margins after a
-  // gap lie outside of their sigma more often than others. More: fewer frames are answered (`sliplab
+  // gap lie outside of their sigma more often than others. More: fewer frames are answered (`slipd-lab
   // overload`).
   static constexpr double kSigmaOfMotion = 0.05;
   // Frames after which it counts for 1/e: so long the shape of frames determines the contact anew.

@@ -10,7 +10,7 @@ namespace {
 
 // The outermost spring's place over the contact's radius when springs are set; ratio, 1.05 … 3. Too small:
 // springs are set anew at each growth, and each time interpolates. Too large: few springs touch. Checked with
-// `sliplab histories --grasps 400`.
+// `slipd-lab histories --grasps 400`.
 constexpr double kSpare = 1.2;
 constexpr auto kSprings = WinklerKernels::kSprings;
 

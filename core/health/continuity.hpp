@@ -12,7 +12,7 @@
 
 namespace slipd {
 
-// Checked with `sliplab faults` and on recordings of real sensors.
+// Checked with `slipd-lab faults` and on recordings of real sensors.
 struct ContinuityOptions {
   // Contacts are compared if both frames' forces are above so many standard deviations; 5 … 100. Too small:
   // noise is taken for a jump. Too large: light contacts are not compared.

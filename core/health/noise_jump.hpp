@@ -10,7 +10,7 @@
 
 namespace slipd {
 
-// Checked with `sliplab faults` and on recordings of real sensors.
+// Checked with `slipd-lab faults` and on recordings of real sensors.
 struct NoiseJumpOptions {
   // Frames of a contact before anything is said, and over which noise is averaged; frames, 16 … 1000. Too
   // small: the beginning of a contact decides. Too large: nothing is said of short contacts.

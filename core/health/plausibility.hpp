@@ -41,7 +41,7 @@ struct Judgement {
   double left_out_share = 0;
 };
 
-// Checked with `sliplab faults`.
+// Checked with `slipd-lab faults`.
 struct PlausibilityOptions {
   static constexpr std::size_t kPast = 64;
 

@@ -15,7 +15,7 @@
 
 namespace slipd {
 
-// Checked with `sliplab histories --grasps 400`.
+// Checked with `slipd-lab histories --grasps 400`.
 struct MarginOverTimeOptions {
   FrictionPriorOptions prior;
   FrictionFilterOptions filter;
@@ -60,7 +60,7 @@ struct MarginOverTimeOptions {
   // Floor of the sigma of friction over a grasp, relative, in a margin that is computed from it; 0 … 0.1: the
   // contact that is followed has errors that all frames share. A frame's own sharper margin is not concerned.
   // Too small: sigma is less than the error after a regrip, an unloading or a hold. Too large: margins of
-  // these are less sharp than they could be. `sliplab coverage --grasps 40 --of histories`.
+  // these are less sharp than they could be. `slipd-lab coverage --grasps 40 --of histories`.
   double least_friction_sigma = 0.03;
   // A frame's own margin replaces the filter's if both agree within this; standard deviations of their
   // difference, 1 … 5. Too small: good frames are wasted. Too large: a frame of another history is given.

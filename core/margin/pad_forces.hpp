@@ -17,7 +17,7 @@
 
 namespace slipd {
 
-// Checked with `sliplab histories --sides 4 --skin-mm 1 --friction value`.
+// Checked with `slipd-lab histories --sides 4 --skin-mm 1 --friction value`.
 struct PadForcesOptions {
   // The part of a pull that a pad has to read for its forces to be known; 0.2 … 0.8. Too small: contacts at
   // the edge get margins from a tail of their shear. Too large: small pads get none.

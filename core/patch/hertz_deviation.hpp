@@ -9,7 +9,7 @@ namespace slipd {
 
 inline constexpr double kSquareFourth = 0.0389;  // <r^4> of a square of side 1 about its middle: 7/180
 
-// All dimensionless. Values and their checks: `sliplab stability --parts adversary` on 16 x 16 to 100 x 100
+// All dimensionless. Values and their checks: `slipd-lab stability --parts adversary` on 16 x 16 to 100 x 100
 // taxels, which gives what Gamma is off by over each deviation. side: a taxel's side; a: the contact's
 // radius.
 struct HertzDeviationOptions {

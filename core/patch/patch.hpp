@@ -69,8 +69,8 @@ struct ContactPatch {
 };
 
 // side: a taxel's side; a: the contact's radius; peak: the frame's largest pressure. Dimensionless unless a
-// unit is given. Checked with `sliplab tradeoff` (places and forces of contacts on all layouts), those of
-// dead taxels with `sliplab stability --parts adversary`.
+// unit is given. Checked with `slipd-lab tradeoff` (places and forces of contacts on all layouts), those of
+// dead taxels with `slipd-lab stability --parts adversary`.
 struct PatchOptions {
   // A taxel, and a contact as a whole, stands out of the noise from this many standard deviations on; 3 … 10.
   // Gaussian noise passes 5 once in a few million taxels, uniform noise never (its bound is 1.73). Too small:

@@ -22,8 +22,8 @@
 namespace slipd {
 
 // A block is a run of frames as mean and variance of each channel (FrameBlock). Standard errors are of a
-// block's mean. Nothing in sliplab has a bias: checked by tests/core/zero/bias_estimator_test.cpp, on sensors
-// with white and flicker noise, drift and touches.
+// block's mean. Nothing in slipd-lab has a bias: checked by tests/core/zero/bias_estimator_test.cpp, on
+// sensors with white and flicker noise, drift and touches.
 struct BiasEstimatorOptions {
   // Time in which the bias follows a drift to 1/e; s, 1 … 1000. Too small: a slow touch is followed. Too
   // large: a warming sensor is left behind, and no longer seen to be free.

@@ -71,6 +71,8 @@ struct DeviceFacts {
   std::string method_reason;
   // Error against run time of the methods on this sensor's scene; without rows until it was measured.
   WorkPrecision tradeoff;
+  // Time per frame within which `auto` chose, us; infinity: any.
+  double budget_us = 0;
   // Why there is no device or no estimator, for people; empty: there is.
   std::string trouble;
   // Why the bias was not restored or not saved, for people; empty: it was.

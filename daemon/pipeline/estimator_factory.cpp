@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "core/chain/method_table.hpp"
 #include "core/frame/few_taxels.hpp"
 
 namespace slipd {
@@ -117,6 +118,7 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
     facts.method = method;
     facts.method_reason = to_string(why_method(setup));
     facts.tradeoff = instance->work_precision;
+    facts.budget_us = frame_budget_us(setup);
   });
   // An instance that the estimate thread did not take is retired here.
   if (EstimatorInstance* untaken = runtime.incoming.exchange(instance, std::memory_order_acq_rel))

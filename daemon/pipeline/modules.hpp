@@ -1,5 +1,4 @@
-// Finds, verifies and loads driver modules, slipd-driver-NAME.so, on demand. A module is never unloaded,
-// because its threads and tables may be in use until the process ends.
+// Finds and loads driver modules, slipd-driver-NAME.so, on demand (module_file.hpp).
 #pragma once
 
 #include <filesystem>
@@ -15,8 +14,7 @@ namespace slipd {
 // Not thread-safe. Called from one thread: io.
 class DriverModules : public DriverCatalogue {
  public:
-  // `given`: the folder of --driver-dir; none: the build tree's folder if the program runs from one, else the
-  // installed one.
+  // `given`: the folder of --driver-dir; none: default_module_folder().
   explicit DriverModules(const std::optional<std::filesystem::path>& given = std::nullopt);
 
   // Loads the module if needed; null if it cannot be used.
@@ -41,10 +39,5 @@ class DriverModules : public DriverCatalogue {
   std::filesystem::path folder_;
   std::map<std::string, Loaded> loaded_;
 };
-
-// Why a file must not be loaded into the daemon; empty: it may be. `file` is an absolute path without
-// symbolic links. It may be loaded if root or the daemon's user owns it and every folder above it, and no
-// other user may write to any of them: then no other user can replace it between this check and its loading.
-std::string why_untrusted(const std::filesystem::path& file);
 
 }  // namespace slipd

@@ -53,7 +53,7 @@ RpcMethods::RpcMethods(ServiceContext& context, Recorder& recorder)
                        "there is no table of this sensor: its device is not open yet, or single frames of it "
                        "do not tell their margin (few taxels, one force vector, a flat skin)");
     }
-    return tradeoff_json(status.name, facts.method, context_.settings.estimator.budget_us, facts.tradeoff);
+    return tradeoff_json(status.name, facts.method, facts.budget_us, facts.tradeoff);
   });
   plain("flight", [this](const Params& params) { return recordings_.flight(params); });
   serve("rebias", [this](Client& client, const Params& params, const Reply& reply) {

@@ -252,7 +252,7 @@ json tradeoff_json(const std::string& sensor, const std::string& chosen, double 
   }
   return {{"sensor", sensor},
           {"chosen", chosen},
-          {"budget_us", budget_us},
+          {"budget_us", number(budget_us)},
           {"processor", work_precision.processor},
           {"rows", std::move(table)}};
 }

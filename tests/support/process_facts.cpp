@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 namespace slipd::testing {
@@ -36,6 +37,11 @@ std::size_t open_descriptors(pid_t process) {
 
 std::size_t threads(pid_t process) {
   return entries(folder(process) / "task");
+}
+
+std::string mapped_by(pid_t process) {
+  std::ifstream maps(folder(process) / "maps");
+  return {std::istreambuf_iterator<char>(maps), {}};
 }
 
 pid_t child_of(pid_t process) {

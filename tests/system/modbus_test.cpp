@@ -6,12 +6,11 @@
 
 #include <atomic>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "tests/support/daemon.hpp"
 #include "tests/support/devices/contacts.hpp"
+#include "tests/support/process_facts.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -196,36 +195,29 @@ TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
   await(daemon, holds);
 }
 
-std::string mapped_by(const Daemon& daemon) {
-  std::ifstream maps("/proc/" + std::to_string(daemon.program().pid()) + "/maps");
-  std::ostringstream text;
-  text << maps.rdbuf();
-  return text.str();
-}
-
 TEST(Libraries, of_a_bus_are_in_the_process_only_if_a_sensor_is_on_that_bus) {
   const TempFolder folder;
   const Daemon simulated(config_of(folder, json::array({{{"name", "finger"}, {"driver", "sim"}}})),
                          real_drivers());
-  const std::string maps = mapped_by(simulated);
+  const std::string maps = mapped_by(simulated.program().pid());
   EXPECT_THAT(maps, HasSubstr("slipd-driver-sim"));
   for (const char* library : {"libmodbus", "libusb", "libhidapi", "slipd-driver-can", "slipd-driver-modbus",
-                              "slipd-driver-usb", "slipd-driver-hid"})
+                              "slipd-driver-usb", "slipd-driver-hid", "slipd-paper"})
     EXPECT_THAT(maps, Not(HasSubstr(library)));
 
   const TempFolder other;
   const Daemon asked(
       config_of(other, json::array({sensor("wrist", "robotiq-ft300", {{"serial_line", "/nowhere"}})})),
       real_drivers());
-  EXPECT_THAT(mapped_by(asked), HasSubstr("libmodbus"));
-  EXPECT_THAT(mapped_by(asked), Not(HasSubstr("libusb")));
+  EXPECT_THAT(mapped_by(asked.program().pid()), HasSubstr("libmodbus"));
+  EXPECT_THAT(mapped_by(asked.program().pid()), Not(HasSubstr("libusb")));
 
   const TempFolder third;
   json plugged = sensor("pad", "optoforce", json::object());
   plugged["driver"] = "usb";
   const Daemon usb(config_of(third, json::array({plugged})), real_drivers());
-  EXPECT_THAT(mapped_by(usb), HasSubstr("libusb"));
-  EXPECT_THAT(mapped_by(usb), Not(HasSubstr("libmodbus")));
+  EXPECT_THAT(mapped_by(usb.program().pid()), HasSubstr("libusb"));
+  EXPECT_THAT(mapped_by(usb.program().pid()), Not(HasSubstr("libmodbus")));
 }
 
 }  // namespace

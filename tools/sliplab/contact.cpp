@@ -116,7 +116,7 @@ void run(const std::string& file) {
 
 }  // namespace
 
-void add_contact(CLI::App& app, const Common& /*common*/) {
+void add_contact(CLI::App& app, const offline::Common& /*common*/) {
   auto* command = app.add_subcommand(
       "contact", "print the Hertz and Cattaneo-Mindlin solution for each row of a CSV file");
   auto file = std::make_shared<std::string>();

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "core/estimate/estimate.hpp"
+#include "tools/offline/gnuplot.hpp"
 #include "tools/recorded/recorded.hpp"
 #include "tools/sliplab/command.hpp"
-#include "tools/sliplab/gnuplot.hpp"
 
 namespace sliplab {
 namespace {
@@ -112,15 +112,15 @@ std::string script_of(const Recorded& recorded, const std::string& name, const P
   return script.str();
 }
 
-void run(const Common& common, const PictureOptions& options) {
+void run(const offline::Common& common, const PictureOptions& options) {
   const std::filesystem::path folder = common.out.empty() ? "." : common.out;
   const Recorded recorded = slipd::read_recorded(options.file, options.at_s);
   if (!recorded.fault.empty()) std::cerr << "sliplab: " << recorded.fault << "; the rest is drawn\n";
   std::filesystem::create_directories(folder);
   const std::string name = options.file.stem().string();
-  write_file(folder / (name + ".csv"), course_csv(recorded));
-  write_file(folder / (name + "-taxels.csv"), taxels_csv(recorded));
-  plot(folder, name, script_of(recorded, name, options));
+  offline::write_file(folder / (name + ".csv"), course_csv(recorded));
+  offline::write_file(folder / (name + "-taxels.csv"), taxels_csv(recorded));
+  offline::plot(folder, name, script_of(recorded, name, options));
   const auto picture = folder / (name + "." + options.format);
   if (common.json) {
     std::cout << nlohmann::ordered_json{{"picture", picture.string()},
@@ -137,7 +137,7 @@ void run(const Common& common, const PictureOptions& options) {
 
 }  // namespace
 
-void add_picture(CLI::App& app, const Common& common) {
+void add_picture(CLI::App& app, const offline::Common& common) {
   auto* command =
       app.add_subcommand("picture", "draw a recording by gnuplot, into --out or the current folder");
   auto options = std::make_shared<PictureOptions>();

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tools/offline/gnuplot.hpp"
 #include "tools/sliplab/command.hpp"
-#include "tools/sliplab/gnuplot.hpp"
 #include "tools/sliplab/replay/label.hpp"
 #include "tools/sliplab/replay/run.hpp"
 #include "tools/sliplab/replay/table.hpp"
@@ -19,7 +19,7 @@ struct ReplayOptions {
   std::string scene, sensor, estimates;
   std::vector<std::string> files;
   std::filesystem::path picture, label;
-  Shard shard;  // of files and sensors
+  offline::Shard shard;  // of files and sensors
 };
 
 nlohmann::json summary_of(const ReplayRun& run) {
@@ -37,20 +37,20 @@ void print(const ReplayRun& run, const ReplaySummary& summary) {
   std::cerr << '\n';
 }
 
-void run_replay(const Common& common, const CLI::App& command, const ReplayOptions& options) {
+void run_replay(const offline::Common& common, const CLI::App& command, const ReplayOptions& options) {
   const bool json = common.json || !options.shard.whole();
   if (options.estimates == "-" && !options.shard.whole())
-    throw WrongUse("a shard prints its part: write its estimates to a file, not to standard output");
+    throw offline::WrongUse("a shard prints its part: write its estimates to a file, not to standard output");
   const std::vector<ReplayRun> runs = replay(options.scene, options.sensor, options.files, options.shard);
   if (!options.estimates.empty()) {
     const std::string table = estimates_csv(runs);
     if (options.estimates == "-") {
       std::cout << table;
     } else {
-      write_file(options.estimates, table);
+      offline::write_file(options.estimates, table);
     }
   }
-  SweepResult sweep;
+  offline::SweepResult sweep;
   for (const ReplayRun& run : runs) {
     nlohmann::json summary = summary_of(run);
     if (!json) print(run, summarize(run));
@@ -62,13 +62,13 @@ void run_replay(const Common& common, const CLI::App& command, const ReplayOptio
     sweep.add_row(run.unit, summary);
     if (!run.fault.empty()) std::cerr << "sliplab: " << run.fault << '\n';
   }
-  if (json && options.estimates != "-") print_json(sweep, options.shard, common, command);
+  if (json && options.estimates != "-") offline::print_json(sweep, options.shard, common, command);
   if (!options.picture.empty()) draw(runs, options.picture);
 }
 
 }  // namespace
 
-void add_replay(CLI::App& app, const Common& common) {
+void add_replay(CLI::App& app, const offline::Common& common) {
   auto* command = app.add_subcommand("replay", "recordings through the daemon's chain, without a daemon");
   auto options = std::make_shared<ReplayOptions>();
   command->add_option("--scene", options->scene, "the configuration")->required()->check(CLI::ExistingFile);
@@ -80,7 +80,7 @@ void add_replay(CLI::App& app, const Common& common) {
   command->add_option("--picture", options->picture, "margin, forces and alerts over time, as SVG");
   command->add_option("--label", options->label,
                       "CSV with a column slip, 0 or 1 in each row: the alerts are scored against it");
-  add_shard_option(*command, options->shard);
+  offline::add_shard_option(*command, options->shard);
   command->callback([&common, command, options] { run_replay(common, *command, *options); });
 }
 

@@ -10,11 +10,11 @@
 
 #include "config/settings.hpp"
 #include "paper/validation/tradeoff.hpp"
+#include "tools/offline/skin_base_name.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/replay/frames.hpp"
 #include "tools/sliplab/skin/depth.hpp"
 #include "tools/sliplab/skin/shear_order.hpp"
-#include "tools/sliplab/skin_base_name.hpp"
 
 namespace sliplab {
 namespace {
@@ -71,7 +71,7 @@ SkinReport measure(const Settings& settings, const std::string& sensor,
     FileFrames source(settings, file);
     setup = source.setup();
     if (setup->sensor_class != SensorClass::array3)
-      throw WrongUse("sensor " + sensor + " has no taxels with pressure and shear");
+      throw offline::WrongUse("sensor " + sensor + " has no taxels with pressure and shear");
     const auto own =
         press_frames(setup->layout, read_all(source), std::max<std::size_t>(1, most / files.size()));
     presses.insert(presses.end(), own.begin(), own.end());
@@ -122,7 +122,7 @@ void print(const SkinReport& report) {
   std::printf("  write into the scene: \"skin\": { \"depth_mm\": %.3g }\n", kMm * depth.depth_m);
   if (report.with_other_base)
     std::printf("  but with skin.base \"%s\" and depth_mm %.3g the presses are much more likely\n",
-                name_of(other_than(report.base)), kMm * report.with_other_base->depth_m);
+                offline::name_of(other_than(report.base)), kMm * report.with_other_base->depth_m);
 }
 
 nlohmann::ordered_json skin_json(const SkinReport& report) {
@@ -138,7 +138,7 @@ nlohmann::ordered_json skin_json(const SkinReport& report) {
   return out;
 }
 
-void run_skin(const Common& common, const SkinOptions& options) {
+void run_skin(const offline::Common& common, const SkinOptions& options) {
   const Settings settings = load_scene(options.scene);
   const std::vector<FileOfSensor> files = files_of(settings, options.sensor, options.files);
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
@@ -160,7 +160,7 @@ void run_skin(const Common& common, const SkinOptions& options) {
 
 }  // namespace
 
-void add_skin(CLI::App& app, const Common& common) {
+void add_skin(CLI::App& app, const offline::Common& common) {
   auto* command = app.add_subcommand(
       "skin", "how deep taxels lie under the skin, and whether shear has the layout's signs, by presses");
   auto options = std::make_shared<SkinOptions>();

@@ -17,8 +17,8 @@
 #include "paper/model/setup_json.hpp"
 #include "paper/model_setup.hpp"
 #include "paper/validation/tradeoff.hpp"
+#include "tools/offline/progress.hpp"
 #include "tools/sliplab/command.hpp"
-#include "tools/sliplab/progress.hpp"
 
 namespace sliplab {
 namespace {
@@ -59,21 +59,21 @@ ModelSetup setup_from_config(const std::string& file, const std::string& name) {
     }
     known += (known.empty() ? "" : ", ") + sensor.setup.name;
   }
-  throw WrongUse(file + ": has no sensor " + name + "; it has " + known);
+  throw offline::WrongUse(file + ": has no sensor " + name + "; it has " + known);
 }
 
 ModelSetup setup_from_json(const std::string& file) {
   std::ifstream stream;
   if (file != "-") {
     stream.open(file);
-    if (!stream) throw WrongUse(file + ": cannot be read");
+    if (!stream) throw offline::WrongUse(file + ": cannot be read");
   }
   std::istream& from = file == "-" ? std::cin : stream;
   const std::string text{std::istreambuf_iterator<char>(from), {}};
   try {
     return setup_of(json::parse(text));
   } catch (const std::exception& error) {
-    throw WrongUse(file + ": is no model setup: " + error.what());
+    throw offline::WrongUse(file + ": is no model setup: " + error.what());
   }
 }
 
@@ -147,11 +147,11 @@ void write_to_output(const ModelData& data) {
   if (!std::cout.flush()) throw std::runtime_error("the model cannot be written to the standard output");
 }
 
-void run(const Choices& choices, const Common& common) {
+void run(const Choices& choices, const offline::Common& common) {
   const ModelSetup setup = choices.setup.empty() ? setup_from_config(choices.config, choices.sensor)
                                                  : setup_from_json(choices.setup);
   if (choices.model == "-")
-    return write_to_output(trained(setup, choices.threads, ProgressBar("training").callback()));
+    return write_to_output(trained(setup, choices.threads, offline::ProgressBar("training").callback()));
   const std::filesystem::path file = choices.model.empty() ? model_cache_file(setup, model_cache_directory())
                                                            : std::filesystem::path(choices.model);
   const auto started = std::chrono::steady_clock::now();
@@ -169,14 +169,14 @@ void run(const Choices& choices, const Common& common) {
       std::cerr << "sliplab: " << error.what() << ": it is made anew\n";
     }
   }
-  ProgressBar bar("training");
+  offline::ProgressBar bar("training");
   save_model(trained(setup, choices.threads, bar.callback()), file);
   tell(load_model(file));
 }
 
 }  // namespace
 
-void add_train(CLI::App& app, const Common& common) {
+void add_train(CLI::App& app, const offline::Common& common) {
   auto choices = std::make_shared<Choices>();
   CLI::App* command = app.add_subcommand("train", "train the model that a sensor's estimator needs");
   auto* config = command->add_option("--config", choices->config, "a configuration of slipd");

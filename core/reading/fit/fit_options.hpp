@@ -6,8 +6,8 @@
 
 namespace slipd {
 
-// Dimensionless unless a unit is given. Checked with `sliplab tradeoff --no-models`, rows of fit: sigma is
-// right where 68 % of the answers are within it; those of a real skin with `sliplab stability --parts
+// Dimensionless unless a unit is given. Checked with `slipd-lab tradeoff --no-models`, rows of fit: sigma is
+// right where 68 % of the answers are within it; those of a real skin with `slipd-lab stability --parts
 // adversary`. peak: a Hertz contact's largest pressure p0.
 struct FitOptions {
   MomentRatioOptions ratio;

@@ -9,7 +9,7 @@
 
 namespace slipd {
 
-// Checked with `sliplab histories --grasps 400` and `sliplab tradeoff`.
+// Checked with `slipd-lab histories --grasps 400` and `slipd-lab tradeoff`.
 struct FrictionPriorOptions {
   // Beyond a scene's range the prior falls as a Gaussian of this standard deviation in log mu; dimensionless,
   // 0.01 … 1. Too small: an object somewhat outside the range is never learnt. Too large: the range says

@@ -18,8 +18,8 @@ double gamma_of_moment_ratio(double ratio) noexcept;
 // Its slope: 1 at gross slip … 9/5 without load, at gamma in 0 … 1.
 double gamma_per_moment_ratio(double gamma) noexcept;
 
-// All dimensionless. Checked with `sliplab tradeoff --no-models`, rows of moments: sigma is right where 68 %
-// of the answers are within it. side: a taxel's side; a: the contact's radius.
+// All dimensionless. Checked with `slipd-lab tradeoff --no-models`, rows of moments: sigma is right where 68
+// % of the answers are within it. side: a taxel's side; a: the contact's radius.
 struct MomentRatioOptions {
   HertzDeviationOptions deviation;
 
@@ -35,7 +35,7 @@ struct MomentRatioOptions {
   // Share of both that is left where GridAliasing corrects the ratio: regular grids without a dead taxel in
   // the contact; 0.15 … 1. The correction itself leaves 0.15; the rest is for taxels that do not feel exactly
   // the mean over their square. Too small: sigma is less than the error after a regrip or an unloading
-  // (`sliplab coverage --grasps 30 --of histories`). Too large: alerts come early.
+  // (`slipd-lab coverage --grasps 30 --of histories`). Too large: alerts come early.
   double corrected_share = 0.6;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.
   double ratio_floor = 0.0007;
@@ -69,7 +69,7 @@ struct MomentRatio {
 MomentRatio moment_ratio(const ContactPatch& patch, const TaxelLayout& layout,
                          const MomentRatioOptions& options = {}) noexcept;
 
-// Checked with `sliplab tradeoff --no-models`, rows of moments.
+// Checked with `slipd-lab tradeoff --no-models`, rows of moments.
 struct MomentsOptions {
   MomentRatioOptions ratio;
 

@@ -70,7 +70,7 @@ struct PressureMapsOptions {
   // not quite the difference of two maps. Too large: it is more.
   double unexplained_sigma = 0.5;
   // Floor of sigma, Gamma; 0.001 … 0.05. It covers the interpolation between maps, and a grip that is never
-  // quite still. By `sliplab coverage --methods closing --of histories`. Too small: sigma is less than the
+  // quite still. By `slipd-lab coverage --methods closing --of histories`. Too small: sigma is less than the
   // error over a grasp. Too large: sigma is more than the error of sensors with little noise.
   double least_sigma = 0.015;
   // Sigma of Gamma beyond which the frame's whole profile is given, not under a skin; Gamma, 0.005 … 0.3. Too

@@ -11,7 +11,7 @@ namespace {
 
 // Maps of two forces are alike whose roots differ by less than this, over the root of the greatest one; 0.1 …
 // 0.5. Too small: maps keep their noise. Too large: what a map has of its own is smoothed away. These two by
-// `sliplab tradeoff --imprints`.
+// `slipd-lab tradeoff --imprints`.
 constexpr double kAlike = 0.3;
 // Noise of a frame that the smoothing counts with, over its peak; 0.002 … 0.05. Too small: maps keep their
 // noise. Too large: margins of a quiet sensor are not as good as they could be.

@@ -47,8 +47,8 @@ struct EquivalentPullOptions {
   // large: too low.
   double within_taxels = 0.13;
   // Standard deviation of the pull by what coarse taxels leave open of the torque and its lever, over
-  // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `sliplab torque` on 4
-  // x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
+  // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `slipd-lab torque` on
+  // 4 x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
   double coarse_sigma_share = 0.2;
   // A load below this share of its maximum has fallen; 0.8 … 0.99. Too small: fields that slipped before and
   // stick now are read as slipping. Too large: noise of a load that rises is taken for a fall.

@@ -11,8 +11,8 @@
 
 namespace slipd {
 
-// Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with `sliplab
-// torque --sides 16,32`.
+// Dimensionless unless a unit is given. side: a taxel's side; a: the contact's radius. Checked with
+// `slipd-lab torque --sides 16,32`.
 struct TorqueMomentRatioOptions {
   HertzDeviationOptions deviation;
   // Error of the ratio by square taxels, over (side/a)^2; 0 … 1. Too small: sigma is less than the error on

@@ -207,7 +207,8 @@ TEST_F(Replay, TakesTheTaxelsThatAreNamedInThatOrder) {
 }
 
 TEST_F(Replay, RefusesWhatItCannotPlay) {
-  EXPECT_THROW(replay(scene(), "thumb", {folder_.write("file.csv", csv_of(pillar_rows(0)))}), WrongUse);
+  EXPECT_THROW(replay(scene(), "thumb", {folder_.write("file.csv", csv_of(pillar_rows(0)))}),
+               offline::WrongUse);
   EXPECT_ANY_THROW(run("txl1_x,txl1_y,txl1_z\n1,2,3\n")) << "one taxel of nine";
   EXPECT_ANY_THROW(run(csv_of(pillar_rows(0)), R"("unit": "N", "taxels": ["txl1"])"));
 }
@@ -261,9 +262,10 @@ TEST(ReplayLabels, AreReadFromTheColumnSlip) {
   EXPECT_THAT(read_labels(folder.write("a.csv", "fail,slip\n0,0\n0,1\r\n1,1.0\n"), run),
               ElementsAre(false, true, true));
   EXPECT_THAT(read_labels(folder.write("b.csv", "slip\n1\n"), run), ElementsAre(true, true, true));
-  EXPECT_THROW(read_labels(folder.write("c.csv", "slid\n1\n"), run), WrongUse);
-  EXPECT_THROW(read_labels(folder.write("d.csv", "slip\n1\n0\n"), run), WrongUse) << "two rows for three";
-  EXPECT_THROW(read_labels(folder.file("none.csv"), run), WrongUse);
+  EXPECT_THROW(read_labels(folder.write("c.csv", "slid\n1\n"), run), offline::WrongUse);
+  EXPECT_THROW(read_labels(folder.write("d.csv", "slip\n1\n0\n"), run), offline::WrongUse)
+      << "two rows for three";
+  EXPECT_THROW(read_labels(folder.file("none.csv"), run), offline::WrongUse);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 # The hardened service beyond requests: it trains a model as a child, keeps recordings that its group may read, and plays them.
 source /source/tests/vm/guest/check.sh
 source /source/tests/vm/guest/service.sh
-installs slipd
+installs slipd slipd-paper
 people
 sensor='"name": "left", "rate_hz": 50, "stale_after_ms": 5000, "layout": { "grid": [4, 4], "pitch_mm": 3.6 }'
 answers() { serves | grep -q "\"state\":\"\($1\)\""; }

@@ -43,7 +43,7 @@ std::vector<const SensorSettings*> chosen_sensors(const Settings& settings, cons
     if (name.empty() || sensor.setup.name == name) chosen.push_back(&sensor);
     known += (known.empty() ? "" : ", ") + sensor.setup.name;
   }
-  if (chosen.empty()) throw WrongUse("the scene has no sensor " + name + "; it has " + known);
+  if (chosen.empty()) throw offline::WrongUse("the scene has no sensor " + name + "; it has " + known);
   return chosen;
 }
 
@@ -170,7 +170,7 @@ std::vector<FileOfSensor> files_of(const Settings& settings, const std::string& 
     }
   }
   for (const FileOfSensor& job : jobs) {
-    if (job.file.empty()) throw WrongUse("sensor " + job.sensor + " has no file: give one");
+    if (job.file.empty()) throw offline::WrongUse("sensor " + job.sensor + " has no file: give one");
   }
   return jobs;
 }

@@ -30,22 +30,24 @@ std::vector<std::string> fields_of(const std::string& line) {
 std::vector<bool> read_labels(const std::filesystem::path& file, const ReplayRun& run) {
   std::ifstream in(file);
   std::string line;
-  if (!in || !std::getline(in, line)) throw WrongUse(file.string() + ": cannot be read");
+  if (!in || !std::getline(in, line)) throw offline::WrongUse(file.string() + ": cannot be read");
   const auto names = fields_of(line);
   const auto column = static_cast<std::size_t>(std::find(names.begin(), names.end(), "slip") - names.begin());
-  if (column == names.size()) throw WrongUse(file.string() + ": line 1: no column slip");
+  if (column == names.size()) throw offline::WrongUse(file.string() + ": line 1: no column slip");
   std::vector<bool> labels;
   while (std::getline(in, line)) {
     const auto fields = fields_of(line);
     if (fields.size() <= column)
-      throw WrongUse(file.string() + ": line " + std::to_string(labels.size() + 2) + ": no field for slip");
+      throw offline::WrongUse(file.string() + ": line " + std::to_string(labels.size() + 2) +
+                              ": no field for slip");
     const std::string& field = fields[column];
     labels.push_back(field != "0" && field != "0.0");
   }
   if (labels.size() == 1) labels.assign(run.rows.size(), labels.front());
   if (labels.size() != run.rows.size()) {
-    throw WrongUse(file.string() + " has " + std::to_string(labels.size()) + " rows, " + run.file + " has " +
-                   std::to_string(run.rows.size()) + ": give one label for each row, or one for all");
+    throw offline::WrongUse(file.string() + " has " + std::to_string(labels.size()) + " rows, " + run.file +
+                            " has " + std::to_string(run.rows.size()) +
+                            ": give one label for each row, or one for all");
   }
   return labels;
 }

@@ -16,7 +16,8 @@ using namespace slipd;
 ReplayRun play(const Settings& settings, const FileOfSensor& job) {
   FileFrames frames(settings, job);
   if (needs_model(frames.setup()))
-    throw WrongUse("sensor " + job.sensor + " needs a trained model: choose another estimator.method");
+    throw offline::WrongUse("sensor " + job.sensor +
+                            " needs a trained model: choose another estimator.method");
   EstimatorChain chain(frames.setup(), nullptr);
   ReplayRun run{.sensor = job.sensor, .file = job.file, .rows = {}, .fault = {}};
   std::int64_t time_ns = 0;
@@ -42,7 +43,7 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
 }  // namespace
 
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
-                              const std::vector<std::string>& files, const Shard& shard) {
+                              const std::vector<std::string>& files, const offline::Shard& shard) {
   const Settings settings = load_scene(scene);
   std::vector<ReplayRun> runs;
   std::size_t unit = 0;

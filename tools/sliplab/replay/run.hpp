@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/estimate/estimate.hpp"
-#include "tools/sliplab/sweep/sweep.hpp"
+#include "tools/offline/sweep.hpp"
 
 namespace sliplab {
 
@@ -35,6 +35,6 @@ struct ReplayRun {
 // scene, belong to them in order; SENSOR=FILE names the sensor. A shard plays only some of them. Throws
 // slipd::SettingsError, WrongUse or slipd::DriverError.
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
-                              const std::vector<std::string>& files, const Shard& shard = {});
+                              const std::vector<std::string>& files, const offline::Shard& shard = {});
 
 }  // namespace sliplab

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "tools/sliplab/gnuplot.hpp"
+#include "tools/offline/gnuplot.hpp"
 
 namespace sliplab {
 namespace {
@@ -98,13 +98,13 @@ void draw(const std::vector<ReplayRun>& runs, const std::filesystem::path& svg) 
       csv << ',' << (e.alert == Alert::slip ? 1 : 0) << '\n';
     }
     const std::string data = name + "-" + std::to_string(i) + ".csv";
-    write_file(folder / data, csv.str());
+    offline::write_file(folder / data, csv.str());
     script
         << "set title '" << runs[i].sensor << "' noenhanced\nplot '" << data
         << "' using 1:4 skip 1 with filledcurves y1=0 fs transparent solid 0.2 title 'alert slip', '' using "
            "1:2 skip 1 with lines title 'margin', '' using 1:3 skip 1 with lines title 'Q/P'\n";
   }
-  plot(folder, name, script.str());
+  offline::plot(folder, name, script.str());
 }
 
 }  // namespace sliplab

@@ -97,7 +97,7 @@ TEST(SubsurfaceFit, ReadsRoundContactsUnderASkin) {
   }
 }
 
-// The guide is 0.018 on 16 x 16 (`sliplab tradeoff --imprints`).
+// The guide is 0.018 on 16 x 16 (`slipd-lab tradeoff --imprints`).
 TEST(SubsurfaceFit, ReadsContactsOnASkinWithARigidBase) {
   const Score round = score_of(16, {.depth_m = 0.001, .bonded_poisson = 0.45}, 60),
               long_one = score_of(16, {.depth_m = 0.001, .bonded_poisson = 0.5, .stretch = 1.6}, 30);

@@ -1,0 +1,75 @@
+// `slipd-lab alerts`: how many holds have an alert and how many slips have one in time, on the simulated
+// presets.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "lab/alerts/report.hpp"
+#include "lab/command.hpp"
+#include "tools/offline/parallel.hpp"
+#include "tools/offline/progress.hpp"
+
+namespace lab {
+namespace {
+
+struct AlertsOptions {
+  std::vector<std::string> presets{"pillars", "magnetic-skin"};
+  std::size_t grasps = 1000;
+  unsigned threads = 2;
+};
+
+std::vector<AlertTrialPair> run_kind(const PresetBench& bench, GraspKind kind, const AlertsOptions& options,
+                                     std::uint64_t seed) {
+  std::vector<AlertTrialPair> trials(options.grasps);
+  offline::ProgressBar bar(std::string(to_string(bench.preset)) +
+                           (kind == GraspKind::hold ? " holds" : " slips"));
+  offline::for_each_index(
+      options.grasps, options.threads,
+      [&](std::size_t i) { trials[i] = run_preset_grasp(bench, draw_preset_grasp(bench, kind, seed, i)); },
+      [&](double share) { bar.show(share, "grasps"); });
+  return trials;
+}
+
+std::vector<AlertTrial> of_chain(const std::vector<AlertTrialPair>& pairs, bool known) {
+  std::vector<AlertTrial> trials;
+  trials.reserve(pairs.size());
+  for (const AlertTrialPair& pair : pairs) trials.push_back(known ? pair.known : pair.unknown);
+  return trials;
+}
+
+void run_alerts(const offline::Common& common, const AlertsOptions& options) {
+  std::vector<AlertLine> lines;
+  for (const std::string& name : options.presets) {
+    const PresetBench bench = bench_of(slipd::sim::preset_of(name).value());
+    const auto holds = run_kind(bench, GraspKind::hold, options, common.seed);
+    const auto slips = run_kind(bench, GraspKind::slip, options, common.seed);
+    for (const bool known : {true, false})
+      lines.push_back(count_alerts(bench, known, of_chain(holds, known), of_chain(slips, known)));
+  }
+  if (common.json) {
+    std::cout << to_json(lines).dump(2) << '\n';
+  } else {
+    std::cout << alerts_table(lines);
+  }
+}
+
+}  // namespace
+
+void add_alerts(CLI::App& app, const offline::Common& common) {
+  auto* command = app.add_subcommand("alerts", "alerts in holds and slips on the simulated presets");
+  auto options = std::make_shared<AlertsOptions>();
+  command->add_option("--presets", options->presets, "ideal, pillars, magnetic-skin")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"ideal", "pillars", "magnetic-skin"}))
+      ->capture_default_str();
+  command->add_option("--grasps", options->grasps, "holds, and as many slips, of each preset")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  command->callback([&common, options] { run_alerts(common, *options); });
+}
+
+}  // namespace lab

@@ -1,0 +1,71 @@
+// `slipd-lab tradeoff`: error against run time, for each method and setting on each layout and kind of noise.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "lab/command.hpp"
+#include "lab/tradeoff/imprints.hpp"
+#include "lab/tradeoff/report.hpp"
+#include "tools/offline/progress.hpp"
+
+namespace lab {
+namespace {
+
+void run_imprints(const offline::Common& common, const CLI::App& command, const TradeoffOptions& options) {
+  std::vector<ImprintLine> lines;
+  {
+    offline::ProgressBar bar("tradeoff");
+    lines = measure_imprints(options, [&](double share, const char* layout) { bar.show(share, layout); });
+  }
+  if (common.json || !options.shard.whole()) {
+    offline::print_json(imprints_to_sweep(lines, options.contacts), options.shard, common, command);
+  } else {
+    print_imprints(lines, options.contacts);
+  }
+}
+
+void run(const offline::Common& common, const CLI::App& command, TradeoffOptions options, bool imprints) {
+  offline::refuse_files(options.shard, common);
+  options.seed = common.seed;
+  if (imprints) return run_imprints(common, command, options);
+  std::vector<Line> lines;
+  {
+    offline::ProgressBar bar("tradeoff");
+    lines = measure_tradeoffs(options, [&](double share, const char* layout) { bar.show(share, layout); });
+  }
+  if (common.json || !options.shard.whole()) {
+    offline::print_json(to_sweep(lines, options.contacts), options.shard, common, command);
+  } else {
+    print_table(lines, options.contacts);
+  }
+  if (!common.out.empty()) write_files(lines, common.out);
+}
+
+}  // namespace
+
+void add_tradeoff(CLI::App& app, const offline::Common& common) {
+  auto* command =
+      app.add_subcommand("tradeoff", "measure error and run time for each method, layout and noise");
+  auto options = std::make_shared<TradeoffOptions>();
+  command->add_option("--contacts", options->contacts, "contacts for each row of the result")
+      ->check(CLI::Range(10, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--layouts", options->layouts,
+          "layouts: taxels along each side of the pad (100, 32, 16, 8, 4), or wrench for one force sensor")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"100", "32", "16", "8", "4", "wrench"}))
+      ->capture_default_str();
+  command->add_flag("!--no-models", options->models, "leave out the methods that need a trained model");
+  command->add_option("--threads", options->threads, "threads for training")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  auto imprints = std::make_shared<bool>(false);
+  command->add_flag(
+      "--imprints", *imprints,
+      "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
+  offline::add_shard_option(*command, options->shard);
+  command->callback([&common, command, options, imprints] { run(common, *command, *options, *imprints); });
+}
+
+}  // namespace lab

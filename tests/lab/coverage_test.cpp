@@ -1,0 +1,87 @@
+// Whether sigma is meant over a grasp's life: whole grasps in frame time against the truth.
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "lab/coverage/measure.hpp"
+#include "lab/histories/drive.hpp"
+#include "tests/support/synthetic.hpp"
+
+namespace slipd {
+namespace {
+
+constexpr double kNoise = 0.01;
+
+lab::Coverage cycle_of(std::size_t side, MethodChoice method, double rate_hz, std::size_t grasps,
+                       std::optional<double> friction = {}) {
+  ChainSetup chain = lab::paper_chain(side, method, kNoise);
+  chain.friction = friction;
+  lab::CoverageSetup setup;
+  setup.grasps = grasps;
+  setup.rate_hz = rate_hz;
+  return measure_cycle(chain, nullptr, setup);
+}
+
+// Few grasps scatter more than many: the limits are a little wider than what `slipd-lab coverage` is asked
+// for.
+TEST(SigmaOverAGrasp, HoldsTheTruthAsOftenAsItSays) {
+  for (const auto& [side, method] : {std::pair{4U, MethodChoice::fit}, std::pair{16U, MethodChoice::moments},
+                                     std::pair{16U, MethodChoice::fit}}) {
+    const lab::CoverageTally all = cycle_of(side, method, 500, 2).all;
+    SCOPED_TRACE(side);
+    ASSERT_GT(all.answers(), 1000);
+    EXPECT_GT(all.answered(), 0.7);
+    EXPECT_GT(all.within_two_sigma(), 0.88);
+    EXPECT_GT(all.within_three_sigma(), 0.96);
+  }
+}
+
+// In a cycle friction falls twice, once while the object is held.
+TEST(SigmaOverAGrasp, FrictionThatFallsBetweenTwoFramesIsNotToldTooSafeForLong) {
+  constexpr std::size_t kGrasps = 8;
+  constexpr double kFewFrames = 3;
+  // Not `automatic`, whose choice depends on how fast this machine is.
+  const lab::CoverageTally all = cycle_of(10, MethodChoice::fit, 50, kGrasps).all;
+  ASSERT_GT(all.answers(), 300);
+  EXPECT_LE(all.too_safe(), kFewFrames * kGrasps);
+}
+
+// The noise of the first touch, whose P is next to nothing, is no shear that was lost.
+TEST(SigmaOverAGrasp, AGripThatNobodyPullsHasAMargin) {
+  for (const std::size_t side : {4U, 8U, 16U, 32U}) {
+    SCOPED_TRACE(side);
+    const lab::Coverage cycle = cycle_of(side, MethodChoice::fit, 200, 4);
+    EXPECT_GT(cycle.by_phase.at("02 hold").answered(), 0.9);
+  }
+}
+
+TEST(SigmaOverAGrasp, IsNeverZero) {
+  for (const std::size_t side : {4U, 16U}) {
+    for (const std::optional<double> friction : {std::optional<double>(), std::optional(0.6)}) {
+      const lab::CoverageTally all = cycle_of(side, MethodChoice::fit, 100, 1, friction).all;
+      ASSERT_GT(all.answers(), 50);
+      EXPECT_GT(all.least_sigma(), 0);
+    }
+  }
+}
+
+// A sensor without noise, or of whole numbers, measures none.
+TEST(SigmaOverAGrasp, IsNotZeroWithoutNoise) {
+  for (const std::size_t side : {1U, 4U, 16U}) {
+    ChainSetup setup = lab::paper_chain(side, MethodChoice::automatic, 0);
+    if (side == 1) setup.sensor_class = SensorClass::wrench;
+    setup.friction = 0.5;
+    EstimatorChain chain(setup, nullptr);
+    synthetic::FrameMaker maker(setup.layout);
+    contact::LoadHistory contact(synthetic::paper_pair());
+    for (const double shear_n : {0.0, 0.0, 1e-3, 0.3, 0.6, 0.0}) {
+      contact.move_to(2, shear_n, 0.5);
+      const Estimate estimate = chain.estimate(maker.make(contact, 0, 0, 0.3, 0));
+      if (!estimate.gamma) continue;
+      EXPECT_GT(estimate.sigma.value(), 0) << side << " " << shear_n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slipd

@@ -1,0 +1,119 @@
+// slipd-lab itself, as a developer runs it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/tools/run_program.hpp"
+
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class Lab : public ::testing::Test {
+ protected:
+  Lab() { fs::create_directories(folder_); }
+  ~Lab() override { fs::remove_all(folder_); }
+  slipctl::testing::Ran run(const std::vector<std::string>& arguments) const {
+    return slipctl::testing::run_program(SLIPD_BINARY_DIR "/bin/slipd-lab", arguments);
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  const fs::path folder_ = fs::temp_directory_path() / ("slipd-lab-test-" + std::to_string(::getpid()));
+};
+
+TEST_F(Lab, PaperGivesTableJsonAndFigures) {
+  const auto table = run({"paper", "--fast", "--seeds", "2", "--out", folder_ / "figures"});
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("split by contact"));
+  for (const char* name : {"figure3.csv", "figure3.svg", "figure4.csv", "figure4.svg"}) {
+    EXPECT_GT(fs::file_size(folder_ / "figures" / name), 500U) << name;
+  }
+  const auto result = json::parse(run({"--json", "paper", "--fast", "--seeds", "1"}).out);
+  EXPECT_GE(result["rows"].size(), 6U);
+  for (const auto& row : result["rows"]) {
+    for (const auto& cell : row["knn"]) {
+      EXPECT_GE(cell["random"]["mean"], 0.0);
+      EXPECT_LE(cell["random"]["mean"], 1.0);
+    }
+  }
+}
+
+TEST_F(Lab, StabilityPrintsTheRequestedPartsAndPlotsThem) {
+  const auto ran = run({"--json", "stability", "--parts", "model,adversary", "--contacts", "3", "--side",
+                        "16", "--out", folder_ / "stability"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto result = json::parse(ran.out);
+  EXPECT_GT(result["model"].size(), 50U);
+  EXPECT_GT(result["adversary"].size(), 100U);
+  EXPECT_TRUE(result["condition"].empty());
+  for (const char* name : {"extremes-model.csv", "extremes-model.svg", "adversary.csv", "adversary.svg"})
+    EXPECT_GT(fs::file_size(folder_ / "stability" / name), 500U) << name;
+  EXPECT_EQ(run({"stability", "--parts", "luck"}).exit_code, 2);
+}
+
+TEST_F(Lab, TradeoffPrintsEverySettingAndPlotsTheFront) {
+  const auto ran =
+      run({"--json", "tradeoff", "--layouts", "8,wrench", "--contacts", "10", "--out", folder_ / "tradeoff"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  std::set<std::string> methods;
+  std::set<int> rings;
+  const auto result = json::parse(ran.out);
+  for (const auto& row : result["rows"]) {
+    methods.insert(row["method"]);
+    rings.insert(row["rings"].get<int>());
+  }
+  EXPECT_EQ(methods, (std::set<std::string>{"moments", "fit", "svd-knn", "registered", "friction"}));
+  EXPECT_EQ(rings, (std::set<int>{0, 4, 8, 16}));
+  for (const char* name : {"tradeoff.csv", "tradeoff.svg"})
+    EXPECT_GT(fs::file_size(folder_ / "tradeoff" / name), 500U) << name;
+}
+
+TEST_F(Lab, HistoriesPrintsTheAnswersAndDrawsAGrasp) {
+  const auto ran = run({"--json", "histories", "--grasps", "2", "--sides", "16", "--methods", "moments",
+                        "--out", folder_ / "histories"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto row = json::parse(ran.out)["rows"][0];
+  EXPECT_EQ(row["method"], "moments");
+  EXPECT_GT(row["all"]["answered"], 0.5);
+  EXPECT_LE(row["all"]["claims_safer"], 1.0);
+  for (const char* name : {"histories.csv", "histories.svg", "grasp-moments-16.csv"})
+    EXPECT_GT(fs::file_size(folder_ / "histories" / name), 500U) << name;
+  EXPECT_EQ(run({"histories", "--methods", "guess"}).exit_code, 2);
+}
+
+TEST_F(Lab, MergesTheShardsOfASweepToTheResultOfOneRun) {
+  const std::vector<std::vector<std::string>> sweeps{
+      {"histories", "--grasps", "1", "--sides", "8,4", "--methods", "moments,fit"},
+      {"stability", "--contacts", "1", "--parts", "model,extremes"}};
+  for (const auto& sweep : sweeps) {
+    std::vector<std::string> words{"--json"}, merge{"merge"};
+    words.insert(words.end(), sweep.begin(), sweep.end());
+    const auto whole = run(words);
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    for (const std::string shard : {"2/3", "3/3", "1/3"}) {
+      words = sweep;
+      words.insert(words.end(), {"--shard", shard});
+      const auto part = run(words);
+      ASSERT_EQ(part.exit_code, 0) << part.err;
+      merge.push_back(write(sweep.front() + shard.substr(0, 1), part.out));
+    }
+    const auto joined = run(merge);
+    EXPECT_EQ(joined.exit_code, 0) << joined.err;
+    EXPECT_EQ(joined.out, whole.out) << sweep.front();
+    merge.pop_back();
+    const auto missing = run(merge);
+    EXPECT_EQ(missing.exit_code, 2);
+    EXPECT_THAT(missing.err, HasSubstr("missing: 1/3"));
+  }
+}
+
+}  // namespace
