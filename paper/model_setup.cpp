@@ -6,7 +6,7 @@
 namespace slipd {
 namespace {
 
-// Rings narrower than taxels hold few of them or none. Measured on the contacts of docs/theory.md §9.1: 16
+// Rings narrower than taxels hold few of them or none. Measured on the contacts of docs/methods.md §26.1: 16
 // rings are best from some ten taxels along a contact's radius on, 8 from two.
 int rings_for(const ChainSetup& chain) {
   if (chain.scene.objects.empty()) return Rings::kCount;

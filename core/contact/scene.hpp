@@ -25,7 +25,7 @@ inline constexpr double kUsualDepthSigma = 0.1;
 // is not corrected. Too large: as above.
 inline constexpr double kMostDepthSigmas = 3;
 
-// The sensor's surface: a sphere. The defaults are those of docs/theory.md §9.1.
+// The sensor's surface: a sphere. The defaults are those of docs/methods.md §26.1.
 struct Skin {
   double radius_m = 0.01;     // infinity: flat, which no Hertzian contact covers
   double modulus_pa = 0.5e6;  // Young's modulus E1
@@ -43,7 +43,7 @@ struct Skin {
   bool operator==(const Skin&) const = default;
 };
 
-// Objects from which contacts are drawn uniformly. The defaults are the stiff ones of docs/theory.md §9.1.
+// Objects from which contacts are drawn uniformly. The defaults are the stiff ones of docs/methods.md §26.1.
 struct ObjectFamily {
   double weight = 1;  // share among the families, relative
   Range normal_n{1, 5};
@@ -63,10 +63,10 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
-// The two halves of the data set of docs/theory.md §9.1: stiff objects and soft ones.
+// The two halves of the data set of docs/methods.md §26.1: stiff objects and soft ones.
 std::vector<ObjectFamily> paper_objects();
 
-// The friction that a scene's objects may have; that of docs/theory.md §9.1 for a scene without objects.
+// The friction that a scene's objects may have; that of docs/methods.md §26.1 for a scene without objects.
 Range expected_friction(const Scene& scene);
 
 }  // namespace slipd

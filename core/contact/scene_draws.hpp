@@ -1,4 +1,4 @@
-// Contacts that a scene expects, drawn at random as in docs/theory.md §9.1. Set-up and tools.
+// Contacts that a scene expects, drawn at random as in docs/methods.md §26.1. Set-up and tools.
 #pragma once
 
 #include <cstddef>

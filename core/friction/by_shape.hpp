@@ -1,6 +1,6 @@
 // Friction where frames have a shape. Each friction of the grid follows the grasp's forces with a Winkler
 // foundation of its own. A frame takes weight from those whose contact would look otherwise by now, after a
-// regrip, an unloading or a reversal just as after a monotonic load (docs/theory.md §11). Estimate thread;
+// regrip, an unloading or a reversal just as after a monotonic load (docs/methods.md §28). Estimate thread;
 // fixed memory, nothing allocates.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Friction of one grasp: a Bayes filter on a grid of log mu (docs/theory.md §11). A frame takes weight from
+// Friction of one grasp: a Bayes filter on a grid of log mu (docs/methods.md §28). A frame takes weight from
 // frictions whose contact would look otherwise. What no frame distinguishes stays open: a contact that sticks
 // all over looks the same for every friction that holds it. A change of friction is learnt within a few
 // frames, and sooner if it fell than if it rose. This class has what all sensors need; by_forces.hpp and
@@ -82,7 +82,7 @@ class FrictionFilter {
     double share() const noexcept { return 1 / (1 + common); }
   };
 
-  // Frames of one contact share a part of their error (docs/theory.md §11.2): what n of them say of friction
+  // Frames of one contact share a part of their error (docs/methods.md §28.2): what n of them say of friction
   // has the variance common^2 + noise^2/n, relative to friction.
   struct CommonError {
     // What the frames so far said, as the inverse of that variance; faded as the contact changes.

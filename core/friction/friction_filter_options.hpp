@@ -1,4 +1,4 @@
-// Every threshold of FrictionFilter (docs/theory.md §11).
+// Every threshold of FrictionFilter (docs/methods.md §28).
 #pragma once
 
 #include <cstddef>

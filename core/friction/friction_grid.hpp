@@ -1,4 +1,4 @@
-// The posterior of friction: log weights on an even grid of log mu (docs/theory.md §11). A
+// The posterior of friction: log weights on an even grid of log mu (docs/methods.md §28). A
 // friction that lost its weight keeps a floor, so that later frames can bring it back. Estimate thread; fixed
 // memory, nothing allocates.
 #pragma once

@@ -2,7 +2,7 @@
 // their own (Winkler 1867): while an object is pulled, those that stick are sheared alike, by its shift, and
 // those that slip carry their friction. So a pad that sticks shares the pull evenly, and one that slips
 // shares it as it shares the pressure: taxels that are pressed least slip first. What lies between shows how
-// much of its friction the pad has used up, before it slides (docs/theory.md, "Taxels that slip first").
+// much of its friction the pad has used up, before it slides (docs/methods.md §29.4).
 //
 // Taxels under a layer share a pull alike, but feel it spread: of those only the way counts that their
 // pattern has gone since the pull began.

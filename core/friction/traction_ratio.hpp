@@ -1,6 +1,6 @@
 // |Q|/P over the frames of a grasp, the share of the normal force that a contact carries as shear, where a
 // sensor gives forces only: that of a straight line through the last frames. It also detects gross slip
-// (docs/theory.md §11). Estimate thread; fixed memory, nothing allocates.
+// (docs/methods.md §28). Estimate thread; fixed memory, nothing allocates.
 #pragma once
 
 #include <optional>

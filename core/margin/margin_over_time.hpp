@@ -1,6 +1,6 @@
 // Margins by friction over time. After a monotonic load a frame determines its margin by itself; after a
 // regrip, an unloading or a reversal only together with the friction and the forces of the frames before it,
-// and the margin is 1 - |Q|/(mu P) (docs/theory.md §11). One class for each combination of what frames show
+// and the margin is 1 - |Q|/(mu P) (docs/methods.md §28). One class for each combination of what frames show
 // and of what is known of friction.
 #pragma once
 

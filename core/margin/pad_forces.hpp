@@ -1,6 +1,6 @@
 // The forces on a pad of few taxels under a skin, by the sums over all of them. What reaches a plane under
 // the skin carries the whole load, whatever the contact's shape and history. A pad reads a part of it, which
-// follows from where the pressure is and how deep the taxels are (docs/theory.md §10.11). Estimate thread;
+// follows from where the pressure is and how deep the taxels are (docs/methods.md §29.6). Estimate thread;
 // nothing allocates after construction.
 #pragma once
 

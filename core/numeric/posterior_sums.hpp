@@ -1,4 +1,4 @@
-// Mean and standard deviation of a posterior that is given as weights on a grid (docs/theory.md §11).
+// Mean and standard deviation of a posterior that is given as weights on a grid (docs/methods.md §28).
 #pragma once
 
 #include <algorithm>

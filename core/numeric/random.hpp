@@ -1,6 +1,6 @@
 // A counter-based random number generator. Each number is a hash of its index, not of the numbers drawn
 // before, so that any block of a data set can be made again alone, on any thread and any machine. The hash is
-// the finaliser of splitmix64 (docs/theory.md §14). Distributions of the standard library differ between
+// the finaliser of splitmix64 (docs/methods.md §35). Distributions of the standard library differ between
 // implementations and are not used.
 #pragma once
 

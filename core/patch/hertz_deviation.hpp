@@ -1,5 +1,5 @@
 // How a contact's pressure differs from Hertz's: tilted, elliptic, or with its load farther out, as under a
-// skin that spreads stress (docs/theory.md §7). It is computed from a few sums over the disc, so that
+// skin that spreads stress (docs/methods.md §20.6). It is computed from a few sums over the disc, so that
 // each frame shows how far to trust it. Estimate thread; nothing allocates.
 #pragma once
 

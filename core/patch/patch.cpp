@@ -72,8 +72,8 @@ void PatchFinder::copy_channels() noexcept {
   }
 }
 
-// docs/theory.md §6.1. Pressure below zero is noise alone, and noise is as often above zero: the mean square
-// of the negative readings is the variance of all, wherever the contact may lie.
+// docs/methods.md §20.1. Pressure below zero is noise alone, and noise is as often above zero: the mean
+// square of the negative readings is the variance of all, wherever the contact may lie.
 void PatchFinder::measure_normal_noise() noexcept {
   const NoiseSums sums = kernels_.noise(patch_.taxels);
   peak_pa_ = sums.peak;
@@ -283,8 +283,8 @@ void PatchFinder::sum_forces() noexcept {
   }
 }
 
-// docs/theory.md §6.5. The centre is that of the pressure, so that its noise moves the lever of Q: by half of
-// the squared distances, as only those across Q count.
+// docs/methods.md §20.4. The centre is that of the pressure, so that its noise moves the lever of Q: by half
+// of the squared distances, as only those across Q count.
 void PatchFinder::measure_torque() noexcept {
   const double area = layout_.area_m2(), levers_m = std::sqrt(squares_m2_);
   patch_.torque_nm = moment_pa_m_ * area;

@@ -1,6 +1,6 @@
 // Where the contact is in a frame and what it carries: the first step of every estimator. Forces come from
 // sums over the contact's own disc, in which noise of either sign cancels; a threshold only serves to find
-// that disc (docs/theory.md §6). A taxel that feels nothing amid a contact is dead: its
+// that disc (docs/methods.md §20). A taxel that feels nothing amid a contact is dead: its
 // neighbours stand for it.
 #pragma once
 

@@ -1,5 +1,5 @@
 // The contact summed over rings of equal width in s = r/a, which removes position, size and direction from a
-// frame. Input of the registered estimator (docs/theory.md §8), and of the test for monotonic loading.
+// frame. Input of the registered estimator (docs/methods.md §21), and of the test for monotonic loading.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct Rings {
 // patch's disc.
 Rings sum_rings(const ContactPatch& patch, const TaxelLayout& layout) noexcept;
 
-// The share of a disc's force within each ring (docs/theory.md §8.2): D_x of radius k (in units of a, 0 < k
+// The share of a disc's force within each ring (docs/methods.md §21.2): D_x of radius k (in units of a, 0 < k
 // <= 1) over ring [s0, s1).
 double disc_share(double k, double s0, double s1) noexcept;
 

@@ -1,6 +1,6 @@
 // Whether the object slides now, along or turning. It needs no friction and no newtons, and where there is no
 // zero, none of that either: the pattern of the taxels stays put while a contact sticks and moves when it
-// slides (docs/theory.md, "Detection of sliding").
+// slides (docs/methods.md §30).
 //
 // With a zero: the pattern of pressure, each cell's share p/P, is compared with that of up to 0.4 s before. A
 // gripper's closing, its overshoot and its relaxation scale P and leave the shares, once the contact has

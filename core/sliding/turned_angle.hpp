@@ -1,4 +1,4 @@
-// The angle by which the object has turned over the skin since the contact settled (docs/theory.md §13.2).
+// The angle by which the object has turned over the skin since the contact settled (docs/methods.md §31).
 // The pressure's pattern turns with the object, and with it the directions of its moments of two, three and
 // four arms about the contact's centre. A round contact has no such moments, and its angle is unknown.
 // Estimate thread; fixed memory.

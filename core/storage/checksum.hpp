@@ -1,4 +1,4 @@
-// XXH3-64 (docs/theory.md §14): finds damage in what is written and read at the rate of frames, at the speed
+// XXH3-64 (docs/methods.md §35): finds damage in what is written and read at the rate of frames, at the speed
 // of memory. Not against malice. crc64.hpp is for small files.
 #pragma once
 

@@ -1,4 +1,4 @@
-// CRC-64/XZ (docs/theory.md §14): finds the damage that disks and half-written files do. Not against malice.
+// CRC-64/XZ (docs/methods.md §35): finds the damage that disks and half-written files do. Not against malice.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Takes a sensor's zero off its frames, and finds out what that zero is (docs/theory.md §13).
+// Takes a sensor's zero off its frames, and finds out what that zero is (docs/methods.md §33).
 //
 // A reading says nothing of itself about whether it is a load or an offset, so a zero is taken on two
 // occasions only: when somebody asks for it, who answers for it that nothing touches the sensor, or when the

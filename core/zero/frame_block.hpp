@@ -1,4 +1,4 @@
-// Some consecutive frames of one sensor as mean and variance of each channel (docs/theory.md §13): long
+// Some consecutive frames of one sensor as mean and variance of each channel (docs/methods.md §33): long
 // enough that noise cancels, short enough that a hand does not come and go unseen.
 #pragma once
 

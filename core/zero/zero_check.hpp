@@ -1,4 +1,4 @@
-// Whether a stored zero fits what a sensor reads now (docs/theory.md §13). A zero of another sensor, or one
+// Whether a stored zero fits what a sensor reads now (docs/methods.md §33). A zero of another sensor, or one
 // that is wrong by more than noise and drift explain, must not be subtracted: what is left would look like no
 // contact, or like one. Used by BiasEstimator.
 #pragma once

@@ -1,4 +1,4 @@
-// The leading singular vectors of a matrix that only streams by (U_r of docs/theory.md §9.2).
+// The leading singular vectors of a matrix that only streams by (U_r of docs/methods.md §26.2).
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ struct Svd {
   int passes = 0;
 };
 
-// Not centred. Randomised subspace iteration with Rayleigh–Ritz (docs/theory.md §9.2): each pass
+// Not centred. Randomised subspace iteration with Rayleigh–Ritz (docs/methods.md §26.2): each pass
 // adds X_B (X_B' Q) over all blocks. The columns are made once and kept without their zeros if that takes no
 // more than 256 MB, else anew for each pass. Memory besides: a few rows x (rank + oversampling) arrays and
 // one block a thread.

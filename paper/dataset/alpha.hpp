@@ -19,7 +19,7 @@ struct AlphaMask {
 
 // alpha[i] = atan((shear_x[i] along_x + shear_y[i] along_y) / normal[i]) in (-pi/2, pi/2) where normal[i] >
 // least_pa, else 0. All spans of one size; least_pa >= 0. Error at most 1e-6 rad (polynomial of
-// docs/theory.md §14: 2e-8, and float rounding). Vectorised for the processor it runs on.
+// docs/methods.md §35: 2e-8, and float rounding). Vectorised for the processor it runs on.
 void alpha_of(std::span<const float> normal_pa, std::span<const float> shear_x_pa,
               std::span<const float> shear_y_pa, const AlphaMask& mask, std::span<float> alpha) noexcept;
 

@@ -9,7 +9,7 @@ namespace {
 
 using Eight = float __attribute__((vector_size(32)));
 
-// atan(shear / normal) for normal > 0: polynomial of docs/theory.md §14, 2e-8.
+// atan(shear / normal) for normal > 0: polynomial of docs/methods.md §35, 2e-8.
 SLIPD_INLINE Floats angle(const Floats& shear, const Floats& normal) noexcept {
   const Floats size = shear < 0 ? -shear : shear;
   const Ints steep = size > normal;

@@ -1,11 +1,11 @@
-// How large a data set is (docs/theory.md §9.1). Its contacts are drawn by core/contact/scene_draws.hpp.
+// How large a data set is (docs/methods.md §26.1). Its contacts are drawn by core/contact/scene_draws.hpp.
 #pragma once
 
 #include <cstddef>
 
 namespace slipd {
 
-// How much of it: as many columns as contacts x loads. The defaults give the 16000 of docs/theory.md §9.1.
+// How much of it: as many columns as contacts x loads. The defaults give the 16000 of docs/methods.md §26.1.
 struct DataSetSize {
   std::size_t contacts = 320;
   std::size_t loads = 50;

@@ -1,6 +1,6 @@
 // Taxels that a contact in the middle cannot tell apart: the orbits of a square grid under the square's 8
-// symmetries (docs/theory.md §9.3). Data that are the same on each orbit need one row an orbit, an eighth of
-// the work.
+// symmetries (docs/methods.md §26.3). Data that are the same on each orbit need one row an orbit, an eighth
+// of the work.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The matrices X_p, X_q and X_alpha of docs/theory.md §9.1: the contact model at each taxel's middle, noise
+// The matrices X_p, X_q and X_alpha of docs/methods.md §26.1: the contact model at each taxel's middle, noise
 // on the quantity itself. For reproducing published figures; what a sensor measures is frame_columns.hpp.
 #pragma once
 

@@ -1,4 +1,4 @@
-// From a point's neighbours to an answer (docs/theory.md §9.4): the same in training, where its errors are
+// From a point's neighbours to an answer (docs/methods.md §26.4): the same in training, where its errors are
 // measured, and in use. Any thread.
 #pragma once
 

@@ -1,4 +1,4 @@
-// SVD and nearest neighbours (docs/theory.md §9): alpha on the sensor's own grid, projected on the
+// SVD and nearest neighbours (docs/methods.md §26): alpha on the sensor's own grid, projected on the
 // few bases that explain most of the scene's contacts, answered by the nearest of them. Bound to where the
 // training had its contacts: a scene with room for offset costs it most of its accuracy. With a model of
 // rings it is the registered estimator: the contact is brought into a frame of its own first, and place, size

@@ -24,8 +24,8 @@ class ModelError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// What the columns are: alpha of each taxel where it lies (docs/theory.md §9.1), or of rings in the contact's
-// own frame.
+// What the columns are: alpha of each taxel where it lies (docs/methods.md §26.1), or of rings in the
+// contact's own frame.
 enum class View : std::uint8_t { grid, rings };
 
 // What a model is made from and for. Equal setups make equal models.

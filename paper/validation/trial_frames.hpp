@@ -14,8 +14,8 @@
 
 namespace slipd {
 
-// The noise of docs/theory.md §9.1 (p on p, q on q, as fractions of each one's maximum) or what hardware does
-// (of the largest p on all three channels).
+// The noise of docs/methods.md §26.1 (p on p, q on q, as fractions of each one's maximum) or what hardware
+// does (of the largest p on all three channels).
 enum class NoiseKind : std::uint8_t { relative, sensor };
 
 class TrialFrames {

@@ -1,4 +1,4 @@
-// The paper's estimator (docs/theory.md §9) on frames of contacts outside its training data.
+// The paper's estimator (docs/methods.md §26) on frames of contacts outside its training data.
 #include "paper/method/svd_knn.hpp"
 
 #include <gtest/gtest.h>

@@ -19,7 +19,7 @@ inline contact::BodyPair paper_pair(double object_radius_m = std::numeric_limits
   return contact::make_body_pair({0.01, 0.5e6, 0.45}, {object_radius_m, object_modulus_pa, 0.25});
 }
 
-// A contact of the data set (docs/theory.md §9.1): half of the objects flat, half of them stiff.
+// A contact of the data set (docs/methods.md §26.1): half of the objects flat, half of them stiff.
 inline contact::BodyPair random_pair(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   const bool stiff = unit(random) < 0.5, flat = unit(random) < 0.5;

@@ -85,7 +85,7 @@ def eflesh_section(result):
 
 {len(result.labels)} sequences of 3 s, {slips} of them with a slip (github.com/notvenky/eFlesh, MIT): an object is held, and in some pulled
 until it slips. Raw microtesla without zero and layout, about 100 rows a second. Scene `eflesh`. There are no forces, so there is no
-margin and no Q/P; slipd's detection of sliding works on the readings' course ([theory.md](theory.md) 13.1). The authors of the data report 95 %
+margin and no Q/P; slipd's detection of sliding works on the readings' course ([methods.md](methods.md) §30). The authors of the data report 95 %
 with a classifier that was trained on it. The plain detectors have the threshold that is best for exactly these sequences.
 
 {table(["detector", "threshold", "balanced accuracy", "area under the ROC"], rows)}

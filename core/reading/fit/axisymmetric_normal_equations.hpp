@@ -1,4 +1,4 @@
-// Residuals and normal equations of a round contact under a skin (docs/theory.md §10.8). What taxels read of
+// Residuals and normal equations of a round contact under a skin (docs/methods.md §23.7). What taxels read of
 // it is made of five functions of the distance from its centre, which are tabulated for each trial contact.
 // That takes a fraction of the time of SubsurfaceSheet. Estimate thread; nothing allocates after
 // construction.

@@ -1,5 +1,5 @@
 // The contact model of SubsurfaceFit on the taxels of one frame: residuals, their slopes and normal equations
-// (docs/theory.md §10.8). Estimate thread; nothing allocates after construction.
+// (docs/methods.md §23.5). Estimate thread; nothing allocates after construction.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // Whether what a fit of a round contact under a skin leaves over shows that its contact is an ellipse
-// (docs/theory.md §10.8): a score test (Rao 1948). An ellipse that is hardly one changes what taxels read by
+// (docs/methods.md §23.6): a score test (Rao 1948). An ellipse that is hardly one changes what taxels read by
 // functions of the distance from the centre, times sine or cosine of twice the angle. They are tabulated, in
 // a fraction of the time of SubsurfaceSheet. Estimate thread; nothing allocates after construction.
 #pragma once

@@ -1,5 +1,5 @@
-// Residuals, slopes and normal equations of a fit of a contact under a skin or of an ellipse (docs/theory.md
-// §10.8), in loops over taxels that run on vectors. Estimate thread; nothing allocates.
+// Residuals, slopes and normal equations of a fit of a contact under a skin or of an ellipse (docs/methods.md
+// §23.5), in loops over taxels that run on vectors. Estimate thread; nothing allocates.
 #pragma once
 
 #include <array>

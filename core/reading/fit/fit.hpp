@@ -1,8 +1,8 @@
 // Maximum likelihood: the contact model itself, averaged over every taxel, fitted to pressure and shear
-// together (docs/theory.md §10). The method that costs most time, and the one that
+// together (docs/methods.md §23). The method that costs most time, and the one that
 // comes near what the noise allows (the Cramer-Rao limit), on any layout, with part of the contact beyond the
 // sensor's edge, or with taxels dead. As method block-fit it reads taxels summed in square blocks, in a fifth
-// of the time where a contact is many taxels wide (docs/theory.md §10.10).
+// of the time where a contact is many taxels wide (docs/methods.md §24).
 //
 // Unknown are the centre, the radius a, the pressure's height B = p0/a, the load T = Q/P and Gamma:
 //   p = B A(a),   q = B T (A(a) - A(k a)) / (1 - Gamma),   k^3 = Gamma,   A(x) the average of sqrt(x^2 -

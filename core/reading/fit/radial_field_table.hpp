@@ -1,5 +1,5 @@
 // Functions of the distance from the centre of a round contact under a skin, of which all that taxels read of
-// it is made (docs/theory.md §10.8), tabulated with their slopes. Estimate thread; nothing allocates after
+// it is made (docs/methods.md §23.7), tabulated with their slopes. Estimate thread; nothing allocates after
 // construction.
 #pragma once
 

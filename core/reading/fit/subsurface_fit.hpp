@@ -1,7 +1,7 @@
-// Maximum likelihood for contacts that are elliptic or under a skin (docs/theory.md §10.8): as Fit, but both
+// Maximum likelihood for contacts that are elliptic or under a skin (docs/methods.md §23.5): as Fit, but both
 // components of the shear are fitted, and the direction of the pull and the ellipse are unknown as well.
 //
-// A fit takes its first steps on some of the taxels, the last ones on all of them (docs/theory.md §10.8).
+// A fit takes its first steps on some of the taxels, the last ones on all of them (docs/methods.md §23.7).
 //
 // Unknown are the centre, the mean radius s (a b = s^2), the peak pressure p0, the load T = Q/P, Gamma, the
 // direction of the pull, and for an ellipse e (cos 2 phi, sin 2 phi) with e = log(a/b) and the direction phi

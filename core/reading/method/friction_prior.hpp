@@ -1,5 +1,5 @@
-// What friction is expected before any frame: a range of mu whose ends are soft (docs/theory.md §11). Shared
-// by all that weigh friction, so that one frame and many frames expect the same.
+// What friction is expected before any frame: a range of mu whose ends are soft (docs/methods.md §28.1).
+// Shared by all that weigh friction, so that one frame and many frames expect the same.
 #pragma once
 
 #include <algorithm>

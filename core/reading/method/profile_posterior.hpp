@@ -1,5 +1,5 @@
 // The margin by a frame's whole profile where noise leaves it open: the likelihood is then no parabola about
-// the best fit (docs/theory.md §10.4). Shared by the fits. Estimate thread; nothing allocates.
+// the best fit (docs/methods.md §23.4). Shared by the fits. Estimate thread; nothing allocates.
 #pragma once
 
 #include <array>

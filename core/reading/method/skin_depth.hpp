@@ -1,6 +1,6 @@
 // How deep taxels lie, as far as it is known: a Gaussian of the log of the depth over the nominal one. What
-// the frames of a grasp show of it is added to what was known before (docs/theory.md §10.8). Estimate thread;
-// nothing allocates.
+// the frames of a grasp show of it is added to what was known before (docs/methods.md §23.8). Estimate
+// thread; nothing allocates.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The margin without any training: shear lies farther out than pressure, and by how much shows how far slip
-// has come in (docs/theory.md §7).
+// has come in (docs/methods.md §22).
 //   <r^2>_q / <r^2>_p = (1 - k^5)/(1 - k^3),  Gamma = k^3: 5/3 without load, 1 at gross slip, no friction in
 //   it.
 #pragma once

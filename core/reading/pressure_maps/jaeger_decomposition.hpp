@@ -1,5 +1,5 @@
 // The shear of one frame as a sum of a few maps of its closing, whatever the load went through
-// (docs/theory.md §10.9). A history of loads leaves a sum of signed mu p(P_i) with the pressures p of the
+// (docs/methods.md §25.3). A history of loads leaves a sum of signed mu p(P_i) with the pressures p of the
 // contact under smaller forces P_i (Jäger 1998), as it leaves a sum of discs in a Hertz contact. So each map
 // counts for the disc of its force, whatever its shape is, and the shear moments are those that friction's
 // foundations follow. Estimate thread; nothing allocates.

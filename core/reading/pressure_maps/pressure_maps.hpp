@@ -1,4 +1,4 @@
-// The margin of a contact of any shape (docs/theory.md §10.9). A contact that was pressed and then pulled has
+// The margin of a contact of any shape (docs/methods.md §25). A contact that was pressed and then pulled has
 // the shear q = mu (p(P) - p(P*)) with Gamma = P*/P (Ciavarella 1998a, 1998b; Jäger 1998), where p(P) is its
 // pressure under the normal force P. These pressures were recorded while the gripper closed. So the method
 // assumes no radius and no shape, and gains that a taxel's axes share, and dead taxels, cancel. Exact for

@@ -1,4 +1,4 @@
-// The shear of a contact under a skin, explained by the maps of its own closing (docs/theory.md §10.9). The
+// The shear of a contact under a skin, explained by the maps of its own closing (docs/methods.md §25.4). The
 // shear that pressing alone is felt as is subtracted: it is in the maps. What is left is friction times the
 // difference of two pressure maps, filtered by the ratio of the kernels. Each map is filtered when it is
 // complete, not in every frame. What pressing is felt as also shows the depth of the taxels. Estimate thread;

@@ -105,7 +105,7 @@ EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, double fricti
 }
 
 // After a pull what sticks bears P - Q/mu, and traces of earlier loads are wiped where that falls below all
-// it was before (docs/theory.md §10.5). Loads far below the present one leave none that counts.
+// it was before (docs/methods.md §27.2). Loads far below the present one leave none that counts.
 bool EquivalentPull::sticks_least(const ContactPatch& patch, const EquivalentPullResult& load,
                                   double friction) noexcept {
   const double stuck_n = patch.normal_n - load.pull_n / friction;

@@ -1,4 +1,4 @@
-// Friction from the taxels that slip, where force and torque act together (docs/theory.md §10.5). The shear
+// Friction from the taxels that slip, where force and torque act together (docs/methods.md §27.2). The shear
 // is then no sum of disc terms, and which part of the rim slips first depends on both; but where it slips,
 // |q|/p is friction. So the ratios |q|/p of the taxels end in a plateau, whatever the shape of the contact
 // and the history of its load. No disc, no Hertz. Estimate thread; allocates in its constructor only.

@@ -1,6 +1,6 @@
-// The margin under force and torque from how far out the shear lies (docs/theory.md §10.7), where taxels are
-// too coarse to resolve the part that slips: as the moment ratio does for a pull (§7.1). For loads that rose
-// in a straight line, on round contacts. Estimate thread; allocates nothing.
+// The margin under force and torque from how far out the shear lies (docs/methods.md §27.4), where taxels are
+// too coarse to resolve the part that slips: as the moment ratio does for a pull (theory.md §7.1). For loads
+// that rose in a straight line, on round contacts. Estimate thread; allocates nothing.
 #pragma once
 
 #include "core/frame/layout.hpp"

@@ -1,4 +1,4 @@
-// One frame of a contact whose field a torque has bent (docs/theory.md §10.5, §10.7): by taxels that slip,
+// One frame of a contact whose field a torque has bent (docs/methods.md §27.2, §27.4): by taxels that slip,
 // and where none is seen to slip by moments. Says also which frames these are, and which of them show no
 // friction. Estimate thread; allocates in its constructor only.
 #pragma once

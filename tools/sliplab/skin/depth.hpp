@@ -1,5 +1,5 @@
 // How deep a sensor's taxels lie under its skin, by frames of presses: SubsurfaceFit at many depths, of which
-// the likeliest is taken (docs/theory.md §10.8). Pulls during a press do no harm.
+// the likeliest is taken (docs/methods.md §23.8). Pulls during a press do no harm.
 #pragma once
 
 #include <cstddef>

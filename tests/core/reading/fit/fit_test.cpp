@@ -22,7 +22,7 @@ struct Result {
   double error = 0, right = 0, within_one = 0, within_two = 0, safer = 0, answered = 0;
 };
 
-// Contacts drawn as in docs/theory.md §9.1, up to 2 mm off the middle of a +-8 mm pad, Gamma uniform, exact
+// Contacts drawn as in docs/methods.md §26.1, up to 2 mm off the middle of a +-8 mm pad, Gamma uniform, exact
 // averages.
 Result try_contacts(std::size_t side, double noise, Noise kind, int contacts,
                     const FitOptions& options = {}) {
