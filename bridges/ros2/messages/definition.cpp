@@ -46,7 +46,7 @@ std::string msg_text(const std::vector<Definition>& definitions) {
   std::string text;
   for (const Definition& definition : definitions) {
     if (!text.empty())
-      text += std::string(kRuleColumns, '=') + "\nMSG: " + short_name(definition.name) + "\n";
+      text.append(kRuleColumns, '=').append("\nMSG: ").append(short_name(definition.name)).append("\n");
     text += msg_text(definition);
   }
   return text;

@@ -139,7 +139,7 @@ void close_grip(Closing& closing, Pad& pad, const Pressure& pressure, double mos
   }
 }
 
-constexpr Range kFriction{.low = 0.1, .high = 0.9};
+constexpr Range kClosingFriction{.low = 0.1, .high = 0.9};
 
 struct Outcome {
   int asked = 0, answered = 0, within_two = 0;
@@ -156,7 +156,7 @@ Outcome loads(const Pressure& pressure, std::size_t side, int closings,
   for (int i = 0; i < closings; ++i) {
     Pad pad(side, 0.01, static_cast<std::uint64_t>(i) + 1);
     if (prepare) prepare(pad);
-    Closing closing(pad.layout(), kFriction);
+    Closing closing(pad.layout(), kClosingFriction);
     close_grip(closing, pad, pressure, 4, 100);
     const double gamma = 0.05 + 0.9 * unit(random), friction = 0.3 + 0.5 * unit(random);
     const ContactPatch& patch = pad.feel(pressure, 3.8, gamma, friction, 6.28 * unit(random));
@@ -206,7 +206,7 @@ class ClosedGrip : public ::testing::Test {
 
   const Pressure& shape_ = shapes()[1].second;
   Pad pad_{32, 0.01, 3};
-  Closing closing_{pad_.layout(), kFriction};
+  Closing closing_{pad_.layout(), kClosingFriction};
 };
 
 TEST_F(ClosedGrip, GivesFrictionToo) {
@@ -369,7 +369,7 @@ TEST(ClosingMethod, IsUsedByAutoWhereItsMethodHasNotTheShape) {
 
 TEST(ClosingMethod, GivesNoMarginIfTheClosingWasNotSeen) {
   Pad pad(32, 0.01, 5);
-  Closing closing(pad.layout(), kFriction);
+  Closing closing(pad.layout(), kClosingFriction);
   for (int i = 0; i < 50; ++i) {
     const ContactPatch& patch = pad.feel(shapes()[0].second, 3 + 0.02 * i, 1, 0.5, 0);
     closing.observe(pad.frame(), patch);
