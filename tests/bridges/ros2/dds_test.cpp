@@ -7,17 +7,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstring>
 #include <functional>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "bridges/ros2/dds/node.hpp"
 #include "bridges/ros2/messages/cdr.hpp"
 #include "bridges/ros2/messages/sensor_messages.hpp"
-#include "tests/support/patience.hpp"
+#include "tests/support/awaiting.hpp"
 
 namespace slipd::ros2 {
 namespace {
@@ -149,10 +147,10 @@ TEST_F(OnTheWire, AWriterSeesItsReadersComeAndGo) {
   const dds_entity_t topic =
       dds_create_topic(participant_, &DdsType<Float32>::descriptor(), "rt/a/topic", nullptr, nullptr);
   const dds_entity_t reader = dds_create_reader(participant_, topic, nullptr, nullptr);
-  await([&] { return writer.has_readers(); });
+  slipd::testing::await_true([&] { return writer.has_readers(); });
   EXPECT_GT(changes_.load(), 0);
   dds_delete(reader);
-  await([&] { return !writer.has_readers(); });
+  slipd::testing::await_true([&] { return !writer.has_readers(); });
 }
 
 // What `ros2 node list` reads: the node's name, and which writers are its own.
@@ -216,7 +214,7 @@ TEST(Nodes, AreReadInADomainOfFiftyParticipants) {
     readers.push_back(dds_create_reader(participant, topic, nullptr, nullptr));
     ASSERT_GT(readers.back(), 0);
   }
-  await([&] {
+  slipd::testing::await_true([&] {
     return std::all_of(readers.begin(), readers.end(), [](dds_entity_t reader) {
       dds_subscription_matched_status_t matched{};
       return dds_get_subscription_matched_status(reader, &matched) == DDS_RETCODE_OK &&
@@ -227,7 +225,7 @@ TEST(Nodes, AreReadInADomainOfFiftyParticipants) {
   for (const dds_entity_t reader : readers) {
     void* taken = nullptr;
     dds_sample_info_t info{};
-    await([&] { return dds_take(reader, &taken, &info, 1, 1) == 1; });
+    slipd::testing::await_true([&] { return dds_take(reader, &taken, &info, 1, 1) == 1; });
     dds_return_loan(reader, &taken, 1);
   }
 }

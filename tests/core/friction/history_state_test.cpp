@@ -8,9 +8,9 @@
 namespace slipd {
 namespace {
 
-using enum HistoryState;
+using Known = HistoryState;
 using Event = HistoryEvent;
-constexpr std::array kStates{monotonic, general, assumed_monotonic, unknown};
+constexpr std::array kStates{Known::monotonic, Known::general, Known::assumed_monotonic, Known::unknown};
 
 TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
   struct Row {
@@ -18,14 +18,23 @@ TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
     std::array<HistoryState, 4> to;  // the next state from each of kStates
   };
   const Row rows[] = {
-      {Event::contact_lost, {monotonic, monotonic, monotonic, monotonic}},
-      {Event::loaded_at_onset, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
-      {Event::shear_turned, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
-      {Event::outlier_run, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
-      {Event::unseen, {assumed_monotonic, assumed_monotonic, assumed_monotonic, assumed_monotonic}},
-      {Event::frame_monotonic, {monotonic, monotonic, assumed_monotonic, assumed_monotonic}},
-      {Event::frame_not_monotonic, {general, general, unknown, unknown}},
-      {Event::assumption_confirmed, {monotonic, general, monotonic, unknown}},
+      {Event::contact_lost, {Known::monotonic, Known::monotonic, Known::monotonic, Known::monotonic}},
+      {Event::loaded_at_onset,
+       {Known::assumed_monotonic, Known::assumed_monotonic, Known::assumed_monotonic,
+        Known::assumed_monotonic}},
+      {Event::shear_turned,
+       {Known::assumed_monotonic, Known::assumed_monotonic, Known::assumed_monotonic,
+        Known::assumed_monotonic}},
+      {Event::outlier_run,
+       {Known::assumed_monotonic, Known::assumed_monotonic, Known::assumed_monotonic,
+        Known::assumed_monotonic}},
+      {Event::unseen,
+       {Known::assumed_monotonic, Known::assumed_monotonic, Known::assumed_monotonic,
+        Known::assumed_monotonic}},
+      {Event::frame_monotonic,
+       {Known::monotonic, Known::monotonic, Known::assumed_monotonic, Known::assumed_monotonic}},
+      {Event::frame_not_monotonic, {Known::general, Known::general, Known::unknown, Known::unknown}},
+      {Event::assumption_confirmed, {Known::monotonic, Known::general, Known::monotonic, Known::unknown}},
   };
   for (const Row& row : rows) {
     for (std::size_t i = 0; i < kStates.size(); ++i) {
@@ -36,16 +45,16 @@ TEST(HistoryState, EachEventLeadsWhereTheTableSays) {
 }
 
 TEST(HistoryState, OnlyAConfirmationOrANewGraspMakesALostHistoryKnown) {
-  for (const auto from : {assumed_monotonic, unknown}) {
+  for (const auto from : {Known::assumed_monotonic, Known::unknown}) {
     for (const auto event : {Event::loaded_at_onset, Event::shear_turned, Event::outlier_run, Event::unseen,
                              Event::frame_monotonic, Event::frame_not_monotonic})
       EXPECT_FALSE(is_known(next_state(from, event)));
   }
-  EXPECT_FALSE(is_known(next_state(unknown, Event::assumption_confirmed)));
+  EXPECT_FALSE(is_known(next_state(Known::unknown, Event::assumption_confirmed)));
 }
 
 TEST(HistoryMonitor, BeginsWithAHistoryThatIsKnown) {
-  EXPECT_EQ(HistoryMonitor().state(), monotonic);
+  EXPECT_EQ(HistoryMonitor().state(), Known::monotonic);
 }
 
 TEST(HistoryMonitor, ARunOfOutliersIsCompleteAtTheNumberGiven) {
@@ -67,19 +76,19 @@ TEST(HistoryMonitor, AFrameThatIsExplainedEndsARunOfOutliers) {
 TEST(HistoryMonitor, ConfirmingFramesMakeAnAssumedHistoryKnown) {
   HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 3});
   monitor.lose(Event::loaded_at_onset);
-  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
   monitor.explained(true);
   monitor.explained(true);
-  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
   monitor.explained(true);
-  EXPECT_EQ(monitor.state(), monotonic);
+  EXPECT_EQ(monitor.state(), Known::monotonic);
 }
 
 TEST(HistoryMonitor, FramesThatWereNotReadAsMonotonicConfirmNothing) {
   HistoryMonitor monitor({.outlier_frames = 8, .confirming_frames = 1});
   monitor.lose(Event::shear_turned);
   for (int i = 0; i < 10; ++i) monitor.explained(false);
-  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
 }
 
 TEST(HistoryMonitor, AHistoryThatIsLostAgainIsConfirmedAllOver) {
@@ -88,18 +97,18 @@ TEST(HistoryMonitor, AHistoryThatIsLostAgainIsConfirmedAllOver) {
   monitor.explained(true);
   monitor.lose(Event::outlier_run);
   monitor.explained(true);
-  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
   monitor.explained(true);
-  EXPECT_EQ(monitor.state(), monotonic);
+  EXPECT_EQ(monitor.state(), Known::monotonic);
 }
 
 TEST(HistoryMonitor, UnloadingAfterALostHistoryLeavesItUnknownUntilTheLoadIsMonotonicAgain) {
   HistoryMonitor monitor;
   monitor.lose(Event::loaded_at_onset);
   monitor.classify(false);
-  EXPECT_EQ(monitor.state(), unknown);
+  EXPECT_EQ(monitor.state(), Known::unknown);
   monitor.classify(true);
-  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
 }
 
 TEST(HistoryMonitor, ALostContactForgetsBothCounts) {
@@ -109,11 +118,11 @@ TEST(HistoryMonitor, ALostContactForgetsBothCounts) {
   monitor.explained(true);
   monitor.outlier();
   monitor.contact_lost();
-  EXPECT_EQ(monitor.state(), monotonic);
+  EXPECT_EQ(monitor.state(), Known::monotonic);
   EXPECT_FALSE(monitor.outlier());
   monitor.lose(Event::loaded_at_onset);
   monitor.explained(true);
-  EXPECT_EQ(monitor.state(), assumed_monotonic);
+  EXPECT_EQ(monitor.state(), Known::assumed_monotonic);
 }
 
 }  // namespace
