@@ -135,12 +135,13 @@ class Converter {
                                                               {"fit", MethodChoice::fit},
                                                               {"closing", MethodChoice::closing},
                                                               {"block-fit", MethodChoice::block_fit}};
-    s.estimator = {.method = kMethods.at(in["method"]),
-                   .budget_us = in.contains("budget_us") ? std::optional<double>(in["budget_us"]) : std::nullopt,
-                   .rank = in["rank"],
-                   .neighbours = in["neighbours"],
-                   .tracking = in["tracking"],
-                   .sigma_max = in["sigma_max"]};
+    s.estimator = {
+        .method = kMethods.at(in["method"]),
+        .budget_us = in.contains("budget_us") ? std::optional<double>(in["budget_us"]) : std::nullopt,
+        .rank = in["rank"],
+        .neighbours = in["neighbours"],
+        .tracking = in["tracking"],
+        .sigma_max = in["sigma_max"]};
     s.noise = in["noise"];
     s.offset_m = metres_of_mm(in["offset_mm"]);
   }

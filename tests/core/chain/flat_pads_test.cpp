@@ -374,7 +374,8 @@ TEST(RecordedPillars, ThatNobodyPullsAtHaveAMarginThatTheirForcesExplain) {
   const double width = std::log(kPadFrictions.high / kPadFrictions.low);
   const double inverse = (1 / kPadFrictions.low - 1 / kPadFrictions.high) / width;
   const double square =
-      (1 / (kPadFrictions.low * kPadFrictions.low) - 1 / (kPadFrictions.high * kPadFrictions.high)) / (2 * width);
+      (1 / (kPadFrictions.low * kPadFrictions.low) - 1 / (kPadFrictions.high * kPadFrictions.high)) /
+      (2 * width);
   const double spread = std::sqrt(square - inverse * inverse);
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     if (!file.path().filename().string().starts_with("grasp_release")) continue;

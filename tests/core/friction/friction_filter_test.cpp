@@ -1,8 +1,5 @@
 // The friction filter over whole grasps: the state of the load history, the friction that it learns, and
 // recovery from errors in both.
-#include "core/friction/by_forces.hpp"
-#include "core/friction/by_shape.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +7,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "core/friction/by_forces.hpp"
+#include "core/friction/by_shape.hpp"
 #include "core/numeric/random.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "tests/support/heap_count.hpp"

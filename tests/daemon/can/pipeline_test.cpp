@@ -30,7 +30,7 @@ class ServiceContext {
                                  "test", modules_)),
         pipeline_(
             settings_, modules_, board_,
-            [](const std::string&, const ChainSetup&) -> std::shared_ptr<const Model> {
+            [](const std::string&, const ChainSetup&) -> std::shared_ptr<const TrainedModel> {
               throw std::runtime_error("moments need no model");
             },
             &bell_),
