@@ -117,12 +117,16 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
       return with_maps_beside(setup, work_precision, std::move(method));
     }
     case MethodChoice::fit:
+      work_precision = expected_work_of(setup, Method::fit);
       return make_fit(setup);
     case MethodChoice::block_fit:
+      work_precision = expected_work_of(setup, Method::block_fit);
       return make_fit(setup, FitOptions::in_blocks());
     case MethodChoice::closing:
+      work_precision = expected_work_of(setup, Method::closing);
       return make_closing(setup);
     case MethodChoice::moments:
+      work_precision = expected_work_of(setup, Method::moments);
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::svd_knn:
     case MethodChoice::registered:

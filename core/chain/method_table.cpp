@@ -82,6 +82,12 @@ WorkPrecision expected_work(const ChainSetup& setup) {
   return work;
 }
 
+WorkPrecision expected_work_of(const ChainSetup& setup, Method method) {
+  WorkPrecision work = expected_work(setup);
+  std::erase_if(work.rows, [name = to_string(method)](const TradeoffRow& row) { return row.method != name; });
+  return work;
+}
+
 double frame_budget_us(const ChainSetup& setup) noexcept {
   constexpr double kAtSurface = 50;
   if (setup.estimator.budget_us) return *setup.estimator.budget_us;

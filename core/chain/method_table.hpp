@@ -41,6 +41,9 @@ inline constexpr const char* kMethodTableProcessor = "Intel Xeon (virtual), one 
 // rows for sensors whose method nobody chooses (one force, flat skins, no shear).
 WorkPrecision expected_work(const ChainSetup& setup);
 
+// The row of one method only; no rows where the table has none (closing at the surface).
+WorkPrecision expected_work_of(const ChainSetup& setup, Method method);
+
 // The time per frame that `auto` may spend, us: what the configuration says, else 50 at the surface, and
 // infinity under a skin, where fit alone takes several times as long.
 double frame_budget_us(const ChainSetup& setup) noexcept;

@@ -141,7 +141,7 @@ TEST_F(OtherPlace, AModuleThatOthersCanWriteOrThatIsCutOrForeignIsNotLoaded) {
   EXPECT_THAT(check("svd-knn").errors, HasSubstr("can be written by everybody"));
   std::filesystem::permissions(file, std::filesystem::perms::others_write,
                                std::filesystem::perm_options::remove);
-  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  std::filesystem::resize_file(file, 4096);  // half of it may be debug information
   EXPECT_THAT(check("svd-knn").errors, HasSubstr("cut short"));
   std::filesystem::copy_file(trial_drivers() / "slipd-driver-trial.so", file,
                              std::filesystem::copy_options::overwrite_existing);

@@ -44,7 +44,7 @@ TEST(Observability, StatusTellsLatenciesAndWhatTheEstimatorIsWorthOnThisScene) {
   const json& error = sensor["single_frame_error"];
   EXPECT_GT(error["mean"], 0);
   EXPECT_LT(error["mean"], 0.3);
-  EXPECT_GE(error["p95"], error["mean"]);
+  EXPECT_TRUE(error["p95"].is_null()) << "the table has means";
   EXPECT_GT(error["answered"], 0.5);
   for (const json* latency :
        {&sensor["latency_us"], &sensor["latency_last_minute_us"], &status["outputs"]["socket"]["latency_us"],
