@@ -152,7 +152,7 @@ struct EstimatorChain::Impl {
   int refused = 0;  // frames in a row
 };
 
-EstimatorChain::EstimatorChain(const ChainSetup& setup, std::shared_ptr<const TrainedModel> model)
+EstimatorChain::EstimatorChain(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model)
     : impl_(std::make_unique<Impl>(with_felt_skin(setup), model)) {}
 EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;

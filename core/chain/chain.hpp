@@ -18,7 +18,7 @@ class EstimatorChain {
  public:
   // `model` may be null where needs_model says no. Throws std::invalid_argument for a model of another
   // layout, or a method that this sensor cannot carry.
-  EstimatorChain(const ChainSetup& setup, std::shared_ptr<const TrainedModel> model);
+  EstimatorChain(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model);
   EstimatorChain(EstimatorChain&&) noexcept;
   EstimatorChain& operator=(EstimatorChain&&) noexcept;
   ~EstimatorChain();

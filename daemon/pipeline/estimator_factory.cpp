@@ -106,7 +106,7 @@ const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& 
   if (!chain) {
     std::shared_ptr<const TrainedModel> model;
     if (needs_model(setup)) model = models_(runtime.status.name, setup);
-    chain.emplace(setup, std::move(model));
+    chain.emplace(setup, model);
     if (const std::string why = why_method_is_replaced(setup); !why.empty())
       log_.write(LogLevel::warning, {runtime.status.name, Cause::configuration}, "%s: %s",
                  runtime.status.name.c_str(), why.c_str());
