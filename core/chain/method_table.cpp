@@ -89,7 +89,7 @@ WorkPrecision expected_work_of(const ChainSetup& setup, Method method) {
 }
 
 double frame_budget_us(const ChainSetup& setup) noexcept {
-  constexpr double kAtSurface = 50;
+  constexpr double kAtSurface = 100;  // a tenth of a frame at 1 kHz
   if (setup.estimator.budget_us) return *setup.estimator.budget_us;
   return felt_depth_m(setup) > 0 ? std::numeric_limits<double>::infinity() : kAtSurface;
 }

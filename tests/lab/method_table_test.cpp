@@ -48,12 +48,12 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MethodTableRows,
                          ::testing::Values(Size{1.5, false}, Size{3, false}, Size{8, false}, Size{2, true},
                                            Size{4, true}));
 
-// Under a skin a contact of more than 12 taxels in radius takes minutes to simulate.
+// Under a skin a contact of more than 24 taxels in radius takes minutes to simulate.
 TEST(MethodTable, HasRowsOfEverySize) {
   for (const double size : kMethodTableSizes) {
     EXPECT_NE(printed({.taxels_along_radius = size, .method = Method::moments}), nullptr) << size;
     EXPECT_NE(printed({.taxels_along_radius = size, .method = Method::fit}), nullptr) << size;
-    if (size > 12) continue;
+    if (size > 24) continue;
     EXPECT_NE(printed({.under_skin = true, .taxels_along_radius = size, .method = Method::fit}), nullptr)
         << size;
     EXPECT_NE(printed({.under_skin = true, .taxels_along_radius = size, .method = Method::closing}), nullptr)

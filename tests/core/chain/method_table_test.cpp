@@ -143,13 +143,13 @@ TEST(MethodTable, TheSameSceneHasTheSameMethodAtEachStart) {
   }
 }
 
-TEST(MethodTable, WithoutABudgetThereAre50MicrosecondsAtTheSurfaceAndNoLimitUnderASkin) {
+TEST(MethodTable, WithoutABudgetThereAre100MicrosecondsAtTheSurfaceAndNoLimitUnderASkin) {
   ChainSetup setup = pad_of(16);
-  EXPECT_EQ(frame_budget_us(setup), 50);
+  EXPECT_EQ(frame_budget_us(setup), 100);
   setup.scene.skin.depth_m = 0.001;
   EXPECT_EQ(frame_budget_us(setup), std::numeric_limits<double>::infinity());
   setup.scene.skin.depth_m = 1e-6;
-  EXPECT_EQ(frame_budget_us(setup), 50) << "too thin to be felt";
+  EXPECT_EQ(frame_budget_us(setup), 100) << "too thin to be felt";
   setup.scene.skin.depth_m = 0.001;
   setup.estimator.budget_us = 300;
   EXPECT_EQ(frame_budget_us(setup), 300);
