@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -130,8 +131,13 @@ class Told : public ::testing::Test {
     one.valid_until_ns = one.time_ns + good.count();
     return one;
   }
+  // Since the first sample. Before it there is no estimate: each beat says so.
   std::vector<StateAndAlert> estimates() {
-    return estimate_.told([](const auto& m) { return StateAndAlert(m.state, m.alert); });
+    std::vector<StateAndAlert> all =
+        estimate_.told([](const auto& m) { return StateAndAlert(m.state, m.alert); });
+    const auto sampled = [](const StateAndAlert& one) { return one.first != SlipEstimate::kStale; };
+    all.erase(all.begin(), std::find_if(all.begin(), all.end(), sampled));
+    return all;
   }
   std::vector<StateAndAlert> alerts() {
     return alert_.told([](const auto& m) { return StateAndAlert(m.state, m.alert); });
