@@ -35,7 +35,7 @@ struct EstimatorChain::Impl {
       : pipeline(make_pipeline(setup, model, work_precision)),
         finder(setup.layout, patch_options(setup)),
         plausibility(setup.layout, plausibility_limits(setup)),
-        gate(setup.layout, setup.sensor_class, setup.contact.min_normal_n),
+        gate(make_contact_gate(setup.layout, setup.sensor_class, setup.contact.min_normal_n)),
         decision(setup.estimator.sigma_max, pipeline->least_sigma()),
         observer(make_observer(setup)),
         alert(setup.alerts),
@@ -75,20 +75,20 @@ struct EstimatorChain::Impl {
     refused = std::min(refused + 1, kFramesRemembered + 1);
     if (jump || refused > kFramesRemembered) lose_sight();
     if (jump) {
-      gate.judge(checked.frame, checked.patch);
+      gate->judge(checked.frame, checked.patch);
     } else {
-      gate.leave();
+      gate->leave();
     }
     if (checked.judgement.verdict == Verdict::sensor_fault) decision.fail();
     decision.refuse(State::out_of_model);
-    observer->observe(checked.frame, gate.touching(), out);
+    observer->observe(checked.frame, gate->touching(), out);
   }
 
   // A frame with a contact or without one.
   void use(const Checked& checked, Estimate& out) noexcept {
     refused = 0;
-    const bool touches = gate.judge(checked.frame, checked.patch);
-    finder.set_noise(gate.noise());
+    const bool touches = gate->judge(checked.frame, checked.patch);
+    finder.set_noise(gate->noise());
     if (touches) {
       pipeline->estimate(checked.frame, checked.patch, observer->previous(), decision, out);
     } else {
@@ -103,7 +103,7 @@ struct EstimatorChain::Impl {
   // It has no margin, and is not no contact.
   void leave_contact(Estimate& out) noexcept {
     forget();
-    const auto& pulled = gate.pulled();
+    const auto pulled = gate->pulled();
     if (!pulled) return decision.refuse(State::no_contact);
     out.normal_n = pulled->normal_n;
     out.shear_n = pulled->shear_n;
@@ -143,7 +143,7 @@ struct EstimatorChain::Impl {
   std::unique_ptr<ContactPipeline> pipeline;
   PatchFinder finder;
   PlausibilityMonitor plausibility;
-  ContactGate gate;
+  std::unique_ptr<ContactGate> gate;
   MarginDecision decision;
   std::unique_ptr<PatternObserver> observer;
   AlertLogic alert;

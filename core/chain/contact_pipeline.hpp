@@ -10,10 +10,10 @@
 #include "core/chain/setup.hpp"
 #include "core/estimate/estimate.hpp"
 #include "core/frame/frame.hpp"
+#include "core/load/equivalent_pull.hpp"
 #include "core/margin/margin_decision.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/trained_model.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
 #include "core/sliding/sliding.hpp"
 
 namespace slipd {

@@ -30,33 +30,36 @@ void PressureOnlyPipeline::estimate(const Frame& /*frame*/, const ContactPatch& 
 }
 
 ForcePipeline::ForcePipeline(const ChainSetup& setup)
-    : equivalent_pull_(setup.layout),
+    : equivalent_pull_(make_equivalent_pull(setup.layout)),
       margin_(make_margin_source(setup, 0)),
       bound_(known_friction(setup).range),
       target_margin_(setup.alerts.target_margin) {}
 
 void ForcePipeline::forget() noexcept {
   margin_->forget();
-  equivalent_pull_.reset();
+  path_.forget();
+  torque_ = Turning::none;
 }
 
 void ForcePipeline::lose_sight() noexcept {
   forget();
   margin_->lose_sight();
-  equivalent_pull_.lose_way();
 }
 
 void OneForcePipeline::estimate(const Frame& /*frame*/, const ContactPatch& patch,
                                 const SlidingVerdict& previous, MarginDecision& decision,
                                 Estimate& out) noexcept {
   publish_forces(patch, out);
-  const EquivalentPullResult pull = equivalent_pull_.of(patch, margin_->friction());
+  const EquivalentPullResult pull = equivalent_pull_->of(patch, torque_);
   torque_ = pull.turning;
   out.pull_n = pull.pull_n;
   const ContactPatch pulled = with_pull(patch, pull);
-  margin_->estimate(
-      {.time_ns = out.time_ns, .measured = patch, .acting = pulled, .previous_sliding = previous}, decision,
-      out);
+  margin_->estimate({.time_ns = out.time_ns,
+                     .measured = patch,
+                     .step = path_.follow(patch),
+                     .acting = pulled,
+                     .previous_sliding = previous},
+                    decision, out);
   bound_.apply(measured_load(patch, pulled), 0, decision, out);
   advise(out, pull.pull_sigma_n, target_margin_);
 }
@@ -73,12 +76,13 @@ void FlatPadPipeline::estimate(const Frame& frame, const ContactPatch& patch, co
   publish_torque(patch, out);
   ContactPatch unpressed = patch;
   unpressed.torque_nm = field.settled ? patch.torque_nm - field.pressing_lever_m * patch.normal_n : 0;
-  const EquivalentPullResult pull = equivalent_pull_.of(unpressed, margin_->friction());
+  const EquivalentPullResult pull = equivalent_pull_->of(unpressed, torque_);
   torque_ = pull.turning;
   out.pull_n = patch.shear_n;
   if (field.internal_share > kMaxInternalShare) decision.refuse(State::out_of_model);
   margin_->estimate({.time_ns = out.time_ns,
                      .measured = patch,
+                     .step = path_.follow(patch),
                      .acting = patch,
                      .shared = shared(frame, patch),
                      .previous_sliding = previous},

@@ -6,9 +6,10 @@
 
 #include "core/chain/contact_pipeline.hpp"
 #include "core/friction/pad_load_sharing.hpp"
+#include "core/load/equivalent_pull.hpp"
+#include "core/load/load_path.hpp"
 #include "core/margin/margin_bound.hpp"
 #include "core/margin/margin_source.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
 
 namespace slipd {
 
@@ -40,10 +41,11 @@ class ForcePipeline : public ContactPipeline {
  protected:
   explicit ForcePipeline(const ChainSetup& setup);
 
-  EquivalentPull equivalent_pull_;  // first: aligned to a cache line
+  std::unique_ptr<EquivalentPull> equivalent_pull_;
+  LoadPath path_;
   std::unique_ptr<MarginSource> margin_;
-  MarginBound bound_;
-  double target_margin_;
+  const MarginBound bound_;
+  const double target_margin_;
   Turning torque_ = Turning::none;  // of the last frame
 };
 

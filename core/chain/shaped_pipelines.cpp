@@ -16,10 +16,15 @@ bool is_clear(const ContactPatch& patch) noexcept {
   return patch.shear_n > kClearSigmas * patch.shear_sigma_n;
 }
 
+std::unique_ptr<TorqueReading> make_torque_reading(const ChainSetup& setup) {
+  if (setup.estimator.tracking) return std::make_unique<TorqueReadingOverTime>(setup.layout);
+  return std::make_unique<TorqueReadingOfFrames>(setup.layout);
+}
+
 }  // namespace
 
 ShapedPipeline::ShapedPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
-    : equivalent_pull_(setup.layout),
+    : equivalent_pull_(make_equivalent_pull(setup.layout)),
       method_(std::move(method)),
       forces_(make_surface_forces(setup)),
       margin_(make_margin_source(setup, forces_->common_sigma())),
@@ -32,7 +37,7 @@ void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, con
   publish_forces(patch, out);
   publish_place(patch, out);
   publish_torque(patch, out);
-  const EquivalentPullResult pull = equivalent_pull_.of(patch, margin_->friction());
+  const EquivalentPullResult pull = equivalent_pull_->of(patch, torque_);
   torque_ = pull.turning;
   out.pull_n = pull.pull_n;
   const ContactPatch pulled = with_pull(patch, pull);
@@ -40,6 +45,7 @@ void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, con
   const SurfaceLoad load = forces_->of(patch, pulled, reading.value_or(Reading{}), out);
   margin_->estimate({.time_ns = out.time_ns,
                      .measured = patch,
+                     .step = path_.follow(patch),
                      .acting = load.acting,
                      .reading = reading ? &*reading : nullptr,
                      .previous_sliding = previous},
@@ -66,7 +72,8 @@ Reading ShapedPipeline::read_pull(const Frame& frame, const ContactPatch& patch)
 
 void ShapedPipeline::forget() noexcept {
   margin_->forget();
-  equivalent_pull_.reset();
+  path_.forget();
+  torque_ = Turning::none;
   method_->forget();
   forces_->forget();
 }
@@ -74,18 +81,18 @@ void ShapedPipeline::forget() noexcept {
 void ShapedPipeline::lose_sight() noexcept {
   forget();
   margin_->lose_sight();
-  equivalent_pull_.lose_way();
 }
 
 ArrayPipeline::ArrayPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
-    : ShapedPipeline(setup, std::move(method)), torque_reading_(setup.layout, setup.estimator.tracking) {}
+    : ShapedPipeline(setup, std::move(method)), torque_reading_(make_torque_reading(setup)) {}
 
 std::optional<Reading> ArrayPipeline::read(const Frame& frame, const ContactPatch& patch,
                                            const ContactPatch& pulled,
                                            const EquivalentPullResult& pull) noexcept {
+  torque_reading_->follow(patch, pull, friction());
   if (patch.count < kFewInside || !(pull.turning == Turning::bending || is_clear(patch))) return std::nullopt;
-  if (!torque_reading_.bent(pull)) return read_pull(frame, patch);
-  Reading reading = torque_reading_.estimate(pulled, pull);
+  if (!torque_reading_->bent(pull)) return read_pull(frame, patch);
+  Reading reading = torque_reading_->estimate(pulled, pull);
   reading.by = method();
   return reading;
 }
@@ -98,7 +105,12 @@ std::vector<std::string_view> ArrayPipeline::stages() const {
 
 void ArrayPipeline::forget() noexcept {
   ShapedPipeline::forget();
-  torque_reading_.forget();
+  torque_reading_->forget();
+}
+
+void ArrayPipeline::lose_sight() noexcept {
+  ShapedPipeline::lose_sight();
+  torque_reading_->lose_sight();
 }
 
 FewTaxelsPipeline::FewTaxelsPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)

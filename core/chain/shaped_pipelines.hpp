@@ -6,10 +6,11 @@
 #include <optional>
 
 #include "core/chain/contact_pipeline.hpp"
+#include "core/load/equivalent_pull.hpp"
+#include "core/load/load_path.hpp"
 #include "core/margin/margin_bound.hpp"
 #include "core/margin/margin_source.hpp"
 #include "core/margin/surface_load.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
 #include "core/reading/torque/torque_reading.hpp"
 
 namespace slipd {
@@ -33,16 +34,19 @@ class ShapedPipeline : public ContactPipeline {
   virtual std::optional<Reading> read(const Frame& frame, const ContactPatch& patch,
                                       const ContactPatch& pulled,
                                       const EquivalentPullResult& pull) noexcept = 0;
+  // Friction as far as it is known, > 0.
+  double friction() const noexcept { return margin_->friction(); }
   // Of a frame whose shear is that of a pull.
   Reading read_pull(const Frame& frame, const ContactPatch& patch) noexcept;
 
  private:
-  EquivalentPull equivalent_pull_;  // first: aligned to a cache line
+  std::unique_ptr<EquivalentPull> equivalent_pull_;
   std::unique_ptr<SlipMethod> method_;
+  LoadPath path_;
   std::unique_ptr<SurfaceForces> forces_;
   std::unique_ptr<MarginSource> margin_;
-  MarginBound bound_;
-  double target_margin_;
+  const MarginBound bound_;
+  const double target_margin_;
   Turning torque_ = Turning::none;  // of the last frame
 };
 
@@ -52,13 +56,14 @@ class ArrayPipeline final : public ShapedPipeline {
   ArrayPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method);
   std::vector<std::string_view> stages() const override;
   void forget() noexcept override;
+  void lose_sight() noexcept override;
 
  protected:
   std::optional<Reading> read(const Frame& frame, const ContactPatch& patch, const ContactPatch& pulled,
                               const EquivalentPullResult& pull) noexcept override;
 
  private:
-  TorqueReading torque_reading_;
+  std::unique_ptr<TorqueReading> torque_reading_;
 };
 
 // Few taxels: read as a whole, and without a shape under torque.

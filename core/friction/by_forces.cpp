@@ -16,21 +16,21 @@ void FrictionByForces::reset() noexcept {
   grasp_ = {};
 }
 
-void FrictionByForces::update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
-                              const SlidingVerdict& previous) noexcept {
+void FrictionByForces::update(const FrictionFrame& frame) noexcept {
+  const ContactPatch& patch = frame.patch;
   traction_ratio_.update(patch);
-  fade(time_ns);
+  fade(frame.time_ns);
   forget_lighter(patch);
   watch_hook();
-  const bool tangled = grasp_.hooked || previous.field.internal_share > options_.max_internal_share;
+  const bool tangled = grasp_.hooked || frame.previous.field.internal_share > options_.max_internal_share;
   if (!tangled) {
     const auto [load, frames] = traction_ratio_.held();
     bound_below(load, frames);
   }
   evidence_.surprised = false;
-  if (reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
-    weigh_frame(patch, *reading);
-  if (const auto slide = traction_ratio_.detect_slide(previous); slide && !tangled) weigh_slide(*slide);
+  if (frame.reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
+    weigh_frame(patch, *frame.reading);
+  if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !tangled) weigh_slide(*slide);
   grid_.normalise();
 }
 

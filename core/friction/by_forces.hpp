@@ -11,8 +11,7 @@ class FrictionByForces final : public FrictionFilter {
  public:
   explicit FrictionByForces(const FrictionPrior& prior, const FrictionFilterOptions& options = {});
 
-  void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
-              const SlidingVerdict& previous = {}) noexcept override;
+  void update(const FrictionFrame& frame) noexcept override;
   void reset() noexcept override;
 
   // What the last few frames say of it.

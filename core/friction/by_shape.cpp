@@ -37,8 +37,9 @@ void FrictionByShape::lose_sight() noexcept {
   history_.lose(HistoryEvent::unseen);
 }
 
-void FrictionByShape::update(std::int64_t /*time_ns*/, const ContactPatch& patch, const Reading* reading,
-                             const SlidingVerdict& /*previous*/) noexcept {
+void FrictionByShape::update(const FrictionFrame& frame) noexcept {
+  const ContactPatch& patch = frame.patch;
+  const Reading* const reading = frame.reading;
   MeanSigma& ratio = grasp_.traction_ratio;
   ratio = {patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
   bound_below({ratio.mean, std::max(ratio.sigma, options_.traction_ratio.held_floor_frame * ratio.mean)}, 1);
@@ -48,10 +49,9 @@ void FrictionByShape::update(std::int64_t /*time_ns*/, const ContactPatch& patch
   evidence_.surprised = false;
   grasp_.doubt_frames = std::max(0, grasp_.doubt_frames - 1);
   const bool clear = reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n;
-  verify(patch, clear);
+  verify(frame, clear);
   if (!clear || turning) grasp_.slip_moment.known = false;
-  if (clear && (turning ? weigh_torque(patch, *reading) : weigh_frame(patch, *reading)))
-    grasp_.unverified_frames = 0;
+  if (clear && (turning ? weigh_torque(patch, *reading) : weigh_frame(frame))) grasp_.unverified_frames = 0;
   // Nothing that sticks again shows friction, but it may show that friction is not as it was learnt.
   if (clear && turning && reading->load_fallen &&
       reading->friction < options_.held_ratio * grid_.friction(grid_.likeliest()))
@@ -100,7 +100,9 @@ bool FrictionByShape::looks_monotonic(double normal_n, double load) noexcept {
          options_.monotonic_share_of_shear * load * normal_n + options_.monotonic_share_of_limit * limit_n;
 }
 
-bool FrictionByShape::weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept {
+bool FrictionByShape::weigh_frame(const FrictionFrame& frame) noexcept {
+  const ContactPatch& patch = frame.patch;
+  const Reading& reading = *frame.reading;
   const double load = patch.shear_n / patch.normal_n;
   history_.classify(looks_monotonic(patch.normal_n, load));
   grasp_.other_history |= !is_monotonic(history());
@@ -109,7 +111,11 @@ bool FrictionByShape::weigh_frame(const ContactPatch& patch, const Reading& read
   if (is_monotonic(history())) locked_in = {};
   locked_in = {std::max(locked_in.slip_moment_n, common.slip_moment_n),
                std::max(locked_in.second_legendre_n, common.second_legendre_n)};
-  if (is_known(history())) detect_fall(patch, reading);
+  if (is_known(history())) {
+    detect_fall(frame);
+  } else {
+    grasp_.slip_moment.known = false;
+  }
   PerFriction residuals;  // the first grid_.count() of them
   if (is_monotonic(history()) && reading.in_model) {
     compare_margin(patch, reading, residuals);
@@ -153,7 +159,9 @@ double FrictionByShape::share_of_moments(const ContactPatch& patch, const Readin
 // Errors of the model and of the taxels' size are the same in two frames, so that the step from one to the
 // next is known much better than either: where the slip moment grows by more than the forces' step explains,
 // friction has fallen.
-void FrictionByShape::detect_fall(const ContactPatch& patch, const Reading& reading) noexcept {
+void FrictionByShape::detect_fall(const FrictionFrame& frame) noexcept {
+  const Reading& reading = *frame.reading;
+  const LoadStep& step = frame.step;
   const SlipMoment last = grasp_.slip_moment;
   SlipMoment& now = grasp_.slip_moment;
   if (!std::isfinite(reading.moments_sigma.slip_moment_n)) {
@@ -162,19 +170,20 @@ void FrictionByShape::detect_fall(const ContactPatch& patch, const Reading& read
   }
   now = {.known = true,
          .friction = grid_.likeliest(),
-         .seen_n = forces_.axis().cosine(patch) * reading.moments.slip_moment_n,
+         .seen_n = forces_.axis().cosine(frame.patch) * reading.moments.slip_moment_n,
          .expected_n = foundations_.shear_moments(grid_.likeliest()).slip_moment_n,
          .sigma_n = std::sqrt(std::max(0.0, square(reading.moments_sigma.slip_moment_n) -
-                                                square(reading.moments_common_sigma.slip_moment_n))),
-         .normal_n = patch.normal_n,
-         .shear_n = forces_.axis().along_n(patch)};
-  if (!last.known || last.friction != now.friction) return;
+                                                square(reading.moments_common_sigma.slip_moment_n)))};
+  if (!last.known || last.friction != now.friction || !step.previous) return;
   const double step_n = (now.seen_n - last.seen_n) - (now.expected_n - last.expected_n);
-  const double moved_n = std::fabs(now.shear_n - last.shear_n) +
-                         grid_.friction(now.friction) * std::fabs(now.normal_n - last.normal_n);
+  const double along_n = forces_.axis().along_n(step.now);
+  const double moved_n =
+      std::fabs(along_n - forces_.axis().along_n(*step.previous)) +
+      grid_.friction(now.friction) * std::fabs(step.now.normal_n - step.previous->normal_n);
   const double explained_n = options_.fall_sigmas * std::hypot(now.sigma_n, last.sigma_n) +
-                             options_.fall_share_of_step * moved_n + options_.fall_share * patch.shear_n;
-  if (!(std::copysign(1.0, now.shear_n) * step_n > explained_n)) return;
+                             options_.fall_share_of_step * moved_n +
+                             options_.fall_share * frame.patch.shear_n;
+  if (!(std::copysign(1.0, along_n) * step_n > explained_n)) return;
   forget_common();
   grasp_.fallen = true;
   grid_.open_below(options_.fallen_nats);
@@ -247,19 +256,16 @@ void FrictionByShape::doubt_likeliest(const Reading& reading, double sign, doubl
 }
 
 // Whether memory may answer. `clear`: the frame's shear is far above the noise.
-void FrictionByShape::verify(const ContactPatch& patch, bool clear) noexcept {
-  const double step_n =
-      std::hypot(patch.shear_x_n - grasp_.last_shear_x_n, patch.shear_y_n - grasp_.last_shear_y_n);
-  grasp_.last_shear_x_n = patch.shear_x_n;
-  grasp_.last_shear_y_n = patch.shear_y_n;
+void FrictionByShape::verify(const FrictionFrame& frame, bool clear) noexcept {
   const bool was_clear = std::exchange(grasp_.last_clear, clear);
   if (clear) {
     grasp_.shear_lost = false;
     ++grasp_.unverified_frames;
     return;
   }
-  const double limit_n = grid_.friction(grid_.likeliest()) * patch.normal_n;
-  if (was_clear && patch.shear_n < step_n && step_n > options_.max_lost_step * limit_n)
+  const double limit_n = grid_.friction(grid_.likeliest()) * frame.patch.normal_n;
+  const double moved_n = frame.step.shear_moved_n();
+  if (was_clear && frame.patch.shear_n < moved_n && moved_n > options_.max_lost_step * limit_n)
     grasp_.shear_lost = true;
 }
 

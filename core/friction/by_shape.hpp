@@ -14,10 +14,9 @@ class FrictionByShape final : public FrictionFilter {
  public:
   explicit FrictionByShape(const FrictionPrior& prior, const FrictionFilterOptions& options = {});
 
-  // Where a torque has changed the field (reading->turning) shear_n of `patch` is the pull that asks for as
-  // much of friction; the foundations, which know pulls only, rest meanwhile, and start anew afterwards.
-  void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
-              const SlidingVerdict& previous = {}) noexcept override;
+  // The foundations know pulls only: where a torque has changed the field they rest, and start anew
+  // afterwards.
+  void update(const FrictionFrame& frame) noexcept override;
   void reset() noexcept override;
   // The history is assumed until frames confirm it.
   void lose_sight() noexcept override;
@@ -50,7 +49,6 @@ class FrictionByShape final : public FrictionFilter {
     std::size_t friction = 0;           // the likeliest then
     double seen_n = 0, expected_n = 0;  // of the frame, of that friction's foundation
     double sigma_n = 0;                 // of noise
-    double normal_n = 0, shear_n = 0;   // forces then
   };
 
   // What a new grasp forgets.
@@ -66,9 +64,8 @@ class FrictionByShape final : public FrictionFilter {
     bool fallen = false;         // see fallen()
     bool other_history = false;  // the load was not monotonic once
     MomentResiduals moment_residuals;
-    double last_shear_x_n = 0, last_shear_y_n = 0;  // of the frame before
-    bool last_clear = false;                        // the last frame's shear was far above its noise
-    bool shear_lost = false;                        // shear fell to noise in one step
+    bool last_clear = false;    // the last frame's shear was far above its noise
+    bool shear_lost = false;    // shear fell to noise in one step
     int unverified_frames = 0;  // frames in a row with a clear shear that said nothing of friction
   };
 
@@ -76,7 +73,7 @@ class FrictionByShape final : public FrictionFilter {
   bool looks_monotonic(double normal_n, double load) noexcept;
   // True if the frame said something of friction.
   bool weigh_torque(const ContactPatch& patch, const Reading& reading) noexcept;
-  bool weigh_frame(const ContactPatch& patch, const Reading& reading) noexcept;
+  bool weigh_frame(const FrictionFrame& frame) noexcept;
   // Squared residuals of each friction: of the frame's margin, of its shear moments.
   void compare_margin(const ContactPatch& patch, const Reading& reading,
                       PerFriction& residuals) const noexcept;
@@ -84,10 +81,10 @@ class FrictionByShape final : public FrictionFilter {
   contact::ShearMoments with_locked_in(const Reading& reading) const noexcept;
   void doubt_likeliest(const Reading& reading, double sign, double open_n) noexcept;
   double share_of_moments(const ContactPatch& patch, const Reading& reading) noexcept;
-  void detect_fall(const ContactPatch& patch, const Reading& reading) noexcept;
+  void detect_fall(const FrictionFrame& frame) noexcept;
   MeanSigma offset_of(std::size_t friction, double load, double normal_n) const noexcept;
   void doubt_jump() noexcept;
-  void verify(const ContactPatch& patch, bool clear) noexcept;
+  void verify(const FrictionFrame& frame, bool clear) noexcept;
 
   FollowedForces forces_;
   WinklerFoundations foundations_;

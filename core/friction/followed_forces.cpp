@@ -43,7 +43,7 @@ bool FollowedForces::follow(const ContactPatch& patch) noexcept {
   const double normal_to =
       drag(normal_n_, patch.normal_n, options_.band_sigmas * patch.normal_sigma_n + least_n);
   const double shear_to =
-      drag(shear_n_, axis_.along_n(patch),
+      drag(shear_n_, axis_.along_n(forces_of(patch)),
            options_.band_sigmas * patch.shear_sigma_n + options_.shear_band_share * least_n);
   if (normal_to == normal_n_ && shear_to == shear_n_) return false;
   normal_n_ = std::max(normal_to, options_.min_normal_share * patch.normal_n);

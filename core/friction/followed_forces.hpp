@@ -3,6 +3,7 @@
 // thread; plain state, nothing allocates.
 #pragma once
 
+#include "core/load/load_path.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -48,8 +49,8 @@ class ShearAxis {
   bool aim(const ContactPatch& patch, const FollowedForcesOptions& options) noexcept;
 
   // A frame's shear along it, N.
-  double along_n(const ContactPatch& patch) const noexcept {
-    return patch.shear_x_n * x_ + patch.shear_y_n * y_;
+  double along_n(const ContactForces& forces) const noexcept {
+    return forces.shear_x_n * x_ + forces.shear_y_n * y_;
   }
   // Cosine between a frame's shear and the axis, -1 … 1: the sign of the shear, or less where noise turns it.
   double cosine(const ContactPatch& patch) const noexcept {

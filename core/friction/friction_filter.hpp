@@ -14,6 +14,7 @@
 #include "core/friction/friction_filter_options.hpp"
 #include "core/friction/friction_grid.hpp"
 #include "core/friction/history_state.hpp"
+#include "core/load/load_path.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/friction_prior.hpp"
 #include "core/reading/method/method.hpp"
@@ -21,14 +22,27 @@
 
 namespace slipd {
 
+// A frame as friction is learnt from it.
+struct FrictionFrame {
+  // CLOCK_MONOTONIC, ns.
+  std::int64_t time_ns = 0;
+  // With the forces that act. Where a torque has changed the field (reading->turning) its shear_n is the pull
+  // that asks for as much of friction.
+  const ContactPatch& patch;
+  // From the frame before to this one, as measured.
+  const LoadStep& step;
+  // Null where the frame has no shape.
+  const Reading* reading = nullptr;
+  // The object's sliding, a frame ago.
+  const SlidingVerdict& previous;
+};
+
 class FrictionFilter {
  public:
   virtual ~FrictionFilter() = default;
 
-  // One frame in contact, in order of time. `reading` is null where the frame has no shape. `previous`: what
-  // is known of sliding, at most a frame old.
-  virtual void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
-                      const SlidingVerdict& previous = {}) noexcept = 0;
+  // One frame in contact, in order of time.
+  virtual void update(const FrictionFrame& frame) noexcept = 0;
   // A new grasp: back to the prior.
   virtual void reset() noexcept = 0;
   // The same, and the contact may carry a load already.

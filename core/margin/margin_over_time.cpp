@@ -137,7 +137,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
                                                                MarginDecision& decision,
                                                                Estimate& out) noexcept {
   out.method = Method::friction;
-  filter_->update(frame.time_ns, frame.acting, frame.reading, frame.previous_sliding);
+  filter_->update({frame.time_ns, frame.acting, frame.step, frame.reading, frame.previous_sliding});
   if (!filter_->understood()) {
     refuse_unknown(frame, decision);
     return std::nullopt;
@@ -157,7 +157,7 @@ std::optional<MarginOverTime::Now> LearntFrictionMargin::learn(const MarginInput
 
 void LearntFrictionMargin::widen_by_unobserved(const MarginInput& frame, MarginDecision& decision,
                                                const Estimate& out) noexcept {
-  unobserved_.update(frame.measured, out.friction.value_or(usual_friction_));
+  unobserved_.update(frame.measured, frame.step, out.friction.value_or(usual_friction_));
   decision.widen(unobserved_.sigma());
 }
 
@@ -280,7 +280,7 @@ std::optional<MarginOverTime::Now> GivenFrictionMargin::follow(const MarginInput
                                                                MarginDecision& decision, Estimate& out,
                                                                bool& by_forces) noexcept {
   out.method = Method::friction;
-  filter_->update(frame.time_ns, frame.acting, frame.reading, frame.previous_sliding);
+  filter_->update({frame.time_ns, frame.acting, frame.step, frame.reading, frame.previous_sliding});
   by_forces = !is_known(filter_->history());
   if (!by_forces && !filter_->understood()) {
     refuse_unknown(frame, decision);

@@ -10,7 +10,7 @@
 #include "core/contact/scene.hpp"
 #include "core/estimate/settings.hpp"
 #include "core/friction/friction_filter.hpp"
-#include "core/friction/unobserved_load_change.hpp"
+#include "core/load/unobserved_load_change.hpp"
 #include "core/margin/margin_source.hpp"
 
 namespace slipd {
@@ -133,7 +133,7 @@ class LearntFrictionMargin : public MarginOverTime {
  public:
   void forget() noexcept override {
     MarginOverTime::forget();
-    unobserved_.reset();
+    unobserved_.forget();
   }
 
  protected:

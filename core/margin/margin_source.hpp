@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/estimate/estimate.hpp"
+#include "core/load/load_path.hpp"
 #include "core/margin/margin_decision.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/method.hpp"
@@ -19,6 +20,8 @@ struct MarginInput {
   std::int64_t time_ns = 0;
   // As it was measured.
   const ContactPatch& measured;
+  // From the frame before to this one, as measured.
+  const LoadStep& step;
   // With the forces that act, and in shear_n the equivalent pull.
   const ContactPatch& acting;
   // What the frame shows by itself; null where the sensor has no method, or the frame no shear.

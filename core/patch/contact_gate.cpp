@@ -20,45 +20,54 @@ double default_min_normal_n(const TaxelLayout& layout) noexcept {
   return is_small(layout) ? kFewTaxelsMinNormalN : 0;
 }
 
-ContactGate::ContactGate(const TaxelLayout& layout, SensorClass sensor_class,
-                         std::optional<double> min_normal_n, const ContactGateOptions& options)
-    : options_(options),
-      taxels_(layout.size()),
-      area_m2_(layout.area_m2()),
-      shows_shear_(sensor_class != SensorClass::normal),
-      min_normal_n_(min_normal_n.value_or(default_min_normal_n(layout))),
-      unloaded_n_(std::max(min_normal_n_, kFewTaxelsMinNormalN)),
-      noise_(layout, unloaded_n_) {}
-
-double ContactGate::threshold_n() const noexcept {
-  const double noise_n = noise_.now() ? noise_.now()->normal_n : 0;
-  return std::max(min_normal_n_, options_.contact_sigmas * noise_n);
+bool ContactGate::judge(const Frame& /*frame*/, const ContactPatch& patch) noexcept {
+  const double least_n = std::max(min_normal_n_, options_.contact_sigmas * normal_noise_n());
+  touching_ = patch.in_contact && patch.normal_n >= (touching_ ? options_.kept_share : 1) * least_n;
+  return touching_;
 }
 
-double ContactGate::pull_threshold_n() const noexcept {
+FewTaxelsGate::FewTaxelsGate(const TaxelLayout& layout, SensorClass sensor_class, double min_normal_n,
+                             const ContactGateOptions& options)
+    : ContactGate(min_normal_n, options),
+      area_m2_(layout.area_m2()),
+      shows_shear_(sensor_class != SensorClass::normal),
+      unloaded_n_(std::max(min_normal_n, kFewTaxelsMinNormalN)),
+      noise_(layout, unloaded_n_) {}
+
+double FewTaxelsGate::normal_noise_n() const noexcept {
+  return noise_.now() ? noise_.now()->normal_n : 0;
+}
+
+double FewTaxelsGate::pull_threshold_n() const noexcept {
   const double noise_n = noise_.now() ? noise_.now()->shear_n : 0;
   return std::max(options_.pulled_over_normal * unloaded_n_, options_.contact_sigmas * noise_n);
 }
 
-bool ContactGate::judge(const Frame& frame, const ContactPatch& patch) noexcept {
-  const double threshold = (touching_ ? options_.kept_share : 1) * threshold_n();
-  touching_ = patch.in_contact && patch.normal_n >= threshold;
+bool FewTaxelsGate::judge(const Frame& frame, const ContactPatch& patch) noexcept {
+  const bool touches = ContactGate::judge(frame, patch);
   pulled_.reset();
-  if (taxels_ > kFewTaxels) return touching_;  // it shows pressure where anything hooks
   const PulledForces all = forces_on(frame);
-  if (!touching_ && shows_shear_ && all.shear_n > pull_threshold_n()) pulled_ = all;
+  if (!touches && shows_shear_ && all.shear_n > pull_threshold_n()) pulled_ = all;
   noise_.update(frame);
-  return touching_;
+  return touches;
 }
 
-PulledForces ContactGate::forces_on(const Frame& frame) const noexcept {
+PulledForces FewTaxelsGate::forces_on(const Frame& frame) const noexcept {
   double p = 0, x = 0, y = 0;
-  for (std::size_t i = 0; i < taxels_; ++i) {
+  for (std::size_t i = 0; i < frame.normal_pa.size(); ++i) {
     p += static_cast<double>(frame.normal_pa[i]);
     x += static_cast<double>(frame.shear_x_pa[i]);
     y += static_cast<double>(frame.shear_y_pa[i]);
   }
   return {p * area_m2_, std::hypot(x, y) * area_m2_};
+}
+
+std::unique_ptr<ContactGate> make_contact_gate(const TaxelLayout& layout, SensorClass sensor_class,
+                                               std::optional<double> min_normal_n,
+                                               const ContactGateOptions& options) {
+  const double least_n = min_normal_n.value_or(default_min_normal_n(layout));
+  if (is_small(layout)) return std::make_unique<FewTaxelsGate>(layout, sensor_class, least_n, options);
+  return std::make_unique<ContactGate>(least_n, options);
 }
 
 }  // namespace slipd

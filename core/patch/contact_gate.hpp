@@ -2,6 +2,7 @@
 // with hysteresis. Estimate thread; fixed memory, nothing allocates.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "core/frame/frame.hpp"
@@ -35,39 +36,61 @@ struct PulledForces {
   double shear_n = 0;
 };
 
+// Of an array, whose free taxels show the noise of each frame: it shows pressure where anything hooks.
 class ContactGate {
  public:
-  // min_normal_n: configured, >= 0 N; none: default_min_normal_n.
-  ContactGate(const TaxelLayout& layout, SensorClass sensor_class, std::optional<double> min_normal_n,
-              const ContactGateOptions& options = {});
+  // min_normal_n: P below which nothing touches, N, >= 0.
+  explicit ContactGate(double min_normal_n, const ContactGateOptions& options = {})
+      : options_(options), min_normal_n_(min_normal_n) {}
+  virtual ~ContactGate() = default;
 
   // One frame with a zero, in order of time, and its patch. True: it is a contact.
-  bool judge(const Frame& frame, const ContactPatch& patch) noexcept;
+  virtual bool judge(const Frame& frame, const ContactPatch& patch) noexcept;
 
   // A frame that says nothing: the contact counts as lost.
   void leave() noexcept { touching_ = false; }
 
   bool touching() const noexcept { return touching_; }
   // Of the last frame that was judged; none: it was a contact with pressure, or nothing pulls.
-  const std::optional<PulledForces>& pulled() const noexcept { return pulled_; }
-
+  virtual std::optional<PulledForces> pulled() const noexcept { return std::nullopt; }
   // What the sensor's noise is without load, of sensors of few taxels; none: not known.
-  const std::optional<SensorNoise>& noise() const noexcept { return noise_.now(); }
+  virtual std::optional<SensorNoise> noise() const noexcept { return std::nullopt; }
+
+ protected:
+  // Noise of P that may be taken for a contact, N.
+  virtual double normal_noise_n() const noexcept { return 0; }
+
+  const ContactGateOptions options_;
+  const double min_normal_n_;
 
  private:
+  bool touching_ = false;
+};
+
+// Of few taxels, and of one force vector: noise is known from frames without load.
+class FewTaxelsGate final : public ContactGate {
+ public:
+  FewTaxelsGate(const TaxelLayout& layout, SensorClass sensor_class, double min_normal_n,
+                const ContactGateOptions& options = {});
+  bool judge(const Frame& frame, const ContactPatch& patch) noexcept override;
+  std::optional<PulledForces> pulled() const noexcept override { return pulled_; }
+  std::optional<SensorNoise> noise() const noexcept override { return noise_.now(); }
+
+ private:
+  double normal_noise_n() const noexcept override;
   PulledForces forces_on(const Frame& frame) const noexcept;
-  double threshold_n() const noexcept;
   double pull_threshold_n() const noexcept;
 
-  ContactGateOptions options_;
-  std::size_t taxels_;
-  double area_m2_;
-  bool shows_shear_;
-  double min_normal_n_;
-  double unloaded_n_;  // |P| and |Q| up to which the sensor is not loaded
+  const double area_m2_;
+  const bool shows_shear_;
+  const double unloaded_n_;  // |P| and |Q| up to which the sensor is not loaded
   UnloadedNoise noise_;
-  bool touching_ = false;
   std::optional<PulledForces> pulled_;
 };
+
+// min_normal_n: configured, >= 0 N; none: default_min_normal_n.
+std::unique_ptr<ContactGate> make_contact_gate(const TaxelLayout& layout, SensorClass sensor_class,
+                                               std::optional<double> min_normal_n,
+                                               const ContactGateOptions& options = {});
 
 }  // namespace slipd

@@ -4,10 +4,10 @@
 #pragma once
 
 #include "core/frame/layout.hpp"
+#include "core/load/equivalent_pull.hpp"
 #include "core/patch/hertz_deviation.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/method.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
 
 namespace slipd {
 

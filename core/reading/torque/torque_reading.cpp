@@ -18,53 +18,59 @@ constexpr double kFallenShare = 0.93;
 
 }  // namespace
 
-TorqueReading::TorqueReading(const TaxelLayout& layout, bool tracking)
-    : slipping_(layout), moments_(layout), tracking_(tracking) {}
-
 void TorqueReading::forget() noexcept {
+  slipping_.forget();
+  path_.forget();
+}
+
+void TorqueReading::lose_sight() noexcept {
+  forget();
+  path_.lose_sight();
+}
+
+Reading TorqueReading::estimate(const ContactPatch& loaded, const EquivalentPullResult& pull) noexcept {
+  Reading reading = slipping_.estimate(loaded);
+  if (!slips_anew(reading, loaded.normal_n)) {
+    reading.in_model = false;
+    reading.load_fallen = true;
+  } else if (path_now_.straight && (!reading.in_model || reading.gamma > kRoundedGamma)) {
+    const Reading by_moments = moments_.estimate(loaded, pull);
+    if (!reading.in_model || (by_moments.in_model && by_moments.sigma < reading.sigma &&
+                              std::fabs(by_moments.gamma - reading.gamma) <
+                                  kAlikeSigmas * std::hypot(by_moments.sigma, reading.sigma)))
+      return by_moments;
+  }
+  return reading;
+}
+
+void TorqueReadingOverTime::forget() noexcept {
+  TorqueReading::forget();
   bent_ = false;
   most_stuck_n_ = 0;
-  slipping_.forget();
 }
 
 // A load beyond all that came before wipes what a torque has left.
-bool TorqueReading::bent(const EquivalentPullResult& load) noexcept {
-  const bool left = tracking_ && bent_ && !(load.risen && load.least_stuck);
-  bent_ = load.turning == Turning::bending || left;
+bool TorqueReadingOverTime::bent(const EquivalentPullResult& pull) noexcept {
+  const bool left = bent_ && !(path().risen && path().least_stuck);
+  bent_ = pull.turning == Turning::bending || left;
   return bent_;
 }
 
 // Taxels that slipped under another load stick again at lower ratios, which end in a plateau as well. It is
 // one of taxels that slip if earlier loads have left no trace, or if its ratios do not fall towards the rim,
 // where slip begins. And where taxels carry clearly less than they did while they stuck, friction has fallen.
-bool TorqueReading::slips_anew(const Reading& estimate, double normal_n,
-                               const EquivalentPullResult& load) noexcept {
-  if (!tracking_ || slipping_.all_slipped()) return true;
-  if (!load.risen) return false;
-  if (load.straight || load.least_stuck) {
+bool TorqueReadingOverTime::slips_anew(const Reading& plateau, double normal_n) noexcept {
+  if (slipping().all_slipped()) return true;
+  if (!path().risen) return false;
+  if (path().straight || path().least_stuck) {
     most_stuck_n_ = 0;
     return true;
   }
-  if (!slipping_.rising()) return true;
-  if (!estimate.in_model) return false;
-  const double carried_n = estimate.friction * normal_n;
+  if (!slipping().rising()) return true;
+  if (!plateau.in_model) return false;
+  const double carried_n = plateau.friction * normal_n;
   most_stuck_n_ = std::max(most_stuck_n_, carried_n);
   return carried_n < kFallenShare * most_stuck_n_;
-}
-
-Reading TorqueReading::estimate(const ContactPatch& loaded, const EquivalentPullResult& load) noexcept {
-  Reading estimate = slipping_.estimate(loaded);
-  if (!slips_anew(estimate, loaded.normal_n, load)) {
-    estimate.in_model = false;
-    estimate.load_fallen = true;
-  } else if (load.straight && (!estimate.in_model || estimate.gamma > kRoundedGamma)) {
-    const Reading by_moments = moments_.estimate(loaded, load);
-    if (!estimate.in_model || (by_moments.in_model && by_moments.sigma < estimate.sigma &&
-                               std::fabs(by_moments.gamma - estimate.gamma) <
-                                   kAlikeSigmas * std::hypot(by_moments.sigma, estimate.sigma)))
-      return by_moments;
-  }
-  return estimate;
 }
 
 }  // namespace slipd

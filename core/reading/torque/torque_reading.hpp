@@ -4,9 +4,10 @@
 #pragma once
 
 #include "core/frame/layout.hpp"
+#include "core/load/equivalent_pull.hpp"
+#include "core/load/torque_path.hpp"
 #include "core/patch/patch.hpp"
 #include "core/reading/method/method.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
 #include "core/reading/torque/friction_plateau.hpp"
 #include "core/reading/torque/torque_moment_ratio.hpp"
 
@@ -14,27 +15,60 @@ namespace slipd {
 
 class TorqueReading {
  public:
-  // tracking: frames come in order of time, and memory answers for those that show no friction.
-  TorqueReading(const TaxelLayout& layout, bool tracking);
+  virtual ~TorqueReading() = default;
+  TorqueReading(const TorqueReading&) = delete;
+  TorqueReading& operator=(const TorqueReading&) = delete;
 
   // A new grasp.
-  void forget() noexcept;
+  virtual void forget() noexcept;
+  // The same, and it may carry a load already.
+  void lose_sight() noexcept;
 
-  // Whether a torque bends this frame's field, or has left traction in it: no method for pulls reads it.
+  // Each frame in contact, first. friction: as far as it is known, > 0.
+  void follow(const ContactPatch& patch, const EquivalentPullResult& pull, double friction) noexcept {
+    path_now_ = path_.follow(patch, pull, friction);
+  }
+  // Whether a torque changes this frame's field, or has left traction in it: no method for pulls reads it.
   // Called once for each frame that has a shape.
-  bool bent(const EquivalentPullResult& load) noexcept;
-
+  virtual bool bent(const EquivalentPullResult& pull) noexcept { return pull.turning == Turning::bending; }
   // Of a frame that is bent. `loaded` is as FrictionPlateau takes it.
-  Reading estimate(const ContactPatch& loaded, const EquivalentPullResult& load) noexcept;
+  Reading estimate(const ContactPatch& loaded, const EquivalentPullResult& pull) noexcept;
+
+ protected:
+  explicit TorqueReading(const TaxelLayout& layout) : slipping_(layout), moments_(layout) {}
+  // Whether the plateau of a frame is one of taxels that slip, not of such that stick again.
+  virtual bool slips_anew(const Reading& plateau, double normal_n) noexcept = 0;
+  const FrictionPlateau& slipping() const noexcept { return slipping_; }
+  const TorquePathState& path() const noexcept { return path_now_; }
 
  private:
-  bool slips_anew(const Reading& estimate, double normal_n, const EquivalentPullResult& load) noexcept;
-
   FrictionPlateau slipping_;
   TorqueMomentRatio moments_;
+  TorquePath path_;
+  TorquePathState path_now_;
+};
+
+// Each frame for itself: settings without tracking.
+class TorqueReadingOfFrames final : public TorqueReading {
+ public:
+  explicit TorqueReadingOfFrames(const TaxelLayout& layout) : TorqueReading(layout) {}
+
+ private:
+  bool slips_anew(const Reading& /*plateau*/, double /*normal_n*/) noexcept override { return true; }
+};
+
+// Memory answers for frames that show no friction.
+class TorqueReadingOverTime final : public TorqueReading {
+ public:
+  explicit TorqueReadingOverTime(const TaxelLayout& layout) : TorqueReading(layout) {}
+  void forget() noexcept override;
+  bool bent(const EquivalentPullResult& pull) noexcept override;
+
+ private:
+  bool slips_anew(const Reading& plateau, double normal_n) noexcept override;
+
   double most_stuck_n_ = 0;  // ratio times P of the plateau, at its most since slip was last seen
-  bool tracking_;
-  bool bent_ = false;  // a torque's traction is in the contact
+  bool bent_ = false;        // a torque's traction is in the contact
 };
 
 }  // namespace slipd

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "core/chain/chain.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
+#include "core/load/equivalent_pull.hpp"
 #include "paper/model_setup.hpp"
 #include "paper/train.hpp"
 
@@ -96,10 +96,11 @@ TEST(SolverFrames, TheLimitSurfaceIsThatOfTheSolverWithinOnePercent) {
   ASSERT_GE(frames.size(), 12U);
   Sensor sensor(1);
   PatchFinder finder(sensor.layout());
-  EquivalentPull load(sensor.layout());
+  PullOfTaxels load(sensor.layout());
   for (const SolverFrame& frame : frames) {
     const ContactPatch& patch = finder.find(sensor.read(frame, 0));
-    EXPECT_NEAR(load.of(patch, 0.5).pull_n / patch.normal_n / frame.least_friction, 1, 0.01) << frame.gamma();
+    EXPECT_NEAR(load.of(patch, Turning::none).pull_n / patch.normal_n / frame.least_friction, 1, 0.01)
+        << frame.gamma();
   }
 }
 

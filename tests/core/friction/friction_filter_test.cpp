@@ -20,6 +20,30 @@ namespace {
 using synthetic::FrameMaker;
 constexpr FrictionPrior kFilterPrior{.expected = {0.1, 0.9}, .spread = 0.15};
 
+// A filter with the path that its pipeline follows.
+template <class Filter>
+class Followed {
+ public:
+  explicit Followed(const FrictionPrior& prior, const FrictionFilterOptions& options = {})
+      : filter_(prior, options) {}
+  void update(std::int64_t time_ns, const ContactPatch& patch, const Reading* reading,
+              const SlidingVerdict& previous = {}) {
+    filter_.update({time_ns, patch, path_.follow(patch), reading, previous});
+  }
+  void reset() {
+    filter_.reset();
+    path_.forget();
+  }
+  Filter* operator->() { return &filter_; }
+  const Filter* operator->() const { return &filter_; }
+
+ private:
+  Filter filter_;
+  LoadPath path_;
+};
+using ByShape = Followed<FrictionByShape>;
+using ByForces = Followed<FrictionByForces>;
+
 // One contact on 50 x 50 taxels, estimated by moments, a frame each millisecond.
 class Grasp {
  public:
@@ -46,7 +70,7 @@ class Grasp {
 
   double margin() const { return contact_.safety_margin(); }
 
-  FrictionByShape filter;
+  ByShape filter;
   double direction_rad = 0.3;
   std::function<void()> each_frame;
 
@@ -79,9 +103,9 @@ TEST(FrictionFilter, AGraspThatIsSeenFromItsBeginHasAMonotonicHistory) {
   Grasp grasp;
   grasp.move(2, 0, 0.5, 50);
   grasp.move(2, 0.8, 0.5, 100);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::monotonic);
-  EXPECT_TRUE(grasp.filter.understood());
-  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.5, 0.02);
+  EXPECT_EQ(grasp.filter->history(), HistoryState::monotonic);
+  EXPECT_TRUE(grasp.filter->understood());
+  EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.5, 0.02);
 }
 
 TEST(FrictionFilter, ARegripLeavesAGeneralHistoryAndLoadBeyondItAMonotonicOne) {
@@ -89,10 +113,10 @@ TEST(FrictionFilter, ARegripLeavesAGeneralHistoryAndLoadBeyondItAMonotonicOne) {
   grasp.move(2, 0, 0.5, 50);
   grasp.move(2, 0.8, 0.5, 100);
   grasp.move(3, 0.8, 0.5, 50);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::general);
-  EXPECT_TRUE(grasp.filter.understood());
+  EXPECT_EQ(grasp.filter->history(), HistoryState::general);
+  EXPECT_TRUE(grasp.filter->understood());
   grasp.move(3, 1.45, 0.5, 150);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::monotonic);
+  EXPECT_EQ(grasp.filter->history(), HistoryState::monotonic);
 }
 
 TEST(FrictionFilter, UnloadingAndReversalAreAGeneralHistoryInWhichFrictionStaysKnown) {
@@ -100,9 +124,9 @@ TEST(FrictionFilter, UnloadingAndReversalAreAGeneralHistoryInWhichFrictionStaysK
   grasp.move(2, 0, 0.5, 50);
   grasp.move(2, 0.8, 0.5, 100);
   grasp.move(2, -0.5, 0.5, 150);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::general);
-  EXPECT_TRUE(grasp.filter.understood());
-  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.5, 0.05);
+  EXPECT_EQ(grasp.filter->history(), HistoryState::general);
+  EXPECT_TRUE(grasp.filter->understood());
+  EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.5, 0.05);
 }
 
 TEST(FrictionFilter, AGraspMetUnderLoadHasNoMarginUntilFramesConfirmItsHistory) {
@@ -115,11 +139,11 @@ TEST(FrictionFilter, AGraspMetUnderLoadHasNoMarginUntilFramesConfirmItsHistory) 
     ++frames;
     if (frames < options.forces.onset_frames) return;
     const bool confirmed = frames >= options.forces.onset_frames + options.history.confirming_frames - 1;
-    EXPECT_EQ(grasp.filter.understood(), confirmed) << "frame " << frames;
-    EXPECT_EQ(grasp.filter.history(), confirmed ? HistoryState::monotonic : HistoryState::assumed_monotonic);
+    EXPECT_EQ(grasp.filter->understood(), confirmed) << "frame " << frames;
+    EXPECT_EQ(grasp.filter->history(), confirmed ? HistoryState::monotonic : HistoryState::assumed_monotonic);
   };
   grasp.move(2, 0.7, 0.5, 40);
-  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.5, 0.02);
+  EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.5, 0.02);
 }
 
 TEST(FrictionFilter, AGraspMetUnderLoadThatIsUnloadedStaysUnknown) {
@@ -127,71 +151,71 @@ TEST(FrictionFilter, AGraspMetUnderLoadThatIsUnloadedStaysUnknown) {
   grasp.move(2, 0, 0.5, 50, false);
   grasp.move(2, 0.8, 0.5, 50, false);
   grasp.move(2, 0.8, 0.5, 10);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::assumed_monotonic);
+  EXPECT_EQ(grasp.filter->history(), HistoryState::assumed_monotonic);
   grasp.move(2, 0.2, 0.5, 60);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::unknown);
-  EXPECT_FALSE(grasp.filter.understood());
+  EXPECT_EQ(grasp.filter->history(), HistoryState::unknown);
+  EXPECT_FALSE(grasp.filter->understood());
 }
 
 TEST(FrictionFilter, ShearThatTurnsLosesTheHistoryAndItIsConfirmedAgain) {
   Grasp grasp;
   grasp.move(2, 0, 0.5, 50);
   grasp.move(2, 0.6, 0.5, 60);
-  EXPECT_TRUE(grasp.filter.understood());
+  EXPECT_TRUE(grasp.filter->understood());
   grasp.direction_rad += 1.2;
   grasp.see();
-  EXPECT_EQ(grasp.filter.history(), HistoryState::assumed_monotonic);
-  EXPECT_FALSE(grasp.filter.understood());
+  EXPECT_EQ(grasp.filter->history(), HistoryState::assumed_monotonic);
+  EXPECT_FALSE(grasp.filter->understood());
   grasp.move(2, 0.7, 0.5, 40);
-  EXPECT_EQ(grasp.filter.history(), HistoryState::monotonic);
-  EXPECT_TRUE(grasp.filter.understood());
+  EXPECT_EQ(grasp.filter->history(), HistoryState::monotonic);
+  EXPECT_TRUE(grasp.filter->understood());
 }
 
 // A grip at 60 Hz that grows by a fifth in five frames, as one that begins would.
 TEST(FrictionFilter, AContactThatWasOutOfSightHasNoKnownHistoryHoweverItsForceGrows) {
-  FrictionByShape filter(kFilterPrior);
+  ByShape filter(kFilterPrior);
   std::int64_t time_ns = 0;
   filter.update(time_ns += 16'000'000, forces(2, 0), nullptr);
-  ASSERT_EQ(filter.history(), HistoryState::monotonic);
-  filter.lose_sight();
+  ASSERT_EQ(filter->history(), HistoryState::monotonic);
+  filter->lose_sight();
   for (int i = 0; i < 6; ++i) {
     filter.update(time_ns += 16'000'000, forces(2 * (1 + 0.05 * i), 0.8), nullptr);
-    EXPECT_FALSE(is_known(filter.history())) << i;
+    EXPECT_FALSE(is_known(filter->history())) << i;
   }
   filter.reset();
   filter.update(time_ns += 16'000'000, forces(0.1, 0), nullptr);
-  EXPECT_EQ(filter.history(), HistoryState::monotonic) << "a new grasp is seen from its begin";
+  EXPECT_EQ(filter->history(), HistoryState::monotonic) << "a new grasp is seen from its begin";
 }
 
 TEST(FrictionFilter, ARunOfFramesThatNoFrictionExplainsLosesTheHistoryAndFramesBringItBack) {
-  FrictionByForces filter(kFilterPrior);
+  ByForces filter(kFilterPrior);
   std::int64_t time_ns = 0;
   const auto see = [&](double gamma) {
     const Reading estimate = monotonic_frame(gamma);
     filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
   };
   for (int i = 0; i < 10; ++i) see(0.5);
-  EXPECT_TRUE(filter.understood());
+  EXPECT_TRUE(filter->understood());
   const FrictionFilterOptions options;
   for (int i = 1; i <= options.history.outlier_frames; ++i) {
-    EXPECT_EQ(filter.history(), HistoryState::monotonic) << "before outlier " << i;
+    EXPECT_EQ(filter->history(), HistoryState::monotonic) << "before outlier " << i;
     see(9);
   }
-  EXPECT_EQ(filter.history(), HistoryState::assumed_monotonic);
-  EXPECT_FALSE(filter.understood());
+  EXPECT_EQ(filter->history(), HistoryState::assumed_monotonic);
+  EXPECT_FALSE(filter->understood());
   int frames = 0;
-  while (!filter.understood() && frames < 200) {
+  while (!filter->understood() && frames < 200) {
     see(0.5);
     ++frames;
   }
   EXPECT_GE(frames, options.history.confirming_frames);
   EXPECT_LT(frames, 3 * options.history.confirming_frames);
-  EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
+  EXPECT_NEAR(filter->grid().friction().mean, 0.5, 0.05);
 }
 
 // Such frames fit any history.
 TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
-  FrictionByShape filter(kFilterPrior);
+  ByShape filter(kFilterPrior);
   Reading estimate = monotonic_frame(0.4);
   std::int64_t time_ns = 0;
   const auto see = [&](double sigma) {
@@ -199,20 +223,20 @@ TEST(FrictionFilter, FramesThatLeaveTheMarginOpenConfirmNoHistory) {
     for (int i = 0; i < 100; ++i) filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
   };
   see(0.25);  // from its first frame on loaded, and so assumed monotonic
-  EXPECT_EQ(filter.history(), HistoryState::assumed_monotonic);
+  EXPECT_EQ(filter->history(), HistoryState::assumed_monotonic);
   see(0.05);
-  EXPECT_EQ(filter.history(), HistoryState::monotonic);
+  EXPECT_EQ(filter->history(), HistoryState::monotonic);
 }
 
 TEST(FrictionFilter, SingleOutliersDoNotChangeTheWeights) {
-  FrictionByForces filter(kFilterPrior);
+  ByForces filter(kFilterPrior);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 100; ++i) {
     const Reading estimate = monotonic_frame(i % 4 == 3 ? 9 : 0.5);
     filter.update(time_ns += 1'000'000, forces(2, 0.5), &estimate);
   }
-  EXPECT_EQ(filter.history(), HistoryState::monotonic);
-  EXPECT_NEAR(filter.grid().friction().mean, 0.5, 0.05);
+  EXPECT_EQ(filter->history(), HistoryState::monotonic);
+  EXPECT_NEAR(filter->grid().friction().mean, 0.5, 0.05);
 }
 
 // Methods read their sigmas from the same noisy frame: one that shows less margin than there is has the
@@ -223,7 +247,7 @@ TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
   double sum_of_logs = 0;
   for (std::uint64_t grasp = 0; grasp < kGrasps; ++grasp) {
     const RandomStream random(grasp);
-    FrictionByShape filter(kFilterPrior);
+    ByShape filter(kFilterPrior);
     std::int64_t time_ns = 0;
     for (int i = 0; i < kFrames; ++i) {
       const double mobilised = 0.5 * i / kFrames;
@@ -234,7 +258,7 @@ TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
       frame.common_sigma = 0.005 + 0.045 * frame.gamma;
       filter.update(time_ns += 1'000'000, forces(kNormal_n, mobilised * kFriction * kNormal_n), &frame);
     }
-    sum_of_logs += std::log(filter.grid().friction().mean / kFriction);
+    sum_of_logs += std::log(filter->grid().friction().mean / kFriction);
   }
   EXPECT_NEAR(sum_of_logs / kGrasps, 0, 0.02);
 }
@@ -243,13 +267,13 @@ TEST(FrictionFilter, FrictionThatFellIsLearntWithinAFewFrames) {
   Grasp grasp;
   grasp.move(2, 0, 0.6, 50);
   grasp.move(2, 0.6, 0.6, 100);
-  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.6, 0.03);
+  EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.6, 0.03);
   bool surprised = false;
-  grasp.each_frame = [&] { surprised = surprised || grasp.filter.surprised(); };
+  grasp.each_frame = [&] { surprised = surprised || grasp.filter->surprised(); };
   grasp.move(2, 0.6, 0.4, 1);
   grasp.move(2, 0.62, 0.4, 40);
   EXPECT_TRUE(surprised);
-  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.4, 0.05);
+  EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.4, 0.05);
 }
 
 TEST(FrictionFilter, FrictionThatRoseIsLearntOnceTheLoadGrows) {
@@ -257,7 +281,7 @@ TEST(FrictionFilter, FrictionThatRoseIsLearntOnceTheLoadGrows) {
   grasp.move(2, 0, 0.4, 50);
   grasp.move(2, 0.6, 0.4, 100);
   grasp.move(2, 1.1, 0.7, 200);
-  EXPECT_NEAR(grasp.filter.grid().friction().mean, 0.7, 0.07);
+  EXPECT_NEAR(grasp.filter->grid().friction().mean, 0.7, 0.07);
 }
 
 TEST(FrictionFilter, AJumpOfTheLikeliestFrictionIsDoubtedForAWhile) {
@@ -269,13 +293,13 @@ TEST(FrictionFilter, AJumpOfTheLikeliestFrictionIsDoubtedForAWhile) {
   grasp.move(2, 0.7, 0.6, 100);
   grasp.see();
   for (int i = 0; i < options.doubt_frames; ++i) grasp.see();
-  EXPECT_FALSE(grasp.filter.doubted());
+  EXPECT_FALSE(grasp.filter->doubted());
   int doubted = 0;
-  grasp.each_frame = [&] { doubted += grasp.filter.doubted() ? 1 : 0; };
+  grasp.each_frame = [&] { doubted += grasp.filter->doubted() ? 1 : 0; };
   grasp.move(2, 0.7, 0.4, 1);
   grasp.move(2, 0.72, 0.4, 60);
   EXPECT_GE(doubted, options.doubt_frames);
-  EXPECT_FALSE(grasp.filter.doubted());
+  EXPECT_FALSE(grasp.filter->doubted());
 }
 
 TEST(FrictionFilter, ANewGraspKnowsNothingOfTheOneBefore) {
@@ -284,53 +308,53 @@ TEST(FrictionFilter, ANewGraspKnowsNothingOfTheOneBefore) {
   used.move(2, 0.8, 0.5, 30);
   used.move(2, -0.4, 0.5, 30);
   used.filter.reset();
-  EXPECT_EQ(used.filter.history(), HistoryState::monotonic);
-  EXPECT_TRUE(used.filter.understood());
-  EXPECT_FALSE(used.filter.surprised());
-  EXPECT_FALSE(used.filter.doubted());
-  EXPECT_EQ(used.filter.grid().friction().mean, fresh.filter.grid().friction().mean);
-  EXPECT_EQ(used.filter.traction_ratio().mean, 0);
+  EXPECT_EQ(used.filter->history(), HistoryState::monotonic);
+  EXPECT_TRUE(used.filter->understood());
+  EXPECT_FALSE(used.filter->surprised());
+  EXPECT_FALSE(used.filter->doubted());
+  EXPECT_EQ(used.filter->grid().friction().mean, fresh.filter->grid().friction().mean);
+  EXPECT_EQ(used.filter->traction_ratio().mean, 0);
 }
 
 TEST(FrictionFilter, ForcesThatHoldBoundFrictionFromBelow) {
-  FrictionByForces filter(kFilterPrior);
+  ByForces filter(kFilterPrior);
   for (int i = 1; i <= 200; ++i) filter.update(i * 1'000'000, forces(2, 1.2), nullptr);
-  EXPECT_GT(filter.grid().friction().mean - filter.grid().friction().sigma, 0.58);
+  EXPECT_GT(filter->grid().friction().mean - filter->grid().friction().sigma, 0.58);
 }
 
 TEST(FrictionFilter, ASlideOfAForceOnlySensorTellsItsFrictionAndItFadesAfterwards) {
   FrictionFilterOptions options;
   options.forget_s = 0.5;
-  FrictionByForces filter(kFilterPrior, options);
+  ByForces filter(kFilterPrior, options);
   std::int64_t time_ns = 0;
   for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(3, 3 * 0.008 * i), nullptr);
   for (int i = 0; i < 200; ++i) {
     const double normal_n = 3 - 0.005 * i;
     filter.update(time_ns += 1'000'000, forces(normal_n, 0.4 * normal_n), nullptr);
   }
-  EXPECT_NEAR(filter.grid().friction().mean, 0.4, 0.03);
-  const double sigma = filter.grid().friction().sigma;
+  EXPECT_NEAR(filter->grid().friction().mean, 0.4, 0.03);
+  const double sigma = filter->grid().friction().sigma;
   EXPECT_LT(sigma, 0.04);
   for (int i = 0; i < 200; ++i) filter.update(time_ns += 10'000'000, forces(2, 0.2), nullptr);
-  EXPECT_GT(filter.grid().friction().sigma, 3 * sigma);
+  EXPECT_GT(filter->grid().friction().sigma, 3 * sigma);
 }
 
 TEST(FrictionFilter, ForcesOfALightTouchBoundNoStrongGrip) {
-  FrictionByForces filter(kFilterPrior);
-  const double prior = filter.grid().friction().mean;
+  ByForces filter(kFilterPrior);
+  const double prior = filter->grid().friction().mean;
   std::int64_t time_ns = 0;
   for (int i = 0; i < 50; ++i) filter.update(time_ns += 1'000'000, forces(0.15, 0.12), nullptr);
-  EXPECT_GT(filter.grid().friction().mean, 0.75);
+  EXPECT_GT(filter->grid().friction().mean, 0.75);
   for (int i = 0; i < 100; ++i) {
     const double normal_n = 0.15 + 0.1 * i;
     filter.update(time_ns += 1'000'000, forces(normal_n, 0.05 * normal_n), nullptr);
   }
-  EXPECT_LT(filter.grid().friction().mean, prior + 0.1);
+  EXPECT_LT(filter->grid().friction().mean, prior + 0.1);
 }
 
 TEST(FrictionFilter, AWrongFrictionIsCorrectedWithinASecondOfSliding) {
   for (const double hz : {60.0, 500.0}) {
-    FrictionByForces filter({.expected = {0.1, 1}, .spread = 0.15});
+    ByForces filter({.expected = {0.1, 1}, .spread = 0.15});
     std::int64_t time_ns = 0;
     std::uint32_t block = 0;
     const auto slide_for = [&](double seconds, double friction) {
@@ -344,23 +368,23 @@ TEST(FrictionFilter, AWrongFrictionIsCorrectedWithinASecondOfSliding) {
       }
     };
     slide_for(3, 0.3);
-    EXPECT_NEAR(filter.grid().friction().mean, 0.3, 0.03) << hz << " Hz";
+    EXPECT_NEAR(filter->grid().friction().mean, 0.3, 0.03) << hz << " Hz";
     slide_for(1, 0.7);
-    EXPECT_NEAR(filter.grid().friction().mean, 0.7, 0.07) << hz << " Hz";
+    EXPECT_NEAR(filter->grid().friction().mean, 0.7, 0.07) << hz << " Hz";
     slide_for(1, 0.3);
-    EXPECT_NEAR(filter.grid().friction().mean, 0.3, 0.04) << hz << " Hz";
+    EXPECT_NEAR(filter->grid().friction().mean, 0.3, 0.04) << hz << " Hz";
   }
 }
 
 TEST(FrictionFilter, TaxelsThatCarryAgainstEachOtherSayNothingOfFriction) {
-  FrictionByForces filter(kFilterPrior);
-  const double prior = filter.grid().friction().mean;
+  ByForces filter(kFilterPrior);
+  const double prior = filter->grid().friction().mean;
   for (int i = 1; i <= 200; ++i)
     filter.update(i * 1'000'000, forces(2, 1.6), nullptr,
                   {.sliding = Sliding::disturbed,
                    .for_s = 1,
                    .field = {.known = true, .coherence = 0.95, .internal_share = 0.3, .block = 1}});
-  EXPECT_EQ(filter.grid().friction().mean, prior);
+  EXPECT_EQ(filter->grid().friction().mean, prior);
 }
 
 TEST(FrictionFilter, AllocatesNothing) {

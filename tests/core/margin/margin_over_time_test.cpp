@@ -185,6 +185,7 @@ class Source {
     const SlidingVerdict unknown;
     source_->estimate({.time_ns = out.time_ns,
                        .measured = patch,
+                       .step = path_.follow(patch),
                        .acting = patch,
                        .reading = reading,
                        .shared = shared,
@@ -196,6 +197,7 @@ class Source {
  private:
   std::unique_ptr<MarginSource> source_;
   MarginDecision decision_;
+  LoadPath path_;
 };
 
 TEST(MarginOverTime, FewTaxelsWhoseFramesNoFrictionExplainsAreOutOfTheModel) {

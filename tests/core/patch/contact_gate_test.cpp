@@ -35,7 +35,7 @@ class Gate : public ::testing::Test {
 
   TaxelLayout layout_ = TaxelLayout::grid(3, 3, kPitch_m);
   PatchFinder finder_{layout_};
-  ContactGate gate_{layout_, SensorClass::array3, std::nullopt};
+  FewTaxelsGate gate_{layout_, SensorClass::array3, default_min_normal_n(layout_)};
   std::mt19937_64 random_{2};
   std::vector<float> p_ = std::vector<float>(9), x_ = p_, y_ = p_;
   std::uint64_t sequence_ = 0;

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "core/contact/averages.hpp"
+#include "core/load/equivalent_pull.hpp"
 #include "core/patch/patch.hpp"
-#include "core/reading/torque/equivalent_pull.hpp"
 
 namespace slipd {
 namespace {
@@ -67,9 +67,9 @@ TEST_P(TurningMomentsOn, GiveAContactThatSticksAllOverNearlyAllOfItsMarginFromAP
   PatchFinder finder(layout);
   const TorqueMomentRatio moments(layout);
   for (const double mix : {0.3, 0.8, 1.2, std::numbers::pi / 2}) {
-    EquivalentPull load(layout);
+    PullOfTaxels load(layout);
     ContactPatch patch = finder.find(contact.make(0.05 * std::cos(mix), 0.05 * std::sin(mix), 0.002));
-    const EquivalentPullResult now = load.of(patch, 0.5);
+    const EquivalentPullResult now = load.of(patch, Turning::none);
     ASSERT_EQ(now.turning, Turning::bending) << mix;
     patch.shear_n = now.pull_n;
     const Reading estimate = moments.estimate(patch, now);

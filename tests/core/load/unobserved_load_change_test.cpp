@@ -1,5 +1,5 @@
 // The sigma that is added for forces that moved between two frames.
-#include "core/friction/unobserved_load_change.hpp"
+#include "core/load/unobserved_load_change.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,28 +21,43 @@ ContactPatch patch(double normal_n, double shear_x_n, double shear_y_n = 0) {
   return made;
 }
 
+// With the path that its pipeline follows.
+class Unobserved {
+ public:
+  void update(const ContactPatch& patch) { change_.update(patch, path_.follow(patch), kMovedFriction); }
+  void forget() {
+    change_.forget();
+    path_.forget();
+  }
+  double sigma() const { return change_.sigma(); }
+
+ private:
+  LoadPath path_;
+  UnobservedLoadChange change_;
+};
+
 TEST(UnobservedLoadChange, OfFramesThatFollowOneAnotherCloselyIsNone) {
-  UnobservedLoadChange unseen;
-  unseen.update(patch(0.05, 0), kMovedFriction);
+  Unobserved unseen;
+  unseen.update(patch(0.05, 0));
   for (int i = 1; i <= 200; ++i) {
-    unseen.update(patch(2, 0.004 * i), kMovedFriction);
-    if (i == 1) unseen.reset();  // the grip itself is not counted as motion
+    unseen.update(patch(2, 0.004 * i));
+    if (i == 1) unseen.forget();  // the grip itself is not counted as motion
   }
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
 TEST(UnobservedLoadChange, IsNoneInTheFirstFrameWithAnyForces) {
-  UnobservedLoadChange unseen;
-  unseen.update(patch(5, 2), kMovedFriction);
+  Unobserved unseen;
+  unseen.update(patch(5, 2));
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
 TEST(UnobservedLoadChange, GrowsWithTheShareOfTheForceThatMovedAlsoAcross) {
   for (const auto& [next, share] :
        {std::pair(patch(1, 0), 1.0), std::pair(patch(2, 0.4), 0.4), std::pair(patch(2, 0, 0.4), 0.4)}) {
-    UnobservedLoadChange unseen;
-    unseen.update(patch(2, 0), kMovedFriction);
-    unseen.update(next, kMovedFriction);
+    Unobserved unseen;
+    unseen.update(patch(2, 0));
+    unseen.update(next);
     EXPECT_NEAR(unseen.sigma(), UnobservedLoadChange::kSigmaOfMotion * share, 0.002);
   }
 }
@@ -50,21 +65,20 @@ TEST(UnobservedLoadChange, GrowsWithTheShareOfTheForceThatMovedAlsoAcross) {
 TEST(UnobservedLoadChange, OfNoiseIsNone) {
   ContactPatch first = patch(1, 0), second = patch(1.2, 0.1);
   first.normal_sigma_n = first.shear_sigma_n = second.normal_sigma_n = second.shear_sigma_n = 0.05;
-  UnobservedLoadChange unseen;
-  unseen.update(first, kMovedFriction);
-  unseen.update(second, kMovedFriction);
+  Unobserved unseen;
+  unseen.update(first);
+  unseen.update(second);
   EXPECT_EQ(unseen.sigma(), 0);
 }
 
 TEST(UnobservedLoadChange, FadesOverTheFramesThatFollowAndEndsWithTheContact) {
-  UnobservedLoadChange unseen;
-  unseen.update(patch(2, 0), kMovedFriction);
-  unseen.update(patch(1, 0), kMovedFriction);
+  Unobserved unseen;
+  unseen.update(patch(2, 0));
+  unseen.update(patch(1, 0));
   const double at_first = unseen.sigma();
-  for (int i = 0; i < static_cast<int>(UnobservedLoadChange::kFadeFrames); ++i)
-    unseen.update(patch(1, 0), kMovedFriction);
+  for (int i = 0; i < static_cast<int>(UnobservedLoadChange::kFadeFrames); ++i) unseen.update(patch(1, 0));
   EXPECT_NEAR(unseen.sigma(), at_first / std::exp(1), 1e-9);
-  unseen.reset();
+  unseen.forget();
   EXPECT_EQ(unseen.sigma(), 0);
 }
 

@@ -4,6 +4,7 @@
 // grows with what was not seen. Estimate thread; fixed memory.
 #pragma once
 
+#include "core/load/load_path.hpp"
 #include "core/patch/patch.hpp"
 
 namespace slipd {
@@ -21,19 +22,17 @@ class UnobservedLoadChange {
   // Frames after which it counts for 1/e: so long the shape of frames determines the contact anew.
   static constexpr double kFadeFrames = 100;
 
-  void reset() noexcept { *this = UnobservedLoadChange(); }
+  void forget() noexcept { moved_ = 0; }
 
-  // One frame in contact. `friction`: shear that moves by friction times normal force counts as much as a
-  // normal force that moves by all of it.
-  void update(const ContactPatch& patch, double friction) noexcept;
+  // One frame in contact: `patch`, as measured, and its step. `friction`: shear that moves by friction times
+  // normal force counts as much as a normal force that moves by all of it.
+  void update(const ContactPatch& patch, const LoadStep& step, double friction) noexcept;
 
   // Of the margin, standard deviation.
   double sigma() const noexcept { return kSigmaOfMotion * moved_; }
 
  private:
-  bool any_ = false;                                     // a frame of this contact has been seen
-  double normal_n_ = 0, shear_x_n_ = 0, shear_y_n_ = 0;  // of the last frame, N
-  double moved_ = 0;                                     // share of the normal force, the most of late, faded
+  double moved_ = 0;  // share of the normal force, the most of late, faded
 };
 
 }  // namespace slipd

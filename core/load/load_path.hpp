@@ -1,0 +1,51 @@
+// Where the load of a contact goes: its forces now and a frame ago. Estimate thread; fixed memory, nothing
+// allocates.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "core/patch/patch.hpp"
+
+namespace slipd {
+
+// Of a frame, as its taxels measure them.
+struct ContactForces {
+  double normal_n = 0;                  // P, N
+  double shear_x_n = 0, shear_y_n = 0;  // N
+};
+
+inline ContactForces forces_of(const ContactPatch& patch) noexcept {
+  return {patch.normal_n, patch.shear_x_n, patch.shear_y_n};
+}
+
+// From one frame in contact to the next.
+struct LoadStep {
+  ContactForces now;
+  // A frame ago; none: this is the first frame of the contact.
+  std::optional<ContactForces> previous;
+
+  // How far the shear moved since then, N; all of it in the first frame.
+  double shear_moved_n() const noexcept {
+    const ContactForces from = previous.value_or(ContactForces{});
+    return std::hypot(now.shear_x_n - from.shear_x_n, now.shear_y_n - from.shear_y_n);
+  }
+};
+
+class LoadPath {
+ public:
+  // The contact was lost.
+  void forget() noexcept { last_.reset(); }
+
+  // Each frame in contact, in order of time.
+  LoadStep follow(const ContactPatch& patch) noexcept {
+    const LoadStep step{forces_of(patch), last_};
+    last_ = step.now;
+    return step;
+  }
+
+ private:
+  std::optional<ContactForces> last_;
+};
+
+}  // namespace slipd
