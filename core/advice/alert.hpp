@@ -85,7 +85,7 @@ class SlipForecast {
   std::optional<double> update(std::int64_t time_ns, std::optional<double> gamma, double sigma) noexcept;
 
  private:
-  SlipForecastOptions options_;
+  const SlipForecastOptions options_;
   std::int64_t last_ns_ = 0;
   // Sums over the samples, of 1, of time before the newest, of gamma and of their products.
   double weight_ = 0, t_ = 0, g_ = 0, tt_ = 0, tg_ = 0, gg_ = 0;

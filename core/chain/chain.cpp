@@ -36,9 +36,9 @@ struct EstimatorChain::Impl {
         finder(setup.layout, patch_options(setup)),
         plausibility(setup.layout, plausibility_limits(setup)),
         gate(make_contact_gate(setup.layout, setup.sensor_class, setup.contact.min_normal_n)),
-        decision(setup.estimator.sigma_max, pipeline->least_sigma()),
         observer(make_observer(setup)),
         alert(setup.alerts),
+        sigma_max(setup.estimator.sigma_max),
         slip_below(setup.alerts.slip_below),
         skin_radius_m(setup.scene.skin.radius_m) {}
 
@@ -62,7 +62,7 @@ struct EstimatorChain::Impl {
   }
 
   // Without a zero nothing but the course of the readings means anything.
-  void pass_unzeroed(const Frame& frame, Estimate& out) noexcept {
+  void pass_unzeroed(const Frame& frame, MarginDecision& decision, Estimate& out) noexcept {
     lose_sight();
     decision.refuse(State::unzeroed);
     observer->observe(frame, false, out);
@@ -70,7 +70,7 @@ struct EstimatorChain::Impl {
 
   // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
   // all the same.
-  void refuse(const Checked& checked, Estimate& out) noexcept {
+  void refuse(const Checked& checked, MarginDecision& decision, Estimate& out) noexcept {
     const bool jump = checked.judgement.health == Health::jump;
     refused = std::min(refused + 1, kFramesRemembered + 1);
     if (jump || refused > kFramesRemembered) lose_sight();
@@ -85,23 +85,23 @@ struct EstimatorChain::Impl {
   }
 
   // A frame with a contact or without one.
-  void use(const Checked& checked, Estimate& out) noexcept {
+  void use(const Checked& checked, MarginDecision& decision, Estimate& out) noexcept {
     refused = 0;
     const bool touches = gate->judge(checked.frame, checked.patch);
     finder.set_noise(gate->noise());
     if (touches) {
       pipeline->estimate(checked.frame, checked.patch, observer->previous(), decision, out);
     } else {
-      leave_contact(out);
+      leave_contact(decision, out);
     }
     decision.leave_out(checked.judgement.left_out_share);
     observer->observe(checked.frame, touches, out);
-    if (touches) follow_turn(checked.patch, out);
+    if (touches) follow_turn(checked.patch, decision, out);
   }
 
   // Without pressure to speak of. A contact that pulls at some taxels can still carry shear: a hooked cable.
   // It has no margin, and is not no contact.
-  void leave_contact(Estimate& out) noexcept {
+  void leave_contact(MarginDecision& decision, Estimate& out) noexcept {
     forget();
     const auto pulled = gate->pulled();
     if (!pulled) return decision.refuse(State::no_contact);
@@ -112,14 +112,14 @@ struct EstimatorChain::Impl {
   }
 
   // How far the object has turned over the skin.
-  void follow_turn(const ContactPatch& patch, Estimate& out) noexcept {
+  void follow_turn(const ContactPatch& patch, const MarginDecision& decision, Estimate& out) noexcept {
     const auto margin = decision.margin();
     const bool slides = margin && margin->mean <= kClearSigmas * margin->sigma;
     observer->follow_turn(patch, slides && pipeline->carries_torque(), out);
   }
 
   // The margin, and what a controller may act on.
-  void decide(Estimate& out) noexcept {
+  void decide(MarginDecision& decision, Estimate& out) noexcept {
     if (slides(out.sliding)) decision.slide(slip_below);
     decision.apply(out);
     if (out.radius_m && std::isfinite(skin_radius_m)) out.a_over_r = *out.radius_m / skin_radius_m;
@@ -144,11 +144,10 @@ struct EstimatorChain::Impl {
   PatchFinder finder;
   PlausibilityMonitor plausibility;
   std::unique_ptr<ContactGate> gate;
-  MarginDecision decision;
   std::unique_ptr<PatternObserver> observer;
   AlertLogic alert;
   SlipForecast forecast;
-  double slip_below, skin_radius_m;
+  const double sigma_max, slip_below, skin_radius_m;
   int refused = 0;  // frames in a row
 };
 
@@ -178,16 +177,16 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   Estimate out;
   out.sequence = frame.sequence;
   out.time_ns = frame.time_ns;
-  in.decision.begin(in.pipeline->refused());
+  MarginDecision decision(in.sigma_max, in.pipeline->least_sigma(), in.pipeline->refused());
   if (!frame.zeroed) {
-    in.pass_unzeroed(frame, out);
+    in.pass_unzeroed(frame, decision, out);
   } else if (const Impl::Checked checked = in.check(frame, out);
              checked.judgement.verdict >= Verdict::frame_refused) {
-    in.refuse(checked, out);
+    in.refuse(checked, decision, out);
   } else {
-    in.use(checked, out);
+    in.use(checked, decision, out);
   }
-  in.decide(out);
+  in.decide(decision, out);
   return out;
 }
 

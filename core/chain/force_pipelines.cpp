@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/advice/alert.hpp"
 #include "core/chain/chain_parts.hpp"
 
 namespace slipd {
@@ -29,39 +28,20 @@ void PressureOnlyPipeline::estimate(const Frame& /*frame*/, const ContactPatch& 
   if (has_taxels_) publish_place(patch, out);
 }
 
-ForcePipeline::ForcePipeline(const ChainSetup& setup)
-    : equivalent_pull_(make_equivalent_pull(setup.layout)),
-      margin_(make_margin_source(setup, 0)),
-      bound_(known_friction(setup).range),
-      target_margin_(setup.alerts.target_margin) {}
-
-void ForcePipeline::forget() noexcept {
-  margin_->forget();
-  path_.forget();
-  torque_ = Turning::none;
-}
-
-void ForcePipeline::lose_sight() noexcept {
-  forget();
-  margin_->lose_sight();
-}
-
 void OneForcePipeline::estimate(const Frame& /*frame*/, const ContactPatch& patch,
                                 const SlidingVerdict& previous, MarginDecision& decision,
                                 Estimate& out) noexcept {
   publish_forces(patch, out);
-  const EquivalentPullResult pull = equivalent_pull_->of(patch, torque_);
-  torque_ = pull.turning;
+  const EquivalentPullResult pull = pull_of(patch);
   out.pull_n = pull.pull_n;
   const ContactPatch pulled = with_pull(patch, pull);
-  margin_->estimate({.time_ns = out.time_ns,
+  margin().estimate({.time_ns = out.time_ns,
                      .measured = patch,
-                     .step = path_.follow(patch),
+                     .step = follow(patch),
                      .acting = pulled,
                      .previous_sliding = previous},
                     decision, out);
-  bound_.apply(measured_load(patch, pulled), 0, decision, out);
-  advise(out, pull.pull_sigma_n, target_margin_);
+  conclude(measured_load(patch, pulled), 0, pull, decision, out);
 }
 
 FlatPadPipeline::FlatPadPipeline(const ChainSetup& setup)
@@ -76,21 +56,19 @@ void FlatPadPipeline::estimate(const Frame& frame, const ContactPatch& patch, co
   publish_torque(patch, out);
   ContactPatch unpressed = patch;
   unpressed.torque_nm = field.settled ? patch.torque_nm - field.pressing_lever_m * patch.normal_n : 0;
-  const EquivalentPullResult pull = equivalent_pull_->of(unpressed, torque_);
-  torque_ = pull.turning;
+  const EquivalentPullResult pull = pull_of(unpressed);
   out.pull_n = patch.shear_n;
   if (field.internal_share > kMaxInternalShare) decision.refuse(State::out_of_model);
-  margin_->estimate({.time_ns = out.time_ns,
+  margin().estimate({.time_ns = out.time_ns,
                      .measured = patch,
-                     .step = path_.follow(patch),
+                     .step = follow(patch),
                      .acting = patch,
                      .shared = shared(frame, patch),
                      .previous_sliding = previous},
                     decision, out);
   refuse_torque(patch, pull.pull_n, decision, out);
-  bound_.apply(measured_load(patch, with_pull(patch, pull)), field.internal_share * patch.normal_n, decision,
-               out);
-  advise(out, pull.pull_sigma_n, target_margin_);
+  conclude(measured_load(patch, with_pull(patch, pull)), field.internal_share * patch.normal_n, pull,
+           decision, out);
 }
 
 void FlatPadPipeline::refuse_torque(const ContactPatch& patch, double pull_n, MarginDecision& decision,

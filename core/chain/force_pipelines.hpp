@@ -2,14 +2,8 @@
 // taxels' shear means nothing by itself.
 #pragma once
 
-#include <memory>
-
-#include "core/chain/contact_pipeline.hpp"
+#include "core/chain/shear_pipeline.hpp"
 #include "core/friction/pad_load_sharing.hpp"
-#include "core/load/equivalent_pull.hpp"
-#include "core/load/load_path.hpp"
-#include "core/margin/margin_bound.hpp"
-#include "core/margin/margin_source.hpp"
 
 namespace slipd {
 
@@ -26,27 +20,17 @@ class PressureOnlyPipeline final : public ContactPipeline {
   void lose_sight() noexcept override {}
 
  private:
-  bool has_taxels_;
+  const bool has_taxels_;
 };
 
-// What force sensors have in common: an equivalent pull, friction over time, the bound.
-class ForcePipeline : public ContactPipeline {
+// What force sensors have in common: friction over time alone.
+class ForcePipeline : public ShearPipeline {
  public:
-  std::vector<std::string_view> stages() const override { return {"equivalent_pull", margin_->name()}; }
+  std::vector<std::string_view> stages() const override { return {"equivalent_pull", margin().name()}; }
   Method method() const noexcept override { return Method::friction; }
-  bool carries_torque() const noexcept override { return torque_ != Turning::none; }
-  void forget() noexcept override;
-  void lose_sight() noexcept override;
 
  protected:
-  explicit ForcePipeline(const ChainSetup& setup);
-
-  std::unique_ptr<EquivalentPull> equivalent_pull_;
-  LoadPath path_;
-  std::unique_ptr<MarginSource> margin_;
-  const MarginBound bound_;
-  const double target_margin_;
-  Turning torque_ = Turning::none;  // of the last frame
+  explicit ForcePipeline(const ChainSetup& setup) : ShearPipeline(setup, 0) {}
 };
 
 // One force vector, with or without its torque.
@@ -75,7 +59,7 @@ class FlatPadPipeline : public ForcePipeline {
   void refuse_torque(const ContactPatch& patch, double pull_n, MarginDecision& decision,
                      const Estimate& out) const noexcept;
 
-  double usual_friction_;  // while that of the grasp is not known
+  const double usual_friction_;  // while that of the grasp is not known
 };
 
 // The same where friction is not known to a value: taxels that are pressed least slip first.
@@ -85,7 +69,7 @@ class SharingFlatPadPipeline final : public FlatPadPipeline {
   // Whether such a pad has a pattern, and needs it.
   static bool serves(const ChainSetup& setup) noexcept;
   std::vector<std::string_view> stages() const override {
-    return {"equivalent_pull", "pad_load_sharing", margin_->name()};
+    return {"equivalent_pull", "pad_load_sharing", margin().name()};
   }
   void forget() noexcept override;
 

@@ -24,12 +24,11 @@ std::unique_ptr<TorqueReading> make_torque_reading(const ChainSetup& setup) {
 }  // namespace
 
 ShapedPipeline::ShapedPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
-    : equivalent_pull_(make_equivalent_pull(setup.layout)),
-      method_(std::move(method)),
-      forces_(make_surface_forces(setup)),
-      margin_(make_margin_source(setup, forces_->common_sigma())),
-      bound_(known_friction(setup).range),
-      target_margin_(setup.alerts.target_margin) {}
+    : ShapedPipeline(setup, std::move(method), make_surface_forces(setup)) {}
+
+ShapedPipeline::ShapedPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method,
+                               std::unique_ptr<SurfaceForces> forces)
+    : ShearPipeline(setup, forces->common_sigma()), method_(std::move(method)), forces_(std::move(forces)) {}
 
 void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, const SlidingVerdict& previous,
                               MarginDecision& decision, Estimate& out) noexcept {
@@ -37,15 +36,14 @@ void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, con
   publish_forces(patch, out);
   publish_place(patch, out);
   publish_torque(patch, out);
-  const EquivalentPullResult pull = equivalent_pull_->of(patch, torque_);
-  torque_ = pull.turning;
+  const EquivalentPullResult pull = pull_of(patch);
   out.pull_n = pull.pull_n;
   const ContactPatch pulled = with_pull(patch, pull);
   const std::optional<Reading> reading = read(frame, patch, pulled, pull);
   const SurfaceLoad load = forces_->of(patch, pulled, reading.value_or(Reading{}), out);
-  margin_->estimate({.time_ns = out.time_ns,
+  margin().estimate({.time_ns = out.time_ns,
                      .measured = patch,
-                     .step = path_.follow(patch),
+                     .step = follow(patch),
                      .acting = load.acting,
                      .reading = reading ? &*reading : nullptr,
                      .previous_sliding = previous},
@@ -60,8 +58,7 @@ void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, con
     out.center_y_m = reading->center_y_m;
     out.radius_m = reading->radius_m;
   }
-  bound_.apply(load, 0, decision, out);
-  advise(out, pull.pull_sigma_n, target_margin_);
+  conclude(load, 0, pull, decision, out);
 }
 
 Reading ShapedPipeline::read_pull(const Frame& frame, const ContactPatch& patch) noexcept {
@@ -71,16 +68,9 @@ Reading ShapedPipeline::read_pull(const Frame& frame, const ContactPatch& patch)
 }
 
 void ShapedPipeline::forget() noexcept {
-  margin_->forget();
-  path_.forget();
-  torque_ = Turning::none;
+  ShearPipeline::forget();
   method_->forget();
   forces_->forget();
-}
-
-void ShapedPipeline::lose_sight() noexcept {
-  forget();
-  margin_->lose_sight();
 }
 
 ArrayPipeline::ArrayPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod> method)
@@ -89,7 +79,7 @@ ArrayPipeline::ArrayPipeline(const ChainSetup& setup, std::unique_ptr<SlipMethod
 std::optional<Reading> ArrayPipeline::read(const Frame& frame, const ContactPatch& patch,
                                            const ContactPatch& pulled,
                                            const EquivalentPullResult& pull) noexcept {
-  torque_reading_->follow(patch, pull, friction());
+  torque_reading_->follow(patch, pull, margin().friction());
   if (patch.count < kFewInside || !(pull.turning == Turning::bending || is_clear(patch))) return std::nullopt;
   if (!torque_reading_->bent(pull)) return read_pull(frame, patch);
   Reading reading = torque_reading_->estimate(pulled, pull);

@@ -149,7 +149,7 @@ class FrictionFilter {
   // Coulomb: friction is at least the |Q|/P that it holds. `frames`: for how many frames' evidence it counts.
   void bound_below(const MeanSigma& load, double frames) noexcept;
 
-  FrictionFilterOptions options_;
+  const FrictionFilterOptions options_;
   FrictionGrid grid_;
   HistoryMonitor history_;
   Evidence evidence_;

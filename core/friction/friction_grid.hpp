@@ -101,9 +101,9 @@ class FrictionGrid {
  private:
   using PerFriction = std::array<double, kMost>;
 
-  FrictionGridOptions options_;
-  std::size_t count_;
-  double step_;
+  const FrictionGridOptions options_;
+  const std::size_t count_;
+  const double step_;
   PerFriction friction_{}, log_prior_{}, log_weight_{};
 };
 

@@ -78,7 +78,7 @@ class HistoryMonitor {
   void explained(bool as_monotonic) noexcept;
 
  private:
-  HistoryOptions options_;
+  const HistoryOptions options_;
   HistoryState state_ = HistoryState::monotonic;
   int outliers_ = 0;    // frames in a row
   int confirming_ = 0;  // frames since the history was lost

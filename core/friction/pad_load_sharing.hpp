@@ -143,9 +143,9 @@ class PadLoadSharing {
   double way_between(const Limits& limits, double used, double used_before) const noexcept;
   Way way_of(const Pull& pull, double noise_n) const noexcept;
 
-  PadLoadSharingOptions options_;
-  std::size_t taxels_;
-  double area_m2_;
+  const PadLoadSharingOptions options_;
+  const std::size_t taxels_;
+  const double area_m2_;
   State state_;
   PerTaxel normal_n_{};               // of this frame
   PerTaxel pull_x_n_{}, pull_y_n_{};  // the same

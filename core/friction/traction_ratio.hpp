@@ -150,7 +150,7 @@ class TractionRatioFilter {
   std::optional<Slide> read_moving(const SlidingVerdict& course) noexcept;
   std::optional<Slide> read_plateau() noexcept;
 
-  TractionRatioOptions options_;
+  const TractionRatioOptions options_;
   State state_;
 };
 

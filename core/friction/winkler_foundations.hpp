@@ -63,7 +63,7 @@ class WinklerFoundations {
   void sum_up() const noexcept;
 
   const WinklerKernels* kernels_;
-  std::size_t count_, vectors_;
+  const std::size_t count_, vectors_;
   PerBed<double> friction_;
   PerBed<float> mu_;  // the same
   double step_ = 0;   // between springs; spring i stands at (i + 1/2) step

@@ -26,7 +26,7 @@ class MarginBound {
  private:
   double least_friction(const Estimate& out) const noexcept;
 
-  Range known_;
+  const Range known_;
 };
 
 }  // namespace slipd

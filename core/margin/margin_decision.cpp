@@ -4,10 +4,6 @@
 #include <cmath>
 
 namespace slipd {
-void MarginDecision::begin(std::optional<State> refused) noexcept {
-  *this = MarginDecision(sigma_max_, least_sigma_);
-  refused_ = refused;
-}
 
 void MarginDecision::propose(MeanSigma margin) noexcept {
   margin_ = margin;

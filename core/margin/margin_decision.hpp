@@ -20,13 +20,12 @@ class MarginDecision {
   // margin of a frame without noise is given as exact. Too large: sharp frames are wasted.
   static constexpr double kLeastSigma = 5e-4;
 
-  // sigma_max: Gamma, > 0; a margin that is less sure means nothing: state learning. least_sigma: Gamma, >=
-  // 0, what no frame of this sensor is surer than.
-  explicit MarginDecision(double sigma_max, double least_sigma = kLeastSigma) noexcept
-      : sigma_max_(sigma_max), least_sigma_(least_sigma) {}
-
-  // A new frame. `refused`: of sensors that never have a margin, why.
-  void begin(std::optional<State> refused = std::nullopt) noexcept;
+  // Of one frame. sigma_max: Gamma, > 0; a margin that is less sure means nothing: state learning.
+  // least_sigma: Gamma, >= 0, what no frame of this sensor is surer than. `refused`: of sensors that never
+  // have a margin, why.
+  explicit MarginDecision(double sigma_max, double least_sigma = kLeastSigma,
+                          std::optional<State> refused = std::nullopt) noexcept
+      : sigma_max_(sigma_max), least_sigma_(least_sigma), refused_(refused) {}
 
   // The margin, dimensionless, with its standard deviation by friction and by this frame.
   void propose(MeanSigma margin) noexcept;
@@ -59,7 +58,7 @@ class MarginDecision {
  private:
   double sigma() const noexcept;
 
-  double sigma_max_, least_sigma_;
+  const double sigma_max_, least_sigma_;
   std::optional<State> refused_;
   bool failed_ = false;
   std::optional<MeanSigma> margin_;

@@ -120,12 +120,12 @@ class MarginOverTime : public MarginSource {
   MeanSigma better_of(const MeanSigma& margin, const MeanSigma& own, const Reading& reading,
                       Estimate& out) const noexcept;
 
-  MarginOverTimeOptions options_;
-  double sigma_max_;
-  Range bounds_;
-  std::unique_ptr<FrictionFilter> filter_;
-  MeanSigma prior_;       // of friction
-  double last_friction_;  // its mean a frame ago
+  const MarginOverTimeOptions options_;
+  const double sigma_max_;
+  const Range bounds_;
+  const std::unique_ptr<FrictionFilter> filter_;
+  const MeanSigma prior_;  // of friction
+  double last_friction_;   // its mean a frame ago
 };
 
 // Friction is learnt in each grasp.
@@ -150,8 +150,8 @@ class LearntFrictionMargin : public MarginOverTime {
   bool has_settled(const Now& now) const noexcept { return now.relative() < options_.settled_sigma; }
 
  private:
-  double log_range_;       // of what was known before
-  double usual_friction_;  // while that of the grasp is not known
+  const double log_range_;       // of what was known before
+  const double usual_friction_;  // while that of the grasp is not known
   UnobservedLoadChange unobserved_;
 };
 

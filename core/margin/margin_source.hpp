@@ -58,7 +58,7 @@ class SingleFrameMargin final : public MarginSource {
   void forget() noexcept override {}
 
  private:
-  double friction_;
+  const double friction_;
 };
 
 }  // namespace slipd

@@ -63,9 +63,9 @@ class PadForces {
   // By all taxels, of a load of 1 N that is spread about a place, with this root mean square distance.
   contact::LayerTensor read_of(double x_m, double y_m, double spread_m) const noexcept;
 
-  PadForcesOptions options_;
-  TaxelLayout layout_;
-  double depth_m_;
+  const PadForcesOptions options_;
+  const TaxelLayout layout_;
+  const double depth_m_;
   double ratio_sigma_;
   std::vector<contact::LayerImage> images_;  // none: a half space
   std::vector<contact::Rectangle> parts_;    // of the pad

@@ -60,7 +60,8 @@ class AxisymmetricNormalEquations {
     return parts_[detail == contact::SubsurfaceSheet::Detail::exact ? 0 : 1];
   }
 
-  double side_m_, depth_m_;
+  const double side_m_;
+  double depth_m_;                    // of the taxels under the surface, as far as it is known
   std::array<std::size_t, 2> parts_;  // exact, rough
   RadialFieldTable table_;
 };

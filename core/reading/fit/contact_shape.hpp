@@ -127,7 +127,7 @@ class ContactShape {
                        Normal& normal) noexcept;
   static void spread(const ChannelProducts& products, int unknowns, Normal& normal) noexcept;
 
-  TaxelLayout layout_;
+  const TaxelLayout layout_;
   double depth_m_, depth_log_ = 0;
   contact::SubsurfaceSheet outer_, inner_;
   AxisymmetricNormalEquations round_;

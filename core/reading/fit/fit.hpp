@@ -98,15 +98,15 @@ class Fit final : public SlipMethod {
   double profile_share(const Square& hessian) const noexcept;
   void weigh_by_prior(const Vector& at, const Square& hessian, Reading& out) noexcept;
 
-  TaxelLayout layout_;
-  FitOptions options_;
-  FrictionPrior prior_;
+  const TaxelLayout layout_;
+  const FitOptions options_;
+  const FrictionPrior prior_;
   // Both, or neither: taxels by themselves.
   std::optional<SquareBlocks> blocks_;
   std::optional<contact::DomeLattice> lattice_;
   contact::DomeSheet sheet_;  // of taxels by themselves
   SubsurfaceFit imprint_;     // contacts that are elliptic or under a skin
-  bool under_skin_;
+  const bool under_skin_;
   std::size_t count_ = 0;
   double noise_normal_ = 1, noise_shear_ = 1;
   int steps_ = 0;

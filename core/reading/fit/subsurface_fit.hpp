@@ -176,12 +176,12 @@ class SubsurfaceFit {
   }
   int unknowns() const noexcept { return elliptic_ ? int{ContactShape::kMost} : int{ContactShape::kRound}; }
 
-  TaxelLayout layout_;
-  FitOptions fit_;
-  SubsurfaceFitOptions options_;
-  FrictionPrior prior_;
-  double depth_m_;
-  bool bonded_;  // to a rigid base
+  const TaxelLayout layout_;
+  const FitOptions fit_;
+  const SubsurfaceFitOptions options_;
+  const FrictionPrior prior_;
+  const double depth_m_;
+  const bool bonded_;  // to a rigid base
   SkinDepth depth_;
   double margin_by_depth_ = 0;  // of the last frame that was asked for the depth: Gamma by its log
   int unasked_ = 0;             // frames since

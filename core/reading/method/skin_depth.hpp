@@ -52,7 +52,7 @@ class SkinDepth {
   void forget() noexcept { now_ = {0, prior_sigma_}; }
 
  private:
-  double depth_m_, prior_sigma_;
+  const double depth_m_, prior_sigma_;
   LogDepth now_;
 };
 

@@ -23,7 +23,7 @@ class GridAliasing {
 
  private:
   static constexpr std::size_t kHarmonics = 2;
-  double side_m_;
+  const double side_m_;
   std::array<double, kHarmonics> weights_;  // of each harmonic of the grid, by the contact's place
 };
 

@@ -100,8 +100,8 @@ class Moments final : public SlipMethod {
   Reading estimate(const ContactPatch& patch, const Rings& rings) const noexcept;
 
  private:
-  TaxelLayout layout_;
-  MomentsOptions options_;
+  const TaxelLayout layout_;
+  const MomentsOptions options_;
 };
 
 }  // namespace slipd

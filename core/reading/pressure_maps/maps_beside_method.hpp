@@ -41,7 +41,7 @@ class MapsAtSurface final : public MapsBesideMethod {
   Reading estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
 
  private:
-  TaxelLayout layout_;
+  const TaxelLayout layout_;
 };
 
 // Under a skin, which hides most of another shape: the fit compares them (Reading::shape_sigma).

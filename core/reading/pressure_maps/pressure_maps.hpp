@@ -180,9 +180,9 @@ class PressureMaps final : public SlipMethod {
   void weigh(Reading& out) const noexcept;
   void give_profile(Reading& out) const noexcept;
 
-  TaxelLayout layout_;
-  FrictionPrior prior_;
-  PressureMapsOptions options_;
+  const TaxelLayout layout_;
+  const FrictionPrior prior_;
+  const PressureMapsOptions options_;
   RecordedMaps maps_;
   std::optional<SubsurfacePressureMaps> skin_;  // of a depth above 0
   double most_n_ = 0;                           // the greatest force that was recorded

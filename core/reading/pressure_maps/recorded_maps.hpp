@@ -109,7 +109,7 @@ class RecordedMaps {
   void join(std::size_t into, std::size_t first, std::size_t second) noexcept;
   void sort_out() noexcept;
 
-  std::size_t taxels_, channels_;
+  const std::size_t taxels_, channels_;
   std::uint64_t versions_ = 0;
   std::uint64_t version_of_contact_ = 0;
   std::vector<std::uint32_t> contact_;

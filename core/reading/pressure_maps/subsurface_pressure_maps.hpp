@@ -140,7 +140,7 @@ class SubsurfacePressureMaps {
                 double friction_y) noexcept;
   double noise_of(std::span<const float> values) const noexcept;
 
-  std::size_t taxels_, columns_, rows_;
+  const std::size_t taxels_, columns_, rows_;
   SkinDepth depth_;
   double filtered_log_ = 0;  // log of the depth that maps are filtered for, over the nominal one
   std::size_t last_filling_ = kNone;

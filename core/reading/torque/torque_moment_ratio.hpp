@@ -68,8 +68,8 @@ class TorqueMomentRatio {
   bool half_space(const Ratio& ratio, double gamma, double coarse) const noexcept;
   Ratio ratio_of(const ContactPatch& patch, double along, double spin) const noexcept;
 
-  TorqueMomentRatioOptions options_;
-  double side_m_, area_m2_;
+  const TorqueMomentRatioOptions options_;
+  const double side_m_, area_m2_;
 };
 
 }  // namespace slipd

@@ -13,7 +13,6 @@ constexpr double kMostSigma = 0.15;
 
 MarginDecision decision_of(MeanSigma margin) {
   MarginDecision decision(kMostSigma);
-  decision.begin();
   decision.propose(margin);
   return decision;
 }
@@ -28,7 +27,6 @@ Estimate applied(const MarginDecision& decision) {
 
 TEST(MarginDecision, WithoutAProposalThereIsNoMargin) {
   MarginDecision decision(kMostSigma);
-  decision.begin();
   EXPECT_EQ(applied(decision).state, State::learning);
   EXPECT_FALSE(applied(decision).gamma_low);
 }
@@ -51,16 +49,15 @@ TEST(MarginDecision, WhatWidensAMarginBeyondTheLargestSigmaTakesItAway) {
 
 TEST(MarginDecision, TheFirstReasonToRefuseStandsAndAFaultIsStronger) {
   MarginDecision decision(kMostSigma);
-  decision.begin();
   decision.refuse(State::out_of_model);
   decision.propose({0.4, 1});
   decision.refuse(State::no_contact);
   EXPECT_EQ(applied(decision).state, State::out_of_model);
   decision.fail();
   EXPECT_EQ(applied(decision).state, State::fault);
-  decision.begin(State::no_shear);
-  decision.refuse(State::no_contact);
-  EXPECT_EQ(applied(decision).state, State::no_shear);
+  MarginDecision never(kMostSigma, MarginDecision::kLeastSigma, State::no_shear);
+  never.refuse(State::no_contact);
+  EXPECT_EQ(applied(never).state, State::no_shear);
 }
 
 TEST(MarginDecision, TheLowEndIsBelowTheBoundAndBelowTheMarginsOwn) {
@@ -72,7 +69,6 @@ TEST(MarginDecision, TheLowEndIsBelowTheBoundAndBelowTheMarginsOwn) {
     EXPECT_NEAR(applied(decision).gamma_low.value(), low, 1e-5);
   }
   MarginDecision unknown(kMostSigma);
-  unknown.begin();
   unknown.refuse(State::learning);
   unknown.bound(0.5);
   EXPECT_EQ(applied(unknown).gamma_low, 0.5) << "it needs no margin";

@@ -173,15 +173,14 @@ TEST(MarginOverTime, AGrownLoadThatSlidesIsNeverCalledSafe) {
        0.01, Noise::relative);
 }
 
-// A source with a decision, as a pipeline has them.
+// A source with a decision and the path of the forces, as a pipeline has them.
 class Source {
  public:
   Source(const FrictionKnowledge& friction, bool needs_history)
-      : source_(make_margin_over_time(EstimatorSettings{}.sigma_max, friction, needs_history)),
-        decision_(EstimatorSettings{}.sigma_max) {}
+      : source_(make_margin_over_time(EstimatorSettings{}.sigma_max, friction, needs_history)) {}
 
   void update(const ContactPatch& patch, const Reading* reading, const MarginProfile* shared, Estimate& out) {
-    decision_.begin();
+    MarginDecision decision(EstimatorSettings{}.sigma_max);
     const SlidingVerdict unknown;
     source_->estimate({.time_ns = out.time_ns,
                        .measured = patch,
@@ -190,13 +189,12 @@ class Source {
                        .reading = reading,
                        .shared = shared,
                        .previous_sliding = unknown},
-                      decision_, out);
-    decision_.apply(out);
+                      decision, out);
+    decision.apply(out);
   }
 
  private:
   std::unique_ptr<MarginSource> source_;
-  MarginDecision decision_;
   LoadPath path_;
 };
 
