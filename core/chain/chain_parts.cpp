@@ -30,8 +30,7 @@ bool has_skin(const ChainSetup& setup) {
 }
 
 std::unique_ptr<SlipMethod> make_fit(const ChainSetup& setup, const FitOptions& options = {}) {
-  return std::make_unique<Fit>(setup.layout, known_friction(setup).range, options, setup.scene.skin.depth_m,
-                               setup.scene.skin.depth_sigma, setup.scene.skin.bonded_poisson());
+  return make_fit(setup.layout, known_friction(setup).range, setup.scene.skin, options);
 }
 
 std::unique_ptr<SlipMethod> make_closing(const ChainSetup& setup) {

@@ -42,16 +42,15 @@ std::vector<Candidate> candidates(const TaxelLayout& layout, const Scene& scene)
   const Range friction = expected_friction(scene);
   std::vector<Candidate> out;
   if (scene.skin.depth_m > 0) {
-    out.push_back({Method::fit, std::make_unique<Fit>(layout, friction, FitOptions{}, scene.skin.depth_m,
-                                                      scene.skin.depth_sigma, scene.skin.bonded_poisson())});
+    out.push_back({Method::fit, make_fit(layout, friction, scene.skin)});
     out.push_back(
         {Method::closing, std::make_unique<PressureMaps>(layout, friction, scene.skin), kClosingFrames});
     return out;
   }
   out.push_back({Method::moments, std::make_unique<Moments>(layout)});
   if (blocks_pay(layout, scene))
-    out.push_back({Method::block_fit, std::make_unique<Fit>(layout, friction, FitOptions::in_blocks())});
-  out.push_back({Method::fit, std::make_unique<Fit>(layout, friction)});
+    out.push_back({Method::block_fit, std::make_unique<BlockFit>(layout, friction)});
+  out.push_back({Method::fit, make_fit(layout, friction)});
   return out;
 }
 

@@ -57,7 +57,7 @@ std::vector<NamedMethod> untrained_methods(const TrialSetup& setup) {
   const TaxelLayout layout = layout_of(setup);
   std::vector<NamedMethod> methods;
   methods.push_back({"moments", std::make_unique<Moments>(layout)});
-  methods.push_back({"fit", std::make_unique<Fit>(layout, Range{0.1, 0.9})});
+  methods.push_back({"fit", make_fit(layout, {0.1, 0.9})});
   return methods;
 }
 

@@ -88,8 +88,10 @@ std::unique_ptr<SlipMethod> method_of(const ImprintCase& of, const TaxelLayout& 
   const Range friction = expected_friction(scene);
   if (of.method == Method::closing)
     return std::make_unique<PressureMaps>(layout, friction, Skin{.depth_m = depth_m});
-  return std::make_unique<Fit>(layout, friction, FitOptions{}, depth_m, kUsualDepthSigma,
-                               bonded_poisson(scene, of.base_taken));
+  Skin skin = scene.skin;
+  skin.depth_m = depth_m;
+  skin.base = of.base_taken;
+  return make_fit(layout, friction, skin);
 }
 
 double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase& of, std::size_t contacts,

@@ -84,8 +84,8 @@ std::vector<std::unique_ptr<SlipMethod>> methods_for(const TaxelLayout& layout,
   if (layout.size() < 2) return methods;
   methods.push_back(std::make_unique<Moments>(layout));
   if (blocks_pay(layout, scene_of(0)))
-    methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0)), FitOptions::in_blocks()));
-  methods.push_back(std::make_unique<Fit>(layout, expected_friction(scene_of(0))));
+    methods.push_back(std::make_unique<BlockFit>(layout, expected_friction(scene_of(0))));
+  methods.push_back(make_fit(layout, expected_friction(scene_of(0))));
   if (options.models) {
     for (auto& method : trained_methods(layout, options)) methods.push_back(std::move(method));
   }

@@ -145,15 +145,14 @@ WorkPrecision measure_work_precision(const std::vector<std::shared_ptr<const Mod
                                      std::size_t contacts, std::uint64_t seed) {
   const ModelSetup& setup = models.front()->setup();
   Moments moments(setup.layout);
-  Fit fit(setup.layout, expected_friction(setup.scene));
+  const auto fit = make_fit(setup.layout, expected_friction(setup.scene));
   std::deque<SvdKnn> trained;
   for (const auto& model : models) trained.emplace_back(model);
   trained.emplace_back(models.front(), Precision::double_precision);
-  std::vector<SlipMethod*> methods{&moments, &fit};
-  std::optional<Fit> in_blocks;
+  std::vector<SlipMethod*> methods{&moments, fit.get()};
+  std::optional<BlockFit> in_blocks;
   if (blocks_pay(setup.layout, setup.scene))
-    methods.push_back(
-        &in_blocks.emplace(setup.layout, expected_friction(setup.scene), FitOptions::in_blocks()));
+    methods.push_back(&in_blocks.emplace(setup.layout, expected_friction(setup.scene)));
   for (SvdKnn& each : trained) methods.push_back(&each);
   return {measure_tradeoff(setup.layout, setup.scene, methods, NoiseKind::relative, setup.scene.noise,
                            contacts, seed),

@@ -28,7 +28,7 @@ std::unique_ptr<SlipMethod> make(const ChainSetup& setup) {
     case MethodChoice::moments:
       return std::make_unique<Moments>(setup.layout);
     case MethodChoice::fit:
-      return std::make_unique<Fit>(setup.layout, expected_friction(setup.scene));
+      return make_fit(setup.layout, expected_friction(setup.scene));
     default:
       return std::make_unique<SvdKnn>(model_of(setup));
   }

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
+#include "core/frame/few_taxels.hpp"
 #include "core/reading/method/profile_posterior.hpp"
 #include "core/reading/moments/moments.hpp"
 
@@ -20,24 +22,12 @@ double peak_pressure(const ContactPatch& patch) noexcept {
   return 1.5 * patch.normal_n / (std::numbers::pi * patch.radius_m * patch.radius_m);
 }
 
-std::optional<SquareBlocks> blocks_of(const TaxelLayout& layout, double along_radius) {
-  if (!(along_radius > 0) || layout.size() <= kFewTaxels || !SquareBlocks::fits(layout)) return {};
-  return SquareBlocks(layout, along_radius);
-}
-
 }  // namespace
 
-Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, double skin_depth_m,
-         double skin_depth_sigma, std::optional<double> bonded_poisson)
+Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, std::size_t most)
     : layout_(layout),
       options_(options),
-      prior_{.expected = friction_expected, .spread = options.prior.scene_spread},
-      blocks_(blocks_of(layout, options.blocks_along_radius)),
-      sheet_(blocks_ ? 0 : layout.size(), layout.side_m()),
-      imprint_(layout, friction_expected, skin_depth_m, options, {}, skin_depth_sigma, bonded_poisson),
-      under_skin_(skin_depth_m > 0) {
-  if (blocks_) lattice_.emplace(blocks_->most_along());
-  const std::size_t most = blocks_ ? blocks_->most_along() * blocks_->most_along() : layout.size();
+      prior_{.expected = friction_expected, .spread = options.prior.scene_spread} {
   for (auto* list : {&x_, &y_, &p_, &q_, &u_, &v_}) list->resize(most);
   for (auto* sheet : {&outer_, &inner_}) {
     for (auto* list : {&sheet->value, &sheet->d_x, &sheet->d_u, &sheet->d_v}) list->resize(most);
@@ -46,52 +36,17 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& o
   residuals_.resize(2 * static_cast<Eigen::Index>(most));
 }
 
+std::size_t Fit::memory_bytes() const noexcept {
+  // Lists, two residuals and their slopes a sample, and the dome sheet's.
+  constexpr std::size_t kNumbersASample = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
+  return sizeof(BlockFit) + kNumbersASample * sizeof(double) * x_.size();
+}
+
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
-void Fit::collect(const ContactPatch& patch) noexcept {
-  count_ = 0;
-  const auto take = [&](std::uint32_t i) {
-    x_[count_] = layout_.x_m()[i] - patch.center_x_m;
-    y_[count_] = layout_.y_m()[i] - patch.center_y_m;
-    p_[count_] = patch.taxels.normal_pa[i];
-    q_[count_] = patch.shear_along_pa(i);
-    ++count_;
-  };
-  if (layout_.size() <= kFewTaxels) {  // with so few loaded taxels, the unloaded ones count as well
-    for (std::uint32_t i = 0; i < layout_.size(); ++i) take(i);
-  } else {
-    patch.for_each_inside(take);
-  }
-}
-
-void Fit::collect_blocks(const ContactPatch& patch, double along_radius) noexcept {
-  blocks_->sum(patch, along_radius);
-  lattice_->set({.left_m = blocks_->left_m(),
-                 .bottom_m = blocks_->bottom_m(),
-                 .side_m = blocks_->side_m(),
-                 .rows = blocks_->rows()});
-  count_ = blocks_->size();
-  std::copy_n(blocks_->x_m().begin(), count_, x_.begin());
-  std::copy_n(blocks_->y_m().begin(), count_, y_.begin());
-  std::copy_n(blocks_->normal_pa().begin(), count_, p_.begin());
-  std::copy_n(blocks_->shear_pa().begin(), count_, q_.begin());
-}
-
-// A block's noise is that of the mean of its taxels.
-void Fit::set_noise(const ContactPatch& patch) noexcept {
+void Fit::set_noise(const ContactPatch& patch, double taxels_along) noexcept {
   const double floor_pa = options_.noise_floor * peak_pressure(patch);
-  const double averaged = blocks_ ? static_cast<double>(blocks_->taxels_along()) : 1;
-  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa) / averaged;
-  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / averaged;
-}
-
-void Fit::fill_sheet(double x, const Vector& at, Sheet& out) noexcept {
-  const std::span<double> value(out.value.data(), count_), d_x(out.d_x.data(), count_),
-      d_u(out.d_u.data(), count_), d_v(out.d_v.data(), count_);
-  if (lattice_) {
-    lattice_->evaluate(x, at[center_x], at[center_y], value, d_x, d_u, d_v);
-  } else {
-    sheet_.evaluate(x, {u_.data(), count_}, {v_.data(), count_}, value, d_x, d_u, d_v);
-  }
+  noise_normal_ = std::max(patch.noise_normal_pa, floor_pa) / taxels_along;
+  noise_shear_ = std::max(patch.noise_shear_pa, floor_pa * patch.shear_n / patch.normal_n) / taxels_along;
 }
 
 Fit::Vector Fit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
@@ -267,14 +222,6 @@ Fit::Minimum Fit::minimise(const Vector& start, double converged_sigmas) noexcep
   return best;
 }
 
-Fit::Minimum Fit::minimise_blocks(const ContactPatch& patch, const Vector& start) noexcept {
-  Minimum best = minimise(start, options_.first_converged_sigmas);
-  collect_blocks(patch, options_.blocks_along_radius);
-  set_noise(patch);
-  if (best.converged && take_last_step(best)) return best;
-  return minimise(best.converged ? best.at : start, options_.converged_sigmas);
-}
-
 bool Fit::take_last_step(Minimum& minimum) noexcept {
   Vector gradient;
   evaluate(minimum.at, gradient, minimum.hessian);
@@ -327,36 +274,27 @@ void Fit::place(const ContactPatch& patch, const Vector& at, Reading& out) noexc
   out.radius_m = at[radius];
 }
 
-Reading Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
-  Reading out;
-  if (under_skin_) return imprint_.estimate(patch, moment_ratio(patch, layout_, options_.ratio));
-  if (blocks_) {
-    collect_blocks(patch, options_.first_blocks_along_radius);
-  } else {
-    collect(patch);
-  }
-  set_noise(patch);
+Reading Fit::estimate(const Frame& /*frame*/, const ContactPatch& patch) noexcept {
+  collect(patch);
   const MomentRatio ratio = moment_ratio(patch, layout_, options_.ratio);
+  Reading out;
   out.moments = ratio.moments;
   out.moments_sigma = ratio.moments_sigma;
   out.moments_common_sigma = ratio.moments_common_sigma;
-  if (ratio.deviation.ellipticity > options_.elliptic_from && layout_.size() > kFewTaxels)
-    return imprint_.estimate(patch, ratio);
+  read(patch, ratio, out);
+  return out;
+}
+
+std::optional<Fit::Vector> Fit::start_of(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
   const Vector first = start(patch, ratio);
-  if (!(first[load] > 0) || count_ < kUnknowns) return out;
-  const Minimum minimum =
-      blocks_ ? minimise_blocks(patch, first) : minimise(first, options_.converged_sigmas);
+  if (!(first[load] > 0) || count_ < kUnknowns) return std::nullopt;
+  return first;
+}
+
+void Fit::conclude(const ContactPatch& patch, const MomentRatio& ratio, const Minimum& minimum,
+                   Reading& out) noexcept {
   const Vector& at = minimum.at;
-  if (layout_.size() <= kFewTaxels) {  // so few have no parabola: only the whole profile means anything
-    Vector gradient;
-    Square hessian;
-    evaluate(at, gradient, hessian);
-    weigh_by_prior(at, hessian, out);
-    place(patch, at, out);
-    out.in_model = minimum.converged;
-    return out;
-  }
-  if (!minimum.converged || !describe(patch, minimum, out)) return out;
+  if (!minimum.converged || !describe(patch, minimum, out)) return;
   const HertzDeviationOptions& deviation = options_.ratio.deviation;
   const RingMisfit misfit = ring_misfit(at);
   out.in_model = ratio.deviation.hertzian(deviation) && misfit.by_skin < options_.max_ring_misfit;
@@ -370,7 +308,138 @@ Reading Fit::estimate(const Frame&, const ContactPatch& patch) noexcept {
   out.common_sigma = model_sigma;
   out.friction_sigma =
       std::hypot(out.friction_sigma, options_.friction_sigma_factor * model_sigma * out.friction);
-  return out;
+}
+
+// --- taxels by themselves
+
+TaxelFit::TaxelFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options)
+    : Fit(layout, friction_expected, options, layout.size()), sheet_(layout.size(), layout.side_m()) {}
+
+void TaxelFit::take(const ContactPatch& patch, std::uint32_t taxel) noexcept {
+  x_[count_] = layout_.x_m()[taxel] - patch.center_x_m;
+  y_[count_] = layout_.y_m()[taxel] - patch.center_y_m;
+  p_[count_] = patch.taxels.normal_pa[taxel];
+  q_[count_] = patch.shear_along_pa(taxel);
+  ++count_;
+}
+
+void TaxelFit::fill_sheet(double x, const Vector& /*at*/, Sheet& out) noexcept {
+  sheet_.evaluate(x, {u_.data(), count_}, {v_.data(), count_}, {out.value.data(), count_},
+                  {out.d_x.data(), count_}, {out.d_u.data(), count_}, {out.d_v.data(), count_});
+}
+
+void FewTaxelsFit::collect(const ContactPatch& patch) noexcept {
+  count_ = 0;
+  for (std::uint32_t i = 0; i < layout_.size(); ++i) take(patch, i);
+  set_noise(patch);
+}
+
+void FewTaxelsFit::read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept {
+  const auto first = start_of(patch, ratio);
+  if (!first) return;
+  const Minimum minimum = minimise(*first, options_.converged_sigmas);
+  Vector gradient;
+  Square hessian;
+  evaluate(minimum.at, gradient, hessian);
+  weigh_by_prior(minimum.at, hessian, out);
+  place(patch, minimum.at, out);
+  out.in_model = minimum.converged;
+}
+
+ArrayFit::ArrayFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options)
+    : TaxelFit(layout, friction_expected, options), ellipses_(layout, friction_expected, 0, options) {}
+
+void ArrayFit::collect(const ContactPatch& patch) noexcept {
+  count_ = 0;
+  patch.for_each_inside([&](std::uint32_t i) { take(patch, i); });
+  set_noise(patch);
+}
+
+void ArrayFit::read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept {
+  if (ratio.deviation.ellipticity > options_.elliptic_from) {
+    out = ellipses_.estimate(patch, ratio);
+  } else if (const auto first = start_of(patch, ratio)) {
+    conclude(patch, ratio, minimise(*first, options_.converged_sigmas), out);
+  }
+}
+
+// --- square blocks
+
+BlockFit::BlockFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options)
+    : BlockFit(SquareBlocks(layout, options.blocks_along_radius), layout, friction_expected, options) {}
+
+BlockFit::BlockFit(SquareBlocks blocks, const TaxelLayout& layout, Range friction_expected,
+                   const FitOptions& options)
+    : Fit(layout, friction_expected, options, blocks.most_along() * blocks.most_along()),
+      blocks_(std::move(blocks)),
+      lattice_(blocks_.most_along()),
+      ellipses_(layout, friction_expected, 0, options) {}
+
+bool BlockFit::fits(const TaxelLayout& layout) noexcept {
+  return layout.size() > kFewTaxels && SquareBlocks::fits(layout);
+}
+
+std::size_t BlockFit::memory_bytes() const noexcept {
+  return Fit::memory_bytes() + blocks_.memory_bytes() + lattice_.memory_bytes() + ellipses_.memory_bytes();
+}
+
+void BlockFit::collect(const ContactPatch& patch) noexcept {
+  collect(patch, options_.first_blocks_along_radius);
+}
+
+void BlockFit::collect(const ContactPatch& patch, double along_radius) noexcept {
+  blocks_.sum(patch, along_radius);
+  lattice_.set({.left_m = blocks_.left_m(),
+                .bottom_m = blocks_.bottom_m(),
+                .side_m = blocks_.side_m(),
+                .rows = blocks_.rows()});
+  count_ = blocks_.size();
+  std::copy_n(blocks_.x_m().begin(), count_, x_.begin());
+  std::copy_n(blocks_.y_m().begin(), count_, y_.begin());
+  std::copy_n(blocks_.normal_pa().begin(), count_, p_.begin());
+  std::copy_n(blocks_.shear_pa().begin(), count_, q_.begin());
+  set_noise(patch, static_cast<double>(blocks_.taxels_along()));
+}
+
+void BlockFit::fill_sheet(double x, const Vector& at, Sheet& out) noexcept {
+  lattice_.evaluate(x, at[center_x], at[center_y], {out.value.data(), count_}, {out.d_x.data(), count_},
+                    {out.d_u.data(), count_}, {out.d_v.data(), count_});
+}
+
+Fit::Minimum BlockFit::find_minimum(const ContactPatch& patch, const Vector& start) noexcept {
+  Minimum best = minimise(start, options_.first_converged_sigmas);
+  collect(patch, options_.blocks_along_radius);
+  if (best.converged && take_last_step(best)) return best;
+  return minimise(best.converged ? best.at : start, options_.converged_sigmas);
+}
+
+void BlockFit::read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept {
+  if (ratio.deviation.ellipticity > options_.elliptic_from) {
+    out = ellipses_.estimate(patch, ratio);
+  } else if (const auto first = start_of(patch, ratio)) {
+    conclude(patch, ratio, find_minimum(patch, *first), out);
+  }
+}
+
+// --- under a skin
+
+FitUnderSkin::FitUnderSkin(const TaxelLayout& layout, Range friction_expected, const Skin& skin,
+                           const FitOptions& options)
+    : layout_(layout),
+      ratio_(options.ratio),
+      fit_(make_subsurface_fit(layout, friction_expected, skin, options)) {}
+
+Reading FitUnderSkin::estimate(const Frame& /*frame*/, const ContactPatch& patch) noexcept {
+  return fit_->estimate(patch, moment_ratio(patch, layout_, ratio_));
+}
+
+std::unique_ptr<SlipMethod> make_fit(const TaxelLayout& layout, Range friction_expected, const Skin& skin,
+                                     const FitOptions& options) {
+  if (skin.depth_m > 0) return std::make_unique<FitUnderSkin>(layout, friction_expected, skin, options);
+  if (layout.size() <= kFewTaxels) return std::make_unique<FewTaxelsFit>(layout, friction_expected, options);
+  if (options.blocks_along_radius > 0 && BlockFit::fits(layout))
+    return std::make_unique<BlockFit>(layout, friction_expected, options);
+  return std::make_unique<ArrayFit>(layout, friction_expected, options);
 }
 
 }  // namespace slipd

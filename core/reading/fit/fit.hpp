@@ -11,6 +11,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,7 +21,6 @@
 #include "core/contact/dome_lattice.hpp"
 #include "core/contact/dome_sheet.hpp"
 #include "core/contact/scene.hpp"
-#include "core/frame/few_taxels.hpp"
 #include "core/patch/square_blocks.hpp"
 #include "core/reading/fit/fit_options.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
@@ -28,35 +30,23 @@
 
 namespace slipd {
 
-class Fit final : public SlipMethod {
+// Samples are taxels, or sums of several. Estimate thread; allocates in constructors only.
+class Fit : public SlipMethod {
  public:
-  // friction_expected: the scene's range; decides only where the frame itself leaves the margin open.
-  // skin_depth_m, skin_depth_sigma: how deep the taxels lie under the surface, m, and the standard deviation
-  // of its log; bonded_poisson: what they lie on. See Skin.
-  Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {},
-      double skin_depth_m = 0, double skin_depth_sigma = 0,
-      std::optional<double> bonded_poisson = std::nullopt);
-  // block_fit where taxels are summed in blocks.
-  Method name() const noexcept override { return blocks_ ? Method::block_fit : Method::fit; }
-  void forget() noexcept override { imprint_.forget(); }
-  MethodSettings settings() const noexcept override {
-    // Lists below, two residuals and their slopes a taxel, and the dome sheet's.
-    constexpr std::size_t kNumbersATaxel = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
-    return {.memory_bytes = sizeof(*this) + kNumbersATaxel * sizeof(double) * x_.size() +
-                            (blocks_ ? blocks_->memory_bytes() + lattice_->memory_bytes() : 0) +
-                            imprint_.memory_bytes()};
-  }
+  Method name() const noexcept override { return Method::fit; }
+  void forget() noexcept override {}
+  MethodSettings settings() const noexcept override { return {.memory_bytes = memory_bytes()}; }
 
   // Levenberg-Marquardt from the moments' start, at most kMostSteps steps. Not in the model if it did not
   // converge or if the residual is more than noise and the skin's unevenness explain.
-  Reading estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
+  Reading estimate(const Frame& frame, const ContactPatch& patch) noexcept final;
 
   // Bounds the time of a frame. Too small: frames near no load do not converge. Too large: the longest frame
   // takes longer.
   static constexpr int kMostSteps = 15;
   int steps() const noexcept { return steps_; }  // that the last frame took
 
- private:
+ protected:
   enum Unknown { center_x, center_y, radius, height, load, margin, kUnknowns };
   using Vector = Eigen::Matrix<double, kUnknowns, 1>;
   using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -70,17 +60,28 @@ class Fit final : public SlipMethod {
   struct Sheet {
     std::vector<double> value, d_x, d_u, d_v;
   };
-  void collect(const ContactPatch& patch) noexcept;
-  void collect_blocks(const ContactPatch& patch, double along_radius) noexcept;
-  void set_noise(const ContactPatch& patch) noexcept;
+  // most: samples at most.
+  Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, std::size_t most);
+  virtual std::size_t memory_bytes() const noexcept;
+
+  // The samples of a contact.
+  virtual void collect(const ContactPatch& patch) noexcept = 0;
   // Of a dome of radius x about the centre of `at`.
-  void fill_sheet(double x, const Vector& at, Sheet& out) noexcept;
+  virtual void fill_sheet(double x, const Vector& at, Sheet& out) noexcept = 0;
+  // A frame whose samples and moments are there.
+  virtual void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept = 0;
+
+  // taxels_along: of a sample, whose noise is that of the mean of its taxels.
+  void set_noise(const ContactPatch& patch, double taxels_along = 1) noexcept;
   Vector start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // Half the squared residuals in units of noise, their gradient and Gauss-Newton's Hessian.
   double evaluate(const Vector& at, Vector& gradient, Square& hessian) noexcept;
   Minimum minimise(const Vector& start, double converged_sigmas) noexcept;
-  // On large blocks, then by one step on small ones.
-  Minimum minimise_blocks(const ContactPatch& patch, const Vector& start) noexcept;
+  // From the moments; none: there is no load, or there are too few samples.
+  std::optional<Vector> start_of(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
+  // What a minimum says of a contact with many samples.
+  void conclude(const ContactPatch& patch, const MomentRatio& ratio, const Minimum& minimum,
+                Reading& out) noexcept;
   // One step of Newton's method; the domes follow linearly. False if it is too long for that.
   bool take_last_step(Minimum& minimum) noexcept;
   // Gamma, friction, place and radius with their deviations by the parabola; false if there is none, or no
@@ -101,12 +102,6 @@ class Fit final : public SlipMethod {
   const TaxelLayout layout_;
   const FitOptions options_;
   const FrictionPrior prior_;
-  // Both, or neither: taxels by themselves.
-  std::optional<SquareBlocks> blocks_;
-  std::optional<contact::DomeLattice> lattice_;
-  contact::DomeSheet sheet_;  // of taxels by themselves
-  SubsurfaceFit imprint_;     // contacts that are elliptic or under a skin
-  const bool under_skin_;
   std::size_t count_ = 0;
   double noise_normal_ = 1, noise_shear_ = 1;
   int steps_ = 0;
@@ -116,5 +111,92 @@ class Fit final : public SlipMethod {
   Eigen::VectorXd residuals_;
   Sheet outer_, inner_;
 };
+
+// Each taxel by itself.
+class TaxelFit : public Fit {
+ protected:
+  TaxelFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options);
+  void fill_sheet(double x, const Vector& at, Sheet& out) noexcept override;
+  void take(const ContactPatch& patch, std::uint32_t taxel) noexcept;
+
+ private:
+  contact::DomeSheet sheet_;
+};
+
+// Few taxels: so few have no parabola, and only the whole profile means anything. Those without load count as
+// well.
+class FewTaxelsFit final : public TaxelFit {
+ public:
+  FewTaxelsFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {})
+      : TaxelFit(layout, friction_expected, options) {}
+
+ private:
+  void collect(const ContactPatch& patch) noexcept override;
+  void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
+};
+
+// The taxels of an array that are in the contact. Ellipses are read by SubsurfaceFit.
+class ArrayFit final : public TaxelFit {
+ public:
+  ArrayFit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options = {});
+  void forget() noexcept override { ellipses_.forget(); }
+
+ private:
+  std::size_t memory_bytes() const noexcept override {
+    return Fit::memory_bytes() + ellipses_.memory_bytes();
+  }
+  void collect(const ContactPatch& patch) noexcept override;
+  void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
+
+  SubsurfaceFit ellipses_;
+};
+
+// Taxels of a grid, summed in square blocks: on large ones, then by one step on small ones. For layouts
+// that it fits.
+class BlockFit final : public Fit {
+ public:
+  BlockFit(const TaxelLayout& layout, Range friction_expected,
+           const FitOptions& options = FitOptions::in_blocks());
+  // Whether a layout's taxels can be summed in blocks: a grid of more than few taxels.
+  static bool fits(const TaxelLayout& layout) noexcept;
+  Method name() const noexcept override { return Method::block_fit; }
+  void forget() noexcept override { ellipses_.forget(); }
+
+ private:
+  BlockFit(SquareBlocks blocks, const TaxelLayout& layout, Range friction_expected,
+           const FitOptions& options);
+  std::size_t memory_bytes() const noexcept override;
+  void collect(const ContactPatch& patch) noexcept override;
+  void fill_sheet(double x, const Vector& at, Sheet& out) noexcept override;
+  void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
+  void collect(const ContactPatch& patch, double along_radius) noexcept;
+  Minimum find_minimum(const ContactPatch& patch, const Vector& start) noexcept;
+
+  SquareBlocks blocks_;
+  contact::DomeLattice lattice_;
+  SubsurfaceFit ellipses_;
+};
+
+// Taxels under a skin.
+class FitUnderSkin final : public SlipMethod {
+ public:
+  // skin: with a depth above 0.
+  FitUnderSkin(const TaxelLayout& layout, Range friction_expected, const Skin& skin,
+               const FitOptions& options = {});
+  Method name() const noexcept override { return Method::fit; }
+  void forget() noexcept override { fit_->forget(); }
+  MethodSettings settings() const noexcept override { return {.memory_bytes = fit_->memory_bytes()}; }
+  Reading estimate(const Frame& frame, const ContactPatch& patch) noexcept override;
+
+ private:
+  const TaxelLayout layout_;
+  const MomentRatioOptions ratio_;
+  const std::unique_ptr<SubsurfaceFit> fit_;
+};
+
+// The fit of a layout, on a skin. friction_expected: the scene's range; decides only where the frame itself
+// leaves the margin open.
+std::unique_ptr<SlipMethod> make_fit(const TaxelLayout& layout, Range friction_expected,
+                                     const Skin& skin = {}, const FitOptions& options = {});
 
 }  // namespace slipd

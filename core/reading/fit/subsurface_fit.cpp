@@ -226,7 +226,7 @@ void SubsurfaceFit::weigh_by_prior(const Full& at, const Square& hessian, Readin
 // an end of the range; then with the noise that is left over, and as what the taxels show.
 void SubsurfaceFit::fit_part(const ContactPatch& patch, const MomentRatio& ratio, Minimum& best) noexcept {
   model_.use_part(options_.part_taxels);
-  elliptic_ = layout_.size() > kFewTaxels && ratio.deviation.ellipticity > fit_.elliptic_from;
+  elliptic_ = shows_ellipse(ratio.deviation);
   best.at = start(patch, ratio);
   minimise(unknowns(), best);
   if (best.at[Model::margin] < fit_.min_start || best.at[Model::margin] > fit_.max_start) {
@@ -323,20 +323,15 @@ Reading SubsurfaceFit::estimate(const ContactPatch& patch, const MomentRatio& ra
   if (!(ratio.load > 0) || model_.count() < Model::kMost) return out;
   const Minimum minimum = fit_contact(patch, ratio);
   fitted_ = true;
+  read(patch, minimum, out);
+  return out;
+}
+
+void SubsurfaceFit::read(const ContactPatch& patch, const Minimum& minimum, Reading& out) noexcept {
   const Full& at = minimum.at;
-  if (layout_.size() <= kFewTaxels && depth_m_ > 0) {
-    out.noise_normal_pa = model_.noise().normal_pa;
-    out.noise_shear_pa = model_.noise().shear_pa;
-  }
-  if (!(at[Model::load] > 0)) return out;  // the same contact, pulled the other way
-  if (depth_m_ > 0 && layout_.size() > kFewTaxels) find_moments(patch, minimum.evaluated, out);
-  if (layout_.size() <= kFewTaxels) {
-    weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
-    place(at, out);
-    out.in_model = minimum.converged;
-    return out;
-  }
-  if (!minimum.converged || !describe(minimum, out)) return out;
+  if (!(at[Model::load] > 0)) return;  // the same contact, pulled the other way
+  if (depth_m_ > 0) find_moments(patch, minimum.evaluated, out);
+  if (!minimum.converged || !describe(minimum, out)) return;
   const auto held = model_.show(at, Model::Detail::rough).row(Sheet::value, Sheet::xx);
   const double residual = residual_pressure(at), misfit = ring_misfit(at, held);
   if (out.sigma > fit_.open_sigma) weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
@@ -347,7 +342,26 @@ Reading SubsurfaceFit::estimate(const ContactPatch& patch, const MomentRatio& ra
   out.sigma = std::hypot(out.sigma, out.common_sigma);
   out.friction_sigma =
       std::hypot(out.friction_sigma, fit_.friction_sigma_factor * out.common_sigma * out.friction);
-  return out;
+}
+
+void FewTaxelsSubsurfaceFit::read(const ContactPatch& /*patch*/, const Minimum& minimum,
+                                  Reading& out) noexcept {
+  out.noise_normal_pa = model().noise().normal_pa;
+  out.noise_shear_pa = model().noise().shear_pa;
+  if (!(minimum.at[Model::load] > 0)) return;  // the same contact, pulled the other way
+  weigh_by_prior(minimum.evaluated, minimum.normal.hessian, out);
+  place(minimum.at, out);
+  out.in_model = minimum.converged;
+}
+
+std::unique_ptr<SubsurfaceFit> make_subsurface_fit(const TaxelLayout& layout, Range friction_expected,
+                                                   const Skin& skin, const FitOptions& options) {
+  const auto make = [&]<class FitOf>() -> std::unique_ptr<SubsurfaceFit> {
+    return std::make_unique<FitOf>(layout, friction_expected, skin.depth_m, options, SubsurfaceFitOptions{},
+                                   skin.depth_sigma, skin.bonded_poisson());
+  };
+  if (layout.size() <= kFewTaxels) return make.operator()<FewTaxelsSubsurfaceFit>();
+  return make.operator()<SubsurfaceFit>();
 }
 
 }  // namespace slipd

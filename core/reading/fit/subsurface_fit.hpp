@@ -78,8 +78,10 @@ struct SubsurfaceFitOptions {
   double moments_floor = 0.01;
 };
 
+// Of an array; see FewTaxelsSubsurfaceFit for others.
 class SubsurfaceFit {
  public:
+  virtual ~SubsurfaceFit() = default;
   // depth_m: of the taxels, >= 0. depth_sigma: standard deviation of its log; 0: it is exact. bonded_poisson:
   // see Skin.
   SubsurfaceFit(const TaxelLayout& layout, Range friction_expected, double depth_m, const FitOptions& fit,
@@ -110,7 +112,7 @@ class SubsurfaceFit {
            sizeof(double) * (shear_.size() + unsheared_.size() + columns_.size());
   }
 
- private:
+ protected:
   using Unknown = ContactShape::Unknown;
   using Vector = ContactShape::Vector;
   using Square = ContactShape::Square;
@@ -125,6 +127,18 @@ class SubsurfaceFit {
     bool known = false;    // the normal equations are those of the taxels and unknowns in use
     bool current = false;  // the model's last evaluation was this one
   };
+  // How finely the profile of margins is computed.
+  virtual ContactShape::Detail profile_detail() const noexcept { return ContactShape::Detail::rough; }
+  virtual bool shows_ellipse(const HertzDeviation& deviation) const noexcept {
+    return deviation.ellipticity > fit_.elliptic_from;
+  }
+  // What the minimum says of the contact.
+  virtual void read(const ContactPatch& patch, const Minimum& minimum, Reading& out) noexcept;
+  void weigh_by_prior(const Full& at, const Square& hessian, Reading& out) noexcept;
+  // Centre and radius of the contact into `out`.
+  static void place(const Full& at, Reading& out) noexcept;
+
+ private:
   Full start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept;
   // A step that keeps the unknowns within their ranges.
   Full stepped(const Full& from, const Vector& step) const noexcept;
@@ -162,18 +176,11 @@ class SubsurfaceFit {
   // held: of each taxel, what it would read of a shear of 1 Pa at the middle that is as large as friction.
   double ring_misfit(const Full& at, std::span<const double> held) const noexcept;
   bool describe(const Minimum& minimum, Reading& out) const noexcept;
-  // Centre and radius of the contact into `out`.
-  static void place(const Full& at, Reading& out) noexcept;
   // Where taxels show the contact.
   contact::Ellipse reach_of(const ContactPatch& patch, const HertzDeviation& deviation) const noexcept;
   // What a contact on a layer that is read as one of half spaces leaves open of Gamma; 0 on a half space.
   double layer_sigma(const Full& at) const noexcept;
-  void weigh_by_prior(const Full& at, const Square& hessian, Reading& out) noexcept;
   void fill_shear(const Full& at, double gamma, const contact::SubsurfaceSheet& outer) noexcept;
-  // Few taxels have no other margin than their profile's.
-  ContactShape::Detail profile_detail() const noexcept {
-    return layout_.size() <= kFewTaxels ? ContactShape::Detail::exact : ContactShape::Detail::rough;
-  }
   int unknowns() const noexcept { return elliptic_ ? int{ContactShape::kMost} : int{ContactShape::kRound}; }
 
   const TaxelLayout layout_;
@@ -194,5 +201,19 @@ class SubsurfaceFit {
   int steps_ = 0;
   bool elliptic_ = false;
 };
+
+// Of few taxels under a skin: they have no other margin than their profile's.
+class FewTaxelsSubsurfaceFit final : public SubsurfaceFit {
+ public:
+  using SubsurfaceFit::SubsurfaceFit;
+
+ private:
+  ContactShape::Detail profile_detail() const noexcept override { return ContactShape::Detail::exact; }
+  bool shows_ellipse(const HertzDeviation& /*deviation*/) const noexcept override { return false; }
+  void read(const ContactPatch& patch, const Minimum& minimum, Reading& out) noexcept override;
+};
+
+std::unique_ptr<SubsurfaceFit> make_subsurface_fit(const TaxelLayout& layout, Range friction_expected,
+                                                   const Skin& skin, const FitOptions& options = {});
 
 }  // namespace slipd

@@ -116,7 +116,7 @@ TEST(PadForces, HaveTheNoiseThatAFitLeavesOver) {
   constexpr int kFrames = 60;
   const PadForces forces(pad(), Skin{.depth_m = kDepth});
   PatchFinder finder(pad());
-  SubsurfaceFit fit(pad(), {0.1, 0.9}, kDepth, {});
+  FewTaxelsSubsurfaceFit fit(pad(), {0.1, 0.9}, kDepth, {});
   Felt felt(pad(), {.depth_m = kDepth});
   const contact::LoadHistory contact = loaded(kPressed, 0.6, 0.6);
   const Frame still = felt.feel(contact, 0.001, 0.0005, 0.7, 0);

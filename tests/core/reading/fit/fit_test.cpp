@@ -30,7 +30,7 @@ Result try_contacts(std::size_t side, double noise, Noise kind, int contacts,
   std::uniform_real_distribution<double> unit(0, 1);
   FrameMaker maker(TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side)));
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kPossibleFriction, options);
+  const auto fit = make_fit(maker.layout(), kPossibleFriction, {}, options);
   Result result;
   for (int i = 0; i < contacts; ++i) {
     contact::LoadHistory contact(synthetic::random_pair(random));
@@ -41,7 +41,7 @@ Result try_contacts(std::size_t side, double noise, Noise kind, int contacts,
                                    6.28 * unit(random), noise, kind);
     const auto& patch = finder.find(frame);
     if (!patch.in_contact) continue;
-    const Reading reading = fit.estimate(frame, patch);
+    const Reading reading = fit->estimate(frame, patch);
     if (!reading.in_model) continue;
     const double error = std::fabs(reading.gamma - gamma);
     result.answered += 1;
@@ -86,7 +86,7 @@ TEST(Fit, ComesNearTheLimitOnEachLayoutWithACorrectSigma) {
 TEST(Fit, ReadsAContactThatTheEdgeCutsFromItsVisiblePart) {
   FrameMaker maker(TaxelLayout::grid(50, 50, 0.0003));
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kPossibleFriction);
+  ArrayFit fit(maker.layout(), kPossibleFriction);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.6, 0.5);
@@ -110,7 +110,7 @@ TEST(Fit, OfFewTaxelsFindsPlaceAndRadiusBetterThanTheirSums) {
   std::uniform_real_distribution<double> unit(0, 1);
   FrameMaker maker(TaxelLayout::grid(4, 4, 0.0047));
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kPossibleFriction);
+  FewTaxelsFit fit(maker.layout(), kPossibleFriction);
   std::vector<double> fitted_m, summed_m, radius_m, summed_radius_m;
   constexpr std::size_t kContacts = 200;
   for (std::size_t i = 0; i < kContacts; ++i) {
@@ -135,7 +135,7 @@ TEST(Fit, OfFewTaxelsFindsPlaceAndRadiusBetterThanTheirSums) {
 TEST(Fit, OtherHistoriesAreNotInTheModelButGrossSlipIsDetected) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kPossibleFriction);
+  ArrayFit fit(maker.layout(), kPossibleFriction);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.8, 0.5);
@@ -175,7 +175,7 @@ void expect_no_allocation(Fit& fit, FrameMaker& maker, double step_n, int most_s
 
 TEST(Fit, AllocatesNothingAndTakesABoundedNumberOfSteps) {
   FrameMaker maker(TaxelLayout::grid(32, 32, 0.0005));
-  Fit fit(maker.layout(), kPossibleFriction);
+  ArrayFit fit(maker.layout(), kPossibleFriction);
   expect_no_allocation(fit, maker, 0.05, Fit::kMostSteps);
 }
 
@@ -213,8 +213,8 @@ TEST(BlockFit, AgreesWithTheFitOfAllTaxelsWithinSigma) {
   for (const bool dead : {false, true}) {
     FrameMaker maker(TaxelLayout::grid(97, 71, 0.000144));
     PatchFinder finder(maker.layout());
-    Fit fit(maker.layout(), kPossibleFriction),
-        in_blocks(maker.layout(), kPossibleFriction, FitOptions::in_blocks());
+    ArrayFit fit(maker.layout(), kPossibleFriction);
+    BlockFit in_blocks(maker.layout(), kPossibleFriction);
     std::vector<float> normal, x, y;
     int answered = 0, beyond = 0;
     constexpr int kContacts = 60;
@@ -253,7 +253,7 @@ TEST(BlockFit, AgreesWithTheFitOfAllTaxelsWithinSigma) {
 TEST(BlockFit, OtherHistoriesAreNotInTheModel) {
   FrameMaker maker(TaxelLayout::grid(100, 100, 0.000144));
   PatchFinder finder(maker.layout());
-  Fit fit(maker.layout(), kPossibleFriction, FitOptions::in_blocks());
+  BlockFit fit(maker.layout(), kPossibleFriction);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.8, 0.5);
@@ -272,24 +272,27 @@ TEST(BlockFit, IsTheFitOfSingleTaxelsWhereTheyAreInNoGridOrFew) {
   const TaxelLayout grid = TaxelLayout::grid(30, 30, 0.0003);
   const TaxelLayout scattered =
       TaxelLayout::scattered({grid.x_m().begin(), grid.x_m().end()}, {grid.y_m().begin(), grid.y_m().end()});
-  EXPECT_EQ(Fit(grid, kPossibleFriction, FitOptions::in_blocks()).name(), Method::block_fit);
-  EXPECT_EQ(Fit(TaxelLayout::grid(6, 6, 0.001), kPossibleFriction, FitOptions::in_blocks()).name(),
-            Method::fit);
+  const auto in_blocks = [](const TaxelLayout& layout) {
+    return make_fit(layout, kPossibleFriction, {}, FitOptions::in_blocks());
+  };
+  EXPECT_EQ(in_blocks(grid)->name(), Method::block_fit);
+  EXPECT_EQ(in_blocks(TaxelLayout::grid(6, 6, 0.001))->name(), Method::fit);
   FrameMaker maker(scattered);
   PatchFinder finder(scattered);
-  Fit fit(scattered, kPossibleFriction), in_blocks(scattered, kPossibleFriction, FitOptions::in_blocks());
-  EXPECT_EQ(in_blocks.name(), Method::fit);
+  ArrayFit fit(scattered, kPossibleFriction);
+  const auto wanted_in_blocks = in_blocks(scattered);
+  EXPECT_EQ(wanted_in_blocks->name(), Method::fit);
   contact::LoadHistory contact(synthetic::paper_pair());
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.6, 0.5);
   const Frame frame = maker.make(contact, 0, 0, 0.3, 0.01);
   const ContactPatch& patch = finder.find(frame);
-  EXPECT_EQ(in_blocks.estimate(frame, patch).gamma, fit.estimate(frame, patch).gamma);
+  EXPECT_EQ(wanted_in_blocks->estimate(frame, patch).gamma, fit.estimate(frame, patch).gamma);
 }
 
 TEST(BlockFit, AllocatesNothing) {
   FrameMaker maker(TaxelLayout::grid(80, 80, 0.0002));
-  Fit fit(maker.layout(), kPossibleFriction, FitOptions::in_blocks());
+  BlockFit fit(maker.layout(), kPossibleFriction);
   expect_no_allocation(fit, maker, 0.1, 2 * Fit::kMostSteps);
 }
 
