@@ -3,6 +3,7 @@
 
 #include <boost/crc.hpp>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <span>
 
@@ -11,18 +12,57 @@
 namespace slipd::decode {
 
 inline std::size_t bytes_of(ChecksumKind kind) noexcept {
-  return kind == ChecksumKind::none ? 0 : kind == ChecksumKind::crc8 ? 1 : 2;
+  switch (kind) {
+    case ChecksumKind::none:
+      return 0;
+    case ChecksumKind::sum8:
+    case ChecksumKind::xor8:
+    case ChecksumKind::lrc8:
+    case ChecksumKind::crc8:
+      return 1;
+    default:
+      return 2;
+  }
+}
+
+inline bool is_big_endian(ChecksumKind kind) noexcept {
+  return kind == ChecksumKind::sum16be || kind == ChecksumKind::crc16xmodem;
 }
 
 using Crc8Smbus = boost::crc_optimal<8, 0x07, 0, 0, false, false>;
+using Crc16Modbus = boost::crc_optimal<16, 0x8005, 0xFFFF, 0, true, true>;
+
+template <class Crc>
+std::uint32_t crc_of(std::span<const std::uint8_t> bytes) noexcept {
+  Crc crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
 
 // Boost computes the table of a CRC at its first use. Framer's constructor uses it once, so that the acquire
 // thread never computes the table.
 inline std::uint32_t checksum_of(ChecksumKind kind, std::span<const std::uint8_t> bytes) noexcept {
-  if (kind != ChecksumKind::crc8) return std::accumulate(bytes.begin(), bytes.end(), 0U) & 0xFFFFU;
-  Crc8Smbus crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
+  const std::uint32_t sum = std::accumulate(bytes.begin(), bytes.end(), 0U);
+  switch (kind) {
+    case ChecksumKind::none:
+      return 0;
+    case ChecksumKind::sum8:
+      return sum & 0xFFU;
+    case ChecksumKind::lrc8:
+      return -sum & 0xFFU;
+    case ChecksumKind::xor8:
+      return std::accumulate(bytes.begin(), bytes.end(), 0U, std::bit_xor());
+    case ChecksumKind::sum16le:
+    case ChecksumKind::sum16be:
+      return sum & 0xFFFFU;
+    case ChecksumKind::crc8:
+      return crc_of<Crc8Smbus>(bytes);
+    case ChecksumKind::crc16modbus:
+      return crc_of<Crc16Modbus>(bytes);
+    case ChecksumKind::crc16xmodem:
+      return crc_of<boost::crc_xmodem_t>(bytes);
+  }
+  return 0;
 }
 
 }  // namespace slipd::decode

@@ -33,7 +33,8 @@ class Finder {
     told_apart();
     if (problems_.empty()) every_taxel_once();
     if (profile_.driver == "modbus") registers();
-    if ((profile_.driver == "hid" && !profile_.hid) || (profile_.driver == "usb" && !profile_.usb))
+    if ((profile_.driver == "hid" && !profile_.hid) || (profile_.driver == "usb" && !profile_.usb) ||
+        (profile_.driver == "serial" && !profile_.serial))
       problems_.push_back({"/" + profile_.driver, "", "is missing; the driver needs it"});
     stream();
   }
@@ -87,12 +88,21 @@ class Finder {
 
   // The packets that the stream produces must be those of the scan.
   void stream() {
+    if (profile_.driver == "serial" && profile_.serial) {
+      const bool silence = profile_.serial->silence_ns > 0;
+      if (silence == profile_.stream.has_value())
+        problems_.push_back(
+            {"/serial/silence_ms", "", "packets end by silence, or as stream says; expected one of both"});
+    }
     if (!profile_.stream) return;
     const Stream& rule = *profile_.stream;
     const json& in = in_["stream"];
-    if (profile_.driver != "usb") add("/stream", in, "is for driver usb; others bring packets");
-    if (rule.begin.empty())
-      add("/stream/begin", in["begin"], "is empty; nothing would say where frames begin");
+    if (profile_.driver != "usb" && profile_.driver != "serial")
+      add("/stream", in, "is for drivers usb and serial; others bring packets");
+    if (rule.begin.empty() && rule.end.empty())
+      add("/stream/begin", in["begin"], "is empty, and so is end; nothing would say where frames begin");
+    if (rule.csv_values != 0 && !rule.records.empty())
+      add("/stream/records", in["records"], "cannot be inside csv");
     if (rule.length_byte.plus != 0 && rule.length_byte.offset >= rule.longest)
       add("/stream/length_byte/offset", rule.length_byte.offset, "lies behind the longest frame's end");
     if (rule.pts2 && !rule.records.empty()) add("/stream/records", in["records"], "cannot be inside pts2");
@@ -110,6 +120,7 @@ class Finder {
 
   // The size of the packet that the stream produces; 0: any, kNone: it produces no such packet.
   std::size_t cut_size(const Stream& rule, const PacketRule& packet) const {
+    if (rule.csv_values != 0) return rule.csv_values * sizeof(double);
     if (rule.pts2) return kPts2Head + profile_.sensors * profile_.layout.size() * kPts2Pillar;
     if (rule.records.empty()) return rule.length;
     for (const Record& record : rule.records)

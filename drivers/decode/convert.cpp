@@ -1,6 +1,7 @@
 // JSON → Profile.
 #include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -121,12 +122,30 @@ UsbMatch usb_of(const json& in) {
   return out;
 }
 
+SerialLine serial_of(const json& in) {
+  SerialLine out;
+  out.baud = in["baud"];
+  out.parity = in["parity"] == "none" ? 'N' : in["parity"] == "even" ? 'E' : 'O';
+  out.stop_bits = in["stop_bits"];
+  out.rts_cts = in["flow"] == "rts_cts";
+  out.rs485 = in["rs485"];
+  out.silence_ns = static_cast<std::int64_t>(in["silence_ms"].get<double>() * 1e6);
+  for (const json& request : in["poll"])
+    out.poll.push_back({request["bytes"].get<std::vector<std::uint8_t>>(),
+                        static_cast<std::int64_t>(request["answer_ms"].get<double>() * 1e6)});
+  return out;
+}
+
 Checksum checksum_of(const json& in) {
-  const auto kind = in["kind"].get<std::string>();
-  return {kind == "sum16le"   ? ChecksumKind::sum16le
-          : kind == "sum16be" ? ChecksumKind::sum16be
-                              : ChecksumKind::crc8,
-          in["at"], in["from"], in["to"]};
+  static const std::map<std::string, ChecksumKind> kKinds{{"sum8", ChecksumKind::sum8},
+                                                          {"xor8", ChecksumKind::xor8},
+                                                          {"lrc8", ChecksumKind::lrc8},
+                                                          {"sum16le", ChecksumKind::sum16le},
+                                                          {"sum16be", ChecksumKind::sum16be},
+                                                          {"crc8", ChecksumKind::crc8},
+                                                          {"crc16modbus", ChecksumKind::crc16modbus},
+                                                          {"crc16xmodem", ChecksumKind::crc16xmodem}};
+  return {kKinds.at(in["kind"]), in["at"], in["from"], in["to"]};
 }
 
 Stream stream_of(const json& in, std::vector<Problem>& problems) {
@@ -142,6 +161,7 @@ Stream stream_of(const json& in, std::vector<Problem>& problems) {
   }
   if (in.contains("checksum")) out.checksum = checksum_of(in["checksum"]);
   out.pts2 = in["inside"] == "pts2";
+  if (in["inside"] == "csv") out.csv_values = in["values"];
   if (in.contains("records")) {
     out.records_from = in["records"]["from"];
     for (const json& record : in["records"]["kinds"])
@@ -276,6 +296,7 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   }
   if (in.contains("stream")) out.stream = stream_of(in["stream"], problems);
   if (in.contains("usb")) out.usb = usb_of(in["usb"]);
+  if (in.contains("serial")) out.serial = serial_of(in["serial"]);
   if (in.contains("modbus")) {
     const json& map = in["modbus"];
     const auto parity = map["parity"].get<std::string>();

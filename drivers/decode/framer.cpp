@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "drivers/decode/checksum.hpp"
+#include "drivers/decode/csv_line.hpp"
 #include "drivers/decode/number.hpp"
 #include "drivers/decode/pts2.hpp"
 
@@ -25,7 +26,8 @@ Framer::Framer(const Profile& profile)
       pillars_(profile.layout.size()),
       capacity_(kLongestPiece),
       buffer_(capacity_ + stream_.longest),
-      flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar : 0) {
+      flat_(stream_.pts2 ? kPts2Head + sensors_ * pillars_ * kPts2Pillar
+                         : stream_.csv_values * sizeof(double)) {
   checksum_of(stream_.checksum.kind, {});  // computes its table
 }
 
@@ -97,7 +99,7 @@ bool Framer::is_right(Bytes frame) const noexcept {
   const std::size_t at = place(sum.at, frame.size()), from = place(sum.from, frame.size());
   const std::size_t to = sum.to == 0 ? frame.size() : place(sum.to, frame.size());
   if (at > frame.size() || bytes > frame.size() - at || from > to || to > frame.size()) return false;
-  return read_bits(frame.data() + at, bytes, sum.kind == ChecksumKind::sum16be) ==
+  return read_bits(frame.data() + at, bytes, is_big_endian(sum.kind)) ==
          checksum_of(sum.kind, frame.subspan(from, to - from));
 }
 
@@ -119,6 +121,15 @@ Framer::Result Framer::unpack(Bytes frame, RawPacket& out) noexcept {
     const std::size_t around = head + stream_.end.size() + bytes_of(stream_.checksum.kind);
     if (frame.size() < around ||
         !flatten_pts2(frame.subspan(head, frame.size() - around), sensors_, pillars_, flat_)) {
+      ++counts_.invalid;
+      return Result::invalid;
+    }
+    out = {0, flat_};
+    return Result::packet;
+  }
+  if (stream_.csv_values != 0) {
+    const std::size_t around = stream_.begin.size() + stream_.end.size();
+    if (!numbers_of_line(frame.subspan(stream_.begin.size(), frame.size() - around), flat_)) {
       ++counts_.invalid;
       return Result::invalid;
     }

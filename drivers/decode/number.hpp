@@ -10,12 +10,12 @@ namespace slipd::decode {
 enum class NumberKind : std::uint8_t {
   natural,  // unsigned integer
   whole,    // signed integer, two's complement
-  real      // IEEE 754 single precision
+  real      // IEEE 754, single or double precision
 };
 
 struct NumberType {
   NumberKind kind = NumberKind::natural;
-  std::uint8_t bytes = 1;   // 1, 2 or 4; real: 4; clocks and counters: also 8
+  std::uint8_t bytes = 1;   // 1, 2 or 4; real: 4 or 8; clocks and counters: also 8
   bool big_endian = false;  // false: least significant byte first
   bool operator==(const NumberType&) const = default;
 };
@@ -30,9 +30,11 @@ inline std::uint64_t read_bits(const std::uint8_t* at, std::size_t bytes, bool b
   return bits;
 }
 
-// The number at `at`, of type.bytes bytes, at most 4. A real can be NaN or infinite.
+// The number at `at`, of type.bytes bytes, at most 4, or 8 of a real. A real can be NaN or infinite.
 inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
-  const auto raw = static_cast<std::uint32_t>(read_bits(at, type.bytes, type.big_endian));
+  const std::uint64_t bits = read_bits(at, type.bytes, type.big_endian);
+  if (type.bytes == 8) return std::bit_cast<double>(bits);
+  const auto raw = static_cast<std::uint32_t>(bits);
   if (type.kind == NumberKind::real) return static_cast<double>(std::bit_cast<float>(raw));
   if (type.kind == NumberKind::natural) return raw;
   const unsigned unused = (32U - 8U * type.bytes) & 31U;      // 24, 16 or 0

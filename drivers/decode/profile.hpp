@@ -73,10 +73,15 @@ struct Message {
 };
 
 enum class ChecksumKind : std::uint8_t {
-  none,     // the frame has no checksum
-  sum16le,  // sum of the bytes modulo 65536, least significant byte first
-  sum16be,  // the same, most significant byte first
-  crc8      // CRC of polynomial 0x07, one byte
+  none,         // the frame has no checksum
+  sum8,         // sum of the bytes modulo 256
+  xor8,         // exclusive or of the bytes
+  lrc8,         // what makes the sum of the bytes 0 modulo 256
+  sum16le,      // sum of the bytes modulo 65536, least significant byte first
+  sum16be,      // the same, most significant byte first
+  crc8,         // CRC of polynomial 0x07, one byte
+  crc16modbus,  // CRC-16/MODBUS, least significant byte first
+  crc16xmodem   // CRC-16/XMODEM (CCITT, start 0), most significant byte first
 };
 
 // Where the checksum is in a frame of a stream, and which bytes it covers. Negative: counted from the frame's
@@ -108,6 +113,7 @@ struct Stream {
   Checksum checksum;             // of each frame
   std::size_t longest = 0;       // length that no frame exceeds, bytes
   bool pts2 = false;             // the content has Contactile's nested offsets, see pts2.hpp
+  std::size_t csv_values = 0;    // the content is a line of so many numbers, see csv_line.hpp; 0: it is not
   std::size_t records_from = 0;  // offset of the first record's tag in the frame, bytes
   std::vector<Record> records;   // the kinds of records; empty: the frame is one packet
 };
@@ -119,6 +125,23 @@ struct ModbusMap {
   int tcp_port = 502;  // used where the configuration gives none
   int baud = 19200;    // RTU: bit/s, used where the configuration gives none
   char parity = 'N';   // RTU: N, E or O
+};
+
+// What a device that only answers is asked.
+struct SerialRequest {
+  std::vector<std::uint8_t> bytes;
+  std::int64_t answer_within_ns = 0;  // else the rest of the round is left out
+};
+
+// A serial line; 8 data bits.
+struct SerialLine {
+  std::uint32_t baud = 115200;      // bit/s, used where the configuration gives none
+  char parity = 'N';                // N, E or O
+  int stop_bits = 1;                // 1 or 2
+  bool rts_cts = false;             // flow control by RTS and CTS
+  bool rs485 = false;               // the kernel switches the transceiver
+  std::int64_t silence_ns = 0;      // a packet ends when so long nothing came; 0: silence means nothing
+  std::vector<SerialRequest> poll;  // one round of requests; empty: the device sends by itself
 };
 
 // Which devices on USB or HID a profile describes.
@@ -141,7 +164,7 @@ struct UsbMatch {
 struct Profile {
   std::string description;                         // of the device, for people
   std::string tested;                              // synthetic, unverified or hardware
-  std::string driver;                              // can, modbus, hid or usb
+  std::string driver;                              // can, modbus, hid, serial or usb
   SensorClass sensor_class = SensorClass::array3;  // the channels that the device measures
   double rate_hz = 0;                              // scans per second
   std::size_t sensors = 1;                         // in one device, 1 … 16, all alike
@@ -157,6 +180,7 @@ struct Profile {
   std::int64_t keep_alive_ns = 0;         // without a packet for this long `start` is sent again
   std::optional<ModbusMap> modbus;        // for driver modbus
   std::optional<HidMatch> hid;            // for driver hid
+  std::optional<SerialLine> serial;       // for driver serial
   std::optional<UsbMatch> usb;            // for driver usb
   bool zeroed = false;                    // the device's values are 0 without load, see SensorInfo
 };

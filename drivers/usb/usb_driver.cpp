@@ -1,10 +1,7 @@
 #include "drivers/usb/usb_driver.hpp"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
-
-#include "drivers/pacing.hpp"
 
 namespace slipd::usb {
 namespace {
@@ -21,74 +18,8 @@ DeviceSelector selector_of(const SensorSetup& sensor) {
 }  // namespace
 
 UsbDriver::UsbDriver(const std::vector<SensorSetup>& sensors, Opener opener)
-    : profile_(decode::profile_of(sensors, "usb")),
+    : StreamDriver(decode::profile_of(sensors, "usb"), sensors),
       selector_(selector_of(sensors.front())),
-      opener_(std::move(opener)),
-      sensors_(profile_, sensors),
-      framer_(profile_) {}
-
-DeviceInfo UsbDriver::open() {
-  close();
-  sensors_.reset();
-  framer_.reset();
-  OpenedDevice opened = opener_(profile_, selector_);
-  transport_ = std::move(opened.transport);
-  last_activity_ns_ = monotonic_ns();
-  return {.description = profile_.description + " at " + opened.place,
-          .serial = opened.serial,
-          .simulated = false,
-          .sensors = sensors_.info()};
-}
-
-// A device that was reset in the meantime needs its start messages again.
-void UsbDriver::restart_if_silent(std::int64_t now_ns) noexcept {
-  if (now_ns - last_activity_ns_ < profile_.keep_alive_ns) return;
-  transport_->restart();
-  last_activity_ns_ = now_ns;
-}
-
-// Decodes the bytes that the framer holds.
-ReadResult UsbDriver::decode_held(std::span<FrameSlot> slots) noexcept {
-  decode::RawPacket packet;
-  for (;;) {
-    switch (framer_.next(packet)) {
-      case decode::Framer::Result::incomplete:
-        return {ReadStatus::timeout, 0};
-      case decode::Framer::Result::invalid:
-        sensors_.mark_packet_lost();
-        return {ReadStatus::corrupt, 0};
-      case decode::Framer::Result::packet:
-        break;
-    }
-    const ReadResult result = sensors_.take(packet.id, packet.bytes, arrived_ns_, slots);
-    if (result.status != ReadStatus::timeout) return result;
-  }
-}
-
-ReadResult UsbDriver::read(std::span<FrameSlot> slots, std::chrono::microseconds timeout) noexcept {
-  const std::int64_t give_up_ns = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
-  if (const ReadResult ready = sensors_.next_ready(); ready.status == ReadStatus::frame) return ready;
-  for (;;) {
-    const ReadResult result = decode_held(slots);
-    if (result.status != ReadStatus::timeout) return result;
-    const std::int64_t now_ns = monotonic_ns();
-    restart_if_silent(now_ns);
-    ReceivedBytes received;
-    switch (transport_->receive(received, give_up_ns)) {
-      case ReceiveResult::disconnected:
-        return {ReadStatus::disconnected, 0};
-      case ReceiveResult::timeout:
-        return {ReadStatus::timeout, 0};
-      case ReceiveResult::transfer_error:
-        return {ReadStatus::corrupt, 0};
-      case ReceiveResult::bytes:
-        break;
-    }
-    arrived_ns_ = last_activity_ns_ = received.time_ns;
-    framer_.put(received.bytes);
-    if (now_ns >= give_up_ns)
-      return {ReadStatus::timeout, 0};  // a busy device whose packets complete no frame
-  }
-}
+      opener_(std::move(opener)) {}
 
 }  // namespace slipd::usb
