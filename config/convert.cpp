@@ -26,6 +26,8 @@ class Converter {
     if (clean("/estimator")) estimator(s);
     if (clean("/alerts")) alerts(s.alerts);
     if (clean("/socket")) socket(s.socket);
+    for (SensorSettings& sensor : s.sensors)
+      sensor.setup.runtime_folder = s.socket.path.parent_path().string();
     if (root_.contains("can") && clean("/can")) can(s);
     if (clean("/recorder")) recorder(s.recorder);
     if (clean("/metrics")) metrics(s.metrics);

@@ -42,6 +42,8 @@ struct SensorSetup {
   std::string profile;
   // How to find the device: serial, index, port, …; an object, empty if there is nothing to tell.
   nlohmann::json device;
+  // Folder of slipd's socket, for sockets of a driver's own: "/run/slipd".
+  std::string runtime_folder = {};
   // The driver's options: an object, checked against its schema, with defaults filled in.
   nlohmann::json options;
   bool operator==(const SensorSetup&) const = default;
@@ -74,6 +76,9 @@ struct SensorInfo {
   // Whether frames read 0 without load, because the device subtracts its bias or has none. False: slipd
   // measures the bias, keeps it on disk, and gives no margin before it is known.
   bool zeroed = false;
+  // Whether values are pressures. False: numbers of an unknown scale, such as counts. slipd then knows no
+  // zero and gives no margin; it sees whether the object slides.
+  bool calibrated = true;
   // Which of the device's sensors this is, the same at each start: "board 1". The bias is kept under it and
   // DeviceInfo::serial. Empty: under the sensor's configured name.
   std::string part = {};
@@ -107,7 +112,9 @@ enum class ReadStatus : std::uint8_t {
   timeout,       // no frame within the timeout; not an error
   corrupt,       // a packet or frame was dropped; it is counted, and reading continues
   disconnected,  // the device is gone; slipd closes it and reopens it with back-off
-  end            // a recording is over; read is not called again
+  end,           // a recording is over; read is not called again
+  away,          // no frame within the timeout, since nobody sends any; reading continues until one comes
+  changed        // what open() reported does not hold any more; slipd closes the device and opens it again
 };
 
 // The result of one read.
@@ -140,8 +147,8 @@ class DeviceDriver {
   virtual bool paced_by_consumer() const noexcept { return false; }
 
   // Called from one thread: acquire, out of real time, when an open device has completed no frame for some
-  // seconds. Why the bytes that arrive make no frame, for people: "reports of 64 bytes arrive, the profile
-  // expects 20". Empty: nothing arrives, or the driver cannot tell.
+  // seconds, and after `away`. Why the bytes that arrive make no frame, for people: "reports of 64 bytes
+  // arrive, the profile expects 20". Empty: nothing arrives, or the driver cannot tell.
   virtual std::string why_no_frames() const { return {}; }
 };
 
@@ -162,7 +169,7 @@ struct DriverModule {
 };
 
 // Version of this contract. A module of another version is not loaded.
-inline constexpr std::uint32_t kDriverAbi = 7;
+inline constexpr std::uint32_t kDriverAbi = 8;
 // The symbol that a module exports.
 inline constexpr const char* kDriverSymbol = "slipd_driver_module";
 

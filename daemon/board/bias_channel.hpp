@@ -25,6 +25,8 @@ class BiasChannel {
   // Whether slipd has to subtract a bias, because the device does not. Written by one thread: acquire, while
   // it opens the device. Read from any thread. Relaxed: no other memory is read because of this value.
   std::atomic<bool> needed{false};
+  // False: the device's values are no pressures, so that no bias makes them so. Written and read as `needed`.
+  std::atomic<bool> possible{true};
 
   // Called from one thread: io. Requests a new bias and returns the request's number. The caller wakes
   // nobody: the acquire thread looks at each frame.

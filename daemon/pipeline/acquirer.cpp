@@ -86,7 +86,7 @@ void Acquirer::open_and_read() {
       back_off = std::min<Clock::duration>(2 * back_off, kLongestBackOff);
       continue;
     }
-    delivered_ = silent_ = false;
+    delivered_ = silent_ = away_ = false;
     opened_at_ = Clock::now();
     set_link(DeviceLink::open);
     const ReadEnd end = read_in_realtime();
@@ -99,6 +99,7 @@ void Acquirer::open_and_read() {
       set_link(DeviceLink::ended);
       break;
     }
+    if (end == ReadEnd::changed) stop_bell_.wait(rung, Clock::now() + kFirstBackOff);
     if (end == ReadEnd::disconnected) {
       log_.write(LogLevel::warning, {name_, Cause::device},
                  "%s: the device is gone; it will be reopened when it is back", name_.c_str());
@@ -160,7 +161,8 @@ void Acquirer::connect_sensors(const DeviceInfo& info) {
     if (was_open_) status.reconnects.fetch_add(1, std::memory_order_relaxed);
     const bool paced = driver_->paced_by_consumer();
     const bool same = channel.feed && channel.feed->info.layout == sensor.layout &&
-                      channel.feed->info.sensor_class == sensor.sensor_class && channel.feed->paced == paced;
+                      channel.feed->info.sensor_class == sensor.sensor_class &&
+                      channel.feed->info.calibrated == sensor.calibrated && channel.feed->paced == paced;
     if (!same) {
       channel.feed = std::make_shared<FrameFeed>(sensor, paced);
       opened_(channel.sensor, channel.feed);
@@ -175,16 +177,19 @@ void Acquirer::connect_sensors(const DeviceInfo& info) {
 void Acquirer::connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor) {
   SensorStatus& status = channel.runtime->status;
   const SensorSetup& setup = channel.runtime->settings.setup;
-  status.bias.needed.store(!sensor.zeroed, std::memory_order_relaxed);
+  status.bias.needed.store(!sensor.zeroed || !sensor.calibrated, std::memory_order_relaxed);
+  status.bias.possible.store(sensor.calibrated, std::memory_order_relaxed);
   const BiasIdentity identity{.driver = status.driver,
                               .profile = setup.profile,
                               .device = info.serial.empty() ? setup.device.dump() : "serial " + info.serial,
                               .part = sensor.part.empty() ? status.name : sensor.part,
                               .taxels = sensor.layout.size()};
-  if (!sensor.zeroed && channel.bias && channel.bias->identity() == identity)
+  const bool measured = !sensor.zeroed && sensor.calibrated;
+  if (measured && channel.bias && channel.bias->identity() == identity)
     return channel.bias->device_reopened();
   if (channel.bias) bias_store_.unregister_sensor(channel.bias);
-  channel.bias = sensor.zeroed ? nullptr : bias_store_.register_sensor(status, sensor, identity, log_);
+  channel.bias = measured ? bias_store_.register_sensor(status, sensor, identity, log_) : nullptr;
+  if (!sensor.calibrated) status.bias.report.store(BiasReport{});
 }
 
 void Acquirer::set_link(DeviceLink link) noexcept {
@@ -201,15 +206,16 @@ Acquirer::ReadEnd Acquirer::read_in_realtime() {
     enter_realtime(realtime_, grant_);
     const ReadEnd end = read_until_closed();
     leave_realtime(grant_);
-    if (end != ReadEnd::silent && end != ReadEnd::speaking) return end;
-    set_silence(end == ReadEnd::silent);
+    if (end != ReadEnd::silent && end != ReadEnd::away && end != ReadEnd::speaking) return end;
+    set_silence(end);
   }
 }
 
-void Acquirer::set_silence(bool silent) {
-  silent_ = silent;
+void Acquirer::set_silence(ReadEnd how) {
+  silent_ = how != ReadEnd::speaking;
+  away_ = how == ReadEnd::away;
   std::string why;
-  if (silent) {
+  if (silent_) {
     why = driver_->why_no_frames();
     if (why.empty()) why = "it is open, but sends nothing: is it on, and is its bus set up as it needs?";
     log_.write(LogLevel::warning, {name_, Cause::device}, "%s: no frame: %s", name_.c_str(), why.c_str());
@@ -217,12 +223,15 @@ void Acquirer::set_silence(bool silent) {
     log_.write(LogLevel::info, {name_}, "%s: frames arrive", name_.c_str());
   }
   for (auto& channel : channels_) {
+    // What the sensor carries when somebody sends frames again is not known.
+    if (away_ && channel.bias) channel.bias->device_reopened();
     channel.runtime->status.change_facts([&](DeviceFacts& facts) {
       // An estimator that could not be made is not forgotten.
       if (facts.trouble.empty() || facts.trouble == silence_) facts.trouble = why;
     });
   }
   silence_ = why;
+  if (away_) set_link(DeviceLink::absent);
 }
 
 Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
@@ -233,6 +242,7 @@ Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
     SensorStatus& status = channels_[known ? result.sensor : 0].runtime->status;
     switch (known || result.status != ReadStatus::frame ? result.status : ReadStatus::corrupt) {
       case ReadStatus::frame:
+        if (away_) come_back();
         if (!deliver(result.sensor)) return ReadEnd::stopped;
         if (silent_) return ReadEnd::speaking;
         break;
@@ -242,14 +252,27 @@ Acquirer::ReadEnd Acquirer::read_until_closed() noexcept {
       case ReadStatus::corrupt:
         status.corrupt.fetch_add(1, std::memory_order_relaxed);
         break;
+      case ReadStatus::away:
+        status.timeouts.fetch_add(1, std::memory_order_relaxed);
+        if (!away_) return ReadEnd::away;
+        break;
       case ReadStatus::disconnected:
         return ReadEnd::disconnected;
+      case ReadStatus::changed:
+        return ReadEnd::changed;
       case ReadStatus::end:
         return ReadEnd::ended;
     }
     if (!delivered_ && !silent_ && Clock::now() - opened_at_ > kSilence) return ReadEnd::silent;
   }
   return ReadEnd::stopped;
+}
+
+// Before the first frame after `away` is published, so that it is not taken for one of an absent device.
+void Acquirer::come_back() noexcept {
+  away_ = false;
+  for (auto& channel : channels_) channel.runtime->status.reconnects.fetch_add(1, std::memory_order_relaxed);
+  set_link(DeviceLink::open);
 }
 
 // False: a stop was requested while the source waited for the estimator.
@@ -269,7 +292,7 @@ bool Acquirer::deliver(std::size_t index) noexcept {
     channel.arrivals.lost += slot.sequence - *channel.last_sequence - 1;
   }
   channel.last_sequence = slot.sequence;
-  slot.zeroed = true;
+  slot.zeroed = feed.info.calibrated;
   if (channel.bias) channel.bias->apply(slot);
   if (!channel.gain.empty()) apply_gain(channel.gain, slot);
   channel.runtime->status.record_tap.offer(slot);

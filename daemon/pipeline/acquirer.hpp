@@ -53,7 +53,9 @@ class Acquirer {
     disconnected,
     ended,
     silent,   // the device is open and has completed no frame for a while; reading goes on
-    speaking  // the first frame after `silent`; reading goes on
+    changed,  // the device is not what it was when it was opened
+    away,     // the driver waits for whoever sends frames; reading goes on
+    speaking  // the first frame after `silent` or `away`; reading goes on
   };
 
   void run();
@@ -63,7 +65,8 @@ class Acquirer {
   void connect_bias(SensorChannel& channel, const DeviceInfo& info, const SensorInfo& sensor);
   ReadEnd read_in_realtime();
   ReadEnd read_until_closed() noexcept;
-  void set_silence(bool silent);
+  void set_silence(ReadEnd how);
+  void come_back() noexcept;
   bool deliver(std::size_t index) noexcept;
   void set_link(DeviceLink link) noexcept;
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
@@ -79,7 +82,8 @@ class Acquirer {
   std::string last_logged_trouble_;  // logged once, not at each attempt
   bool was_open_ = false;
   bool delivered_ = false;  // a frame, since it was last opened
-  bool silent_ = false;     // set_silence(true) was called since the device was last opened
+  bool silent_ = false;     // since the last frame, or since it was opened, it was told that none comes
+  bool away_ = false;       // and the link is absent for it, although the device is open
   std::string silence_;     // the trouble that set_silence wrote; empty: none
   Doorbell::Clock::time_point opened_at_;
   RealtimeSettings realtime_;

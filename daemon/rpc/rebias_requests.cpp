@@ -59,6 +59,10 @@ void RebiasRequests::add(Client& client, const nlohmann::json& params, const Rep
     throw rpc::Error(rpc::kNotPossible,
                      status.name + " has no bias that slipd could take anew: its frames come zeroed");
   }
+  if (!status.bias.possible.load(std::memory_order_relaxed)) {
+    throw rpc::Error(rpc::kNotPossible,
+                     status.name + " sends values of an unknown scale: give its driver their scale first");
+  }
   const std::uint32_t request = status.bias.request(force != params.end() && force->get<bool>());
   pending_.push_back({reply, sensor, request, std::chrono::steady_clock::now() + kPatience});
 }

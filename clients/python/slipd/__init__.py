@@ -16,6 +16,9 @@
     for frame in slipd.open("grasp.rec"):
         print(frame.time_s, sum(frame.normal_pa))
 
+    with slipd.Source("left", taxels=16, rate_hz=100, unit="N") as source:  # frames of a sensor of one's own
+        source.push(sensor.read())
+
 A margin is a number in state "ok" only, and only while it is younger than the age that the caller allows. When slipd stops, an
 iterator yields estimates of state "disconnected", connects again by itself, and goes on. Estimates may be kept: an old one says so.
 
@@ -841,6 +844,158 @@ class AsyncClient:
                     for estimate in watch.lost():
                         yield estimate
                     await asyncio.sleep(watch.next_pause())
+
+
+# Frames to the driver push: docs/push.md states every byte.
+
+_HELLO = struct.Struct("<8sHBBIdB7x")  # magic, version, axes, unit, taxels, rate_hz, zero
+_FRAME_HEAD = struct.Struct("<HHIQq")  # version, flags, size, sequence, time_ns
+_ANSWER = struct.Struct("<I")  # then a text
+_UNITS = {None: 0, "Pa": 1, "N": 2, "counts": 3, "uT": 4}
+_ZEROS = {None: 0, False: 1, True: 2}
+_PUSH_VERSION, _LONGEST_ANSWER = 1, 4096
+
+
+def _float32(values: Any) -> bytes | memoryview:
+    """Numbers as float32, little-endian: of a buffer, or of a list, nested or not."""
+    try:
+        view = memoryview(values)
+    except TypeError:
+        view = None
+    if view is not None and view.c_contiguous and (view.format in ("B", "b", "c", "<f") or (view.format == "f" and sys.byteorder == "little")):
+        return view.cast("B")
+    if numpy is not None:
+        return memoryview(numpy.ascontiguousarray(values, dtype="<f4")).cast("B")
+    if view is not None:
+        values = view.tolist()
+    numbers = array.array("f", _flat(values))
+    if sys.byteorder == "big":
+        numbers.byteswap()
+    return numbers.tobytes()
+
+
+def _flat(values: Any) -> Iterator[float]:
+    for value in values:
+        if isinstance(value, (int, float)):
+            yield value
+        else:
+            yield from _flat(value)
+
+
+class Source:
+    """Frames of a sensor from this program, for a sensor whose driver in slipd's configuration is "push".
+
+        with slipd.Source("left", taxels=16, rate_hz=100, unit="N") as source:
+            source.push(frame)
+
+    `sensor`: its name, or the path of its socket. `taxels`: as many as its layout has. `axes`: values of each taxel, 3 (x, y and z, z
+    positive when pressed) or 1 (z). `rate_hz`: frames a second. `unit`: "Pa", "N" (force of each taxel), "counts" or "uT". `zeroed`:
+    whether frames read 0 without load; False: slipd measures what they read. What is left out is as configured; what contradicts the
+    configuration raises SlipdError, whose text says how, with `code` 1. `code` 2: another program sends this sensor's frames; 3: one
+    took over, because this one was silent. `path`: slipd's socket. A source belongs to one thread.
+
+    slipd gone, or restarted: push raises Disconnected, and the next push connects again.
+    """
+
+    def __init__(self, sensor: str, *, taxels: int, axes: int = 3, rate_hz: float = 0.0, unit: str | None = None,
+                 zeroed: bool | None = None, path: str = SOCKET, timeout_s: float = 5.0) -> None:
+        if unit not in _UNITS:
+            raise ValueError(f"the unit {unit!r} is none that slipd knows: Pa, N, counts or uT")
+        if axes not in (1, 3):
+            raise ValueError(f"{axes} values a taxel: 3 (x, y, z) or 1 (z) are possible")
+        self.path = sensor if "/" in sensor else os.path.join(os.path.dirname(path), "push", sensor)
+        self.timeout_s = timeout_s
+        self._hello = _HELLO.pack(b"slippush", _PUSH_VERSION, axes, _UNITS[unit], taxels, rate_hz, _ZEROS[zeroed])
+        self._values_bytes = 4 * taxels * axes
+        self._sequence = 0  # of the last frame
+        self._socket: socket.socket | None = None
+
+    def __enter__(self) -> Source:
+        self.connect()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the connection; a later push makes a new one."""
+        if self._socket is not None:
+            self._socket.close()
+        self._socket = None
+
+    def connect(self) -> None:
+        """Connects, unless it is connected. Raises SlipdError, Disconnected or TimeoutError."""
+        if self._socket is not None:
+            return
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._socket.settimeout(self.timeout_s)
+        # A frame may be longer than what a socket holds by default.
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, max(2 * self._values_bytes, 1 << 17))
+        try:
+            self._socket.connect(self.path)
+            try:
+                self._socket.sendall(self._hello)
+            except BrokenPipeError:
+                pass  # the answer says why
+            code, text = self._answer()
+        except OSError as error:
+            self.close()
+            raise self._why(error) from error
+        if code != 0:
+            self.close()
+            raise SlipdError(code, text)
+
+    def push(self, frame: Any, *, time_ns: int | None = None, sequence: int | None = None, bad: bool = False) -> None:
+        """Sends a frame: taxels x axes numbers, those of one taxel side by side, in the order of the layout. An array of numpy, or any
+        other buffer of float32; bytes are taken as float32, little-endian; or a list, nested or not.
+
+        `time_ns`: of the sample, time.monotonic_ns(); by default now. `sequence`: the device's own count, which must rise; slipd counts
+        what it skips as lost. By default each frame is the next. `bad`: the device says that it is no sample; slipd counts it.
+        Waits at most timeout_s while slipd does not read. Raises ValueError for a frame of another size, before anything is sent.
+        """
+        values = _float32(frame)
+        if len(values) != self._values_bytes:
+            raise ValueError(f"the frame has {len(values) // 4} values; expected {self._values_bytes // 4}, taxels x axes")
+        number = self._sequence + 1 if sequence is None else sequence
+        head = _FRAME_HEAD.pack(_PUSH_VERSION, 1 if bad else 0, _FRAME_HEAD.size + len(values), number,
+                                time.monotonic_ns() if time_ns is None else time_ns)
+        self.connect()
+        assert self._socket is not None
+        try:
+            self._socket.sendmsg((head, values))
+        except (BrokenPipeError, ConnectionResetError) as error:
+            raise self._lost(error) from error
+        except OSError as error:
+            self.close()
+            raise self._why(error) from error
+        self._sequence = number
+
+    def _answer(self) -> tuple[int, str]:
+        assert self._socket is not None
+        try:
+            message = self._socket.recv(_LONGEST_ANSWER)
+        except ConnectionResetError:  # of a hello that came after the refusal, which is still there
+            message = self._socket.recv(_LONGEST_ANSWER)
+        if len(message) < _ANSWER.size:
+            raise ConnectionResetError
+        return _ANSWER.unpack_from(message)[0], message[_ANSWER.size:].decode(errors="replace")
+
+    def _lost(self, error: OSError) -> SlipdError | OSError:
+        """Why slipd has ended the connection: what it has said, or that it has gone."""
+        try:
+            code, text = self._answer()
+            lost: SlipdError | OSError = SlipdError(code, text)
+        except OSError:
+            lost = self._why(error)
+        self.close()
+        return lost
+
+    def _why(self, error: OSError) -> OSError:
+        if isinstance(error, TimeoutError):
+            return TimeoutError(f"{self.path}: slipd does not read: it hangs, or the frames come faster than rate_hz")
+        if isinstance(error, FileNotFoundError):
+            return Disconnected(f"{self.path}: slipd does not run here, or its configuration has no sensor with driver push there")
+        return _why(self.path, error)
 
 
 # Recordings: a CBOR sequence (RFC 8742); core/storage/recording.hpp describes it.

@@ -11,10 +11,12 @@
 #include "drivers/can/can_driver.hpp"
 #include "drivers/hid/hid_driver.hpp"
 #include "drivers/modbus/modbus_driver.hpp"
+#include "drivers/push/push_driver.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "drivers/sim/sim_driver.hpp"
 #include "tests/drivers/contract/fake_hidapi.hpp"
 #include "tests/drivers/contract/memory_transport.hpp"
+#include "tests/drivers/contract/push_port.hpp"
 #include "tests/drivers/contract/test_rig.hpp"
 #include "tests/drivers/driver_fixture.hpp"
 #include "tests/support/devices/contacts.hpp"
@@ -149,6 +151,19 @@ std::unique_ptr<TestRig> recording() {
   return std::make_unique<SoftBench>(std::move(driver), std::move(folder));
 }
 
+// A socket in a folder of its own, and a program that pushes.
+class PushTestRig final : public TestRig {
+ public:
+  DeviceDriver& driver() override { return driver_; }
+  void order(const std::string& misbehaviour) override { program_.simulator().order(misbehaviour); }
+
+ private:
+  testing::TempFolder folder_;
+  push::PushDriver driver_{
+      {setup_of(pushing_program().layout, {{"path", folder_.file("left").string()}}, 500)}};
+  Running program_{pushing_program(), std::make_unique<PushPort>(folder_.file("left"))};
+};
+
 // The skeleton's module, and a program that sends it frames.
 class SkeletonBench final : public TestRig {
  public:
@@ -201,6 +216,7 @@ std::vector<DriverCase> all_driver_cases() {
       {.name = "sim", .make = simulation, .misbehaves = false},
       {.name = "replay", .make = recording, .misbehaves = false},
       {.name = "skeleton", .make = [] { return std::make_unique<SkeletonBench>(); }, .misbehaves = false},
+      {.name = "push", .make = [] { return std::make_unique<PushTestRig>(); }, .sees_unplugging = false},
       {.name = "can", .make = [] { return std::make_unique<CanTestRig>(); }, .sees_unplugging = false},
       {.name = "modbus_tcp",
        .make = [] { return modbus_tcp(devices::onrobot_rg2ft(), "onrobot-rg2-ft"); },
