@@ -89,8 +89,9 @@ frame with simulated contacts. slipd's other methods do not need it.")
 set(slipd_bus_usb "USB devices")
 set(slipd_bus_hid "HID devices")
 set(slipd_bus_modbus "Modbus devices")
+set(slipd_bus_serial "sensors on serial lines")
 set(slipd_bus_can "sensors on a CAN bus")
-foreach(driver usb hid modbus can)
+foreach(driver usb hid modbus serial can)
   if(TARGET slipd_driver_${driver})
     slipd_package(driver_${driver} slipd-driver-${driver} COMPONENTS driver_${driver} SCRIPTS part
       DEPENDS "${slipd_same_version}" RECOMMENDS slipd-realtime

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr const char* kPrefix = "slipd-driver-";
 constexpr const char* kSuffix = ".so";
 // Drivers that have a Debian package of their own, which is called as the module is.
-constexpr std::string_view kPackagedApart[] = {"usb", "hid", "modbus", "can"};
+constexpr std::string_view kPackagedApart[] = {"usb", "hid", "modbus", "serial", "can"};
 
 }  // namespace
 

@@ -274,6 +274,7 @@ Profile converted(const json& in, std::vector<Problem>& problems) {
   out.rate_hz = in["rate_hz"];
   out.sensors = in["sensors"];
   out.zeroed = in["zeroed"];
+  out.calibrated = in["calibrated"];
   out.layout = layout_of(in["layout"], out.sensor_class, problems);
   if (in.contains("gain") && in["gain"].size() != out.layout.size()) {
     problems.push_back(problem_of("/gain", in["gain"],

@@ -91,6 +91,7 @@ SensorInfo info_of(const Profile& profile, std::string part) {
           .rate_hz = profile.rate_hz,
           .skin = profile.skin,
           .zeroed = profile.zeroed,
+          .calibrated = profile.calibrated,
           .part = std::move(part),
           .step_normal_pa = step_normal_pa,
           .step_shear_pa = step_shear_pa};

@@ -182,6 +182,7 @@ struct Profile {
   std::optional<HidMatch> hid;            // for driver hid
   std::optional<SerialLine> serial;       // for driver serial
   std::optional<UsbMatch> usb;            // for driver usb
+  bool calibrated = true;                 // false: the values are no pressures, see SensorInfo
   bool zeroed = false;                    // the device's values are 0 without load, see SensorInfo
 };
 

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <linux/serial.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -53,6 +54,7 @@ void set_line(int fd, const std::string& path, const decode::SerialLine& line) {
   termios2 wanted{};
   wanted.c_cflag = flags_of(line);
   wanted.c_iflag = line.parity == 'N' ? IGNBRK : IGNBRK | INPCK;
+  wanted.c_cc[VMIN] = 1;  // so that a read without bytes says EAGAIN, and one of a line that is gone 0
   wanted.c_ispeed = wanted.c_ospeed = line.baud;
   if (ioctl(fd, TCSETS2, &wanted) != 0)
     refuse(path, "is no serial line: " + std::generic_category().message(errno));
@@ -87,6 +89,7 @@ SerialPort::SerialPort(const std::string& path, const decode::SerialLine& line)
   if (!fd_) refuse(path, why_not_opened(errno));
   if (ioctl(fd_.get(), TIOCEXCL) != 0)
     refuse(path, "is no serial line: " + std::generic_category().message(errno));
+  if (flock(fd_.get(), LOCK_EX | LOCK_NB) != 0) refuse(path, why_not_opened(EBUSY));  // root passes the first
   set_line(fd_.get(), path, line);
   if (line.rs485) set_rs485(fd_.get(), path);
   ask_low_latency(fd_.get());
@@ -110,8 +113,7 @@ std::ptrdiff_t SerialPort::read(std::span<std::uint8_t> into, std::int64_t until
   for (;;) {
     const ssize_t got = ::read(fd_.get(), into.data(), into.size());
     if (got > 0) return got;
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0 && errno != EAGAIN) return -1;
+    if (got == 0 || (errno != EAGAIN && errno != EINTR)) return -1;
     const std::int64_t left_ns = until_ns - monotonic_ns();
     if (left_ns <= 0) return 0;
     pollfd waiting{.fd = fd_.get(), .events = POLLIN, .revents = 0};
@@ -119,8 +121,6 @@ std::ptrdiff_t SerialPort::read(std::span<std::uint8_t> into, std::int64_t until
                             static_cast<long>(left_ns % 1000000000)};
     const int ready = ppoll(&waiting, 1, &patience, nullptr);
     if (ready == 0 || (ready < 0 && errno != EINTR)) return 0;
-    // Hung up: bytes that came before are still read.
-    if (ready > 0 && (waiting.revents & POLLIN) == 0) return -1;
   }
 }
 

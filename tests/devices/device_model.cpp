@@ -5,8 +5,9 @@
 namespace slipd::devices {
 
 std::vector<const DeviceModel*> all_models() {
-  return {&xela_xr1944(),   &icub_skin(),     &takktile(),  &papillarray(), &robotiq_tsf85(), &vendor_hid(),
-          &onrobot_rg2ft(), &robotiq_ft300(), &optoforce(), &space_mouse(), &rohand(),        &hid_force()};
+  return {&xela_xr1944(), &icub_skin(),     &takktile(),      &papillarray(), &robotiq_tsf85(),
+          &vendor_hid(),  &onrobot_rg2ft(), &robotiq_ft300(), &optoforce(),   &space_mouse(),
+          &rohand(),      &hid_force(),     &anyskin()};
 }
 
 const DeviceModel* find_model(std::string_view name) {

@@ -83,6 +83,7 @@ const DeviceModel& optoforce();
 const DeviceModel& space_mouse();
 const DeviceModel& rohand();
 const DeviceModel& hid_force();
+const DeviceModel& anyskin();
 
 // All models, and one by its name (null: unknown).
 std::vector<const DeviceModel*> all_models();

@@ -59,6 +59,7 @@ Fd listen_on_loopback(int& port);
 //   can:INTERFACE  a SocketCAN interface      fd:N       a socket that carries struct can_frame
 //   usbip:PORT     a USB/IP server            uhid       /dev/uhid
 //   tcp:PORT       a Modbus TCP slave         pty:PATH   a Modbus RTU slave at a symbolic link
+//   tty:PATH       a serial line at a symbolic link
 // Port 0 means any that is free. Throws std::invalid_argument where the device does not fit,
 // std::system_error otherwise.
 std::unique_ptr<Port> make_port(const DeviceModel& model, const std::string& place,
@@ -70,5 +71,6 @@ std::unique_ptr<Port> make_usbip_port(const DeviceModel& model, int tcp_port, co
 std::unique_ptr<Port> make_uhid_port(const DeviceModel& model, const std::string& serial);
 std::unique_ptr<Port> make_modbus_tcp_port(const DeviceModel& model, int tcp_port);
 std::unique_ptr<Port> make_modbus_pty_port(const DeviceModel& model, const std::string& link);
+std::unique_ptr<Port> make_serial_port(const DeviceModel& model, const std::string& link);
 
 }  // namespace slipd::devices

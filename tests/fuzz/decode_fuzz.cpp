@@ -17,9 +17,10 @@ using fuzz::demand;
 using Bytes = std::span<const std::uint8_t>;
 
 // In the order in which the profiles were added: files of the corpus select them by index.
-constexpr const char* kNames[] = {"3dconnexion", "contactile-pts2", "icub-mtb",      "onrobot-rg2-ft",
-                                  "optoforce",   "oymotion-rohand", "robotiq-ft300", "robotiq-tsf85",
-                                  "takktile",    "vendor-hid-8x8",  "xela-xr1944",   "hid-force"};
+constexpr const char* kNames[] = {"3dconnexion",     "contactile-pts2", "icub-mtb",      "onrobot-rg2-ft",
+                                  "optoforce",       "anyskin",         "paxini-l5325",  "csv-force",
+                                  "oymotion-rohand", "robotiq-ft300",   "robotiq-tsf85", "takktile",
+                                  "vendor-hid-8x8",  "xela-xr1944",     "hid-force"};
 
 // The first sensor of a device.
 class Device {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "drivers/pacing.hpp"
-#include "tests/support/devices/port.hpp"
+#include "tests/devices/port.hpp"
 #include "tests/support/push_writer.hpp"
 
 namespace slipd::test {

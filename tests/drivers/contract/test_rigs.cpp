@@ -13,6 +13,7 @@
 #include "drivers/modbus/modbus_driver.hpp"
 #include "drivers/push/push_driver.hpp"
 #include "drivers/replay/replay_driver.hpp"
+#include "drivers/serial/serial_driver.hpp"
 #include "drivers/sim/sim_driver.hpp"
 #include "tests/devices/contacts.hpp"
 #include "tests/drivers/contract/fake_hidapi.hpp"
@@ -115,6 +116,15 @@ std::unique_ptr<TestRig> modbus_rtu(const DeviceModel& model, const std::string&
   return std::make_unique<DeviceTestRig>(
       model, devices::make_modbus_pty_port(model, line), [&](const std::string&) {
         return std::make_unique<modbus::ModbusDriver>(setups(model, profile, {{"serial_line", line}}));
+      });
+}
+
+std::unique_ptr<TestRig> serial_device(const DeviceModel& model, const std::string& profile) {
+  const std::string line =
+      (std::filesystem::temp_directory_path() / ("slipd-tty-" + std::to_string(::getpid()))).string();
+  return std::make_unique<DeviceTestRig>(
+      model, devices::make_serial_port(model, line), [&](const std::string&) {
+        return std::make_unique<serial::SerialDriver>(setups(model, profile, {{"path", line}}));
       });
 }
 
@@ -223,6 +233,9 @@ std::vector<DriverCase> all_driver_cases() {
        .knows_losses = false},
       {.name = "modbus_rtu",
        .make = [] { return modbus_rtu(devices::robotiq_ft300(), "robotiq-ft300"); },
+       .knows_losses = false},
+      {.name = "serial",
+       .make = [] { return serial_device(devices::anyskin(), "anyskin"); },
        .knows_losses = false},
       {.name = "hid", .make = [] { return hid_device(devices::vendor_hid(), "vendor-hid-8x8"); }},
       {.name = "usb_stream", .make = [] { return usb_device(devices::papillarray(), "contactile-pts2"); }},

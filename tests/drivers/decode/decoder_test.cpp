@@ -151,7 +151,8 @@ INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
                                          Pair{devices::takktile, "takktile", 63.7F},
                                          Pair{devices::optoforce, "optoforce", 50.1F},
                                          Pair{devices::space_mouse, "3dconnexion", 50.1F},
-                                         Pair{devices::rohand, "oymotion-rohand", 2.3F}),
+                                         Pair{devices::rohand, "oymotion-rohand", 2.3F},
+                                         Pair{devices::anyskin, "anyskin", 0.01F}),
                          [](const auto& tested) {
                            std::string name = std::string("as_") + tested.param.profile;
                            std::replace(name.begin(), name.end(), '-', '_');

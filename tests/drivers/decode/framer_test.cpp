@@ -10,6 +10,7 @@
 #include <random>
 
 #include "drivers/decode/checksum.hpp"
+#include "drivers/decode/csv_line.hpp"
 #include "drivers/decode/pts2.hpp"
 #include "tests/devices/device_model.hpp"
 #include "tests/drivers/driver_fixture.hpp"
@@ -299,6 +300,57 @@ TEST(Pts2, refuses_offsets_that_lead_anywhere_else) {
       static_cast<void>(flatten_pts2(bad, 2, 1, out));  // the sanitizers see what it reads
     }
   }
+}
+
+// Eight bytes, the last two of them an end marker, and no begin marker.
+Stream by_end() {
+  Stream stream;
+  stream.end = {13, 10};
+  stream.length = stream.longest = 8;
+  return stream;
+}
+
+TEST(FramesWithoutABeginMarker, are_found_again_after_a_part_of_one_and_may_hold_the_end_marker) {
+  const Profile profile = profile_with(by_end());
+  Framer framer(profile);
+  const Bytes in{9, 13, 10, 1, 13, 10, 4, 5, 6, 13, 10, 7, 7, 7, 7, 7, 7, 13, 10};
+  framer.put(in);
+  std::vector<Bytes> packets;
+  RawPacket packet;
+  for (auto got = framer.next(packet); got != Framer::Result::incomplete; got = framer.next(packet))
+    if (got == Framer::Result::packet) packets.emplace_back(packet.bytes.begin(), packet.bytes.end());
+  EXPECT_THAT(packets, ElementsAre(Bytes{1, 13, 10, 4, 5, 6, 13, 10}, Bytes{7, 7, 7, 7, 7, 7, 13, 10}));
+}
+
+Bytes text(const std::string& line) {
+  return {line.begin(), line.end()};
+}
+
+std::vector<double> numbers_of(const std::string& line, std::size_t values) {
+  Bytes to(8 * values);
+  const Bytes from = text(line);
+  if (!numbers_of_line(from, to)) return {};
+  std::vector<double> out(values);
+  std::memcpy(out.data(), to.data(), to.size());
+  return out;
+}
+
+TEST(LinesOfNumbers, are_read_with_any_separator_and_refused_with_another_count) {
+  for (const char* line : {"1.5,-2,3e-1", "1.5; -2; 3e-1\r", " 1.5 -2\t0.3 ", "+1.5,-2,+.3"})
+    EXPECT_THAT(numbers_of(line, 3), ElementsAre(1.5, -2, 0.3)) << line;
+  for (const char* line : {"", "1.5,-2", "1.5,-2,3,4", "1.5,,-2", "a,b,c", "1.5-2-3", "1,2,3x", "1,2,"})
+    EXPECT_THAT(numbers_of(line, 3), ElementsAre()) << line;
+}
+
+// Check values of the catalogues of CRCs, and by hand.
+TEST(Checksums, are_those_of_their_standards) {
+  const Bytes nine = text("123456789");
+  EXPECT_EQ(checksum_of(ChecksumKind::crc8, nine), 0xF4U);
+  EXPECT_EQ(checksum_of(ChecksumKind::crc16modbus, nine), 0x4B37U);
+  EXPECT_EQ(checksum_of(ChecksumKind::crc16xmodem, nine), 0x31C3U);
+  EXPECT_EQ(checksum_of(ChecksumKind::sum8, nine), 0xDDU);
+  EXPECT_EQ(checksum_of(ChecksumKind::lrc8, nine), 0x23U);
+  EXPECT_EQ(checksum_of(ChecksumKind::xor8, nine), 0x31U);
 }
 
 }  // namespace

@@ -189,7 +189,7 @@ TEST(Profile, whose_stream_does_not_bring_its_packets_is_refused) {
   EXPECT_THAT(said_of([](json& p) {
                 p["stream"] = {{"begin", {1}}, {"length", 7}};
               }),
-              HasSubstr("is for driver usb"));
+              HasSubstr("is for drivers usb and serial"));
   EXPECT_THAT(said_of([](json& p) { p.erase("usb"); }, "robotiq-tsf85"), HasSubstr("/usb"));
 }
 
