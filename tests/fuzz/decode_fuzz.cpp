@@ -17,10 +17,10 @@ using fuzz::demand;
 using Bytes = std::span<const std::uint8_t>;
 
 // In the order in which the profiles were added: files of the corpus select them by index.
-constexpr const char* kNames[] = {"3dconnexion",     "contactile-pts2", "icub-mtb",      "onrobot-rg2-ft",
-                                  "optoforce",       "anyskin",         "paxini-l5325",  "csv-force",
-                                  "oymotion-rohand", "robotiq-ft300",   "robotiq-tsf85", "takktile",
-                                  "vendor-hid-8x8",  "xela-xr1944",     "hid-force"};
+constexpr const char* kNames[] = {"3dconnexion", "contactile-pts2", "icub-mtb",      "onrobot-rg2-ft",
+                                  "optoforce",   "oymotion-rohand", "robotiq-ft300", "robotiq-tsf85",
+                                  "takktile",    "vendor-hid-8x8",  "xela-xr1944",   "hid-force",
+                                  "anyskin",     "paxini-l5325",    "csv-force"};
 
 // The first sensor of a device.
 class Device {
@@ -34,7 +34,8 @@ class Device {
   }
 
   void hear(Bytes in) {
-    while (in.size() > 2) in = profile_.driver == "usb" ? piece(in) : packet(in);
+    const bool stream = profile_.driver == "usb" || profile_.driver == "serial";
+    while (in.size() > 2) in = stream ? piece(in) : packet(in);
   }
 
  private:
