@@ -180,6 +180,42 @@ int slipd_wait(slipd_client *s, const char *name, double max_age_s, double timeo
  * A running slipd's is below 0.02, more only if its threads get no processor. */
 double slipd_heartbeat_age(const slipd_client *s);
 
+/* --- Frames of a sensor from this program, for a sensor whose driver is "push" (docs/push.md). ------------------- */
+
+/* A connection to the socket of one sensor. It belongs to one thread at a time. */
+typedef struct slipd_source slipd_source;
+
+/* What the values of frames are; UNSAID: as configured. */
+enum { SLIPD_UNIT_UNSAID = 0, SLIPD_UNIT_PA = 1, SLIPD_UNIT_N = 2, SLIPD_UNIT_COUNTS = 3, SLIPD_UNIT_UT = 4 };
+/* What frames read without load: UNSAID: as configured; MEASURED: anything, slipd measures it; ZERO: 0. */
+enum { SLIPD_ZERO_UNSAID = 0, SLIPD_ZERO_MEASURED = 1, SLIPD_ZERO_ZERO = 2 };
+
+/* What the frames are. It has to agree with the configuration. */
+struct slipd_frames {
+  uint32_t taxels;   /* as many as the sensor's layout has */
+  int32_t axes;      /* values of each taxel: 3 (x, y, z; z is positive when pressed) or 1 (z) */
+  int32_t unit;      /* SLIPD_UNIT_… */
+  int32_t zero;      /* SLIPD_ZERO_… */
+  double rate_hz;    /* frames a second; 0: as configured */
+};
+
+/* Makes `*out` for the sensor, whose socket is beside slipd's at `path` (NULL: SLIPD_SOCKET); a name with a "/" is the
+ * path of the sensor's own socket. Connects to nothing yet. SLIPD_DONE, SLIPD_INVALID or SLIPD_NO_MEMORY; `*out` is
+ * NULL then. */
+int slipd_source_open(slipd_source **out, const char *sensor, const char *path, const struct slipd_frames *frames);
+/* Connects, unless it is connected. slipd_push() does so by itself. SLIPD_REFUSED: the frames contradict the
+ * configuration, or another program sends them; slipd_source_error() says which. */
+int slipd_source_connect(slipd_source *s, double timeout_s);
+/* Sends a frame: taxels x axes values, those of one taxel side by side, in the order of the layout. time_ns: of the
+ * sample, CLOCK_MONOTONIC; 0: now. sequence: the device's own count, which must rise, slipd counts what it skips as
+ * lost; 0: the next. timeout_s: how long slipd may not read (SLIPD_TIMEOUT; the frame was not sent).
+ * SLIPD_DISCONNECTED: slipd has gone; the next call connects again. Allocates nothing. */
+int slipd_push(slipd_source *s, const float *values, int64_t time_ns, uint64_t sequence, double timeout_s);
+/* For people: what the last error was and what to do; "" after success. Valid until the next call. */
+const char *slipd_source_error(const slipd_source *s);
+/* Ends everything; NULL is allowed. */
+void slipd_source_close(slipd_source *s);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

@@ -13,8 +13,10 @@
 #include <slipd.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -136,6 +138,41 @@ class Connection {
     void operator()(slipd_client* client) const noexcept { slipd_close(client); }
   };
   std::unique_ptr<slipd_client, Close> client_;
+};
+
+// Frames of a sensor from this program, for a sensor whose driver is "push".
+class Source {
+ public:
+  // Connects to nothing yet. Throws Error for frames that no sensor has.
+  Source(const std::string& sensor, const slipd_frames& frames, const std::string& path = SLIPD_SOCKET) {
+    slipd_source* made = nullptr;
+    const int code = slipd_source_open(&made, sensor.c_str(), path.c_str(), &frames);
+    if (code == SLIPD_NO_MEMORY) throw std::bad_alloc();
+    if (code != SLIPD_DONE) throw Error(code, "these are no frames that a sensor can have: see slipd_frames");
+    source_.reset(made);
+    values_ = std::size_t{frames.taxels} * static_cast<std::size_t>(frames.axes);
+  }
+
+  // Throw Error, also SLIPD_TIMEOUT and SLIPD_DISCONNECTED; the next call connects again.
+  void connect(double timeout_s = 1) { check(slipd_source_connect(source_.get(), timeout_s)); }
+  // taxels x axes values. `time_ns` and `sequence` as in slipd.h.
+  void push(std::span<const float> values, std::int64_t time_ns = 0, std::uint64_t sequence = 0,
+            double timeout_s = 1) {
+    if (values.size() != values_)
+      throw Error(SLIPD_INVALID, "the frame has " + std::to_string(values.size()) + " values; expected " +
+                                     std::to_string(values_) + ", taxels x axes");
+    check(slipd_push(source_.get(), values.data(), time_ns, sequence, timeout_s));
+  }
+
+ private:
+  void check(int code) const {
+    if (code != SLIPD_DONE) throw Error(code, slipd_source_error(source_.get()));
+  }
+  struct Close {
+    void operator()(slipd_source* source) const noexcept { slipd_source_close(source); }
+  };
+  std::unique_ptr<slipd_source, Close> source_;
+  std::size_t values_ = 0;
 };
 
 }  // namespace slipd::client

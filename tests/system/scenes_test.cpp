@@ -1,13 +1,16 @@
 // Each scene as shipped passes `slipd --check-config`, and plays: every sensor of it gives estimates. Where a
-// scene replays a file, a file of its columns is put in its place.
+// scene replays a file, a file of its columns is put in its place; where a program sends the frames, a thread
+// does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
+#include <thread>
 
 #include "schema/json_text.hpp"
 #include "tests/support/daemon.hpp"
+#include "tests/support/push_writer.hpp"
 
 namespace slipd::testing {
 namespace {
@@ -90,10 +93,31 @@ TEST_P(Scene, PassesTheCheckOfItsConfiguration) {
   EXPECT_EQ(ran.code, 0) << ran.errors;
 }
 
+// A program for each sensor with the driver push, until it is destroyed.
+std::vector<std::jthread> programs_of(const json& scene, const TempFolder& folder) {
+  std::vector<std::jthread> programs;
+  for (const json& sensor : scene["sensors"]) {
+    if (sensor["driver"] != "push") continue;
+    const std::size_t taxels = taxels_of(sensor["layout"]);
+    programs.emplace_back([taxels, path = folder.path() / "push" /
+                                          sensor["name"].get<std::string>()](const std::stop_token& stop) {
+      PushWriter writer(path);
+      writer.hello({.unit = push_layout::Unit::newton, .taxels = static_cast<std::uint32_t>(taxels)});
+      writer.answer();
+      for (std::uint64_t i = 1; !stop.stop_requested(); ++i) {
+        writer.push(std::vector<float>(3 * taxels), {.sequence = i});
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+    });
+  }
+  return programs;
+}
+
 TEST_P(Scene, PlaysEverySensor) {
   const TempFolder folder;
   const json scene = playable(GetParam(), folder);
   const Daemon daemon(scene, real_drivers());
+  const std::vector<std::jthread> programs = programs_of(scene, folder);
   const json status = daemon.wait_for("status", [&](const json& s) {
     return std::all_of(s["sensors"].begin(), s["sensors"].end(),
                        [](const json& sensor) { return sensor["estimated"] > 0; });
