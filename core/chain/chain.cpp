@@ -22,6 +22,7 @@ namespace {
 // Refused frames in a row after which what was learnt of the grasp is forgotten: the object may have moved
 // meanwhile.
 constexpr int kFramesRemembered = 5;
+constexpr double kSecondsPerNs = 1e-9;
 
 std::unique_ptr<PatternObserver> make_observer(const ChainSetup& setup) {
   if (setup.layout.size() == 1) return std::make_unique<PatternObserver>();
@@ -63,14 +64,33 @@ struct EstimatorChain::Impl {
 
   // Without a zero nothing but the course of the readings means anything.
   void pass_unzeroed(const Frame& frame, MarginDecision& decision, Estimate& out) noexcept {
+    last_used = false;
     lose_sight();
     decision.refuse(State::unzeroed);
     observer->observe(frame, false, out);
   }
 
+  // A frame that was used before. It is no new evidence: what was known of the grasp is as old as it was, and
+  // only time goes on.
+  void repeat(const Checked& checked, Estimate& out) noexcept {
+    const Health health = checked.judgement.health;
+    const double passed_s = static_cast<double>(out.time_ns - last.time_ns) * kSecondsPerNs;
+    last.sequence = out.sequence;
+    last.time_ns = out.time_ns;
+    if (last.sliding_for_s) *last.sliding_for_s += passed_s;
+    if (last.time_to_slip_s) last.time_to_slip_s = std::max(0.0, *last.time_to_slip_s - passed_s);
+    out = last;
+    if (is_implausible(health)) out.health = health;
+    alert.judge(out);
+  }
+
+  // Whether the frame is the one before, and that was used.
+  bool is_repeated(const Checked& checked) const noexcept { return checked.judgement.repeats && last_used; }
+
   // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
   // all the same.
   void refuse(const Checked& checked, MarginDecision& decision, Estimate& out) noexcept {
+    last_used = false;
     const bool jump = checked.judgement.health == Health::jump;
     refused = std::min(refused + 1, kFramesRemembered + 1);
     if (jump || refused > kFramesRemembered) lose_sight();
@@ -87,6 +107,7 @@ struct EstimatorChain::Impl {
   // A frame with a contact or without one.
   void use(const Checked& checked, MarginDecision& decision, Estimate& out) noexcept {
     refused = 0;
+    last_used = true;
     const bool touches = gate->judge(checked.frame, checked.patch);
     finder.set_noise(gate->noise());
     if (touches) {
@@ -125,6 +146,7 @@ struct EstimatorChain::Impl {
     if (out.radius_m && std::isfinite(skin_radius_m)) out.a_over_r = *out.radius_m / skin_radius_m;
     alert.judge(out);
     out.time_to_slip_s = forecast.update(out.time_ns, out.gamma, out.sigma.value_or(0));
+    last = out;
   }
 
   // The contact was lost.
@@ -148,7 +170,9 @@ struct EstimatorChain::Impl {
   AlertLogic alert;
   SlipForecast forecast;
   const double sigma_max, slip_below, skin_radius_m;
-  int refused = 0;  // frames in a row
+  int refused = 0;         // frames in a row
+  bool last_used = false;  // the frame before
+  Estimate last;           // of the frame before
 };
 
 EstimatorChain::EstimatorChain(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model)
@@ -183,6 +207,9 @@ Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
   } else if (const Impl::Checked checked = in.check(frame, out);
              checked.judgement.verdict >= Verdict::frame_refused) {
     in.refuse(checked, decision, out);
+  } else if (in.is_repeated(checked)) {
+    in.repeat(checked, out);
+    return out;
   } else {
     in.use(checked, decision, out);
   }

@@ -58,7 +58,8 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
   judge_size(patch);
   judge_offset(patch);
   judge_course(patch);
-  if (!judge_frozen()) {
+  const bool frozen = judge_frozen();
+  if (!frozen) {
     for (std::size_t c = 0; c < kChannels; ++c) judge_channel(c, patch);
     for (std::size_t c = 0; c < kChannels; ++c) judge_rail(c, frame, patch);
     judge_lines();
@@ -68,8 +69,11 @@ const Judgement& PlausibilityMonitor::judge(const Frame& frame, const ContactPat
     blame(Verdict::frame_refused, Health::noisy);
   judge_continuity(frame, patch);
   judge_time(frame);
+  const bool repeats = frozen && any_ && patch.normal_n == last_normal_n_ &&
+                       patch.frame_peak_pa == last_peak_pa_ && patch.frame_least_pa == last_least_pa_;
   remember(frame, patch);
   hold();
+  now_.repeats = repeats;
   return now_;
 }
 
@@ -159,7 +163,7 @@ void PlausibilityMonitor::judge_continuity(const Frame& frame, const ContactPatc
   if (health != Health::good) blame(Verdict::frame_refused, health);
 }
 
-// True if this frame is the one before.
+// True if this frame is the one before, in all probes.
 bool PlausibilityMonitor::judge_frozen() noexcept {
   GroupChange all;
   std::size_t nonzero = 0;

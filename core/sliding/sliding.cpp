@@ -217,8 +217,9 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
 }
 
 bool SlidingDetector::settled() const noexcept {
-  if (blocks_.size() <= options_.settled_blocks) return false;
-  for (std::size_t ago = 1; ago <= options_.settled_blocks; ++ago) {
+  const std::size_t agreeing = blocks_.blocks_in(options_.settled_blocks);
+  if (blocks_.size() <= agreeing) return false;
+  for (std::size_t ago = 1; ago <= agreeing; ++ago) {
     const Change change = change_since(ago);
     if (change.pattern > options_.settled_pattern || std::fabs(change.log_normal) > options_.settled_normal)
       return false;
@@ -238,7 +239,7 @@ void SlidingDetector::arm() noexcept {
     shear_noise_ = last.shear;
   }
   armed_ = true;
-  compared_ = options_.settled_blocks;
+  compared_ = blocks_.blocks_in(options_.settled_blocks);
   held_normal_ = normal_of(0);
   suspicious_ = 0;
 }
@@ -265,7 +266,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     arm();
     return Sliding::none;
   }
-  compared_ = std::min({compared_ + 1, options_.compared_blocks, blocks_.size() - 1});
+  compared_ = std::min({compared_ + 1, blocks_.blocks_in(options_.compared_blocks), blocks_.size() - 1});
   const Change change = change_since(compared_);
   const double moved = change.pattern - options_.pattern_per_log_normal * std::fabs(change.log_normal);
   const double limit = std::max(options_.sticking_pattern, noise_factor_ * pattern_noise_);

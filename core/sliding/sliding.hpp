@@ -67,11 +67,12 @@ struct SlidingOptions {
   // Cells below which a contact has no pattern; 2 … 16. Too small: forces alone count as a pattern. Too
   // large: small arrays show nothing.
   std::size_t min_cells = 4;
-  // The longest time that the pattern is compared over, blocks, 2 … TaxelBlocks::kKept - 1. Too small: slow
-  // slides are missed. Too large: relaxation and drift of the skin add up.
+  // The longest time that the pattern is compared over, blocks of TaxelBlockOptions::block_s, 2 …
+  // TaxelBlocks::kKept - 1. Too small: slow slides are missed. Too large: relaxation and drift of the skin
+  // add up.
   std::size_t compared_blocks = 8;
-  // A contact has settled when this many blocks agree; blocks, 2 … 8. Too small: an overshoot counts as
-  // settled. Too large: a slide soon after the grip is missed.
+  // A contact has settled when as many blocks agree as last as long as so many of block_s; 2 … 8. Too small:
+  // an overshoot counts as settled. Too large: a slide soon after the grip is missed.
   std::size_t settled_blocks = 3;
   // They agree up to this TV and this change of P; share, 0.01 … 0.1. Too small: shaking contacts never
   // settle. Too large: closing counts as a hold.

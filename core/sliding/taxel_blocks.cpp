@@ -8,6 +8,7 @@ namespace {
 
 // Timers jitter: a frame this much early still completes a block.
 constexpr std::int64_t kJitterNs = 1'000'000;
+constexpr double kSecondsPerNs = 1e-9;
 // Time in which the noise of the quietest block is forgotten by half, blocks.
 constexpr double kQuietBlocks = 2400;
 // Variance of a value that is rounded to steps, over the square of a step.
@@ -59,7 +60,7 @@ TaxelBlocks::TaxelBlocks(const TaxelLayout& layout, const TaxelBlockOptions& opt
 
 void TaxelBlocks::forget() noexcept {
   size_ = frames_ = differences_ = 0;
-  squares_ = 0;
+  squares_ = spacing_s_ = 0;
   has_last_ = false;
 }
 
@@ -73,9 +74,10 @@ double TaxelBlocks::noise() const noexcept {
 
 bool TaxelBlocks::add(const Frame& frame) noexcept {
   if ((frames_ > 0 || size_ > 0) && frame.time_ns - last_ns_ > ns_of_s(options_.max_gap_s)) forget();
+  const bool alone = block_frames_ == 1 && size_ > 0 && spans_block(frame.time_ns - last_ns_);
   last_ns_ = frame.time_ns;
   bool completed = false;
-  if (frames_ > 0 && frame.time_ns - started_ns_ >= ns_of_s(options_.block_s) - kJitterNs) {
+  if (frames_ > 0 && spans_block(frame.time_ns - started_ns_)) {
     complete();
     completed = true;
   }
@@ -84,6 +86,7 @@ bool TaxelBlocks::add(const Frame& frame) noexcept {
       frame.time_ns - pooled_ns_ < ns_of_s(options_.block_s / options_.pooled_frames) - kJitterNs)
     return completed;
   if (frames_ == 0) {
+    if (size_ > 0) spacing_s_ = static_cast<double>(frame.time_ns - started_ns_) * kSecondsPerNs;
     started_ns_ = frame.time_ns;
     std::fill(sums_.begin(), sums_.end(), 0.0);
   }
@@ -92,7 +95,19 @@ bool TaxelBlocks::add(const Frame& frame) noexcept {
   for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<double>(frame_[i]);
   measure_noise();
   ++frames_;
-  return completed;
+  if (!alone) return completed;
+  complete();
+  return true;
+}
+
+bool TaxelBlocks::spans_block(std::int64_t passed_ns) const noexcept {
+  return passed_ns >= ns_of_s(options_.block_s) - kJitterNs;
+}
+
+std::size_t TaxelBlocks::blocks_in(std::size_t blocks) const noexcept {
+  const double span_s = static_cast<double>(blocks) * options_.block_s;
+  return std::max<std::size_t>(
+      2, static_cast<std::size_t>(std::lround(span_s / std::max(options_.block_s, spacing_s_))));
 }
 
 void TaxelBlocks::pool(const Frame& frame) noexcept {

@@ -37,7 +37,8 @@ class TaxelBlocks {
 
   explicit TaxelBlocks(const TaxelLayout& layout, const TaxelBlockOptions& options = {});
 
-  // Adds a frame of the layout's size. True if a block was completed.
+  // Adds a frame of the layout's size. True if a block was completed: with the first frame after it, or, of a
+  // sensor whose blocks are single frames, with that frame.
   bool add(const Frame& frame) noexcept;
   void forget() noexcept;
 
@@ -50,6 +51,8 @@ class TaxelBlocks {
   const float* block(std::size_t ago) const noexcept;
   // Mean time between blocks, s.
   double block_s() const noexcept { return options_.block_s; }
+  // How many blocks last as long as so many of block_s do; at least 2. A slow sensor's are longer.
+  std::size_t blocks_in(std::size_t blocks) const noexcept;
   // Standard deviation of the newest block's values that is due to noise of single frames, as root mean
   // square over all channels: that of the quietest blocks so far. 0: not known yet.
   double noise() const noexcept;
@@ -61,6 +64,7 @@ class TaxelBlocks {
   void pool(const Frame& frame) noexcept;
   void measure_noise() noexcept;
   void complete() noexcept;
+  bool spans_block(std::int64_t passed_ns) const noexcept;
 
   TaxelBlockOptions options_;
   std::size_t taxels_, cells_;
@@ -76,6 +80,7 @@ class TaxelBlocks {
   double frame_variance_ = 0;  // of one frame, of the quietest block; 0: not known
   double step_ = 0;            // the smallest difference seen
   double block_frames_ = 1;    // in the newest block
+  double spacing_s_ = 0;       // from the newest block's first frame to this one's; 0: not known
   bool has_last_ = false;
 };
 

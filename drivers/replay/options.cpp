@@ -38,6 +38,7 @@ Options parse_options(const SensorSetup& sensor) {
   options.calibration.scale = {scale[0], scale[1], scale[2]};
   const std::string unit = sensor.options.value("unit", "Pa");
   options.raw = unit == "raw";
+  options.zero_from_s = sensor.options.value("zero_from_s", 0.0);
   if (unit == "N") {
     for (float& each : options.calibration.scale) each /= static_cast<float>(sensor.layout.area_m2());
   }

@@ -27,6 +27,7 @@ struct Options {
   bool loop = false;           // play again from the first file at the end
   bool raw = false;            // values are counts of a sensor whose zero is not known
   Calibration calibration;     // of the file's values
+  double zero_from_s = 0;      // above 0: each file's bias is the mean of its first rows of so many seconds
 };
 
 // Throws DriverError for a `scale` or `bias` whose length is neither 1, 3 nor (bias) three a taxel.

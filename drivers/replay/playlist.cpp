@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -30,10 +32,51 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   return files;
 }
 
+// The mean of a file's first frames, as Calibration::bias. Frames with a value that is not finite do not
+// count.
+std::vector<float> measure_zero(FrameSource& source, const SensorSetup& sensor, double seconds) {
+  const std::size_t taxels = sensor.layout.size();
+  std::vector<float> memory(3 * taxels);
+  const std::span<float> all(memory);
+  FrameSlot slot;
+  slot.normal_pa = all.first(taxels);
+  slot.shear_x_pa = all.subspan(taxels, taxels);
+  slot.shear_y_pa = all.last(taxels);
+  std::vector<double> sums(3 * taxels);
+  std::size_t frames = 0;
+  std::optional<std::int64_t> first_ns;
+  const auto length_ns = static_cast<std::int64_t>(seconds * 1e9);
+  for (ReadOutcome outcome = source.next(slot);
+       outcome != ReadOutcome::end && outcome != ReadOutcome::damaged; outcome = source.next(slot)) {
+    if (outcome != ReadOutcome::frame) continue;
+    if (!first_ns) first_ns = slot.time_ns;
+    if (slot.time_ns - *first_ns >= length_ns) break;
+    ++frames;
+    for (std::size_t i = 0; i < taxels; ++i) {
+      sums[3 * i] += static_cast<double>(slot.shear_x_pa[i]);
+      sums[3 * i + 1] += static_cast<double>(slot.shear_y_pa[i]);
+      sums[3 * i + 2] += static_cast<double>(slot.normal_pa[i]);
+    }
+  }
+  source.rewind();
+  if (frames == 0)
+    throw DriverError("sensor \"" + sensor.name +
+                      "\": replay's zero_from_s finds no frame at the beginning of " +
+                      sensor.options.value("file", ""));
+  std::vector<float> bias(3 * taxels);
+  for (std::size_t i = 0; i < bias.size(); ++i)
+    bias[i] = static_cast<float>(sums[i] / static_cast<double>(frames));
+  return bias;
+}
+
 }  // namespace
 
 Playlist::Playlist(const SensorSetup& sensor, Options options) : options_(std::move(options)) {
   for (const auto& file : files_of(options_.file)) sources_.push_back(open_source(file, sensor));
+  for (const auto& source : sources_) {
+    Calibration& calibration = calibrations_.emplace_back(options_.calibration);
+    if (options_.zero_from_s > 0) calibration.bias = measure_zero(*source, sensor, options_.zero_from_s);
+  }
   const double rate = rate_hz() > 0 ? rate_hz() : kUnknownRateHz;
   period_ns_ = std::max<std::int64_t>(1, std::llround(1e9 / rate));
   time_ns_ = -period_ns_;
@@ -84,7 +127,7 @@ ReadOutcome Playlist::next(FrameSlot& out) noexcept {
   out.time_ns = time_ns_ += std::clamp<std::int64_t>(step_ns, 1, kLongestPauseNs);
   out.sequence = sequence_ += static_cast<std::uint64_t>(std::clamp<std::int64_t>(frames, 1, kWidestGap));
   if (out.device_time_ns < 0) out.device_time_ns = out.time_ns;
-  return options_.calibration.apply(out) ? ReadOutcome::frame : ReadOutcome::corrupt;
+  return calibrations_[current_].apply(out) ? ReadOutcome::frame : ReadOutcome::corrupt;
 }
 
 }  // namespace slipd::replay

@@ -36,6 +36,7 @@ class Playlist {
   bool any_damage() const noexcept;
 
   std::vector<std::unique_ptr<FrameSource>> sources_;
+  std::vector<Calibration> calibrations_;  // of each source
   Options options_;
   std::int64_t period_ns_;  // between the last frame of a file and the first of the next
   std::size_t current_ = 0;

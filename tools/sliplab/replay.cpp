@@ -54,12 +54,12 @@ void run_replay(const offline::Common& common, const CLI::App& command, const Re
   for (const ReplayRun& run : runs) {
     nlohmann::json summary = summary_of(run);
     if (!json) print(run, summarize(run));
-    if (!options.label.empty()) {
+    if (!options.label.empty() && run.unit) {
       const LabelScore score = score_alerts(run, read_labels(options.label, run));
       summary["label"] = to_json(score);
       if (!json) std::cerr << "  " << describe(score) << '\n';
     }
-    sweep.add_row(run.unit, summary);
+    if (run.unit) sweep.add_row(*run.unit, summary);
     if (!run.fault.empty()) std::cerr << "sliplab: " << run.fault << '\n';
   }
   if (json && options.estimates != "-") offline::print_json(sweep, options.shard, common, command);

@@ -81,6 +81,11 @@ class Finger {
     return estimate();
   }
 
+  // The same values again, as of a device that is asked more often than it measures.
+  Estimate feel_again() { return estimate(); }
+  // Nothing is asked for the time of a frame.
+  void pass() { ++sequence_; }
+
  private:
   static double column_of(std::size_t i) { return static_cast<double>(i % 3) - 1; }
   static double row_of(std::size_t i) { return std::floor(static_cast<double>(i) / 3) - 1; }
@@ -138,6 +143,34 @@ TEST(FlatPads, AGripThatOvershootsRaisesNoAlertAndHasAMarginWhileItHolds) {
     }
     EXPECT_GT(ok, 0.95 * held) << load;
   }
+}
+
+// The same frames at the same times, once with each frame three times more in between.
+TEST(FlatPads, LearnNothingFromAFrameThatIsTheOneBefore) {
+  constexpr int kMore = 3;
+  Finger once(finger_setup()), often(finger_setup());
+  int told = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const double time_s = (kMore + 1) * i / kRate_hz;
+    const Load load{.normal_n = gripped_n(time_s), .pull_n = std::max(0.0, time_s - 4)};
+    const Estimate expected = once.feel(load);
+    for (int k = 0; k < kMore; ++k) once.pass();
+    const Estimate first = often.feel(load);
+    ASSERT_EQ(first.state, expected.state) << i;
+    ASSERT_EQ(first.gamma, expected.gamma) << i;
+    ASSERT_EQ(first.sigma, expected.sigma) << i;
+    ASSERT_EQ(first.friction, expected.friction) << i;
+    ASSERT_EQ(first.sliding, expected.sliding) << i;
+    for (int k = 0; k < kMore; ++k) {
+      const Estimate again = often.feel_again();
+      ASSERT_GT(again.time_ns, first.time_ns);
+      ASSERT_GT(again.sequence, first.sequence);
+      ASSERT_EQ(again.gamma, first.gamma) << i;
+      ASSERT_EQ(again.sigma, first.sigma) << i;
+    }
+    told += first.gamma ? 1 : 0;
+  }
+  EXPECT_GT(told, 600);
 }
 
 TEST(FlatPads, RepeatsOfOneGraspHaveTheSameMargin) {

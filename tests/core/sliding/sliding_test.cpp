@@ -123,6 +123,24 @@ TEST(Sliding, IsNotTakenFromAGripThatOpens) {
   EXPECT_FALSE(seen.slid);
 }
 
+// Ten frames a second: each is a block of its own, and needs no later one to be complete.
+TEST(Sliding, OfASlowSensorIsSeenInTheFramesThatShowIt) {
+  constexpr double kSlowHz = 10;
+  Pad pad(4, 50);
+  SlidingDetector detector(pad.layout(), kFalseAlarmsPerHour);
+  int first = -1;
+  for (int i = 0; i < 40; ++i) {
+    const double slid_m = i < 20 ? 0 : 0.0006 * (i - 19);
+    const SlidingVerdict verdict = detector.update(pad.frame(i / kSlowHz, {.x_m = slid_m}), true);
+    if (slides(verdict.sliding) && first < 0) first = i;
+    if (i >= 4 && i < 20) {
+      EXPECT_EQ(verdict.sliding, Sliding::none) << i;
+    }
+  }
+  EXPECT_GE(first, 20);
+  EXPECT_LE(first, 21);
+}
+
 TEST(Sliding, OfManyTaxelsIsSeenInCells) {
   Pad pad(40, 50);
   EXPECT_TRUE(watch(pad, 3, [](double t) { return Contact{.x_m = t < 2 ? 0 : 0.01 * (t - 2)}; }).slid ||

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "driver_api/driver.hpp"
 #include "drivers/sim/simulated_sensor.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/sliplab/command.hpp"
@@ -79,6 +80,20 @@ std::vector<std::string> pillar_rows(double load) {
     rows.push_back(row.str());
   }
   return rows;
+}
+
+// Rows with a constant on each channel, as of a sensor that has a zero.
+std::vector<std::string> offset(const std::vector<std::string>& rows) {
+  std::vector<std::string> shifted;
+  for (const std::string& row : rows) {
+    std::string& text = shifted.emplace_back();
+    double by = 100;
+    for (const std::string& field : row_fields(row)) {
+      text += (text.empty() ? "" : ",") + std::to_string(std::stod(field) + by);
+      by += 3;
+    }
+  }
+  return shifted;
 }
 
 std::string csv_of(const std::vector<std::string>& rows, int first = 1) {
@@ -166,17 +181,7 @@ TEST_F(Replay, ReadsNewtonsAsTheForcesThatTheyAre) {
 
 TEST_F(Replay, OfRawCountsTellsSlidingAndNoMargin) {
   // Magnetometers read far from 0 without load, each its own value.
-  std::string text = lines_of(csv_of({}))[0];
-  for (const std::string& row : pillar_rows(0.3)) {
-    std::string shifted;
-    double offset = 100;
-    for (const std::string& field : row_fields(row)) {
-      shifted += (shifted.empty() ? "" : ",") + std::to_string(std::stod(field) + offset);
-      offset += 3;
-    }
-    text += "\n" + shifted;
-  }
-  const ReplayRun played = run(text + "\n", R"("unit": "raw")");
+  const ReplayRun played = run(csv_of(offset(pillar_rows(0.3))), R"("unit": "raw")");
   bool told = false;
   for (const ReplayRow& row : played.rows) {
     EXPECT_EQ(row.estimate.state, slipd::State::unzeroed);
@@ -204,6 +209,57 @@ TEST_F(Replay, TakesTheTaxelsThatAreNamedInThatOrder) {
     EXPECT_EQ(second.rows[i].estimate.gamma, alone.rows[i].estimate.gamma) << i;
   }
   EXPECT_ANY_THROW(run(text + "\n")) << "columns of more taxels than the layout has, and no names";
+}
+
+TEST_F(Replay, TakesTheZeroFromTheFirstRowsWhereThatIsAskedFor) {
+  const auto rows = pillar_rows(0.3);
+  const ReplayRun own = run(csv_of(offset(rows)), R"("unit": "N", "zero_from_s": 0.4)");
+  const ReplayRun plain = run(csv_of(rows));
+  ASSERT_EQ(own.rows.size(), plain.rows.size());
+  for (const std::size_t held : {140U, 250U}) {
+    EXPECT_NEAR(own.rows[held].estimate.normal_n.value(), plain.rows[held].estimate.normal_n.value(), 0.05);
+    EXPECT_NEAR(own.rows[held].estimate.shear_n.value(), plain.rows[held].estimate.shear_n.value(), 0.05);
+  }
+  EXPECT_EQ(own.rows[20].estimate.state, slipd::State::no_contact);
+}
+
+TEST_F(Replay, SaysThatThereAreNoRowsToTakeAZeroFrom) {
+  std::string missing;
+  for (int i = 0; i < 27; ++i) missing += i == 0 ? "NA" : ",NA";
+  try {
+    run(csv_of({missing, missing}), R"("unit": "N", "zero_from_s": 0.4)");
+    FAIL() << "a zero of nothing";
+  } catch (const slipd::DriverError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("zero_from_s"));
+    EXPECT_THAT(error.what(), HasSubstr("file.csv"));
+  }
+}
+
+TEST_F(Replay, GivesAGraspOfTheSceneRowsOfItsOwn) {
+  const std::string finger =
+      R"("driver": "replay", "rate_hz": 100, "layout": { "grid": [3, 3], "pitch_mm": 7 },
+      "skin": { "radius_mm": "flat", "modulus_mpa": 1 }, "options": { "file": ")";
+  const auto scene =
+      folder_.write("two.json", R"({ "sensors": [ { "name": "left", )" + finger +
+                                    R"(l.csv", "unit": "N" } }, { "name": "right", )" + finger +
+                                    R"(r.csv", "unit": "N" } } ],
+      "grasps": [ { "name": "hand", "sensors": ["left", "right"] } ],
+      "objects": [ { "normal_n": [1, 20], "friction": [0.3, 1] } ] })");
+  auto shorter = pillar_rows(0.2);
+  shorter.resize(200);
+  const auto left = "left=" + folder_.write("l.csv", csv_of(pillar_rows(0.3))).string();
+  const auto right = "right=" + folder_.write("r.csv", csv_of(shorter)).string();
+  const auto runs = replay(scene, "", {left, right});
+  ASSERT_EQ(runs.size(), 3U);
+  const ReplayRun& hand = runs[2];
+  EXPECT_EQ(hand.sensor, "hand");
+  ASSERT_EQ(hand.rows.size(), runs[0].rows.size());
+  EXPECT_EQ(hand.rows[20].estimate.state, slipd::State::no_contact);
+  ASSERT_TRUE(hand.rows[190].estimate.gamma);
+  EXPECT_NEAR(hand.rows[190].estimate.normal_n.value(),
+              runs[0].rows[190].estimate.normal_n.value() + runs[1].rows[190].estimate.normal_n.value(),
+              1e-6);
+  EXPECT_EQ(replay(scene, "left", {left}).size(), 1U) << "half a grasp has no rows";
 }
 
 TEST_F(Replay, RefusesWhatItCannotPlay) {

@@ -1,9 +1,14 @@
 #include "tools/sliplab/replay/run.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "config/settings.hpp"
 #include "core/chain/chain.hpp"
+#include "core/grasp/grasp.hpp"
 #include "paper/model/model.hpp"
 #include "tools/sliplab/command.hpp"
 #include "tools/sliplab/replay/frames.hpp"
@@ -40,6 +45,51 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
   return run;
 }
 
+// The only run of the sensor; null: there is none, or several.
+const ReplayRun* run_of(const std::vector<ReplayRun>& runs, const std::string& sensor) {
+  const ReplayRun* found = nullptr;
+  for (const ReplayRun& run : runs) {
+    if (run.sensor != sensor) continue;
+    if (found != nullptr) return nullptr;
+    found = &run;
+  }
+  return found;
+}
+
+ReplayRun judge_grasp(const GraspSettings& grasp, const std::vector<const ReplayRun*>& members,
+                      const AlertSettings& alerts) {
+  ReplayRun made{.sensor = grasp.name, .file = {}, .rows = {}, .fault = {}};
+  GraspTracker tracker(alerts, grasp.poses);
+  std::vector<Estimate> latest(members.size());
+  std::vector<std::size_t> next(members.size(), 0);
+  while (true) {
+    double time_s = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      if (next[i] < members[i]->rows.size()) time_s = std::min(time_s, members[i]->rows[next[i]].time_s);
+    }
+    if (std::isinf(time_s)) return made;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const std::vector<ReplayRow>& rows = members[i]->rows;
+      for (; next[i] < rows.size() && rows[next[i]].time_s <= time_s; ++next[i]) {
+        latest[i] = rows[next[i]].estimate;
+        latest[i].published_ns = std::llround(time_s * 1e9);
+      }
+    }
+    made.rows.push_back({.time_s = time_s, .row = made.rows.size(), .estimate = tracker.judge(latest)});
+  }
+}
+
+void add_grasps(const Settings& settings, std::vector<ReplayRun>& runs) {
+  std::vector<ReplayRun> grasps;
+  for (const GraspSettings& grasp : settings.grasps) {
+    std::vector<const ReplayRun*> members;
+    for (const std::string& sensor : grasp.sensors) members.push_back(run_of(runs, sensor));
+    if (std::find(members.begin(), members.end(), nullptr) == members.end())
+      grasps.push_back(judge_grasp(grasp, members, settings.alerts));
+  }
+  std::move(grasps.begin(), grasps.end(), std::back_inserter(runs));
+}
+
 }  // namespace
 
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
@@ -54,6 +104,7 @@ std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::str
     }
     ++unit;
   }
+  if (shard.whole()) add_grasps(settings, runs);
   return runs;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,21 +20,26 @@ struct ReplayRow {
   slipd::Estimate estimate;
 };
 
-// One file through one sensor of the scene, whose estimator began with it.
+// One file through one sensor of the scene, whose estimator began with it; or a grasp of such sensors.
 struct ReplayRun {
+  // The sensor's name, or the grasp's.
   std::string sensor;
+  // Of a grasp: empty.
   std::string file;
   std::vector<ReplayRow> rows;
   // Where and why the file could not be read to its end; empty: it was.
   std::string fault;
-  // Its number in the sweep over files and sensors.
-  std::size_t unit = 0;
+  // Its number in the sweep over files and sensors; none: the run is of a grasp.
+  std::optional<std::size_t> unit = std::nullopt;
 };
 
 // Plays each file through each sensor of the scene that is called `sensor`, or through all if that is empty.
 // `files` is empty for those that the scene names. As many files as sensors, with files of their own in the
 // scene, belong to them in order; SENSOR=FILE names the sensor. A shard plays only some of them. Throws
 // slipd::SettingsError, WrongUse or slipd::DriverError.
+//
+// After them comes a run of each grasp of the scene whose sensors have played one file each: with a row
+// whenever one of them has a frame, frames of one time together.
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
                               const std::vector<std::string>& files, const offline::Shard& shard = {});
 
