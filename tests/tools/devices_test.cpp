@@ -70,13 +70,15 @@ TEST(Probe, finds_hid_devices_can_interfaces_and_serial_lines) {
   machine.file("class/net/eth0/type", "1");
   machine.file("class/tty/ttyUSB0/dev", "188:0");
   const json found = machine.probed();
-  ASSERT_EQ(found.size(), 4) << found;
+  ASSERT_EQ(found.size(), 5) << found;
   EXPECT_EQ(found[0]["profiles"], json({"3dconnexion"}));
   EXPECT_EQ(found[0]["device"], json({{"path", "/dev/hidraw3"}}));
   EXPECT_THAT(found[1]["profiles"], Contains("xela-xr1944"));
   EXPECT_EQ(found[1]["device"], json({{"interface", "can0"}}));
-  EXPECT_THAT(found[2]["profiles"], Contains("robotiq-ft300"));
-  EXPECT_EQ(found[3]["name"], "Keyboard") << "what no profile matches comes last";
+  EXPECT_THAT(found[2]["profiles"], Contains("anyskin"));
+  EXPECT_EQ(found[2]["device"], json({{"path", "/dev/ttyUSB0"}}));
+  EXPECT_THAT(found[3]["profiles"], Contains("robotiq-ft300"));
+  EXPECT_EQ(found[4]["name"], "Keyboard") << "what no profile matches comes last";
   EXPECT_THAT(found[3]["profiles"], IsEmpty());
 }
 

@@ -143,10 +143,12 @@ class Prober {
   }
 
   void serial_lines() {
-    const auto rtu = names("modbus", [](const Profile&) { return true; });
+    const auto any = [](const Profile&) { return true; };
+    const auto streams = names("serial", any), rtu = names("modbus", any);
     for (const fs::path& line : entries(sys_ / "class/tty")) {
       const std::string name = line.filename();
       if (!name.starts_with("ttyUSB") && !name.starts_with("ttyACM")) continue;
+      add("serial", "", "serial line", "", "/dev/" + name, streams, {{"path", "/dev/" + name}});
       add("modbus", "", "serial line", "", "/dev/" + name, rtu, {{"serial_line", "/dev/" + name}});
     }
   }
