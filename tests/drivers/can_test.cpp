@@ -5,8 +5,8 @@
 #include <sys/socket.h>
 
 #include "drivers/can/can_driver.hpp"
+#include "tests/devices/contacts.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/contacts.hpp"
 #include "tests/support/heap_count.hpp"
 
 namespace slipd::can {

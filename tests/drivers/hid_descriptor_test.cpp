@@ -5,8 +5,8 @@
 #include <random>
 
 #include "drivers/hid/descriptor.hpp"
+#include "tests/devices/device_model.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/device_model.hpp"
 
 namespace slipd::hid {
 namespace {

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "drivers/modbus/modbus_driver.hpp"
+#include "tests/devices/contacts.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/contacts.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/patience.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <thread>
 
+#include "tests/devices/contacts.hpp"
 #include "tests/support/daemon.hpp"
-#include "tests/support/devices/contacts.hpp"
 #include "tests/support/process_facts.hpp"
 
 namespace slipd::testing {

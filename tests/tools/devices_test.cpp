@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "driver_api/driver.hpp"
-#include "tests/support/devices/contacts.hpp"
+#include "tests/devices/contacts.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/slipctl/decode.hpp"
 #include "tools/slipctl/probe.hpp"

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "tests/support/devices/memory_port.hpp"
+#include "tests/devices/memory_port.hpp"
 
 namespace slipd::test {
 

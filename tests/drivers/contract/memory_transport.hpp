@@ -3,7 +3,7 @@
 
 #include "drivers/pacing.hpp"
 #include "drivers/usb/usb_driver.hpp"
-#include "tests/support/devices/memory_port.hpp"
+#include "tests/devices/memory_port.hpp"
 
 namespace slipd::test {
 

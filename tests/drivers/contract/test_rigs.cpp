@@ -13,11 +13,11 @@
 #include "drivers/modbus/modbus_driver.hpp"
 #include "drivers/replay/replay_driver.hpp"
 #include "drivers/sim/sim_driver.hpp"
+#include "tests/devices/contacts.hpp"
 #include "tests/drivers/contract/fake_hidapi.hpp"
 #include "tests/drivers/contract/memory_transport.hpp"
 #include "tests/drivers/contract/test_rig.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/contacts.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace slipd::test {

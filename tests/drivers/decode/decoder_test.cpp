@@ -7,8 +7,8 @@
 #include <random>
 
 #include "drivers/decode/framer.hpp"
+#include "tests/devices/device_model.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/device_model.hpp"
 #include "tests/support/heap_count.hpp"
 
 namespace slipd::decode {

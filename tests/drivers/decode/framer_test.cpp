@@ -11,8 +11,8 @@
 
 #include "drivers/decode/checksum.hpp"
 #include "drivers/decode/pts2.hpp"
+#include "tests/devices/device_model.hpp"
 #include "tests/drivers/driver_fixture.hpp"
-#include "tests/support/devices/device_model.hpp"
 #include "tests/support/heap_count.hpp"
 
 namespace slipd::decode {

@@ -5,8 +5,8 @@
 
 #include <cstdlib>
 
+#include "tests/devices/contacts.hpp"
 #include "tests/support/daemon.hpp"
-#include "tests/support/devices/contacts.hpp"
 #include "tests/support/process_facts.hpp"
 #include "tests/system/faults/cutting_proxy.hpp"
 
