@@ -3,13 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "lab/alerts/report.hpp"
+#include "lab/collect.hpp"
 #include "lab/command.hpp"
-#include "tools/offline/parallel.hpp"
+#include "lab/options.hpp"
 #include "tools/offline/progress.hpp"
 
 namespace lab {
@@ -23,14 +23,11 @@ struct AlertsOptions {
 
 std::vector<AlertTrialPair> run_kind(const PresetBench& bench, GraspKind kind, const AlertsOptions& options,
                                      std::uint64_t seed) {
-  std::vector<AlertTrialPair> trials(options.grasps);
   offline::ProgressBar bar(std::string(to_string(bench.preset)) +
                            (kind == GraspKind::hold ? " holds" : " slips"));
-  offline::for_each_index(
-      options.grasps, options.threads,
-      [&](std::size_t i) { trials[i] = run_preset_grasp(bench, draw_preset_grasp(bench, kind, seed, i)); },
-      [&](double share) { bar.show(share, "grasps"); });
-  return trials;
+  return collect(
+      options.grasps, options.threads, [&](double share) { bar.show(share, "grasps"); },
+      [&](std::size_t i) { return run_preset_grasp(bench, draw_preset_grasp(bench, kind, seed, i)); });
 }
 
 std::vector<AlertTrial> of_chain(const std::vector<AlertTrialPair>& pairs, bool known) {
@@ -49,11 +46,8 @@ void run_alerts(const offline::Common& common, const AlertsOptions& options) {
     for (const bool known : {true, false})
       lines.push_back(count_alerts(bench, known, of_chain(holds, known), of_chain(slips, known)));
   }
-  if (common.json) {
-    std::cout << to_json(lines).dump(2) << '\n';
-  } else {
-    std::cout << alerts_table(lines);
-  }
+  publish({.print_table = [&] { std::cout << alerts_table(lines); }, .json = [&] { return to_sweep(lines); }},
+          common);
 }
 
 }  // namespace
@@ -61,14 +55,10 @@ void run_alerts(const offline::Common& common, const AlertsOptions& options) {
 void add_alerts(CLI::App& app, const offline::Common& common) {
   auto* command = app.add_subcommand("alerts", "alerts in holds and slips on the simulated presets");
   auto options = std::make_shared<AlertsOptions>();
-  command->add_option("--presets", options->presets, "ideal, pillars, magnetic-skin")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"ideal", "pillars", "magnetic-skin"}))
-      ->capture_default_str();
-  command->add_option("--grasps", options->grasps, "holds, and as many slips, of each preset")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--threads", options->threads)->check(CLI::Range(1, 4))->capture_default_str();
+  add_presets_option(*command, options->presets, {"ideal", "pillars", "magnetic-skin"},
+                     "ideal, pillars, magnetic-skin");
+  add_grasps_option(*command, options->grasps, "holds, and as many slips, of each preset");
+  add_threads_option(*command, options->threads);
   command->callback([&common, options] { run_alerts(common, *options); });
 }
 

@@ -3,10 +3,7 @@
 // others do.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
-#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -14,9 +11,8 @@
 
 #include "lab/command.hpp"
 #include "lab/coverage/measure.hpp"
-#include "lab/histories/drive.hpp"
-#include "paper/model_setup.hpp"
-#include "paper/train.hpp"
+#include "lab/options.hpp"
+#include "lab/report.hpp"
 #include "tools/offline/gnuplot.hpp"
 #include "tools/offline/progress.hpp"
 
@@ -35,14 +31,6 @@ struct CoverageOptions {
   std::optional<double> friction;
 };
 
-const std::map<std::string, MethodChoice> kCoverageMethods{{"auto", MethodChoice::automatic},
-                                                           {"svd-knn", MethodChoice::svd_knn},
-                                                           {"registered", MethodChoice::registered},
-                                                           {"moments", MethodChoice::moments},
-                                                           {"fit", MethodChoice::fit},
-                                                           {"closing", MethodChoice::closing},
-                                                           {"block-fit", MethodChoice::block_fit}};
-
 struct CoverageLine {
   std::size_t side = 0;
   std::string method, used;  // as asked for, as taken
@@ -51,37 +39,42 @@ struct CoverageLine {
   Coverage found;
 };
 
+constexpr const char* kTracedHead =
+    "side,method,rate_hz,of,grasp,time_s,phase,normal_n,shear_n,friction,truth,traced,gamma,sigma,mu,mu_"
+    "sigma,"
+    "state,by\n";
+
+void write_traced(std::ostream& out, const CoverageLine& line, const CoverageSample& of) {
+  const GraspMoment& at = of.sample.at;
+  const Estimate& estimate = of.sample.estimate();
+  out << line.side << ',' << line.used << ',' << line.rate_hz << ',' << line.grasps << ',' << of.grasp << ','
+      << at.time_s << ',' << of.phase << ',' << at.normal_n << ',' << at.shear_n << ',' << at.truth.friction
+      << ',' << at.truth.gamma << ',' << of.sample.traced << ',' << estimate.gamma.value_or(kUnknown) << ','
+      << estimate.sigma.value_or(kUnknown) << ',' << estimate.friction.value_or(kUnknown) << ','
+      << estimate.friction_sigma.value_or(kUnknown) << ',' << to_string(estimate.state) << ','
+      << to_string(estimate.method) << '\n';
+}
+
 // `traced` gets a line for each frame where it is not null.
 std::vector<CoverageLine> measure_layout(std::size_t side, const std::string& method, CoverageOptions options,
                                          std::ostream* traced) {
-  ChainSetup chain = paper_chain(side, kCoverageMethods.at(method), options.setup.noise);
+  ChainSetup chain = paper_chain(side, method_choices().at(method), options.setup.noise);
   chain.friction = options.friction;
-  offline::ProgressBar bar(std::to_string(side) + "x" + std::to_string(side) + " " + method);
-  std::shared_ptr<const Model> model;
-  if (needs_model(chain)) {
-    bar.show(0, "training");
-    model = std::make_shared<const Model>(train(model_setup_of(chain), options.setup.threads));
-  }
-  const std::string used(to_string(EstimatorChain(chain, model).method()));
+  offline::ProgressBar bar(title_of(side, method));
+  bar.show(0, "training");
+  const Estimator estimator = make_estimator(chain, options.setup.threads);
+  const std::string used(to_string(estimator.method()));
   std::vector<CoverageLine> lines;
   for (const double rate_hz : options.rates_hz) {
     for (const std::string& of : options.grasps_of) {
+      CoverageLine line{side, method, used, of, rate_hz, {}};
       options.setup.rate_hz = rate_hz;
-      if (traced != nullptr) {
-        options.setup.watch = [&](const CoverageSample& at) {
-          *traced << side << ',' << used << ',' << rate_hz << ',' << of << ',' << at.grasp << ',' << at.time_s
-                  << ',' << at.phase << ',' << at.normal_n << ',' << at.shear_n << ',' << at.truth.friction
-                  << ',' << at.truth.gamma << ',' << at.traced << ',' << at.estimate.gamma.value_or(kUnknown)
-                  << ',' << at.estimate.sigma.value_or(kUnknown) << ','
-                  << at.estimate.friction.value_or(kUnknown) << ','
-                  << at.estimate.friction_sigma.value_or(kUnknown) << ',' << to_string(at.estimate.state)
-                  << ',' << to_string(at.estimate.method) << '\n';
-        };
-      }
-      const auto done = [&](double share) { bar.show(share, of.c_str()); };
-      lines.push_back({side, method, used, of, rate_hz,
-                       of == "cycle" ? measure_cycle(chain, model, options.setup, done)
-                                     : measure_histories(chain, model, options.setup, done)});
+      if (traced != nullptr)
+        options.setup.watch = [&](const CoverageSample& sample) { write_traced(*traced, line, sample); };
+      const auto measure_grasps = of == "cycle" ? measure_cycle : measure_histories;
+      line.found =
+          measure_grasps(estimator, options.setup, [&](double share) { bar.show(share, of.c_str()); });
+      lines.push_back(std::move(line));
     }
   }
   return lines;
@@ -89,9 +82,10 @@ std::vector<CoverageLine> measure_layout(std::size_t side, const std::string& me
 
 void print_tally(const std::string& what, const CoverageTally& tally) {
   std::printf("  %-14s %8.0f   %5.1f %%   %.4f   %6.2f %%  %6.2f %%  %7.0f   %7.0f   %.3f   %.4f  %7.0f\n",
-              what.c_str(), tally.answers(), 100 * tally.answered(), tally.mean_error(),
-              100 * tally.within_two_sigma(), 100 * tally.within_three_sigma(), tally.beyond_three_sigma(),
-              tally.too_safe(), tally.worst(), tally.least_sigma(), tally.untraced());
+              what.c_str(), tally.traced.answers(), 100 * tally.answered(), tally.traced.mean_error(),
+              100 * tally.traced.within(2), 100 * tally.traced.within(3), tally.traced.beyond(3),
+              tally.traced.overestimates(), tally.traced.worst(), tally.least_sigma(),
+              tally.untraced.answers());
 }
 
 void print_table(const std::vector<CoverageLine>& lines, const CoverageOptions& options) {
@@ -113,20 +107,21 @@ void print_table(const std::vector<CoverageLine>& lines, const CoverageOptions& 
 }
 
 ordered_json coverage_json(const CoverageTally& tally) {
+  const Tally& traced = tally.traced;
   return {{"frames", tally.frames()},
           {"answered", tally.answered()},
-          {"answers", tally.answers()},
-          {"mean_error", tally.mean_error()},
-          {"within_two_sigma", tally.within_two_sigma()},
-          {"within_three_sigma", tally.within_three_sigma()},
-          {"beyond_three_sigma", tally.beyond_three_sigma()},
-          {"too_safe", tally.too_safe()},
-          {"worst_error", tally.worst()},
+          {"answers", traced.answers()},
+          {"mean_error", traced.mean_error()},
+          {"within_two_sigma", traced.within(2)},
+          {"within_three_sigma", traced.within(3)},
+          {"beyond_three_sigma", traced.beyond(3)},
+          {"too_safe", traced.overestimates()},
+          {"worst_error", traced.worst()},
           {"least_sigma", tally.least_sigma()},
-          {"untraced", tally.untraced()}};
+          {"untraced", tally.untraced.answers()}};
 }
 
-ordered_json coverage_json(const std::vector<CoverageLine>& lines, const CoverageOptions& options) {
+offline::SweepResult to_sweep(const std::vector<CoverageLine>& lines, const CoverageOptions& options) {
   ordered_json rows = ordered_json::array();
   for (const CoverageLine& line : lines) {
     ordered_json row{{"columns", line.side}, {"method", line.method},
@@ -135,18 +130,14 @@ ordered_json coverage_json(const std::vector<CoverageLine>& lines, const Coverag
     for (const auto& [phase, tally] : line.found.by_phase) row["during"][phase] = coverage_json(tally);
     rows.push_back(std::move(row));
   }
-  return {{"grasps", options.setup.grasps},
-          {"noise", options.setup.noise},
-          {"too_safe", kTooSafe},
-          {"rows", std::move(rows)}};
+  return result_of({{"grasps", options.setup.grasps}, {"noise", options.setup.noise}, {"too_safe", kTooSafe}},
+                   std::move(rows));
 }
 
 void run(const offline::Common& common, CoverageOptions options) {
   options.setup.seed = common.seed;
   std::ostringstream traced;
-  traced << "side,method,rate_hz,of,grasp,time_s,phase,normal_n,shear_n,friction,truth,traced,gamma,sigma,mu,"
-            "mu_sigma,"
-            "state,by\n";
+  traced << kTracedHead;
   std::vector<CoverageLine> lines;
   for (const std::size_t side : options.sides) {
     for (const std::string& method : options.methods) {
@@ -154,14 +145,11 @@ void run(const offline::Common& common, CoverageOptions options) {
       lines.insert(lines.end(), found.begin(), found.end());
     }
   }
-  if (common.json) {
-    std::cout << coverage_json(lines, options).dump(2) << '\n';
-  } else {
-    print_table(lines, options);
-  }
-  if (common.out.empty()) return;
-  std::filesystem::create_directories(common.out);
-  offline::write_file(common.out / "coverage.csv", traced.str());
+  publish({.print_table = [&] { print_table(lines, options); },
+           .json = [&] { return to_sweep(lines, options); },
+           .write_files =
+               [&](const auto& folder) { offline::write_file(folder / "coverage.csv", traced.str()); }},
+          common);
 }
 
 }  // namespace
@@ -170,17 +158,9 @@ void add_coverage(CLI::App& app, const offline::Common& common) {
   auto* command =
       app.add_subcommand("coverage", "whether margins lie within their sigmas, over whole grasps");
   auto options = std::make_shared<CoverageOptions>();
-  command->add_option("--grasps", options->setup.grasps, "of each line")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--sides", options->sides, "taxels along each side of the pad")
-      ->delimiter(',')
-      ->check(CLI::Range(2, 200))
-      ->capture_default_str();
-  command->add_option("--methods", options->methods, "auto, moments, fit, registered, svd-knn")
-      ->delimiter(',')
-      ->check(CLI::IsMember(kCoverageMethods))
-      ->capture_default_str();
+  add_grasps_option(*command, options->setup.grasps);
+  add_sides_option(*command, options->sides);
+  add_methods_option(*command, options->methods);
   command->add_option("--rates", options->rates_hz, "frames a second")
       ->delimiter(',')
       ->check(CLI::Range(10.0, 10000.0))
@@ -189,12 +169,10 @@ void add_coverage(CLI::App& app, const offline::Common& common) {
       ->delimiter(',')
       ->check(CLI::IsMember({"cycle", "histories"}))
       ->capture_default_str();
-  command->add_option("--noise", options->setup.noise, "of histories, half-width, a fraction")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  add_noise_option(*command, options->setup.noise);
   command->add_option("--friction", options->friction, "the estimator is given this coefficient of friction")
       ->check(CLI::Range(0.01, 10.0));
-  command->add_option("--threads", options->setup.threads)->check(CLI::Range(1, 4))->capture_default_str();
+  add_threads_option(*command, options->setup.threads);
   command->callback([&common, options] { run(common, *options); });
 }
 

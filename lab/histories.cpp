@@ -2,25 +2,26 @@
 // changes of friction), frame by frame against the truth. It measures what the estimator remembers from frame
 // to frame.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "lab/collect.hpp"
 #include "lab/command.hpp"
-#include "lab/histories/drive.hpp"
-#include "lab/noise_options.hpp"
-#include "paper/model_setup.hpp"
-#include "paper/train.hpp"
+#include "lab/estimator.hpp"
+#include "lab/frames/random_frames.hpp"
+#include "lab/grasp/drive.hpp"
+#include "lab/options.hpp"
+#include "lab/report.hpp"
 #include "tools/offline/gnuplot.hpp"
-#include "tools/offline/parallel.hpp"
 #include "tools/offline/progress.hpp"
 #include "tools/offline/skin_base_name.hpp"
 #include "tools/offline/sweep.hpp"
@@ -50,22 +51,16 @@ struct HistoriesOptions {
   offline::Shard shard;  // of sides and methods
 };
 
-const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automatic},
-                                                   {"svd-knn", MethodChoice::svd_knn},
-                                                   {"registered", MethodChoice::registered},
-                                                   {"moments", MethodChoice::moments},
-                                                   {"fit", MethodChoice::fit},
-                                                   {"closing", MethodChoice::closing},
-                                                   {"block-fit", MethodChoice::block_fit}};
-
 const std::map<std::string, SkinBase> kBases{{offline::name_of(SkinBase::half_space), SkinBase::half_space},
                                              {offline::name_of(SkinBase::rigid), SkinBase::rigid}};
+
+using TalliesByMove = std::array<Tally, kMoves>;
 
 struct MethodLine {
   std::size_t side = 0;
   std::string method;
-  ErrorStatistics all;
-  StatisticsByMove by_move;
+  Tally all;
+  TalliesByMove by_move{};
   std::size_t unit = 0;  // number of its side and method in the sweep
 };
 
@@ -83,41 +78,43 @@ std::optional<KnownFriction> given_friction(double friction, GivenFriction given
   return KnownFriction(Range{low, kWidth * low});
 }
 
+void write_traced(std::ostream& out, const GraspSample& sample) {
+  const GraspMoment& at = sample.at;
+  const Estimate& estimate = sample.estimate();
+  out << at.time_s << ',' << name_of(static_cast<Move>(at.move)) << ',' << at.normal_n << ',' << at.shear_n
+      << ',' << at.truth.gamma << ',' << estimate.gamma.value_or(kUnknown) << ','
+      << estimate.sigma.value_or(kUnknown) << ',' << to_string(estimate.state) << '\n';
+}
+
 MethodLine measure(std::size_t side, const std::string& method, const HistoriesOptions& options,
                    std::uint64_t seed, std::string& trace) {
-  ChainSetup setup = paper_chain(side, kMethods.at(method), options.sensing.noise);
+  ChainSetup setup = paper_chain(side, method_choices().at(method), options.sensing.noise);
   setup.scene.skin.depth_m = 1e-3 * options.skin_mm;
   Skin felt = setup.scene.skin;
   felt.base = options.base;
   setup.scene.skin.base = options.base_taken;
   setup.scene.skin.depth_m *= options.depth_taken;
-  std::shared_ptr<const Model> model;
-  if (needs_model(setup))
-    model = std::make_shared<const Model>(train(model_setup_of(setup), options.threads));
-  const std::string title = std::to_string(side) + "x" + std::to_string(side) + " " + method;
-  offline::ProgressBar bar(title);
-  std::vector<StatisticsByMove> grasps(options.grasps);
+  const Estimator estimator = make_estimator(setup, options.threads);
+  offline::ProgressBar bar(title_of(side, method));
   std::ostringstream traced;
   traced << "time_s,move,normal_n,shear_n,truth,gamma,sigma,state\n";
-  offline::for_each_index(
-      options.grasps, options.threads,
-      [&](std::size_t i) {
-        Grasp grasp = draw_grasp(setup.scene, seed, i);
-        if (options.friction != GivenFriction::none) grasp = with_one_friction(std::move(grasp));
-        ChainSetup scene = setup;
-        scene.friction = given_friction(grasp.contact.friction, options.friction, i);
-        EstimatorChain chain(scene, model);
-        const auto watch = [&](const GraspSample& at) {
-          traced << at.time_s << ',' << name_of(at.move) << ',' << at.normal_n << ',' << at.shear_n << ','
-                 << at.truth.gamma << ',' << at.estimate.gamma.value_or(kUnknown) << ','
-                 << at.estimate.sigma.value_or(kUnknown) << ',' << to_string(at.estimate.state) << '\n';
-        };
-        grasps[i] = drive(grasp, setup.layout, felt, options.sensing, RandomStream(seed).stream(i), chain,
-                          i == 0 ? watch : std::function<void(const GraspSample&)>{});
-      },
-      [&](double share) { bar.show(share, "grasps"); });
-  MethodLine line{.side = side, .method = method, .all = {}, .by_move = {}};
-  for (const auto& grasp : grasps) {
+  const auto play = [&](std::size_t i) {
+    Grasp grasp = draw_grasp(setup.scene, seed, i);
+    if (options.friction != GivenFriction::none) grasp = with_one_friction(std::move(grasp));
+    ChainSetup scene = setup;
+    scene.friction = given_friction(grasp.contact.friction, options.friction, i);
+    EstimatorChain chain(scene, estimator.model);
+    RandomFrames frames(std::move(grasp), setup.layout, felt, options.sensing, RandomStream(seed).stream(i));
+    TalliesByMove tallies;
+    drive(frames, chain, [&](const GraspSample& sample) {
+      tallies.at(sample.at.move).add(sample.estimate(), sample.at.truth);
+      if (i == 0) write_traced(traced, sample);
+    });
+    return tallies;
+  };
+  MethodLine line{.side = side, .method = method, .all = Tally{}};
+  for (const TalliesByMove& grasp : collect(
+           options.grasps, options.threads, [&](double share) { bar.show(share, "grasps"); }, play)) {
     for (std::size_t move = 0; move < kMoves; ++move) {
       line.by_move[move].add(grasp[move]);
       if (move != static_cast<std::size_t>(Move::unseen)) line.all.add(grasp[move]);
@@ -127,14 +124,13 @@ MethodLine measure(std::size_t side, const std::string& method, const HistoriesO
   return line;
 }
 
-void print_row(const std::string& what, const ErrorStatistics& statistics) {
+void print_row(const std::string& what, const Tally& tally) {
   std::printf(
       "  %-12s %8.0f   %5.1f %%   %.4f   %5.1f %%  %6.2f %%  %6.2f %%  %5.1f %%  %5.1f %%  %.2f   %5.2f %%  "
       "%.2f  %.3f\n",
-      what.c_str(), statistics.frames(), 100 * statistics.answered(), statistics.mean_error(),
-      100 * statistics.class_correct(), 100 * statistics.overestimated(), 100 * statistics.underestimated(),
-      100 * statistics.within(1), 100 * statistics.within(2), statistics.worst(),
-      100 * statistics.low_above(), statistics.low_worst(), statistics.low_shortfall());
+      what.c_str(), tally.frames(), 100 * tally.answered(), tally.mean_error(), 100 * tally.class_correct(),
+      100 * tally.overestimated(), 100 * tally.underestimated(), 100 * tally.within(1), 100 * tally.within(2),
+      tally.worst(), 100 * tally.low_above(), tally.low_worst(), tally.low_shortfall());
 }
 
 void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
@@ -154,25 +150,10 @@ void print_table(const std::vector<MethodLine>& lines, const HistoriesOptions& o
   }
 }
 
-nlohmann::ordered_json as_json(const ErrorStatistics& statistics) {
-  nlohmann::ordered_json states = nlohmann::ordered_json::object();
-  for (std::size_t i = 0; i < ErrorStatistics::kStates; ++i) {
-    const auto state = static_cast<State>(i);
-    if (statistics.in_state(state) > 0) states[std::string(to_string(state))] = statistics.in_state(state);
-  }
-  return {{"frames", statistics.frames()},
-          {"answered", statistics.answered()},
-          {"mean_error", statistics.mean_error()},
-          {"worst_error", statistics.worst()},
-          {"class_right", statistics.class_correct()},
-          {"claims_safer", statistics.overestimated()},
-          {"claims_less_safe", statistics.underestimated()},
-          {"within_sigma", statistics.within(1)},
-          {"within_two_sigma", statistics.within(2)},
-          {"low_above_truth", statistics.low_above()},
-          {"low_worst", statistics.low_worst()},
-          {"low_below_truth_by", statistics.low_shortfall()},
-          {"states", std::move(states)}};
+nlohmann::ordered_json as_json(const Tally& tally) {
+  return to_json(tally, {"frames", "answered", "mean_error", "worst_error", "class_right", "claims_safer",
+                         "claims_less_safe", "within_sigma", "within_two_sigma", "low_above_truth",
+                         "low_worst", "low_below_truth_by", "states"});
 }
 
 offline::SweepResult to_sweep(const std::vector<MethodLine>& lines, const HistoriesOptions& options) {
@@ -197,20 +178,20 @@ offline::SweepResult to_sweep(const std::vector<MethodLine>& lines, const Histor
 }
 
 void write_table(const std::vector<MethodLine>& lines, const std::filesystem::path& folder) {
-  std::ostringstream csv;
-  csv << "columns,method,during,frames,answered,mean_error,worst_error,class_right,claims_safer,"
-         "claims_less_safe,within_sigma,within_two_sigma\n";
+  std::vector<nlohmann::ordered_json> rows;
+  const auto add = [&](const MethodLine& line, std::string_view during, const Tally& tally) {
+    rows.push_back({{"columns", line.side}, {"method", line.method}, {"during", during}});
+    rows.back().update(as_json(tally));
+  };
   for (const auto& line : lines) {
-    const auto row = [&](std::string_view during, const ErrorStatistics& t) {
-      csv << line.side << ',' << line.method << ',' << during << ',' << t.frames() << ',' << t.answered()
-          << ',' << t.mean_error() << ',' << t.worst() << ',' << t.class_correct() << ',' << t.overestimated()
-          << ',' << t.underestimated() << ',' << t.within(1) << ',' << t.within(2) << '\n';
-    };
-    row("everything", line.all);
+    add(line, "everything", line.all);
     for (std::size_t move = 0; move < kMoves; ++move)
-      row(name_of(static_cast<Move>(move)), line.by_move[move]);
+      add(line, name_of(static_cast<Move>(move)), line.by_move[move]);
   }
-  offline::write_file(folder / "histories.csv", csv.str());
+  offline::write_file(
+      folder / "histories.csv",
+      to_csv(rows, {"columns", "method", "during", "frames", "answered", "mean_error", "worst_error",
+                    "class_right", "claims_safer", "claims_less_safe", "within_sigma", "within_two_sigma"}));
 }
 
 // Plots the first grasp of each line.
@@ -249,14 +230,14 @@ void run(const offline::Common& common, const CLI::App& command, const Histories
         offline::write_file(common.out / ("grasp-" + method + "-" + std::to_string(side) + ".csv"), trace);
     }
   }
-  if (common.json || !options.shard.whole()) {
-    offline::print_json(to_sweep(lines, options), options.shard, common, command);
-  } else {
-    print_table(lines, options);
-  }
-  if (common.out.empty()) return;
-  write_table(lines, common.out);
-  plot_traces(common.out, lines);
+  publish({.print_table = [&] { print_table(lines, options); },
+           .json = [&] { return to_sweep(lines, options); },
+           .write_files =
+               [&](const auto& folder) {
+                 write_table(lines, folder);
+                 plot_traces(folder, lines);
+               }},
+          common, options.shard, command);
 }
 
 }  // namespace
@@ -265,19 +246,9 @@ void add_histories(CLI::App& app, const offline::Common& common) {
   auto* command =
       app.add_subcommand("histories", "measure the whole chain on random grasps against the truth");
   auto options = std::make_shared<HistoriesOptions>();
-  command->add_option("--grasps", options->grasps, "grasps for each layout and method")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--sides", options->sides, "taxels along each side of the pad")
-      ->delimiter(',')
-      ->check(CLI::Range(2, 200))
-      ->capture_default_str();
-  command
-      ->add_option("--methods", options->methods,
-                   "methods, out of auto, moments, fit, closing, block-fit, registered, svd-knn")
-      ->delimiter(',')
-      ->check(CLI::IsMember(kMethods))
-      ->capture_default_str();
+  add_grasps_option(*command, options->grasps, "grasps for each layout and method");
+  add_sides_option(*command, options->sides);
+  add_methods_option(*command, options->methods);
   add_noise_options(*command, options->sensing.noise, options->sensing.kind);
   command->add_option("--skin-mm", options->skin_mm, "depth of the taxels under the surface, known, mm")
       ->check(CLI::Range(0.0, 5.0))
@@ -311,12 +282,8 @@ void add_histories(CLI::App& app, const offline::Common& common) {
   };
   add_base("--base", options->base, "what the skin lies on, see skin.base in slipd.json(5)");
   add_base("--base-taken", options->base_taken, "what the method takes it to lie on");
-  command->add_option("--frame-s", options->sensing.frame_s, "time between two frames, s")
-      ->check(CLI::Range(1e-4, 0.1))
-      ->capture_default_str();
-  command->add_option("--threads", options->threads, "threads to compute with")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
+  add_frame_option(*command, options->sensing.frame_s);
+  add_threads_option(*command, options->threads);
   offline::add_shard_option(*command, options->shard);
   command->callback([&common, command, options] { run(common, *command, *options); });
 }

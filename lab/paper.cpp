@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "lab/command.hpp"
+#include "lab/options.hpp"
 #include "lab/paper/figures.hpp"
 #include "lab/paper/protocol.hpp"
 #include "lab/paper/table.hpp"
@@ -50,9 +51,7 @@ void add_paper(CLI::App& app, const offline::Common& common) {
                    "number of repetitions, each with its own contacts, noise and split")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "threads to compute with")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
+  add_threads_option(*command, options->threads);
   command->add_flag("--fast", options->fast,
                     "few contacts on a small grid: a test of the command; its figures mean nothing");
   command->callback([options, &common] {

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "lab/command.hpp"
-#include "lab/noise_options.hpp"
+#include "lab/options.hpp"
+#include "lab/report.hpp"
 #include "lab/stability/report.hpp"
 #include "lab/stability/turning_trials.hpp"
 #include "tools/offline/parallel.hpp"
@@ -68,12 +69,10 @@ void run(const offline::Common& common, const CLI::App& command, StabilityOption
     from = 0.8;
     if (wanted(torque_part)) found.turning = measure_turning(found.setup, part("torque"));
   }
-  if (common.json || !options.shard.whole()) {
-    offline::print_json(to_sweep(found, options.shard), options.shard, common, command);
-  } else {
-    print_table(found);
-  }
-  if (!common.out.empty()) write_files(found, common.out);
+  publish({.print_table = [&] { print_table(found); },
+           .json = [&] { return to_sweep(found, options.shard); },
+           .write_files = [&](const auto& folder) { write_files(found, folder); }},
+          common, options.shard, command);
 }
 
 }  // namespace
@@ -95,9 +94,7 @@ void add_stability(CLI::App& app, const offline::Common& common) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   add_noise_options(*command, options->setup.noise, options->setup.kind);
-  command->add_option("--threads", options->setup.threads, "threads to compute with")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
+  add_threads_option(*command, options->setup.threads);
   offline::add_shard_option(*command, options->shard);
   command->callback([&common, command, options] { run(common, *command, *options); });
 }

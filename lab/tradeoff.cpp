@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "lab/command.hpp"
+#include "lab/options.hpp"
+#include "lab/report.hpp"
 #include "lab/tradeoff/imprints.hpp"
 #include "lab/tradeoff/report.hpp"
 #include "tools/offline/progress.hpp"
@@ -16,11 +18,9 @@ void run_imprints(const offline::Common& common, const CLI::App& command, const 
     offline::ProgressBar bar("tradeoff");
     lines = measure_imprints(options, [&](double share, const char* layout) { bar.show(share, layout); });
   }
-  if (common.json || !options.shard.whole()) {
-    offline::print_json(imprints_to_sweep(lines, options.contacts), options.shard, common, command);
-  } else {
-    print_imprints(lines, options.contacts);
-  }
+  publish({.print_table = [&] { print_imprints(lines, options.contacts); },
+           .json = [&] { return imprints_to_sweep(lines, options.contacts); }},
+          common, options.shard, command);
 }
 
 void run(const offline::Common& common, const CLI::App& command, TradeoffOptions options, bool imprints) {
@@ -32,12 +32,10 @@ void run(const offline::Common& common, const CLI::App& command, TradeoffOptions
     offline::ProgressBar bar("tradeoff");
     lines = measure_tradeoffs(options, [&](double share, const char* layout) { bar.show(share, layout); });
   }
-  if (common.json || !options.shard.whole()) {
-    offline::print_json(to_sweep(lines, options.contacts), options.shard, common, command);
-  } else {
-    print_table(lines, options.contacts);
-  }
-  if (!common.out.empty()) write_files(lines, common.out);
+  publish({.print_table = [&] { print_table(lines, options.contacts); },
+           .json = [&] { return to_sweep(lines, options.contacts); },
+           .write_files = [&](const auto& folder) { write_files(lines, options.contacts, folder); }},
+          common, options.shard, command);
 }
 
 }  // namespace
@@ -57,9 +55,7 @@ void add_tradeoff(CLI::App& app, const offline::Common& common) {
       ->check(CLI::IsMember({"100", "32", "16", "8", "4", "wrench"}))
       ->capture_default_str();
   command->add_flag("!--no-models", options->models, "leave out the methods that need a trained model");
-  command->add_option("--threads", options->threads, "threads for training")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
+  add_threads_option(*command, options->threads);
   auto imprints = std::make_shared<bool>(false);
   command->add_flag(
       "--imprints", *imprints,

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "lab/tally/samples.hpp"
+
 namespace lab {
 namespace {
 
@@ -15,17 +17,6 @@ constexpr double kSoonS = 0.03;
 constexpr double kSoonFrames = 3;
 // Times are whole frames but for their rounding, s.
 constexpr double kRoundingS = 1e-9;
-
-double percent_of(std::size_t count, std::size_t all) {
-  return all > 0 ? 100 * static_cast<double>(count) / static_cast<double>(all) : 0;
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return slipd::kUnknown;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -49,20 +40,20 @@ AlertLine count_alerts(const PresetBench& bench, bool friction_known, const std:
     line.holds_slip += trial.first_slip_s ? 1 : 0;
   }
   const double soon_s = std::max(kSoonS, kSoonFrames / bench.rate_hz);
-  std::vector<double> delays_s, slid_m;
+  Samples delays_s, slid_m;
   for (const AlertTrial& trial : slips) {
     if (!trial.gross_slip_s || !trial.first_alert_s) {
       ++line.missed;
       continue;
     }
     const double delay_s = *trial.first_alert_s - *trial.gross_slip_s;
-    delays_s.push_back(delay_s);
+    delays_s.add(delay_s);
     line.before += delay_s < 0 ? 1 : 0;
     line.soon += delay_s <= soon_s + kRoundingS ? 1 : 0;
-    if (delay_s >= 0 && trial.slid_m) slid_m.push_back(*trial.slid_m);
+    if (delay_s >= 0 && trial.slid_m) slid_m.add(*trial.slid_m);
   }
-  line.median_slid_m = median_of(std::move(slid_m));
-  line.median_delay_s = median_of(std::move(delays_s));
+  line.median_slid_m = slid_m.median();
+  line.median_delay_s = delays_s.median();
   return line;
 }
 
@@ -81,16 +72,16 @@ std::string alerts_table(const std::vector<AlertLine>& lines) {
                   "%.1f %% | %.0f %% |\n",
                   std::string(to_string(line.preset)).c_str(), line.rate_hz,
                   line.friction_known ? "known" : "0.3–1", line.holds,
-                  percent_of(line.holds_alerted, line.holds), percent_of(line.holds_slip, line.holds),
-                  line.slips, percent_of(line.before, line.slips), percent_of(line.soon, line.slips),
-                  1e3 * line.median_delay_s, std::isfinite(line.median_slid_m) ? slid.data() : "–",
-                  percent_of(line.missed, line.slips), 100 * line.answered);
+                  percent(line.holds_alerted, line.holds), percent(line.holds_slip, line.holds), line.slips,
+                  percent(line.before, line.slips), percent(line.soon, line.slips), 1e3 * line.median_delay_s,
+                  std::isfinite(line.median_slid_m) ? slid.data() : "–", percent(line.missed, line.slips),
+                  100 * line.answered);
     text += row.data();
   }
   return text;
 }
 
-nlohmann::ordered_json to_json(const std::vector<AlertLine>& lines) {
+offline::SweepResult to_sweep(const std::vector<AlertLine>& lines) {
   auto rows = nlohmann::ordered_json::array();
   for (const AlertLine& line : lines) {
     rows.push_back({{"preset", to_string(line.preset)},
@@ -107,7 +98,7 @@ nlohmann::ordered_json to_json(const std::vector<AlertLine>& lines) {
                     {"median_slid_m", line.median_slid_m},
                     {"answered", line.answered}});
   }
-  return {{"rows", std::move(rows)}};
+  return result_of(nlohmann::ordered_json::object(), std::move(rows));
 }
 
 }  // namespace lab

@@ -1,11 +1,11 @@
 // What `slipd-lab alerts` writes: one line for each preset, and friction known or not.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "lab/alerts/trial.hpp"
+#include "lab/report.hpp"
 
 namespace lab {
 
@@ -31,6 +31,6 @@ AlertLine count_alerts(const PresetBench& bench, bool friction_known, const std:
 
 // A table in Markdown.
 std::string alerts_table(const std::vector<AlertLine>& lines);
-nlohmann::ordered_json to_json(const std::vector<AlertLine>& lines);
+offline::SweepResult to_sweep(const std::vector<AlertLine>& lines);
 
 }  // namespace lab

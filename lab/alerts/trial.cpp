@@ -1,52 +1,20 @@
 #include "lab/alerts/trial.hpp"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
-#include <limits>
-#include <span>
 
-#include "core/numeric/random.hpp"
+#include "lab/frames/simulated_frames.hpp"
+#include "lab/grasp/drive.hpp"
 
 namespace lab {
 namespace {
 
 using namespace slipd;
 
-// What the scene expects, and what grasps are drawn from.
-constexpr Range kFriction{0.3, 1};
-constexpr Range kNormalN{2, 8};
-// Before the contact, for the noise to be measured, s.
-constexpr double kUnloadedS = 0.3;
-// Holds are loaded to at most this share of what holds: with one slippery side the true margin is above 0.5.
-constexpr double kHeldLoad = 0.4;
-// Slips are loaded to this share.
-constexpr double kSlidingLoad = 1.15;
-// At the end of each grasp, s.
-constexpr double kLastS = 0.5;
 // A true margin below this is gross slip; no unit.
 constexpr double kGrossSlip = 1e-9;
-
-sim::Phase phase_of(double seconds) {
-  sim::Phase phase;
-  phase.duration_ns = std::llround(seconds * 1e9);
-  return phase;
-}
-
-void add_normal(sim::SensorSettings& grasp, double seconds, double from_n, double to_n) {
-  grasp.cycle.push_back(phase_of(seconds));
-  grasp.cycle.back().normal_n = sim::Ramp{from_n, to_n};
-}
-
-void add_load(sim::SensorSettings& grasp, double seconds, double from, double to) {
-  grasp.cycle.push_back(phase_of(seconds));
-  grasp.cycle.back().load = sim::Ramp{from, to};
-}
-
-std::int64_t length_ns(const sim::SensorSettings& grasp) {
-  std::int64_t sum_ns = 0;
-  for (const sim::Phase& phase : grasp.cycle) sum_ns += phase.duration_ns;
-  return sum_ns;
-}
 
 // The friction that the contact slides at, once it is closed.
 double sliding_friction(const PresetBench& bench, const sim::SensorSettings& grasp) {
@@ -57,125 +25,35 @@ double sliding_friction(const PresetBench& bench, const sim::SensorSettings& gra
   return sensor.truth().friction;
 }
 
-class AlertWatch {
- public:
-  AlertWatch(const PresetBench& bench, std::optional<double> friction)
-      : chain_(chain_of(bench, friction), nullptr) {}
-
-  void take(const FrameSlot& frame, double time_s, const sim::SimulatedSensor& sensor) {
-    const Truth& truth = frame.truth;
-    const Estimate estimate = chain_.estimate(frame.view());
-    if (truth.gamma <= kGrossSlip && !trial_.gross_slip_s) trial_.gross_slip_s = time_s;
-    if (!std::isnan(truth.gamma)) {
-      ++trial_.contact_frames;
-      trial_.answered_frames += estimate.gamma ? 1 : 0;
-      trial_.least_margin = std::min(trial_.least_margin, truth.gamma);
-    }
-    if (is_raised(estimate.alert) && !trial_.first_alert_s) {
-      trial_.first_alert_s = time_s;
-      trial_.cause = estimate.alert_cause;
-      if (sensor.realistic() != nullptr) trial_.slid_m = std::fabs(sensor.realistic()->contact().slid_m());
-    }
-    if (estimate.alert == Alert::slip && !trial_.first_slip_s) trial_.first_slip_s = time_s;
+void note(const GraspMoment& at, const Estimate& estimate, const sim::SimulatedSensor& sensor,
+          AlertTrial& trial) {
+  if (at.truth.gamma <= kGrossSlip && !trial.gross_slip_s) trial.gross_slip_s = at.time_s;
+  if (!std::isnan(at.truth.gamma)) {
+    ++trial.contact_frames;
+    trial.answered_frames += estimate.gamma ? 1 : 0;
+    trial.least_margin = std::min(trial.least_margin, at.truth.gamma);
   }
-  const AlertTrial& trial() const noexcept { return trial_; }
-
- private:
-  EstimatorChain chain_;
-  AlertTrial trial_;
-};
+  if (is_raised(estimate.alert) && !trial.first_alert_s) {
+    trial.first_alert_s = at.time_s;
+    trial.cause = estimate.alert_cause;
+    if (sensor.realistic() != nullptr) trial.slid_m = std::fabs(sensor.realistic()->contact().slid_m());
+  }
+  if (estimate.alert == Alert::slip && !trial.first_slip_s) trial.first_slip_s = at.time_s;
+}
 
 }  // namespace
 
-PresetBench bench_of(sim::Preset preset) {
-  constexpr double kFlat = std::numeric_limits<double>::infinity();
-  switch (preset) {
-    case sim::Preset::pillars:
-      return {preset, TaxelLayout::grid(3, 3, 0.007), {kFlat, 1e6, 0.49}, 500};
-    case sim::Preset::magnetic_skin:
-      return {preset, TaxelLayout::grid(4, 4, 0.0047), {kFlat, 0.5e6, 0.45}, 100};
-    case sim::Preset::ideal:
-      break;
-  }
-  return {preset, TaxelLayout::grid(4, 4, 0.0047), Skin{}, 500};
-}
-
-ChainSetup chain_of(const PresetBench& bench, std::optional<double> friction) {
-  ChainSetup chain{.layout = bench.layout, .scene = {}, .estimator = {}, .alerts = {}, .friction = {}};
-  chain.scene.skin = bench.skin;
-  chain.scene.objects = {{.normal_n = {1, 20}, .friction = kFriction}};
-  if (friction) chain.friction = *friction;
-  return chain;
-}
-
-sim::SensorSettings draw_preset_grasp(const PresetBench& bench, GraspKind kind, std::uint64_t seed,
-                                      std::size_t index) {
-  const RandomStream draws =
-      RandomStream(seed ^ 0x616c6572ULL).stream(static_cast<std::uint64_t>(kind)).stream(index);
-  std::uint64_t i = 0;
-  const auto within = [&](double low, double high) { return draws.uniform(i++, low, high); };
-  sim::SensorSettings grasp;
-  grasp.preset = bench.preset;
-  grasp.skin = contact::body_of(bench.skin);
-  grasp.imperfections.seed = draws.bits(i++);
-  grasp.imperfections.noise = bench.preset == sim::Preset::ideal ? 0.005 : 0;
-  const double normal_n = within(kNormalN.low, kNormalN.high);
-  const double load_s = 0.05 * std::pow(40, within(0, 1));
-  add_normal(grasp, kUnloadedS, 0, 0);
-  grasp.cycle.back().load = sim::Ramp{0, 0};
-  grasp.cycle.back().friction = within(kFriction.low, kFriction.high);
-  add_normal(grasp, within(0.05, 0.15), 0, normal_n);
-  grasp.cycle.push_back(phase_of(within(0.5, 1.5)));
-  if (kind == GraspKind::slip) {
-    add_load(grasp, load_s, 0, kSlidingLoad);
-    add_load(grasp, kLastS, kSlidingLoad, kSlidingLoad);
-    return grasp;
-  }
-  const double load = within(0, kHeldLoad);
-  add_load(grasp, load_s, 0, load);
-  grasp.cycle.push_back(phase_of(kLastS));
-  if (within(0, 1) < 0.5) {
-    const double tighter = within(1.1, 1.6);
-    add_normal(grasp, within(0.02, 0.2), normal_n, normal_n * tighter);
-    grasp.cycle.push_back(phase_of(kLastS));
-    add_load(grasp, load_s, load / tighter, load);
-    grasp.cycle.push_back(phase_of(kLastS));
-  }
-  return grasp;
-}
-
-PresetFrames::PresetFrames(const PresetBench& bench, const sim::SensorSettings& grasp)
-    : period_(std::llround(1e9 / bench.rate_hz)),
-      sensor_(bench.layout, grasp),
-      memory_(3 * bench.layout.size()),
-      last_(static_cast<std::uint64_t>((length_ns(grasp) - 1) / period_.count())) {
-  const std::span all(memory_);
-  slot_.normal_pa = all.first(bench.layout.size());
-  slot_.shear_x_pa = all.subspan(bench.layout.size(), bench.layout.size());
-  slot_.shear_y_pa = all.last(bench.layout.size());
-}
-
-bool PresetFrames::next() {
-  while (number_ < last_) {
-    ++number_;
-    sensor_.advance(period_);
-    if (sensor_.sample(slot_)) return true;
-  }
-  return false;
-}
-
-double PresetFrames::time_s() const noexcept {
-  return 1e-9 * static_cast<double>(period_.count()) * static_cast<double>(number_);
-}
-
 AlertTrialPair run_preset_grasp(const PresetBench& bench, const sim::SensorSettings& grasp) {
-  PresetFrames frames(bench, grasp);
-  AlertWatch known(bench, sliding_friction(bench, grasp)), unknown(bench, std::nullopt);
-  while (frames.next()) {
-    known.take(frames.frame(), frames.time_s(), frames.sensor());
-    unknown.take(frames.frame(), frames.time_s(), frames.sensor());
-  }
-  return {known.trial(), unknown.trial()};
+  SimulatedFrames frames(bench, grasp);
+  std::array<EstimatorChain, 2> chains{
+      EstimatorChain(chain_of(bench, sliding_friction(bench, grasp)), nullptr),
+      EstimatorChain(chain_of(bench, std::nullopt), nullptr)};
+  AlertTrialPair trials;
+  drive(frames, chains, [&](const GraspSample& sample) {
+    note(sample.at, sample.estimates[0], frames.sensor(), trials.known);
+    note(sample.at, sample.estimates[1], frames.sensor(), trials.unknown);
+  });
+  return trials;
 }
 
 }  // namespace lab

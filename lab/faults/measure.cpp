@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/contact/history.hpp"
 #include "core/frame/frame.hpp"
 #include "core/numeric/random.hpp"
-#include "paper/validation/trial_frames.hpp"
-#include "tools/offline/parallel.hpp"
+#include "lab/frames/random_frames.hpp"
+#include "lab/frames/simulated_frames.hpp"
 
 namespace lab {
 namespace {
@@ -27,49 +28,48 @@ struct Said {
   float truth;
 };
 
-std::uint64_t frames_of(const Grasp& grasp, double frame_s) {
-  std::uint64_t frames = 0;
-  for (const LoadSegment& segment : grasp.segments) {
-    if (segment.move != Move::unseen)
-      frames += static_cast<std::uint64_t>(std::ceil(segment.seconds / frame_s));
-  }
-  return frames;
-}
-
 // The other finger: a steady contact of another place, force and load.
-struct OtherFinger {
+class OtherFinger final : public GraspFrames {
+ public:
   OtherFinger(const ChainSetup& chain, const FaultSetup& setup, std::size_t grasp)
-      : drawn(draw_grasp(chain.scene, setup.seed, kOtherGrasp + grasp)),
-        contact(contact::make_body_pair(
-            contact::body_of(chain.scene.skin),
-            {drawn.contact.radius_m, drawn.contact.modulus_pa, drawn.contact.poisson})),
-        frames(chain.layout, setup.sensing.kind, setup.sensing.noise),
-        random(RandomStream(setup.seed).stream(kOtherGrasp + grasp)) {
-    const LoadSegment& loaded = drawn.segments.at(1);
+      : drawn_(draw_grasp(chain.scene, setup.seed, kOtherGrasp + grasp)),
+        frames_(chain.layout, setup.sensing.kind, setup.sensing.noise),
+        random_(RandomStream(setup.seed).stream(kOtherGrasp + grasp)) {
+    contact::LoadHistory contact(contact::make_body_pair(
+        contact::body_of(chain.scene.skin),
+        {drawn_.contact.radius_m, drawn_.contact.modulus_pa, drawn_.contact.poisson}));
+    const LoadSegment& loaded = drawn_.segments.at(1);
     contact.move_to(loaded.normal_n, 0, loaded.friction);
     contact.move_to(loaded.normal_n, loaded.shear_n, loaded.friction);
-    frames.feel(contact, drawn.contact.x_m, drawn.contact.y_m);
+    frames_.feel(contact, drawn_.contact.x_m, drawn_.contact.y_m);
+    moment_.truth = {contact.safety_margin(), contact.friction()};
   }
-  Frame sense(std::uint64_t sequence) {
-    return frames.sense(drawn.direction_rad, random.stream(sequence), sequence);
+  bool next() override {
+    ++moment_.number;
+    return true;
+  }
+  FrameSlot& sense() override {
+    frames_.sense(drawn_.direction_rad, random_.stream(moment_.number));
+    slot_ = slot_of(frames_, 1);
+    return slot_;
   }
 
-  Grasp drawn;
-  contact::LoadHistory contact;
-  TrialFrames frames;
-  RandomStream random;
+ private:
+  Grasp drawn_;
+  TrialFrames frames_;
+  RandomStream random_;
+  FrameSlot slot_;
 };
 
 // One fault's estimator, beside that of the sound sensor.
 struct Runner {
-  Runner(const ChainSetup& chain, const std::shared_ptr<const Model>& model, Fault f, std::uint64_t first,
-         const RandomStream& random)
+  Runner(const Estimator& of, Fault f, std::uint64_t first, const RandomStream& random)
       : fault(f),
-        estimator(chain, model),
-        injector(f, chain.layout, first, random),
-        normal_pa(chain.layout.size()),
-        shear_x_pa(chain.layout.size()),
-        shear_y_pa(chain.layout.size()) {}
+        estimator(of.chain()),
+        injector(f, of.setup.layout, first, random),
+        normal_pa(of.setup.layout.size()),
+        shear_x_pa(of.setup.layout.size()),
+        shear_y_pa(of.setup.layout.size()) {}
 
   // Frame by frame: spoils a copy of what the sound sensor gives.
   void receive(const FrameSlot& sound, const Frame& other) {
@@ -146,18 +146,17 @@ std::uint64_t first_frame(std::uint64_t seed, std::size_t number, std::uint64_t 
 // The estimators of all faults on the frames of one grasp.
 class Faulty {
  public:
-  Faulty(const ChainSetup& chain, const std::shared_ptr<const Model>& model, const std::vector<Fault>& faults,
-         std::uint64_t first, const RandomStream& random)
+  Faulty(const Estimator& estimator, const std::vector<Fault>& faults, std::uint64_t first,
+         const RandomStream& random)
       : first_(first) {
     for (const Fault fault : faults)
-      runners_.push_back(std::make_unique<Runner>(chain, model, fault, first, random.stream(kFaultStream)));
+      runners_.push_back(std::make_unique<Runner>(estimator, fault, first, random.stream(kFaultStream)));
   }
 
-  // `other`: makes the other finger's frame of that number.
-  template <typename Other>
-  void receive(const FrameSlot& sound, Other other) {
+  // `other`: the other finger, at the same moment.
+  void receive(const FrameSlot& sound, GraspFrames& other) {
     for (const auto& runner : runners_)
-      runner->receive(sound, exchanged(*runner, sound.sequence) ? other(sound.sequence) : Frame{});
+      runner->receive(sound, exchanged(*runner, sound.sequence) ? other.sense().view() : Frame{});
   }
 
   // After a frame: what the sound sensor's estimator made of it, and the true margins of both fingers.
@@ -184,43 +183,42 @@ class Faulty {
   std::vector<Said> sound_;
 };
 
-// One grasp, simulated once for all faults. Returns what was found of each.
-std::vector<Found> play(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
-                        const FaultSetup& setup, std::size_t number, const std::vector<Fault>& faults) {
-  const Grasp grasp = draw_grasp(chain.scene, setup.seed, number);
-  const std::uint64_t frames = frames_of(grasp, setup.sensing.frame_s);
-  const RandomStream draws = RandomStream(setup.seed).stream(number);
-  OtherFinger other(chain, setup, number);
-  Faulty faulty(chain, model, faults, first_frame(setup.seed, number, frames), draws);
-  Sampling sensing = setup.sensing;
-  sensing.spoil = [&](const FrameSlot& sound) {
-    if (sound.sequence <= frames)
-      faulty.receive(sound, [&](std::uint64_t sequence) { return other.sense(sequence); });
-  };
-  EstimatorChain estimator(chain, model);
-  drive(grasp, chain.layout, chain.scene.skin, sensing, draws, estimator, [&](const GraspSample& at) {
-    if (at.move != Move::unseen) faulty.note(at.estimate, at.truth.gamma, other.contact.safety_margin());
-  });
+// One grasp, simulated once for all faults. Returns what was found of each. `other` stays at its last frame
+// when it ends.
+std::vector<Found> play(GraspFrames& frames, GraspFrames& other, const Estimator& estimator, Faulty faulty) {
+  EstimatorChain chain = estimator.chain();
+  for (std::uint64_t sequence = 1; frames.next(); ++sequence) {
+    other.next();
+    FrameSlot sound = frames.sense();
+    sound.sequence = sequence;
+    faulty.receive(sound, other);
+    faulty.note(chain.estimate(sound.view()), frames.moment().truth.gamma, other.moment().truth.gamma);
+  }
   return faulty.found();
 }
 
-// The same of a preset's grasp. The other finger holds.
-std::vector<Found> play(const PresetBench& bench, const ChainSetup& chain, const FaultSetup& setup,
-                        std::size_t number, const std::vector<Fault>& faults) {
+// Random grasps up to the move that no sensor can see.
+std::vector<Found> play_random(const Estimator& estimator, const FaultSetup& setup, std::size_t number,
+                               const std::vector<Fault>& faults) {
+  const ChainSetup& chain = estimator.setup;
+  Grasp grasp = draw_grasp(chain.scene, setup.seed, number);
+  std::erase_if(grasp.segments, [](const LoadSegment& segment) { return segment.move == Move::unseen; });
+  const RandomStream draws = RandomStream(setup.seed).stream(number);
+  RandomFrames frames(std::move(grasp), chain.layout, chain.scene.skin, setup.sensing, draws);
+  OtherFinger other(chain, setup, number);
+  return play(frames, other, estimator,
+              Faulty(estimator, faults, first_frame(setup.seed, number, frames.length()), draws));
+}
+
+// Grasps of a preset. The other finger holds.
+std::vector<Found> play_preset(const PresetBench& bench, const Estimator& estimator, const FaultSetup& setup,
+                               std::size_t number, const std::vector<Fault>& faults) {
   const GraspKind kind = number % 2 == 0 ? GraspKind::hold : GraspKind::slip;
-  PresetFrames frames(bench, draw_preset_grasp(bench, kind, setup.seed, number));
-  PresetFrames other(bench, draw_preset_grasp(bench, GraspKind::hold, setup.seed, kOtherGrasp + number));
-  Faulty faulty(chain, nullptr, faults, first_frame(setup.seed, number, frames.length()),
-                RandomStream(setup.seed).stream(number));
-  EstimatorChain estimator(chain, nullptr);
-  for (std::uint64_t sequence = 1; frames.next(); ++sequence) {
-    other.next();  // stays at its last frame
-    FrameSlot sound = frames.frame();
-    sound.sequence = sequence;
-    faulty.receive(sound, [&](std::uint64_t) { return other.frame().view(); });
-    faulty.note(estimator.estimate(sound.view()), sound.truth.gamma, other.frame().truth.gamma);
-  }
-  return faulty.found();
+  SimulatedFrames frames(bench, draw_preset_grasp(bench, kind, setup.seed, number));
+  SimulatedFrames other(bench, draw_preset_grasp(bench, GraspKind::hold, setup.seed, kOtherGrasp + number));
+  return play(frames, other, estimator,
+              Faulty(estimator, faults, first_frame(setup.seed, number, frames.length()),
+                     RandomStream(setup.seed).stream(number)));
 }
 
 Health most_often(const HealthCounts& counts) {
@@ -263,15 +261,10 @@ FaultLine together(Fault fault, const std::vector<std::vector<Found>>& grasps, s
   return line;
 }
 
-std::vector<FaultLine> lines_of(const std::vector<Fault>& faults, const FaultSetup& setup,
-                                const std::function<std::vector<Found>(std::size_t)>& play_grasp,
-                                const std::function<void(double)>& done) {
-  std::vector<std::vector<Found>> found(setup.grasps);
-  offline::for_each_index(
-      setup.grasps, setup.threads, [&](std::size_t i) { found[i] = play_grasp(i); },
-      [&](double share) {
-        if (done) done(share);
-      });
+template <class Play>
+std::vector<FaultLine> lines_of(const std::vector<Fault>& faults, const FaultSetup& setup, const Done& done,
+                                Play play_grasp) {
+  const std::vector<std::vector<Found>> found = collect(setup.grasps, setup.threads, done, play_grasp);
   std::vector<FaultLine> lines;
   for (std::size_t f = 0; f < faults.size(); ++f) lines.push_back(together(faults[f], found, f));
   return lines;
@@ -279,18 +272,18 @@ std::vector<FaultLine> lines_of(const std::vector<Fault>& faults, const FaultSet
 
 }  // namespace
 
-std::vector<FaultLine> measure_faults(const ChainSetup& chain, const std::shared_ptr<const Model>& model,
-                                      const std::vector<Fault>& faults, const FaultSetup& setup,
-                                      const std::function<void(double)>& done) {
-  return lines_of(
-      faults, setup, [&](std::size_t i) { return play(chain, model, setup, i, faults); }, done);
+std::vector<FaultLine> measure_faults(const Estimator& estimator, const std::vector<Fault>& faults,
+                                      const FaultSetup& setup, const Done& done) {
+  return lines_of(faults, setup, done,
+                  [&](std::size_t i) { return play_random(estimator, setup, i, faults); });
 }
 
 std::vector<FaultLine> measure_faults(const PresetBench& bench, const ChainSetup& chain,
                                       const std::vector<Fault>& faults, const FaultSetup& setup,
-                                      const std::function<void(double)>& done) {
-  return lines_of(
-      faults, setup, [&](std::size_t i) { return play(bench, chain, setup, i, faults); }, done);
+                                      const Done& done) {
+  const Estimator estimator{chain, nullptr};
+  return lines_of(faults, setup, done,
+                  [&](std::size_t i) { return play_preset(bench, estimator, setup, i, faults); });
 }
 
 }  // namespace lab

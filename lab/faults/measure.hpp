@@ -4,16 +4,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "core/chain/chain.hpp"
-#include "lab/alerts/trial.hpp"
+#include "lab/collect.hpp"
+#include "lab/estimator.hpp"
 #include "lab/faults/fault.hpp"
-#include "lab/histories/drive.hpp"
-#include "paper/model/model.hpp"
+#include "lab/frames/preset_grasp.hpp"
+#include "lab/frames/random_frames.hpp"
+#include "lab/tally/tally.hpp"
 
 namespace lab {
 
@@ -64,16 +63,14 @@ struct FaultSetup {
   unsigned threads = 2;
 };
 
-// `model` may be null where needs_model says no. Every fault of `faults` on the same grasps.
-std::vector<FaultLine> measure_faults(const slipd::ChainSetup& chain,
-                                      const std::shared_ptr<const slipd::Model>& model,
-                                      const std::vector<Fault>& faults, const FaultSetup& setup,
-                                      const std::function<void(double)>& done = {});
+// Every fault of `faults` on the same grasps.
+std::vector<FaultLine> measure_faults(const Estimator& estimator, const std::vector<Fault>& faults,
+                                      const FaultSetup& setup, const Done& done = {});
 
 // The same of grasps of a simulated preset: `chain` is of the bench, each other grasp slides.
 // FaultSetup::sensing has no part in it.
 std::vector<FaultLine> measure_faults(const PresetBench& bench, const slipd::ChainSetup& chain,
                                       const std::vector<Fault>& faults, const FaultSetup& setup,
-                                      const std::function<void(double)>& done = {});
+                                      const Done& done = {});
 
 }  // namespace lab

@@ -6,12 +6,6 @@
 namespace lab {
 namespace {
 
-constexpr double kPercent = 100;
-
-double share(std::size_t of, std::size_t all) {
-  return all > 0 ? kPercent * static_cast<double>(of) / static_cast<double>(all) : 0;
-}
-
 // What most grasps say of the fault: a health, or that there is no margin.
 std::string reported_as(const FaultLine& line) {
   if (line.named > 0) return "`" + std::string(slipd::to_string(line.as)) + "`";
@@ -42,8 +36,8 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
     std::printf(
         "| `%s` | %s%zu x %zu | %s | %s | %.1f | %.1f | %.1f | %s, %s | %llu | %llu | %llu of %llu |\n",
         std::string(name_of(line.fault)).c_str(), kind_of(line).c_str(), line.columns, line.columns,
-        line.method.c_str(), reported_as(line).c_str(), share(line.reported, line.grasps),
-        share(line.named, line.grasps), share(line.without_effect, line.grasps),
+        line.method.c_str(), reported_as(line).c_str(), percent(line.reported, line.grasps),
+        percent(line.named, line.grasps), percent(line.without_effect, line.grasps),
         frames(line.median_frames).c_str(), frames(line.last_frames).c_str(),
         static_cast<unsigned long long>(line.answered), static_cast<unsigned long long>(line.too_safe),
         static_cast<unsigned long long>(line.sound_too_safe),
@@ -66,7 +60,7 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
   }
 }
 
-nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
+offline::SweepResult to_sweep(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
   auto rows = nlohmann::ordered_json::array();
   for (const FaultLine& line : lines) {
     rows.push_back({{"fault", name_of(line.fault)},
@@ -89,7 +83,7 @@ nlohmann::ordered_json to_json(const std::vector<FaultLine>& lines, const FaultS
                     {"false_as", slipd::to_string(line.false_as)},
                     {"sound_frames", line.sound_frames}});
   }
-  return {{"grasps", setup.grasps}, {"seed", setup.seed}, {"lines", std::move(rows)}};
+  return result_of({{"grasps", setup.grasps}, {"seed", setup.seed}}, {{"lines", std::move(rows)}});
 }
 
 }  // namespace lab

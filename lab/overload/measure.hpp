@@ -4,14 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
-#include <vector>
 
-#include "core/chain/chain.hpp"
-#include "lab/histories/drive.hpp"
+#include "lab/collect.hpp"
+#include "lab/estimator.hpp"
+#include "lab/frames/random_frames.hpp"
 #include "lab/overload/skipping.hpp"
-#include "paper/model/model.hpp"
+#include "lab/tally/tally.hpp"
 
 namespace lab {
 
@@ -24,8 +23,8 @@ struct OverloadLine {
   std::size_t columns = 0;  // taxels along each side of the pad
   std::string method;
   OverloadCase skipped;
-  ErrorStatistics estimates;  // of the frames that came
-  ErrorStatistics board;      // at every frame of the sensor: what the last estimate says of the margin now
+  Tally estimates;  // of the frames that came
+  Tally board;      // at every frame of the sensor: what the last estimate says of the margin now
 };
 
 struct OverloadSetup {
@@ -35,9 +34,7 @@ struct OverloadSetup {
   unsigned threads = 2;
 };
 
-// `chain`: what the estimator is made of; `model` may be null where needs_model says no.
-OverloadLine measure_overload(const slipd::ChainSetup& chain,
-                              const std::shared_ptr<const slipd::Model>& model, const OverloadCase& skipped,
-                              const OverloadSetup& setup, const std::function<void(double)>& done = {});
+OverloadLine measure_overload(const Estimator& estimator, const OverloadCase& skipped,
+                              const OverloadSetup& setup, const Done& done = {});
 
 }  // namespace lab

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "lab/noise_options.hpp"
+#include "lab/options.hpp"
 #include "tools/offline/gnuplot.hpp"
 
 namespace lab {
@@ -15,22 +15,10 @@ bool same_estimator(const OverloadLine& a, const OverloadLine& b) {
   return a.columns == b.columns && a.method == b.method;
 }
 
-ordered_json as_json(const ErrorStatistics& statistics) {
-  ordered_json states = ordered_json::object();
-  for (std::size_t i = 0; i < ErrorStatistics::kStates; ++i) {
-    const auto state = static_cast<slipd::State>(i);
-    if (statistics.in_state(state) > 0) states[std::string(to_string(state))] = statistics.in_state(state);
-  }
-  return {{"frames", statistics.frames()},
-          {"answered", statistics.answered()},
-          {"mean_error", statistics.mean_error()},
-          {"worst_error", statistics.worst()},
-          {"claims_safer", statistics.overestimated()},
-          {"claims_less_safe", statistics.underestimated()},
-          {"within_sigma", statistics.within(1)},
-          {"within_two_sigma", statistics.within(2)},
-          {"within_three_sigma", statistics.within(3)},
-          {"states", std::move(states)}};
+ordered_json as_json(const Tally& tally) {
+  return to_json(tally,
+                 {"frames", "answered", "mean_error", "worst_error", "claims_safer", "claims_less_safe",
+                  "within_sigma", "within_two_sigma", "within_three_sigma", "states"});
 }
 
 // Of the lines with a frame at regular intervals: what one more estimator's curve is drawn from.
@@ -46,7 +34,7 @@ void plot_curves(const std::vector<OverloadLine>& lines, const std::filesystem::
                        line.method);
     }
     last = &line;
-    const ErrorStatistics& t = line.estimates;
+    const Tally& t = line.estimates;
     data << line.skipped.k << ' ' << t.mean_error() << ' ' << 100 * t.answered() << ' ' << 100 * t.within(2)
          << ' ' << 100 * t.overestimated() << '\n';
   }
@@ -87,7 +75,7 @@ void print_table(const std::vector<OverloadLine>& lines, const OverloadSetup& se
     if (last == nullptr || !same_estimator(*last, line))
       std::printf("%zu x %zu, %s\n", line.columns, line.columns, line.method.c_str());
     last = &line;
-    const ErrorStatistics& t = line.estimates;
+    const Tally& t = line.estimates;
     std::printf(
         "%3u   %-12s  %6.1f %%   %.4f  %6.2f %%   %5.2f %%  %5.1f %%  %5.1f %%  %5.1f %%   %5.1f %%  "
         "     %5.1f %%     %.4f  %6.2f %%\n",
@@ -99,7 +87,7 @@ void print_table(const std::vector<OverloadLine>& lines, const OverloadSetup& se
   }
 }
 
-ordered_json to_json(const std::vector<OverloadLine>& lines, const OverloadSetup& setup) {
+offline::SweepResult to_sweep(const std::vector<OverloadLine>& lines, const OverloadSetup& setup) {
   ordered_json rows = ordered_json::array();
   for (const auto& line : lines) {
     rows.push_back({{"columns", line.columns},
@@ -109,26 +97,29 @@ ordered_json to_json(const std::vector<OverloadLine>& lines, const OverloadSetup
                     {"estimates", as_json(line.estimates)},
                     {"board", as_json(line.board)}});
   }
-  return {{"grasps", setup.grasps},
-          {"noise", setup.sensing.noise},
-          {"noise_kind", name_of(setup.sensing.kind)},
-          {"frame_ms", 1e3 * setup.sensing.frame_s},
-          {"rows", std::move(rows)}};
+  return result_of({{"grasps", setup.grasps},
+                    {"noise", setup.sensing.noise},
+                    {"noise_kind", name_of(setup.sensing.kind)},
+                    {"frame_ms", 1e3 * setup.sensing.frame_s}},
+                   std::move(rows));
 }
 
-void write_files(const std::vector<OverloadLine>& lines, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  std::ostringstream csv;
-  csv << "columns,method,frames_come,k,answered,mean_error,claims_safer,claims_less_safe,within_sigma,"
-         "within_two_sigma,within_three_sigma,board_mean_error,board_claims_safer\n";
-  for (const auto& line : lines) {
-    const ErrorStatistics &t = line.estimates, &board = line.board;
-    csv << line.columns << ',' << line.method << ',' << name_of(line.skipped.skipping) << ','
-        << line.skipped.k << ',' << t.answered() << ',' << t.mean_error() << ',' << t.overestimated() << ','
-        << t.underestimated() << ',' << t.within(1) << ',' << t.within(2) << ',' << t.within(3) << ','
-        << board.mean_error() << ',' << board.overestimated() << '\n';
-  }
-  offline::write_file(folder / "overload.csv", csv.str());
+void write_files(const std::vector<OverloadLine>& lines, const OverloadSetup& setup,
+                 const std::filesystem::path& folder) {
+  offline::write_file(folder / "overload.csv", to_csv(rows_of(to_sweep(lines, setup)),
+                                                      {"columns",
+                                                       "method",
+                                                       "frames_come",
+                                                       "k",
+                                                       {"answered", "estimates/answered"},
+                                                       {"mean_error", "estimates/mean_error"},
+                                                       {"claims_safer", "estimates/claims_safer"},
+                                                       {"claims_less_safe", "estimates/claims_less_safe"},
+                                                       {"within_sigma", "estimates/within_sigma"},
+                                                       {"within_two_sigma", "estimates/within_two_sigma"},
+                                                       {"within_three_sigma", "estimates/within_three_sigma"},
+                                                       {"board_mean_error", "board/mean_error"},
+                                                       {"board_claims_safer", "board/claims_safer"}}));
   plot_curves(lines, folder);
 }
 

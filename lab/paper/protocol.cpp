@@ -14,7 +14,7 @@ using slipd::Quantity;
 constexpr double kOffCentreM = 0.002;
 constexpr std::size_t kColumnTests = 500;
 
-const char* name_of(Quantity quantity) {
+const char* symbol_of(Quantity quantity) {
   switch (quantity) {
     case Quantity::pressure:
       return "p";
@@ -58,7 +58,7 @@ Spread spread_of(const Row& row, const std::function<double(const Outcome&)>& fi
 }
 
 std::string title_of(const Experiment& experiment) {
-  std::string title = std::string("X_") + name_of(experiment.quantity) + ", noise " +
+  std::string title = std::string("X_") + symbol_of(experiment.quantity) + ", noise " +
                       std::to_string(static_cast<int>(std::lround(100 * experiment.noise))) + " %";
   return title + (experiment.offset_m == 0 ? ", centred" : ", up to 2 mm off");
 }
@@ -128,7 +128,7 @@ json to_json(const std::vector<Row>& rows) {
       variance.push_back(to_json(spread_of(row, [&](const Outcome& o) { return o.variance[i]; })));
     }
     json entry{{"title", row.title},
-               {"quantity", name_of(of.quantity)},
+               {"quantity", symbol_of(of.quantity)},
                {"noise", of.noise},
                {"noise_on", "the quantity itself, of each column's maximum"},
                {"offset_mm", 1e3 * of.offset_m},

@@ -4,7 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "lab/noise_options.hpp"
+#include "lab/options.hpp"
+#include "lab/report.hpp"
 #include "tools/offline/gnuplot.hpp"
 
 namespace lab {
@@ -81,41 +82,37 @@ std::size_t not_finite(const std::vector<RobustnessRow>& rows) {
   return count;
 }
 
+nlohmann::ordered_json row_of(const RobustnessRow& row, std::size_t method,
+                              std::initializer_list<const char*> keys) {
+  nlohmann::ordered_json out{{"along", row.what}, {"at", row.strength}, {"method", kUntrained[method].name}};
+  out.update(to_json(row.by_method[method], keys));
+  return out;
+}
+
 nlohmann::ordered_json json_of(const std::vector<RobustnessRow>& rows) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const auto& row : rows) {
-    for (std::size_t m = 0; m < row.by_method.size(); ++m) {
-      const ErrorStatistics& t = row.by_method[m];
-      out.push_back({{"along", row.what},
-                     {"at", row.strength},
-                     {"method", kUntrained[m].name},
-                     {"answered", t.answered()},
-                     {"mean_error", t.mean_error()},
-                     {"claims_safer", t.overestimated()},
-                     {"claims_less_safe", t.underestimated()},
-                     {"within_two_sigma", t.within(2)},
-                     {"out_of_model", t.in_state(State::out_of_model)}});
-    }
+    for (std::size_t m = 0; m < row.by_method.size(); ++m)
+      out.push_back(row_of(row, m,
+                           {"answered", "mean_error", "claims_safer", "claims_less_safe", "within_two_sigma",
+                            "out_of_model"}));
   }
   return out;
 }
 
+// Rows of one method follow each other, as a plot's lines want it.
 void write_robustness(const std::vector<RobustnessRow>& rows, const std::filesystem::path& file) {
-  std::ostringstream csv;
-  csv << "along,at,method,frames,answered,mean_error,worst_error,claims_safer,claims_less_safe,within_sigma,"
-         "within_two_sigma,no_contact,learning,out_of_model\n";
-  for (std::size_t m = 0; m < std::size(kUntrained);
-       ++m) {  // of one method in a row, as a plot's lines want it
-    for (const auto& row : rows) {
-      const ErrorStatistics& t = row.by_method[m];
-      csv << row.what << ',' << row.strength << ',' << kUntrained[m].name << ',' << t.frames() << ','
-          << t.answered() << ',' << t.mean_error() << ',' << t.worst() << ',' << t.overestimated() << ','
-          << t.underestimated() << ',' << t.within(1) << ',' << t.within(2) << ','
-          << t.in_state(State::no_contact) << ',' << t.in_state(State::learning) << ','
-          << t.in_state(State::out_of_model) << '\n';
-    }
+  std::vector<nlohmann::ordered_json> all;
+  for (std::size_t m = 0; m < std::size(kUntrained); ++m) {
+    for (const auto& row : rows)
+      all.push_back(
+          row_of(row, m,
+                 {"frames", "answered", "mean_error", "worst_error", "claims_safer", "claims_less_safe",
+                  "within_sigma", "within_two_sigma", "no_contact", "learning", "out_of_model"}));
   }
-  offline::write_file(file, csv.str());
+  offline::write_file(file, to_csv(all, {"along", "at", "method", "frames", "answered", "mean_error",
+                                         "worst_error", "claims_safer", "claims_less_safe", "within_sigma",
+                                         "within_two_sigma", "no_contact", "learning", "out_of_model"}));
 }
 
 void plot_model(const Stability& found, const std::filesystem::path& folder) {
@@ -279,7 +276,6 @@ offline::SweepResult to_sweep(const Stability& found, const offline::Shard& shar
 }
 
 void write_files(const Stability& found, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
   if (!found.model.empty()) plot_model(found, folder);
   if (!found.extremes.empty()) write_robustness(found.extremes, folder / "extremes.csv");
   if (!found.turning.empty()) write_robustness(found.turning, folder / "extremes-torque.csv");

@@ -43,16 +43,16 @@ class ChainTrials {
     const Frame before{1, 1, normal_, alone ? nothing_ : x_, alone ? nothing_ : y_};
     for (std::size_t m = 0; m < chains_.size(); ++m) {
       chains_[m].estimate(before);
-      statistics_[m].add(chains_[m].estimate(frame), truth);
+      statistics_[m].add(chains_[m].estimate(frame), {.gamma = truth});
       chains_[m].estimate({1, 1, nothing_, nothing_, nothing_});
     }
   }
 
-  std::vector<ErrorStatistics> statistics() { return std::move(statistics_); }
+  std::vector<Tally> statistics() { return std::move(statistics_); }
 
  private:
   std::vector<EstimatorChain> chains_;
-  std::vector<ErrorStatistics> statistics_;
+  std::vector<Tally> statistics_;
   std::vector<float> nothing_, normal_, x_, y_;
 };
 

@@ -2,14 +2,14 @@
 // and with perturbations of the contact model.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "core/chain/chain.hpp"
-#include "lab/error_statistics.hpp"
+#include "lab/collect.hpp"
 #include "lab/stability/adversary.hpp"
 #include "lab/stability/extremes.hpp"
+#include "lab/tally/tally.hpp"
 #include "paper/validation/trial_frames.hpp"
 
 namespace lab {
@@ -37,13 +37,12 @@ inline constexpr Untrained kUntrained[] = {{slipd::MethodChoice::moments, "momen
 
 // The errors at one value of an axis or one strength of a perturbation.
 struct RobustnessRow {
-  std::string what;                        // name of the axis or the perturbation
-  double strength;                         // value on the axis or strength of the perturbation
-  std::vector<ErrorStatistics> by_method;  // in the order of kUntrained
-  std::size_t not_finite = 0;              // estimates with a number that is not; of measure_turning only
+  std::string what;              // name of the axis or the perturbation
+  double strength;               // value on the axis or strength of the perturbation
+  std::vector<Tally> by_method;  // in the order of kUntrained
+  std::size_t not_finite = 0;    // estimates with a number that is not; of measure_turning only
 };
 
-using Done = std::function<void(double share)>;
 std::vector<RobustnessRow> measure_extremes(const TrialSetup& setup, const Done& done);
 std::vector<RobustnessRow> measure_perturbations(const TrialSetup& setup, const Done& done);
 

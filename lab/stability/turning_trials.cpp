@@ -5,7 +5,8 @@
 #include <numbers>
 
 #include "core/contact/scene_draws.hpp"
-#include "lab/torque/grasp.hpp"
+#include "lab/frames/torque_frames.hpp"
+#include "lab/grasp/drive.hpp"
 #include "tools/offline/parallel.hpp"
 
 namespace lab {
@@ -86,21 +87,17 @@ void try_turning(TurningAxis axis, const TurningCase& drawn, const TrialSetup& s
     chains.emplace_back(chain_of(setup, axis, method.choice, drawn.contact.friction), nullptr);
   const TaxelLayout layout = layout_of(setup, axis);
   const RandomStream random = RandomStream(setup.seed).stream(index).stream(TurningDraw::taxels_draw);
-  TurningGrasp grasp(drawn.contact, scene_of(setup).skin, layout, setup.noise, random);
-  const std::size_t frames = feels_shape(axis) ? 1 : kFramesOverTime;
-  const auto feel = [&](const TurningMove& move, bool counts) {
-    std::size_t frame_number = 0;
-    grasp.play(move, [&](const Frame& frame, Truth truth) {
-      const bool last = ++frame_number == move.frames;
-      for (std::size_t m = 0; m < chains.size(); ++m) {
-        const Estimate estimate = chains[m].estimate(frame);
-        row.not_finite += all_finite(estimate) ? 0 : 1;
-        if (counts && last) row.by_method[m].add(estimate, truth.gamma);
-      }
-    });
-  };
-  feel({frames, drawn.contact.normal_n, {}}, false);
-  feel({frames, drawn.contact.normal_n, drawn.load}, true);
+  const std::size_t count = feels_shape(axis) ? 1 : kFramesOverTime;
+  const double normal_n = drawn.contact.normal_n;
+  TorqueFrames frames(drawn.contact, scene_of(setup).skin, layout, setup.noise, random,
+                      {{count, normal_n, {}}, {count, normal_n, drawn.load}});
+  drive(frames, chains, [&](const GraspSample& sample) {
+    for (std::size_t m = 0; m < chains.size(); ++m) {
+      const Estimate& estimate = sample.estimates[m];
+      row.not_finite += all_finite(estimate) ? 0 : 1;
+      if (sample.at.number == 2 * count) row.by_method[m].add(estimate, sample.at.truth);
+    }
+  });
 }
 
 }  // namespace
@@ -131,8 +128,7 @@ std::vector<RobustnessRow> measure_turning(const TrialSetup& setup, const Done& 
   std::vector<TurningAxis> axes;
   for (const TurningAxis axis : kTurningAxes) {
     for (const double place : places_on(axis)) {
-      rows.push_back(
-          {std::string(name_of(axis)), place, std::vector<ErrorStatistics>(std::size(kUntrained))});
+      rows.push_back({std::string(name_of(axis)), place, std::vector<Tally>(std::size(kUntrained))});
       axes.push_back(axis);
     }
   }

@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "lab/error_statistics.hpp"
+#include "lab/frames/torque_frames.hpp"
+#include "lab/tally/samples.hpp"
+#include "lab/tally/tally.hpp"
 
 namespace lab {
 
@@ -28,44 +30,18 @@ struct TorqueSetup {
   unsigned threads = 2;
 };
 
-// What a contact carries: a pull alone, both, or a torque with little pull.
-enum class Mix : std::uint8_t { pull, both, turn };
-// How it came to that.
-enum class Course : std::uint8_t {
-  frame,    // one frame of a load that rose in a straight line, without tracking
-  ramp,     // a grip that closes, then such a load up to slip, with tracking
-  history,  // then loads that turn, fall, reverse, and a grip that changes
-};
-const char* name_of(Mix mix) noexcept;
-const char* name_of(Course course) noexcept;
-
 // Of one row.
-class TurningTally {
- public:
-  void add(const slipd::Estimate& estimate, slipd::Truth truth, double taken_us);
-  void add(const TurningTally& other);
-
-  const ErrorStatistics& margins() const noexcept { return margins_; }
-  // Of the answers: the share more than kTurningTooSafe above the truth, and the most above it.
-  double too_safe() const noexcept;
-  double most_too_safe() const noexcept { return most_above_; }
-  // Mean of the answers less the truth; NaN without answers.
-  double bias() const noexcept;
-  // Of answers with learnt friction at true margins below kNear: mean relative error, and the share off by
-  // more than a tenth.
-  double friction_error() const noexcept;
-  double friction_wrong() const noexcept;
-  // Answered, of the frames with a true margin below kNear.
-  double answered_near() const noexcept;
-  double median_us() const;
-
- private:
+struct TorqueTally {
   static constexpr double kNear = 0.7;
 
-  ErrorStatistics margins_;
-  double off_ = 0, above_ = 0, most_above_ = 0, near_ = 0, near_answered_ = 0;
-  double frictions_ = 0, friction_errors_ = 0, frictions_wrong_ = 0;
-  std::vector<float> taken_us_;
+  Tally margins{kTurningTooSafe};
+  // Of frames with a true margin below kNear.
+  Tally near{kTurningTooSafe};
+  // Processor time of an estimate, us.
+  Samples taken_us;
+
+  void add(const slipd::Estimate& estimate, const slipd::Truth& truth, double estimate_us);
+  void add(const TorqueTally& other);
 };
 
 struct TurningPoint {
@@ -78,7 +54,7 @@ struct TorqueLine {
   Course course = Course::frame;
   Mix mix = Mix::both;
   bool friction_given = false;
-  TurningTally tally;
+  TorqueTally tally;
   std::vector<TurningPoint> points;  // of single frames
 };
 

@@ -55,61 +55,55 @@ void print_table(const std::vector<TorqueLine>& lines, const TorqueSetup& setup)
     const std::string title = std::to_string(line.side) + " x " + std::to_string(line.side);
     if (title != last) std::printf("%s%s\n", title.c_str(), line.friction_given ? ", friction given" : "");
     last = title;
-    const TurningTally& t = line.tally;
+    const TorqueTally& t = line.tally;
     std::printf(
         "  %-8s %-5s %-11s %6.1f %%   %6.1f %%   %.4f  %7.4f   %5.2f %%     %6.3f  %5.1f %%  %5.1f %%   %.4f "
         "%5.1f %%     %7.1f\n",
-        name_of(line.course), name_of(line.mix), line.method.c_str(), 100 * t.margins().answered(),
-        100 * t.answered_near(), t.margins().mean_error(), t.bias(), 100 * t.too_safe(), t.most_too_safe(),
-        100 * t.margins().within(1), 100 * t.margins().within(2), t.friction_error(),
-        100 * t.friction_wrong(), t.median_us());
+        name_of(line.course), name_of(line.mix), line.method.c_str(), 100 * t.margins.answered(),
+        100 * t.near.answered(), t.margins.mean_error(), t.margins.bias(), 100 * t.margins.overestimated(),
+        t.margins.most_above(), 100 * t.margins.within(1), 100 * t.margins.within(2), t.near.friction_error(),
+        100 * t.near.friction_wrong(), t.taken_us.median());
   }
 }
 
-ordered_json to_json(const std::vector<TorqueLine>& lines, const TorqueSetup& setup) {
+offline::SweepResult to_sweep(const std::vector<TorqueLine>& lines, const TorqueSetup& setup) {
   ordered_json rows = ordered_json::array();
   for (const TorqueLine& line : lines) {
-    const TurningTally& t = line.tally;
+    const TorqueTally& t = line.tally;
     rows.push_back({{"columns", line.side},
                     {"method", line.method},
                     {"used", line.used},
                     {"course", name_of(line.course)},
                     {"mix", name_of(line.mix)},
                     {"friction_given", line.friction_given},
-                    {"answered", t.margins().answered()},
-                    {"answered_below_0_7", t.answered_near()},
-                    {"mean_error", t.margins().mean_error()},
-                    {"bias", t.bias()},
-                    {"too_safe", t.too_safe()},
-                    {"most_above", t.most_too_safe()},
-                    {"within_sigma", t.margins().within(1)},
-                    {"within_two_sigma", t.margins().within(2)},
-                    {"friction_error", t.friction_error()},
-                    {"friction_wrong", t.friction_wrong()},
-                    {"learning", t.margins().in_state(slipd::State::learning)},
-                    {"out_of_model", t.margins().in_state(slipd::State::out_of_model)},
-                    {"p50_us", t.median_us()}});
+                    {"answered", t.margins.answered()},
+                    {"answered_below_0_7", t.near.answered()},
+                    {"mean_error", t.margins.mean_error()},
+                    {"bias", t.margins.bias()},
+                    {"too_safe", t.margins.overestimated()},
+                    {"most_above", t.margins.most_above()},
+                    {"within_sigma", t.margins.within(1)},
+                    {"within_two_sigma", t.margins.within(2)},
+                    {"friction_error", t.near.friction_error()},
+                    {"friction_wrong", t.near.friction_wrong()},
+                    {"learning", t.margins.in_state(slipd::State::learning)},
+                    {"out_of_model", t.margins.in_state(slipd::State::out_of_model)},
+                    {"p50_us", t.taken_us.median()}});
   }
-  return {{"frames", setup.frames},
-          {"grasps", setup.grasps},
-          {"noise", setup.noise},
-          {"too_safe_above", kTurningTooSafe},
-          {"rows", std::move(rows)}};
+  return result_of({{"frames", setup.frames},
+                    {"grasps", setup.grasps},
+                    {"noise", setup.noise},
+                    {"too_safe_above", kTurningTooSafe}},
+                   std::move(rows));
 }
 
-void write_files(const std::vector<TorqueLine>& lines, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  std::ostringstream csv;
-  csv << "columns,method,course,mix,answered,mean_error,too_safe,most_above,within_sigma,within_two_sigma,"
-         "friction_error,friction_wrong,p50_us\n";
-  for (const TorqueLine& line : lines) {
-    const TurningTally& t = line.tally;
-    csv << line.side << ',' << line.method << ',' << name_of(line.course) << ',' << name_of(line.mix) << ','
-        << t.margins().answered() << ',' << t.margins().mean_error() << ',' << t.too_safe() << ','
-        << t.most_too_safe() << ',' << t.margins().within(1) << ',' << t.margins().within(2) << ','
-        << t.friction_error() << ',' << t.friction_wrong() << ',' << t.median_us() << '\n';
-  }
-  offline::write_file(folder / "torque.csv", csv.str());
+void write_files(const std::vector<TorqueLine>& lines, const TorqueSetup& setup,
+                 const std::filesystem::path& folder) {
+  offline::write_file(
+      folder / "torque.csv",
+      to_csv(rows_of(to_sweep(lines, setup)),
+             {"columns", "method", "course", "mix", "answered", "mean_error", "too_safe", "most_above",
+              "within_sigma", "within_two_sigma", "friction_error", "friction_wrong", "p50_us"}));
   plot_points(lines, folder);
 }
 

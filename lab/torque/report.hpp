@@ -2,16 +2,17 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "lab/report.hpp"
 #include "lab/torque/measure.hpp"
 
 namespace lab {
 
 void print_table(const std::vector<TorqueLine>& lines, const TorqueSetup& setup);
-nlohmann::ordered_json to_json(const std::vector<TorqueLine>& lines, const TorqueSetup& setup);
+offline::SweepResult to_sweep(const std::vector<TorqueLine>& lines, const TorqueSetup& setup);
 // torque.csv, torque.dat, torque.gp, torque.svg.
-void write_files(const std::vector<TorqueLine>& lines, const std::filesystem::path& folder);
+void write_files(const std::vector<TorqueLine>& lines, const TorqueSetup& setup,
+                 const std::filesystem::path& folder);
 
 }  // namespace lab

@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "lab/histories/drive.hpp"
+#include "lab/frames/random_frames.hpp"
+#include "lab/grasp/drive.hpp"
+#include "lab/tally/samples.hpp"
+#include "lab/tally/tally.hpp"
 
 namespace lab {
 namespace {
@@ -33,29 +36,23 @@ Grasp slipping_grasp(const Scene& scene, std::uint64_t seed, std::size_t index) 
   return grasp;
 }
 
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return kUnknown;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 struct Part {
   const char* name;
-  ErrorStatistics statistics;
-  std::vector<double> errors, times;
+  Tally tally{};
+  Samples errors{}, times_us{};
 };
 
-Line line_of(const std::string& layout, const Noise& noise, Method method, Part& part) {
+Line line_of(const std::string& layout, const Noise& noise, Method method, const Part& part) {
   Line line{layout, noise, part.name, {}, {kUnknown, kUnknown}, false};
   line.row.method = to_string(method);
-  line.row.mean_error = part.statistics.mean_error();
-  line.row.p95_error = quantile(part.errors, 0.95);
-  line.row.right = part.statistics.class_correct();
-  line.row.answered = part.statistics.answered();
-  line.row.within_sigma = part.statistics.within(1);
-  line.row.within_two_sigma = part.statistics.within(2);
-  line.row.p50_us = quantile(part.times, 0.5);
-  line.row.p99_us = quantile(part.times, 0.99);
+  line.row.mean_error = part.tally.mean_error();
+  line.row.p95_error = part.errors.quantile(0.95);
+  line.row.right = part.tally.class_correct();
+  line.row.answered = part.tally.answered();
+  line.row.within_sigma = part.tally.within(1);
+  line.row.within_two_sigma = part.tally.within(2);
+  line.row.p50_us = part.times_us.median();
+  line.row.p99_us = part.times_us.quantile(0.99);
   return line;
 }
 
@@ -69,25 +66,28 @@ std::vector<Line> measure_over_time(const std::string& layout, const TaxelLayout
                          .estimator = {},
                          .alerts = {},
                          .friction = {}};
-  std::array<Part, 2> parts{Part{"before the first slip", {}, {}, {}}, Part{"after it", {}, {}, {}}};
-  const Sampling sensing{.kind = noise.kind, .noise = noise.half_width};
+  std::array<Part, 2> parts{Part{.name = "before the first slip"}, Part{.name = "after it"}};
+  const Sampling sampling{.kind = noise.kind, .noise = noise.half_width};
   Method method = Method::none;
   for (std::size_t i = 0; i < grasps; ++i) {
     EstimatorChain chain(setup, nullptr);
     method = chain.method();
     bool slipped = false;
-    drive(slipping_grasp(scene, seed, i), taxels, scene.skin, sensing, RandomStream(seed).stream(i), chain,
-          [&](const GraspSample& at) {
-            Part& part = parts[slipped ? 1 : 0];
-            part.statistics.add(at.estimate, at.truth.gamma);
-            if (at.estimate.gamma) part.errors.push_back(std::fabs(*at.estimate.gamma - at.truth.gamma));
-            part.times.push_back(at.taken_us);
-            slipped = slipped || at.truth.gamma < 1e-9;
-          });
+    RandomFrames frames(slipping_grasp(scene, seed, i), taxels, scene.skin, sampling,
+                        RandomStream(seed).stream(i));
+    drive(frames, chain, [&](const GraspSample& sample) {
+      const Estimate& estimate = sample.estimate();
+      const Truth& truth = sample.at.truth;
+      Part& part = parts[slipped ? 1 : 0];
+      part.tally.add(estimate, truth);
+      if (estimate.gamma) part.errors.add(std::fabs(*estimate.gamma - truth.gamma));
+      part.times_us.add(sample.taken_us.front());
+      slipped = slipped || truth.gamma < 1e-9;
+    });
   }
   std::vector<Line> lines;
   lines.reserve(parts.size());
-  for (auto& part : parts) lines.push_back(line_of(layout, noise, method, part));
+  for (const Part& part : parts) lines.push_back(line_of(layout, noise, method, part));
   return lines;
 }
 

@@ -8,7 +8,8 @@
 #include <sstream>
 #include <string>
 
-#include "lab/noise_options.hpp"
+#include "lab/options.hpp"
+#include "lab/report.hpp"
 #include "tools/offline/gnuplot.hpp"
 
 namespace lab {
@@ -166,22 +167,13 @@ offline::SweepResult to_sweep(const std::vector<Line>& lines, std::size_t contac
   return sweep;
 }
 
-void write_files(const std::vector<Line>& lines, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  std::ostringstream csv;
-  csv << "layout,noise_kind,noise,when,method,rank,rings,neighbours,precision,memory_bytes,mean_error,"
-         "p95_error,class_right,answered,within_two_sigma,p50_us,p99_us,limit_error,front,within_sigma\n";
-  for (const auto& line : lines) {
-    const auto& row = line.row;
-    const auto& set = row.settings;
-    csv << line.layout << ',' << name_of(line.noise.kind) << ',' << line.noise.half_width << ',' << line.when
-        << ',' << row.method << ',' << set.rank << ',' << set.rings << ',' << set.neighbours << ','
-        << to_string(set.precision) << ',' << set.memory_bytes << ',' << row.mean_error << ','
-        << row.p95_error << ',' << row.right << ',' << row.answered << ',' << row.within_two_sigma << ','
-        << row.p50_us << ',' << row.p99_us << ',' << line.limit.mean_error << ',' << line.front << ','
-        << row.within_sigma << '\n';
-  }
-  offline::write_file(folder / "tradeoff.csv", csv.str());
+void write_files(const std::vector<Line>& lines, std::size_t contacts, const std::filesystem::path& folder) {
+  offline::write_file(folder / "tradeoff.csv",
+                      to_csv(rows_of(to_sweep(lines, contacts)),
+                             {"layout",     "noise_kind", "noise",       "when",      "method",
+                              "rank",       "rings",      "neighbours",  "precision", "memory_bytes",
+                              "mean_error", "p95_error",  "class_right", "answered",  "within_two_sigma",
+                              "p50_us",     "p99_us",     "limit_error", "front",     "within_sigma"}));
   write_fronts(lines, folder / "tradeoff-front.csv");
   offline::plot(folder, "tradeoff", script(lines));
 }

@@ -10,6 +10,6 @@ namespace lab {
 
 void print_table(const std::vector<Line>& lines, std::size_t contacts);
 offline::SweepResult to_sweep(const std::vector<Line>& lines, std::size_t contacts);
-void write_files(const std::vector<Line>& lines, const std::filesystem::path& folder);
+void write_files(const std::vector<Line>& lines, std::size_t contacts, const std::filesystem::path& folder);
 
 }  // namespace lab

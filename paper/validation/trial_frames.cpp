@@ -30,6 +30,10 @@ Frame TrialFrames::sense_imprint(contact::ImprintSheet& imprint, const contact::
                                  double center_x_m, double center_y_m, double direction_rad,
                                  const RandomStream& random, std::optional<double> noise_pa) {
   imprint.feel(contact, center_x_m, center_y_m, direction_rad, normal_, x_, y_);
+  return sense_plane(random, noise_pa);
+}
+
+Frame TrialFrames::sense_plane(const RandomStream& random, std::optional<double> noise_pa) {
   float most_p = 0, most_q = 0;
   for (std::size_t i = 0; i < normal_.size(); ++i) {
     most_p = std::max(most_p, normal_[i]);

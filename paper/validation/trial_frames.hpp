@@ -35,6 +35,12 @@ class TrialFrames {
   // What was felt, Pa: pressure, and shear along one direction. May be changed before it is sensed.
   std::span<float> normal_pa() noexcept { return normal_; }
   std::span<float> shear_pa() noexcept { return shear_; }
+  std::span<const float> normal_pa() const noexcept { return normal_; }
+  std::span<const float> shear_pa() const noexcept { return shear_; }
+
+  // With noise, of a contact whose shear has no direction of its own: the caller wrote what is felt into
+  // normal_pa(), sensed_shear_x_pa() and sensed_shear_y_pa(). noise_pa as above. Valid until the next call.
+  Frame sense_plane(const RandomStream& random, std::optional<double> noise_pa = std::nullopt);
 
   // With noise, the shear turned into a direction of the plane. The frame is valid until the next call.
   Frame sense(double direction_rad, const RandomStream& random, std::uint64_t sequence = 1,

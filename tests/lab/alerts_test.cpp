@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lab/alerts/report.hpp"
+#include "lab/frames/simulated_frames.hpp"
 
 namespace lab {
 namespace {
@@ -23,14 +24,11 @@ INSTANTIATE_TEST_SUITE_P(, PresetGrasps,
 
 // The true margin over a grasp, without a chain.
 std::vector<double> true_margins(const PresetBench& bench, GraspKind kind, std::size_t index) {
-  const auto grasp = draw_preset_grasp(bench, kind, 1, index);
-  slipd::sim::SimulatedSensor sensor(bench.layout, grasp);
-  std::int64_t left_ns = -1'000'000;
-  for (const auto& phase : grasp.cycle) left_ns += phase.duration_ns;
+  SimulatedFrames frames(bench.layout, draw_preset_grasp(bench, kind, 1, index), 1000);
   std::vector<double> margins;
-  for (; left_ns > 0; left_ns -= 1'000'000) {
-    sensor.advance(std::chrono::milliseconds(1));
-    if (!std::isnan(sensor.truth().gamma)) margins.push_back(sensor.truth().gamma);
+  while (frames.next()) {
+    const double margin = frames.moment().truth.gamma;
+    if (!std::isnan(margin)) margins.push_back(margin);
   }
   return margins;
 }
@@ -104,7 +102,7 @@ TEST(AlertCounts, TellBeforeSoonLateAndMissed) {
       alerts_table({line}).find("| `pillars` | 500 | known | 3 | 66.7 % | 33.3 % | 4 | 25.0 % | 50.0 % |"),
       std::string::npos)
       << alerts_table({line});
-  EXPECT_EQ(to_json({line})["rows"][0]["soon"], 2);
+  EXPECT_EQ(offline::assembled(to_sweep({line}))["rows"][0]["soon"], 2);
 }
 
 }  // namespace

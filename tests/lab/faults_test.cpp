@@ -56,9 +56,11 @@ TEST_P(FaultMatrix, TellsFaultsAndGivesNoMarginThatIsFarTooSafe) {
   setup.sensing.frame_s = 0.002;
   const auto method = GetParam() == 4 ? MethodChoice::fit : MethodChoice::moments;
   const auto lines =
-      measure_faults(paper_chain(GetParam(), method, setup.sensing.noise), nullptr, all_faults(), setup);
+      measure_faults({paper_chain(GetParam(), method, setup.sensing.noise), nullptr}, all_faults(), setup);
+  ASSERT_EQ(lines.size(), kFaults - 1);
   for (const FaultLine& line : lines) {
     EXPECT_EQ(line.false_alarms, 0U);
+    EXPECT_GT(line.sound_answered, 100U) << "margins of the sound sensor";
     if (harmless(line.fault)) continue;
     EXPECT_EQ(line.reported, line.grasps) << name_of(line.fault);
     EXPECT_LE(static_cast<double>(line.too_safe),

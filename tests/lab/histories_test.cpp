@@ -1,17 +1,21 @@
-// Random grasps, and their statistics.
+// Random grasps, and the driver that plays them.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <set>
 
 #include "core/contact/scene.hpp"
-#include "lab/histories/drive.hpp"
+#include "lab/estimator.hpp"
+#include "lab/frames/random_frames.hpp"
+#include "lab/grasp/drive.hpp"
+#include "lab/tally/tally.hpp"
 
 namespace lab {
 namespace {
 
 using slipd::Estimate;
-using slipd::State;
 
 slipd::Scene scene() {
   slipd::Scene made;
@@ -19,14 +23,6 @@ slipd::Scene scene() {
   made.offset_m = 0.002;
   made.noise = 0.01;
   return made;
-}
-
-Estimate margin_estimate(double gamma, double sigma) {
-  Estimate out;
-  out.state = State::ok;
-  out.gamma = gamma;
-  out.sigma = sigma;
-  return out;
 }
 
 TEST(Grasp, StaysWithinItsRangesAndMakesEveryMove) {
@@ -65,30 +61,7 @@ TEST(Grasp, IsDrawnAgainBySeedAndNumber) {
   EXPECT_NE(once.direction_rad, other.direction_rad);
 }
 
-TEST(ErrorStatistics, CountsErrorsBeyondTheLimitOnEachSide) {
-  ErrorStatistics statistics;
-  statistics.add(margin_estimate(0.5, 0.1), 0.5);
-  statistics.add(margin_estimate(0.75, 0.1), 0.5);
-  statistics.add(margin_estimate(0.1, 0.3), 0.5);
-  statistics.add(Estimate{}, 0.5);
-  EXPECT_EQ(statistics.frames(), 4);
-  EXPECT_DOUBLE_EQ(statistics.answered(), 0.75);
-  EXPECT_DOUBLE_EQ(statistics.overestimated(), 1.0 / 3);
-  EXPECT_DOUBLE_EQ(statistics.underestimated(), 1.0 / 3);
-  EXPECT_NEAR(statistics.mean_error(), (0.25 + 0.4) / 3, 1e-12);
-  EXPECT_DOUBLE_EQ(statistics.within(1), 1.0 / 3);
-  EXPECT_DOUBLE_EQ(statistics.within(2), 2.0 / 3);
-  EXPECT_DOUBLE_EQ(statistics.in_state(State::stale), 0.25);
-}
-
-TEST(ErrorStatistics, WithoutAnAnswerThereIsNoError) {
-  ErrorStatistics statistics;
-  statistics.add(Estimate{}, 0.5);
-  EXPECT_TRUE(std::isnan(statistics.mean_error()));
-  EXPECT_EQ(statistics.answered(), 0);
-}
-
-TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
+TEST(Drive, ShowsEveryFrameOnceWithItsTruth) {
   slipd::ChainSetup setup{.layout = slipd::TaxelLayout::grid(16, 16, 0.001),
                           .scene = scene(),
                           .estimator = {},
@@ -97,19 +70,37 @@ TEST(Drive, ShowsEveryFrameWithItsTruthAndTalliesItOnce) {
   setup.estimator.method = slipd::MethodChoice::moments;
   slipd::EstimatorChain chain(setup, nullptr);
   const Grasp grasp = draw_grasp(setup.scene, 5, 0);
-  double frames = 0;
-  const auto tallies = drive(
-      grasp, setup.layout, setup.scene.skin, {}, slipd::RandomStream(1), chain, [&](const GraspSample& at) {
-        ++frames;
-        EXPECT_LE(std::fabs(at.shear_n), at.truth.friction * at.normal_n * (1 + 1e-9));
-        EXPECT_NEAR(at.truth.gamma, 1 - std::fabs(at.shear_n) / (at.truth.friction * at.normal_n), 1e-9);
-      });
-  double tallied = 0;
-  for (const auto& statistics : tallies) tallied += statistics.frames();
-  EXPECT_EQ(frames, tallied);
-  const auto& load = tallies[static_cast<std::size_t>(Move::load)];
+  RandomFrames frames(grasp, setup.layout, setup.scene.skin, {}, slipd::RandomStream(1));
+  std::uint64_t shown = 0;
+  Tally load;
+  drive(frames, chain, [&](const GraspSample& sample) {
+    const GraspMoment& at = sample.at;
+    EXPECT_EQ(at.number, ++shown);
+    EXPECT_LE(std::fabs(at.shear_n), at.truth.friction * at.normal_n * (1 + 1e-9));
+    EXPECT_NEAR(at.truth.gamma, 1 - std::fabs(at.shear_n) / (at.truth.friction * at.normal_n), 1e-9);
+    if (at.move == static_cast<std::size_t>(Move::load)) load.add(sample.estimate(), at.truth);
+  });
+  EXPECT_EQ(shown, frames.length());
   EXPECT_GT(load.answered(), 0.5);
   EXPECT_LT(load.mean_error(), 0.1);
+}
+
+TEST(Drive, GivesTheChainsTheFramesThatComeAndKeepsTheirLastEstimates) {
+  const slipd::ChainSetup setup = paper_chain(16, slipd::MethodChoice::moments, 0.01);
+  std::array<slipd::EstimatorChain, 2> chains{slipd::EstimatorChain(setup, nullptr),
+                                              slipd::EstimatorChain(setup, nullptr)};
+  RandomFrames frames(draw_grasp(setup.scene, 5, 1), setup.layout, setup.scene.skin, {},
+                      slipd::RandomStream(1));
+  std::uint64_t last = 0;
+  drive(frames, chains,
+        [&](const GraspSample& sample) {
+          EXPECT_EQ(sample.received, sample.at.number % 3 == 1);
+          if (sample.received) last = sample.at.number;
+          ASSERT_EQ(sample.estimates.size(), 2U);
+          for (const Estimate& estimate : sample.estimates) EXPECT_EQ(estimate.sequence, last);
+        },
+        {.comes = [](std::uint64_t number) { return number % 3 == 1; }});
+  EXPECT_GT(last, 100U);
 }
 
 // Whether friction was given as a range or learnt. What falls unseen is not covered: docs/socket.md.
@@ -119,7 +110,7 @@ TEST(Histories, TheMarginOnTheSafeSideHoldsWhileFrictionStays) {
   const slipd::Skin skin = scene().skin;
   for (const std::size_t side : {4UL, 8UL, 16UL}) {
     for (const bool ranged : {false, true}) {
-      ErrorStatistics all;
+      Tally all;
       for (std::size_t i = 0; i < kGrasps; ++i) {
         slipd::ChainSetup setup = paper_chain(side, slipd::MethodChoice::fit, 0.01);
         Grasp grasp = draw_grasp(setup.scene, 11, i);
@@ -128,8 +119,8 @@ TEST(Histories, TheMarginOnTheSafeSideHoldsWhileFrictionStays) {
         if (ranged)
           setup.friction = slipd::KnownFriction(slipd::Range{friction / 1.2, kWidth * friction / 1.2});
         slipd::EstimatorChain chain(setup, nullptr);
-        const auto by_move = drive(grasp, setup.layout, skin, {}, slipd::RandomStream(11).stream(i), chain);
-        for (const ErrorStatistics& each : by_move) all.add(each);
+        RandomFrames frames(grasp, setup.layout, skin, {}, slipd::RandomStream(11).stream(i));
+        drive(frames, chain, [&](const GraspSample& sample) { all.add(sample.estimate(), sample.at.truth); });
       }
       EXPECT_GT(all.answered(), 0.6) << side;
       EXPECT_LT(all.low_above(), 0.05) << side << (ranged ? ", a range" : ", learnt");

@@ -53,7 +53,7 @@ TEST(Skipping, BeginsWithAFrameThatComesAndIsDrawnAgainByItsSeed) {
   EXPECT_NE(count(Skipping::random, 5, 3).all, count(Skipping::random, 5, 4).all);
 }
 
-slipd::ChainSetup chain() {
+Estimator estimator() {
   slipd::ChainSetup setup{.layout = slipd::TaxelLayout::grid(16, 16, 0.001),
                           .scene = {},
                           .estimator = {.method = slipd::MethodChoice::moments},
@@ -62,37 +62,37 @@ slipd::ChainSetup chain() {
   setup.scene.objects = slipd::paper_objects();
   setup.scene.offset_m = 0.002;
   setup.scene.noise = 0.01;
-  return setup;
+  return {setup, nullptr};
 }
 
 TEST(Overload, TalliesEachFrameThatComesAndTheBoardAtEachFrame) {
   const OverloadSetup setup{.grasps = 4, .sensing = {.frame_s = 0.001}, .seed = 1, .threads = 2};
-  const auto all = measure_overload(chain(), nullptr, {Skipping::regular, 1}, setup);
-  const auto some = measure_overload(chain(), nullptr, {Skipping::regular, 10}, setup);
+  const auto all = measure_overload(estimator(), {Skipping::regular, 1}, setup);
+  const auto some = measure_overload(estimator(), {Skipping::regular, 10}, setup);
   EXPECT_EQ(all.estimates.frames(), all.board.frames());
   EXPECT_NEAR(all.estimates.mean_error(), all.board.mean_error(), 1e-12)
       << "but for the order of the sum: where all come, the last one is the newest";
   EXPECT_EQ(some.board.frames(), all.board.frames());
   EXPECT_NEAR(some.estimates.frames(), all.estimates.frames() / 10, 0.01 * all.estimates.frames());
-  const auto few = measure_overload(chain(), nullptr, {Skipping::regular, 50}, setup);
+  const auto few = measure_overload(estimator(), {Skipping::regular, 50}, setup);
   EXPECT_GT(few.board.mean_error(), few.estimates.mean_error()) << "an old margin is further off";
 }
 
 TEST(Overload, IsTheSameWhateverTheThreads) {
   OverloadSetup setup{.grasps = 3, .sensing = {.frame_s = 0.002}, .seed = 2, .threads = 1};
-  const auto once = measure_overload(chain(), nullptr, {Skipping::bursts, 5}, setup);
+  const auto once = measure_overload(estimator(), {Skipping::bursts, 5}, setup);
   setup.threads = 3;
-  const auto again = measure_overload(chain(), nullptr, {Skipping::bursts, 5}, setup);
+  const auto again = measure_overload(estimator(), {Skipping::bursts, 5}, setup);
   EXPECT_EQ(once.estimates.frames(), again.estimates.frames());
   EXPECT_EQ(once.estimates.mean_error(), again.estimates.mean_error());
 }
 
 TEST(Overload, IsReportedLineByLine) {
   OverloadSetup setup{.grasps = 1, .sensing = {.frame_s = 0.005}, .seed = 1, .threads = 1};
-  auto line = measure_overload(chain(), nullptr, {Skipping::random, 2}, setup);
+  auto line = measure_overload(estimator(), {Skipping::random, 2}, setup);
   line.columns = 16;
   line.method = "moments";
-  const auto json = to_json({line}, setup);
+  const auto json = offline::assembled(to_sweep({line}, setup));
   EXPECT_EQ(json["rows"].size(), 1U);
   EXPECT_EQ(json["rows"][0]["frames_come"], "random");
   EXPECT_EQ(json["rows"][0]["k"], 2);

@@ -1,4 +1,4 @@
-#include "lab/histories/friction_trace.hpp"
+#include "lab/grasp/friction_trace.hpp"
 
 #include <cmath>
 

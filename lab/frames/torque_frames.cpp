@@ -1,4 +1,4 @@
-#include "lab/torque/grasp.hpp"
+#include "lab/frames/torque_frames.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,9 @@ constexpr double kTurnLever = 3 * std::numbers::pi / 16;
 constexpr std::size_t kClosing = 30, kLoading = 80, kMoving = 40, kMovesMore = 5;  // frames; moves
 
 // Which of the stream's numbers.
-enum Draw : std::uint64_t { mix, sign, toward, share, first_move };
+struct Draw {
+  enum : std::uint64_t { mix, sign, toward, share, first_move };
+};
 
 MixedLoad draw_mixture(Mix of, const RandomStream& random) {
   MixedLoad load;
@@ -56,6 +58,16 @@ TurningMove draw_move(TurningMove last, const RandomStream& random) {
 
 }  // namespace
 
+const char* name_of(Mix mix) noexcept {
+  static constexpr const char* kNames[] = {"pull", "both", "turn"};
+  return kNames[static_cast<std::size_t>(mix)];
+}
+
+const char* name_of(Course course) noexcept {
+  static constexpr const char* kNames[] = {"frame", "ramp", "history"};
+  return kNames[static_cast<std::size_t>(course)];
+}
+
 std::vector<TurningMove> draw_moves(const ContactDraw& contact, Course course, Mix mix,
                                     const RandomStream& random) {
   MixedLoad load = draw_mixture(mix, random);
@@ -70,24 +82,19 @@ std::vector<TurningMove> draw_moves(const ContactDraw& contact, Course course, M
   return moves;
 }
 
-TurningGrasp::TurningGrasp(const ContactDraw& contact, const Skin& skin, const TaxelLayout& layout,
-                           double noise, const RandomStream& random)
+TorqueFrames::TorqueFrames(const ContactDraw& contact, const Skin& skin, const TaxelLayout& layout,
+                           double noise, const RandomStream& random, std::vector<TurningMove> moves)
     : layout_(layout),
       contact_(contact),
-      noise_(noise),
       random_(random),
+      moves_(std::move(moves)),
       pull_(contact::make_body_pair(contact::body_of(skin),
                                     {contact.radius_m, contact.modulus_pa, contact.poisson})),
       turning_(pull_.pair()),
       hertz_(contact::unit_hertz_surface()),
-      normal_pa_(layout.size()),
-      x_pa_(layout.size()),
-      y_pa_(layout.size()),
-      felt_normal_pa_(layout.size()),
-      felt_x_pa_(layout.size()),
-      felt_y_pa_(layout.size()) {}
+      frames_(layout, NoiseKind::sensor, noise) {}
 
-contact::PlaneLoad TurningGrasp::load_of(const TurningMove& move) const {
+contact::PlaneLoad TorqueFrames::load_of(const TurningMove& move) const {
   const double pull = std::cos(move.load.mix_rad), turn = kTurnLever * std::sin(move.load.mix_rad);
   const double unit_n =
       contact_.friction * move.normal_n * move.load.share / hertz_.least_friction(pull, 0, turn).ratio;
@@ -96,42 +103,59 @@ contact::PlaneLoad TurningGrasp::load_of(const TurningMove& move) const {
 }
 
 // A pull alone has the exact tractions of LoadHistory, along x and turned afterwards.
-void TurningGrasp::apply(double normal_n, const contact::PlaneLoad& load) {
-  normal_n_ = normal_n;
+void TorqueFrames::apply(double normal_n, const contact::PlaneLoad& load) {
   load_ = load;
+  moment_.normal_n = normal_n;
+  moment_.shear_n = std::hypot(load.shear_x_n, load.shear_y_n);
   if (turning_.active() || load.torque_nm != 0) {
     if (!turning_.active()) turning_.begin(pull_);
     turning_.move_to(normal_n, load, contact_.friction);
     return;
   }
-  pull_.move_to(normal_n, std::hypot(load.shear_x_n, load.shear_y_n), contact_.friction);
+  pull_.move_to(normal_n, moment_.shear_n, contact_.friction);
 }
 
-Frame TurningGrasp::feel() {
+bool TorqueFrames::next() {
+  while (step_ == steps_) {
+    if (begun_ == moves_.size()) return false;
+    step_ = 0;
+    steps_ = moves_[begun_].frames;
+    from_normal_n_ = moment_.normal_n;
+    from_ = load_;
+    to_ = load_of(moves_[begun_++]);
+  }
+  const double part = static_cast<double>(++step_) / static_cast<double>(steps_);
+  const auto at = [part](double from, double to) { return from + part * (to - from); };
+  apply(at(from_normal_n_, moves_[begun_ - 1].normal_n),
+        {at(from_.shear_x_n, to_.shear_x_n), at(from_.shear_y_n, to_.shear_y_n),
+         at(from_.torque_nm, to_.torque_nm)});
+  constexpr double kFrameS = 0.001;
+  ++moment_.number;
+  moment_.time_s = kFrameS * static_cast<double>(moment_.number);
+  moment_.move = begun_ - 1;
+  moment_.truth = {turning_.active() ? turning_.safety_margin() : pull_.safety_margin(), contact_.friction};
+  return true;
+}
+
+void TorqueFrames::feel() {
+  const auto normal = frames_.normal_pa(), x = frames_.sensed_shear_x_pa(), y = frames_.sensed_shear_y_pa();
   if (turning_.active()) {
-    turning_.taxel_averages(layout_, contact_.x_m, contact_.y_m, normal_pa_, x_pa_, y_pa_);
-  } else {
-    contact::taxel_averages(layout_, contact_.x_m, contact_.y_m, pull_, normal_pa_, x_pa_);
-    const double shear_n = std::max(1e-300, std::hypot(load_.shear_x_n, load_.shear_y_n));
-    for (std::size_t i = 0; i < x_pa_.size(); ++i) {
-      y_pa_[i] = static_cast<float>(load_.shear_y_n / shear_n) * x_pa_[i];
-      x_pa_[i] *= static_cast<float>(load_.shear_x_n / shear_n);
-    }
+    turning_.taxel_averages(layout_, contact_.x_m, contact_.y_m, normal, x, y);
+    return;
   }
-  const auto width = static_cast<float>(noise_) * *std::max_element(normal_pa_.begin(), normal_pa_.end());
-  const RandomStream noise = random_.stream(++sequence_);
-  std::uint64_t channel = 0;
-  for (auto [felt, from] : {std::pair{&felt_normal_pa_, &normal_pa_}, std::pair{&felt_x_pa_, &x_pa_},
-                            std::pair{&felt_y_pa_, &y_pa_}}) {
-    *felt = *from;
-    noise.stream(channel++).add_noise(felt->data(), felt->size(), width);
+  contact::taxel_averages(layout_, contact_.x_m, contact_.y_m, pull_, normal, x);
+  const double shear_n = std::max(1e-300, moment_.shear_n);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    y[i] = static_cast<float>(load_.shear_y_n / shear_n) * x[i];
+    x[i] *= static_cast<float>(load_.shear_x_n / shear_n);
   }
-  return {sequence_, static_cast<std::int64_t>(sequence_) * 1'000'000, felt_normal_pa_, felt_x_pa_,
-          felt_y_pa_};
 }
 
-Truth TurningGrasp::truth() const {
-  return {turning_.active() ? turning_.safety_margin() : pull_.safety_margin(), contact_.friction};
+FrameSlot& TorqueFrames::sense() {
+  feel();
+  frames_.sense_plane(random_.stream(moment_.number));
+  slot_ = slot_of(frames_, static_cast<std::int64_t>(moment_.number) * 1'000'000);
+  return slot_;
 }
 
 }  // namespace lab

@@ -1,4 +1,4 @@
-#include "lab/histories/grasp.hpp"
+#include "lab/frames/random_grasp.hpp"
 
 #include <algorithm>
 #include <array>
