@@ -53,6 +53,8 @@ TEST_P(PresetGrasps, RunThroughTheChainWithFrictionKnownAndNot) {
     EXPECT_TRUE(slip.known.first_alert_s) << i;
     EXPECT_GT(slip.known.contact_frames, 50U);
     EXPECT_LE(slip.known.answered_frames, slip.known.contact_frames);
+    EXPECT_GT(static_cast<double>(slip.known.answered_frames),
+              0.9 * static_cast<double>(slip.known.contact_frames));
     const AlertTrialPair hold = run_preset_grasp(bench, draw_preset_grasp(bench, GraspKind::hold, 1, i));
     EXPECT_FALSE(hold.known.gross_slip_s || hold.unknown.gross_slip_s);
     EXPECT_GE(hold.known.least_margin, 0.45);

@@ -136,12 +136,15 @@ TEST(Ordeals, AContactOfTheModelIsAnsweredRightlyAndAFlawCosts) {
 // Perturbations outside every estimator's model: sigma must include their effect. A perfect sigma would
 // cover 95 %. A few dead taxels cost next to nothing.
 TEST(Ordeals, SigmaOwnsUpToFlawsOfShapeAndSensor) {
+  int judged = 0, all = 0;
   for (const auto& row : measure_perturbations({.side = 32, .contacts = 24}, [](double) {})) {
     // One frame cannot distinguish some histories, nor a constant error of shear from a load.
     if (row.what == "regripped" || row.what == "unloaded" || row.what == "grown" || row.what == "biased")
       continue;
     for (const auto& statistics : row.by_method) {
+      ++all;
       if (statistics.answered() < 0.5) continue;  // out_of_model
+      ++judged;
       EXPECT_GE(statistics.within(2), 0.75) << row.what << ' ' << row.strength;
       EXPECT_EQ(statistics.overestimated(), 0) << row.what << ' ' << row.strength;
       if (row.what != "dead" || row.strength > 0.05) continue;
@@ -149,20 +152,24 @@ TEST(Ordeals, SigmaOwnsUpToFlawsOfShapeAndSensor) {
       EXPECT_LT(statistics.mean_error(), 0.03) << row.strength;
     }
   }
+  EXPECT_GT(judged, 0.75 * all);
 }
 
 // From a pull to a torque alone, from no load to slip, and on layouts that feel no torque.
 TEST(Ordeals, UnderForceAndTorqueNoNumberIsWithoutEndAndFineArraysAreNotTooSafe) {
+  int judged = 0, all = 0;
   for (const auto& row : measure_turning({.side = 32, .contacts = 6}, [](double) {})) {
     EXPECT_EQ(row.not_finite, 0U) << row.what << ' ' << row.strength;
     for (const auto& statistics : row.by_method) {
       EXPECT_EQ(statistics.frames(), 6) << row.what;
       if (row.what != "mixture" && row.what != "load") continue;
-      if (statistics.answered() > 0) {
-        EXPECT_EQ(statistics.overestimated(), 0) << row.what << ' ' << row.strength;
-      }
+      ++all;
+      if (statistics.answers() == 0) continue;
+      ++judged;
+      EXPECT_EQ(statistics.overestimated(), 0) << row.what << ' ' << row.strength;
     }
   }
+  EXPECT_GT(judged, 0.75 * all);
 }
 
 TEST(ConditionNumber, OfFittingComesNearTheLimitAndOfMomentsDoesNot) {

@@ -217,6 +217,7 @@ TEST(Chains, OfFewTaxelsUnderASkinBoundTheMarginByARangeOfFriction) {
   EXPECT_LT(outcome.low_above, 0.05);
   EXPECT_LT(outcome.low_below, 0.25);
   EXPECT_LT(outcome.low_most_above, 0.03);
+  EXPECT_GT(outcome.answered, 0.9);
   EXPECT_LT(outcome.most_too_safe, 0.15);
 }
 

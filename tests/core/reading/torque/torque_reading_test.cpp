@@ -141,6 +141,7 @@ TEST(TorqueReading, FrictionThatFallsAfterARegripLeavesNoMarginThatIsTooSafe) {
   const double grip_n = 1.25 * kGripN;
   grasp.move(30, grip_n, {0.75, 0.8});
   double friction = kHeldFriction;
+  int answered = 0;
   for (const double left : {0.8, 0.8}) {
     friction *= left;
     for (int swing = 0; swing < 2; ++swing) {
@@ -148,9 +149,11 @@ TEST(TorqueReading, FrictionThatFallsAfterARegripLeavesNoMarginThatIsTooSafe) {
       const auto risen = grasp.move(20, grip_n, {0.75, 0.8}, friction);
       const auto& [estimate, gamma] = risen.back();
       if (!estimate.gamma) continue;
+      ++answered;
       EXPECT_LT(*estimate.gamma - gamma, 0.15) << friction << ' ' << swing;
     }
   }
+  EXPECT_GE(answered, 3) << "of four";
 }
 
 }  // namespace
