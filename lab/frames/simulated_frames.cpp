@@ -11,6 +11,7 @@ using namespace slipd;
 
 std::vector<std::int64_t> ends_of(const std::vector<sim::Phase>& cycle) {
   std::vector<std::int64_t> ends;
+  ends.reserve(cycle.size());
   std::int64_t at_ns = 0;
   for (const sim::Phase& phase : cycle) ends.push_back(at_ns += phase.duration_ns);
   return ends;

@@ -25,7 +25,7 @@ constexpr double kImprintNoise = 0.01;
 constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
 
 // Frames of a closing.
-constexpr int kClosingFrames = 100;
+constexpr int kFramesOfClosing = 100;
 
 struct ImprintCase {
   double depth_mm, axes, depth_taken, power;  // of the profile
@@ -156,7 +156,7 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
            of.base_taken, std::numeric_limits<double>::quiet_NaN(),
            measure_imprint_tradeoff(layout, scene, imprint, std::span(&only, 1), NoiseKind::sensor,
                                     kImprintNoise, options.contacts, options.seed + 1,
-                                    of.method == Method::closing ? kClosingFrames : 0)
+                                    of.method == Method::closing ? kFramesOfClosing : 0)
                .front(),
            here});
       if (of.known())
@@ -175,7 +175,7 @@ void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts)
       "taxels  depth mm  axes  r^n  depth taken        base  base taken   guide  mean err     95 %%  "
       "answered  1 "
       "sigma  2 sigma   safer   p50 us   p99 us\n",
-      contacts, kClosingFrames);
+      contacts, kFramesOfClosing);
   for (const ImprintLine& line : lines) {
     const TradeoffRow& row = line.row;
     std::printf(

@@ -113,7 +113,7 @@ void expect_plain_answer(const std::string& text, unsigned seed) {
   }
 }
 
-TEST(Mutations, of_the_document_end_in_settings_or_in_errors_that_name_a_place) {
+TEST(Mutations, OfTheDocumentEndInSettingsOrInErrorsThatNameAPlace) {
   for (unsigned seed = 0; seed < 500; ++seed) {
     Damage damage(seed);
     json document = whole_document();
@@ -122,7 +122,7 @@ TEST(Mutations, of_the_document_end_in_settings_or_in_errors_that_name_a_place) 
   }
 }
 
-TEST(Mutations, of_the_text_end_in_settings_or_in_errors_that_name_a_place) {
+TEST(Mutations, OfTheTextEndInSettingsOrInErrorsThatNameAPlace) {
   const std::string whole = text_of("config/slipd.json");
   for (unsigned seed = 0; seed < 500; ++seed) {
     Damage damage(seed);

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-TEST(DefaultConfiguration, has_the_default_values_only) {
+TEST(DefaultConfiguration, HasTheDefaultValuesOnly) {
   json written = parse_json_text(text_of("config/slipd.json")),
        minimal = json::parse(R"({"sensors": [{"name": "left", "driver": "sim"}]})");
   EXPECT_THAT(check(schema(), written), testing::IsEmpty());
@@ -23,7 +23,7 @@ TEST(DefaultConfiguration, has_the_default_values_only) {
 }
 
 // Its simulated sensor takes a tenth of the taxels and a fifth of the rate, so that it runs on any machine.
-TEST(DefaultConfiguration, has_one_simulated_sensor_as_a_minimal_one_has_but_smaller) {
+TEST(DefaultConfiguration, HasOneSimulatedSensorAsAMinimalOneHasButSmaller) {
   const Settings written = parse(text_of("config/slipd.json"));
   const Settings minimal = parse(std::string(R"({"sensors": [{"name": "left", "driver": "sim"}]})"));
   ASSERT_EQ(written.sensors.size(), 1U);
@@ -36,7 +36,7 @@ TEST(DefaultConfiguration, has_one_simulated_sensor_as_a_minimal_one_has_but_sma
   EXPECT_EQ(a.setup.options, b.setup.options);
 }
 
-TEST(DefaultConfiguration, shows_every_key_with_its_meaning) {
+TEST(DefaultConfiguration, ShowsEveryKeyWithItsMeaning) {
   const std::string text = text_of("config/slipd.json");
   for (const auto& path : survey(schema(), whole_document()).all) {
     EXPECT_THAT(text, testing::HasSubstr("\"" + path.substr(path.rfind('.') + 1) + "\":"));
@@ -61,7 +61,7 @@ class SourceCatalogue : public DriverCatalogue {
   DriverModule module_{kDriverAbi, "", "", nullptr, nullptr};
 };
 
-TEST(Scenes, are_all_valid) {
+TEST(Scenes, AreAllValid) {
   int count = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::string(SLIPD_SOURCE_DIR) + "/config/scenes")) {

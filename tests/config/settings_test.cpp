@@ -25,7 +25,7 @@ json with(const std::string& pointer, const json& value) {
 }
 
 // Looking at each of so many sensors would take seconds; their number is judged first.
-TEST(Settings, with_far_too_many_sensors_look_at_none_of_them) {
+TEST(Settings, WithFarTooManySensorsLookAtNoneOfThem) {
   class Counting : public FakeCatalogue {
    public:
     const DriverModule* find(const std::string& name) override {
@@ -48,7 +48,7 @@ TEST(Settings, with_far_too_many_sensors_look_at_none_of_them) {
   EXPECT_EQ(drivers.asked, 0);
 }
 
-TEST(Settings, of_a_minimal_document_are_the_defaults_of_the_structs) {
+TEST(Settings, OfAMinimalDocumentAreTheDefaultsOfTheStructs) {
   const Settings s = parse(std::string(kMinimal)), d;
   EXPECT_EQ(s.estimator, d.estimator);
   EXPECT_EQ(s.noise, d.noise);
@@ -72,7 +72,7 @@ TEST(Settings, of_a_minimal_document_are_the_defaults_of_the_structs) {
   EXPECT_TRUE(s.grasps.empty());
 }
 
-TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
+TEST(Settings, OfAMinimalSensorAreTheDefaultsOfTheStructs) {
   const Settings s = parse(std::string(kMinimal));
   ASSERT_EQ(s.sensors.size(), 1U);
   const SensorSettings& sensor = s.sensors[0];
@@ -89,7 +89,7 @@ TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
   EXPECT_EQ(s.scene_of(sensor), (Scene{Skin{}, paper_objects(), 0.002, 0.01}));
 }
 
-TEST(Settings, friction_is_a_value_or_a_range_that_does_not_fall) {
+TEST(Settings, FrictionIsAValueOrARangeThatDoesNotFall) {
   EXPECT_EQ(parse(with("/sensors/0/friction", {0.3, 0.8})).sensors.at(0).friction,
             KnownFriction(Range{0.3, 0.8}));
   EXPECT_THAT(problems_of(with("/sensors/0/friction", {0.8, 0.3})), ElementsAre(HasSubstr("falls")));
@@ -97,7 +97,7 @@ TEST(Settings, friction_is_a_value_or_a_range_that_does_not_fall) {
   EXPECT_EQ(problems_of(with("/sensors/0/friction", "slippery")).size(), 1U);
 }
 
-TEST(Settings, of_a_minimal_can_section_are_the_defaults_of_the_struct) {
+TEST(Settings, OfAMinimalCanSectionAreTheDefaultsOfTheStruct) {
   const auto can = parse(with("/can", {{"interface", "can0"}})).can.value();
   const CanSettings d;
   EXPECT_EQ(can.interface, "can0");
@@ -109,7 +109,7 @@ TEST(Settings, of_a_minimal_can_section_are_the_defaults_of_the_struct) {
   EXPECT_EQ(can.sliding, d.sliding);
 }
 
-TEST(Settings, carry_a_range_of_depth_as_its_geometric_mean_and_a_sixth_of_its_width) {
+TEST(Settings, CarryARangeOfDepthAsItsGeometricMeanAndASixthOfItsWidth) {
   json document = whole_document();
   json& depth = document["sensors"][0]["skin"]["depth_mm"];
   EXPECT_EQ(parse(document).sensors.at(0).skin_depth_sigma, kUsualDepthSigma);
@@ -126,7 +126,7 @@ TEST(Settings, carry_a_range_of_depth_as_its_geometric_mean_and_a_sixth_of_its_w
   EXPECT_ANY_THROW(parse(document));
 }
 
-TEST(Settings, carry_the_base_of_a_skin_which_is_a_half_space_unless_told) {
+TEST(Settings, CarryTheBaseOfASkinWhichIsAHalfSpaceUnlessTold) {
   json document = whole_document();
   const Settings settings = parse(document);
   EXPECT_EQ(settings.scene_of(settings.sensors.at(0)).skin.bonded_poisson(), 0.4);
@@ -137,7 +137,7 @@ TEST(Settings, carry_the_base_of_a_skin_which_is_a_half_space_unless_told) {
   EXPECT_ANY_THROW(parse(document));
 }
 
-TEST(Settings, carry_every_key_in_SI_units) {
+TEST(Settings, CarryEveryKeyInSIUnits) {
   const Settings s = parse(whole_document());
   const SensorSettings& left = s.sensors.at(0);
   EXPECT_EQ(left.setup.rate_hz, 500);
@@ -185,7 +185,7 @@ TEST(Settings, carry_every_key_in_SI_units) {
   EXPECT_EQ(s.log_level, "debug");
 }
 
-TEST(Settings, give_a_slow_sensor_three_frames_before_it_is_stale) {
+TEST(Settings, GiveASlowSensorThreeFramesBeforeItIsStale) {
   EXPECT_EQ(parse(with("/sensors/0/rate_hz", 60)).sensors[0].stale_after, std::chrono::milliseconds(50));
   json document = with("/sensors/0/rate_hz", 60);
   document["sensors"][0]["stale_after_ms"] = 16;
@@ -193,7 +193,7 @@ TEST(Settings, give_a_slow_sensor_three_frames_before_it_is_stale) {
               ElementsAre(HasSubstr("/sensors/0/stale_after_ms = 16: is shorter than one frame")));
 }
 
-TEST(Settings, check_a_drivers_options_by_its_own_schema) {
+TEST(Settings, CheckADriversOptionsByItsOwnSchema) {
   EXPECT_THAT(
       problems_of(with("/sensors/0/options", {{"noise", 2}, {"sede", 1}})),
       ElementsAre(
@@ -201,14 +201,14 @@ TEST(Settings, check_a_drivers_options_by_its_own_schema) {
           "t.json: /sensors/0/options/sede = 1: is an unknown key; did you mean \"seed\"?"));
 }
 
-TEST(Settings, state_why_an_existing_driver_cannot_be_used) {
+TEST(Settings, StateWhyAnExistingDriverCannotBeUsed) {
   EXPECT_THAT(
       problems_of(with("/sensors/0/driver", "old")),
       ElementsAre("t.json: /sensors/0/driver = \"old\": is there, but cannot be used: it was built for "
                   "driver interface 1"));
 }
 
-TEST(Settings, take_one_gain_for_all_taxels_or_one_for_each) {
+TEST(Settings, TakeOneGainForAllTaxelsOrOneForEach) {
   json document = whole_document();
   document["sensors"][1]["gain"] = {1, 0.5, 2};
   EXPECT_THAT(parse(document).sensors.at(1).gain, ElementsAre(1, 0.5, 2));
@@ -218,7 +218,7 @@ TEST(Settings, take_one_gain_for_all_taxels_or_one_for_each) {
                           "taxels, or one number"));
 }
 
-TEST(Settings, say_which_drivers_there_are) {
+TEST(Settings, SayWhichDriversThereAre) {
   EXPECT_THAT(
       problems_of(with("/sensors/0/driver", "smi")),
       ElementsAre(
@@ -226,12 +226,12 @@ TEST(Settings, say_which_drivers_there_are) {
           "looked in /nowhere"));
 }
 
-TEST(Settings, report_an_invalid_schema_as_the_drivers_fault) {
+TEST(Settings, ReportAnInvalidSchemaAsTheDriversFault) {
   EXPECT_THAT(problems_of(with("/sensors/0/driver", "broken")),
               ElementsAre(HasSubstr("the driver describes its options wrongly")));
 }
 
-TEST(Settings, want_sensors_and_grasps_that_can_be_told_apart) {
+TEST(Settings, WantSensorsAndGraspsThatCanBeToldApart) {
   json document = whole_document();
   document["sensors"][1]["name"] = "left";
   document["grasps"].push_back({{"name", "gripper"}, {"sensors", {"real", "lfet"}}});
@@ -243,7 +243,7 @@ TEST(Settings, want_sensors_and_grasps_that_can_be_told_apart) {
                                                "configuration; did you mean \"left\"?")}));
 }
 
-TEST(Settings, want_a_pose_with_axes_for_each_sensor_of_a_grasp) {
+TEST(Settings, WantAPoseWithAxesForEachSensorOfAGrasp) {
   json document = whole_document();
   document["grasps"][0]["poses"][1]["x"] = {0, 0, 3};
   EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("/grasps/0/poses/1")));
@@ -251,7 +251,7 @@ TEST(Settings, want_a_pose_with_axes_for_each_sensor_of_a_grasp) {
   EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("expected one for each of the 2 sensors")));
 }
 
-TEST(Settings, want_two_sensors_of_one_device_to_differ) {
+TEST(Settings, WantTwoSensorsOfOneDeviceToDiffer) {
   json document = whole_document();
   document["sensors"][1]["device"] = document["sensors"][0]["device"];
   EXPECT_THAT(problems_of(document), testing::IsEmpty());  // their options differ
@@ -260,7 +260,7 @@ TEST(Settings, want_two_sensors_of_one_device_to_differ) {
               ElementsAre(HasSubstr("/sensors/1/device = {…}: is the device of /sensors/0")));
 }
 
-TEST(Settings, want_one_way_of_saying_where_the_taxels_are) {
+TEST(Settings, WantOneWayOfSayingWhereTheTaxelsAre) {
   const auto layout = [](const char* text) {
     return problems_of(with("/sensors/0/layout", json::parse(text)));
   };
@@ -276,7 +276,7 @@ TEST(Settings, want_one_way_of_saying_where_the_taxels_are) {
               ElementsAre(HasSubstr("has 16777216 taxels; expected up to")));
 }
 
-TEST(Settings, want_a_profile_instead_of_layout_and_skin) {
+TEST(Settings, WantAProfileInsteadOfLayoutAndSkin) {
   json document = with("/sensors/0/profile", "xela-xr1944");
   document["sensors"][0]["skin"] = json::object();
   document["sensors"][0]["layout"] = {{"grid", {2, 2}}, {"pitch_mm", 1}};
@@ -284,7 +284,7 @@ TEST(Settings, want_a_profile_instead_of_layout_and_skin) {
               ElementsAre(HasSubstr("/sensors/0/layout = "), HasSubstr("/sensors/0/skin = ")));
 }
 
-TEST(Settings, want_ranges_that_rise_and_thresholds_in_order) {
+TEST(Settings, WantRangesThatRiseAndThresholdsInOrder) {
   json document = with("/objects", {{{"normal_n", {5, 1}}, {"poisson", {0.2, 0.2}}}, {{"weight", "x"}}});
   document["alerts"] = {{"warn_below", 0.3}, {"slip_below", 0.4}};
   EXPECT_THAT(problems_of(document),
@@ -293,7 +293,7 @@ TEST(Settings, want_ranges_that_rise_and_thresholds_in_order) {
                   HasSubstr("/alerts/slip_below = 0.4: is above warn_below = 0.3")));
 }
 
-TEST(Settings, put_at_most_31_sensors_on_CAN) {
+TEST(Settings, PutAtMost31SensorsOnCAN) {
   json document = json::parse(kMinimal);
   for (int i = 0; i < 31; ++i)
     document["sensors"].push_back({{"name", "s" + std::to_string(i)}, {"driver", "sim"}});
@@ -306,7 +306,7 @@ TEST(Settings, put_at_most_31_sensors_on_CAN) {
   EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("sensors and grasps are 32")));
 }
 
-TEST(Settings, keep_all_of_slipds_identifiers_within_CANs) {
+TEST(Settings, KeepAllOfSlipdsIdentifiersWithinCANs) {
   const auto base = [](const json& id, bool extended) {
     return problems_of(with("/can", {{"interface", "can0"}, {"base_id", id}, {"extended", extended}}));
   };
@@ -323,7 +323,7 @@ TEST(Settings, keep_all_of_slipds_identifiers_within_CANs) {
   EXPECT_THAT(with_sliding("0x7A1"), ElementsAre(HasSubstr("leaves no room for slipd's 96 identifiers")));
 }
 
-TEST(Settings, count_a_sockets_path_in_bytes) {
+TEST(Settings, CountASocketsPathInBytes) {
   std::string path = "/";
   for (int i = 0; i < 60; ++i) path += "é";
   EXPECT_THAT(problems_of(with("/socket/path", path)),
@@ -332,13 +332,13 @@ TEST(Settings, count_a_sockets_path_in_bytes) {
               ElementsAre(HasSubstr("holds a zero byte")));
 }
 
-TEST(Settings, are_an_error_at_line_and_column_when_the_text_is_no_JSON) {
+TEST(Settings, AreAnErrorAtLineAndColumnWhenTheTextIsNoJSON) {
   EXPECT_THAT(problems_of(std::string("{\n\"sensors\": [,]\n}")),
               ElementsAre(testing::StartsWith("t.json:2:13: syntax error")));
   EXPECT_THAT(problems_of(std::string("[]")), ElementsAre("t.json: / = []: is a list; expected an object"));
 }
 
-TEST(Settings, are_an_error_when_there_is_no_such_file) {
+TEST(Settings, AreAnErrorWhenThereIsNoSuchFile) {
   FakeCatalogue drivers;
   EXPECT_THROW(load_settings("/nonexistent/slipd.json", drivers), SettingsError);
   EXPECT_THROW(load_settings("/", drivers), SettingsError);

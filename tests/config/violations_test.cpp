@@ -27,14 +27,14 @@ std::string swapped(std::string key) {
   return key[key.size() / 2 - 1] == key[key.size() / 2] ? key + "x" : key;
 }
 
-TEST(Violations, the_document_that_is_broken_here_is_whole_and_valid) {
+TEST(Violations, TheDocumentThatIsBrokenHereIsWholeAndValid) {
   EXPECT_THAT(problems_of(whole_document()), testing::IsEmpty());
   const Survey s = survey(schema(), whole_document());
   EXPECT_EQ(s.seen, s.all);
   EXPECT_GE(s.all.size(), 60U);
 }
 
-TEST(Violations, every_single_one_is_named) {
+TEST(Violations, EverySingleOneIsNamed) {
   for (const auto& violation : survey(schema(), whole_document()).violations) {
     json document = whole_document();
     document[violation.at] = violation.bad;
@@ -43,7 +43,7 @@ TEST(Violations, every_single_one_is_named) {
   }
 }
 
-TEST(Violations, all_are_named_at_once) {
+TEST(Violations, AllAreNamedAtOnce) {
   std::map<std::string, Violation> leaves;
   for (const auto& violation : survey(schema(), whole_document()).violations) {
     if (whole_document()[violation.at].is_primitive()) leaves.emplace(violation.at.to_string(), violation);
@@ -55,7 +55,7 @@ TEST(Violations, all_are_named_at_once) {
   EXPECT_GE(leaves.size(), 60U);
 }
 
-TEST(Violations, every_misspelt_key_is_named_with_the_one_that_was_meant) {
+TEST(Violations, EveryMisspeltKeyIsNamedWithTheOneThatWasMeant) {
   for (const auto& key : survey(schema(), whole_document()).keys) {
     if (key.name.size() < 3) continue;  // too short to recognise a misspelling
     json document = whole_document();
@@ -69,7 +69,7 @@ TEST(Violations, every_misspelt_key_is_named_with_the_one_that_was_meant) {
   }
 }
 
-TEST(Violations, every_missing_key_is_named_or_has_a_default) {
+TEST(Violations, EveryMissingKeyIsNamedOrHasADefault) {
   for (const auto& key : survey(schema(), whole_document()).keys) {
     json document = whole_document();
     document[key.parent].erase(key.name);
@@ -104,7 +104,7 @@ void describes_itself(const json& schema, const std::string& at, bool needs_word
   for (const auto& choice : schema["anyOf"]) describes_itself(choice, at, false);
 }
 
-TEST(Violations, every_key_has_a_meaning_and_every_number_its_range_and_unit) {
+TEST(Violations, EveryKeyHasAMeaningAndEveryNumberItsRangeAndUnit) {
   describes_itself(schema(), "", false);
 }
 

@@ -73,7 +73,7 @@ class CanDriverOnABus : public testing::Test {
   test::OwnedSlot slot_;
 };
 
-TEST_F(CanDriverOnABus, starts_the_board_and_reads_its_scans) {
+TEST_F(CanDriverOnABus, StartsTheBoardAndReadsItsScans) {
   const DeviceInfo info = driver_.open();
   ASSERT_EQ(info.sensors.size(), 1);
   EXPECT_EQ(info.sensors[0].layout, TaxelLayout::grid(4, 4, 0.0047)) << "the profile's, not the setup's";
@@ -86,7 +86,7 @@ TEST_F(CanDriverOnABus, starts_the_board_and_reads_its_scans) {
   EXPECT_GE(slot_.slot.time_ns, before_ns);
 }
 
-TEST_F(CanDriverOnABus, drops_scans_that_are_not_whole_and_goes_on) {
+TEST_F(CanDriverOnABus, DropsScansThatAreNotWholeAndGoesOn) {
   start();
   for (const char* order : {"lose", "reorder", "repeat", "shorten", "lengthen", "garbage"}) {
     scan();
@@ -100,7 +100,7 @@ TEST_F(CanDriverOnABus, drops_scans_that_are_not_whole_and_goes_on) {
   }
 }
 
-TEST_F(CanDriverOnABus, starts_a_board_again_that_lost_its_power) {
+TEST_F(CanDriverOnABus, StartsABoardAgainThatLostItsPower) {
   start();
   scan();
   simulator_->order("unplug");
@@ -116,7 +116,7 @@ TEST_F(CanDriverOnABus, starts_a_board_again_that_lost_its_power) {
   EXPECT_THAT(seen, testing::Contains(ReadStatus::frame));
 }
 
-TEST_F(CanDriverOnABus, says_so_when_the_bus_is_gone) {
+TEST_F(CanDriverOnABus, SaysSoWhenTheBusIsGone) {
   start();
   simulator_.reset();
   EXPECT_EQ(read().status, ReadStatus::disconnected);
@@ -124,7 +124,7 @@ TEST_F(CanDriverOnABus, says_so_when_the_bus_is_gone) {
   driver_.close();
 }
 
-TEST_F(CanDriverOnABus, allocates_nothing_while_reading) {
+TEST_F(CanDriverOnABus, AllocatesNothingWhileReading) {
   start();
   scan();
   std::uint64_t allocated = 0;
@@ -139,14 +139,14 @@ TEST_F(CanDriverOnABus, allocates_nothing_while_reading) {
   EXPECT_EQ(allocated, 0);
 }
 
-TEST_F(CanDriverOnABus, honours_its_time_out) {
+TEST_F(CanDriverOnABus, HonoursItsTimeOut) {
   driver_.open();
   const auto begun = std::chrono::steady_clock::now();
   EXPECT_EQ(driver_.read(std::span(&slot_.slot, 1), 20ms).status, ReadStatus::timeout);
   EXPECT_GE(std::chrono::steady_clock::now() - begun, 20ms);
 }
 
-TEST(CanDriver, refuses_what_cannot_work) {
+TEST(CanDriver, RefusesWhatCannotWork) {
   SensorSetup nowhere = board(1);
   nowhere.device = nlohmann::json::object();
   EXPECT_THAT(test::refusal_of([&] { CanDriver{{nowhere}}; }), HasSubstr("{\"interface\": \"can0\"}"));

@@ -16,7 +16,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint32_t kForce = 0x00200494;
 
-TEST(Descriptor, says_where_a_force_stands_and_what_a_count_is) {
+TEST(Descriptor, SaysWhereAForceStandsAndWhatACountIs) {
   const Bytes& said = devices::hid_force().hid->report_descriptor;
   const auto fields = input_fields(said);
   ASSERT_EQ(fields.size(), 2);
@@ -30,7 +30,7 @@ TEST(Descriptor, says_where_a_force_stands_and_what_a_count_is) {
   EXPECT_EQ(report_length(said, 9), 0);
 }
 
-TEST(Descriptor, of_a_six_axis_device_has_two_reports) {
+TEST(Descriptor, OfASixAxisDeviceHasTwoReports) {
   const Bytes& said = devices::space_mouse().hid->report_descriptor;
   const auto fields = input_fields(said);
   ASSERT_EQ(fields.size(), 6);
@@ -40,7 +40,7 @@ TEST(Descriptor, of_a_six_axis_device_has_two_reports) {
   EXPECT_EQ(fields[3].bit, 0);
 }
 
-TEST(Descriptor, scales_from_logical_to_physical_in_its_unit) {
+TEST(Descriptor, ScalesFromLogicalToPhysicalInItsUnit) {
   // u16 0 … 1000 is -5 … 5 N: in dyne, with an exponent of 5.
   const Bytes said{0x05, 0x20, 0x0A, 0x94, 0x04, 0x15, 0x00, 0x26, 0xE8, 0x03, 0x35, 0xFB, 0x45,
                    0x05, 0x66, 0x11, 0xE1, 0x55, 0x05, 0x75, 0x10, 0x95, 0x01, 0x81, 0x02};
@@ -51,7 +51,7 @@ TEST(Descriptor, scales_from_logical_to_physical_in_its_unit) {
   EXPECT_NEAR(fields[0].zero_count, 500, 1e-9);
 }
 
-TEST(Descriptor, puts_places_into_a_profile_that_names_usages) {
+TEST(Descriptor, PutsPlacesIntoAProfileThatNamesUsages) {
   decode::Profile profile = decode::find_profile("hid-force");
   resolve_usages(profile, devices::hid_force().hid->report_descriptor);
   const decode::PacketRule& rule = profile.scan[0];
@@ -68,7 +68,7 @@ TEST(Descriptor, puts_places_into_a_profile_that_names_usages) {
   EXPECT_THAT(test::refusal_of([&] { resolve_usages(profile, nibble); }), HasSubstr("has 4 bits from bit 0"));
 }
 
-TEST(Descriptor, of_any_bytes_does_not_crash) {
+TEST(Descriptor, OfAnyBytesDoesNotCrash) {
   std::mt19937 random(5);
   const Bytes& good = devices::hid_force().hid->report_descriptor;
   for (int i = 0; i < 20000; ++i) {
@@ -80,7 +80,7 @@ TEST(Descriptor, of_any_bytes_does_not_crash) {
   }
 }
 
-TEST(Descriptor, of_few_bytes_cannot_claim_fields_without_end) {
+TEST(Descriptor, OfFewBytesCannotClaimFieldsWithoutEnd) {
   Bytes greedy{0x95, 0x7F, 0x96, 0xFF, 0x7F, 0x75, 0x00};  // 32767 values of no bits
   for (int i = 0; i < 1000; ++i) greedy.insert(greedy.end(), {0x09, 0x01, 0x81, 0x02});
   EXPECT_LE(input_fields(greedy).size(), 4096);

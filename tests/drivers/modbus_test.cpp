@@ -70,7 +70,7 @@ class Host {
 };
 
 // The pattern presses the first sensor with 1000 Pa and the second with 1100, which is half a newton's tenth.
-TEST(ModbusDriver, reads_both_fingers_from_one_answer) {
+TEST(ModbusDriver, ReadsBothFingersFromOneAnswer) {
   Running device = rg2ft();
   const nlohmann::json place = {{"host", "127.0.0.1"}, {"port", device.port()}};
   Host host({sensor("onrobot-rg2-ft", place, 1), sensor("onrobot-rg2-ft", place, 0)});
@@ -89,7 +89,7 @@ TEST(ModbusDriver, reads_both_fingers_from_one_answer) {
   EXPECT_NEAR(host.slots[1].normal_pa[0] * kRg2ftArea, 0.3, 1e-6);
 }
 
-TEST(ModbusDriver, speaks_rtu_over_a_serial_line) {
+TEST(ModbusDriver, SpeaksRtuOverASerialLine) {
   const testing::TempFolder folder;
   const std::string line = (folder.path() / "line").string();
   Running device(devices::robotiq_ft300(), devices::make_modbus_pty_port(devices::robotiq_ft300(), line));
@@ -100,7 +100,7 @@ TEST(ModbusDriver, speaks_rtu_over_a_serial_line) {
   EXPECT_NEAR(host.slots[0].shear_y_pa[0] * kFt300Area, -0.1, 1e-6);
 }
 
-TEST(ModbusDriver, drops_answers_that_are_no_scan_and_goes_on) {
+TEST(ModbusDriver, DropsAnswersThatAreNoScanAndGoesOn) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
@@ -110,7 +110,7 @@ TEST(ModbusDriver, drops_answers_that_are_no_scan_and_goes_on) {
   EXPECT_TRUE(host.sees(ReadStatus::frame));
 }
 
-TEST(ModbusDriver, reports_time_outs_while_the_device_is_silent_and_reads_on_afterwards) {
+TEST(ModbusDriver, ReportsTimeOutsWhileTheDeviceIsSilentAndReadsOnAfterwards) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
@@ -120,7 +120,7 @@ TEST(ModbusDriver, reports_time_outs_while_the_device_is_silent_and_reads_on_aft
   EXPECT_TRUE(host.sees(ReadStatus::frame));
 }
 
-TEST(ModbusDriver, says_when_the_device_is_gone_and_opens_it_again_when_it_is_back) {
+TEST(ModbusDriver, SaysWhenTheDeviceIsGoneAndOpensItAgainWhenItIsBack) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
@@ -136,7 +136,7 @@ TEST(ModbusDriver, says_when_the_device_is_gone_and_opens_it_again_when_it_is_ba
   EXPECT_TRUE(host.sees(ReadStatus::frame));
 }
 
-TEST(ModbusDriver, keeps_the_profiles_rate_and_its_sequence) {
+TEST(ModbusDriver, KeepsTheProfilesRateAndItsSequence) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
@@ -148,7 +148,7 @@ TEST(ModbusDriver, keeps_the_profiles_rate_and_its_sequence) {
   EXPECT_GE(host.slots[0].time_ns - begun_ns, 150'000'000) << "twenty periods of 10 ms, the first one late";
 }
 
-TEST(ModbusDriver, allocates_nothing_while_reading) {
+TEST(ModbusDriver, AllocatesNothingWhileReading) {
   Running device = rg2ft();
   Host host({sensor("onrobot-rg2-ft", {{"host", "127.0.0.1"}, {"port", device.port()}})});
   host.driver.open();
@@ -158,7 +158,7 @@ TEST(ModbusDriver, allocates_nothing_while_reading) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(ModbusDriver, refuses_what_cannot_work) {
+TEST(ModbusDriver, RefusesWhatCannotWork) {
   const auto said = [](nlohmann::json device, int number) {
     return test::refusal_of([&] { ModbusDriver({sensor("robotiq-ft300", std::move(device), number)}); });
   };

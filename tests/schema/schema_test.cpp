@@ -25,7 +25,7 @@ json filled(const char* schema, json value) {
   return value;
 }
 
-TEST(Schema, names_range_and_unit_of_a_number) {
+TEST(Schema, NamesRangeAndUnitOfANumber) {
   const char* schema = R"({"type": "number", "minimum": 1, "maximum": 2.5, "unit": "mm"})";
   EXPECT_THAT(lines(schema, 0), ElementsAre("f: / = 0: is too small; expected a number from 1 to 2.5 mm"));
   EXPECT_THAT(lines(schema, 3), ElementsAre("f: / = 3: is too large; expected a number from 1 to 2.5 mm"));
@@ -35,7 +35,7 @@ TEST(Schema, names_range_and_unit_of_a_number) {
   EXPECT_THAT(lines(schema, 2.5), IsEmpty());
 }
 
-TEST(Schema, puts_open_ranges_into_words) {
+TEST(Schema, PutsOpenRangesIntoWords) {
   EXPECT_THAT(lines(R"({"type": "number", "exclusiveMinimum": 0, "maximum": 1})", 0),
               ElementsAre("f: / = 0: is too small; expected a number above 0 up to 1"));
   EXPECT_THAT(lines(R"({"type": "number", "minimum": 0, "exclusiveMaximum": 1})", 1),
@@ -44,20 +44,20 @@ TEST(Schema, puts_open_ranges_into_words) {
               ElementsAre("f: / = true: is a boolean; expected a number in s"));
 }
 
-TEST(Schema, lets_no_number_through_that_is_not_finite) {
+TEST(Schema, LetsNoNumberThroughThatIsNotFinite) {
   for (const double d : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THAT(lines(R"({"type": "number"})", d), ElementsAre(testing::HasSubstr("is no finite number")));
   }
 }
 
-TEST(Schema, takes_a_whole_number_for_an_integer_and_makes_it_one) {
+TEST(Schema, TakesAWholeNumberForAnIntegerAndMakesItOne) {
   EXPECT_TRUE(filled(R"({"type": "integer"})", 5.0).is_number_integer());
   EXPECT_THAT(lines(R"({"type": "integer"})", 5.5),
               ElementsAre("f: / = 5.5: is a fraction; expected an integer"));
   EXPECT_THAT(lines(R"({"type": "integer"})", 1e300), testing::SizeIs(1));
 }
 
-TEST(Schema, fills_in_defaults_at_every_level) {
+TEST(Schema, FillsInDefaultsAtEveryLevel) {
   const char* schema = R"({"type": "object", "properties": {
     "a": {"type": "object", "default": {}, "properties": {"b": {"default": [1]}}},
     "list": {"type": "array", "items": {"$ref": "#/$defs/item"}}, "absent": {"type": "string"} },
@@ -67,7 +67,7 @@ TEST(Schema, fills_in_defaults_at_every_level) {
             json::parse(R"({"a": {"b": 2}, "list": [{"c": 7}, {"c": 1}]})"));
 }
 
-TEST(Schema, reports_unknown_keys_with_the_likely_one) {
+TEST(Schema, ReportsUnknownKeysWithTheLikelyOne) {
   const char* schema =
       R"({"type": "object", "additionalProperties": false, "properties": {"rate": {}, "name": {}}})";
   EXPECT_THAT(lines(schema, {{"rtae", 1}}),
@@ -80,12 +80,12 @@ TEST(Schema, reports_unknown_keys_with_the_likely_one) {
               ElementsAre("f: /a = 1: is an unknown key; none is known here"));
 }
 
-TEST(Schema, reports_missing_keys) {
+TEST(Schema, ReportsMissingKeys) {
   EXPECT_THAT(lines(R"({"required": ["a"], "properties": {"a": {"type": "boolean"}}})", json::object()),
               ElementsAre("f: /a: is missing; expected true or false"));
 }
 
-TEST(Schema, finds_every_problem_in_lists) {
+TEST(Schema, FindsEveryProblemInLists) {
   const char* schema =
       R"({"type": "array", "minItems": 2, "maxItems": 3, "items": {"type": "integer"}, "uniqueItems": true})";
   EXPECT_THAT(lines(schema, json::parse(R"([1.5, "a", 1])")),
@@ -96,7 +96,7 @@ TEST(Schema, finds_every_problem_in_lists) {
   EXPECT_THAT(lines(schema, {1, 2, 1}), ElementsAre("f: /2 = 1: is in the list twice; once is enough"));
 }
 
-TEST(Schema, counts_characters_of_strings_and_says_their_form) {
+TEST(Schema, CountsCharactersOfStringsAndSaysTheirForm) {
   EXPECT_THAT(lines(R"({"type": "string", "maxLength": 2})", "éé"), IsEmpty());
   EXPECT_THAT(lines(R"({"type": "string", "minLength": 1})", ""),
               ElementsAre(testing::HasSubstr("is too short")));
@@ -108,7 +108,7 @@ TEST(Schema, counts_characters_of_strings_and_says_their_form) {
   EXPECT_THAT(lines(schema, std::string(1000000, 'f')), ElementsAre(testing::HasSubstr("is too long")));
 }
 
-TEST(Schema, offers_all_choices_of_anyOf_with_the_cause_of_the_nearest) {
+TEST(Schema, OffersAllChoicesOfAnyOfWithTheCauseOfTheNearest) {
   const char* schema = R"({"anyOf": [{"type": "number", "minimum": 1, "unit": "mm"}, {"enum": ["flat"]}]})";
   EXPECT_THAT(lines(schema, "flat"), IsEmpty());
   EXPECT_THAT(
@@ -121,14 +121,14 @@ TEST(Schema, offers_all_choices_of_anyOf_with_the_cause_of_the_nearest) {
   EXPECT_THAT(lines(range, {1, 9}), ElementsAre("f: /1 = 9: is too large; expected a number up to 5"));
 }
 
-TEST(Schema, wants_exactly_one_for_oneOf) {
+TEST(Schema, WantsExactlyOneForOneOf) {
   const char* schema = R"({"oneOf": [{"required": ["a"]}, {"required": ["b"]}]})";
   EXPECT_THAT(lines(schema, {{"a", 1}}), IsEmpty());
   EXPECT_THAT(lines(schema, {{"a", 1}, {"b", 1}}), ElementsAre(testing::HasSubstr("fits more than one")));
   EXPECT_THAT(lines(schema, {{"c", 1}}), testing::SizeIs(1));
 }
 
-TEST(Schema, lets_defs_refer_to_themselves_but_not_for_ever) {
+TEST(Schema, LetsDefsReferToThemselvesButNotForEver) {
   const char* tree = R"({"type": "object", "additionalProperties": {"$ref": "#"}})";
   EXPECT_THAT(lines(tree, json::parse(R"({"a": {"b": {}, "c": 1}})")),
               ElementsAre(testing::StartsWith("f: /a/c = 1")));
@@ -138,7 +138,7 @@ TEST(Schema, lets_defs_refer_to_themselves_but_not_for_ever) {
   EXPECT_THAT(lines(tree, deep), ElementsAre(testing::HasSubstr("is nested too deeply")));
 }
 
-TEST(Schema, refuses_schemas_with_words_outside_of_the_subset) {
+TEST(Schema, RefusesSchemasWithWordsOutsideOfTheSubset) {
   for (const char* schema : {R"({"typ": "object"})", R"({"type": "int"})", R"({"minimum": "1"})", R"([])",
                              R"({"properties": {"a": {"multipleOf": 2}}})", R"({"$ref": "#/$defs/none"})",
                              R"({"type": "string", "pattern": "["})", R"({"maxItems": -1})"}) {
@@ -146,13 +146,13 @@ TEST(Schema, refuses_schemas_with_words_outside_of_the_subset) {
   }
 }
 
-TEST(Schema, stops_counting_problems_somewhere) {
+TEST(Schema, StopsCountingProblemsSomewhere) {
   json many = json::array();
   for (int i = 0; i < 100000; ++i) many.push_back("x");
   EXPECT_EQ(lines(R"({"items": {"type": "number"}})", many).size(), kMostProblems);
 }
 
-TEST(Schema, keeps_each_problem_on_one_line_of_bounded_length) {
+TEST(Schema, KeepsEachProblemOnOneLineOfBoundedLength) {
   const auto found =
       lines(R"({"additionalProperties": false})", {{"a\nb/c~d", std::string(1000, 'x')}, {"\x1b[31m", "\n"}});
   ASSERT_THAT(found, testing::SizeIs(2));

@@ -102,7 +102,7 @@ auto in_state(const char* state) {
   return [state](const json& estimate) { return estimate["state"] == state; };
 }
 
-TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_unplugging) {
+TEST(ModbusSensors, BothFingersOfAGripperTellTheMarginThroughStallAndUnplugging) {
   const TempFolder folder;
   RunningDevice device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0));
   const json place = {{"host", "127.0.0.1"}, {"port", std::stoi(device.place())}};
@@ -120,7 +120,7 @@ TEST(ModbusSensors, both_fingers_of_a_gripper_tell_the_margin_through_stall_and_
 }
 
 // The sensor is free once and then held for the rest of the test, so the bias cannot be measured again.
-TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
+TEST(ModbusSensors, AReplugInMidGraspBringsTheMarginBackAsItWas) {
   const TempFolder folder;
   RunningDevice device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
                        slips_and_holds(1, kForEverMs), RunningDevice::Script::waits);
@@ -149,7 +149,7 @@ TEST(ModbusSensors, a_replug_in_mid_grasp_brings_the_margin_back_as_it_was) {
 }
 
 // The sensor is held for the rest of the test after its one slip, so friction cannot be learnt again.
-TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_sensor_is_configured_otherwise) {
+TEST(ModbusSensors, AReloadInMidGraspKeepsWhatWasLearntUnlessTheSensorIsConfiguredOtherwise) {
   const TempFolder folder;
   RunningDevice device(devices::onrobot_rg2ft(), devices::make_modbus_tcp_port(devices::onrobot_rg2ft(), 0),
                        slips_and_holds(1, kForEverMs), RunningDevice::Script::waits);
@@ -181,7 +181,7 @@ TEST(ModbusSensors, a_reload_in_mid_grasp_keeps_what_was_learnt_unless_the_senso
   });
 }
 
-TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
+TEST(ModbusSensors, AWristSensorOnASerialLineTellsTheMargin) {
   const TempFolder folder;
   const std::string line = folder.file("line").string();
   RunningDevice device(devices::robotiq_ft300(),
@@ -195,7 +195,7 @@ TEST(ModbusSensors, a_wrist_sensor_on_a_serial_line_tells_the_margin) {
   await(daemon, holds);
 }
 
-TEST(Libraries, of_a_bus_are_in_the_process_only_if_a_sensor_is_on_that_bus) {
+TEST(Libraries, OfABusAreInTheProcessOnlyIfASensorIsOnThatBus) {
   const TempFolder folder;
   const Daemon simulated(config_of(folder, json::array({{{"name", "finger"}, {"driver", "sim"}}})),
                          real_drivers());

@@ -37,11 +37,11 @@ class Machine {
   slipd::testing::TempFolder folder_;
 };
 
-TEST(Probe, finds_nothing_on_a_machine_that_has_nothing) {
+TEST(Probe, FindsNothingOnAMachineThatHasNothing) {
   EXPECT_THAT(Machine().probed(), IsEmpty());
 }
 
-TEST(Probe, names_the_profile_of_a_usb_device_and_how_to_tell_it_from_its_like) {
+TEST(Probe, NamesTheProfileOfAUsbDeviceAndHowToTellItFromItsLike) {
   const Machine machine;
   for (const auto& [port, serial] : {std::pair{"1-1", "42"}, {"1-2.3", ""}}) {
     const std::string at = std::string("bus/usb/devices/") + port + "/";
@@ -61,7 +61,7 @@ TEST(Probe, names_the_profile_of_a_usb_device_and_how_to_tell_it_from_its_like) 
   EXPECT_EQ(found[1]["device"], json({{"port", "1-2.3"}}));
 }
 
-TEST(Probe, finds_hid_devices_can_interfaces_and_serial_lines) {
+TEST(Probe, FindsHidDevicesCanInterfacesAndSerialLines) {
   const Machine machine;
   machine.file("class/hidraw/hidraw3/device/uevent",
                "HID_ID=0003:0000256F:0000C635\nHID_NAME=Mouse\nHID_UNIQ=");
@@ -128,7 +128,7 @@ Said said_of(const std::string& profile, const std::string& capture) {
   return said;
 }
 
-TEST(Decode, cuts_frames_out_of_a_usb_capture_and_says_what_it_dropped) {
+TEST(Decode, CutsFramesOutOfAUsbCaptureAndSaysWhatItDropped) {
   std::string capture = bytes_of(packets_of(slipd::devices::papillarray(), 3));
   capture.insert(capture.size() / 3, "dirt");
   const Said said = said_of("contactile-pts2", capture);
@@ -141,7 +141,7 @@ TEST(Decode, cuts_frames_out_of_a_usb_capture_and_says_what_it_dropped) {
   EXPECT_THAT(said.remarks, HasSubstr("6 frames, 1 dropped, 4 bytes of no frame"));
 }
 
-TEST(Decode, reads_can_as_candump_writes_it) {
+TEST(Decode, ReadsCanAsCandumpWritesIt) {
   std::string capture;
   for (const Packet& packet : packets_of(slipd::devices::xela_xr1944(), 2)) {
     char text[64];
@@ -153,7 +153,7 @@ TEST(Decode, reads_can_as_candump_writes_it) {
             2);
 }
 
-TEST(Decode, reads_reports_and_registers_in_their_order) {
+TEST(Decode, ReadsReportsAndRegistersInTheirOrder) {
   EXPECT_EQ(said_of("vendor-hid-8x8", bytes_of(packets_of(slipd::devices::vendor_hid(), 2))).frames.size(),
             2);
   EXPECT_EQ(
@@ -161,7 +161,7 @@ TEST(Decode, reads_reports_and_registers_in_their_order) {
   EXPECT_EQ(said_of("oymotion-rohand", bytes_of(packets_of(slipd::devices::rohand(), 2))).frames.size(), 10);
 }
 
-TEST(Decode, fails_without_a_frame_and_without_a_profile) {
+TEST(Decode, FailsWithoutAFrameAndWithoutAProfile) {
   EXPECT_FALSE(said_of("optoforce", "nothing of use").any);
   EXPECT_FALSE(said_of("vendor-hid-8x8", "").any);
   EXPECT_THROW(said_of("nobodys", ""), slipd::DriverError);

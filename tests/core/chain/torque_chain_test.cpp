@@ -162,7 +162,8 @@ TEST(TurningChain, TheBoundAndTheAdviceCountTheTorque) {
   grasp.close(40);
   const auto seen = grasp.hang(120, 0.5, 2.0);
   const auto& [estimate, gamma] = seen.back();
-  ASSERT_TRUE(estimate.gamma_low && estimate.torque_nm && estimate.torque_sigma_nm && estimate.pull_n);
+  ASSERT_TRUE(estimate.gamma && estimate.gamma_low && estimate.torque_nm && estimate.torque_sigma_nm &&
+              estimate.pull_n);
   EXPECT_GT(*estimate.torque_nm, 10 * *estimate.torque_sigma_nm);
   EXPECT_LT(*estimate.gamma_low, gamma);
   EXPECT_GT(*estimate.pull_n, 1.2 * *estimate.shear_n);

@@ -102,7 +102,7 @@ class DriverContract : public testing::TestWithParam<DriverCase> {
   bool garbled_ = false;
 };
 
-TEST_P(DriverContract, opens_and_closes_again_and_again) {
+TEST_P(DriverContract, OpensAndClosesAgainAndAgain) {
   rig_->driver().close();
   open();
   EXPECT_TRUE(frames(3));
@@ -115,14 +115,14 @@ TEST_P(DriverContract, opens_and_closes_again_and_again) {
   rig_->driver().close();
 }
 
-TEST_P(DriverContract, describes_all_sensors_of_the_device) {
+TEST_P(DriverContract, DescribesAllSensorsOfTheDevice) {
   open();
   const auto give_up = Clock::now() + kPatience;
   while (last_.size() < slots_.size() && Clock::now() < give_up) read();
   EXPECT_EQ(last_.size(), slots_.size());
 }
 
-TEST_P(DriverContract, survives_any_bytes_and_drops_whole_scans) {
+TEST_P(DriverContract, SurvivesAnyBytesAndDropsWholeScans) {
   if (!GetParam().misbehaves) GTEST_SKIP() << "there is no device";
   open();
   ASSERT_TRUE(frames(5));
@@ -137,7 +137,7 @@ TEST_P(DriverContract, survives_any_bytes_and_drops_whole_scans) {
   EXPECT_TRUE(frames(10)) << "after garbage";
 }
 
-TEST_P(DriverContract, counts_what_is_lost) {
+TEST_P(DriverContract, CountsWhatIsLost) {
   if (!GetParam().misbehaves || !GetParam().knows_losses) GTEST_SKIP() << "not on this bus";
   open();
   ASSERT_TRUE(frames(5));
@@ -148,7 +148,7 @@ TEST_P(DriverContract, counts_what_is_lost) {
   EXPECT_GE(lost_, 5);
 }
 
-TEST_P(DriverContract, waits_for_a_device_that_stalls) {
+TEST_P(DriverContract, WaitsForADeviceThatStalls) {
   if (!GetParam().misbehaves) GTEST_SKIP() << "there is no device";
   open();
   rig_->order("stall 100");
@@ -156,7 +156,7 @@ TEST_P(DriverContract, waits_for_a_device_that_stalls) {
   EXPECT_TRUE(frames(5));
 }
 
-TEST_P(DriverContract, says_when_the_device_is_gone_and_opens_it_again_when_it_is_back) {
+TEST_P(DriverContract, SaysWhenTheDeviceIsGoneAndOpensItAgainWhenItIsBack) {
   if (!GetParam().misbehaves) GTEST_SKIP() << "there is no device";
   open();
   rig_->order("unplug");
@@ -177,7 +177,7 @@ TEST_P(DriverContract, says_when_the_device_is_gone_and_opens_it_again_when_it_i
   EXPECT_TRUE(frames(5));
 }
 
-TEST_P(DriverContract, allocates_nothing_while_reading) {
+TEST_P(DriverContract, AllocatesNothingWhileReading) {
   open();
   ASSERT_TRUE(frames(5));
   rig_->order("lose 2");
@@ -195,7 +195,7 @@ std::ptrdiff_t descriptors() {
   return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
 }
 
-TEST_P(DriverContract, leaks_neither_descriptors_nor_memory_over_a_thousand_openings) {
+TEST_P(DriverContract, LeaksNeitherDescriptorsNorMemoryOverAThousandOpenings) {
   const auto reopen = [&](int times) {
     for (int i = 0; i < times; ++i) {
       rig_->driver().open();

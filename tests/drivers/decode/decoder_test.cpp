@@ -80,7 +80,7 @@ std::vector<Packet> scan_of(const devices::DeviceModel& model) {
   return model.scan({frames, 0, 0});
 }
 
-TEST(Decoder, reads_the_xelas_big_endian_axes) {
+TEST(Decoder, ReadsTheXelasBigEndianAxes) {
   DecoderRig rig("xela-xr1944");
   for (std::uint32_t taxel = 0; taxel < 15; ++taxel)
     EXPECT_EQ(rig.take({0x710 + taxel, {0, 0x75, 0x30, 0x75, 0x30, 0x75, 0x30}}, taxel), Outcome::partial);
@@ -92,7 +92,7 @@ TEST(Decoder, reads_the_xelas_big_endian_axes) {
   EXPECT_EQ(rig.out.slot.time_ns, 0) << "the scan's first packet is nearest to the sample";
 }
 
-TEST(Decoder, reads_the_two_halves_of_the_icubs_triangles_and_gives_no_shear) {
+TEST(Decoder, ReadsTheTwoHalvesOfTheIcubsTrianglesAndGivesNoShear) {
   DecoderRig rig("icub-mtb");
   for (std::uint32_t triangle = 0; triangle < 4; ++triangle) {
     EXPECT_EQ(rig.take({0x410 + triangle, {0x00, 245, 244, 245, 245, 245, 245, 245}}), Outcome::partial);
@@ -104,7 +104,7 @@ TEST(Decoder, reads_the_two_halves_of_the_icubs_triangles_and_gives_no_shear) {
   EXPECT_THAT(rig.out.slot.shear_x_pa, Each(0));
 }
 
-TEST(Decoder, reads_both_fingers_of_the_rg2ft_each_for_itself) {
+TEST(Decoder, ReadsBothFingersOfTheRg2ftEachForItself) {
   Bytes registers(52, 0);
   registers[8] = 0x00, registers[9] = 0x32;    // left z: 50 = 5.0 N
   registers[22] = 0xFF, registers[23] = 0xF6;  // right x: -10 = -1.0 N
@@ -125,7 +125,7 @@ struct Pair {
 };
 class AgreesWithTheDevice : public testing::TestWithParam<Pair> {};
 
-TEST_P(AgreesWithTheDevice, taxel_by_taxel) {
+TEST_P(AgreesWithTheDevice, TaxelByTaxel) {
   const auto& [model, name, half_count_pa] = GetParam();
   for (std::size_t sensor = 0; sensor < model().sensors; ++sensor) {
     DecoderRig rig(name, sensor);
@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(Sheets, AgreesWithTheDevice,
                            return name;
                          });
 
-TEST(Decoder, drops_the_scan_whole_if_a_packet_is_lost_and_says_so_in_the_sequence) {
+TEST(Decoder, DropsTheScanWholeIfAPacketIsLostAndSaysSoInTheSequence) {
   for (const std::size_t lost : {0U, 7U, 15U}) {
     DecoderRig rig("xela-xr1944");
     const auto whole = scan_of(devices::xela_xr1944());
@@ -178,7 +178,7 @@ TEST(Decoder, drops_the_scan_whole_if_a_packet_is_lost_and_says_so_in_the_sequen
   }
 }
 
-TEST(Decoder, drops_the_scan_whole_if_packets_come_twice_or_in_another_order) {
+TEST(Decoder, DropsTheScanWholeIfPacketsComeTwiceOrInAnotherOrder) {
   const auto whole = scan_of(devices::xela_xr1944());
   auto twice = whole;
   twice.insert(twice.begin() + 5, whole[4]);
@@ -192,7 +192,7 @@ TEST(Decoder, drops_the_scan_whole_if_packets_come_twice_or_in_another_order) {
   }
 }
 
-TEST(Decoder, drops_the_scan_whole_if_a_packet_is_too_short_or_too_long) {
+TEST(Decoder, DropsTheScanWholeIfAPacketIsTooShortOrTooLong) {
   const auto whole = scan_of(devices::xela_xr1944());
   for (const std::size_t length : {0U, 6U, 8U}) {
     for (const std::size_t at : {0U, 5U}) {
@@ -207,7 +207,7 @@ TEST(Decoder, drops_the_scan_whole_if_a_packet_is_too_short_or_too_long) {
   }
 }
 
-TEST(Decoder, tells_how_packets_that_no_rule_describes_differ) {
+TEST(Decoder, TellsHowPacketsThatNoRuleDescribesDiffer) {
   DecoderRig hid("vendor-hid-8x8");
   EXPECT_EQ(hid.decoder.why_no_frames("reports"), "") << "nothing has come";
   const std::vector<std::uint8_t> bytes(64);
@@ -226,7 +226,7 @@ TEST(Decoder, tells_how_packets_that_no_rule_describes_differ) {
   EXPECT_EQ(can.decoder.why_no_frames("messages"), "");
 }
 
-TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
+TEST(Decoder, NeverMakesOneScanOfTheHalvesOfTwo) {
   DecoderRig rig("xela-xr1944");
   const auto whole = scan_of(devices::xela_xr1944());
   for (std::size_t i = 0; i < 8; ++i) rig.take(whole[i], 0);
@@ -236,7 +236,7 @@ TEST(Decoder, never_makes_one_scan_of_the_halves_of_two) {
   EXPECT_EQ(rig.decoder.counts().incomplete, 1);
 }
 
-TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
+TEST(Decoder, NeverMakesOneScanOfPacketsThatCarryDifferentKeys) {
   DecoderRig rig("vendor-hid-8x8");
   auto packets = scan_of(devices::vendor_hid());
   for (std::size_t i = 4; i < packets.size(); ++i) ++packets[i].bytes[0];
@@ -246,7 +246,7 @@ TEST(Decoder, never_makes_one_scan_of_packets_that_carry_different_keys) {
   EXPECT_EQ(rig.out.slot.sequence, 1);
 }
 
-TEST(Decoder, counts_a_lost_packet_as_a_lost_scan_if_it_was_or_began_one) {
+TEST(Decoder, CountsALostPacketAsALostScanIfItWasOrBeganOne) {
   DecoderRig single("robotiq-ft300");
   const auto packet = scan_of(devices::robotiq_ft300());
   EXPECT_EQ(single.frames(packet), 1);
@@ -275,7 +275,7 @@ Profile counting() {
   return profile;
 }
 
-TEST(Decoder, follows_the_devices_count_of_scans_and_drops_what_comes_twice_or_late) {
+TEST(Decoder, FollowsTheDevicesCountOfScansAndDropsWhatComesTwiceOrLate) {
   const Profile profile = counting();
   Decoder decoder(profile, 0, 0);
   test::OwnedSlot out(1);
@@ -293,7 +293,7 @@ TEST(Decoder, follows_the_devices_count_of_scans_and_drops_what_comes_twice_or_l
   EXPECT_EQ(decoder.counts().repeated, 2);
 }
 
-TEST(Decoder, unrolls_the_devices_clock) {
+TEST(Decoder, UnrollsTheDevicesClock) {
   const Profile profile = counting();
   Decoder decoder(profile, 0, 0);
   test::OwnedSlot out(1);
@@ -308,7 +308,7 @@ TEST(Decoder, unrolls_the_devices_clock) {
   EXPECT_EQ(time_after(0x01, 0x01), 657'930'000);
 }
 
-TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
+TEST(Decoder, LeavesOtherBoardsOnTheBusAlone) {
   DecoderRig first("xela-xr1944", 0, 1), second("xela-xr1944", 0, 2);
   auto of_second = scan_of(devices::xela_xr1944());
   for (Packet& packet : of_second) packet.address += 0x10;
@@ -320,7 +320,7 @@ TEST(Decoder, leaves_other_boards_on_the_bus_alone) {
   EXPECT_EQ(first.decoder.counts().packets, 16);
 }
 
-TEST(Decoder, survives_any_bytes_and_gives_finite_numbers_only) {
+TEST(Decoder, SurvivesAnyBytesAndGivesFiniteNumbersOnly) {
   std::mt19937 random(7);
   for (const char* name : {"xela-xr1944", "icub-mtb", "onrobot-rg2-ft", "robotiq-ft300", "vendor-hid-8x8"}) {
     DecoderRig rig(name);
@@ -345,7 +345,7 @@ TEST(Decoder, survives_any_bytes_and_gives_finite_numbers_only) {
   }
 }
 
-TEST(Number, is_read_in_either_order_and_with_its_sign) {
+TEST(Number, IsReadInEitherOrderAndWithItsSign) {
   const std::uint8_t bytes[] = {0xFF, 0x01, 0x80, 0x3F};
   EXPECT_EQ(read_number(bytes, {NumberKind::natural, 1, false}), 255);
   EXPECT_EQ(read_number(bytes, {NumberKind::whole, 1, false}), -1);

@@ -68,7 +68,7 @@ CutPackets cut_into_packets(Framer& framer, const Bytes& bytes, std::size_t piec
   return cut;
 }
 
-TEST(Framer, cuts_the_same_packets_out_of_pieces_of_any_size) {
+TEST(Framer, CutsTheSamePacketsOutOfPiecesOfAnySize) {
   const Bytes first = frame_of({1, 2, 3}), second = frame_of({}), third = frame_of({0xAB, 0xAB, 2, 9});
   Bytes all = first;
   devices::append(all, second);
@@ -82,7 +82,7 @@ TEST(Framer, cuts_the_same_packets_out_of_pieces_of_any_size) {
   }
 }
 
-TEST(Framer, finds_every_whole_frame_again_behind_any_garbage) {
+TEST(Framer, FindsEveryWholeFrameAgainBehindAnyGarbage) {
   std::mt19937 random(3);
   for (int round = 0; round < 300; ++round) {
     Framer framer(profile_with(by_length()));
@@ -104,7 +104,7 @@ TEST(Framer, finds_every_whole_frame_again_behind_any_garbage) {
   }
 }
 
-TEST(Framer, loses_the_frame_that_is_damaged_and_no_other) {
+TEST(Framer, LosesTheFrameThatIsDamagedAndNoOther) {
   const Bytes good = frame_of({1, 2, 3, 4});
   for (std::size_t at = 0; at < good.size(); ++at) {
     for (const int kind : {0, 1, 2}) {  // a byte changed, missing, or too many
@@ -126,7 +126,7 @@ TEST(Framer, loses_the_frame_that_is_damaged_and_no_other) {
   }
 }
 
-TEST(Framer, reports_endless_garbage_from_time_to_time) {
+TEST(Framer, ReportsEndlessGarbageFromTimeToTime) {
   Framer framer(profile_with(by_length()));
   EXPECT_EQ(cut_into_packets(framer, Bytes(10, 0x11)).invalid, 0) << "one may come in the middle of a frame";
   EXPECT_GE(cut_into_packets(framer, Bytes(640, 0x11), 30).invalid, 5);
@@ -134,7 +134,7 @@ TEST(Framer, reports_endless_garbage_from_time_to_time) {
   EXPECT_EQ(cut_into_packets(framer, Bytes(10, 0x11)).invalid, 1);
 }
 
-TEST(Framer, looks_for_an_end_marker_no_further_than_the_longest_frame) {
+TEST(Framer, LooksForAnEndMarkerNoFurtherThanTheLongestFrame) {
   Stream stream;
   stream.begin = {1, 2};
   stream.end = {3, 4};
@@ -148,7 +148,7 @@ TEST(Framer, looks_for_an_end_marker_no_further_than_the_longest_frame) {
   }
 }
 
-TEST(Framer, takes_a_frame_of_the_longest_length_and_none_longer) {
+TEST(Framer, TakesAFrameOfTheLongestLengthAndNoneLonger) {
   Stream marked;
   marked.begin = {1};
   marked.end = {2};
@@ -165,7 +165,7 @@ TEST(Framer, takes_a_frame_of_the_longest_length_and_none_longer) {
   }
 }
 
-TEST(Framer, takes_no_frame_that_its_markers_do_not_fit_into) {
+TEST(Framer, TakesNoFrameThatItsMarkersDoNotFitInto) {
   Stream stream;
   stream.begin = stream.end = {0xAB};
   stream.length_byte = {1, 1};
@@ -175,7 +175,7 @@ TEST(Framer, takes_no_frame_that_its_markers_do_not_fit_into) {
               ElementsAre(Bytes{0xAB, 2, 0xAB}));
 }
 
-TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {
+TEST(Framer, GivesEachRecordItsTagAndDropsWhatFollowsAnUnknownOne) {
   Stream stream = by_length();
   stream.records_from = 2;
   stream.checksum = {};
@@ -193,12 +193,12 @@ TEST(Framer, gives_each_record_its_tag_and_drops_what_follows_an_unknown_one) {
   EXPECT_EQ(framer.next(packet), Framer::Result::incomplete);
 }
 
-TEST(Framer, passes_pieces_on_as_packets_where_there_is_no_stream) {
+TEST(Framer, PassesPiecesOnAsPacketsWhereThereIsNoStream) {
   Framer framer{Profile{}};
   EXPECT_THAT(cut_into_packets(framer, {1, 2, 3}, 2).packets, ElementsAre(Bytes{1, 2}, Bytes{3}));
 }
 
-TEST(Framer, survives_any_bytes_without_the_heap) {
+TEST(Framer, SurvivesAnyBytesWithoutTheHeap) {
   std::mt19937 random(11);
   for (const char* name : {"contactile-pts2", "robotiq-tsf85"}) {
     const Profile profile = find_profile(name);
@@ -219,7 +219,7 @@ TEST(Framer, survives_any_bytes_without_the_heap) {
   }
 }
 
-TEST(Checksum, of_known_bytes_is_the_known_one) {
+TEST(Checksum, OfKnownBytesIsTheKnownOne) {
   const Bytes digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   EXPECT_EQ(checksum_of(ChecksumKind::crc8, digits), 0xF4) << "the check value of CRC-8/SMBUS";
   EXPECT_EQ(checksum_of(ChecksumKind::sum16le, digits), 477);
@@ -239,7 +239,7 @@ Bytes pts2(std::uint8_t sensors) {
   return in;
 }
 
-TEST(Pts2, puts_what_stands_behind_offsets_of_any_width_into_fixed_places) {
+TEST(Pts2, PutsWhatStandsBehindOffsetsOfAnyWidthIntoFixedPlaces) {
   Bytes out(kPts2Head + 2 * kPts2Pillar);
   ASSERT_TRUE(flatten_pts2(pts2(1), 2, 1, out));
   EXPECT_EQ(Bytes(out.begin(), out.begin() + 12), (Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
@@ -251,7 +251,7 @@ TEST(Pts2, puts_what_stands_behind_offsets_of_any_width_into_fixed_places) {
   EXPECT_FALSE(flatten_pts2(pts2(1), 2, 9, out)) << "another kind of sensor";
 }
 
-TEST(Pts2, comes_out_of_a_stream_without_a_checksum) {
+TEST(Pts2, ComesOutOfAStreamWithoutAChecksum) {
   Stream stream;
   stream.begin = {0xAB};
   stream.length = stream.longest = 1 + pts2(1).size();
@@ -265,7 +265,7 @@ TEST(Pts2, comes_out_of_a_stream_without_a_checksum) {
   EXPECT_THAT(cut_into_packets(framer, frame).packets, ElementsAre(SizeIs(kPts2Head + kPts2Pillar)));
 }
 
-TEST(Pts2, refuses_a_sensor_of_more_pillars_than_asked_for) {
+TEST(Pts2, RefusesASensorOfMorePillarsThanAskedFor) {
   Bytes two = pts2(1);
   two[23] = 2;
   two[24] = 26;
@@ -275,7 +275,7 @@ TEST(Pts2, refuses_a_sensor_of_more_pillars_than_asked_for) {
   EXPECT_FALSE(flatten_pts2(two, 1, 1, out));
 }
 
-TEST(Pts2, passes_over_a_block_of_another_type_unless_it_would_lie_behind_the_end) {
+TEST(Pts2, PassesOverABlockOfAnotherTypeUnlessItWouldLieBehindTheEnd) {
   Bytes in = pts2(1);
   for (const std::size_t offset : {3U, 6U, 22U, 24U}) in[offset] += 3;
   in.insert(in.begin() + 7, {7, 0, 30});
@@ -287,7 +287,7 @@ TEST(Pts2, passes_over_a_block_of_another_type_unless_it_would_lie_behind_the_en
   EXPECT_FALSE(flatten_pts2(in, 1, 1, out));
 }
 
-TEST(Pts2, refuses_offsets_that_lead_anywhere_else) {
+TEST(Pts2, RefusesOffsetsThatLeadAnywhereElse) {
   Bytes out(kPts2Head + 2 * kPts2Pillar);
   const Bytes good = pts2(2);
   ASSERT_TRUE(flatten_pts2(good, 2, 1, out));

@@ -30,7 +30,7 @@ std::string said_of(const std::function<void(json&)>& change, const std::string&
   return refusal_of([&] { static_cast<void>(parse_profile(profile.dump(), "mine")); });
 }
 
-TEST(Profile, all_that_are_shipped_can_work_and_say_where_they_come_from) {
+TEST(Profile, AllThatAreShippedCanWorkAndSayWhereTheyComeFrom) {
   const std::filesystem::path folder = std::string(SLIPD_SOURCE_DIR) + "/config/profiles";
   int seen = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
@@ -42,17 +42,17 @@ TEST(Profile, all_that_are_shipped_can_work_and_say_where_they_come_from) {
   EXPECT_GE(seen, 4);
 }
 
-TEST(Profile, that_does_not_exist_is_an_error_with_the_folders_searched) {
+TEST(Profile, ThatDoesNotExistIsAnErrorWithTheFoldersSearched) {
   EXPECT_THAT(refusal_of([] { static_cast<void>(find_profile("nobodys")); }),
               HasSubstr("/etc/slipd/profiles/nobodys.json"));
 }
 
-TEST(Profile, in_which_fields_overlap_is_refused) {
+TEST(Profile, InWhichFieldsOverlapIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["fields"][1]["offset"] = 2; }),
               HasSubstr("mine.json: /scan/packets/0/fields = 2: is a byte of two fields"));
 }
 
-TEST(Profile, of_taxels_that_differ_gives_each_its_gain) {
+TEST(Profile, OfTaxelsThatDifferGivesEachItsGain) {
   json profile = shipped("xela-xr1944");
   profile["gain"] = json::array();
   for (int i = 0; i < 16; ++i) profile["gain"].push_back(1 + 0.1 * i);
@@ -69,39 +69,39 @@ TEST(Profile, of_taxels_that_differ_gives_each_its_gain) {
               HasSubstr("/gain = [1,1.1]: has 2 values; expected one for each of the 16 taxels"));
 }
 
-TEST(Profile, of_taxels_without_position_is_refused) {
+TEST(Profile, OfTaxelsWithoutPositionIsRefused) {
   EXPECT_THAT(said_of([](json& p) {
                 p["layout"]["grid"] = {4, 3};
               }),
               HasSubstr("has 12 taxels, and a field speaks of taxel 12, which has no position"));
 }
 
-TEST(Profile, with_taxels_that_nothing_fills_is_refused) {
+TEST(Profile, WithTaxelsThatNothingFillsIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["repeat"] = 15; }), HasSubstr("taxel 15, normal, never comes"));
   EXPECT_THAT(said_of([](json& p) { p["scan"]["taxels_each"] = 0; }), HasSubstr("comes twice"));
 }
 
-TEST(Profile, that_reads_behind_a_packets_end_is_refused) {
+TEST(Profile, ThatReadsBehindAPacketsEndIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["length"] = 6; }),
               HasSubstr("is a byte behind the packet's end"));
 }
 
-TEST(Profile, with_ambiguous_packets_is_refused) {
+TEST(Profile, WithAmbiguousPacketsIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["id_step"] = 0; }), HasSubstr("nothing to tell them apart"));
   EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][1].erase("match"); }, "icub-mtb"),
               HasSubstr("/scan/packets/1"));
 }
 
-TEST(Profile, whose_time_out_would_let_two_scans_mix_is_refused) {
+TEST(Profile, WhoseTimeOutWouldLetTwoScansMixIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["timeout_ms"] = 10; }), HasSubstr("/scan/timeout_ms = 10"));
 }
 
-TEST(Profile, that_wants_more_registers_than_there_are_is_refused) {
+TEST(Profile, ThatWantsMoreRegistersThanThereAreIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["modbus"]["registers"] = 280; }, "onrobot-rg2-ft"),
               HasSubstr("ends with register 282"));
 }
 
-TEST(Profile, that_takes_one_axis_for_two_is_refused) {
+TEST(Profile, ThatTakesOneAxisForTwoIsRefused) {
   EXPECT_THAT(said_of([](json& p) {
                 p["axes"] = {{"x", "-z"}};
               }),
@@ -114,7 +114,7 @@ struct Contradiction {
   const char* said;
 };
 
-TEST(Profile, that_contradicts_itself_is_refused_with_the_place_and_the_reason) {
+TEST(Profile, ThatContradictsItselfIsRefusedWithThePlaceAndTheReason) {
   const Contradiction all[] = {
       {"xela-xr1944", [](json& p) { p["scan"]["packets"][0]["length"] = 65; }, "more than a CAN frame holds"},
       {"vendor-hid-8x8", [](json& p) { p["scan"]["packets"][0]["length"] = 256; },
@@ -151,17 +151,17 @@ TEST(Profile, that_contradicts_itself_is_refused_with_the_place_and_the_reason) 
     EXPECT_THAT(said_of(change, profile), HasSubstr(said)) << profile;
 }
 
-TEST(Profile, with_a_key_that_nobody_knows_is_refused) {
+TEST(Profile, WithAKeyThatNobodyKnowsIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["rate_hz"] = "fast"; }), HasSubstr("/rate_hz"));
   EXPECT_THAT(said_of([](json& p) { p["scan"]["repeats"] = 3; }), HasSubstr("did you mean \"repeat\""));
 }
 
-TEST(Profile, that_is_no_json_is_refused_with_its_line) {
+TEST(Profile, ThatIsNoJsonIsRefusedWithItsLine) {
   EXPECT_THAT(refusal_of([] { static_cast<void>(parse_profile("{\n \"a\": }", "mine")); }),
               HasSubstr("mine.json:2:"));
 }
 
-TEST(Profile, must_be_of_the_driver_that_is_to_use_it) {
+TEST(Profile, MustBeOfTheDriverThatIsToUseIt) {
   SensorSetup setup = test::setup_of(TaxelLayout::wrench(0.01), json::object());
   setup.profile = "xela-xr1944";
   EXPECT_THAT(refusal_of([&] { static_cast<void>(profile_of({setup}, "modbus")); }),
@@ -177,7 +177,7 @@ TEST(Profile, must_be_of_the_driver_that_is_to_use_it) {
               HasSubstr("needs a \"profile\""));
 }
 
-TEST(Profile, whose_stream_does_not_bring_its_packets_is_refused) {
+TEST(Profile, WhoseStreamDoesNotBringItsPacketsIsRefused) {
   EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["length"] = 443; }, "contactile-pts2"),
               HasSubstr("is not what the stream brings: 444 bytes"));
   EXPECT_THAT(said_of([](json& p) { p["scan"]["packets"][0]["id"] = 80; }, "robotiq-tsf85"),
@@ -193,7 +193,7 @@ TEST(Profile, whose_stream_does_not_bring_its_packets_is_refused) {
   EXPECT_THAT(said_of([](json& p) { p.erase("usb"); }, "robotiq-tsf85"), HasSubstr("/usb"));
 }
 
-TEST(Profile, whose_clock_reaches_behind_its_packet_is_refused) {
+TEST(Profile, WhoseClockReachesBehindItsPacketIsRefused) {
   EXPECT_THAT(said_of(
                   [](json& p) {
                     p["scan"]["packets"][0]["clock"] = {{"offset", 10}, {"type", "u32le"}};
