@@ -1,5 +1,5 @@
 # Debian packages, by `cpack -G DEB` or tools/package. A component of the installation that is not named here is in none.
-#   slipd                        daemon, slipctl, sliplab, drivers sim and replay, unit, manual, configuration
+#   slipd                        daemon, slipctl, sliplab, drivers sim, replay and push, unit, manual, configuration
 #   slipd-paper                  the trained methods svd-knn and registered, a module that the daemon loads
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
@@ -67,14 +67,15 @@ macro(slipd_package group package)
 endmacro()
 
 set(CPACK_COMPONENTS_ALL "")
-slipd_package(slipd slipd COMPONENTS slipd slipctl sliplab driver_sim driver_replay SCRIPTS slipd
+slipd_package(slipd slipd COMPONENTS slipd slipctl sliplab driver_sim driver_replay driver_push SCRIPTS slipd
   DEPENDS "passwd, systemd | systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS slipd-realtime
   SUMMARY "slip margin of tactile sensors, as a service"
   TEXT "slipd watches a robotic gripper's tactile sensors and says, for every\n\
 frame, how far the grasp is from slipping. It answers on a Unix socket\n\
 in JSON and speaks on CAN.\n\n\
 This package has the daemon, its client slipctl, the offline program\n\
-sliplab, and the drivers for simulated and for replayed sensors.")
+sliplab, and the drivers for simulated and replayed sensors and for those\n\
+whose frames a program sends.")
 slipd_package(realtime slipd-realtime COMPONENTS realtime SCRIPTS part DEPENDS "${slipd_same_version}"
   SUMMARY "real-time scheduling for slipd"
   TEXT "Allows the service slipd real-time scheduling and locked memory, which\n\

@@ -16,8 +16,8 @@ static_assert(std::endian::native == std::endian::little);
 inline constexpr std::array<char, 8> kMagic{'s', 'l', 'i', 'p', 'p', 'u', 's', 'h'};
 // Rises when a field changes its place or meaning.
 inline constexpr std::uint16_t kVersion = 1;
-// Most taxels of three axes in one message, as large as Linux takes it without a privilege (net.core.wmem_max
-// of 212992 bytes, less what the kernel keeps of it).
+// Bytes of the longest message: what Linux takes without a privilege (net.core.wmem_max of 212992 bytes, less
+// what it keeps of it). 17704 taxels of three axes.
 inline constexpr std::size_t kLongestMessage = 208 * 1024 - 512;
 
 // What the values of frames are.

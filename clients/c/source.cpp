@@ -1,6 +1,7 @@
 // The functions of slipd.h that send frames to a sensor with the driver push. docs/push.md states every byte.
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 #include <sys/un.h>
 
 #include <algorithm>
@@ -11,9 +12,9 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <span>
 #include <string>
 #include <system_error>
-#include <vector>
 
 #include "clients/c/client.hpp"
 #include "clients/c/estimate.hpp"
@@ -25,7 +26,7 @@ namespace push_layout = slipd::push_layout;
 struct slipd_source {
   std::string path;  // of the sensor's socket
   push_layout::Hello hello;
-  std::vector<char> message;      // of one frame
+  std::size_t frame_size = 0;     // bytes
   std::uint64_t sequence = 0;     // of the last frame
   slipd::UniqueFd socket;         // none: not connected
   std::array<char, 640> error{};  // the path, and what slipd says
@@ -78,8 +79,12 @@ bool wait_for(const slipd_source& s, short events, Clock::time_point until) noex
   }
 }
 
-int send_whole(slipd_source& s, const void* bytes, std::size_t size, Clock::time_point until) noexcept {
-  while (send(s.socket.get(), bytes, size, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
+// Sends one message of these pieces. 0, or errno.
+int send_whole(const slipd_source& s, std::span<iovec> pieces, Clock::time_point until) noexcept {
+  msghdr message{};
+  message.msg_iov = pieces.data();
+  message.msg_iovlen = pieces.size();
+  while (sendmsg(s.socket.get(), &message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
     if (errno == EINTR) continue;
     if (errno != EAGAIN || !wait_for(s, POLLOUT, until)) return errno == EINTR ? EAGAIN : errno;
   }
@@ -111,11 +116,12 @@ int connect(slipd_source& s, Clock::time_point until) noexcept {
   if (!s.socket) return lose(s, errno);
   // A frame may be longer than what a socket holds by default. The kernel doubles it for what it needs
   // itself.
-  const int held = std::max(static_cast<int>(s.message.size()), 1 << 16);
+  const int held = std::max(static_cast<int>(s.frame_size), 1 << 16);
   setsockopt(s.socket.get(), SOL_SOCKET, SO_SNDBUF, &held, sizeof held);
   if (::connect(s.socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return lose(s, errno);
-  const int error = send_whole(s, &s.hello, sizeof s.hello, until);
+  std::array<iovec, 1> hello{{{&s.hello, sizeof s.hello}}};
+  const int error = send_whole(s, hello, until);
   if (error != 0 && error != EPIPE) return lose(s, error);  // after EPIPE the answer says why
   return take_answer(s, until);
 }
@@ -150,7 +156,7 @@ int slipd_source_open(slipd_source** out, const char* sensor, const char* path,
                    .taxels = frames->taxels,
                    .rate_hz = frames->rate_hz,
                    .zero = static_cast<push_layout::Zero>(frames->zero)};
-    made->message.resize(push_layout::frame_size(frames->taxels, made->hello.axes));
+    made->frame_size = push_layout::frame_size(frames->taxels, made->hello.axes);
     *out = made.release();
     return SLIPD_DONE;
   } catch (const std::bad_alloc&) {
@@ -168,13 +174,14 @@ int slipd_push(slipd_source* s, const float* values, int64_t time_ns, uint64_t s
   if (s == nullptr || values == nullptr) return SLIPD_INVALID;
   s->error.front() = 0;
   const Clock::time_point until = after(timeout_s);
-  const push_layout::FrameHead head{.size = static_cast<std::uint32_t>(s->message.size()),
-                                    .sequence = sequence == 0 ? s->sequence + 1 : sequence,
-                                    .time_ns = time_ns == 0 ? monotonic_ns() : time_ns};
+  push_layout::FrameHead head{.size = static_cast<std::uint32_t>(s->frame_size),
+                              .sequence = sequence == 0 ? s->sequence + 1 : sequence,
+                              .time_ns = time_ns == 0 ? monotonic_ns() : time_ns};
   if (const int code = connect(*s, until); code != SLIPD_DONE) return code;
-  std::memcpy(s->message.data(), &head, sizeof head);
-  std::memcpy(s->message.data() + sizeof head, values, s->message.size() - sizeof head);
-  const int error = send_whole(*s, s->message.data(), s->message.size(), until);
+  // sendmsg does not write to what its pieces point to.
+  std::array<iovec, 2> pieces{
+      {{&head, sizeof head}, {const_cast<float*>(values), s->frame_size - sizeof head}}};
+  const int error = send_whole(*s, pieces, until);
   if (error == EPIPE || error == ECONNRESET) return take_answer(*s, Clock::now());
   if (error == EAGAIN) return note_system_error(*s, error);
   if (error != 0) return lose(*s, error);

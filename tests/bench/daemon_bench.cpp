@@ -1,5 +1,6 @@
 // daemon-bench [--brief] [PART…]: the real slipd, from its device to its clients. Prints one JSON object a
-// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, shared, each with its floors.
+// line. Parts: latency, throughput, sensors, queries, startup, memory, idle, shared, push, each with its
+// floors.
 // --brief: each for a moment only, as a test of the program.
 #include <signal.h>
 #include <sys/socket.h>
@@ -256,8 +257,9 @@ void idle() {
 
 int run(const std::set<std::string>& parts) {
   const std::pair<const char*, void (*)()> all[] = {
-      {"latency", latency}, {"throughput", throughput}, {"sensors", sensors}, {"queries", queries},
-      {"startup", startup}, {"memory", memory},         {"idle", idle},       {"shared", shared}};
+      {"latency", latency}, {"throughput", throughput}, {"sensors", sensors},
+      {"queries", queries}, {"startup", startup},       {"memory", memory},
+      {"idle", idle},       {"shared", shared},         {"push", push}};
   for (const auto& [name, body] : all) {
     if (parts.empty() || parts.count(name) > 0) body();
   }

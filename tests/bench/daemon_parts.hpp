@@ -23,6 +23,9 @@ void queries();
 // The board in shared memory: the cost of reading it and of waiting for it.
 void shared();
 
+// Frames from a program beside those of a device in the daemon: latency and CPU time.
+void push();
+
 // From the start of redis-server to its first answer.
 void redis_startup();
 

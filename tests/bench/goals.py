@@ -20,6 +20,7 @@ WHY = {
     "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the floor's are "
                        "woken at once again, and the estimate between them",
     "shared readers": "readers take the slots' cache lines away, which slipd's thread has to fetch again",
+    "push": "a frame is copied into the kernel and out of it, and one thread more has to be woken",
     "training": "it goes over the columns until the vectors stand, five times",
     "startup": "the device's drivers are mapped, the model read and its tree built; auto tries its methods on 48 contacts first",
     "memory": "most of it is code that several processes share",
@@ -131,6 +132,15 @@ def shared_goals(of):
     yield Goal("CPU of slipd for 100 readers that look 100 times a second", spent, "% of a core", "a core", 100, 0.01, WHY["shared readers"])
 
 
+def push_goals(of):
+    for side in (4, 100):
+        way = of.one("push", side=side)
+        yield Goal(f"frame pushed by a program to waiting reader at 1 kHz, moments, {side} x {side}, p99", way.get("program", {}).get("p99_us"), "µs",
+                   "the same of a device in the daemon", way.get("device", {}).get("p99_us"), 1.5, WHY["push"])
+    cpu = of.one("push", side=100).get("program", {}).get("cpu")
+    yield Goal("CPU of slipd for frames of a program at 1 kHz, moments, 100 x 100", cpu and 100 * cpu, "% of a core", "a core", 100, 0.1, WHY["push"])
+
+
 def training_goals(of):
     ours, theirs = of.training.get("training", {}), of.trained_by_peer.get("training", {})
     yield Goal("SVD and index of 10000 x 16000, data in memory", of.training.get("held", {}).get("seconds"), "s", "scikit-learn's, data in memory",
@@ -154,5 +164,5 @@ def program_goals(of):
 
 
 def goals(of):
-    for group in (estimator_goals, pipeline_goals, socket_goals, shared_goals, training_goals, program_goals):
+    for group in (estimator_goals, pipeline_goals, socket_goals, shared_goals, push_goals, training_goals, program_goals):
         yield from group(of)

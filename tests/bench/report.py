@@ -188,6 +188,17 @@ that waits is woken for each estimate:
 {table(["readers that look", "that wait", "slipd alone", "beside them"], crowds)}"""
 
 
+def push_section(of):
+    rows = [[f"{each['side']} x {each['side']}", who, *waits(each[who]), number(100 * each[who]["cpu"]), each[who]["received"], each[who]["lost"] + each[who]["corrupt"]]
+            for each in of.of("push") for who in ("device", "program")]
+    return f"""## Frames from a program
+
+From the sample of a frame that a program pushes (docs/push.md) to the estimate of a reader that waits (`slipd_wait`), beside a device in the daemon
+with the same frames, in turn; 1 kHz, moments; CPU of slipd in % of a core; frames of the last turn that were received, and that were lost or corrupt:
+
+{table(["taxels", "", "p50", "p99", "p99.9", "max", "CPU", "received", "lost"], rows)}"""
+
+
 def between_section(of):
     decode = [[name.removeprefix("decode/"), int(each["packets"]), int(each["taxels"]), *waits(each)[:3]]
               for name, each in of.paths.items() if name.startswith("decode/")]
@@ -255,7 +266,7 @@ longest of all frames measured.
 {refused_text(of)}## How the goals are defined
 
 {GOALS}"""
-    sections = [head, estimators_section(of, picture), pipeline_section(of, picture), socket_section(of, picture), shared_section(of), between_section(of),
+    sections = [head, estimators_section(of, picture), pipeline_section(of, picture), socket_section(of, picture), shared_section(of), push_section(of), between_section(of),
                 training_section(of), program_section(of)]
     return "\n".join(section.rstrip() + "\n" for section in sections)
 

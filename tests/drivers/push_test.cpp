@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -370,6 +371,24 @@ TEST_F(Push, RefusesWhatCannotWorkAndSaysWhatToDo) {
                 open({{"path", folder_.file("open") / "left"}});
               }),
               HasSubstr("everybody may write to it"));
+}
+
+TEST_F(Push, TheLongestFrameComesWhole) {
+  const TaxelLayout layout = TaxelLayout::grid(133, 133, kPitchM);
+  ASSERT_GT(push_layout::frame_size(layout.size() + 16, 3), push_layout::kLongestMessage);
+  push::PushDriver driver({setup_of(layout, {{"path", path_.string()}, {"max_age_ms", 10'000}})});
+  driver.open();
+  PushWriter writer(path_);
+  writer.hello({.unit = Unit::pascal, .taxels = static_cast<std::uint32_t>(layout.size())});
+  OwnedSlot large(layout.size());
+  std::array slots{large.slot};
+  driver.read(slots, 0us);
+  driver.read(slots, 0us);
+  std::vector<float> values(3 * layout.size());
+  values.back() = 7;
+  ASSERT_TRUE(writer.push(values, {.sequence = 1}));
+  EXPECT_EQ(driver.read(slots, 20ms).status, ReadStatus::frame);
+  EXPECT_EQ(large.slot.normal_pa.back(), 7);
 }
 
 TEST_F(Push, ItsSocketIsBesideThatOfSlipdUnlessConfigured) {

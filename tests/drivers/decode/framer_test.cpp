@@ -310,7 +310,7 @@ Stream by_end() {
   return stream;
 }
 
-TEST(FramesWithoutABeginMarker, are_found_again_after_a_part_of_one_and_may_hold_the_end_marker) {
+TEST(FramesWithoutABeginMarker, AreFoundAgainAfterAPartOfOneAndMayHoldTheEndMarker) {
   const Profile profile = profile_with(by_end());
   Framer framer(profile);
   const Bytes in{9, 13, 10, 1, 13, 10, 4, 5, 6, 13, 10, 7, 7, 7, 7, 7, 7, 13, 10};
@@ -335,7 +335,7 @@ std::vector<double> numbers_of(const std::string& line, std::size_t values) {
   return out;
 }
 
-TEST(LinesOfNumbers, are_read_with_any_separator_and_refused_with_another_count) {
+TEST(LinesOfNumbers, AreReadWithAnySeparatorAndRefusedWithAnotherCount) {
   for (const char* line : {"1.5,-2,3e-1", "1.5; -2; 3e-1\r", " 1.5 -2\t0.3 ", "+1.5,-2,+.3"})
     EXPECT_THAT(numbers_of(line, 3), ElementsAre(1.5, -2, 0.3)) << line;
   for (const char* line : {"", "1.5,-2", "1.5,-2,3,4", "1.5,,-2", "a,b,c", "1.5-2-3", "1,2,3x", "1,2,"})
@@ -343,7 +343,7 @@ TEST(LinesOfNumbers, are_read_with_any_separator_and_refused_with_another_count)
 }
 
 // Check values of the catalogues of CRCs, and by hand.
-TEST(Checksums, are_those_of_their_standards) {
+TEST(Checksums, AreThoseOfTheirStandards) {
   const Bytes nine = text("123456789");
   EXPECT_EQ(checksum_of(ChecksumKind::crc8, nine), 0xF4U);
   EXPECT_EQ(checksum_of(ChecksumKind::crc16modbus, nine), 0x4B37U);
