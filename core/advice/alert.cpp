@@ -31,8 +31,10 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now, bool watched
     above_.restart();
     level_ = Alert::none;
   } else if (margin) {
+    still_ns_ = 0;
     level_ = level_after(time_ns, *margin);
   } else {
+    watch_unsupported(passed_ns, now);
     below_warn_.pause(passed_ns);
     below_slip_.pause(passed_ns);
     above_.restart();
@@ -40,6 +42,13 @@ Alert AlertLogic::update(std::int64_t time_ns, const Estimate& now, bool watched
   if (watched || margin || now.state == State::no_contact) watched_ns_ = time_ns;
   const bool none_holds = watched_ns_ && time_ns - *watched_ns_ <= kNoneHoldsNs;
   return level_ != Alert::none || none_holds ? level_ : Alert::unknown;
+}
+
+// A sample without a margin. Time in which no sample came shows nothing.
+void AlertLogic::watch_unsupported(std::int64_t passed_ns, const Estimate& now) noexcept {
+  if (slides(now.sliding)) still_ns_ = 0;
+  if (now.sliding == Sliding::none) still_ns_ += std::min(passed_ns, kNoneHoldsNs);
+  if (still_ns_ >= kStillNs) level_ = Alert::none;
 }
 
 // The level after a sample whose margin is known.

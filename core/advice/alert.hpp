@@ -18,9 +18,10 @@ class AlertLogic {
   // first sample at which the margin has stayed below its threshold for min_ms, and lowered when it has
   // stayed above threshold + hysteresis for as long, or when contact is lost. A margin that is not known
   // raises nothing and lowers nothing: who does not know has no evidence that the grip got safer. Such
-  // samples do not count towards min_ms. No alert is `unknown` from kNoneHoldsNs after the last sample on
-  // that could have raised one: with a margin, without contact, or `watched`: slides of the object show
-  // otherwise.
+  // samples do not count towards min_ms. A level whose margin is gone ends once the object has been seen not
+  // to slide for kStillNs: what it foretold has not come. No alert is `unknown` from kNoneHoldsNs after the
+  // last sample on that could have raised one: with a margin, without contact, or `watched`: slides of the
+  // object show otherwise.
   Alert update(std::int64_t time_ns, const Estimate& now, bool watched = false) noexcept;
 
   // The same of `out`, whose margin and sliding are decided, written into its alert and cause. An object that
@@ -31,9 +32,15 @@ class AlertLogic {
   // flickers between none and unknown where margins come now and then. Longer: none is said by what sees
   // nothing.
   static constexpr std::int64_t kNoneHoldsNs = 200'000'000;
+  // How long the object has to be seen not to slide for a level without a margin to end, ns; samples that do
+  // not show it do not count. Shorter: an alert ends between two margins of a grip that slips. Longer: an
+  // alert stands when what raised it is long gone. It is some times the time that a slide takes to show
+  // (methods.md §30), and was set before any recording was looked at with it.
+  static constexpr std::int64_t kStillNs = 1'000'000'000;
 
  private:
   Alert level_after(std::int64_t time_ns, double margin) noexcept;
+  void watch_unsupported(std::int64_t passed_ns, const Estimate& now) noexcept;
 
   // How long a condition has held; only time between samples that show it counts.
   class Stopwatch {
@@ -50,6 +57,7 @@ class AlertLogic {
   Alert level_ = Alert::none;               // never unknown
   std::optional<std::int64_t> watched_ns_;  // the last sample that could have raised an alert
   Stopwatch below_warn_, below_slip_, above_;
+  std::int64_t still_ns_ = 0;  // without a margin, for which the object was seen not to slide
   std::int64_t last_ns_ = 0;
 };
 

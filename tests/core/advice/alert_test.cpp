@@ -119,6 +119,36 @@ TEST_F(AlertLogicTest, StaysUntilTheMarginIsClearlyBackAndStepsDownThroughWarn) 
   EXPECT_EQ(after(1, known(0.6)), Alert::none);
 }
 
+TEST_F(AlertLogicTest, WithoutAMarginItEndsOnceTheObjectWasSeenNotToSlideForASecond) {
+  ASSERT_EQ(after(10, known(0.1)), Alert::slip);
+  Estimate still = unknown(State::learning);
+  still.sliding = Sliding::none;
+  EXPECT_EQ(after(990, still), Alert::slip);
+  EXPECT_FALSE(is_raised(after(20, still)));
+  EXPECT_EQ(logic_.update(now_ns_ += kMs, still, true), Alert::none) << "its pattern is watched";
+}
+
+TEST_F(AlertLogicTest, WithoutAMarginItStandsWhileNothingShowsThatTheObjectHolds) {
+  for (const std::optional<Sliding> seen :
+       {std::optional<Sliding>(), std::optional(Sliding::disturbed), std::optional(Sliding::rotation)}) {
+    ASSERT_EQ(after(10, known(0.1)), Alert::slip);
+    Estimate each = unknown(State::learning);
+    each.sliding = seen;
+    EXPECT_EQ(after(5000, each), Alert::slip);
+  }
+  Estimate low = known(0.1);
+  low.sliding = Sliding::none;
+  EXPECT_EQ(after(5000, low), Alert::slip) << "the margin is still low";
+}
+
+TEST_F(AlertLogicTest, TimeWithoutSamplesShowsNothing) {
+  ASSERT_EQ(after(10, known(0.1)), Alert::slip);
+  Estimate still = unknown(State::learning);
+  still.sliding = Sliding::none;
+  now_ns_ += 10'000 * kMs;
+  EXPECT_EQ(after(100, still), Alert::slip);
+}
+
 TEST_F(AlertLogicTest, SigmaLowersTheMarginThatIsCompared) {
   EXPECT_EQ(after(5, known(0.45, 0.1)), Alert::warn);
 }
