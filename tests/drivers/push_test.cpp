@@ -59,8 +59,7 @@ class Push : public ::testing::Test {
   PushWriter::Answer answer_to(const Hello& hello) {
     PushWriter writer(path_);
     writer.hello(hello);
-    read(0us);
-    read(0us);
+    read();
     return writer.answer(MSG_DONTWAIT);
   }
 
@@ -68,8 +67,7 @@ class Push : public ::testing::Test {
   PushWriter accepted(const Hello& hello = {.unit = Unit::pascal, .taxels = kPushedTaxels}) {
     PushWriter writer(path_);
     writer.hello(hello);
-    read(0us);
-    read(0us);
+    read();
     EXPECT_EQ(writer.answer(MSG_DONTWAIT).code, Answer::accepted);
     return writer;
   }
@@ -382,8 +380,7 @@ TEST_F(Push, TheLongestFrameComesWhole) {
   writer.hello({.unit = Unit::pascal, .taxels = static_cast<std::uint32_t>(layout.size())});
   OwnedSlot large(layout.size());
   std::array slots{large.slot};
-  driver.read(slots, 0us);
-  driver.read(slots, 0us);
+  driver.read(slots, 20ms);
   std::vector<float> values(3 * layout.size());
   values.back() = 7;
   ASSERT_TRUE(writer.push(values, {.sequence = 1}));
@@ -403,7 +400,7 @@ TEST_F(Push, ReadingAllocatesNothingWhateverComes) {
   open(json::object(), 0.2);
   const auto allocated = [&] {
     const std::uint64_t before = allocations();
-    for (int i = 0; i < 4; ++i) read(0us);
+    for (int i = 0; i < 4; ++i) read();
     return allocations() - before;
   };
   std::optional<PushWriter> writer(path_);
