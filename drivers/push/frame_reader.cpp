@@ -19,7 +19,7 @@ bool are_finite(const std::uint8_t* values, std::size_t count, const std::array<
   const float limit = std::numeric_limits<float>::max() / largest;
   unsigned odd = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    float value;
+    float value = 0;
     std::memcpy(&value, values + i * sizeof value, sizeof value);
     odd |= std::abs(value) <= limit ? 0U : 1U;  // also of NaN
   }

@@ -396,6 +396,22 @@ class CSliding(SlidingScenarios, unittest.TestCase):
     make = CSource
 
 
+class Example(unittest.TestCase):
+    def test_the_program_of_the_first_sensors_page_sees_its_sensor_zeroed_by_itself(self):
+        daemon = Scene({"layout": {"grid": [4, 4], "pitch_mm": 4}})
+        self.addCleanup(daemon.close)
+        await_true(lambda: os.path.exists(os.path.join(daemon.folder.name, "push", "left")), "the sensor's socket")
+        program = subprocess.Popen([sys.executable, os.path.join(os.environ["SLIPD_SOURCE_DIR"], "examples", "push.py"), "left", daemon.socket],
+                                   stdout=subprocess.PIPE, text=True)
+        self.addCleanup(program.communicate)
+        self.addCleanup(program.kill)
+        for line in program.stdout:
+            if line.startswith("no_contact None"):
+                break
+        else:
+            self.fail("the program ended")
+
+
 class Socket(unittest.TestCase):
     def test_a_program_that_may_not_send_is_told_to_join_the_group(self):
         if os.geteuid() != 0:

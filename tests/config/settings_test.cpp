@@ -89,6 +89,11 @@ TEST(Settings, of_a_minimal_sensor_are_the_defaults_of_the_structs) {
   EXPECT_EQ(s.scene_of(sensor), (Scene{Skin{}, paper_objects(), 0.002, 0.01}));
 }
 
+TEST(Settings, tell_a_driver_the_folder_of_the_socket) {
+  EXPECT_EQ(parse(std::string(kMinimal)).sensors[0].setup.runtime_folder, "/run/slipd");
+  EXPECT_EQ(parse(with("/socket/path", "/tmp/mine/s.sock")).sensors[0].setup.runtime_folder, "/tmp/mine");
+}
+
 TEST(Settings, friction_is_a_value_or_a_range_that_does_not_fall) {
   EXPECT_EQ(parse(with("/sensors/0/friction", {0.3, 0.8})).sensors.at(0).friction,
             KnownFriction(Range{0.3, 0.8}));
