@@ -1,9 +1,7 @@
 #include "drivers/push/frame_reader.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace slipd::push {
 namespace {
@@ -13,35 +11,60 @@ using push_layout::FrameHead;
 // A sequence that jumps by more is no count of lost frames.
 constexpr std::uint64_t kLongestJump = std::uint64_t{1} << 32;
 
-// Whether all values are numbers that stay finite when they are scaled. In this form the loop is vectorized.
-bool are_finite(const std::uint8_t* values, std::size_t count, const std::array<float, 3>& scale) noexcept {
-  const float largest = std::max({1.0F, std::abs(scale[0]), std::abs(scale[1]), std::abs(scale[2])});
-  const float limit = std::numeric_limits<float>::max() / largest;
-  unsigned odd = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    float value;
-    std::memcpy(&value, values + i * sizeof value, sizeof value);
-    odd |= std::abs(value) <= limit ? 0U : 1U;  // also of NaN
-  }
-  return odd == 0;
+using Four = float __attribute__((vector_size(16)));
+
+Four load(const std::uint8_t* from) noexcept {
+  Four four;
+  std::memcpy(&four, from, sizeof four);
+  return four;
 }
 
-// Writes the values of a message into the slot, in Pa.
-template <std::size_t axes>
-void convert(const std::uint8_t* values, const std::array<float, 3>& scale, FrameSlot& slot) noexcept {
-  // Nothing of these overlaps: the compiler cannot know.
-  float* const __restrict x = slot.shear_x_pa.data();
-  float* const __restrict y = slot.shear_y_pa.data();
-  float* const __restrict z = slot.normal_pa.data();
-  const auto [scale_x, scale_y, scale_z] = scale;
+// Writes one value of a taxel, in Pa. `odd` becomes NaN if a value is not finite.
+void put(const std::uint8_t* value, float scale, float& to, float& odd) noexcept {
+  std::memcpy(&to, value, sizeof to);
+  to *= scale;
+  odd += 0 * to;
+}
+
+// Writes the values of a message with three axes into the slot, in Pa. False: one of them is not finite. Four
+// taxels at a time, because compilers take threefold strides apart value by value, in twice the time.
+bool convert_three(const std::uint8_t* values, const std::array<float, 3>& scale, FrameSlot& slot) noexcept {
+  constexpr std::size_t kTaxelBytes = 3 * sizeof(float);
   const std::size_t taxels = slot.normal_pa.size();
-  for (std::size_t i = 0; i < taxels; ++i) {
-    std::array<float, axes> raw;
-    std::memcpy(raw.data(), values + i * sizeof raw, sizeof raw);
-    x[i] = axes == 3 ? scale_x * raw[0] : 0;
-    y[i] = axes == 3 ? scale_y * raw[axes / 2] : 0;
-    z[i] = scale_z * raw[axes - 1];
+  Four odd{};
+  std::size_t i = 0;
+  for (; i + 4 <= taxels; i += 4) {
+    const std::uint8_t* const at = values + i * kTaxelBytes;
+    const Four a = load(at), b = load(at + 16), c = load(at + 32);  // xyzx yzxy zxyz
+    const Four x =
+        scale[0] * __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 6), c, 0, 1, 2, 5);
+    const Four y =
+        scale[1] * __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 7), c, 0, 1, 2, 6);
+    const Four z =
+        scale[2] * __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 5, 5), c, 0, 1, 4, 7);
+    std::memcpy(&slot.shear_x_pa[i], &x, sizeof x);
+    std::memcpy(&slot.shear_y_pa[i], &y, sizeof y);
+    std::memcpy(&slot.normal_pa[i], &z, sizeof z);
+    odd += 0 * x + 0 * y + 0 * z;
   }
+  float sum = odd[0] + odd[1] + odd[2] + odd[3];
+  for (; i < taxels; ++i) {
+    const std::uint8_t* const at = values + i * kTaxelBytes;
+    put(at, scale[0], slot.shear_x_pa[i], sum);
+    put(at + sizeof(float), scale[1], slot.shear_y_pa[i], sum);
+    put(at + 2 * sizeof(float), scale[2], slot.normal_pa[i], sum);
+  }
+  return sum == 0;
+}
+
+// The same of a message with one axis.
+bool convert_one(const std::uint8_t* values, float scale, FrameSlot& slot) noexcept {
+  std::ranges::fill(slot.shear_x_pa, 0.0F);
+  std::ranges::fill(slot.shear_y_pa, 0.0F);
+  float sum = 0;
+  for (std::size_t i = 0; i < slot.normal_pa.size(); ++i)
+    put(values + i * sizeof(float), scale, slot.normal_pa[i], sum);
+  return sum == 0;
 }
 
 }  // namespace
@@ -86,8 +109,9 @@ Refusal FrameReader::take(std::span<const std::uint8_t> message, std::int64_t no
   const Refusal refusal = check(head, message.size(), now_ns, waiting, time_ns);
   if (refusal != Refusal::none) return refusal;
   const std::uint8_t* const values = message.data() + sizeof head;
-  if (!are_finite(values, agreed_.taxels * agreed_.axes, agreed_.scale)) return Refusal::not_finite;
-  agreed_.axes == 3 ? convert<3>(values, agreed_.scale, slot) : convert<1>(values, agreed_.scale, slot);
+  const bool finite = agreed_.axes == 3 ? convert_three(values, agreed_.scale, slot)
+                                        : convert_one(values, agreed_.scale[2], slot);
+  if (!finite) return Refusal::not_finite;
   last_sequence_ += begun_ ? head.sequence - last_written_ : 1;
   last_written_ = head.sequence;
   begun_ = true;

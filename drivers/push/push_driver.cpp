@@ -22,6 +22,8 @@ constexpr std::int64_t kPatienceNs = kNsPerSecond;
 constexpr std::int64_t kPatiencePeriods = 4;
 // How long a connection may take for its hello; others wait meanwhile.
 constexpr std::int64_t kHelloPatienceNs = kNsPerSecond / 4;
+// Between connections, so that a program that connects again and again takes no processor from others.
+constexpr std::int64_t kAdmissionPeriodNs = kNsPerSecond / 100;
 // Messages are read at up to this multiple of the configured rate, so that a program that never waits does
 // not take a processor from others. Its frames are then too old.
 constexpr std::int64_t kMostRates = 2;
@@ -104,23 +106,25 @@ void PushDriver::close() noexcept {
   socket_ = PushSocket();
 }
 
-// Waits for something to read. A writer that is ahead of its rate is left alone.
+// Waits for something to read. A writer that is ahead of its rate is left alone, and so are connections for a
+// moment after each.
 PushDriver::Ready PushDriver::wait(std::int64_t give_up_ns) const noexcept {
-  const std::int64_t burst_ns = std::max(kBurstNs, kBurstPeriods * period_ns_);
+  const std::int64_t ahead_until_ns = allowance_ns_ - std::max(kBurstNs, kBurstPeriods * period_ns_);
   for (;;) {
     const std::int64_t now_ns = monotonic_ns();
-    const std::int64_t ahead_until_ns = allowance_ns_ - burst_ns;
     const bool ahead = now_ns < ahead_until_ns;
-    const std::int64_t left_ns =
-        std::max<std::int64_t>(0, (ahead ? std::min(give_up_ns, ahead_until_ns) : give_up_ns) - now_ns);
+    const bool admits = !candidate_.socket && now_ns >= admits_from_ns_;
+    std::int64_t until_ns = give_up_ns;
+    if (ahead) until_ns = std::min(until_ns, ahead_until_ns);
+    if (!candidate_.socket && !admits) until_ns = std::min(until_ns, admits_from_ns_);
+    const std::int64_t left_ns = std::max<std::int64_t>(0, until_ns - now_ns);
     const timespec left{static_cast<time_t>(left_ns / kNsPerSecond),
                         static_cast<long>(left_ns % kNsPerSecond)};
-    // A full house, with a candidate, takes no more connections.
-    std::array<pollfd, 3> waited{{{candidate_.socket ? -1 : socket_.get(), POLLIN, 0},
+    std::array<pollfd, 3> waited{{{admits ? socket_.get() : -1, POLLIN, 0},
                                   {candidate_.socket.get(), POLLIN, 0},
                                   {writer_.socket.get(), static_cast<short>(ahead ? 0 : POLLIN), 0}}};
     if (::ppoll(waited.data(), waited.size(), &left, nullptr) > 0)
-      return {true, waited[0].revents != 0, waited[1].revents != 0, waited[2].revents != 0,
+      return {waited[0].revents != 0, waited[1].revents != 0, waited[2].revents != 0,
               (waited[2].revents & POLLHUP) != 0};
     if (monotonic_ns() >= give_up_ns) return {};
   }
@@ -140,17 +144,18 @@ ReadResult PushDriver::read(std::span<FrameSlot> slots, std::chrono::microsecond
       const ReadResult result = hear_writer(slots[0]);
       if (result.status != ReadStatus::timeout) return result;
     }
-    if (ready.any && monotonic_ns() < give_up_ns) continue;
-    if (candidate_.socket && monotonic_ns() - candidate_.heard_ns > kHelloPatienceNs)
+    const std::int64_t now_ns = monotonic_ns();
+    if (candidate_.socket && now_ns - candidate_.heard_ns > kHelloPatienceNs)
       turn_away(candidate_.socket, Answer::refused, "there was no hello in time: docs/push.md");
-    if (!ready.any) return {is_away() ? ReadStatus::away : ReadStatus::timeout, 0};
+    if (now_ns >= give_up_ns) return {is_away() ? ReadStatus::away : ReadStatus::timeout, 0};
   }
 }
 
 void PushDriver::admit() noexcept {
   UniqueFd peer(::accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!peer) return;
   const std::int64_t now_ns = monotonic_ns();
+  admits_from_ns_ = now_ns + kAdmissionPeriodNs;
+  if (!peer) return;
   if (writer_.socket && !writer_.hung_up && now_ns - writer_.heard_ns <= patience_ns_) {
     Text text{};
     std::snprintf(text.data(), text.size(),

@@ -44,7 +44,7 @@ class PushDriver final : public DeviceDriver {
     bool hung_up = false;       // what it has sent may still be read
   };
   struct Ready {
-    bool any = false, connection = false, candidate = false, writer = false, hung_up = false;
+    bool connection = false, candidate = false, writer = false, hung_up = false;
   };
 
   Ready wait(std::int64_t give_up_ns) const noexcept;
@@ -67,8 +67,9 @@ class PushDriver final : public DeviceDriver {
   bool reopening_ = false;  // read() has asked for close() and open(), which keep all connections
   std::vector<std::uint8_t> message_;
   FrameReader reader_;
-  std::int64_t frame_ns_ = 0;      // when the last frame came
-  std::int64_t allowance_ns_ = 0;  // time up to which messages at the largest rate have come
+  std::int64_t frame_ns_ = 0;        // when the last frame came
+  std::int64_t admits_from_ns_ = 0;  // when the next connection is looked at
+  std::int64_t allowance_ns_ = 0;    // time up to which messages at the largest rate have come
   Refusal last_refusal_ = Refusal::none;
   Text refused_{};  // what the last refused candidate was told; empty: none
 };

@@ -112,7 +112,7 @@ void PushSocket::listen_at(unsigned mode, const std::string& owner, const std::s
   // Nobody can connect before it listens, with its owner and mode.
   if ((!owner.empty() || !group.empty()) && ::chown(file.c_str(), user_of(owner), group_of(group)) != 0)
     fail("cannot give " + file + " to options.owner and options.group", errno,
-         "slipd has to be a member of the group (docs/push.md); an owner other than slipd takes root");
+         "slipd has to be a member of the group (docs/push.md); an owner other than slipd requires root");
   if (::chmod(file.c_str(), mode) != 0) fail("cannot set the mode of " + file, errno, "");
   if (::listen(made.get(), kWaiting) != 0) fail("cannot listen on " + file, errno, "");
   listener_ = std::move(made);

@@ -355,6 +355,32 @@ TEST_F(Libslipd, ARecordingIsWrittenIntoTheCallersFileAndSaysIfItIsNotWhole) {
   close(file);
 }
 
+// The rest of what a source does: tests/clients/push_test.py, for both clients.
+TEST(Source, OfTheCppHeaderSendsFramesAndAllocatesNothingForThem) {
+  const TempFolder folder;
+  const json layout{{"grid", {4, 4}}, {"pitch_mm", 4}};
+  const Daemon daemon(config_with(folder, json::array({{{"name", "left"},
+                                                        {"driver", "push"},
+                                                        {"rate_hz", 100},
+                                                        {"layout", layout},
+                                                        {"options", {{"max_age_ms", 10000}}}}})),
+                      real_drivers());
+  slipd_frames frames{.taxels = 16, .axes = 3, .unit = SLIPD_UNIT_N, .zero = SLIPD_ZERO_ZERO, .rate_hz = 100};
+  slipd::client::Source source("left", frames, daemon.socket().string());
+  source.connect(kPatienceS);
+  const std::vector<float> frame(48, 0);
+  const std::uint64_t before = test::allocations();
+  for (int i = 0; i < 10; ++i) source.push(frame, 0, 0, kPatienceS);
+  EXPECT_EQ(test::allocations(), before);
+  daemon.wait_for("status", [](const json& status) { return status["sensors"][0]["received"] == 10; });
+  EXPECT_THROW(source.push(std::span(frame).first(3)), slipd::client::Error);
+  frames.taxels = 9;
+  slipd::client::Source other("left", frames, daemon.socket().string());
+  EXPECT_THROW(other.connect(kPatienceS), slipd::client::Error);
+  frames.axes = 2;
+  EXPECT_THROW(slipd::client::Source("left", frames), slipd::client::Error);
+}
+
 TEST_F(Libslipd, TheCppHeaderHasTheSame) {
   slipd::client::Connection connection(daemon_->socket());
   connection.attach("left", kPatienceS);

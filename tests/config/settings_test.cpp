@@ -89,6 +89,11 @@ TEST(Settings, OfAMinimalSensorAreTheDefaultsOfTheStructs) {
   EXPECT_EQ(s.scene_of(sensor), (Scene{Skin{}, paper_objects(), 0.002, 0.01}));
 }
 
+TEST(Settings, TellADriverTheFolderOfTheSocket) {
+  EXPECT_EQ(parse(std::string(kMinimal)).sensors[0].setup.runtime_folder, "/run/slipd");
+  EXPECT_EQ(parse(with("/socket/path", "/tmp/mine/s.sock")).sensors[0].setup.runtime_folder, "/tmp/mine");
+}
+
 TEST(Settings, FrictionIsAValueOrARangeThatDoesNotFall) {
   EXPECT_EQ(parse(with("/sensors/0/friction", {0.3, 0.8})).sensors.at(0).friction,
             KnownFriction(Range{0.3, 0.8}));

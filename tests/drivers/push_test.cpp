@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <utility>
 
 #include "drivers/pacing.hpp"
 #include "drivers/push/push_driver.hpp"
@@ -59,8 +60,7 @@ class Push : public ::testing::Test {
   PushWriter::Answer answer_to(const Hello& hello) {
     PushWriter writer(path_);
     writer.hello(hello);
-    read(0us);
-    read(0us);
+    read();
     return writer.answer(MSG_DONTWAIT);
   }
 
@@ -68,8 +68,7 @@ class Push : public ::testing::Test {
   PushWriter accepted(const Hello& hello = {.unit = Unit::pascal, .taxels = kPushedTaxels}) {
     PushWriter writer(path_);
     writer.hello(hello);
-    read(0us);
-    read(0us);
+    read();
     EXPECT_EQ(writer.answer(MSG_DONTWAIT).code, Answer::accepted);
     return writer;
   }
@@ -373,6 +372,39 @@ TEST_F(Push, RefusesWhatCannotWorkAndSaysWhatToDo) {
               HasSubstr("everybody may write to it"));
 }
 
+// Taxels are converted four at a time: nine have two such groups and one left over.
+TEST(PushedFrames, EachValueHasItsPlaceAndNoneMayBeInfinite) {
+  const SensorSetup setup = setup_of(TaxelLayout::grid(3, 3, kPitchM), json::object());
+  push::Options options;
+  options.max_age_ns = 1'000'000'000;
+  options.scale = std::array<float, 3>{2, 3, 5};
+  for (const std::size_t axes : {3, 1}) {
+    options.axes = static_cast<std::uint8_t>(axes);
+    push::FrameReader reader(options.max_age_ns);
+    reader.begin(push::agreement_without_hello(options, setup));
+    OwnedSlot owned(9);
+    std::vector<float> values(9 * axes);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i + 1);
+    std::uint64_t sequence = 0;
+    const auto taken = [&] {
+      const std::vector<char> message = PushWriter::frame(values, {.sequence = ++sequence});
+      const std::vector<std::uint8_t> bytes(message.begin(), message.end());
+      return reader.take(bytes, static_cast<std::int64_t>(sequence), false, owned.slot);
+    };
+    ASSERT_EQ(taken(), push::Refusal::none);
+    for (std::size_t i = 0; i < 9; ++i) {
+      EXPECT_EQ(owned.slot.normal_pa[i], 5 * values[axes * i + axes - 1]);
+      EXPECT_EQ(owned.slot.shear_x_pa[i], axes == 3 ? 2 * values[3 * i] : 0);
+      EXPECT_EQ(owned.slot.shear_y_pa[i], axes == 3 ? 3 * values[3 * i + 1] : 0);
+    }
+    for (float& value : values) {
+      const float before = std::exchange(value, std::numeric_limits<float>::infinity());
+      EXPECT_EQ(taken(), push::Refusal::not_finite) << &value - values.data();
+      value = before;
+    }
+  }
+}
+
 TEST_F(Push, TheLongestFrameComesWhole) {
   const TaxelLayout layout = TaxelLayout::grid(133, 133, kPitchM);
   ASSERT_GT(push_layout::frame_size(layout.size() + 16, 3), push_layout::kLongestMessage);
@@ -382,8 +414,7 @@ TEST_F(Push, TheLongestFrameComesWhole) {
   writer.hello({.unit = Unit::pascal, .taxels = static_cast<std::uint32_t>(layout.size())});
   OwnedSlot large(layout.size());
   std::array slots{large.slot};
-  driver.read(slots, 0us);
-  driver.read(slots, 0us);
+  driver.read(slots, 20ms);
   std::vector<float> values(3 * layout.size());
   values.back() = 7;
   ASSERT_TRUE(writer.push(values, {.sequence = 1}));
@@ -403,7 +434,7 @@ TEST_F(Push, ReadingAllocatesNothingWhateverComes) {
   open(json::object(), 0.2);
   const auto allocated = [&] {
     const std::uint64_t before = allocations();
-    for (int i = 0; i < 4; ++i) read(0us);
+    for (int i = 0; i < 4; ++i) read();
     return allocations() - before;
   };
   std::optional<PushWriter> writer(path_);
