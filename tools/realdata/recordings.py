@@ -1,5 +1,6 @@
 """Recordings as rows of forces, and through `sliplab replay`."""
 import csv
+import datetime
 import io
 import math
 import subprocess
@@ -68,6 +69,16 @@ def replayed(sliplab, scene, files, sensor=None):
     if done.returncode:
         sys.exit(done.stderr)
     return list(csv.DictReader(io.StringIO(done.stdout)))
+
+
+def today():
+    return datetime.date.today().strftime("%-d %B %Y")
+
+
+def commit():
+    """Of this tree; what was changed since is marked."""
+    command = ["git", "-C", str(SOURCE), "describe", "--always", "--dirty"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def number(text):
