@@ -129,9 +129,10 @@ did not end. *delay*: after 1 mm. *still grasps with an alarm*: from contact to 
 
 * **There is no margin to speak of.** Pressing alone makes |Q|/P of 0.1 to 0.18 here, which is as much as the least friction that an object may have, and friction
   stays unknown until something slides. So nothing is foretold on purpose: an alarm comes with the slide.
-* Where numbers come from: the detection's limit of one finger was set with the recordings of 2022 in the section above. What is new since has no number of its
-  own: two fingers are weighed by 1/√2, a relaxing grip is bounded by the limits that were there, an alert without a margin ends after a second that was
-  chosen beforehand. But these recordings were looked at while it was made; {75 - len(result.grasps)} others of the same source were not.
+* Where numbers come from: the detection's limit of one finger was set with the recordings of 2022 in the section above. The numbers that came since were not
+  fitted: 1/√2 for two fingers is that of a mean, a grip that relaxes by 10 % moves a pattern by as much as the limit that was there, and a second without a
+  slide, which ends an alert, was chosen beforehand. But these recordings were looked at while rules were chosen; {75 - len(result.grasps)} others of the same source were not,
+  and only they can judge.
 """
 
 
