@@ -76,9 +76,11 @@ def today():
 
 
 def commit():
-    """Of this tree; what was changed since is marked."""
-    command = ["git", "-C", str(SOURCE), "describe", "--always", "--dirty"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    """Of this tree; marked where what figures come from was changed since."""
+    git = ["git", "-C", str(SOURCE)]
+    name = subprocess.run([*git, "describe", "--always"], capture_output=True, text=True, check=True).stdout.strip()
+    same = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", "config", "core", "drivers", "tools"], check=False).returncode == 0
+    return name if same else f"{name} and changes"
 
 
 def number(text):
