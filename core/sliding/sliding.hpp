@@ -69,7 +69,7 @@ struct SlidingVerdict {
   // How long it has been so, s; 0 where it is not known.
   double for_s = 0;
   // None until the contact has settled, and without a zero.
-  std::optional<PatternCourse> course;
+  std::optional<PatternCourse> course = std::nullopt;
   FieldCourse field;
 };
 
