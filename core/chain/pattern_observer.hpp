@@ -42,6 +42,7 @@ class TaxelPatternObserver final : public PatternObserver {
     verdict_ = sliding_.update(frame, contact);
     out.sliding = verdict_.sliding;
     if (verdict_.sliding) out.sliding_for_s = verdict_.for_s;
+    out.pattern = verdict_.course;
   }
 
   void follow_turn(const ContactPatch& patch, bool slides_turning, Estimate& out) noexcept override {

@@ -98,6 +98,8 @@ struct Estimate {
   std::optional<Sliding> sliding;
   // How long `sliding` has been what it is, s; none if it is.
   std::optional<double> sliding_for_s;
+  // What the pattern shows beside that. For grasps; clients do not get it.
+  std::optional<PatternCourse> pattern;
   Truth truth;
   State state = State::stale;
   Alert alert = Alert::unknown;

@@ -2,6 +2,8 @@
 // (docs/theory.md §1.3, §1.4). Estimate thread; plain state, nothing allocated.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -41,10 +43,15 @@ class GraspTracker {
   Estimate judge(std::span<const Estimate> members) noexcept;
 
  private:
+  std::optional<Sliding> sliding_of(std::span<const Estimate> members) noexcept;
+
   double target_margin_;
   std::vector<FingerPose> poses_;
   AlertLogic alert_;
   SlipForecast forecast_;
+  bool joint_slide_ = false;  // all fingers together show a slide
+  std::optional<Sliding> last_sliding_;
+  std::int64_t sliding_since_ns_ = 0;
 };
 
 }  // namespace slipd

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace slipd {
 namespace {
@@ -69,6 +70,8 @@ void SlidingDetector::forget() noexcept {
   blocks_.forget();
   armed_ = false;
   suspicious_ = 0;
+  moved_ = moved_before_ = 0;
+  course_.reset();
   now_.reset();
   settled_normal_ = 0;
   field_ = {};
@@ -87,8 +90,8 @@ SlidingVerdict SlidingDetector::update(const Frame& frame, bool contact) noexcep
     now_ = judged;
     if (!raw_) follow_field();
   }
-  if (!now_) return {.sliding = {}, .for_s = 0, .field = field_};
-  return {now_, static_cast<double>(frame.time_ns - since_ns_) * 1e-9, field_};
+  if (!now_) return {.sliding = {}, .for_s = 0, .course = course_, .field = field_};
+  return {now_, static_cast<double>(frame.time_ns - since_ns_) * 1e-9, course_, field_};
 }
 
 void SlidingDetector::follow_field() noexcept {
@@ -96,6 +99,8 @@ void SlidingDetector::follow_field() noexcept {
   const FieldChange change = field_change();
   field_.settled = settled_normal_ > 0;
   field_.internal_share = std::max(0.0, change.all - change.along);
+  course_.reset();
+  if (armed_) course_ = course_since(std::min(compared_, blocks_.size() - 1));
   field_.coherence = coherence();
   if (change.all > options_.clear_change)
     field_.coherence = std::max(field_.coherence, change.along / change.all);
@@ -116,21 +121,34 @@ double SlidingDetector::coherence() const noexcept {
   return all > 0 ? std::min(1.0, sum.along() / all) : 1;
 }
 
+SlidingDetector::Middle SlidingDetector::middle_of(const float* block) const noexcept {
+  Middle middle;
+  double square = 0;
+  for (std::size_t i = 0; i < blocks_.cells(); ++i) {
+    const double p = std::max(0.0, static_cast<double>(block[i]));
+    middle.normal += p;
+    middle.x_m += p * blocks_.x_m(i);
+    middle.y_m += p * blocks_.y_m(i);
+    square += p * (blocks_.x_m(i) * blocks_.x_m(i) + blocks_.y_m(i) * blocks_.y_m(i));
+  }
+  if (!(middle.normal > 0)) return {};
+  middle.x_m /= middle.normal;
+  middle.y_m /= middle.normal;
+  const double off = middle.x_m * middle.x_m + middle.y_m * middle.y_m;
+  middle.radius_m = std::sqrt(std::max(0.0, square / middle.normal - off));
+  return middle;
+}
+
 double SlidingDetector::lever_m() const noexcept {
   const std::size_t cells = blocks_.cells();
   const float* const now = blocks_.block(0);
-  double normal = 0, x_m = 0, y_m = 0, torque = 0;
-  for (std::size_t i = 0; i < cells; ++i) {
-    const double p = std::max(0.0, static_cast<double>(now[i]));
-    normal += p;
-    x_m += p * blocks_.x_m(i);
-    y_m += p * blocks_.y_m(i);
-  }
-  if (!(normal > 0)) return 0;
+  const Middle middle = middle_of(now);
+  if (!(middle.normal > 0)) return 0;
+  double torque = 0;
   for (std::size_t i = 0; i < cells; ++i)
-    torque += (blocks_.x_m(i) - x_m / normal) * static_cast<double>(now[2 * cells + i]) -
-              (blocks_.y_m(i) - y_m / normal) * static_cast<double>(now[cells + i]);
-  return torque / normal;
+    torque += (blocks_.x_m(i) - middle.x_m) * static_cast<double>(now[2 * cells + i]) -
+              (blocks_.y_m(i) - middle.y_m) * static_cast<double>(now[cells + i]);
+  return torque / middle.normal;
 }
 
 SlidingDetector::FieldChange SlidingDetector::field_change() const noexcept {
@@ -150,6 +168,27 @@ SlidingDetector::FieldChange SlidingDetector::field_change() const noexcept {
     all += without_noise(x, y, noise);
   }
   return {.all = all / normal, .along = std::min(all, change.along()) / normal};
+}
+
+PatternCourse SlidingDetector::course_since(std::size_t ago) const noexcept {
+  const std::size_t cells = blocks_.cells();
+  const float* const now = blocks_.block(0);
+  const float* const then = blocks_.block(ago);
+  const Middle middle = middle_of(now), before = middle_of(then);
+  if (!(middle.radius_m > 0) || !(before.normal > 0)) return {};
+  Resultant change;
+  for (std::size_t i = 0; i < cells; ++i) {
+    const double x = static_cast<double>(now[cells + i]) / middle.normal -
+                     static_cast<double>(then[cells + i]) / before.normal;
+    const double y = static_cast<double>(now[2 * cells + i]) / middle.normal -
+                     static_cast<double>(then[2 * cells + i]) / before.normal;
+    change.x += x;
+    change.y += y;
+    change.torque += (blocks_.x_m(i) - middle.x_m) * y - (blocks_.y_m(i) - middle.y_m) * x;
+  }
+  return {.moved = std::min(moved_, moved_before_),
+          .along = change.along(),
+          .torque = change.torque / middle.radius_m};
 }
 
 double SlidingDetector::normal_of(std::size_t ago) const noexcept {
@@ -216,24 +255,27 @@ Sliding SlidingDetector::kind_since(std::size_t ago) const noexcept {
   return a_m > 0 && std::fabs(change.torque) / a_m > along ? Sliding::rotation : Sliding::translation;
 }
 
-bool SlidingDetector::settled() const noexcept {
+bool SlidingDetector::settled(double most_fall) const noexcept {
   const std::size_t agreeing = blocks_.blocks_in(options_.settled_blocks);
   if (blocks_.size() <= agreeing) return false;
   for (std::size_t ago = 1; ago <= agreeing; ++ago) {
     const Change change = change_since(ago);
-    if (change.pattern > options_.settled_pattern || std::fabs(change.log_normal) > options_.settled_normal)
+    if (change.pattern > options_.settled_pattern || change.log_normal > options_.settled_normal ||
+        change.log_normal < -most_fall)
       return false;
   }
   return true;
 }
 
+// The field that pressing makes: of the first hold in which P does not fall any more.
+void SlidingDetector::take_reference() noexcept {
+  std::copy_n(blocks_.block(0), settled_.size(), settled_.begin());
+  settled_normal_ = normal_of(0);
+  field_.pressing_lever_m = lever_m();
+}
+
 void SlidingDetector::arm() noexcept {
   const Change last = change_since(1);
-  if (settled_normal_ == 0) {
-    std::copy_n(blocks_.block(0), settled_.size(), settled_.begin());
-    settled_normal_ = normal_of(0);
-    field_.pressing_lever_m = lever_m();
-  }
   if (!armed_) {
     pattern_noise_ = last.pattern;
     shear_noise_ = last.shear;
@@ -242,12 +284,14 @@ void SlidingDetector::arm() noexcept {
   compared_ = blocks_.blocks_in(options_.settled_blocks);
   held_normal_ = normal_of(0);
   suspicious_ = 0;
+  moved_ = moved_before_ = 0;
 }
 
 std::optional<Sliding> SlidingDetector::judge_loaded() noexcept {
   if (blocks_.size() < 2) return std::nullopt;
+  if (settled_normal_ == 0 && settled(options_.settled_normal)) take_reference();
   if (armed_) return judge_armed();
-  if (!settled()) return Sliding::disturbed;
+  if (!settled(options_.settled_fall)) return Sliding::disturbed;
   arm();
   return Sliding::none;
 }
@@ -262,7 +306,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
     return Sliding::disturbed;
   }
   if (slid) {
-    if (!settled()) return now_;
+    if (!settled(options_.settled_normal)) return now_;
     arm();
     return Sliding::none;
   }
@@ -270,6 +314,7 @@ std::optional<Sliding> SlidingDetector::judge_armed() noexcept {
   const Change change = change_since(compared_);
   const double moved = change.pattern - options_.pattern_per_log_normal * std::fabs(change.log_normal);
   const double limit = std::max(options_.sticking_pattern, noise_factor_ * pattern_noise_);
+  moved_before_ = std::exchange(moved_, std::max(0.0, moved / limit));
   suspicious_ = moved > limit ? suspicious_ + 1 : 0;
   if (suspicious_ >= options_.confirming_blocks || moved > 2 * limit) return kind_since(compared_);
   if (suspicious_ == 0) {

@@ -53,11 +53,23 @@ struct FieldCourse {
   std::uint32_t block = 0;
 };
 
+// What one finger's pattern shows of an object that others hold as well.
+struct PatternCourse {
+  // How far the pattern has moved in each of the last confirming_blocks, over what one finger alone takes for
+  // a slide: the least of them; >= 0.
+  double moved = 0;
+  // Change of the load, over P, in the time that the pattern is compared over: of the shear, >= 0; and of the
+  // torque over the contact's radius of gyration, positive from x to y.
+  double along = 0, torque = 0;
+};
+
 struct SlidingVerdict {
   // nullopt: this sensor, or this contact, cannot tell.
   std::optional<Sliding> sliding;
   // How long it has been so, s; 0 where it is not known.
   double for_s = 0;
+  // None until the contact has settled, and without a zero.
+  std::optional<PatternCourse> course = std::nullopt;
   FieldCourse field;
 };
 
@@ -78,6 +90,10 @@ struct SlidingOptions {
   // settle. Too large: closing counts as a hold.
   double settled_pattern = 0.04;
   double settled_normal = 0.05;
+  // P may fall by more, to this share: a grip that overshot relaxes. It is where a contact that grows as
+  // Hertz's does moves its pattern by settled_pattern: settled_pattern/pattern_per_log_normal; 0.02 … 0.3.
+  // Too small: a slide while the grip relaxes is missed. Too large: a gripper that opens counts as a hold.
+  double settled_fall = 0.1;
   // TV that a pattern moves by without sliding: rolling, the skin's own give; share, 0.02 … 0.2. Arms that
   // lift and swing an object held by 4 x 4 magnetic taxels reach 0.037. Too small: moved grasps slide. Too
   // large: slides are seen late.
@@ -132,12 +148,20 @@ class SlidingDetector {
   Change change_since(std::size_t ago) const noexcept;
   double normal_of(std::size_t ago) const noexcept;
   Sliding kind_since(std::size_t ago) const noexcept;
+  PatternCourse course_since(std::size_t ago) const noexcept;
   std::optional<Sliding> judge_loaded() noexcept;
   std::optional<Sliding> judge_armed() noexcept;
-  bool settled() const noexcept;
+  // most_fall: of P, from the blocks before to now, share.
+  bool settled(double most_fall) const noexcept;
   void arm() noexcept;
+  void take_reference() noexcept;
   void follow_field() noexcept;
   double coherence() const noexcept;
+  // Of the load: its sum, its middle and its radius of gyration.
+  struct Middle {
+    double normal = 0, x_m = 0, y_m = 0, radius_m = 0;
+  };
+  Middle middle_of(const float* block) const noexcept;
   double lever_m() const noexcept;
   // Of shear since the contact settled, less what pressing makes: summed over cells, and of its sum; over P.
   struct FieldChange {
@@ -159,10 +183,13 @@ class SlidingDetector {
   double pattern_noise_ = 0;  // mean TV of neighbouring blocks
   double shear_noise_ = 0;    // mean change of q/P of neighbouring blocks
   int suspicious_ = 0;        // blocks in a row
+  double moved_ = 0,
+         moved_before_ = 0;  // of the pattern, over its limit: in the newest block, and in the one before
   std::optional<Sliding> now_;
   std::int64_t since_ns_ = 0;
   std::vector<float> settled_;  // the block in which the contact settled
   double settled_normal_ = 0;   // its P; 0: there is none
+  std::optional<PatternCourse> course_;
   FieldCourse field_;
 };
 

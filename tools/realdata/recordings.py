@@ -1,5 +1,6 @@
 """Recordings as rows of forces, and through `sliplab replay`."""
 import csv
+import datetime
 import io
 import math
 import subprocess
@@ -68,6 +69,18 @@ def replayed(sliplab, scene, files, sensor=None):
     if done.returncode:
         sys.exit(done.stderr)
     return list(csv.DictReader(io.StringIO(done.stdout)))
+
+
+def today():
+    return datetime.date.today().strftime("%-d %B %Y")
+
+
+def commit():
+    """Of this tree; marked where what figures come from was changed since."""
+    git = ["git", "-C", str(SOURCE)]
+    name = subprocess.run([*git, "describe", "--always"], capture_output=True, text=True, check=True).stdout.strip()
+    same = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", "config", "core", "drivers", "tools"], check=False).returncode == 0
+    return name if same else f"{name} and changes"
 
 
 def number(text):

@@ -35,6 +35,9 @@ void print(const ReplayRun& run, const ReplaySummary& summary) {
             << " with alert slip";
   if (summary.first_slip_s) std::cerr << ", the first at " << *summary.first_slip_s << " s";
   std::cerr << '\n';
+  if (summary.repeated > 0)
+    std::cerr << "  " << summary.repeated
+              << " of the rows repeat the row before: they are no new measurement, and count for nothing\n";
 }
 
 void run_replay(const offline::Common& common, const CLI::App& command, const ReplayOptions& options) {

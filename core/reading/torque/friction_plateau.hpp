@@ -109,7 +109,7 @@ class FrictionPlateau {
   const FrictionPlateauOptions options_;
   double noise_normal_pa_ = 0, noise_shear_pa_ = 0, normal_pa_ = 0;
   const TorqueKernels& kernels_;
-  const bool rows_;                           // each run of taxels is of one row
+  const bool rows_;                     // each run of taxels is of one row
   std::size_t stored_ = 0, count_ = 0;  // values in the lists, taxels that count
   bool all_slipped_ = false;
   struct MeanSlope {

@@ -180,6 +180,63 @@ TEST(GraspTracker, KeepsItsAlertWhenAFingerFallsSilent) {
   EXPECT_EQ(judge.judge(members).alert, Alert::slip);
 }
 
+// Two fingers whose patterns have moved by these shares of what one alone takes for a slide.
+std::array<Estimate, 2> watched(double first_moved, double second_moved, double first_torque = 0,
+                                double second_torque = 0) {
+  std::array members{in_state(State::learning), in_state(State::learning)};
+  for (Estimate& member : members) {
+    member.sliding = Sliding::disturbed;
+    member.alert = Alert::none;
+  }
+  members[0].pattern = PatternCourse{.moved = first_moved, .along = 0.02, .torque = first_torque};
+  members[1].pattern = PatternCourse{.moved = second_moved, .along = 0.02, .torque = second_torque};
+  return members;
+}
+
+TEST(GraspTracker, SeesASlideThatAllFingersShowThoughNoneIsSureOfIt) {
+  GraspTracker judge({});
+  EXPECT_EQ(judge.judge(watched(0.6, 0.6)).sliding, Sliding::disturbed);
+  const Estimate now = judge.judge(watched(0.75, 0.8));
+  EXPECT_EQ(now.sliding, Sliding::translation);
+  EXPECT_EQ(now.alert, Alert::slip);
+  EXPECT_EQ(now.alert_cause, AlertCause::sliding);
+  EXPECT_EQ(judge.judge(watched(0.4, 0.5)).sliding, Sliding::translation) << "it does not flicker";
+  EXPECT_EQ(judge.judge(watched(0.2, 0.3)).sliding, Sliding::disturbed);
+  EXPECT_EQ(judge.judge(watched(0.6, 0.6)).sliding, Sliding::disturbed);
+}
+
+// The object is rigid: what slides over one finger moves over the other.
+TEST(GraspTracker, TakesOneFingersPatternForNoSlideOfTheObject) {
+  GraspTracker judge({});
+  EXPECT_EQ(judge.judge(watched(0.99, 0.1)).sliding, Sliding::disturbed);
+  std::array members = watched(0.9, 0.9);
+  members[1].pattern.reset();
+  EXPECT_EQ(judge.judge(members).sliding, Sliding::disturbed) << "it has no pattern to agree with";
+  members[1] = in_state(State::no_contact);
+  EXPECT_EQ(judge.judge(members).sliding, Sliding::disturbed) << "one finger alone";
+}
+
+TEST(GraspTracker, CallsItATurnWhereFacingFingersFeelOppositeTorques) {
+  GraspTracker turning({}), along({});
+  EXPECT_EQ(turning.judge(watched(0.9, 0.9, 0.06, -0.05)).sliding, Sliding::rotation);
+  EXPECT_EQ(along.judge(watched(0.9, 0.9, 0.06, 0.05)).sliding, Sliding::translation);
+}
+
+TEST(GraspTracker, SaysWhatItsFingersSayOfSliding) {
+  GraspTracker judge({});
+  std::array members = watched(0, 0);
+  members[0].sliding = members[1].sliding = Sliding::none;
+  members[0].published_ns = kMillisecond;
+  EXPECT_EQ(judge.judge(members).sliding, Sliding::none);
+  members[0].published_ns = 5 * kMillisecond;
+  EXPECT_NEAR(judge.judge(members).sliding_for_s.value(), 0.004, 1e-9);
+  members[1].sliding = Sliding::rotation;
+  members[1].pattern.reset();
+  EXPECT_EQ(judge.judge(members).sliding, Sliding::rotation) << "one that is sure is enough";
+  members[1].sliding.reset();
+  EXPECT_FALSE(judge.judge(members).sliding) << "one cannot tell";
+}
+
 TEST(GraspTracker, ForeseesTheSlipOfAMarginThatFalls) {
   GraspTracker judge({});
   for (int i = 0; i < 50; ++i) judge.judge(at(i * kMillisecond, 0.9 - 0.01 * i));

@@ -123,6 +123,17 @@ TEST(Sliding, IsNotTakenFromAGripThatOpens) {
   EXPECT_FALSE(seen.slid);
 }
 
+// The grip still relaxes by more than 5 % in 0.15 s when the object begins to slide.
+TEST(Sliding, IsSeenWhileTheGripStillRelaxes) {
+  Pad pad(4, 50);
+  const auto course = [](double t) {
+    const double relaxed = 0.75 + 0.25 * std::exp(-std::max(0.0, t - 0.3) / 0.25);
+    return Contact{.normal = 3 * relaxed * std::min(1.0, t / 0.3), .x_m = std::max(0.0, t - 0.6) * 0.006};
+  };
+  EXPECT_FALSE(watch(pad, 0.6, course).slid);
+  EXPECT_TRUE(watch(pad, 1.2, course).slid);
+}
+
 // Ten frames a second: each is a block of its own, and needs no later one to be complete.
 TEST(Sliding, OfASlowSensorIsSeenInTheFramesThatShowIt) {
   constexpr double kSlowHz = 10;

@@ -235,6 +235,14 @@ TEST_F(Replay, SaysThatThereAreNoRowsToTakeAZeroFrom) {
   }
 }
 
+TEST_F(Replay, CountsRowsThatRepeatTheOneBefore) {
+  const auto rows = pillar_rows(0.3);
+  std::vector<std::string> often;
+  for (const std::string& row : rows) often.insert(often.end(), 4, row);
+  EXPECT_EQ(summarize(run(csv_of(rows))).repeated, 0U);
+  EXPECT_EQ(summarize(run(csv_of(often))).repeated, 3 * rows.size());
+}
+
 TEST_F(Replay, GivesAGraspOfTheSceneRowsOfItsOwn) {
   const std::string finger =
       R"("driver": "replay", "rate_hz": 100, "layout": { "grid": [3, 3], "pitch_mm": 7 },

@@ -18,6 +18,23 @@ namespace {
 
 using namespace slipd;
 
+// The values of the row before.
+class LastValues {
+ public:
+  // Whether this frame has them all.
+  bool repeats(const Frame& frame) {
+    std::vector<float> now;
+    for (const auto& channel : {frame.normal_pa, frame.shear_x_pa, frame.shear_y_pa})
+      now.insert(now.end(), channel.begin(), channel.end());
+    const bool same = now == values_;
+    values_ = std::move(now);
+    return same;
+  }
+
+ private:
+  std::vector<float> values_;
+};
+
 ReplayRun play(const Settings& settings, const FileOfSensor& job) {
   FileFrames frames(settings, job);
   if (needs_model(frames.setup()))
@@ -25,6 +42,7 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
                             " needs a trained model: choose another estimator.method");
   EstimatorChain chain(frames.setup(), nullptr);
   ReplayRun run{.sensor = job.sensor, .file = job.file, .rows = {}, .fault = {}};
+  LastValues last;
   std::int64_t time_ns = 0;
   for (std::uint64_t row = 0;; ++row) {
     const FileFrames::Outcome outcome = frames.next();
@@ -39,6 +57,7 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
     }
     time_ns = frames.time_ns();
     out.estimate = chain.estimate(frames.frame());
+    run.repeated += last.repeats(frames.frame()) ? 1 : 0;
     out.time_s = static_cast<double>(time_ns) * 1e-9;
   }
   run.fault = frames.fault();

@@ -27,6 +27,8 @@ struct ReplayRun {
   // Of a grasp: empty.
   std::string file;
   std::vector<ReplayRow> rows;
+  // Rows whose values are all those of the row before: the device was asked more often than it measured.
+  std::size_t repeated = 0;
   // Where and why the file could not be read to its end; empty: it was.
   std::string fault;
   // Its number in the sweep over files and sensors; none: the run is of a grasp.

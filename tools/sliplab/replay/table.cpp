@@ -53,6 +53,7 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
 ReplaySummary summarize(const ReplayRun& run) {
   ReplaySummary summary;
   summary.rows = run.rows.size();
+  summary.repeated = run.repeated;
   for (const ReplayRow& row : run.rows) {
     const Estimate& e = row.estimate;
     summary.contact += in_contact(e) ? 1 : 0;
@@ -77,6 +78,7 @@ nlohmann::json to_json(const ReplaySummary& s) {
           {"slip_rows", s.slip_rows},
           {"sliding_rows", s.sliding_rows},
           {"disturbed_rows", s.disturbed_rows},
+          {"repeated_rows", s.repeated},
           {"first_slip_s", known(s.first_slip_s)},
           {"least_gamma", known(s.least_gamma)}};
 }

@@ -16,7 +16,8 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs);
 
 // Numbers of rows; times in s from the file's first row.
 struct ReplaySummary {
-  std::size_t rows = 0, contact = 0, with_margin = 0, slip_rows = 0, sliding_rows = 0, disturbed_rows = 0;
+  std::size_t rows = 0, contact = 0, with_margin = 0, slip_rows = 0, sliding_rows = 0, disturbed_rows = 0,
+              repeated = 0;
   std::optional<double> first_slip_s;
   std::optional<double> least_gamma;
 };
