@@ -79,7 +79,7 @@ TEST(Probe, FindsHidDevicesCanInterfacesAndSerialLines) {
   EXPECT_EQ(found[2]["device"], json({{"path", "/dev/ttyUSB0"}}));
   EXPECT_THAT(found[3]["profiles"], Contains("robotiq-ft300"));
   EXPECT_EQ(found[4]["name"], "Keyboard") << "what no profile matches comes last";
-  EXPECT_THAT(found[3]["profiles"], IsEmpty());
+  EXPECT_THAT(found[4]["profiles"], IsEmpty());
 }
 
 // The bytes that a device sends in `scans` scans of the pattern of the models' tests.
