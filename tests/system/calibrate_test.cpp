@@ -132,13 +132,13 @@ TEST_F(Calibrate, FindsTheFactorsOfAPadThatIsScaledWrongly) {
               HasSubstr("x is what now is y, y is what now is x"));
 }
 
-TEST_F(Calibrate, PrintsAGainWithWhichThePadReadsTheWeight) {
+TEST_F(Calibrate, PrintsAScaleWithWhichThePadReadsTheWeight) {
   step("zero", {0, 0, 0}, {});
   const Ran last = step("normal", {0, 0, 2 * kGravityOfHundredGrams}, {});
   std::smatch line;
-  ASSERT_TRUE(std::regex_search(last.output, line, std::regex("\"gain\": ([0-9.]+)"))) << last.output;
+  ASSERT_TRUE(std::regex_search(last.output, line, std::regex("\"scale\": ([0-9.]+)"))) << last.output;
   json config = json::parse(std::ifstream(daemon_.config()));
-  config["sensors"][0]["gain"] = std::stod(line[1]);
+  config["sensors"][0]["options"]["scale"] = std::stod(line[1]);
   std::ofstream(daemon_.config()) << config.dump();
   daemon_.program().signal(SIGHUP);
   RpcClient client = daemon_.client();
@@ -169,10 +169,10 @@ TEST_F(Calibrate, AsksAPersonForEachStep) {
   pad_.carry({0, 0, 2 * kGravityOfHundredGrams});
   ASSERT_EQ(::write(enter.get(), "\n", 1), 1);
   EXPECT_EQ(asking.wait(), 0) << asking.errors();
-  std::smatch gain;
+  std::smatch scale;
   const std::string said = asking.output();
-  ASSERT_TRUE(std::regex_search(said, gain, std::regex("\"gain\": ([0-9.]+)"))) << said;
-  EXPECT_NEAR(std::stod(gain[1]), 2, 0.1) << "one frame of a hundred may be older than the weight";
+  ASSERT_TRUE(std::regex_search(said, scale, std::regex("\"scale\": ([0-9.]+)"))) << said;
+  EXPECT_NEAR(std::stod(scale[1]), 2, 0.1) << "one frame of a hundred may be older than the weight";
 }
 
 TEST_F(Calibrate, SaysWhatIsWrong) {

@@ -196,15 +196,16 @@ TEST(Calibration, RefusesPullsOfASensorWithoutShear) {
 std::string report_of(const std::string& driver, const WrongSensor::ReadForce& wrong) {
   WrongSensor sensor(
       wrong, [](auto at) { return at; }, 1e-6);
-  return report({"left", driver, kPad}, kWeights, scales_of(kPad, kWeights, sensor.all()));
+  return report({"left", driver, kPad, true}, kWeights, scales_of(kPad, kWeights, sensor.all()));
 }
 
 TEST(CalibrationReport, GivesEachLineAPlaceThatExists) {
   const auto twice = [](const Force& f) { return Force{2 * f[0], 2 * f[1], 2 * f[2]}; };
   const auto uneven = [](const Force& f) { return Force{f[0] / 2, f[1] / 4, f[2]}; };
   const auto turned = [](const Force& f) { return Force{-f[1], f[0], f[2]}; };
-  for (const char* driver : {"can", "push", "sim"})
+  for (const char* driver : {"can", "sim"})
     EXPECT_THAT(report_of(driver, twice), AllOf(HasSubstr("\"gain\": 0.5\n"), Not(HasSubstr("scale\":"))));
+  EXPECT_THAT(report_of("push", twice), HasSubstr("\"options\": { \"scale\": 0.5 }"));
   EXPECT_THAT(report_of("push", uneven), HasSubstr("\"options\": { \"scale\": [2, 4, 1] }"));
   EXPECT_THAT(report_of("can", uneven),
               AllOf(HasSubstr("\"axis\": \"x\": times 2\n"), HasSubstr("\"axis\": \"y\": times 4\n"),
@@ -216,11 +217,19 @@ TEST(CalibrationReport, GivesEachLineAPlaceThatExists) {
   EXPECT_THAT(report_of("sim", uneven), HasSubstr("no key for that"));
 }
 
+TEST(CalibrationReport, GivesNoGainToValuesThatAreNotCalibrated) {
+  WrongSensor sensor([](const Force& f) { return Force{2 * f[0], 2 * f[1], 2 * f[2]}; });
+  const Scales scales = scales_of(kPad, kWeights, sensor.all());
+  EXPECT_THAT(report({"left", "can", kPad, false}, kWeights, scales),
+              AllOf(Not(HasSubstr("\"gain\"")), HasSubstr("\"axis\": \"z\": times 0."),
+                    HasSubstr("\"calibrated\": false"), HasSubstr("the zero")));
+}
+
 TEST(CalibrationReport, SaysWhatItCouldNotKnow) {
   WrongSensor sensor([](const Force& f) { return f; });
   Readings readings = sensor.all();
   for (const Step step : {Step::shear_x, Step::shear_y, Step::corner, Step::corner_x}) readings.erase(step);
-  const std::string text = report({"left", "push", kPad}, {2, 0}, scales_of(kPad, {2, 0}, readings));
+  const std::string text = report({"left", "push", kPad, true}, {2, 0}, scales_of(kPad, {2, 0}, readings));
   EXPECT_THAT(text, AllOf(HasSubstr("no weight pulled"), HasSubstr("--corner tells"), HasSubstr("how true")));
 }
 

@@ -93,7 +93,7 @@ class Scale {
       if (name != options.sensor) continue;
       driver_ = sensor.at("driver");
       if (!sensor.value("connected", false) || !sensor.value("receiving", true))
-        throw ClientError(name + " sends no frames: slipctl status says why");
+        throw ClientError(name + " sends no frames that can be used: slipctl status says why");
     }
     if (driver_.empty())
       throw ClientError("there is no sensor " + options.sensor + "; slipd has " +
@@ -102,14 +102,15 @@ class Scale {
 
   const std::string& driver() const { return driver_; }
 
-  // Records the sensor for the time of one step. `pad`: set to what the recording says.
-  Reading read(Pad& pad) {
+  // Records the sensor for the time of one step. `subject`: what the recording says of it is set.
+  Reading read(Subject& subject) {
     const UniqueFd file(::memfd_create("calibration", MFD_CLOEXEC));
     if (!file) throw ClientError("no memory for the frames of a step");
     client_.record(options_.sensor, options_.seconds, file.get());
     slipd::RecordingReader reader("/proc/self/fd/" + std::to_string(file.get()));
     const slipd::TaxelLayout& layout = reader.header().layout;
-    pad = pad_of(reader.header());
+    subject.pad = pad_of(reader.header());
+    subject.zeroed = reader.header().zeroed;
     std::vector<float> normal(layout.size()), x(layout.size()), y(layout.size());
     slipd::FrameSlot frame;
     frame.normal_pa = normal;
@@ -195,14 +196,15 @@ void refuse_what_it_cannot(const Pad& pad, const CalibrateOptions& options) {
 }
 
 // Reads a step when the person has pressed Enter, again until it can be used.
-Reading ask_for(Step step, Scale& scale, const CalibrateOptions& options, Pad& pad, const Readings& before) {
+Reading ask_for(Step step, Scale& scale, const CalibrateOptions& options, Subject& subject,
+                const Readings& before) {
   for (;;) {
     std::cerr << instruction(step, options) << " Then press Enter: " << std::flush;
     if (std::string line; !std::getline(std::cin, line))
       throw ClientError("the input ended before step " + std::string(to_string(step)) +
                         "; in scripts use --step and --file");
     std::cerr << "reading for " << options.seconds << " s ..." << std::endl;
-    const Reading reading = scale.read(pad);
+    const Reading reading = scale.read(subject);
     const auto zero = before.find(Step::zero);
     const std::string trouble = zero == before.end() ? "" : trouble_of(step, zero->second, reading);
     if (trouble.empty()) return reading;
@@ -211,11 +213,11 @@ Reading ask_for(Step step, Scale& scale, const CalibrateOptions& options, Pad& p
 }
 
 void lead(const CommonOptions& common, const CalibrateOptions& options, Scale& scale) {
-  Subject subject{options.sensor, scale.driver(), {}};
+  Subject subject{.sensor = options.sensor, .driver = scale.driver(), .pad = {}};
   Readings readings;
   for (const Step step : kSteps) {
     if (!is_wanted(step, options)) continue;
-    readings[step] = ask_for(step, scale, options, subject.pad, readings);
+    readings[step] = ask_for(step, scale, options, subject, readings);
     refuse_what_it_cannot(subject.pad, options);
   }
   print(common, subject, options, readings);
@@ -223,10 +225,10 @@ void lead(const CommonOptions& common, const CalibrateOptions& options, Scale& s
 
 // One step for a script; with the last one the result.
 void one_step(const CommonOptions& common, const CalibrateOptions& options, Scale& scale) {
-  Subject subject{options.sensor, scale.driver(), {}};
+  Subject subject{.sensor = options.sensor, .driver = scale.driver(), .pad = {}};
   StepFile file(options.file, options.sensor);
   const Step step = step_of(options.step).value();
-  const Reading reading = scale.read(subject.pad);
+  const Reading reading = scale.read(subject);
   refuse_what_it_cannot(subject.pad, options);
   if (const auto zero = file.readings().find(Step::zero);
       step != Step::zero && zero != file.readings().end()) {

@@ -86,52 +86,52 @@ void axes_line(std::string& text, const Scales& scales) {
       line.c_str());
 }
 
-void profile_lines(std::string& text, const Scales& scales) {
-  const auto common = scales.common();
+// Values that are no forces yet become such by the profile alone: no gain makes them calibrated.
+void profile_lines(std::string& text, const Subject& subject, const Scales& scales) {
   if (!scales.axes_in_place() || !scales.signs_right()) axes_line(text, scales);
-  if (common) return gain_line(text, *common);
+  const auto common = scales.common();
+  if (common && subject.zeroed) return gain_line(text, *common);
   text +=
       "In the profile, scale_pa or scale_n of the fields (device's axes, as if the profile has no axes "
       "now):\n";
-  for (const auto& [axis, scale] : measured(scales)) {
+  for (const auto& [axis, scale] : measured(scales))
     add(text, "  \"axis\": \"%s\": times %.4g\n", kDeviceNames[scale.read_on], std::fabs(scale.factor));
+  if (!subject.zeroed) text += "  If the profile has \"calibrated\": false, take that out.\n";
+}
+
+void exchange_line(std::string& text, const std::string& driver, const Scales& scales) {
+  std::string parts;
+  for (const auto& [axis, scale] : measured(scales)) {
+    if (scale.read_on == axis) continue;
+    add(parts, "%s%s is what now is %s", parts.empty() ? "" : ", ", kDeviceNames[axis],
+        kDeviceNames[scale.read_on]);
   }
+  if (!parts.empty())
+    add(text, "%s, first: %s.\n", driver == "push" ? "In the program that sends" : "In the file",
+        parts.c_str());
 }
 
 void option_lines(std::string& text, const std::string& driver, const Scales& scales) {
-  if (!scales.axes_in_place()) {
-    const char* const where = driver == "push" ? "In the program that sends, first" : "In the file, first";
-    add(text, "%s: ", where);
-    std::string parts;
-    for (const auto& [axis, scale] : measured(scales)) {
-      if (scale.read_on == axis) continue;
-      add(parts, "%s%s is what now is %s", parts.empty() ? "" : ", ", kDeviceNames[axis],
-          kDeviceNames[scale.read_on]);
-    }
-    text += parts + ".\n";
-  }
+  exchange_line(text, driver, scales);
+  text +=
+      "In the configuration, at this sensor (times the scale that stands there now, 1 if there is none):\n";
   const auto common = scales.common();
-  if (common && scales.signs_right()) return gain_line(text, *common);
-  if (!scales.x || !scales.y) {
-    text += "Multiply in the configuration, at this sensor, the last value of options.scale ([x, y, z]):\n";
-    add(text, "  times %.4g\n", scales.normal.factor);
-    return;
+  if (common && (scales.signs_right() || !scales.x)) {
+    add(text, "  \"options\": { \"scale\": %.4g }\n", std::copysign(common->factor, scales.normal.factor));
+  } else {
+    add(text, "  \"options\": { \"scale\": [%.4g, %.4g, %.4g] }\n", scales.x->factor, scales.y->factor,
+        scales.normal.factor);
   }
-  add(text,
-      "In the configuration, at this sensor (times the scale that stands there now, value by value):\n"
-      "  \"options\": { \"scale\": [%.4g, %.4g, %.4g] }\n",
-      scales.x->factor, scales.y->factor, scales.normal.factor);
 }
 
 void scale_lines(std::string& text, const Subject& subject, const Scales& scales) {
-  if (is_profile_driver(subject.driver)) return profile_lines(text, scales);
+  if (is_profile_driver(subject.driver)) return profile_lines(text, subject, scales);
   if (has_scale_option(subject.driver)) return option_lines(text, subject.driver, scales);
   const auto common = scales.common();
   if (common && scales.axes_in_place() && scales.signs_right()) return gain_line(text, *common);
   add(text,
       "The configuration has no key for that: gain multiplies all axes alike. Correct the driver %s by the "
-      "factors "
-      "above.\n",
+      "factors above.\n",
       subject.driver.c_str());
 }
 
@@ -159,10 +159,14 @@ void layout_lines(std::string& text, const LayoutChange& change) {
 
 void unknown(std::string& text, const Subject& subject, const Weights& weights, const Scales& scales) {
   text += "Not known:\n";
+  if (!subject.zeroed)
+    text += "  the zero: slipd has none of this sensor, and tells no margin before slipctl rebias\n";
   if (!subject.pad.has_shear()) {
     text += "  shear: this sensor measures none, and slipd tells no margin of it\n";
   } else if (!scales.x) {
-    text += "  scale, signs and axes of shear: no weight pulled (--shear). gain multiplies shear, too\n";
+    text +=
+        "  scale, signs and axes of shear: no weight pulled (--shear), and one factor multiplies shear, "
+        "too\n";
   } else {
     text +=
         "  whether the weight pulled exactly along x and y: 6 degrees beside them are 0.5 % of the factor\n";

@@ -13,6 +13,7 @@ struct Subject {
   std::string sensor;  // its name
   std::string driver;  // which decides where scales are written
   Pad pad;
+  bool zeroed = true;  // whether slipd knows its zero; never of one that is not calibrated
 };
 
 // Factors with standard deviations, what is wrong, the lines to write and where, and what is not known.
