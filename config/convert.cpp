@@ -16,7 +16,8 @@ constexpr std::size_t kMostOnCan = 31;
 // Converts section by section and collects problems.
 class Converter {
  public:
-  Converter(const json& root, std::vector<Problem>& problems) : root_(root), problems_(problems) {}
+  Converter(const json& root, const json& written, std::vector<Problem>& problems)
+      : root_(root), written_(written), problems_(problems) {}
 
   Settings settings() {
     Settings s;
@@ -44,7 +45,7 @@ class Converter {
 
   void sensors(Settings& s) {
     const json& list = root_["sensors"];
-    s.sensors = convert_sensors(list, problems_);
+    s.sensors = convert_sensors(list, written_["sensors"], problems_);
     if (root_.contains("can") && list.size() > kMostOnCan) {
       add("/sensors", list,
           "has " + std::to_string(list.size()) + " sensors; expected up to 31, more do not go on CAN");
@@ -226,6 +227,7 @@ class Converter {
   }
 
   const json& root_;
+  const json& written_;  // root_ before defaults were filled in
   std::vector<Problem>& problems_;
 };
 
@@ -258,8 +260,8 @@ void check_names_differ(const json& list, const std::string& at, std::vector<Pro
   }
 }
 
-Settings convert(const json& root, std::vector<Problem>& problems) {
-  return Converter(root, problems).settings();
+Settings convert(const json& root, const json& written, std::vector<Problem>& problems) {
+  return Converter(root, written, problems).settings();
 }
 
 }  // namespace slipd

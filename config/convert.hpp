@@ -31,9 +31,10 @@ void check_names_differ(const nlohmann::json& list, const std::string& at, std::
 
 // Converts `root`, an object that check() has seen and in which it found `problems`. Sections with a problem
 // are skipped; the others are converted and checked further, so that all problems are reported at once.
-// Appends to `problems`.
-Settings convert(const nlohmann::json& root, std::vector<Problem>& problems);
+// Appends to `problems`. `written`: the same before check() filled in defaults.
+Settings convert(const nlohmann::json& root, const nlohmann::json& written, std::vector<Problem>& problems);
 // The same for the list of sensors.
-std::vector<SensorSettings> convert_sensors(const nlohmann::json& list, std::vector<Problem>& problems);
+std::vector<SensorSettings> convert_sensors(const nlohmann::json& list, const nlohmann::json& written,
+                                            std::vector<Problem>& problems);
 
 }  // namespace slipd

@@ -17,7 +17,8 @@ constexpr double kPascalPerKilopascal = 1e3;
 
 class SensorConverter {
  public:
-  explicit SensorConverter(std::vector<Problem>& problems) : found_(problems), problems_(problems) {}
+  SensorConverter(const json& written, std::vector<Problem>& problems)
+      : written_(written), found_(problems), problems_(problems) {}
 
   std::vector<SensorSettings> sensors(const json& list) {
     std::vector<SensorSettings> converted;
@@ -27,6 +28,7 @@ class SensorConverter {
       const std::string at = pointer_to("/sensors", i);
       if (has_problem_at(found_, at)) continue;
       converted.push_back(sensor(list[i], at));
+      if (list[i].contains("skin")) converted.back().skin_keys = keys_of(written_[i]["skin"]);
       distinguishable(list, well_formed, i);
       well_formed.push_back(i);
     }
@@ -77,12 +79,8 @@ class SensorConverter {
       s.full_scale = FullScale{pa(0), pa(1), pa(2)};
     }
     if (in.contains("skin")) skin(in["skin"], at + "/skin", s);
-    if (in.contains("profile")) {
-      for (const char* key : {"layout", "skin"}) {
-        if (in.contains(key))
-          add(pointer_to(at, key), in[key], "the profile brings its own; expected only one of the two");
-      }
-    }
+    if (in.contains("profile") && in.contains("layout"))
+      add(at + "/layout", in["layout"], "the profile brings its own; expected only one of the two");
     stale_after(in, at, s);
     return s;
   }
@@ -160,6 +158,14 @@ class SensorConverter {
     setup.skin_base = in["base"] == "rigid" ? SkinBase::rigid : SkinBase::half_space;
   }
 
+  static SkinKeys keys_of(const json& skin) {
+    return {.radius = skin.contains("radius_mm"),
+            .modulus = skin.contains("modulus_mpa"),
+            .poisson = skin.contains("poisson"),
+            .depth = skin.contains("depth_mm"),
+            .base = skin.contains("base")};
+  }
+
   // A range is as wide as the search: three standard deviations on either side of its geometric mean.
   void depth(const json& in, const std::string& at, SensorSettings& s) {
     if (in.is_number()) {
@@ -189,14 +195,16 @@ class SensorConverter {
             std::to_string(std::llround(std::ceil(frame_ms))) + " ms");
   }
 
+  const json& written_;               // the list before defaults were filled in
   const std::vector<Problem> found_;  // found by the schema, before this conversion
   std::vector<Problem>& problems_;
 };
 
 }  // namespace
 
-std::vector<SensorSettings> convert_sensors(const json& list, std::vector<Problem>& problems) {
-  return SensorConverter(problems).sensors(list);
+std::vector<SensorSettings> convert_sensors(const json& list, const json& written,
+                                            std::vector<Problem>& problems) {
+  return SensorConverter(written, problems).sensors(list);
 }
 
 }  // namespace slipd

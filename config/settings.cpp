@@ -57,10 +57,18 @@ void check_drivers(json& root, DriverCatalogue& drivers, std::vector<Problem>& p
 
 }  // namespace
 
-Scene Settings::scene_of(const SensorSettings& sensor) const {
+Scene Settings::scene_of(const SensorSettings& sensor, const std::optional<SkinInfo>& of_device) const {
   const SensorSetup& setup = sensor.setup;
-  return {{setup.skin_radius_m, setup.skin_modulus_pa, setup.skin_poisson, setup.skin_depth_m,
-           sensor.skin_depth_sigma, setup.skin_base},
+  const SkinInfo configured{setup.skin_radius_m, setup.skin_modulus_pa, setup.skin_poisson,
+                            setup.skin_depth_m, setup.skin_base};
+  const SkinKeys& written = sensor.skin_keys;
+  const SkinInfo& other = of_device ? *of_device : configured;
+  return {{.radius_m = written.radius ? configured.radius_m : other.radius_m,
+           .modulus_pa = written.modulus ? configured.modulus_pa : other.modulus_pa,
+           .poisson = written.poisson ? configured.poisson : other.poisson,
+           .depth_m = written.depth ? configured.depth_m : other.depth_m,
+           .depth_sigma = sensor.skin_depth_sigma,
+           .base = written.base ? configured.base : other.base},
           objects,
           offset_m,
           noise};
@@ -74,12 +82,13 @@ Settings parse_settings(const std::string& text, const std::string& name, Driver
     throw SettingsError({e.located_in(name)});
   }
   static const json kSchema = parse_json_text(slipd_config_schema);
+  const json written = root;
   std::vector<Problem> problems = check(kSchema, root);
   Settings settings;
   const bool all_seen = problems.size() < kMostProblems;
   if (root.is_object() && all_seen) {
     check_drivers(root, drivers, problems);
-    settings = convert(root, problems);
+    settings = convert(root, written, problems);
   }
   if (problems.empty()) return settings;
   std::vector<std::string> lines;

@@ -18,6 +18,16 @@
 
 namespace slipd {
 
+// Which keys of `skin` the configuration has. These are used instead of the device's own.
+struct SkinKeys {
+  bool radius = false;
+  bool modulus = false;
+  bool poisson = false;
+  bool depth = false;
+  bool base = false;
+  bool operator==(const SkinKeys&) const = default;
+};
+
 // One sensor.
 struct SensorSettings {
   // What its driver gets.
@@ -30,6 +40,8 @@ struct SensorSettings {
   bool stale_after_configured = false;
   // Of the log of setup.skin_depth_m, standard deviation; see Skin.
   double skin_depth_sigma = kUsualDepthSigma;
+  // Which of setup.skin_… the configuration has; the others are defaults.
+  SkinKeys skin_keys = {};
   // Coefficient of friction, a value or a range within 0.01 to 10; none: as the expected objects have it.
   std::optional<KnownFriction> friction;
   // The largest values that its taxels can read, Pa; none: those of its class.
@@ -137,8 +149,9 @@ struct Settings {
   // trace, debug, info, warning or error.
   std::string log_level = "info";
 
-  // The scene of one sensor: its skin and what all sensors share.
-  Scene scene_of(const SensorSettings& sensor) const;
+  // The scene of one sensor: its skin and what all sensors share. `of_device`: the skin that the device
+  // defines, such as by its profile; the configuration's keys replace its values. None: as configured.
+  Scene scene_of(const SensorSettings& sensor, const std::optional<SkinInfo>& of_device = {}) const;
 };
 
 // Finds drivers by name. The daemon implements it with loadable modules, tests without. Called from one

@@ -86,16 +86,9 @@ void EstimatorFactory::make(const Job& job) {
 }
 
 const EstimatorInstance& EstimatorFactory::build(const Job& job, SensorRuntime& runtime) {
-  Scene scene = settings_.scene_of(runtime.settings);
-  if (const auto& skin = job.feed->info.skin)
-    scene.skin = {.radius_m = skin->radius_m,
-                  .modulus_pa = skin->modulus_pa,
-                  .poisson = skin->poisson,
-                  .depth_m = skin->depth_m,
-                  .base = skin->base};
   const ChainSetup setup{.layout = job.feed->info.layout,
                          .sensor_class = job.feed->info.sensor_class,
-                         .scene = scene,
+                         .scene = settings_.scene_of(runtime.settings, job.feed->info.skin),
                          .estimator = settings_.estimator,
                          .alerts = settings_.alerts,
                          .friction = runtime.settings.friction,

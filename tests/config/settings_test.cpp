@@ -281,12 +281,33 @@ TEST(Settings, WantOneWayOfSayingWhereTheTaxelsAre) {
               ElementsAre(HasSubstr("has 16777216 taxels; expected up to")));
 }
 
-TEST(Settings, WantAProfileInsteadOfLayoutAndSkin) {
+TEST(Settings, WantAProfileInsteadOfALayout) {
   json document = with("/sensors/0/profile", "xela-xr1944");
-  document["sensors"][0]["skin"] = json::object();
   document["sensors"][0]["layout"] = {{"grid", {2, 2}}, {"pitch_mm", 1}};
-  EXPECT_THAT(problems_of(document),
-              ElementsAre(HasSubstr("/sensors/0/layout = "), HasSubstr("/sensors/0/skin = ")));
+  EXPECT_THAT(problems_of(document), ElementsAre(HasSubstr("/sensors/0/layout = ")));
+}
+
+TEST(Settings, ReplaceTheSkinOfAProfileKeyByKey) {
+  const SkinInfo of_profile{0.02, 1e6, 0.4, 0.003, SkinBase::rigid};
+  const auto skin_with = [&](const json& written) {
+    json document = with("/sensors/0/profile", "xela-xr1944");
+    if (!written.is_null()) document["sensors"][0]["skin"] = written;
+    const Settings settings = parse(document);
+    return settings.scene_of(settings.sensors.at(0), of_profile).skin;
+  };
+  const Skin own{0.02, 1e6, 0.4, 0.003, kUsualDepthSigma, SkinBase::rigid};
+  EXPECT_EQ(skin_with(nullptr), own);
+  EXPECT_EQ(skin_with(json::object()), own);
+  Skin deep = own;
+  deep.depth_m = 0.0015;
+  EXPECT_EQ(skin_with({{"depth_mm", 1.5}}), deep) << "the line that sliplab skin prints";
+  EXPECT_EQ(skin_with({{"radius_mm", "flat"},
+                       {"modulus_mpa", 0.5},
+                       {"poisson", 0.45},
+                       {"depth_mm", {1, 1}},
+                       {"base", "half_space"}}),
+            (Skin{std::numeric_limits<double>::infinity(), 0.5e6, 0.45, 0.001, 0, SkinBase::half_space}))
+      << "also where a value is the default of a sensor without a profile";
 }
 
 TEST(Settings, WantRangesThatRiseAndThresholdsInOrder) {

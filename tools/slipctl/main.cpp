@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "schema/schema.hpp"
+#include "tools/slipctl/calibrate.hpp"
 #include "tools/slipctl/client.hpp"
 #include "tools/slipctl/commands.hpp"
 #include "tools/slipctl/decode.hpp"
@@ -25,6 +26,7 @@ struct Choices {
   std::string sensor;
   RecordOptions record;
   WatchOptions watch;
+  CalibrateOptions calibrate;
   bool force = false;
   DecodeOptions decode;
   PlotOptions plot;
@@ -70,6 +72,39 @@ void add_record(CLI::App& app, Choices& choices) {
   command->add_option("--out", choices.record.out, "the file, which must not exist yet")->required();
   command->add_flag("--force", choices.record.force, "overwrite an existing file");
   command->callback([&] { record(choices.common, choices.record); });
+}
+
+void add_calibrate(CLI::App& app, Choices& choices) {
+  CalibrateOptions& calibrating = choices.calibrate;
+  CLI::App* command =
+      app.add_subcommand("calibrate", "find a sensor's scales, signs and axes with known weights");
+  const auto weight = [&](const char* option, double& force_n, const char* help) {
+    return command->add_option_function<std::string>(
+        option,
+        [option, &force_n](const std::string& text) {
+          try {
+            force_n = force_of(text);
+          } catch (const std::invalid_argument& wrong) {
+            throw CLI::ValidationError(option, wrong.what());
+          }
+        },
+        help);
+  };
+  command->add_option("sensor", calibrating.sensor)->required();
+  weight("--normal", calibrating.normal_n, "the weight that rests on the sensor, such as 200g")->required();
+  weight("--shear", calibrating.shear_n, "the weight that pulls along +x and +y; default: none does");
+  command->add_option("--seconds", calibrating.seconds, "of stillness that are read in each step")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  command->add_flag("--corner", calibrating.corner,
+                    "put the weight on two corners, too, to check the layout");
+  CLI::Option* step =
+      command->add_option("--step", calibrating.step, "only this step, without questions")
+          ->check(CLI::IsMember({"zero", "normal", "shear-x", "shear-y", "corner", "corner-x"}));
+  CLI::Option* file = command->add_option("--file", calibrating.file, "keeps what the steps have read");
+  step->needs(file);
+  file->needs(step);
+  command->callback([&] { calibrate(choices.common, calibrating); });
 }
 
 void add_plot(CLI::App& app, Choices& choices) {
@@ -197,6 +232,7 @@ int main(int argc, char** argv) try {
   app.require_subcommand(0, 1);
   add_questions(app, choices);
   add_record(app, choices);
+  add_calibrate(app, choices);
   add_plot(app, choices);
   add_export(app, choices);
   add_watch(app, choices);

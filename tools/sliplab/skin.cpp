@@ -1,6 +1,7 @@
 // `sliplab skin`: how deep a sensor's taxels lie under its skin, by recordings of presses; and whether its
 // shear has the signs and the order of its layout.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -31,6 +32,7 @@ struct SkinReport {
   std::string sensor;
   std::optional<SkinDepth> depth;
   SkinBase base = SkinBase::half_space;  // of the scene
+  bool flat = false;                     // skin.radius_mm of the scene
   // The depth with the other base, if presses show that this is the true one.
   std::optional<SkinDepth> with_other_base = {};
   ShearOrder order;
@@ -84,6 +86,7 @@ SkinReport measure(const Settings& settings, const std::string& sensor,
   if (!advice_on(out.order.verdict()).empty()) return out;
   Skin skin = setup->scene.skin;
   out.base = skin.base;
+  out.flat = std::isinf(skin.radius_m);
   const auto depth_on = [&](SkinBase base) {
     skin.base = base;
     return skin_depth(setup->layout, expected_friction(setup->scene), presses, skin.bonded_poisson());
@@ -119,7 +122,13 @@ void print(const SkinReport& report) {
   }
   if (depth.gain_spread)
     std::printf("  gains differ by %.1f %% (one standard deviation)\n", 100 * *depth.gain_spread);
-  std::printf("  write into the scene: \"skin\": { \"depth_mm\": %.3g }\n", kMm * depth.depth_m);
+  std::printf("  write into the scene, at this sensor: \"skin\": { \"depth_mm\": %.3g }\n",
+              kMm * depth.depth_m);
+  if (report.flat)
+    std::printf(
+        "  The skin is flat, and there the depth has no effect. If the surface is curved, give "
+        "skin.radius_mm, "
+        "too.\n");
   if (report.with_other_base)
     std::printf("  but with skin.base \"%s\" and depth_mm %.3g the presses are much more likely\n",
                 offline::name_of(other_than(report.base)), kMm * report.with_other_base->depth_m);

@@ -356,12 +356,12 @@ void FewTaxelsSubsurfaceFit::read(const ContactPatch& /*patch*/, const Minimum& 
 
 std::unique_ptr<SubsurfaceFit> make_subsurface_fit(const TaxelLayout& layout, Range friction_expected,
                                                    const Skin& skin, const FitOptions& options) {
-  const auto make = [&]<class FitOf>() -> std::unique_ptr<SubsurfaceFit> {
-    return std::make_unique<FitOf>(layout, friction_expected, skin.depth_m, options, SubsurfaceFitOptions{},
-                                   skin.depth_sigma, skin.bonded_poisson());
-  };
-  if (layout.size() <= kFewTaxels) return make.operator()<FewTaxelsSubsurfaceFit>();
-  return make.operator()<SubsurfaceFit>();
+  if (layout.size() <= kFewTaxels)
+    return std::make_unique<FewTaxelsSubsurfaceFit>(layout, friction_expected, skin.depth_m, options,
+                                                    SubsurfaceFitOptions{}, skin.depth_sigma,
+                                                    skin.bonded_poisson());
+  return std::make_unique<SubsurfaceFit>(layout, friction_expected, skin.depth_m, options,
+                                         SubsurfaceFitOptions{}, skin.depth_sigma, skin.bonded_poisson());
 }
 
 }  // namespace slipd

@@ -6,8 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
 #include <set>
 
+#include "core/contact/imprint.hpp"
+#include "tests/support/synthetic.hpp"
 #include "tests/tools/run_program.hpp"
 #include "tests/tools/sample_recording.hpp"
 
@@ -15,6 +19,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 class Sliplab : public ::testing::Test {
@@ -73,6 +78,54 @@ TEST_F(Sliplab, TrainsOnceAndThenFindsTheModel) {
   EXPECT_EQ(third.exit_code, 0);
   EXPECT_THAT(third.err, HasSubstr("damaged"));
   EXPECT_EQ(run(words).err, "");
+}
+
+// Presses with something round on a pad of 8 x 8 taxels, as profile vendor-hid-8x8 has it.
+void write_presses(const fs::path& file, double depth_m) {
+  using namespace slipd;
+  const TaxelLayout layout = TaxelLayout::grid(8, 8, 0.002);
+  contact::ImprintSheet sheet(layout, {.depth_m = depth_m, .bonded_poisson = std::nullopt});
+  const UniqueFd fd(::open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600));
+  RecordingWriter writer(fd.get(), {.sensor = "left", .layout = layout, .rate_hz = 100, .description = {}});
+  std::vector<float> normal(64), x(64), y(64);
+  FrameSlot slot;
+  slot.normal_pa = normal;
+  slot.shear_x_pa = x;
+  slot.shear_y_pa = y;
+  std::mt19937_64 random(3);
+  std::normal_distribution<float> noise(0, 100);
+  for (int i = 0; i < 12; ++i) {
+    contact::LoadHistory contact(synthetic::paper_pair());
+    contact.move_to(6, 0, 0.5);
+    contact.move_to(6, 0.5, 0.5);
+    sheet.feel(contact, 0.0005 * (i % 3), 0.0005 * (i % 4), 0.5 * i, normal, x, y);
+    for (auto* channel : {&normal, &x, &y})
+      for (float& value : *channel) value += noise(random);
+    slot.sequence = static_cast<std::uint64_t>(i);
+    slot.time_ns = 10'000'000LL * (i + 1);
+    ASSERT_FALSE(writer.append(slot));
+  }
+}
+
+TEST_F(Sliplab, PrintsASkinThatTheConfigurationTakesBesideAProfile) {
+  write_presses(folder_ / "presses.rec", 0.002);
+  const auto configured = [&](const std::string& more) {
+    return write(
+        "scene.json",
+        R"({ "sensors": [ { "name": "left", "driver": "hid", "profile": "vendor-hid-8x8")" + more + " } ] }");
+  };
+  const auto found = run({"skin", "--scene", configured(""), folder_ / "presses.rec"});
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  std::smatch line;
+  ASSERT_TRUE(std::regex_search(found.out, line, std::regex(R"(: ("skin": \{ "depth_mm": ([0-9.]+) \}))")))
+      << found.out;
+  EXPECT_NEAR(std::stod(line[2]), 2, 0.3);
+  EXPECT_THAT(found.out, HasSubstr("no effect")) << "the profile's skin is flat";
+  const auto taken = run({"skin", "--scene", configured(", " + line[1].str()), folder_ / "presses.rec"});
+  EXPECT_EQ(taken.exit_code, 0) << taken.err;
+  const auto curved =
+      run({"skin", "--scene", configured(R"(, "skin": { "radius_mm": 10 })"), folder_ / "presses.rec"});
+  EXPECT_THAT(curved.out, Not(HasSubstr("no effect"))) << curved.err;
 }
 
 TEST_F(Sliplab, WrongUseEndsWithTwo) {

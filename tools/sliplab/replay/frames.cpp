@@ -9,6 +9,7 @@
 #include "config/settings.hpp"
 #include "core/zero/bias_estimator.hpp"
 #include "core/zero/gain.hpp"
+#include "drivers/decode/profile.hpp"
 #include "drivers/replay/options.hpp"
 #include "drivers/replay/playlist.hpp"
 #include "embedded/replay_options.hpp"
@@ -51,8 +52,16 @@ const SensorSettings& sensor_of(const Settings& settings, const std::string& nam
   return *chosen_sensors(settings, name).front();
 }
 
-SensorSetup setup_of(const SensorSettings& sensor, const std::string& file) {
+// As the device of its profile reports it; none: the sensor has no profile.
+std::optional<SensorInfo> info_of_profile(const SensorSettings& sensor) {
+  if (sensor.setup.profile.empty()) return std::nullopt;
+  return decode::info_of(decode::find_profile(sensor.setup.profile), "");
+}
+
+SensorSetup setup_of(const SensorSettings& sensor, const std::optional<SensorInfo>& info,
+                     const std::string& file) {
   SensorSetup setup = sensor.setup;
+  if (info) setup.layout = info->layout;
   if (sensor.driver != "replay") setup.options = nlohmann::json::object();
   setup.options["file"] = file;
   setup.options["loop"] = false;
@@ -62,11 +71,16 @@ SensorSetup setup_of(const SensorSettings& sensor, const std::string& file) {
 }  // namespace
 
 struct FileFrames::Impl {
-  Impl(const Settings& settings, const SensorSettings& sensor, const SensorSetup& setup)
+  Impl(const Settings& settings, const SensorSettings& sensor, const std::optional<SensorInfo>& info,
+       const std::string& file)
+      : Impl(settings, sensor, info ? info->skin : std::nullopt, setup_of(sensor, info, file)) {}
+
+  Impl(const Settings& settings, const SensorSettings& sensor, const std::optional<SkinInfo>& skin,
+       const SensorSetup& setup)
       : list(setup, replay::parse_options(setup)),
         chain{.layout = setup.layout,
               .sensor_class = list.sensor_class(),
-              .scene = settings.scene_of(sensor),
+              .scene = settings.scene_of(sensor, skin),
               .estimator = settings.estimator,
               .alerts = settings.alerts,
               .friction = sensor.friction,
@@ -96,7 +110,7 @@ struct FileFrames::Impl {
 
 FileFrames::FileFrames(const Settings& settings, const FileOfSensor& of)
     : impl_(std::make_unique<Impl>(settings, sensor_of(settings, of.sensor),
-                                   setup_of(sensor_of(settings, of.sensor), of.file))) {}
+                                   info_of_profile(sensor_of(settings, of.sensor)), of.file)) {}
 FileFrames::FileFrames(FileFrames&&) noexcept = default;
 FileFrames& FileFrames::operator=(FileFrames&&) noexcept = default;
 FileFrames::~FileFrames() = default;
