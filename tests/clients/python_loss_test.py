@@ -21,7 +21,7 @@ class Holding(Daemon):
         cycle = [{"ms": 100, "normal_n": 0, "shear_n": 0, "friction": 0.5}, {"ms": 50, "normal_n": [0, 2]},
                  {"ms": 300, "shear_n": [0, shear_n]}, {"ms": 600000}]
         finger = {"name": "left", "driver": "sim", "rate_hz": 200, "layout": {"grid": [16, 16], "pitch_mm": 0.9}, "friction": 0.5,
-                  "options": {"cycle": cycle, "noise": 0}}
+                  "options": {"cycle": cycle, "noise": 0.002}}
         with open(self.settings, "w") as file:
             json.dump({"socket": {"path": self.socket}, "realtime": {"mode": "off"}, "estimator": {"method": "moments"}, "sensors": [finger]}, file)
         self.start()
