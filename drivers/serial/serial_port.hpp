@@ -2,6 +2,7 @@
 // program opens it meanwhile.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
