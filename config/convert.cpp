@@ -131,15 +131,8 @@ class Converter {
 
   void estimator(Settings& s) const {
     const json& in = root_["estimator"];
-    static const std::map<std::string, MethodChoice> kMethods{{"auto", MethodChoice::automatic},
-                                                              {"svd-knn", MethodChoice::svd_knn},
-                                                              {"registered", MethodChoice::registered},
-                                                              {"moments", MethodChoice::moments},
-                                                              {"fit", MethodChoice::fit},
-                                                              {"closing", MethodChoice::closing},
-                                                              {"block-fit", MethodChoice::block_fit}};
     s.estimator = {
-        .method = kMethods.at(in["method"]),
+        .method = method_choices().at(in["method"]),
         .budget_us = in.contains("budget_us") ? std::optional<double>(in["budget_us"]) : std::nullopt,
         .rank = in["rank"],
         .neighbours = in["neighbours"],

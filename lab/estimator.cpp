@@ -9,17 +9,6 @@ namespace lab {
 
 using namespace slipd;
 
-const std::map<std::string, MethodChoice>& method_choices() {
-  static const std::map<std::string, MethodChoice> kChoices{{"auto", MethodChoice::automatic},
-                                                            {"svd-knn", MethodChoice::svd_knn},
-                                                            {"registered", MethodChoice::registered},
-                                                            {"moments", MethodChoice::moments},
-                                                            {"fit", MethodChoice::fit},
-                                                            {"closing", MethodChoice::closing},
-                                                            {"block-fit", MethodChoice::block_fit}};
-  return kChoices;
-}
-
 std::string title_of(std::size_t side, const std::string& method) {
   return std::to_string(side) + "x" + std::to_string(side) + " " + method;
 }

@@ -11,9 +11,6 @@
 
 namespace lab {
 
-// The methods by their names in slipd.json: auto, moments, fit, …
-const std::map<std::string, slipd::MethodChoice>& method_choices();
-
 // "16x16 fit": what progress is shown of.
 std::string title_of(std::size_t side, const std::string& method);
 

@@ -27,8 +27,7 @@ class ShearPipeline : public ContactPipeline {
   EquivalentPullResult pull_of(const ContactPatch& patch) noexcept;
   // Once for each frame: the step of the forces as measured.
   LoadStep follow(const ContactPatch& patch) noexcept { return path_.follow(patch); }
-  MarginSource& margin() noexcept { return *margin_; }
-  const MarginSource& margin() const noexcept { return *margin_; }
+  MarginSource& margin() const noexcept { return *margin_; }
   // The last of a frame: the lower bound by the load that acts, and what a gripper could do. internal_n: what
   // taxels carry against each other, N.
   void conclude(const SurfaceLoad& load, double internal_n, const EquivalentPullResult& pull,

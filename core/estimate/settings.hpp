@@ -2,13 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "core/contact/scene.hpp"
 
 namespace slipd {
 
 enum class MethodChoice : std::uint8_t { automatic, svd_knn, registered, moments, fit, closing, block_fit };
+
+// By their names in slipd.json: auto, moments, fit, … Set-up.
+const std::map<std::string, MethodChoice>& method_choices();
 
 struct EstimatorSettings {
   MethodChoice method = MethodChoice::automatic;

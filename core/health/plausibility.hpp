@@ -39,8 +39,8 @@ struct Judgement {
   std::uint32_t taxels_left_out = 0;
   // The force that they stand for, of the normal force; 0 … 1.
   double left_out_share = 0;
-  // Whether the frame is the one before, value for value, and not all 0: a device that is asked more often
-  // than it measures.
+  // Whether the frame is the one before, in all probes, its force and its extremes, and not all 0: a device
+  // that is asked more often than it measures.
   bool repeats = false;
 };
 

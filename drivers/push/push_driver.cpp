@@ -45,8 +45,8 @@ void tell(int socket, Answer answer, const char* text) noexcept {
 void turn_away(UniqueFd& peer, Answer answer, const char* text) noexcept {
   ::shutdown(peer.get(), SHUT_RD);
   char byte = 0;
-  for (int i = 0; i<kMostLeftUnread&& ::recv(peer.get(), &byte, 1, MSG_DONTWAIT)> 0; ++i) {
-  }
+  for (int i = 0; i < kMostLeftUnread; ++i)
+    if (::recv(peer.get(), &byte, 1, MSG_DONTWAIT) <= 0) break;
   tell(peer.get(), answer, text);
   peer = UniqueFd();
 }

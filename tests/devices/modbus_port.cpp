@@ -2,13 +2,13 @@
 // hold the last scan.
 #include <modbus/modbus.h>
 #include <netinet/in.h>
-#include <pty.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cstring>
 
 #include "tests/devices/port.hpp"
+#include "tests/devices/pty_line.hpp"
 
 namespace slipd::devices {
 namespace {
@@ -103,47 +103,31 @@ class TcpPort final : public ModbusPort {
 
 class PtyPort final : public ModbusPort {
  public:
-  PtyPort(const DeviceModel& model, std::string link)
+  PtyPort(const DeviceModel& model, const std::string& link)
       : ModbusPort(model, modbus_new_rtu("pty", model.modbus->baud ? model.modbus->baud : 19200, 'N', 8, 1)),
-        link_(std::move(link)) {}
-  ~PtyPort() override { ::unlink(link_.c_str()); }
+        line_(link) {}
 
-  void watch(std::vector<pollfd>& waits) const override {
-    if (master_) waits.push_back({master_.get(), POLLIN, 0});
-  }
+  void watch(std::vector<pollfd>& waits) const override { line_.watch(waits); }
 
   void serve() override {
-    pollfd wait{master_.get(), POLLIN, 0};
-    if (master_ && ::poll(&wait, 1, 0) == 1) answer(master_.get());
+    if (line_.heard()) answer(line_.device());
   }
 
-  // The host's end stays open here as well, so that a host may come and go.
   void plug() override {
     if (plugged_) return;
-    int master = -1, host = -1;
-    char name[64];
-    termios raw{};
-    ::cfmakeraw(&raw);
-    checked(::openpty(&master, &host, name, &raw, nullptr), "pseudo-terminal");
-    master_ = Fd(master);
-    host_ = Fd(host);
-    ::unlink(link_.c_str());
-    checked(::symlink(name, link_.c_str()), "symbolic link " + link_);
+    line_.plug();
     start();
   }
 
   void unplug() override {
-    ::unlink(link_.c_str());
-    master_ = Fd();
-    host_ = Fd();
+    line_.unplug();
     plugged_ = false;
   }
 
-  std::string place() const override { return link_; }
+  std::string place() const override { return line_.link(); }
 
  private:
-  std::string link_;
-  Fd master_, host_;
+  PtyLine line_;
 };
 
 }  // namespace

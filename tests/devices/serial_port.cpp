@@ -1,69 +1,52 @@
-// A pseudo-terminal in place of a serial line: the packets of a scan are its bytes.
+// A serial line: the packets of a scan are its bytes.
 #include <fcntl.h>
-#include <pty.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <array>
 
 #include "tests/devices/port.hpp"
+#include "tests/devices/pty_line.hpp"
 
 namespace slipd::devices {
 namespace {
 
 class SerialPort final : public Port {
  public:
-  SerialPort(const DeviceModel& model, std::string link) : Port(model), link_(std::move(link)) {}
-  ~SerialPort() override { ::unlink(link_.c_str()); }
+  SerialPort(const DeviceModel& model, const std::string& link) : Port(model), line_(link) {}
 
-  void watch(std::vector<pollfd>& waits) const override {
-    if (master_) waits.push_back({master_.get(), POLLIN, 0});
-  }
+  void watch(std::vector<pollfd>& waits) const override { line_.watch(waits); }
 
   void serve() override {
-    pollfd wait{master_.get(), POLLIN, 0};
-    if (!master_ || ::poll(&wait, 1, 0) != 1) return;
+    if (!line_.heard()) return;
     std::array<std::uint8_t, 512> bytes{};
-    const ssize_t got = ::read(master_.get(), bytes.data(), bytes.size());
+    const ssize_t got = ::read(line_.device(), bytes.data(), bytes.size());
     if (got > 0 && model_.receive) model_.receive({0, {bytes.begin(), bytes.begin() + got}}, host_state_);
   }
 
   // What the host does not read is lost, as on a line.
   void send(std::span<const Packet> scan) override {
     for (const Packet& packet : scan) {
-      const auto sent = ::write(master_.get(), packet.bytes.data(), packet.bytes.size());
+      const auto sent = ::write(line_.device(), packet.bytes.data(), packet.bytes.size());
       static_cast<void>(sent);
     }
   }
 
-  // The host's end stays open here as well, so that a host may come and go.
   void plug() override {
     if (plugged_) return;
-    int master = -1, host = -1;
-    char name[64];
-    termios raw{};
-    ::cfmakeraw(&raw);
-    checked(::openpty(&master, &host, name, &raw, nullptr), "pseudo-terminal");
-    master_ = Fd(master);
-    host_ = Fd(host);
-    checked(::fcntl(master, F_SETFL, O_NONBLOCK), "pseudo-terminal");
-    ::unlink(link_.c_str());
-    checked(::symlink(name, link_.c_str()), "symbolic link " + link_);
+    line_.plug();
+    checked(::fcntl(line_.device(), F_SETFL, O_NONBLOCK), "pseudo-terminal");
     start();
   }
 
   void unplug() override {
-    ::unlink(link_.c_str());
-    master_ = Fd();
-    host_ = Fd();
+    line_.unplug();
     plugged_ = false;
   }
 
-  std::string place() const override { return link_; }
+  std::string place() const override { return line_.link(); }
 
  private:
-  std::string link_;
-  Fd master_, host_;
+  PtyLine line_;
 };
 
 }  // namespace

@@ -36,10 +36,10 @@ Fit::Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& o
   residuals_.resize(2 * static_cast<Eigen::Index>(most));
 }
 
-std::size_t Fit::memory_bytes() const noexcept {
+std::size_t Fit::list_bytes() const noexcept {
   // Lists, two residuals and their slopes a sample, and the dome sheet's.
   constexpr std::size_t kNumbersASample = 2 + 6 + 8 + 2 * (kUnknowns + 1) + 7;
-  return sizeof(BlockFit) + kNumbersASample * sizeof(double) * x_.size();
+  return kNumbersASample * sizeof(double) * x_.size();
 }
 
 // Lengths in units of the first radius and pressures in units of p0 keep the normal equations well scaled.
@@ -380,7 +380,8 @@ bool BlockFit::fits(const TaxelLayout& layout) noexcept {
 }
 
 std::size_t BlockFit::memory_bytes() const noexcept {
-  return Fit::memory_bytes() + blocks_.memory_bytes() + lattice_.memory_bytes() + ellipses_.memory_bytes();
+  return sizeof(*this) + list_bytes() + blocks_.memory_bytes() + lattice_.memory_bytes() +
+         ellipses_.memory_bytes();
 }
 
 void BlockFit::collect(const ContactPatch& patch) noexcept {

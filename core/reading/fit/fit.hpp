@@ -62,7 +62,9 @@ class Fit : public SlipMethod {
   };
   // most: samples at most.
   Fit(const TaxelLayout& layout, Range friction_expected, const FitOptions& options, std::size_t most);
-  virtual std::size_t memory_bytes() const noexcept;
+  virtual std::size_t memory_bytes() const noexcept = 0;
+  // Of the lists that all fits have.
+  std::size_t list_bytes() const noexcept;
 
   // The samples of a contact.
   virtual void collect(const ContactPatch& patch) noexcept = 0;
@@ -131,6 +133,7 @@ class FewTaxelsFit final : public TaxelFit {
       : TaxelFit(layout, friction_expected, options) {}
 
  private:
+  std::size_t memory_bytes() const noexcept override { return sizeof(*this) + list_bytes(); }
   void collect(const ContactPatch& patch) noexcept override;
   void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
 };
@@ -143,7 +146,7 @@ class ArrayFit final : public TaxelFit {
 
  private:
   std::size_t memory_bytes() const noexcept override {
-    return Fit::memory_bytes() + ellipses_.memory_bytes();
+    return sizeof(*this) + list_bytes() + ellipses_.memory_bytes();
   }
   void collect(const ContactPatch& patch) noexcept override;
   void read(const ContactPatch& patch, const MomentRatio& ratio, Reading& out) noexcept override;
