@@ -54,7 +54,7 @@ class Acquirer {
     ended,
     silent,   // the device is open and has completed no frame for a while; reading goes on
     changed,  // the device is not what it was when it was opened
-    away,     // the driver waits for whoever sends frames; reading goes on
+    away,     // no program is connected that sends frames; reading goes on
     speaking  // the first frame after `silent` or `away`; reading goes on
   };
 
