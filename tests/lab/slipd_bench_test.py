@@ -22,7 +22,7 @@ def judged(*grasps):
         for begin, end in alarmed:
             alarm |= (TIMES >= begin) & (TIMES < end)
         recordings.append(Recording("r", block, RATE_HZ, TIMES, {}, {}, truth))
-        decided.append(Decisions(alarm, alarm.astype(float), np.full(len(TIMES), np.nan), np.ones(len(TIMES), bool)))
+        decided.append(Decisions(alarm, alarm.astype(float), *(np.full(len(TIMES), np.nan) for _ in range(3)), np.ones(len(TIMES), bool)))
     return measures.judge(recordings, decided)
 
 

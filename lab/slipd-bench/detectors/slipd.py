@@ -68,7 +68,8 @@ def decision(row_of):
     gamma = [float(row["gamma"]) for row in row_of if row["gamma"]]
     known = alarm or any(map(answers, row_of))
     return {"slip": alarm if known else None, "score": 1.0 if alarm else 1 - min(low) if low else 0.0 if known else None,
-            "gamma": min(gamma) if gamma else None}
+            "gamma": min(gamma) if gamma else None, "gamma_low": min(low) if low else None,
+            "kind": next((row["sliding"] for row in row_of if row["sliding"] in SLIDES), None)}
 
 
 def main():

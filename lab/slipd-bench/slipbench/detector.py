@@ -35,6 +35,8 @@ class Decisions:
     alarm: np.ndarray | None       # None: the detector decides nothing, and only gives scores
     score: np.ndarray              # NaN: not answered
     gamma: np.ndarray
+    low: np.ndarray                # a safe end of gamma
+    turns: np.ndarray              # 1: the alarm is of a rotation, 0: of a translation
     answered: np.ndarray
 
 
@@ -100,7 +102,8 @@ def held_on(decided, times):
     def column(key, kind=float):
         values = np.array([kind(np.nan if d.get(key) is None else d[key]) for _, d in decided] + [np.nan])
         return values[newest]     # -1: the NaN at the end
-    slip, score, gamma = column("slip"), column("score"), column("gamma")
+    slip, score = column("slip"), column("score")
     decides = any("slip" in d for _, d in decided)
     answered = ~np.isnan(slip) if decides else ~np.isnan(score)
-    return Decisions(slip == 1 if decides else None, np.where(np.isnan(score), slip, score) if decides else score, gamma, answered)
+    return Decisions(slip == 1 if decides else None, np.where(np.isnan(score), slip, score) if decides else score,
+                     column("gamma"), column("gamma_low"), column("kind", lambda kind: np.nan if kind != kind else float(kind == "rotation")), answered)

@@ -12,7 +12,8 @@ LEAST_BLOCKS = 5
 NAMES = {"in time": "share of slips", "late": "share of slips", "standing": "share of slips", "missed": "share of slips",
          "latency 10 %": "s", "latency 50 %": "s", "latency 90 %": "s", "false alarms": "per hour of holding",
          "quiet with alarm": "share of quiet recordings", "held in alarm": "share of holding", "answered": "share of time", "margin": "share of holding",
-         "called safe": "share of sliding", "gamma bias": "", "gamma error": "", "area": f"mean share missed, up to {MOST_PER_HOUR} false alarms per hour"}
+         "called safe": "share of sliding", "gamma bias": "", "gamma error": "", "bound": "area under the ROC of gamma_low, before slips against holds",
+         "seconds moving": "share told", "seconds still": "share told", "seconds turning": "share told as rotation", "area": f"mean share missed, up to {MOST_PER_HOUR} false alarms per hour"}
 
 
 @dataclass
@@ -49,6 +50,13 @@ def area(missed, false):
     return total / MOST_PER_HOUR
 
 
+def roc_area(greater, less):
+    """How often one of `greater` is above one of `less`; equal ones count half."""
+    if not len(greater) or not len(less):
+        return np.nan
+    return float(((greater[:, None] > less).mean() + (greater[:, None] == less).mean() / 2))
+
+
 def figures_once(counted, weights):
     def total(key):
         return sum(w * getattr(c, key) for w, c in zip(weights, counted))
@@ -66,6 +74,8 @@ def figures_once(counted, weights):
     found["called safe"] = ratio(total("called_safe_s"), total("unsafe_s"))
     found["gamma bias"] = errors.mean() if len(errors) else np.nan
     found["gamma error"] = np.abs(errors).mean() if len(errors) else np.nan
+    found["bound"] = roc_area(*(np.concatenate([np.repeat(getattr(c, key), w) for w, c in zip(weights, counted)]) for key in ("low_held", "low_before")))
+    found.update({f"seconds {kind}": ratio(total(f"{kind}_told"), total(kind)) for kind in ("moving", "still", "turning")})
     found["area"] = area(*curve_of(counted, weights))
     return found
 

@@ -9,6 +9,7 @@ import numpy as np
 from .recording import within
 
 PAUSE_S = 0.5
+BEFORE_S = 0.5
 SAFE_MARGIN = 0.4      # where the default alerts begin to warn
 THRESHOLDS = 100
 MOST_PER_HOUR = 360    # the area counts up to one false alarm in ten seconds
@@ -34,6 +35,14 @@ class Counts:
     unsafe_s: float = 0
     called_safe_s: float = 0                        # of unsafe_s, with a margin above SAFE_MARGIN
     gamma_errors: list = field(default_factory=list)
+    low_before: list = field(default_factory=list)  # gamma_low, its median over BEFORE_S before each onset
+    low_held: list = field(default_factory=list)    # its median over a quiet recording's holding
+    moving: int = 0                                 # seconds of each kind, and those with an alarm in them
+    moving_told: int = 0
+    still: int = 0
+    still_told: int = 0
+    turning: int = 0
+    turning_told: int = 0                           # as a rotation
     curve_in_time: np.ndarray | None = None         # at each threshold
     curve_false: np.ndarray | None = None
 
@@ -91,7 +100,35 @@ def count(recording, decisions, alarm):
     counts.called_safe_s = seconds[unsafe & (np.nan_to_num(decisions.gamma) > SAFE_MARGIN)].sum()
     if truth.gamma is not None:
         counts.gamma_errors = (decisions.gamma - truth.gamma)[with_margin & ~np.isnan(truth.gamma)].tolist()
+    count_bounds(recording, decisions, counts)
+    count_seconds(recording, decisions, alarm, counts)
     return counts
+
+
+def median_of(values):
+    known = values[~np.isnan(values)]
+    return [float(np.median(known))] if len(known) else []
+
+
+def count_bounds(recording, decisions, counts):
+    times, truth = recording.times, recording.truth
+    for slip in truth.slips:
+        if slip.onset_s is not None:
+            counts.low_before += median_of(decisions.low[(times >= slip.onset_s - BEFORE_S) & (times <= slip.onset_s)])
+    if counts.quiet:
+        counts.low_held += median_of(decisions.low[within(times, truth.held)])
+
+
+def count_seconds(recording, decisions, alarm, counts):
+    for begin, kind in recording.truth.seconds:
+        rows = (recording.times >= begin) & (recording.times <= begin + 1)
+        told = int(alarm[rows].any())
+        if kind == "still":
+            counts.still, counts.still_told = counts.still + 1, counts.still_told + told
+        else:
+            counts.moving, counts.moving_told = counts.moving + 1, counts.moving_told + told
+        if kind == "turning":
+            counts.turning, counts.turning_told = counts.turning + 1, counts.turning_told + int((alarm & (decisions.turns == 1))[rows].any())
 
 
 def thresholds_of(recordings, decided):

@@ -7,7 +7,7 @@ from pathlib import Path
 SETS = Path(__file__).resolve().parents[1] / "sets"
 KEYS = {"title", "source", "sha256", "reader", "truth", "recordings", "sensor", "sensors", "grid", "unit", "channels", "rate_hz",
         "least_normal", "block", "blocks_are"}
-OPTIONAL = {"zero_from_s", "grid", "least_normal", "block", "blocks_are", "remark", "folder"}
+OPTIONAL = {"zero_from_s", "grid", "least_normal", "block", "blocks_are", "remark", "folder", "onset", "expect"}
 
 
 class WrongUse(Exception):

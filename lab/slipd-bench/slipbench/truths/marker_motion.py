@@ -4,12 +4,15 @@ Motion is the translation at the grip's centre, plus ARM_M times the turn, since
 above it and its median over the next HOLD_S, too: single poses jump. `slip`: more than 5 mm or 10 degrees; `still`: at most 2 mm and 3 degrees;
 what lies between, counts for nothing.
 
+Seconds from lifting on, by the motion within each: `still` below STILL_SECOND_M, moving above TOLD_M, and `turning` where the turn exceeds
+STILL_TURN and the translation is less than half of the turn's motion. Sensors lag behind the camera by LAG_S.
+
 Options: file, hand, lift (column of the hand's height), contact_share (of the greatest P), centre_m, early_s, late_s as in onset_table."""
 import numpy as np
 
 from ..readers.csv_rows import read_columns
 from ..recording import Truth
-from .onset_table import judged
+from .moved import judged
 
 ARM_M = 0.008
 LOST_M = 5           # a lost marker reads 10
@@ -19,6 +22,9 @@ REST_S = 0.3         # before lifting: the pose that motion counts from
 FREE_S = 0.5         # the hand rests, and nothing touches the sensors
 LIFTED_M = 0.001
 ONSET_M, TOLD_M, SLIP_M, STILL_M = 0.001, 0.002, 0.005, 0.002
+STILL_SECOND_M = 0.0005
+PURE_TURN = 0.5
+LAG_S = 0.07
 TURNED, STILL_TURN = np.radians(10), np.radians(3)
 
 
@@ -60,6 +66,28 @@ def passed_s(values, limit, times, rate_hz):
     return None
 
 
+def kind_of_second(moved_m, turned):
+    motion = moved_m + ARM_M * turned
+    if motion < STILL_SECOND_M:
+        return "still"
+    if turned > STILL_TURN and moved_m < PURE_TURN * ARM_M * turned:
+        return "turning"
+    return "moving" if motion > TOLD_M else None
+
+
+def seconds_of(poses, rate_hz, begin_s, end_s, centre_m):
+    found = []
+    for at in np.arange(begin_s, end_s - 1, 1.0):
+        a, b = (poses[min(round(t * rate_hz), len(poses) - 1)] for t in (at, at + 1))
+        if np.isnan(a).any() or np.isnan(b).any():
+            continue
+        moved, turned = motion_since(b[None], a, centre_m)
+        kind = kind_of_second(moved[0], turned[0])
+        if kind:
+            found.append((float(at) + LAG_S, kind))
+    return found
+
+
 def of(recording, folder, options):
     of_grasp = folder / recording.name
     names, hand = read_columns(of_grasp / options["hand"])
@@ -81,4 +109,6 @@ def of(recording, folder, options):
     kind = ("slip" if moved_most > SLIP_M or turned_most > TURNED else
             "still" if moved_most <= STILL_M and turned_most <= STILL_TURN else "between")
     onset, told = (passed_s(motion, limit, times, recording.rate_hz) for limit in (ONSET_M, TOLD_M))
-    return judged(kind, contact_s, recording.end_s, onset, [told, passed_s(turned, TURNED, times, recording.rate_hz)], options)
+    truth = judged(kind, contact_s, recording.end_s, onset, [told, passed_s(turned, TURNED, times, recording.rate_hz)], options)
+    truth.seconds = seconds_of(poses, recording.rate_hz, lift_s, recording.end_s, np.array(options["centre_m"]))
+    return truth

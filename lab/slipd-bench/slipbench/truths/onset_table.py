@@ -1,10 +1,14 @@
 """Phases and onsets of motion from a table that somebody made of each recording, one line each.
 
 Options: file, key: the table and its column of names; the columns kind (of them slip and still count), contact, lift, end, dropped, onset and
-told (the latest of these that are there). early_s and late_s: an alarm so long before the onset and after `told` tells the slip."""
+told (the earliest of these that are there). early_s and late_s: an alarm so long before the onset and after `told` tells the slip. marker, centre_m: also the seconds of marker_motion, but for
+kinds among no_seconds."""
 import csv
 
-from ..recording import Slip, Truth
+import numpy as np
+
+from . import marker_motion
+from .moved import judged
 
 
 def number(text):
@@ -20,16 +24,8 @@ def of(recording, folder, options):
     row = rows_of(folder, options)[recording.name]
     end = number(row[options["dropped"]]) or number(row[options["end"]])
     contact = number(row[options["contact"]])
-    return judged(row[options["kind"]], contact, end, number(row[options["onset"]]),
-                  [number(row[column]) for column in options["told"]], options)
-
-
-def judged(kind, contact_s, end_s, onset_s, told_s, options):
-    """Also for a generator that measured the same itself. told_s: of several limits of motion, when each was passed; the first counts."""
-    if kind == "still":
-        return Truth(quiet=[(contact_s, end_s)], held=[(contact_s, end_s)])
-    if kind != "slip" or onset_s is None:
-        return Truth()
-    passed = min(t for t in (*told_s, end_s) if t is not None)
-    slip = Slip(onset_s - options["early_s"], max(passed, onset_s) + options["late_s"], onset_s)
-    return Truth(slips=[slip], unsafe=[(passed, passed + options["late_s"])])
+    truth = judged(row[options["kind"]], contact, end, number(row[options["onset"]]), [number(row[column]) for column in options["told"]], options)
+    if row[options["kind"]] not in options.get("no_seconds", ()) and "marker" in options:
+        poses = marker_motion.poses_of(folder / recording.name / options["marker"])
+        truth.seconds = marker_motion.seconds_of(poses, recording.rate_hz, number(row[options["lift"]]), end, np.array(options["centre_m"]))
+    return truth
