@@ -12,7 +12,7 @@
 
 namespace slipd {
 
-// Checked with `tools/real`.
+// Checked with `slipd-bench`.
 struct ContactGateOptions {
   // P from which on there is a contact, standard deviations of its noise without load; 3 … 10. Too small:
   // drift and jitter of the zero are a contact. Too large: light contacts are missed.

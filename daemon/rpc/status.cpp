@@ -84,8 +84,8 @@ std::string slower_than_frames(const ServiceContext& context, std::size_t sensor
   std::array<char, 160> text{};
   std::snprintf(
       text.data(), text.size(),
-      "%.1f of %.1f frames a second are new measurements, and rate_hz is %.4g: set it to how often the "
-      "sensor measures",
+      "%.1f of %.1f frames a second are new measurements, and rate_hz is %.4g: the others count for "
+      "nothing; read the sensor as often as it measures",
       new_hz, frames_hz, claimed_hz);
   return text.data();
 }

@@ -77,9 +77,8 @@ std::vector<HealthNotice> FrameHealthMonitor::check(std::size_t sensor, const st
   if (seconds_repeating >= kSecondsRepeating) {
     report(repeating_frames, Cause::configuration, totals.repeated, [&](std::uint64_t more) {
       return on + count(more, "frame") +
-             " repeated the one before, and were no new measurement: the sensor measures less often than "
-             "frames "
-             "come; set rate_hz to how often it measures";
+             " repeated the one before, and count for nothing: read the sensor as often as it measures "
+             "(rate_hz)";
     });
   }
   if (seconds_behind >= kSecondsBehind) {
