@@ -10,6 +10,7 @@ SLUGS = {
     "Error against run time": "methods",
     "Few taxels and one force vector: over a grasp": "few-taxels",
     "A grasp's history": "histories",
+    "What is known of friction": "friction",
     "Sigma over a grasp": "coverage",
     "Frames that are skipped": "overload",
     "Torque": "torque",
