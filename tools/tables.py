@@ -7,7 +7,7 @@ import subprocess
 
 SLUGS = {
     "Requirements and results": "requirements",
-    "Error against run time": "methods",
+    "Error against run time": "tradeoff",
     "Few taxels and one force vector: over a grasp": "few-taxels",
     "A grasp's history": "histories",
     "What is known of friction": "friction",
