@@ -139,7 +139,7 @@ The baselines, with nothing to do in them; `frame to client` at 1 kHz as well, m
 The device waits for the estimator, and no frame is skipped:
 
 {table(["method", "frames/s", "skipped"], rates)}
-Sensors of 16 x 16 at 1 kHz each, moments; latency from sample to board:
+Sensors of 16 x 16 at 1 kHz each, moments; latency from sample to snapshot:
 
 {picture("sensors", "CPU and latency against sensors")}
 {table(["sensors", "CPU, % of a core", "p50", "p99", "skipped"], sensors)}
@@ -218,7 +218,7 @@ Decoding one scan, packets as they come from the bus (framing of byte streams is
 
 {table(["profile", "packets", "taxels", "p50", "p99", "p99.9"], decode)}
 {table(["hand-over", "p50", "p99", "p99.9", "max"], hand)}
-Both sides of the mailbox in one thread take {mailbox} ns, an estimate onto the board and off it {board} ns.
+Both sides of the mailbox in one thread take {mailbox} ns, an estimate into the snapshot and out of it {board} ns.
 """
 
 
