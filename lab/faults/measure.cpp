@@ -61,7 +61,7 @@ class OtherFinger final : public GraspFrames {
   FrameSlot slot_;
 };
 
-// One fault's estimator, beside that of the sound sensor.
+// One fault's estimator, beside that of the healthy sensor.
 struct Runner {
   Runner(const Estimator& of, Fault f, std::uint64_t first, const RandomStream& random)
       : fault(f),
@@ -71,7 +71,7 @@ struct Runner {
         shear_x_pa(of.setup.layout.size()),
         shear_y_pa(of.setup.layout.size()) {}
 
-  // Frame by frame: spoils a copy of what the sound sensor gives.
+  // Frame by frame: spoils a copy of what the healthy sensor gives.
   void receive(const FrameSlot& sound, const Frame& other) {
     FrameSlot spoilt;
     spoilt.normal_pa = normal_pa;
@@ -159,7 +159,7 @@ class Faulty {
       runner->receive(sound, exchanged(*runner, sound.sequence) ? other.sense().view() : Frame{});
   }
 
-  // After a frame: what the sound sensor's estimator made of it, and the true margins of both fingers.
+  // After a frame: what the healthy sensor's estimator made of it, and the true margins of both fingers.
   void note(const Estimate& sound, double truth, double other_truth) {
     sound_.push_back(said_of(sound, truth));
     for (const auto& runner : runners_)

@@ -85,7 +85,7 @@ Score score_of(std::size_t side, const contact::ContactGeometry& geometry, int c
   return score;
 }
 
-// The Cramér–Rao guide is 0.014, 0.023 and 0.032 (docs/accuracy.md); shares of so few are known to 4 points.
+// The Cramér–Rao bound is 0.014, 0.023 and 0.032 (docs/tables/skins.md); shares of so few are known to 4 points.
 TEST(SubsurfaceFit, ReadsRoundContactsUnderASkin) {
   const Score fine = score_of(32, {.depth_m = 0.001}, 60), coarse = score_of(16, {.depth_m = 0.001}, 100);
   EXPECT_LT(fine.error, 0.021);
@@ -118,7 +118,7 @@ TEST(SubsurfaceFit, ReadsTiltedEllipsesUnderASkin) {
   EXPECT_GT(score.elliptic, 0.95);
 }
 
-// The guide is 0.0045 on 32 x 32 and 0.012 on 16 x 16 (docs/accuracy.md), whatever the axes.
+// The bound is 0.0045 on 32 x 32 and 0.012 on 16 x 16 (docs/tables/skins.md), whatever the axes.
 TEST(Fit, ReadsTiltedEllipsesAtTheSurfaceAsWellAsSpheres) {
   struct Case {
     std::size_t side;
