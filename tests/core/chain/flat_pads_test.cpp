@@ -83,6 +83,7 @@ class Finger {
 
   // The same values again, as of a device that is asked more often than it measures.
   Estimate feel_again() { return estimate(); }
+  bool repeats() const { return chain_.repeats(); }
   // Nothing is asked for the time of a frame.
   void pass() { ++sequence_; }
 
@@ -163,6 +164,7 @@ TEST(FlatPads, LearnNothingFromAFrameThatIsTheOneBefore) {
     ASSERT_EQ(first.sliding, expected.sliding) << i;
     for (int k = 0; k < kMore; ++k) {
       const Estimate again = often.feel_again();
+      ASSERT_TRUE(often.repeats());
       ASSERT_GT(again.time_ns, first.time_ns);
       ASSERT_GT(again.sequence, first.sequence);
       ASSERT_EQ(again.gamma, first.gamma) << i;
@@ -428,6 +430,17 @@ TEST(RecordedPillars, ThatNobodyPullsAtHaveAMarginThatTheirForcesExplain) {
   }
   EXPECT_GE(static_cast<double>(ok), 0.95 * static_cast<double>(frames));
   EXPECT_EQ(slips, 0U);
+}
+
+// Counts that were shifted since the zero was taken: 20 N of shear before anything touches the finger.
+TEST(FlatPads, HaveNoMarginAndNoAlarmWithAZeroThatIsAnothers) {
+  Finger finger(finger_setup());
+  for (int i = 0; i < 1000; ++i) {
+    const Estimate now = finger.feel({.normal_n = i < 300 ? 0.0 : 6.0, .pull_n = 20});
+    ASSERT_EQ(now.state, State::unzeroed) << i;
+    ASSERT_FALSE(now.gamma || now.gamma_low);
+    ASSERT_NE(now.alert, Alert::slip);
+  }
 }
 
 }  // namespace
