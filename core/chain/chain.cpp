@@ -179,7 +179,7 @@ struct EstimatorChain::Impl {
 };
 
 EstimatorChain::EstimatorChain(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model)
-    : impl_(std::make_unique<Impl>(with_felt_skin(setup), model)) {}
+    : impl_(std::make_unique<Impl>(with_sensed_skin(setup), model)) {}
 EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;

@@ -1,4 +1,4 @@
-#include "lab/tradeoff/imprints.hpp"
+#include "lab/tradeoff/shapes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "core/numeric/random.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "core/reading/pressure_maps/pressure_maps.hpp"
-#include "lab/tradeoff/imprint_bound.hpp"
+#include "lab/tradeoff/shape_bound.hpp"
 #include "tools/offline/skin_base_name.hpp"
 
 namespace lab {
@@ -21,13 +21,13 @@ namespace {
 
 using namespace slipd;
 
-constexpr double kImprintNoise = 0.01;
+constexpr double kShapeNoise = 0.01;
 constexpr std::size_t kGuided = 200;  // contacts that the guide is the mean of
 
 // Frames of a closing.
 constexpr int kFramesOfClosing = 100;
 
-struct ImprintCase {
+struct ShapeCase {
   double depth_mm, axes, depth_taken, power;  // of the profile
   Method method;
   SkinBase base = SkinBase::half_space, base_taken = SkinBase::half_space;
@@ -35,39 +35,39 @@ struct ImprintCase {
   bool known() const { return depth_taken == 1 && base_taken == base; }
 };
 constexpr SkinBase kHalfSpace = SkinBase::half_space, kRigid = SkinBase::rigid;
-constexpr ImprintCase kCases[] = {{0, 1, 1, 2, Method::fit},
-                                  {0.5, 1, 1, 2, Method::fit},
-                                  {1, 1, 1, 2, Method::fit},
-                                  {2, 1, 1, 2, Method::fit},
-                                  {0, 1.5, 1, 2, Method::fit},
-                                  {0, 2, 1, 2, Method::fit},
-                                  {0.5, 1.5, 1, 2, Method::fit},
-                                  {1, 2, 1, 2, Method::fit},
-                                  {2, 1.5, 1, 2, Method::fit},
-                                  {1, 1, 0.75, 2, Method::fit},
-                                  {1, 1, 1.25, 2, Method::fit},
-                                  {0.5, 1, 1, 2, Method::fit, kRigid, kRigid},
-                                  {1, 1, 1, 2, Method::fit, kRigid, kRigid},
-                                  {2, 1, 1, 2, Method::fit, kRigid, kRigid},
-                                  {1, 1.5, 1, 2, Method::fit, kRigid, kRigid},
-                                  {1, 1, 1, 2, Method::fit, kRigid, kHalfSpace},
-                                  {2, 1, 1, 2, Method::fit, kRigid, kHalfSpace},
-                                  {1, 1, 1, 2, Method::fit, kHalfSpace, kRigid},
-                                  {2, 1, 1, 2, Method::fit, kHalfSpace, kRigid},
-                                  {0, 1, 1, 2, Method::closing},
-                                  {0, 1.7, 1, 2, Method::closing},
-                                  {0, 1, 1, 6, Method::closing},
-                                  {0.5, 1, 1, 2, Method::closing},
-                                  {1, 1, 1, 2, Method::closing},
-                                  {1, 1.7, 1, 2, Method::closing},
-                                  {1, 1, 1, 6, Method::closing},
-                                  {2, 1, 1, 2, Method::closing},
-                                  {2, 1.7, 1, 2, Method::closing},
-                                  {2, 1, 1, 6, Method::closing},
-                                  {1, 1, 0.75, 2, Method::closing},
-                                  {1, 1, 1.25, 2, Method::closing},
-                                  {2, 1, 0.75, 2, Method::closing},
-                                  {2, 1, 1.25, 2, Method::closing}};
+constexpr ShapeCase kCases[] = {{0, 1, 1, 2, Method::fit},
+                                {0.5, 1, 1, 2, Method::fit},
+                                {1, 1, 1, 2, Method::fit},
+                                {2, 1, 1, 2, Method::fit},
+                                {0, 1.5, 1, 2, Method::fit},
+                                {0, 2, 1, 2, Method::fit},
+                                {0.5, 1.5, 1, 2, Method::fit},
+                                {1, 2, 1, 2, Method::fit},
+                                {2, 1.5, 1, 2, Method::fit},
+                                {1, 1, 0.75, 2, Method::fit},
+                                {1, 1, 1.25, 2, Method::fit},
+                                {0.5, 1, 1, 2, Method::fit, kRigid, kRigid},
+                                {1, 1, 1, 2, Method::fit, kRigid, kRigid},
+                                {2, 1, 1, 2, Method::fit, kRigid, kRigid},
+                                {1, 1.5, 1, 2, Method::fit, kRigid, kRigid},
+                                {1, 1, 1, 2, Method::fit, kRigid, kHalfSpace},
+                                {2, 1, 1, 2, Method::fit, kRigid, kHalfSpace},
+                                {1, 1, 1, 2, Method::fit, kHalfSpace, kRigid},
+                                {2, 1, 1, 2, Method::fit, kHalfSpace, kRigid},
+                                {0, 1, 1, 2, Method::closing},
+                                {0, 1.7, 1, 2, Method::closing},
+                                {0, 1, 1, 6, Method::closing},
+                                {0.5, 1, 1, 2, Method::closing},
+                                {1, 1, 1, 2, Method::closing},
+                                {1, 1.7, 1, 2, Method::closing},
+                                {1, 1, 1, 6, Method::closing},
+                                {2, 1, 1, 2, Method::closing},
+                                {2, 1.7, 1, 2, Method::closing},
+                                {2, 1, 1, 6, Method::closing},
+                                {1, 1, 0.75, 2, Method::closing},
+                                {1, 1, 1.25, 2, Method::closing},
+                                {2, 1, 0.75, 2, Method::closing},
+                                {2, 1, 1.25, 2, Method::closing}};
 
 std::optional<double> bonded_poisson(const Scene& scene, SkinBase base) {
   Skin skin = scene.skin;
@@ -75,15 +75,15 @@ std::optional<double> bonded_poisson(const Scene& scene, SkinBase base) {
   return skin.bonded_poisson();
 }
 
-Scene imprint_scene() {
+Scene shape_scene() {
   Scene scene;
   scene.objects = paper_objects();
   scene.offset_m = 0.002;
-  scene.noise = kImprintNoise;
+  scene.noise = kShapeNoise;
   return scene;
 }
 
-std::unique_ptr<SlipMethod> method_of(const ImprintCase& of, const TaxelLayout& layout, const Scene& scene) {
+std::unique_ptr<SlipMethod> method_of(const ShapeCase& of, const TaxelLayout& layout, const Scene& scene) {
   const double depth_m = 1e-3 * of.depth_mm * of.depth_taken;
   const Range friction = expected_friction(scene);
   if (of.method == Method::closing)
@@ -94,13 +94,13 @@ std::unique_ptr<SlipMethod> method_of(const ImprintCase& of, const TaxelLayout& 
   return make_fit(layout, friction, skin);
 }
 
-double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase& of, std::size_t contacts,
+double guide_of(const TaxelLayout& layout, const Scene& scene, const ShapeCase& of, std::size_t contacts,
                 std::uint64_t seed) {
   // Priors as methods have them: Gamma within 0 … 1 and friction within the scene's range, both even.
   const Range friction = expected_friction(scene);
   const auto bonded = bonded_poisson(scene, of.base);
   ContactShape model(layout, 1e-3 * of.depth_mm, bonded);
-  contact::ImprintSheet sheet(
+  contact::ContactField sheet(
       layout,
       {.depth_m = 1e-3 * of.depth_mm, .bonded_poisson = bonded, .stretch = of.axes, .power = of.power});
   double sum = 0;
@@ -111,13 +111,13 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
     const auto pair =
         contact::make_body_pair(contact::body_of(scene.skin), {draw.radius_m, draw.modulus_pa, draw.poisson});
     const double a = pair.contact_radius_m(draw.normal_n), root = std::sqrt(of.axes);
-    const KnownImprint truth{.x_m = draw.x_m,
+    const KnownContact truth{.x_m = draw.x_m,
                              .y_m = draw.y_m,
                              .ellipse = {a * root, a / root, std::numbers::pi * random.uniform(1)},
                              .load = (1 - gamma) * draw.friction,
                              .gamma = gamma,
                              .pull_rad = 2 * std::numbers::pi * random.uniform(2)};
-    constexpr double kDeviation = kImprintNoise / std::numbers::sqrt3;
+    constexpr double kDeviation = kShapeNoise / std::numbers::sqrt3;
     sheet.turn(truth.ellipse.angle_rad);
     const double alone =
         of.method == Method::closing
@@ -131,34 +131,33 @@ double guide_of(const TaxelLayout& layout, const Scene& scene, const ImprintCase
 
 }  // namespace
 
-std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const Tell& tell) {
+std::vector<ShapeLine> measure_shapes(const TradeoffOptions& options, const Tell& tell) {
   constexpr double kPad = 0.016;
-  std::vector<ImprintLine> lines;
-  const Scene scene = imprint_scene();
+  std::vector<ShapeLine> lines;
+  const Scene scene = shape_scene();
   std::size_t unit = 0;
   for (const std::string& name : options.layouts) {
     if (name == "wrench" || name == "4") continue;
     const std::size_t side = std::stoul(name);
     const TaxelLayout layout = TaxelLayout::grid(side, side, kPad / static_cast<double>(side));
-    for (const ImprintCase& of : kCases) {
+    for (const ShapeCase& of : kCases) {
       const std::size_t here = unit++;
       tell(static_cast<double>(here) / static_cast<double>(std::size(kCases) * options.layouts.size()),
            name.c_str());
       if (!options.shard.has(here)) continue;
       const std::unique_ptr<SlipMethod> method = method_of(of, layout, scene);
       SlipMethod* const only = method.get();
-      const contact::Imprint imprint{.depth_m = 1e-3 * of.depth_mm,
-                                     .bonded_poisson = bonded_poisson(scene, of.base),
-                                     .stretch = of.axes,
-                                     .power = of.power};
-      lines.push_back(
-          {name, to_string(of.method).data(), of.depth_mm, of.axes, of.power, of.depth_taken, of.base,
-           of.base_taken, std::numeric_limits<double>::quiet_NaN(),
-           measure_imprint_tradeoff(layout, scene, imprint, std::span(&only, 1), NoiseKind::sensor,
-                                    kImprintNoise, options.contacts, options.seed + 1,
-                                    of.method == Method::closing ? kFramesOfClosing : 0)
-               .front(),
-           here});
+      const contact::ContactGeometry geometry{.depth_m = 1e-3 * of.depth_mm,
+                                              .bonded_poisson = bonded_poisson(scene, of.base),
+                                              .stretch = of.axes,
+                                              .power = of.power};
+      lines.push_back({name, to_string(of.method).data(), of.depth_mm, of.axes, of.power, of.depth_taken,
+                       of.base, of.base_taken, std::numeric_limits<double>::quiet_NaN(),
+                       measure_shape_tradeoff(layout, scene, geometry, std::span(&only, 1), NoiseKind::sensor,
+                                              kShapeNoise, options.contacts, options.seed + 1,
+                                              of.method == Method::closing ? kFramesOfClosing : 0)
+                           .front(),
+                       here});
       if (of.known())
         lines.back().guide =
             guide_of(layout, scene, of, std::min(options.contacts, kGuided), options.seed + 1);
@@ -167,7 +166,7 @@ std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const 
   return lines;
 }
 
-void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts) {
+void print_shapes(const std::vector<ShapeLine>& lines, std::size_t contacts) {
   std::printf(
       "Methods fit and closing under a skin and on other shapes: %zu contacts, up to 2 mm off the middle of "
       "a +-8 mm pad, Gamma uniform, 1 %% of sensor noise; closing after %d frames of the closing.\n   method "
@@ -176,7 +175,7 @@ void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts)
       "answered  1 "
       "sigma  2 sigma   safer   p50 us   p99 us\n",
       contacts, kFramesOfClosing);
-  for (const ImprintLine& line : lines) {
+  for (const ShapeLine& line : lines) {
     const TradeoffRow& row = line.row;
     std::printf(
         "%9s %7s %9.2g %5.2g %4g %12.2g  %10s  %10s  %6.4f   %7.4f  %7.4f   %5.1f %%  %4.1f %%   %4.1f %%  "
@@ -188,9 +187,9 @@ void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts)
   }
 }
 
-offline::SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t contacts) {
+offline::SweepResult shapes_to_sweep(const std::vector<ShapeLine>& lines, std::size_t contacts) {
   offline::SweepResult sweep{{{"contacts", contacts}}, {}};
-  for (const ImprintLine& line : lines) {
+  for (const ShapeLine& line : lines) {
     const TradeoffRow& row = line.row;
     sweep.add_row(line.unit, {{"layout", line.layout},
                               {"method", line.method},

@@ -10,7 +10,7 @@
 namespace lab {
 
 // One layout, skin and shape; the noise is that of the sensor, 1 %.
-struct ImprintLine {
+struct ShapeLine {
   std::string layout;   // as in TradeoffOptions
   std::string method;   // fit, or closing: after frames of the gripper's closing
   double depth_mm = 0;  // of the taxels
@@ -28,9 +28,9 @@ struct ImprintLine {
 };
 
 // On the layouts of the options that are arrays.
-std::vector<ImprintLine> measure_imprints(const TradeoffOptions& options, const Tell& tell);
+std::vector<ShapeLine> measure_shapes(const TradeoffOptions& options, const Tell& tell);
 
-void print_imprints(const std::vector<ImprintLine>& lines, std::size_t contacts);
-offline::SweepResult imprints_to_sweep(const std::vector<ImprintLine>& lines, std::size_t contacts);
+void print_shapes(const std::vector<ShapeLine>& lines, std::size_t contacts);
+offline::SweepResult shapes_to_sweep(const std::vector<ShapeLine>& lines, std::size_t contacts);
 
 }  // namespace lab

@@ -1,9 +1,9 @@
 // The bounds beside which contacts under a skin and of other shapes are measured.
-#include "lab/tradeoff/imprint_bound.hpp"
+#include "lab/tradeoff/shape_bound.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/frame/layout.hpp"
 #include "core/reading/fit/contact_shape.hpp"
 
@@ -16,9 +16,9 @@ const TaxelLayout kLayout = TaxelLayout::grid(32, 32, 0.5e-3);
 
 double bound_by_closing(double depth_m, double power, double noise_share = 0.01) {
   const auto pair = slipd::contact::make_body_pair({0.01, 0.5e6, 0.45}, {0.02, 2e11, 0.25});
-  const KnownImprint truth{
+  const KnownContact truth{
       .x_m = 0.4e-3, .y_m = -0.3e-3, .ellipse = {3e-3, 3e-3, 0}, .load = 0.2, .gamma = 0.5, .pull_rad = 0.7};
-  slipd::contact::ImprintSheet sheet(kLayout, {.depth_m = depth_m, .power = power});
+  slipd::contact::ContactField sheet(kLayout, {.depth_m = depth_m, .power = power});
   return cramer_rao_sigma_by_closing(sheet, kLayout.size(), pair, 2, truth, noise_share);
 }
 
@@ -27,7 +27,7 @@ TEST(BoundByClosing, IsNearThatOfAKnownShapeForASphere) {
   const double a_m = pair.contact_radius_m(2);
   for (const double depth_m : {0.0, 1e-3}) {
     slipd::ContactShape model(kLayout, depth_m, {});
-    const KnownImprint truth{
+    const KnownContact truth{
         .x_m = 0.4e-3, .y_m = -0.3e-3, .ellipse = {a_m, a_m, 0}, .load = 0.2, .gamma = 0.5, .pull_rad = 0.7};
     const double of_shape = cramer_rao_sigma(model, truth, 0.01), by_closing = bound_by_closing(depth_m, 2);
     EXPECT_NEAR(by_closing / of_shape, 1, 0.15) << depth_m;

@@ -1,4 +1,4 @@
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,17 +14,17 @@ constexpr unsigned kDomes = 20;
 
 }  // namespace
 
-ImprintSheet::ImprintSheet(const TaxelLayout& layout, const Imprint& imprint)
-    : imprint_(imprint),
-      sheet_(layout.size(), layout.side_m(), imprint.depth_m, imprint.bonded_poisson),
+ContactField::ContactField(const TaxelLayout& layout, const ContactGeometry& geometry)
+    : geometry_(geometry),
+      sheet_(layout.size(), layout.side_m(), geometry.depth_m, geometry.bonded_poisson),
       x_m_(layout.x_m().begin(), layout.x_m().end()),
       y_m_(layout.y_m().begin(), layout.y_m().end()) {
   for (auto* list : {&u_, &v_, &normal_, &shear_x_, &shear_y_}) list->resize(layout.size());
 }
 
-void ImprintSheet::add_dome(double radius_m, double height_pa, const Force& force) noexcept {
-  const double long_over_mean = std::sqrt(imprint_.stretch);
-  sheet_.evaluate_values({radius_m * long_over_mean, radius_m / long_over_mean, imprint_.angle_rad}, u_, v_);
+void ContactField::add_dome(double radius_m, double height_pa, const Force& force) noexcept {
+  const double long_over_mean = std::sqrt(geometry_.stretch);
+  sheet_.evaluate_values({radius_m * long_over_mean, radius_m / long_over_mean, geometry_.angle_rad}, u_, v_);
   using Sheet = SubsurfaceSheet;
   const auto of = [&](Sheet::Component component) { return sheet_.row(Sheet::value, component); };
   const auto nn = of(Sheet::nn), nx = of(Sheet::nx), ny = of(Sheet::ny), xx = of(Sheet::xx),
@@ -39,8 +39,8 @@ void ImprintSheet::add_dome(double radius_m, double height_pa, const Force& forc
 
 // The pressure under a gap of r^n is c (a^(n-2) D_a - (n-2) integral of x^(n-3) D_x dx over 0 … a) with
 // D_x = sqrt(x^2 - r^2) and c = F (n+1)/(2 pi a^(n+1)) (docs/theory.md §4.6).
-void ImprintSheet::add_term(double force_n, double round_radius_m, const Force& force) noexcept {
-  const double n = imprint_.power;
+void ContactField::add_term(double force_n, double round_radius_m, const Force& force) noexcept {
+  const double n = geometry_.power;
   if (!(force_n > 0)) return;
   // As large as Hertz's at 1 N, and from there on with F^(1/(n+1)).
   const double a = round_radius_m * std::pow(force_n, 1 / (n + 1) - 1.0 / 3);
@@ -58,9 +58,9 @@ void ImprintSheet::add_term(double force_n, double round_radius_m, const Force& 
   }
 }
 
-void ImprintSheet::feel(const LoadHistory& contact, double x_m, double y_m, double pull_rad,
-                        std::span<float> normal_pa, std::span<float> shear_x_pa,
-                        std::span<float> shear_y_pa) noexcept {
+void ContactField::sense(const LoadHistory& contact, double x_m, double y_m, double pull_rad,
+                         std::span<float> normal_pa, std::span<float> shear_x_pa,
+                         std::span<float> shear_y_pa) noexcept {
   for (auto* list : {&normal_, &shear_x_, &shear_y_}) std::fill(list->begin(), list->end(), 0.0);
   for (std::size_t i = 0; i < x_m_.size(); ++i) {
     u_[i] = x_m_[i] - x_m;

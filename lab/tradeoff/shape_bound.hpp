@@ -3,15 +3,15 @@
 
 #include <cstddef>
 
+#include "core/contact/contact_field.hpp"
 #include "core/contact/hertz.hpp"
-#include "core/contact/imprint.hpp"
 #include "core/contact/subsurface.hpp"
 #include "core/reading/fit/contact_shape.hpp"
 
 namespace lab {
 
 // The true parameters of a contact.
-struct KnownImprint {
+struct KnownContact {
   // Its centre, m.
   double x_m = 0, y_m = 0;
   // The ellipse that it covers; 0 < a, b.
@@ -23,13 +23,13 @@ struct KnownImprint {
 // The bound of Gamma's standard deviation, for Gaussian noise of this standard deviation on all channels,
 // over the greatest pressure that is read; for a round contact the axes are not unknowns. Infinite where the
 // frame has no information. Overwrites what the model holds.
-double cramer_rao_sigma(slipd::ContactShape& model, const KnownImprint& truth, double noise_share) noexcept;
+double cramer_rao_sigma(slipd::ContactShape& model, const KnownContact& truth, double noise_share) noexcept;
 
-// The same for a method that knows what the contact of this pair is felt as under each force, as method
+// The same for a method that knows what the contact of this pair is sensed as under each force, as method
 // closing does without noise: of any shape. Not known are Gamma, the pull, the normal force, and whether the
 // pressure has been shifted. taxels: of the sheet. Of `truth` the ellipse is not read. Allocates.
-double cramer_rao_sigma_by_closing(slipd::contact::ImprintSheet& sheet, std::size_t taxels,
+double cramer_rao_sigma_by_closing(slipd::contact::ContactField& sheet, std::size_t taxels,
                                    const slipd::contact::BodyPair& pair, double normal_n,
-                                   const KnownImprint& truth, double noise_share);
+                                   const KnownContact& truth, double noise_share);
 
 }  // namespace lab

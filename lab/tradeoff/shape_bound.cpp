@@ -1,4 +1,4 @@
-#include "lab/tradeoff/imprint_bound.hpp"
+#include "lab/tradeoff/shape_bound.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace lab {
 
 using slipd::ContactShape;
 
-double cramer_rao_sigma(ContactShape& model, const KnownImprint& truth, double noise_share) noexcept {
+double cramer_rao_sigma(ContactShape& model, const KnownContact& truth, double noise_share) noexcept {
   model.collect_nothing();
   model.set_noise({});
   const slipd::contact::Ellipse& ellipse = truth.ellipse;
@@ -36,17 +36,17 @@ double cramer_rao_sigma(ContactShape& model, const KnownImprint& truth, double n
   return noise_share * greatest * std::sqrt(inverse.variance(ContactShape::margin));
 }
 
-double cramer_rao_sigma_by_closing(slipd::contact::ImprintSheet& sheet, std::size_t taxels,
+double cramer_rao_sigma_by_closing(slipd::contact::ContactField& sheet, std::size_t taxels,
                                    const slipd::contact::BodyPair& pair, double normal_n,
-                                   const KnownImprint& truth, double noise_share) {
+                                   const KnownContact& truth, double noise_share) {
   const auto n = static_cast<Eigen::Index>(taxels);
   std::vector<float> p(taxels), x(taxels), y(taxels);
-  const auto felt = [&](const KnownImprint& of, double force_n) {
+  const auto sensed = [&](const KnownContact& of, double force_n) {
     const double friction = of.load / (1 - of.gamma);
     slipd::contact::LoadHistory contact(pair);
     contact.move_to(force_n, 0, friction);
     contact.move_to(force_n, of.load * force_n, friction);
-    sheet.feel(contact, of.x_m, of.y_m, of.pull_rad, p, x, y);
+    sheet.sense(contact, of.x_m, of.y_m, of.pull_rad, p, x, y);
     Eigen::VectorXd all(3 * n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto taxel = static_cast<std::size_t>(i);
@@ -58,22 +58,22 @@ double cramer_rao_sigma_by_closing(slipd::contact::ImprintSheet& sheet, std::siz
   };
   // Central differences; averages are single precision.
   Eigen::Matrix<double, Eigen::Dynamic, 6> slopes(3 * n, 6);
-  const auto by = [&](Eigen::Index column, double KnownImprint::*unknown, double step) {
-    KnownImprint above = truth, below = truth;
+  const auto by = [&](Eigen::Index column, double KnownContact::*unknown, double step) {
+    KnownContact above = truth, below = truth;
     above.*unknown += step;
     below.*unknown -= step;
-    slopes.col(column) = (felt(above, normal_n) - felt(below, normal_n)) / (2 * step);
+    slopes.col(column) = (sensed(above, normal_n) - sensed(below, normal_n)) / (2 * step);
   };
-  by(0, &KnownImprint::gamma, std::min({0.01, 0.2 * truth.gamma, 0.2 * (1 - truth.gamma)}));
-  by(1, &KnownImprint::load, 0.01 * truth.load);
-  by(2, &KnownImprint::pull_rad, 0.01);
+  by(0, &KnownContact::gamma, std::min({0.01, 0.2 * truth.gamma, 0.2 * (1 - truth.gamma)}));
+  by(1, &KnownContact::load, 0.01 * truth.load);
+  by(2, &KnownContact::pull_rad, 0.01);
   constexpr double kForceStep = 0.01, kShift = 1e-4;  // of the force; m
-  slopes.col(3) = (felt(truth, (1 + kForceStep) * normal_n) - felt(truth, (1 - kForceStep) * normal_n)) /
+  slopes.col(3) = (sensed(truth, (1 + kForceStep) * normal_n) - sensed(truth, (1 - kForceStep) * normal_n)) /
                   (2 * kForceStep);
-  by(4, &KnownImprint::x_m, kShift);
-  by(5, &KnownImprint::y_m, kShift);
+  by(4, &KnownContact::x_m, kShift);
+  by(5, &KnownContact::y_m, kShift);
   slopes.topRightCorner(2 * n, 2).setZero();  // of the pressure alone
-  felt(truth, normal_n);
+  sensed(truth, normal_n);
   const double greatest = *std::max_element(p.begin(), p.end());
   const slipd::ScaledInverse<Eigen::Matrix<double, 6, 6>> inverse(slopes.transpose() * slopes);
   return noise_share * greatest * std::sqrt(inverse.variance(0));

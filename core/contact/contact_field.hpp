@@ -15,7 +15,7 @@
 
 namespace slipd::contact {
 
-struct Imprint {
+struct ContactGeometry {
   // Depth of the taxels under the surface, m, >= 0.
   double depth_m = 0;
   // See Skin::bonded_poisson. Not used at depth 0.
@@ -29,20 +29,20 @@ struct Imprint {
   double power = 2;
   // The contact model of averages.hpp.
   bool plain() const noexcept { return depth_m == 0 && stretch == 1 && power == 2; }
-  bool operator==(const Imprint&) const = default;
+  bool operator==(const ContactGeometry&) const = default;
 };
 
-class ImprintSheet {
+class ContactField {
  public:
-  ImprintSheet(const TaxelLayout& layout, const Imprint& imprint);
+  ContactField(const TaxelLayout& layout, const ContactGeometry& geometry);
 
   // Another direction of the long axis, rad.
-  void turn(double angle_rad) noexcept { imprint_.angle_rad = angle_rad; }
+  void turn(double angle_rad) noexcept { geometry_.angle_rad = angle_rad; }
 
   // Averages over the taxels in Pa, the contact's centre at (x, y), its pull in the direction `pull_rad` from
   // x to y. All spans have the layout's size and are overwritten.
-  void feel(const LoadHistory& contact, double x_m, double y_m, double pull_rad, std::span<float> normal_pa,
-            std::span<float> shear_x_pa, std::span<float> shear_y_pa) noexcept;
+  void sense(const LoadHistory& contact, double x_m, double y_m, double pull_rad, std::span<float> normal_pa,
+             std::span<float> shear_x_pa, std::span<float> shear_y_pa) noexcept;
 
  private:
   // The tractions of a disc term, each over the term's force_n.
@@ -52,7 +52,7 @@ class ImprintSheet {
   void add_term(double force_n, double round_radius_m, const Force& force) noexcept;
   void add_dome(double radius_m, double height_pa, const Force& force) noexcept;
 
-  Imprint imprint_;
+  ContactGeometry geometry_;
   SubsurfaceSheet sheet_;
   std::vector<double> x_m_, y_m_, u_, v_;
   std::vector<double> normal_, shear_x_, shear_y_;
