@@ -165,8 +165,8 @@ struct FrictionFilterOptions {
   // hooks; 1.2 … 5, and by how many standard deviations; 0 … 10. What it showed is forgotten, and nothing is
   // learnt until the load is below the least friction. Too small: an object of more friction than was
   // expected counts as hooked. Too large: a hook is learnt as friction.
-  double hooked = 1.5;
-  double hooked_sigmas = 3;
+  double exceeds_friction = 1.5;
+  double exceeds_friction_sigmas = 3;
   // The most that one frame of a slide counts against a friction, as a squared residual; 4 … 100. Too small:
   // a slide does not refute what contradicts it. Too large: one false slide refutes the right friction.
   double max_slide_residual = 25;
