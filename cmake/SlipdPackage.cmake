@@ -9,8 +9,17 @@
 #   slipd-dev                    headers and CMake files for drivers of one's own
 set(slipd_packaging ${PROJECT_SOURCE_DIR}/packaging)
 
+# Who packages is who maintains the packages: -DSLIPD_MAINTAINER="NAME <ADDRESS>", else Debian's own DEBFULLNAME and DEBEMAIL, else a placeholder.
+if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
+  set(slipd_packager "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+else()
+  set(slipd_packager "Unset Packager <packager@example.org>")
+endif()
+set(SLIPD_MAINTAINER "${slipd_packager}" CACHE STRING "Maintainer of the Debian packages: NAME <ADDRESS>")
+
 # Debian's own papers of a package: copyright and changelog.
-execute_process(COMMAND gzip -9nc ${slipd_packaging}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
+configure_file(${slipd_packaging}/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
+execute_process(COMMAND gzip -9nc ${PROJECT_BINARY_DIR}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
 execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 string(REGEX REPLACE "^MIT License\n\n[^\n]*\n\n" "" licence "${licence}")
@@ -24,7 +33,7 @@ function(slipd_papers package component)
 endfunction()
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "The slipd developers <slipd@packages.debian.org>")
+set(CPACK_PACKAGE_CONTACT "${SLIPD_MAINTAINER}")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_SET_DESTDIR ON)

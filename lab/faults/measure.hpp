@@ -42,8 +42,8 @@ struct FaultLine {
   // Of the same frames of the healthy sensor, those in state ok, and the margins too safe among them.
   std::uint64_t sound_answered = 0;
   std::uint64_t sound_too_safe = 0;
-  // Frames of the healthy sensor with another health than good, the grasps that have any, the health that most
-  // of the frames have (good if there are none), and all its frames.
+  // Frames of the healthy sensor with another health than good, the grasps that have any, the health that
+  // most of the frames have (good if there are none), and all its frames.
   std::uint64_t false_alarms = 0;
   std::size_t grasps_with_false_alarms = 0;
   slipd::Health false_as = slipd::Health::good;
