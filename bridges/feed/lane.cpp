@@ -91,6 +91,7 @@ void Lane::source_is(std::string trouble) {
   last_.reset();
   pending_.reset();
   const std::lock_guard lock(mutex_);
+  if (account_.source.empty() && !trouble.empty()) ++account_.losses;
   account_.source = std::move(trouble);
 }
 

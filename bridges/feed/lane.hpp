@@ -29,6 +29,7 @@ struct Account {
   std::uint64_t overtaken = 0;  // without a time, behind which another one waited
   std::uint64_t sent = 0;       // frames that slipd took
   std::uint64_t unsent = 0;     // frames that slipd did not take
+  std::uint64_t losses = 0;     // of the source
   std::string why;              // what the last message that became no frame lacked
   std::string trouble;          // why slipd took none the last time; empty: it took it
   std::string source;           // what is wrong with the source; empty: nothing

@@ -23,13 +23,14 @@ std::string counted(const Account& before, const Account& now) {
 
 std::vector<Line> report(const std::string& sensor, const Account& before, const Account& now) {
   std::vector<Line> lines;
-  const auto changed = [&](const std::string& was, const std::string& is, const char* fine) {
-    if (was != is)
+  const auto told = [&](bool changed, const std::string& is, const char* fine) {
+    if (changed)
       lines.push_back(
           {is.empty() ? LogLevel::notice : LogLevel::warning, sensor + ": " + (is.empty() ? fine : is)});
   };
-  changed(before.source, now.source, "the source is there");
-  changed(before.trouble, now.trouble, "slipd takes the frames");
+  // It may have come and gone in between.
+  told(before.source != now.source || before.losses != now.losses, now.source, "the source is there");
+  told(before.trouble != now.trouble, now.trouble, "slipd takes the frames");
   if (const std::string counts = counted(before, now); !counts.empty())
     lines.push_back(
         {LogLevel::warning, sensor + ": " + counts + (now.why.empty() ? "" : "; the last one: " + now.why)});
