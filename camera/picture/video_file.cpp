@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "camera/picture/raw_picture.hpp"
+
 namespace slipd::camera {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr double kUsualRate = 25;
 
 }  // namespace
 
-VideoFile::VideoFile(const std::string& path) {
+VideoFile::VideoFile(const std::string& path, int shrink) : shrink_(shrink) {
   if (!video_.open(path, cv::CAP_FFMPEG))
     throw std::runtime_error(path + ": no video that FFmpeg can read; check the path, and `ffprobe` it");
   rate_hz_ = video_.get(cv::CAP_PROP_FPS);
@@ -33,6 +35,7 @@ std::optional<Picture> VideoFile::next() {
   } else {
     cv::cvtColor(colours_, picture.brightness, cv::COLOR_BGR2GRAY);
   }
+  picture.brightness = shrunk(picture.brightness, shrink_);
   return picture;
 }
 

@@ -5,23 +5,25 @@
 #include <optional>
 #include <string>
 
-#include "camera/picture/picture.hpp"
+#include "camera/picture/picture_source.hpp"
 
 namespace slipd::camera {
 
-class VideoFile {
+class VideoFile final : public PictureSource {
  public:
-  // Throws std::runtime_error for a file that is missing, or that FFmpeg cannot read.
-  explicit VideoFile(const std::string& path);
+  // `shrink`: pictures are made smaller by this. Throws std::runtime_error for a file that is missing, or
+  // that FFmpeg cannot read.
+  VideoFile(const std::string& path, int shrink);
 
   // The file's nominal rate, Hz, above 0.
-  double rate_hz() const noexcept { return rate_hz_; }
+  double rate_hz() const noexcept override { return rate_hz_; }
   // The next picture; none at the end. Picture n, counted from 1, has the time n / rate_hz. A picture that
   // cannot be decoded is empty.
-  std::optional<Picture> next();
+  std::optional<Picture> next() override;
 
  private:
   cv::VideoCapture video_;
+  int shrink_;
   double rate_hz_ = 0;
   std::uint64_t taken_ = 0;
   cv::Mat colours_;

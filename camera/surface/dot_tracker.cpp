@@ -13,6 +13,14 @@ constexpr std::size_t kNeighbours = 8;
 constexpr float kNeighbourhood = 2.2F;
 // Nearer to a known point than this, spacings, no dot is a new one.
 constexpr float kApart = 0.45F;
+// A point that differs from most neighbours by more than this, spacings, has become another dot.
+constexpr float kStray = 0.5F;
+// A dot this near to where a point rests, spacings, may be that point at rest. By chance one in fourteen is.
+constexpr float kHome = 0.15F;
+// The whole pattern is at rest when more than this share of points has such a dot, …
+constexpr double kMostAtRest = 0.85;
+// … and less than this share of points is known to be there.
+constexpr double kFewKnown = 0.7;
 // Least score of a step that is taken, share of all neighbours.
 constexpr float kLeastScore = 0.15F;
 
@@ -20,7 +28,7 @@ float square(cv::Point2f v) {
   return v.dot(v);
 }
 
-double median_of(std::vector<float>& values) {
+float median_of(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -144,17 +152,58 @@ void DotTracker::assign(std::span<const Dot> dots) {
   }
 }
 
-// Mean displacement of the neighbours that are seen; that of the point itself if there are none.
-cv::Point2f DotTracker::displacement_around(std::size_t point) const {
-  cv::Point2f sum;
-  float seen = 0;
+// Whether most neighbours that are seen moved otherwise, by so much that this must be another dot.
+bool DotTracker::has_strayed(std::size_t point) const {
+  const float far = kStray * static_cast<float>(spacing_);
+  const cv::Point2f own = all_[point].now - all_[point].rest;
+  int seen = 0, left = 0;
   for (const int j : courses_[point].neighbours) {
     const SurfacePoint& other = all_[static_cast<std::size_t>(j)];
     if (!other.seen) continue;
-    sum += other.now - other.rest;
     ++seen;
+    if (square(other.now - other.rest - own) > far * far) ++left;
   }
-  return seen > 0 ? sum / seen : all_[point].now - all_[point].rest;
+  return 2 * left > seen;
+}
+
+void DotTracker::drop_the_strayed() {
+  std::vector<std::size_t> strayed;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (all_[i].seen && has_strayed(i)) strayed.push_back(i);
+  }
+  for (const std::size_t i : strayed) all_[i].seen = false;
+}
+
+// Whether there is a dot where nearly each point rests, and the points do not know it.
+bool DotTracker::all_at_rest(std::span<const Dot> dots) const {
+  const float near = kHome * static_cast<float>(spacing_);
+  std::size_t at_rest = 0, known = 0;
+  for (const SurfacePoint& point : all_) {
+    at_rest += std::any_of(dots.begin(), dots.end(),
+                           [&](const Dot& dot) { return square(dot.place - point.rest) < near * near; });
+    known += square(point.now - point.rest) < near * near;
+  }
+  const auto all = static_cast<double>(all_.size());
+  return static_cast<double>(at_rest) > kMostAtRest * all && static_cast<double>(known) < kFewKnown * all;
+}
+
+void DotTracker::go_home() {
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    all_[i].now = all_[i].rest;
+    courses_[i].step = {};
+  }
+}
+
+// Median displacement of the neighbours that are seen; that of the point itself if there are none.
+cv::Point2f DotTracker::displacement_around(std::size_t point) const {
+  std::vector<float> x, y;
+  for (const int j : courses_[point].neighbours) {
+    const SurfacePoint& other = all_[static_cast<std::size_t>(j)];
+    if (!other.seen) continue;
+    x.push_back(other.now.x - other.rest.x);
+    y.push_back(other.now.y - other.rest.y);
+  }
+  return x.empty() ? all_[point].now - all_[point].rest : cv::Point2f(median_of(x), median_of(y));
 }
 
 void DotTracker::move_the_unseen() {
@@ -207,11 +256,13 @@ void DotTracker::forget_failures() {
 }
 
 const std::vector<SurfacePoint>& DotTracker::follow(std::span<const Dot> dots) {
+  if (all_at_rest(dots)) go_home();
   list_candidates(dots);
   weigh_candidates();
   prefer_the_chosen();
   assign(dots);
   forget_failures();
+  drop_the_strayed();
   move_the_unseen();
   adopt(dots);
   points_ = all_;

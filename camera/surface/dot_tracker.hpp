@@ -1,7 +1,8 @@
 // Follows dots from picture to picture. No grid has to be whole: a dot's neighbours say where it has gone,
 // because a gel moves as a whole. For each dot, the steps to all dots found near it are weighed by how many
 // neighbours could have made the same step; so a step of nearly half the spacing is followed. A dot that is
-// not found moves with its neighbours until it is found again. One thread's own.
+// not found moves with its neighbours until it is found again; one that has left its neighbours by half the
+// spacing was another dot, and is sought anew. One thread's own.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -62,6 +63,10 @@ class DotTracker {
   void weigh_candidates();
   void prefer_the_chosen();
   void assign(std::span<const Dot> dots);
+  bool has_strayed(std::size_t point) const;
+  void drop_the_strayed();
+  bool all_at_rest(std::span<const Dot> dots) const;
+  void go_home();
   void move_the_unseen();
   void adopt(std::span<const Dot> dots);
   void forget_failures();

@@ -2,6 +2,7 @@
 
 #include "camera/surface/dot_finder.hpp"
 #include "camera/surface/dot_tracker.hpp"
+#include "camera/surface/texture_tracker.hpp"
 
 namespace slipd::camera {
 namespace {
@@ -35,6 +36,7 @@ class Dots final : public SurfaceTracker {
 }  // namespace
 
 std::unique_ptr<SurfaceTracker> make_tracker(const SurfaceFacts& facts) {
+  if (facts.texture) return std::make_unique<TextureTracker>();
   return std::make_unique<Dots>(facts);
 }
 
