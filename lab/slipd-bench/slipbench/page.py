@@ -15,7 +15,8 @@ contact get the best threshold of the other blocks of the same set; `trained` le
 [figures.csv](real-sensors/figures.csv). Measured on {date} at {commit} with
 
 ```sh
-lab/slipd-bench/slipd-bench page --data FOLDER
+lab/slipd-bench/simulate SIMULATED
+lab/slipd-bench/slipd-bench page --data FOLDER --data SIMULATED
 ```
 
 The pictures: left, slips not told in time over false alarms per hour of holding, at every threshold of a detector; the dot is its own decision, or that with the
