@@ -37,11 +37,11 @@ def when(result):
     told = f"slipd tells {total(result, 'in_time')} of {total(result, 'slips')} slips in time"
     if not latencies:
         return f"{told}. The labels are of whole recordings, so nobody knows how late its alert comes."
-    after = sum(v > 0 for v in latencies)
-    middle = sorted(latencies)[len(latencies) // 2]
-    many = f"{after} of {len(latencies)} alerts come" if len(latencies) > 1 else "The alert comes" if after else "The alert does not come"
-    spread = f", half of them later than {middle:.2f} s" if len(latencies) > 1 else f", {abs(middle):.2f} s {'later' if middle > 0 else 'earlier'}"
-    return f"{told}. **{many} after {spec['onset']}{spread}.**"
+    after, middle = sum(v > 0 for v in latencies), sorted(latencies)[len(latencies) // 2]
+    apart = f"{abs(middle):.2f} s {'after' if middle > 0 else 'before'} {spec['onset']}"
+    if len(latencies) == 1:
+        return f"{told}. **The alert comes {apart}.**"
+    return f"{told}. **{after} of {len(latencies)} alerts come after {spec['onset']}, and the middle one of all {apart}.**"
 
 
 def quiet(result):
@@ -58,6 +58,9 @@ def margins(result):
     lines.append(f"A margin comes in {per_cent(f['margin'].value)} of the time of holding.")
     if not math.isnan(f["called safe"].value):
         lines.append(f"In {per_cent(f['called safe'].value)} of {total(result, 'unsafe_s'):.1f} s in which the object slides or hangs on a hook, the margin is above {SAFE_MARGIN:g}.")
+    if not math.isnan(f["gamma error"].value):
+        lines.append(f"The margin is off by {f['gamma error'].value:.3f} on average, and by {f['gamma bias'].value:+.3f} in the mean: "
+                     f"{'too low, which is the safe side' if f['gamma bias'].value < 0 else 'too high'}.")
     if not math.isnan(f["bound"].value):
         lines.append(f"`gamma_low` in the 0.5 s before slips is below that of holds with an area under the ROC of {f['bound'].value:.2f} (0.5 is chance).")
     return " ".join(lines)

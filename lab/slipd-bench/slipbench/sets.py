@@ -34,12 +34,16 @@ def describe(name):
     return {"name": file.stem, **spec}
 
 
+def has(spec, data):
+    """Whether one of the folders has a set's files."""
+    return any((each / spec.get("folder", spec["name"])).is_dir() for each in data)
+
+
 def folder_of(spec, data):
-    """Where a set's files are: data/NAME."""
-    folder = Path(data) / spec.get("folder", spec["name"])
-    if not folder.is_dir():
-        raise WrongUse(f"{folder}: no such folder; {spec['name']} comes from {spec['source']['url']}, see {spec['name']}.json")
-    return folder
+    """Where a set's files are: NAME in one of the folders `data`."""
+    if not has(spec, data):
+        raise WrongUse(f"no {spec.get('folder', spec['name'])} in {', '.join(map(str, data))}; it comes from {spec['source']['url']}, see {spec['name']}.json")
+    return next(each / spec.get("folder", spec["name"]) for each in data if has(spec, [each]))
 
 
 def digest(folder):
@@ -64,7 +68,7 @@ def load(spec, data, any_files=False):
     """The recordings of a set with their truth. any_files: of other files than those described, too."""
     folder = folder_of(spec, data)
     found = digest(folder)
-    if found != spec["sha256"] and not any_files:
+    if spec["sha256"] and found != spec["sha256"] and not any_files:
         raise WrongUse(f"{folder}: not the files that {spec['name']}.json describes (sha256 {found}); --any-files takes them all the same")
     truth = part("truths", spec["truth"]["generator"])
     recordings = list(part("readers", spec["reader"]).recordings(folder, spec))

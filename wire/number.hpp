@@ -1,11 +1,13 @@
-// Reads numbers out of devices' bytes. Acquire thread; any bytes are valid input.
+// Numbers in bytes that others send, as profiles name their types. Drivers and slipd-feed read them. Any
+// thread, also acquire; any bytes are valid input.
 #pragma once
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
-namespace slipd::decode {
+namespace slipd::wire {
 
 enum class NumberKind : std::uint8_t {
   natural,  // unsigned integer
@@ -19,6 +21,16 @@ struct NumberType {
   bool big_endian = false;  // false: least significant byte first
   bool operator==(const NumberType&) const = default;
 };
+
+// Of a name such as "u8", "i16be" or "f64le", which a schema has checked.
+constexpr NumberType number_type(std::string_view name) noexcept {
+  const auto kind = name.front() == 'u'   ? NumberKind::natural
+                    : name.front() == 'i' ? NumberKind::whole
+                                          : NumberKind::real;
+  const std::string_view bits = name.substr(1, name.find_first_of("bl", 1) - 1);
+  const auto bytes = bits == "8" ? 1 : bits == "16" ? 2 : bits == "32" ? 4 : 8;
+  return {kind, static_cast<std::uint8_t>(bytes), name.ends_with("be")};
+}
 
 // The unsigned number at `at`, of `bytes` bytes, 1 to 8.
 inline std::uint64_t read_bits(const std::uint8_t* at, std::size_t bytes, bool big_endian) noexcept {
@@ -41,4 +53,4 @@ inline double read_number(const std::uint8_t* at, NumberType type) noexcept {
   return static_cast<std::int32_t>(raw << unused) >> unused;  // C++20: arithmetic
 }
 
-}  // namespace slipd::decode
+}  // namespace slipd::wire
