@@ -162,7 +162,8 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
   offline::write_file(folder / "bits.csv", bits.str());
   std::ostringstream script;
   script << "set terminal svg size 900,420 font 'sans,12' background 'white'\nset output 'condition.svg'\n"
-            "set datafile separator ','\nset logscale y\nset grid\nset key left top horizontal samplen 2\nset yrange "
+            "set datafile separator ','\nset logscale y\nset grid\nset key left top horizontal samplen "
+            "2\nset yrange "
             "[0.1:1000]\n"
             "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'margin error / frame error'\n"
             "set title '"
