@@ -3,6 +3,7 @@
 #   slipd-paper                  the trained methods svd-knn and registered, a module that the daemon loads
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
+#   slipd-feed                   frames from networks
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
 #   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
@@ -178,6 +179,13 @@ if(TARGET slipd-ros2)
 forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
 Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
 and PlotJuggler.")
+endif()
+if(TARGET slipd-feed)
+  slipd_bridge_package(feed SECTION net
+    SUMMARY "frames of tactile sensors on networks, for slipd"
+    TEXT "Receives the messages of sensors that have a server or send on a\n\
+network, by WebSocket and UDP, and hands their frames to slipd. Profiles\n\
+describe the messages.")
 endif()
 slipd_bridge_package(web SECTION web
   SUMMARY "slip margin of tactile sensors in a browser"
