@@ -4,6 +4,7 @@
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
 #   slipd-feed                   frames from networks
+#   slipd-camera                 cameras that look at a gel, as sensors
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
 #   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
@@ -192,5 +193,15 @@ slipd_bridge_package(web SECTION web
   TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\
 minute, recordings, and the measured error of its methods. It only reads,\n\
 and listens on this computer unless it is told otherwise.")
+
+# Its unit is a template: which cameras there are is an administrator's to say.
+if(TARGET slipd-camera)
+  slipd_package(camera slipd-camera COMPONENTS camera SECTION electronics SCRIPTS camera
+    DEPENDS "${slipd_same_version}, libslipd0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})"
+    SUMMARY "cameras that look at a gel, as sensors of slipd"
+    TEXT "Follows dots or texture of the gel of GelSight Mini, DIGIT, TacTip and\n\
+sensors of one's own, and sends slipd how far the surface has moved. Also\n\
+reads video files.")
+endif()
 
 include(CPack)
