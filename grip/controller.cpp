@@ -44,7 +44,7 @@ Controller::Controller(const Settings& settings)
     : settings_(settings),
       slipd_(settings.socket),
       law_(settings.law),
-      gripper_(settings.dry_run ? make_dry_gripper() : make_gripper(settings.gripper)),
+      gripper_(settings.dry_run ? make_dry_gripper() : make_gripper(settings.gripper, settings.law.most_n)),
       thread_([this] { run(); }) {}
 
 Controller::~Controller() {
@@ -117,6 +117,8 @@ bool Controller::finger_slips() const {
 Reading Controller::reading_of(const slipd_estimate& now) const {
   Reading reading;
   reading.known = std::isfinite(slipd_margin(&now)) && now.alert != SLIPD_ALERT_UNKNOWN;
+  reading.bounded = std::isfinite(now.gamma_low) && now.alert != SLIPD_ALERT_UNKNOWN &&
+                    (now.state == SLIPD_STATE_OK || now.state == SLIPD_STATE_LEARNING);
   reading.contact = contact_of(now);
   reading.slips = now.alert == SLIPD_ALERT_SLIP || now.sliding == SLIPD_SLIDING_TRANSLATION ||
                   now.sliding == SLIPD_SLIDING_ROTATION || finger_slips();
@@ -132,8 +134,8 @@ Reading Controller::reading_of(const slipd_estimate& now) const {
 
 void Controller::tell(const slipd_estimate& now, State before, double force_before_n) {
   if (law_.state() != before) {
-    const bool grave = law_.state() == State::reacting || law_.state() == State::cut_off ||
-                       law_.state() == State::firm;
+    const bool grave =
+        law_.state() == State::reacting || law_.state() == State::cut_off || law_.state() == State::firm;
     log(grave ? LogLevel::warning : LogLevel::info,
         std::string(to_string(before)) + " -> " + std::string(to_string(law_.state())) + ": " +
             std::string(to_string(law_.last_event())) + "; slipd says " + slipd_state_name(now.state) +

@@ -1,5 +1,5 @@
-// What slipd-grip needs of a gripper, and what a gripper may tell. Each kind has its file. The functions of one
-// gripper are called from one thread, GripperThread's, and may wait.
+// What slipd-grip needs of a gripper, and what a gripper may tell. Each kind has its file. The functions of
+// one gripper are called from one thread, GripperThread's, and may wait.
 #pragma once
 
 #include <cstdint>
@@ -37,17 +37,19 @@ class Gripper {
   virtual ~Gripper() = default;
   // Makes the connection, and again after a GripperError. Must not move the gripper. Throws GripperError.
   virtual void connect() = 0;
-  // Throws GripperError.
-  virtual GripperFacts obey(const Command& command) = 0;
+  // None: the gripper is busy, and the command has to be repeated. Throws GripperError.
+  virtual std::optional<GripperFacts> obey(const Command& command) = 0;
   // Whether each command is sent, also one that is the last one again.
   virtual bool wants_each() const { return false; }
 };
 
-// From the settings' object "gripper", which fits the schema. Throws GripperError for what cannot work.
-std::unique_ptr<Gripper> make_gripper(const nlohmann::json& settings);
+// From the settings' object "gripper", which fits the schema, and the most force of a finger. Throws
+// GripperError for what cannot work.
+std::unique_ptr<Gripper> make_gripper(const nlohmann::json& settings, double most_n);
 
 std::unique_ptr<Gripper> make_line_gripper(const nlohmann::json& settings);
 std::unique_ptr<Gripper> make_simulated_gripper(const nlohmann::json& settings);
+std::unique_ptr<Gripper> make_modbus_gripper(const nlohmann::json& settings, double most_n);
 std::unique_ptr<Gripper> make_dry_gripper();
 
 }  // namespace slipd::grip

@@ -13,6 +13,8 @@ using bridges::LogLevel;
 
 // Between attempts to reach a gripper that does not answer.
 constexpr std::chrono::milliseconds kRetry{100};
+// Between attempts to order a gripper that is busy.
+constexpr std::chrono::milliseconds kBusyRetry{10};
 
 }  // namespace
 
@@ -48,6 +50,7 @@ void GripperThread::run() {
     if (ended_) return;
     attempt(lock);
     if (!connected_) changed_.wait_for(lock, kRetry, [this] { return ended_; });
+    if (busy_) changed_.wait_for(lock, kBusyRetry, [this] { return ended_; });
   }
 }
 
@@ -57,7 +60,7 @@ void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
   if (connected_ && obeyed_ == command.order && !gripper_->wants_each()) return;
   const bool connected = connected_;
   lock.unlock();
-  GripperFacts facts;
+  std::optional<GripperFacts> facts;
   std::string trouble;
   try {
     if (!connected) gripper_->connect();
@@ -66,24 +69,24 @@ void GripperThread::attempt(std::unique_lock<std::mutex>& lock) {
     trouble = error.what();
   }
   lock.lock();
-  if (trouble.empty()) {
-    obeyed_ = command.order;
+  if (facts) obeyed_ = command.order;
+  if (!facts && !wanted_) wanted_ = command;
+  if (trouble.empty())
     succeed(facts);
-  } else {
-    if (!wanted_) wanted_ = command;
+  else
     fail(trouble);
-  }
 }
 
-void GripperThread::succeed(const GripperFacts& facts) {
+void GripperThread::succeed(const std::optional<GripperFacts>& facts) {
   if (!condition_.answers) log(LogLevel::notice, "the gripper answers again");
   connected_ = true;
-  condition_ = {.answers = true, .trouble = {}, .facts = facts};
+  busy_ = !facts;
+  condition_ = {.answers = true, .trouble = {}, .facts = facts.value_or(condition_.facts)};
 }
 
 void GripperThread::fail(const std::string& what) {
   if (condition_.trouble != what) log(LogLevel::error, what);
-  connected_ = false;
+  connected_ = busy_ = false;
   condition_.answers = false;
   condition_.trouble = what;
 }

@@ -35,7 +35,7 @@ class GripperThread {
  private:
   void run();
   void attempt(std::unique_lock<std::mutex>& lock);
-  void succeed(const GripperFacts& facts);
+  void succeed(const std::optional<GripperFacts>& facts);
   void fail(const std::string& what);
 
   std::unique_ptr<Gripper> gripper_;
@@ -44,7 +44,7 @@ class GripperThread {
   std::optional<Command> wanted_;
   std::optional<Order> obeyed_;
   Condition condition_;
-  bool connected_ = false;
+  bool connected_ = false, busy_ = false;
   bool ended_ = false;
   std::thread thread_;  // the last: it uses the others
 };

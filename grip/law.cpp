@@ -17,6 +17,7 @@ Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::in
   const double passed_s = static_cast<double>(now_ns - now_ns_.value_or(now_ns)) / kNsPerSecond;
   now_ns_ = now_ns;
   const double acting = acting_n(now_ns);
+  contact_for_s_ = reading.contact == true ? contact_for_s_ + passed_s : 0;
   margin_ = reading.known ? std::optional(foreseen_margin(reading)) : std::nullopt;
 
   if (wish != Wish::none) take(wish == Wish::open ? Event::open_order : Event::close_order, now_ns);
@@ -40,9 +41,11 @@ Order Law::step(const Reading& reading, Wish wish, bool gripper_answers, std::in
 }
 
 std::optional<Event> Law::judge(const Reading& reading, double acting) {
-  const bool touches = is_gripping(state_) || (state_ == State::closing && reading.contact == true && margin_);
+  const bool fresh = state_ == State::closing && contact_for_s_ < settings_.contact_s;
+  const bool touches =
+      is_gripping(state_) || (state_ == State::closing && reading.contact == true && margin_);
   if (!touches) {
-    if (reading.contact == true) return Event::contact;
+    if (reading.contact == true) return fresh ? std::nullopt : std::optional(Event::contact);
     const bool blind = state_ == State::closing && !reading.contact;
     return blind ? std::optional(Event::margin_unknown) : std::nullopt;
   }
@@ -79,7 +82,7 @@ double Law::wanted_n(const Reading& reading, double acting, double passed_s) con
       wanted = std::max(wanted, acting + reading.increase_n / settings_.fingers);
   }
   if (state_ == State::firm || state_ == State::cut_off || (state_ == State::reacting && !margin_))
-    wanted = std::max(wanted, settings_.firm_n);
+    wanted = std::max(wanted, firm_n(reading, acting));
   wanted = std::clamp(wanted, settings_.least_n, settings_.most_n);
   return std::min(wanted, force_n_ + settings_.raise_n_per_s * passed_s);
 }
@@ -88,12 +91,16 @@ double Law::needed_n(double acting, double margin) const {
   return std::max(settings_.least_n, acting * (1 - margin) / (1 - settings_.target_margin));
 }
 
+// What holds without a margin: by the least friction that is likely, or by the settings.
+double Law::firm_n(const Reading& reading, double acting) const {
+  if (!settings_.firm_by_low || !reading.bounded || state_ != State::firm) return settings_.firm_n;
+  return std::min(settings_.firm_n, needed_n(acting, std::clamp(reading.gamma_low, 0.0, 1.0)));
+}
+
 // The margin that counts, at the end of the delay and of ahead_s if it falls as forecast.
 double Law::foreseen_margin(const Reading& reading) const {
-  double margin = settings_.use_low && std::isfinite(reading.gamma_low)
-                      ? reading.gamma_low
-                      : reading.gamma - (std::isfinite(reading.sigma) ? reading.sigma : 0);
-  margin = std::clamp(margin, 0.0, 1.0);
+  const double sigma = std::isfinite(reading.sigma) ? reading.sigma : 0;
+  const double margin = std::clamp(reading.gamma - sigma, 0.0, 1.0);
   if (!(reading.time_to_slip_s >= 0)) return margin;
   const double lead_s = settings_.delay_s + settings_.ahead_s;
   return margin * std::max(0.0, 1 - lead_s / std::max(reading.time_to_slip_s, 1e-6));

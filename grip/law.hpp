@@ -18,9 +18,10 @@ namespace slipd::grip {
 struct LawSettings {
   // The margin to keep, 0 … 1. Too small: a tap makes the object slip. Too large: more force than needed.
   double target_margin = 0.4;
-  // Whether the margin that counts is gamma_low, which holds with 95 % confidence; else gamma less sigma.
-  bool use_low = true;
-  // Limits of a finger's force, N; firm_n without a margin.
+  // Whether gamma_low, which holds with 95 % confidence, says how firm is firm while friction is still a
+  // range; else firm_n does.
+  bool firm_by_low = true;
+  // Limits of a finger's force, N; firm_n is what holds whatever comes.
   double least_n = 1, firm_n = 20, most_n = 40;
   // Of the order that closes, N.
   double close_n = 2;
@@ -40,6 +41,9 @@ struct LawSettings {
   double spare = 0.03;
   // Factor on the force while the object slips.
   double slip_factor = 1.4;
+  // A contact that begins is given this long for its first margin, s: the fingers still close, and nothing
+  // pulls.
+  double contact_s = 0.1;
   // Without a contact for this long the gripper has missed, s.
   double close_timeout_s = 5;
   // Of the fingers that slipd's normal force is the sum of.
@@ -50,6 +54,8 @@ struct LawSettings {
 struct Reading {
   // Whether gamma may be used: state ok, young enough, and watched.
   bool known = false;
+  // Whether gamma_low may be: state ok or learning, young enough, and watched.
+  bool bounded = false;
   // Whether the sensors tell of something between the fingers; nullopt: they do not tell.
   std::optional<bool> contact;
   // An alert of slip, or a slide.
@@ -98,6 +104,7 @@ class Law {
   void take(Event event, std::int64_t now_ns);
   double wanted_n(const Reading& reading, double acting_n, double passed_s) const;
   double needed_n(double acting_n, double margin) const;
+  double firm_n(const Reading& reading, double acting_n) const;
   double foreseen_margin(const Reading& reading) const;
   double acting_n(std::int64_t now_ns);
   double rounded(double force_n) const;
@@ -112,6 +119,7 @@ class Law {
   std::optional<double> margin_;
   std::optional<std::int64_t> now_ns_;
   std::int64_t closing_since_ns_ = 0;
+  double contact_for_s_ = 0;
   double settled_s_ = 0;
   double deaf_s_ = 0;
 };

@@ -57,7 +57,7 @@ class LineGripper final : public Gripper {
       connect_socket();
   }
 
-  GripperFacts obey(const Command& command) override {
+  std::optional<GripperFacts> obey(const Command& command) override {
     if (fd_ < 0) fail("is not connected");
     const std::string line = text_of(command);
     if (::send(fd_, line.data(), line.size(), MSG_NOSIGNAL | MSG_DONTWAIT) !=

@@ -39,7 +39,8 @@ class Service final : public bridges::Service {
 };
 
 bool is_order(const char* word) {
-  return std::strcmp(word, "open") == 0 || std::strcmp(word, "close") == 0 || std::strcmp(word, "status") == 0;
+  return std::strcmp(word, "open") == 0 || std::strcmp(word, "close") == 0 ||
+         std::strcmp(word, "status") == 0;
 }
 
 // slipd-grip open|close|status [--orders SOCKET]

@@ -109,8 +109,7 @@ void OrderSocket::hear(Peer& peer) {
 
 std::string ask(const std::string& path, const std::string& line) {
   const int fd = connected_to(address_of(path));
-  if (fd < 0)
-    fail(path, "no slipd-grip takes orders there: " + std::generic_category().message(errno));
+  if (fd < 0) fail(path, "no slipd-grip takes orders there: " + std::generic_category().message(errno));
   const timeval patience{kAnswerTimeoutS, 0};
   ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   const std::string sent = line + "\n";

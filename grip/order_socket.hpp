@@ -1,5 +1,6 @@
-// The orders of a person: a Unix socket of slipd-grip's own. A line "open", "close" or "status" comes, a JSON object
-// goes back in a line, and the connection ends. The loop's thread; and what asks there, a program's own.
+// The orders of a person: a Unix socket of slipd-grip's own. A line "open", "close" or "status" comes, a JSON
+// object goes back in a line, and the connection ends. The loop's thread; and what asks there, a program's
+// own.
 #pragma once
 
 #include <functional>

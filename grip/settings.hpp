@@ -23,9 +23,9 @@ struct Settings {
 };
 
 // Of JSON that fits the schema and `problems_of`.
-Settings settings_of(const nlohmann::json& json);
+Settings settings_of(const nlohmann::json& checked);
 
 // What the schema cannot state.
-std::vector<Problem> problems_of(const nlohmann::json& json);
+std::vector<Problem> problems_of(const nlohmann::json& checked);
 
 }  // namespace slipd::grip

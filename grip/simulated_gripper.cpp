@@ -1,5 +1,5 @@
-// The fingers of slipd's driver sim: each sensor's grip_input takes the normal force as a datagram of text. And
-// a gripper of nothing, which says in the journal what it would do.
+// The fingers of slipd's driver sim: each sensor's grip_input takes the normal force as a datagram of text.
+// And a gripper of nothing, which says in the journal what it would do.
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -28,12 +28,12 @@ class SimulatedGripper final : public Gripper {
 
   void connect() override {}
 
-  GripperFacts obey(const Command& command) override {
-    if (command.order.move == Move::stay) return {};
+  std::optional<GripperFacts> obey(const Command& command) override {
+    if (command.order.move == Move::stay) return GripperFacts{};
     char force[32];
     const int size = std::snprintf(force, sizeof force, "%.4f", command.order.force_n);
     for (const std::string& input : inputs_) send(input, {force, static_cast<std::size_t>(size)});
-    return {};
+    return GripperFacts{};
   }
 
  private:
@@ -55,14 +55,14 @@ class SimulatedGripper final : public Gripper {
 class DryGripper final : public Gripper {
  public:
   void connect() override {}
-  GripperFacts obey(const Command& command) override {
+  std::optional<GripperFacts> obey(const Command& command) override {
     char text[64];
     if (command.order.move == Move::grip)
       std::snprintf(text, sizeof text, "would grip with %.2f N", command.order.force_n);
     else
       std::snprintf(text, sizeof text, "would %s", command.order.move == Move::open ? "open" : "do nothing");
     bridges::log(bridges::LogLevel::info, text);
-    return {};
+    return GripperFacts{};
   }
 };
 

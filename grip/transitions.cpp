@@ -54,8 +54,8 @@ constexpr Transition kTransitions[] = {
 
 constexpr std::string_view kStates[] = {"idle",       "open",     "closing", "missed", "holding",
                                         "tightening", "reacting", "firm",    "cut off"};
-constexpr std::string_view kEvents[] = {"close",      "open",         "contact",        "no object",
-                                        "margin good", "margin low",   "slip",           "margin unknown",
+constexpr std::string_view kEvents[] = {"close",        "open",        "contact", "no object",
+                                        "margin good",  "margin low",  "slip",    "margin unknown",
                                         "gripper gone", "gripper back"};
 
 // As Mermaid wants names: without spaces.

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <fstream>
@@ -47,9 +48,12 @@ json sensor(const char* name, const BedOptions& o) {
           {"driver", "push"},
           {"rate_hz", o.rate_hz},
           {"layout", {{"grid", {o.side, o.side}}, {"pitch_mm", o.pitch_m * 1000}}},
-          {"skin", {{"radius_mm", o.dome_radius_m * 1000}, {"modulus_mpa", 1}, {"poisson", 0.45}}},
+          {"skin",
+           {{"radius_mm", o.dome_radius_m > 0 ? json(o.dome_radius_m * 1000) : json("flat")},
+            {"modulus_mpa", 1},
+            {"poisson", 0.45}}},
           {"options", {{"unit", "N"}, {"zeroed", true}, {"max_age_ms", kMostAgeMs}}},
-          {"stale_after_ms", 500}};
+          {"stale_after_ms", 10000}};
 }
 
 }  // namespace
@@ -60,7 +64,8 @@ Process::Process(const std::vector<std::string>& command, const std::filesystem:
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                   0644);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   const int error = ::posix_spawn(&pid_, arguments.front(), &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -125,26 +130,33 @@ void Bed::write_settings() const {
              {{{"at_mm", {-x, 0, 0}}, {"normal", {1, 0, 0}}, {"x", {0, 1, 0}}},
               {{"at_mm", {x, 0, 0}}, {"normal", {-1, 0, 0}}, {"x", {0, -1, 0}}}}}}}},
          {"objects",
-          {{{"normal_n", {0.5, o.most_n}}, {"friction", {0.15, 1.1}}, {"flat_share", 0.5}, {"radius_mm", {10, 50}}}}},
+          {{{"normal_n", {0.5, o.most_n}},
+            {"friction", {0.2, 1.1}},
+            {"flat_share", 0.5},
+            {"radius_mm", {10, 50}}}}},
+         {"estimator", {{"sigma_max", 0.35}}},
          {"alerts", {{"target_margin", o.target_margin}, {"warn_below", 0.25}, {"slip_below", 0.12}}},
          {"realtime", {{"mode", "off"}, {"lock_memory", false}}},
          {"socket", {{"path", (folder_ / "slipd.sock").string()}}}});
-  write(folder_ / "grip.json",
-        {{"socket", (folder_ / "slipd.sock").string()},
-         {"fingers", {"left", "right"}},
-         {"grasp", "gripper"},
-         {"max_age_ms", kMostAgeMs},
-         {"target_margin", o.target_margin},
-         {"use", o.use_low ? "low" : "margin"},
-         {"force",
-          {{"close_n", 2}, {"least_n", 0.5}, {"firm_n", o.firm_n}, {"most_n", o.most_n},
-           {"resolution_n", o.resolution_n}}},
-         {"orders", (folder_ / "orders.sock").string()},
-         {"gripper",
-          {{"type", "line"},
-           {"socket", (folder_ / "gripper.sock").string()},
-           {"delay_ms", o.delay_s * 1000},
-           {"answer_ms", 60000}}}});
+  write(folder_ / "grip.json", {{"socket", (folder_ / "slipd.sock").string()},
+                                {"fingers", {"left", "right"}},
+                                {"grasp", "gripper"},
+                                {"max_age_ms", kMostAgeMs},
+                                {"target_margin", o.target_margin},
+                                {"firm_by", o.firm_by_low ? "gamma_low" : "firm_n"},
+                                {"force",
+                                 {{"close_n", 2},
+                                  {"least_n", 0.5},
+                                  {"firm_n", o.firm_n},
+                                  {"most_n", o.most_n},
+                                  {"resolution_n", o.resolution_n},
+                                  {"lower_per_s", 3}}},
+                                {"orders", (folder_ / "orders.sock").string()},
+                                {"gripper",
+                                 {{"type", "line"},
+                                  {"socket", (folder_ / "gripper.sock").string()},
+                                  {"delay_ms", o.delay_s * 1000},
+                                  {"answer_ms", 60000}}}});
 }
 
 void Bed::restart_slipd() {
@@ -175,17 +187,16 @@ void Bed::restart_slipd() {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }
-  begun_ns_ = monotonic_ns();
+  time_ns_ = monotonic_ns();
   frames_ = 0;
 }
 
 void Bed::restart_grip() {
   grip_.reset();
   drop_gripper();
-  grip_ = std::make_unique<Process>(
-      std::vector<std::string>{(options_.programs / "slipd-grip").string(), "--config",
-                               (folder_ / "grip.json").string()},
-      folder_ / "grip.log");
+  grip_ = std::make_unique<Process>(std::vector<std::string>{(options_.programs / "slipd-grip").string(),
+                                                             "--config", (folder_ / "grip.json").string()},
+                                    folder_ / "grip.log");
   await_connection();
 }
 
@@ -205,13 +216,20 @@ void Bed::push_one(slipd::client::Source& source, const std::vector<float>& valu
   source.push(values, time_ns, frames_, std::chrono::duration<double>(kPatience).count());
 }
 
-bool Bed::push(const std::vector<float>& left, const std::vector<float>& right) {
+// The time of the next frame is the physics', which the machine's waits for. A machine that is too slow for
+// slipd's limit on a frame's age stretches time.
+void Bed::advance() {
   ++frames_;
-  const auto time_ns = begun_ns_ + static_cast<std::int64_t>(1e9 * static_cast<double>(frames_) / options_.rate_hz);
-  std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(time_ns)));
+  const auto oldest_ns = monotonic_ns() - static_cast<std::int64_t>(0.5e6 * kMostAgeMs);
+  time_ns_ = std::max(time_ns_ + static_cast<std::int64_t>(1e9 / options_.rate_hz), oldest_ns);
+  std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(time_ns_)));
+}
+
+bool Bed::push(const std::vector<float>& left, const std::vector<float>& right) {
+  advance();
   try {
-    push_one(*left_, left, time_ns);
-    push_one(*right_, right, time_ns);
+    push_one(*left_, left, time_ns_);
+    push_one(*right_, right, time_ns_);
     return true;
   } catch (const slipd::client::Error&) {
     return false;
@@ -219,20 +237,18 @@ bool Bed::push(const std::vector<float>& left, const std::vector<float>& right) 
 }
 
 Ordered Bed::exchange(const std::vector<float>& left, const std::vector<float>& right, double width_m) {
-  ++frames_;
-  // The frame's own time: the physics' clock, which the machine's waits for and may be behind.
-  const auto time_ns = begun_ns_ + static_cast<std::int64_t>(1e9 * static_cast<double>(frames_) / options_.rate_hz);
-  std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(time_ns)));
-  push_one(*left_, left, time_ns);
+  advance();
+  push_one(*left_, left, time_ns_);
   if (frames_ > 1) await(2 * frames_ - 1, width_m);
-  push_one(*right_, right, time_ns);
+  push_one(*right_, right, time_ns_);
   return await(2 * frames_, width_m);
 }
 
 Ordered Bed::await(std::uint64_t sequence, double width_m) {
   const auto until = Clock::now() + kPatience;
   while (ordered_.sequence < sequence)
-    if (!read_order(until, width_m)) fail("slipd-grip does not answer frame " + std::to_string(sequence) + ": " + grip_log());
+    if (!read_order(until, width_m))
+      fail("slipd-grip does not answer frame " + std::to_string(sequence) + ": " + grip_log());
   return ordered_;
 }
 
@@ -285,7 +301,8 @@ void Bed::order(const std::string& word) {
     const bool reached = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
     char byte = 0;
     const std::string line = word + "\n";
-    const bool taken = reached && ::send(fd, line.data(), line.size(), MSG_NOSIGNAL) > 0 && ::recv(fd, &byte, 1, 0) == 1;
+    const bool taken =
+        reached && ::send(fd, line.data(), line.size(), MSG_NOSIGNAL) > 0 && ::recv(fd, &byte, 1, 0) == 1;
     ::close(fd);
     if (taken) return;
     if (Clock::now() > until) fail("slipd-grip takes no orders: " + grip_log());

@@ -1,5 +1,5 @@
-// slipd and slipd-grip, the real programs, for one trial: in a folder of their own, with two pushed sensors of a
-// grasp, and a gripper that this process plays on a socket.
+// slipd and slipd-grip, the real programs, for one trial: in a folder of their own, with two pushed sensors
+// of a grasp, and a gripper that this process plays on a socket.
 #pragma once
 
 #include <sys/types.h>
@@ -37,11 +37,11 @@ struct BedOptions {
   std::filesystem::path modules;   // slipd's drivers
   int side = 5;                    // of a pad, taxels
   double pitch_m = 0.002;
-  double dome_radius_m = 0.04;
-  double half_width_m = 0.02;  // half of what is between the pads
-  double rate_hz = 200;
+  double dome_radius_m = 0.04;  // 0: told to be flat
+  double half_width_m = 0.02;   // half of what is between the pads
+  double rate_hz = 125;
   double target_margin = 0.35;
-  bool use_low = true;
+  bool firm_by_low = true;
   double firm_n = 25, most_n = 40;
   double resolution_n = 0.1;
   double delay_s = 0.02;
@@ -64,8 +64,8 @@ class Bed {
   Bed& operator=(const Bed&) = delete;
 
   // Sends a frame of each finger, in turn, and waits until slipd-grip has answered each: the programs and the
-  // physics go in lockstep, so that a machine that is slow gives the same result. `width_m` is what the gripper
-  // tells. Throws std::runtime_error if slipd-grip does not answer.
+  // physics go in lockstep, so that a machine that is slow gives the same result. `width_m` is what the
+  // gripper tells. Throws std::runtime_error if slipd-grip does not answer.
   Ordered exchange(const std::vector<float>& left, const std::vector<float>& right, double width_m);
   // What slipd says of the grasp now.
   slipd_estimate estimate();
@@ -86,6 +86,7 @@ class Bed {
  private:
   void write_settings() const;
   void await_connection();
+  void advance();
   void push_one(slipd::client::Source& source, const std::vector<float>& values, std::int64_t time_ns);
   Ordered await(std::uint64_t sequence, double width_m);
   bool read_order(std::chrono::steady_clock::time_point until, double width_m);
@@ -96,7 +97,7 @@ class Bed {
   std::unique_ptr<Process> slipd_, grip_;
   std::unique_ptr<slipd::client::Source> left_, right_;
   slipd::client::Connection board_;
-  std::int64_t begun_ns_ = 0;
+  std::int64_t time_ns_ = 0;  // of the last frame
   std::uint64_t frames_ = 0;
   std::string read_;
   Ordered ordered_;

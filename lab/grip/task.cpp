@@ -100,14 +100,16 @@ std::array<double, 3> Task::load_n(double time_s) const {
     switch (load.kind) {
       case Load::Kind::step:
       case Load::Kind::tap: {
-        const double now = load.size * (load.kind == Load::Kind::tap ? bump(load, time_s) : plateau(load, time_s, 0.05));
+        const double now =
+            load.size * (load.kind == Load::Kind::tap ? bump(load, time_s) : plateau(load, time_s, 0.05));
         y += now * std::sin(load.angle);
         z -= now * std::cos(load.angle);
         break;
       }
       case Load::Kind::tilt: {
         const double tilted = load.size * plateau(load, time_s, 0.2);
-        down = {std::sin(tilted) * std::sin(load.angle), std::sin(tilted) * std::cos(load.angle), -std::cos(tilted)};
+        down = {std::sin(tilted) * std::sin(load.angle), std::sin(tilted) * std::cos(load.angle),
+                -std::cos(tilted)};
         break;
       }
       case Load::Kind::shake:
@@ -144,9 +146,10 @@ std::string describe(const Task& task) {
   static constexpr const char* kShapes[] = {"box", "cylinder", "sphere"};
   static constexpr const char* kLoads[] = {"step", "tap", "tilt", "shake", "friction"};
   char text[160];
-  std::snprintf(text, sizeof text, "%3llu %-8s %4.0f g, friction %.2f -> %.2f:",
-                static_cast<unsigned long long>(task.number), kShapes[static_cast<int>(task.shape)],
-                task.mass_kg * 1000, task.friction, task.lowest_friction());
+  std::snprintf(text, sizeof text,
+                "%3llu %-8s %4.0f g, friction %.2f -> %.2f:", static_cast<unsigned long long>(task.number),
+                kShapes[static_cast<int>(task.shape)], task.mass_kg * 1000, task.friction,
+                task.lowest_friction());
   std::string all = text;
   for (const Load& load : task.loads) all += std::string(" ") + kLoads[static_cast<int>(load.kind)];
   return all;

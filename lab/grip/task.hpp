@@ -1,6 +1,6 @@
-// What happens to one object in a gripper: its shape, mass and friction, and the loads of some seconds. Drawn at
-// random, the same for the same number. Everything is in the frame of the hand: a hand that is shaken or tilted
-// is a weight that grows or turns.
+// What happens to one object in a gripper: its shape, mass and friction, and the loads of some seconds. Drawn
+// at random, the same for the same number. Everything is in the frame of the hand: a hand that is shaken or
+// tilted is a weight that grows or turns.
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ struct Task {
   std::vector<Load> loads;
   double length_s = 0;
 
-  // Force on the object besides the fingers', N, in the hand's frame: x from the left finger to the right one,
-  // z up.
+  // Force on the object besides the fingers', N, in the hand's frame: x from the left finger to the right
+  // one, z up.
   std::array<double, 3> load_n(double time_s) const;
   double friction_at(double time_s) const;
   double lowest_friction() const;

@@ -1,7 +1,9 @@
 // One task, done by slipd and slipd-grip in MuJoCo's physics, and by a gripper that is deaf.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lab/grip/programs.hpp"
@@ -25,7 +27,8 @@ struct TrialResult {
   double moved_m = 0;       // from the lift to the end
   double mean_force_n = 0;  // from the end of the lift
   double most_force_n = 0;
-  double known_share = 0;  // of the frames of the hold, with a margin
+  double known_share = 0;             // of the frames of the hold, with a margin
+  std::map<std::string, int> states;  // slipd's, of the frames of the hold
   std::vector<Probe> probes;
   std::vector<double> reactions_frames;  // from a frame in which all slides to the first order that is higher
 };
@@ -33,6 +36,7 @@ struct TrialResult {
 struct TrialOptions {
   BedOptions bed;
   WorldOptions world;
+  double noise_n = 0.005;  // of a taxel's reading, half width
   int probes = 5;
   bool verbose = false;
 };

@@ -21,7 +21,8 @@ void write_pad(std::ostream& out, Side side, const WorldOptions& o) {
   const double inward = left ? 1 : -1;
   for (int row = 0; row < o.side; ++row) {
     for (int column = 0; column < o.side; ++column) {
-      const double sx = (column - 0.5 * (o.side - 1)) * o.pitch_m, sy = (row - 0.5 * (o.side - 1)) * o.pitch_m;
+      const double sx = (column - 0.5 * (o.side - 1)) * o.pitch_m,
+                   sy = (row - 0.5 * (o.side - 1)) * o.pitch_m;
       const double sag = (sx * sx + sy * sy) / (2 * o.dome_radius_m);
       out << "<body pos='" << -inward * (sag + kTipRadius) << ' ' << inward * sx << ' ' << sy << "'>"
           << "<inertial pos='0 0 0' mass='0.0002' diaginertia='1e-9 1e-9 1e-9'/>"
@@ -36,7 +37,8 @@ void write_pad(std::ostream& out, Side side, const WorldOptions& o) {
 void write_finger(std::ostream& out, Side side, double half_width_m, const WorldOptions& o) {
   const bool left = side == Side::left;
   const double inward = left ? 1 : -1;
-  out << "<body name='" << (left ? "left" : "right") << "' pos='" << -inward * (half_width_m + kGap) << " 0 0'>"
+  out << "<body name='" << (left ? "left" : "right") << "' pos='" << -inward * (half_width_m + kGap)
+      << " 0 0'>"
       << "<inertial pos='0 0 0' mass='0.1' diaginertia='1e-4 1e-4 1e-4'/>"
       << "<joint name='" << (left ? "left" : "right") << "' type='slide' axis='" << inward
       << " 0 0' damping='40'/>\n";
@@ -47,8 +49,9 @@ void write_finger(std::ostream& out, Side side, double half_width_m, const World
 void write_object(std::ostream& out, const Task& task) {
   const double r = task.half_width_m, m = task.mass_kg;
   const double spin = 0.4 * m * 0.03 * 0.03;  // of a ball of 3 cm
-  out << "<body name='object'><freejoint/><inertial pos='" << task.center_m[0] << ' ' << task.center_m[1] << ' '
-      << task.center_m[2] << "' mass='" << m << "' diaginertia='" << spin << ' ' << spin << ' ' << spin << "'/>";
+  out << "<body name='object'><freejoint/><inertial pos='" << task.center_m[0] << ' ' << task.center_m[1]
+      << ' ' << task.center_m[2] << "' mass='" << m << "' diaginertia='" << spin << ' ' << spin << ' ' << spin
+      << "'/>";
   switch (task.shape) {
     case Shape::box:
       out << "<geom class='object' type='box' size='" << r << " 0.03 0.03'/>";
@@ -67,19 +70,23 @@ std::string text_of(const Task& task, const WorldOptions& o) {
   std::ostringstream out;
   // Armature: pillars of 0.2 g on such springs would swing faster than the step.
   out << "<mujoco><size njmax='1000' nconmax='400'/><option timestep='" << o.step_s
-      << "' gravity='0 0 0' cone='elliptic' solver='Newton' iterations='30' tolerance='1e-10' jacobian='sparse' noslip_iterations='"
+      << "' gravity='0 0 0' cone='elliptic' solver='Newton' iterations='30' tolerance='1e-10' "
+         "jacobian='sparse' noslip_iterations='"
       << o.noslip_iterations << "'/>"
-      << "<default><default class='normal'><joint type='slide' armature='0.0008' stiffness='" << o.normal_stiffness
-      << "' damping='0.9'/></default><default class='shear'><joint type='slide' armature='0.0008' stiffness='"
-      << o.shear_stiffness << "' damping='0.7'/></default>"
+      << "<default><default class='normal'><joint type='slide' armature='0.003' stiffness='"
+      << o.normal_stiffness
+      << "' damping='1.7'/></default><default class='shear'><joint type='slide' armature='0.003' stiffness='"
+      << o.shear_stiffness << "' damping='1.3'/></default>"
       << "<default class='tip'><geom type='sphere' size='" << kTipRadius
-      << "' contype='2' conaffinity='1' condim='3' solref='0.003 1' solimp='0.95 0.99 0.0002'/></default>"
-      << "<default class='object'><geom contype='1' conaffinity='2' condim='3' solref='0.003 1' solimp='0.95 0.99 0.0002'/></default>"
+      << "' contype='2' conaffinity='1' condim='3' solref='0.005 1' solimp='0.95 0.99 0.0002'/></default>"
+      << "<default class='object'><geom contype='1' conaffinity='2' condim='3' solref='0.005 1' solimp='0.95 "
+         "0.99 0.0002'/></default>"
       << "</default><worldbody>\n";
   write_object(out, task);
   write_finger(out, Side::left, task.half_width_m, o);
   write_finger(out, Side::right, task.half_width_m, o);
-  out << "</worldbody><equality><joint joint1='left' joint2='right' polycoef='0 1 0 0 0' solref='0.003 1'/></equality>"
+  out << "</worldbody><equality><joint joint1='left' joint2='right' polycoef='0 1 0 0 0' solref='0.005 "
+         "1'/></equality>"
       << "<actuator><motor joint='left'/><motor joint='right'/></actuator></mujoco>";
   return out.str();
 }
@@ -106,7 +113,7 @@ struct Deletes {
 struct World::State {
   WorldOptions options;
   std::unique_ptr<mjModel, Deletes> model;
-  std::unique_ptr<mjData, Deletes> data, spare;
+  std::unique_ptr<mjData, Deletes> data;
   int object = 0;
   std::array<double, 3> begun{};
 
@@ -150,7 +157,6 @@ World::World(const Task& task, const WorldOptions& options) : state_(std::make_u
   state_->options = options;
   state_->model.reset(model_of(text_of(task, options)));
   state_->data.reset(mj_makeData(state_->model.get()));
-  state_->spare.reset(mj_makeData(state_->model.get()));
   state_->object = mj_name2id(state_->model.get(), mjOBJ_BODY, "object");
   mj_forward(state_->model.get(), state_->data.get());
   std::copy_n(state_->data->xipos + 3 * state_->object, 3, state_->begun.begin());
@@ -209,21 +215,38 @@ double World::width_m() const {
   return at_right - at_left;
 }
 
-double World::true_margin(double grip_n, const std::array<double, 3>& load_n, double friction) {
+struct World::Moment::Copy {
+  std::unique_ptr<mjData, Deletes> data;
+  double friction = 0;
+};
+
+World::Moment::Moment(const State& state)
+    : copy_(std::make_unique<Copy>(
+          std::unique_ptr<mjData, Deletes>(mj_copyData(nullptr, state.model.get(), state.data.get())),
+          state.model->geom_friction[0])) {}
+World::Moment::~Moment() = default;
+World::Moment::Moment(Moment&&) noexcept = default;
+
+World::Moment World::moment() const {
+  return Moment(*state_);
+}
+
+double World::true_margin(const Moment& moment) const {
   // The load grows by e in this time, s: slowly against the pads' swinging.
   constexpr double kGrowth = 0.3;
-  constexpr double kMostFactor = 50;
-  mjData* const d = state_->spare.get();
-  mj_copyData(d, state_->model.get(), state_->data.get());
-  if (std::hypot(load_n[0], load_n[1], load_n[2]) < 1e-6) return 1;
+  constexpr double kMostFactor = 50, kNoLoadN = 1e-6;
+  mjData* const d = moment.copy_->data.get();
+  const mjtNum* const load = d->xfrc_applied + 6 * state_->object;
+  const std::array<double, 3> load_n{load[0], load[1], load[2]};
+  if (std::hypot(load_n[0], load_n[1], load_n[2]) < kNoLoadN) return 1;
   if (state_->slides(d)) return 0;
-  const double begun_s = d->time;
-  for (;;) {
-    const double factor = std::exp((d->time - begun_s) / kGrowth);
-    if (factor > kMostFactor) return 1;
-    state_->step(d, grip_n, {factor * load_n[0], factor * load_n[1], factor * load_n[2]}, friction);
+  const double begun_s = d->time, grip_n = d->ctrl[0];
+  for (double factor = 1; factor < kMostFactor; factor = std::exp((d->time - begun_s) / kGrowth)) {
+    state_->step(d, grip_n, {factor * load_n[0], factor * load_n[1], factor * load_n[2]},
+                 moment.copy_->friction);
     if (state_->slides(d)) return 1 - 1 / factor;
   }
+  return 1;
 }
 
 }  // namespace lab::grip
