@@ -143,8 +143,9 @@ struct FrictionFilterOptions {
   // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
   // unloadings get no margin. Too large: a channel that died unseen comes out as a grip without load.
   double max_lost_step = 0.45;
-  // Frames with a clear shear in a row that may lack evidence of friction before older estimates are no longer trusted;
-  // frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for longer.
+  // Frames with a clear shear in a row that may lack evidence of friction before older estimates are no
+  // longer trusted; frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for
+  // longer.
   int max_unverified_frames = 25;
   // Under a torque whose load has fallen memory answers while taxels carry less than this of the friction
   // that was learnt; 1.02 … 1.3. Too small: noise takes the margin away. Too large: friction that was learnt

@@ -245,7 +245,8 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
 MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const noexcept {
   MeanSigma margin = minus_one_sigma(now.margin);
   if (reading == nullptr) return margin;
-  if (!reading->under_torque && filter_->doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+  if (!reading->under_torque && filter_->doubted())
+    margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
   if (reading->load_fallen) {
     const double held = std::max(now.load.mean, reading->friction);
     const double open = margin.mean - (held > 0 ? 1 - now.load.mean / held : 0);

@@ -32,7 +32,8 @@ std::string doubt_text(const BiasReport& report, const std::string& sensor) {
              " off its zero: another sensor, drift, or a load on all of it" + remedy;
     case BiasDoubt::below:
       return std::string("its pressure is ") + off +
-             ", far below its zero, which no contact can cause: another sensor's zero, or one taken under load" +
+             ", far below its zero, which no contact can cause: another sensor's zero, or one taken under "
+             "load" +
              remedy;
   }
   return {};
@@ -55,8 +56,8 @@ std::shared_ptr<BiasWorker> BiasStore::register_sensor(SensorStatus& status, con
                 status.name.c_str(), seconds_since(zero->taken_ns));
     } else {
       log.write(LogLevel::warning, {status.name},
-                "%s: its zero is not known yet: unload it, then run slipctl rebias %s",
-                status.name.c_str(), status.name.c_str());
+                "%s: its zero is not known yet: unload it, then run slipctl rebias %s", status.name.c_str(),
+                status.name.c_str());
     }
   } catch (const std::exception& error) {
     trouble = error.what();

@@ -162,7 +162,8 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
   offline::write_file(folder / "bits.csv", bits.str());
   std::ostringstream script;
   script << "set terminal svg size 900,420 font 'sans,12' background 'white'\nset output 'condition.svg'\n"
-            "set datafile separator ','\nset logscale y\nset grid\nset key left top horizontal\nset yrange "
+            "set datafile separator ','\nset logscale y\nset grid\nset key left top horizontal samplen "
+            "2\nset yrange "
             "[0.1:1000]\n"
             "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'margin error / frame error'\n"
             "set title '"
@@ -183,7 +184,7 @@ void plot_perturbations(const std::filesystem::path& folder) {
   script << "set terminal svg size 900,1250 font 'sans,11' background 'white'\nset output 'adversary.svg'\n"
             "set datafile separator ','\nset grid\nset multiplot layout 5,2\nset yrange [0:0.4]\n"
             "set ytics nomirror\nset y2range [0:100]\nset y2tics 50\nset ylabel 'error of the margin'\n"
-            "set y2label 'share, %'\nset key left top\n";
+            "set y2label 'share, %'\nset key right top\n";
   for (std::size_t f = 0; f < kPerturbations; ++f) {
     const auto perturbation = static_cast<Perturbation>(f);
     const std::string pick =

@@ -85,7 +85,8 @@ Score score_of(std::size_t side, const contact::ContactGeometry& geometry, int c
   return score;
 }
 
-// The Cramér–Rao bound is 0.014, 0.023 and 0.032 (docs/tables/skins.md); shares of so few are known to 4 points.
+// The Cramér–Rao bound is 0.014, 0.023 and 0.032 (docs/tables/skins.md); shares of so few are known to 4
+// points.
 TEST(SubsurfaceFit, ReadsRoundContactsUnderASkin) {
   const Score fine = score_of(32, {.depth_m = 0.001}, 60), coarse = score_of(16, {.depth_m = 0.001}, 100);
   EXPECT_LT(fine.error, 0.021);
