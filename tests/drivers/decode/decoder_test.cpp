@@ -63,7 +63,7 @@ class DecoderRig {
   test::OwnedSlot out;
 };
 
-// What the model's device sends when each taxel feels 1000 Pa times its number from 1, half in x, a quarter
+// What the model's device sends when each taxel senses 1000 Pa times its number from 1, half in x, a quarter
 // in -y.
 std::vector<Packet> scan_of(const devices::DeviceModel& model) {
   std::vector<test::OwnedSlot> slots;
