@@ -19,7 +19,7 @@ lab/slipd-bench/slipd-bench page --data FOLDER
 ```
 
 The pictures: left, slips not told in time over false alarms per hour of holding, at every threshold of a detector; the dot is its own decision, or that with the
-threshold of the table. Right, how many of all slips were told so long after their onset.
+threshold of the table; one at the right edge lies beyond it. Right, how many of all slips were told so long after their onset.
 """
 
 

@@ -1,4 +1,4 @@
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
