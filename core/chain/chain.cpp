@@ -59,6 +59,7 @@ struct EstimatorChain::Impl {
     }
     const Judgement& judgement = plausibility.judge(frame, *patch);
     out.health = judgement.health;
+    repeats = judgement.repeats;
     return {used, *patch, judgement};
   }
 
@@ -110,6 +111,7 @@ struct EstimatorChain::Impl {
     last_used = true;
     const bool touches = gate->judge(checked.frame, checked.patch);
     finder.set_noise(gate->noise());
+    if (gate->zero_is_anothers()) return pass_unzeroed(checked.frame, decision, out);
     if (touches) {
       pipeline->estimate(checked.frame, checked.patch, observer->previous(), decision, out);
     } else {
@@ -173,10 +175,11 @@ struct EstimatorChain::Impl {
   int refused = 0;         // frames in a row
   bool last_used = false;  // the frame before
   Estimate last;           // of the frame before
+  bool repeats = false;    // the frame is the one before
 };
 
 EstimatorChain::EstimatorChain(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model)
-    : impl_(std::make_unique<Impl>(with_felt_skin(setup), model)) {}
+    : impl_(std::make_unique<Impl>(with_sensed_skin(setup), model)) {}
 EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;
@@ -187,6 +190,10 @@ const WorkPrecision& EstimatorChain::tradeoff() const noexcept {
 
 Method EstimatorChain::method() const noexcept {
   return impl_->pipeline->method();
+}
+
+bool EstimatorChain::repeats() const noexcept {
+  return impl_->repeats;
 }
 
 std::vector<std::string_view> EstimatorChain::stages() const {
