@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "bridges/support/log.hpp"
 #include "bridges/support/program.hpp"
