@@ -37,9 +37,6 @@ struct GelRelaxationOptions {
   // Bend against the gel's rest from which on something touches it; mm, 0.01 … 0.1. Too small: drift is a
   // contact. Too large: weak contacts are none. Chosen: three times noise_mm.
   double contact_mm = 0.02;
-  // Change of the picture that noise and pulses of compression make, share of full brightness; 0.002 … 0.05.
-  // Too small: they relax. Too large: the picture adds nothing. Pulses of 1 to 2.5 grey levels.
-  double picture_noise = 0.01;
   // Weight of the gel's return to its rest beside the fall of its bend; 0 … 1. Too small: a fall in a
   // changing grip counts like one to rest. Too large: a light touch of a gel at rest counts like a hold. By
   // the shared trials.
@@ -88,7 +85,6 @@ class GelRelaxation {
   bool is_stale_jump(std::int64_t time_ns, double step_mm) const noexcept;
   void average() noexcept;
   double most_now_mm(std::span<const float> from) const noexcept;
-  double fall_of_picture() const noexcept;
   double weigh() const noexcept;
   void judge() noexcept;
 
@@ -96,8 +92,8 @@ class GelRelaxation {
   const GelRelaxationOptions options_;
   const std::size_t kept_;  // pictures: past and now
   FieldBends bends_;
-  // Of the kept pictures, in a ring: bends; displacement along x and then y; mean change of the picture.
-  std::vector<float> history_, fields_, picture_;
+  // Of the kept pictures, in a ring: bends; displacement along x and then y.
+  std::vector<float> history_, fields_;
   std::size_t newest_ = 0, count_ = 0;
   std::vector<float> now_, past_;      // mean bends
   std::vector<float> rest_, unbent_;   // bends of the gel at its least bent; none

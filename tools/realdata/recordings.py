@@ -58,13 +58,14 @@ def read(file, rate_hz, bias=None, taxels=None):
     return Recording(times, channel(0), channel(1), channel(2))
 
 
-def replayed(sliplab, scene, files, sensor=None):
+def replayed(sliplab, scene, files, sensor=None, more=()):
     """The rows of `sliplab replay`: of one sensor, or of all of the scene, and its grasps, one after another. `scene`: a shipped one, or a file."""
     command = [sliplab, "replay", "--scene", SCENES / scene, "--estimates", "-"]
     for file in files if isinstance(files, list) else [files]:
         command += ["--file", file]
     if sensor:
         command += ["--sensor", sensor]
+    command += more
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(done.stderr)
