@@ -19,7 +19,7 @@
 #include "camera/frames/gel_reader.hpp"
 #include "camera/picture/v4l2_camera.hpp"
 #include "camera/picture/video_file.hpp"
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 #include "camera/service/camera_service.hpp"
 #include "camera/view/view.hpp"
 #include "embedded/slipd_camera_schema.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "camera/picture/picture.hpp"
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 
 namespace slipd::camera {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "camera/picture/picture.hpp"
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 #include "camera/surface/picture_change.hpp"
 #include "camera/surface/surface_tracker.hpp"
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "camera/picture/jpeg.hpp"
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 
 namespace slipd::camera {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "camera/picture/picture_source.hpp"
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 
 namespace slipd::camera {
 

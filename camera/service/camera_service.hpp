@@ -10,7 +10,7 @@
 #include "bridges/support/loop.hpp"
 #include "bridges/support/program.hpp"
 #include "camera/frames/gel_reader.hpp"
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 #include "camera/service/picture_thread.hpp"
 
 namespace slipd::camera {

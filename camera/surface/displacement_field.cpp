@@ -10,8 +10,8 @@ namespace {
 constexpr int kTerms = 6;  // 1, x, y, xx, xy, yy
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 // Weights of prior values 0 of slope and curvature, in points: what too few points cannot tell is flat.
-constexpr double kFlat = 1e-3;
-constexpr double kStraight = 1e-2;
+constexpr double kFlat = 0.02;
+constexpr double kStraight = 0.05;
 // Points further away than this many widths count nothing.
 constexpr double kCutOff = 3;
 

@@ -230,29 +230,44 @@ void DotTracker::adopt(std::span<const Dot> dots) {
     if (least < apart * apart) continue;
     const cv::Point2f displacement = nearest == nullptr ? cv::Point2f{} : nearest->now - nearest->rest;
     all_.push_back({dots[k].place - displacement, dots[k].place, true});
-    courses_.push_back({.seen = 1});
+    courses_.push_back({.seen = 1, .adopted = true});
     adopted = true;
   }
   if (adopted) link_neighbours();
 }
 
-// What was not seen in each picture of its trial was no dot.
+// A late point that was not seen in each picture of its trial, or that is lost where another one is seen, was
+// no dot of its own.
+bool DotTracker::is_superfluous(std::size_t point) const {
+  if (!courses_[point].adopted || all_[point].seen) return false;
+  const float apart = kApart * static_cast<float>(spacing_);
+  return courses_[point].seen < options_.trial ||
+         std::any_of(all_.begin(), all_.end(), [&](const SurfacePoint& other) {
+           return other.seen && square(other.now - all_[point].now) < apart * apart;
+         });
+}
+
 void DotTracker::forget_failures() {
-  std::size_t kept = 0;
+  std::vector<char> kept(all_.size());
   bool changed = false;
   for (std::size_t i = 0; i < all_.size(); ++i) {
-    const bool failed = courses_[i].seen < options_.trial && !all_[i].seen;
-    changed = changed || failed || (courses_[i].seen == options_.trial && all_[i].seen);
-    if (failed) continue;
-    if (kept != i) {
-      all_[kept] = all_[i];
-      courses_[kept] = std::move(courses_[i]);
-    }
-    ++kept;
+    kept[i] = is_superfluous(i) ? 0 : 1;
+    changed = changed || kept[i] == 0 ||
+              (courses_[i].seen == options_.trial && courses_[i].adopted && all_[i].seen);
   }
-  all_.resize(kept);
-  courses_.resize(kept);
-  if (changed) link_neighbours();
+  if (!changed) return;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (kept[i] == 0) continue;
+    if (next != i) {
+      all_[next] = all_[i];
+      courses_[next] = std::move(courses_[i]);
+    }
+    ++next;
+  }
+  all_.resize(next);
+  courses_.resize(next);
+  link_neighbours();
 }
 
 const std::vector<SurfacePoint>& DotTracker::follow(std::span<const Dot> dots) {

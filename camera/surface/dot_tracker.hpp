@@ -52,7 +52,8 @@ class DotTracker {
   };
   // What is known of a point beside its place.
   struct Course {
-    int seen = 0;  // pictures
+    int seen = 0;          // pictures
+    bool adopted = false;  // came after rest
     cv::Point2f step = {};
     std::vector<int> neighbours = {};
     std::vector<Candidate> candidates = {};
@@ -70,6 +71,7 @@ class DotTracker {
   void move_the_unseen();
   void adopt(std::span<const Dot> dots);
   void forget_failures();
+  bool is_superfluous(std::size_t point) const;
   float support(const Course& course, cv::Point2f step) const;
   cv::Point2f displacement_around(std::size_t point) const;
 

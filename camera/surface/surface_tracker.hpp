@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "camera/profile.hpp"
+#include "camera/profile/profile.hpp"
 #include "camera/surface/surface_point.hpp"
 
 namespace slipd::camera {

@@ -32,6 +32,10 @@ Method EstimatorChain::method() const noexcept {
   return chain_->method();
 }
 
+bool EstimatorChain::repeats() const noexcept {
+  return chain_->repeats();
+}
+
 std::vector<std::string_view> EstimatorChain::stages() const {
   return chain_->stages();
 }

@@ -41,6 +41,9 @@ class EstimatorChain {
   // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
   Estimate estimate(const Frame& frame) noexcept;
 
+  // Whether the last frame was the one before it, which some sensor read something in: no new measurement.
+  bool repeats() const noexcept;
+
  private:
   std::unique_ptr<FrameChain> chain_;
 };

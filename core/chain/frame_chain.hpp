@@ -16,6 +16,7 @@ class FrameChain {
   virtual ~FrameChain() = default;
   virtual Method method() const noexcept = 0;
   virtual const WorkPrecision& tradeoff() const noexcept = 0;
+  virtual bool repeats() const noexcept { return false; }
   virtual std::vector<std::string_view> stages() const = 0;
   virtual void set_releasing(bool /*releasing*/) noexcept {}
   virtual Estimate estimate(const Frame& frame) noexcept = 0;

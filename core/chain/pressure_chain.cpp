@@ -43,6 +43,7 @@ struct PressureChain final : FrameChain {
 
   Method method() const noexcept override { return pipeline->method(); }
   const WorkPrecision& tradeoff() const noexcept override { return work_precision; }
+  bool repeats() const noexcept override { return repeated; }
   std::vector<std::string_view> stages() const override;
   Estimate estimate(const Frame& frame) noexcept override;
 
@@ -62,6 +63,7 @@ struct PressureChain final : FrameChain {
     }
     const Judgement& judgement = plausibility.judge(frame, *patch);
     out.health = judgement.health;
+    repeated = judgement.repeats;
     return {used, *patch, judgement};
   }
 
@@ -113,6 +115,7 @@ struct PressureChain final : FrameChain {
     last_used = true;
     const bool touches = gate->judge(checked.frame, checked.patch);
     finder.set_noise(gate->noise());
+    if (gate->zero_is_anothers()) return pass_unzeroed(checked.frame, decision, out);
     if (touches) {
       pipeline->estimate(checked.frame, checked.patch, observer->previous(), decision, out);
     } else {
@@ -176,6 +179,7 @@ struct PressureChain final : FrameChain {
   int refused = 0;         // frames in a row
   bool last_used = false;  // the frame before
   Estimate last;           // of the frame before
+  bool repeated = false;   // the frame is the one before
 };
 
 std::vector<std::string_view> PressureChain::stages() const {
@@ -208,7 +212,7 @@ Estimate PressureChain::estimate(const Frame& frame) noexcept {
 
 std::unique_ptr<FrameChain> make_pressure_chain(const ChainSetup& setup,
                                                 const std::shared_ptr<const TrainedModel>& model) {
-  return std::make_unique<PressureChain>(with_felt_skin(setup), model);
+  return std::make_unique<PressureChain>(with_sensed_skin(setup), model);
 }
 
 }  // namespace slipd

@@ -20,7 +20,7 @@ SensorKind kind_of(const ChainSetup& setup) noexcept {
   return setup.layout.size() <= kFewTaxels ? SensorKind::few_taxels : SensorKind::array;
 }
 
-double felt_depth_m(const ChainSetup& setup) noexcept {
+double sensed_depth_m(const ChainSetup& setup) noexcept {
   constexpr double kThinnest = 1.0 / 9;
   const double depth_m = setup.scene.skin.depth_m;
   return has_contact_model(kind_of(setup)) && depth_m >= kThinnest * setup.layout.side_m() ? depth_m : 0;

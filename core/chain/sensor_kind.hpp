@@ -35,6 +35,6 @@ constexpr bool has_contact_model(SensorKind kind) noexcept {
 // of a taxel's side counts as none: a taxel's average under it would take hundreds of points, and is within
 // some per cent what it is at the surface. Margins by forces alone need no contact model, so that a skin has
 // no effect on them.
-double felt_depth_m(const ChainSetup& setup) noexcept;
+double sensed_depth_m(const ChainSetup& setup) noexcept;
 
 }  // namespace slipd

@@ -114,8 +114,8 @@ struct Estimate {
   Alert alert = Alert::unknown;
   AlertCause alert_cause = AlertCause::none;
   Method method = Method::none;
-  // What speaks against this frame; a gamma beside another health than `good` is of what is left of the
-  // frame. `unknown`: no frame was checked.
+  // What speaks against this frame; a gamma beside another health than `good` uses the remaining
+  // taxels. `unknown`: no frame was checked.
   Health health = Health::unknown;
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);

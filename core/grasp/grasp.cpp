@@ -191,7 +191,7 @@ std::optional<Sliding> GraspTracker::sliding_of(std::span<const Estimate> member
   joint_slide_ = joined && moved / n > needed && least > needed / 2;
   if (seen || joint_slide_) {
     if (!joined) return std::max(worst, Sliding::translation);
-    // Sensors that face each other feel one turn in opposite senses, and what is common to all is no turn.
+    // Sensors that face each other sense one turn in opposite senses, and what is common to all is no turn.
     const bool turns = torque_most - torque_least > along;
     return turns ? Sliding::rotation : Sliding::translation;
   }

@@ -17,7 +17,7 @@
 namespace slipd {
 
 // Lengths are root mean squares over the field's bends (FieldBends). Numbers that were chosen by recordings
-// come from the shared trials of tools/real's set gelsight; its held-back objects judge them.
+// come from the shared trials of tools/gel-trials; its held-back objects judge them.
 struct GelRelaxationOptions {
   // Pictures that are nearer in time than this add nothing; s, 0.01 … 0.1. Too small: windows are short on
   // fast cameras. Too large: a slip is told late. Chosen: a camera of 30 pictures a second passes.
