@@ -13,7 +13,7 @@ struct SensorFacts {
   std::string name;
   // Name of the driver.
   std::string driver;
-  // array3, wrench or normal.
+  // array3, wrench, normal or displacement.
   std::string kind;
   // Number of taxels; 0: unknown.
   int taxels = 0;

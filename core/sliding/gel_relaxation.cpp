@@ -31,7 +31,6 @@ GelRelaxation::GelRelaxation(const TaxelLayout& layout, const GelRelaxationOptio
       bends_(layout),
       history_(kept_ * bends_.size()),
       fields_(kept_ * 2 * layout.size()),
-      picture_(kept_),
       now_(bends_.size()),
       past_(bends_.size()),
       rest_(bends_.size()),
@@ -81,9 +80,6 @@ void GelRelaxation::take(const Frame& frame) noexcept {
   const std::span<float> field = row(fields_, 0);
   std::ranges::copy(frame.shear_x_pa, field.begin());
   std::ranges::copy(frame.shear_y_pa, field.begin() + static_cast<std::ptrdiff_t>(layout_.size()));
-  double changed = 0;
-  for (const float each : frame.normal_pa) changed += static_cast<double>(each);
-  picture_[newest_] = static_cast<float>(changed / static_cast<double>(layout_.size()));
   count_ = std::min(count_ + 1, kept_);
 }
 
@@ -119,23 +115,10 @@ double GelRelaxation::most_now_mm(std::span<const float> from) const noexcept {
   return most;
 }
 
-double GelRelaxation::fall_of_picture() const noexcept {
-  double past = 0, now = 0;
-  for (std::size_t ago = 0; ago < count_; ++ago) {
-    const double changed = static_cast<double>(row(picture_, ago).front());
-    if (ago < options_.now_pictures) {
-      now = std::max(now, changed);
-    } else {
-      past += changed / static_cast<double>(count_ - options_.now_pictures);
-    }
-  }
-  return fall(past, now, options_.picture_noise);
-}
-
 double GelRelaxation::weigh() const noexcept {
   const double bend = fall(length_mm(past_, unbent_), most_now_mm(unbent_), options_.noise_mm);
   const double to_rest = fall(length_mm(past_, rest_), most_now_mm(rest_), options_.noise_mm);
-  return std::max(0.0, bend + options_.rest_weight * to_rest + fall_of_picture());
+  return std::max(0.0, bend + options_.rest_weight * to_rest);
 }
 
 void GelRelaxation::judge() noexcept {

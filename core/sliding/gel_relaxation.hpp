@@ -17,7 +17,7 @@
 namespace slipd {
 
 // Lengths are root mean squares over the field's bends (FieldBends). Numbers that were chosen by recordings
-// come from the shared trials of tools/real's set gelsight; its held-back objects judge them.
+// come from the shared trials of tools/gel-trials; its held-back objects judge them.
 struct GelRelaxationOptions {
   // Pictures that are nearer in time than this add nothing; s, 0.01 … 0.1. Too small: windows are short on
   // fast cameras. Too large: a slip is told late. Chosen: a camera of 30 pictures a second passes.
@@ -31,28 +31,27 @@ struct GelRelaxationOptions {
   // Of those, at least so many; 2 … past_pictures. Too small: a stray picture is a past. Too large: slips
   // soon after the start are missed.
   std::size_t least_past = 5;
-  // Bend that noise makes; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts show nothing.
-  // Dots at rest wander by 0.04 px, or 2.5 um; a second difference of three by sqrt(6) of that.
-  double noise_mm = 0.006;
+  // Bend below which nothing is told; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts
+  // show nothing. Chosen: what a dot at rest wanders by, 0.04 px or 2.5 um.
+  double noise_mm = 0.003;
   // Bend against the gel's rest from which on something touches it; mm, 0.01 … 0.1. Too small: drift is a
-  // contact. Too large: weak contacts are none. Chosen: three times noise_mm.
+  // contact. Too large: weak contacts are none. Chosen: three times the bend
+  // that the noise of three dots makes.
   double contact_mm = 0.02;
-  // Change of the picture that noise and pulses of compression make, share of full brightness; 0.002 … 0.05.
-  // Too small: they relax. Too large: the picture adds nothing. Pulses of 1 to 2.5 grey levels.
-  double picture_noise = 0.01;
   // Weight of the gel's return to its rest beside the fall of its bend; 0 … 1. Too small: a fall in a
   // changing grip counts like one to rest. Too large: a light touch of a gel at rest counts like a hold. By
   // the shared trials.
   double rest_weight = 0.2;
-  // Evidence from which on it is a slide; nats, 0.3 … 5. Too small: false alarms. Too large: slips are
+  // Evidence from which on it is a slide; nats, 0.1 … 5. Too small: false alarms. Too large: slips are
   // missed. By the shared trials.
-  double slides_from = 1.0;
+  double slides_from = 0.25;
   // Rigid motion or stretch in one step that is a disturbance; mm, 0.005 … 0.1. Too small: noise. Too large:
   // pushes are none. Chosen: eight times the noise of a dot.
   double disturbed_mm = 0.02;
   // After the start, as long as this, a jump between two pictures at rest is a stale picture of the camera:
   // the past begins after it; s, 0 … 2. Too small: it counts as a slip. Too large: a sudden slip is missed.
-  double settling_s = 0.55;
+  // Chosen: eight pictures in the queue of a camera of 25 a second.
+  double settling_s = 0.32;
   // Such a jump, and what is at rest before it: mean step of the points, mm. Of the same set.
   double jump_mm = 0.06, still_mm = 0.015;
 };
@@ -88,7 +87,6 @@ class GelRelaxation {
   bool is_stale_jump(std::int64_t time_ns, double step_mm) const noexcept;
   void average() noexcept;
   double most_now_mm(std::span<const float> from) const noexcept;
-  double fall_of_picture() const noexcept;
   double weigh() const noexcept;
   void judge() noexcept;
 
@@ -96,8 +94,8 @@ class GelRelaxation {
   const GelRelaxationOptions options_;
   const std::size_t kept_;  // pictures: past and now
   FieldBends bends_;
-  // Of the kept pictures, in a ring: bends; displacement along x and then y; mean change of the picture.
-  std::vector<float> history_, fields_, picture_;
+  // Of the kept pictures, in a ring: bends; displacement along x and then y.
+  std::vector<float> history_, fields_;
   std::size_t newest_ = 0, count_ = 0;
   std::vector<float> now_, past_;      // mean bends
   std::vector<float> rest_, unbent_;   // bends of the gel at its least bent; none

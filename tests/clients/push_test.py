@@ -377,7 +377,7 @@ class PythonMargins(MarginScenarios, unittest.TestCase):
             self.await_sensor(lambda sensor: sensor["received"] == 1 and sensor["corrupt"] == 0, "the frame")
 
     def test_a_unit_of_which_slipd_has_no_idea_is_an_error(self):
-        with self.assertRaisesRegex(ValueError, "Pa, N, counts or uT"):
+        with self.assertRaisesRegex(ValueError, "Pa, N, counts, uT or mm"):
             self.source(unit="mm")
 
     def test_torn_and_foreign_messages_are_counted_and_the_program_may_go_on(self):

@@ -209,7 +209,7 @@ TEST_F(Push, RefusesAHelloThatContradictsTheConfigurationAndSaysInWhat) {
   EXPECT_THAT(refusal([](Hello& h) { h.axes = 1; }), HasSubstr("options.axes in the configuration is 3"));
   EXPECT_THAT(refusal([](Hello& h) { h.axes = 2; }), HasSubstr("3 (x, y, z) or 1 (z)"));
   EXPECT_THAT(refusal([](Hello& h) { h.unit = Unit::pascal; }), HasSubstr("sends Pa, options.unit"));
-  EXPECT_THAT(refusal([](Hello& h) { h.unit = Unit{5}; }), HasSubstr("Pa, N, counts or uT"));
+  EXPECT_THAT(refusal([](Hello& h) { h.unit = Unit{6}; }), HasSubstr("Pa, N, counts, uT or mm"));
   EXPECT_THAT(refusal([](Hello& h) { h.rate_hz = 1000; }), HasSubstr("rate_hz in the configuration is 100"));
   EXPECT_THAT(refusal([](Hello& h) { h.rate_hz = std::nan(""); }), HasSubstr("no number of frames a second"));
   EXPECT_THAT(refusal([](Hello& h) { h.zero = Zero::measured; }), HasSubstr("options.zeroed"));

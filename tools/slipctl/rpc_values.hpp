@@ -15,7 +15,7 @@ namespace slipctl {
 struct SensorInfo {
   std::string name;
   std::string driver;
-  std::string sensor_class;  // array3, wrench or normal
+  std::string sensor_class;  // array3, wrench, normal or displacement
   std::string method;        // estimation method
   std::size_t taxels = 0;
   double rate_hz = 0;  // frames per second; 0: unknown

@@ -19,6 +19,7 @@ struct ReplayOptions {
   std::string scene, sensor, estimates;
   std::vector<std::string> files;
   std::filesystem::path picture, label;
+  std::optional<double> releasing_from_s;
   offline::Shard shard;  // of files and sensors
 };
 
@@ -44,7 +45,8 @@ void run_replay(const offline::Common& common, const CLI::App& command, const Re
   const bool json = common.json || !options.shard.whole();
   if (options.estimates == "-" && !options.shard.whole())
     throw offline::WrongUse("a shard prints its part: write its estimates to a file, not to standard output");
-  const std::vector<ReplayRun> runs = replay(options.scene, options.sensor, options.files, options.shard);
+  const std::vector<ReplayRun> runs =
+      replay(options.scene, options.sensor, options.files, options.shard, options.releasing_from_s);
   if (!options.estimates.empty()) {
     const std::string table = estimates_csv(runs);
     if (options.estimates == "-") {
@@ -80,6 +82,9 @@ void add_replay(CLI::App& app, const offline::Common& common) {
   command->add_option("--sensor", options->sensor, "only this sensor of the scene");
   command->add_option("--estimates", options->estimates,
                       "the table of estimates as CSV; - for standard output");
+  command->add_option(
+      "--releasing-from", options->releasing_from_s,
+      "the robot lets go of the object from then on, s: sensors of displacements show no slide");
   command->add_option("--picture", options->picture, "margin, forces and alerts over time, as SVG");
   command->add_option("--label", options->label,
                       "CSV with a column slip, 0 or 1 in each row: the alerts are scored against it");

@@ -8,6 +8,7 @@ const kReasons = {
   skin: "The taxels lie under rubber (skin.depth_mm), for which no other method corrects.",
   forces: "The sensor gives a force only, or its skin is flat: nothing else tells its margin.",
   no_shear: "The sensor measures no shear, so it has no margin.",
+  no_force: "The sensor measures how far a surface moves, and no force, so it has no margin.",
 };
 
 const kMethods = {

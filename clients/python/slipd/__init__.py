@@ -529,7 +529,7 @@ _HEALTHS = ("good", "not_finite", "full_scale", "spike", "uniform", "wrong_scale
             "dead_shear_x", "dead_shear_y", "dead_row", "time", "jump", "unexplained", "noisy")
 _UNKNOWN = 255  # of health and of sliding
 _CAUSES = (None, "margin", "sliding")
-_METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction", "closing", "block-fit")
+_METHODS = ("none", "svd-knn", "registered", "moments", "fit", "friction", "closing", "block-fit", "displacement")
 _SLIDINGS = ("none", "disturbed", "translation", "rotation")
 _HEADER = struct.Struct("<8s6IQqI")
 _HEARTBEAT = 64  # where it is

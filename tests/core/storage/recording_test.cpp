@@ -370,7 +370,7 @@ TEST_F(Recordings, OfSomethingElseAreRefusedWithWhatWasExpected) {
   };
   EXPECT_THAT(refusal_of(with("format", "other")), HasSubstr("slipd-recording"));
   EXPECT_THAT(refusal_of(with("version", 3)), HasSubstr("\"version\" is 3, expected 1 or 2"));
-  EXPECT_THAT(refusal_of(with("class", "x")), HasSubstr("array3, wrench or normal"));
+  EXPECT_THAT(refusal_of(with("class", "x")), HasSubstr("array3, wrench, normal or displacement"));
   EXPECT_THAT(refusal_of(with("rate_hz", "fast")), HasSubstr("\"rate_hz\" is \"fast\""));
   EXPECT_THAT(refusal_of(with("layout", {{"grid", {4096, 4096}}, {"pitch_m", 1}})), HasSubstr("1048576"));
   EXPECT_THAT(refusal_of(with("layout", {{"grid", {2, 2}}, {"pitch_m", -1}})), HasSubstr("pitch"));

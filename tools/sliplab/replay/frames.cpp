@@ -70,45 +70,6 @@ SensorSetup setup_of(const SensorSettings& sensor, const std::optional<SensorInf
   return setup;
 }
 
-// What frames are read from.
-class Source {
- public:
-  virtual ~Source() = default;
-  virtual SensorClass sensor_class() const = 0;
-  virtual bool zeroed() const = 0;
-  virtual replay::ReadOutcome next(FrameSlot& out) = 0;
-  virtual std::string fault() const = 0;
-};
-
-class ListSource final : public Source {
- public:
-  explicit ListSource(const SensorSetup& setup) : list_(setup, replay::parse_options(setup)) {}
-  SensorClass sensor_class() const override { return list_.sensor_class(); }
-  bool zeroed() const override { return list_.zeroed(); }
-  replay::ReadOutcome next(FrameSlot& out) override { return list_.next(out); }
-  std::string fault() const override { return list_.fault(); }
-
- private:
-  replay::Playlist list_;
-};
-
-class VideoSource final : public Source {
- public:
-  VideoSource(const SensorSetup& setup, const std::string& file) : frames_(setup, file) {}
-  SensorClass sensor_class() const override { return frames_.sensor_class(); }
-  bool zeroed() const override { return true; }
-  replay::ReadOutcome next(FrameSlot& out) override { return frames_.next(out); }
-  std::string fault() const override { return frames_.fault(); }
-
- private:
-  CameraFrames frames_;
-};
-
-std::unique_ptr<Source> source_of(const SensorSetup& setup, const std::string& file) {
-  if (is_video(file)) return std::make_unique<VideoSource>(setup, file);
-  return std::make_unique<ListSource>(setup);
-}
-
 }  // namespace
 
 struct FileFrames::Impl {
@@ -118,9 +79,11 @@ struct FileFrames::Impl {
 
   Impl(const Settings& settings, const SensorSettings& sensor, const std::optional<SkinInfo>& skin,
        const SensorSetup& setup, const std::string& file)
-      : source(source_of(setup, file)),
+      : list(is_video(file) ? nullptr
+                            : std::make_unique<replay::Playlist>(setup, replay::parse_options(setup))),
+        camera(is_video(file) ? std::make_unique<CameraFrames>(setup, file) : nullptr),
         chain{.layout = setup.layout,
-              .sensor_class = source->sensor_class(),
+              .sensor_class = list ? list->sensor_class() : camera->sensor_class(),
               .scene = settings.scene_of(sensor, skin),
               .estimator = settings.estimator,
               .alerts = settings.alerts,
@@ -128,7 +91,7 @@ struct FileFrames::Impl {
               .full_scale = sensor.full_scale,
               .contact = sensor.contact},
         bias(setup.layout),
-        unzeroed(!source->zeroed()),
+        unzeroed(list && !list->zeroed()),
         gain(sensor.gain),
         memory(3 * setup.layout.size()) {
     const std::size_t taxels = setup.layout.size();
@@ -139,7 +102,10 @@ struct FileFrames::Impl {
     if (gain.size() == 1) gain.assign(setup.layout.size(), gain.front());
   }
 
-  std::unique_ptr<Source> source;
+  replay::ReadOutcome read() { return list ? list->next(slot) : camera->next(slot); }
+
+  std::unique_ptr<replay::Playlist> list;  // null: frames are of a video
+  std::unique_ptr<CameraFrames> camera;
   ChainSetup chain;
   BiasEstimator bias;
   bool unzeroed, biased = false;
@@ -173,13 +139,13 @@ FileFrames::Outcome FileFrames::next() {
   Impl& in = *impl_;
   if (in.biased) in.bias.judge();
   in.biased = false;
-  replay::ReadOutcome outcome = in.source->next(in.slot);
-  while (outcome == replay::ReadOutcome::none) outcome = in.source->next(in.slot);
+  replay::ReadOutcome outcome = in.read();
+  while (outcome == replay::ReadOutcome::none) outcome = in.read();
   switch (outcome) {
     case replay::ReadOutcome::end:
       return Outcome::end;
     case replay::ReadOutcome::damaged:
-      in.fault = in.source->fault();
+      in.fault = in.list ? in.list->fault() : in.camera->fault();
       return Outcome::end;
     case replay::ReadOutcome::corrupt:
       return Outcome::corrupt;

@@ -35,7 +35,7 @@ class LastValues {
   std::vector<float> values_;
 };
 
-ReplayRun play(const Settings& settings, const FileOfSensor& job) {
+ReplayRun play(const Settings& settings, const FileOfSensor& job, std::optional<double> releasing_from_s) {
   FileFrames frames(settings, job);
   if (needs_model(frames.setup()))
     throw offline::WrongUse("sensor " + job.sensor +
@@ -56,6 +56,7 @@ ReplayRun play(const Settings& settings, const FileOfSensor& job) {
       continue;
     }
     time_ns = frames.time_ns();
+    if (releasing_from_s) chain.set_releasing(static_cast<double>(time_ns) * 1e-9 >= *releasing_from_s);
     out.estimate = chain.estimate(frames.frame());
     run.repeated += last.repeats(frames.frame()) ? 1 : 0;
     out.time_s = static_cast<double>(time_ns) * 1e-9;
@@ -112,13 +113,14 @@ void add_grasps(const Settings& settings, std::vector<ReplayRun>& runs) {
 }  // namespace
 
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
-                              const std::vector<std::string>& files, const offline::Shard& shard) {
+                              const std::vector<std::string>& files, const offline::Shard& shard,
+                              std::optional<double> releasing_from_s) {
   const Settings settings = load_scene(scene);
   std::vector<ReplayRun> runs;
   std::size_t unit = 0;
   for (const FileOfSensor& job : files_of(settings, sensor, files)) {
     if (shard.has(unit)) {
-      runs.push_back(play(settings, job));
+      runs.push_back(play(settings, job, releasing_from_s));
       runs.back().unit = unit;
     }
     ++unit;

@@ -40,9 +40,13 @@ struct ReplayRun {
 // scene, belong to them in order; SENSOR=FILE names the sensor. A shard plays only some of them. Throws
 // slipd::SettingsError, WrongUse or slipd::DriverError.
 //
+// releasing_from_s: from then on the robot lets go of the object (EstimatorChain::set_releasing), s from the
+// files' first rows.
+//
 // After them comes a run of each grasp of the scene whose sensors have played one file each: with a row
 // whenever one of them has a frame, frames of one time together.
 std::vector<ReplayRun> replay(const std::filesystem::path& scene, const std::string& sensor,
-                              const std::vector<std::string>& files, const offline::Shard& shard = {});
+                              const std::vector<std::string>& files, const offline::Shard& shard = {},
+                              std::optional<double> releasing_from_s = std::nullopt);
 
 }  // namespace sliplab
