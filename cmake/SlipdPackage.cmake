@@ -3,6 +3,8 @@
 #   slipd-paper                  the trained methods svd-knn and registered, a module that the daemon loads
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
+#   slipd-feed                   frames from networks
+#   slipd-camera                 cameras that look at a gel, as sensors
 #   slipd-grip                   holds objects by slipd's margin, with a gripper
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
@@ -10,8 +12,17 @@
 #   slipd-dev                    headers and CMake files for drivers of one's own
 set(slipd_packaging ${PROJECT_SOURCE_DIR}/packaging)
 
+# Who packages is who maintains the packages: -DSLIPD_MAINTAINER="NAME <ADDRESS>", else Debian's own DEBFULLNAME and DEBEMAIL, else a placeholder.
+if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
+  set(slipd_packager "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+else()
+  set(slipd_packager "Unset Packager <packager@example.org>")
+endif()
+set(SLIPD_MAINTAINER "${slipd_packager}" CACHE STRING "Maintainer of the Debian packages: NAME <ADDRESS>")
+
 # Debian's own papers of a package: copyright and changelog.
-execute_process(COMMAND gzip -9nc ${slipd_packaging}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
+configure_file(${slipd_packaging}/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
+execute_process(COMMAND gzip -9nc ${PROJECT_BINARY_DIR}/changelog OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.Debian.gz)
 execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 string(REGEX REPLACE "^MIT License\n\n[^\n]*\n\n" "" licence "${licence}")
@@ -25,7 +36,7 @@ function(slipd_papers package component)
 endfunction()
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "The slipd developers <slipd@packages.debian.org>")
+set(CPACK_PACKAGE_CONTACT "${SLIPD_MAINTAINER}")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_SET_DESTDIR ON)
@@ -171,6 +182,13 @@ forces, alerts and taxels of each sensor. Needs no ROS on this computer.\n\
 Brings the package slipd_msgs for ROS 2 workspaces, and layouts of RViz\n\
 and PlotJuggler.")
 endif()
+if(TARGET slipd-feed)
+  slipd_bridge_package(feed SECTION net
+    SUMMARY "frames of tactile sensors on networks, for slipd"
+    TEXT "Receives the messages of sensors that have a server or send on a\n\
+network, by WebSocket and UDP, and hands their frames to slipd. Profiles\n\
+describe the messages.")
+endif()
 slipd_bridge_package(grip SECTION electronics
   SUMMARY "holds objects with the least force that keeps the slip margin"
   TEXT "Commands a gripper by the slip margin of slipd: closes until contact,\n\
@@ -181,5 +199,15 @@ slipd_bridge_package(web SECTION web
   TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\
 minute, recordings, and the measured error of its methods. It only reads,\n\
 and listens on this computer unless it is told otherwise.")
+
+# Its unit is a template: which cameras there are is an administrator's to say.
+if(TARGET slipd-camera)
+  slipd_package(camera slipd-camera COMPONENTS camera SECTION electronics SCRIPTS camera
+    DEPENDS "${slipd_same_version}, libslipd0 (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})"
+    SUMMARY "cameras that look at a gel, as sensors of slipd"
+    TEXT "Follows dots or texture of the gel of GelSight Mini, DIGIT, TacTip and\n\
+sensors of one's own, and sends slipd how far the surface has moved. Also\n\
+reads video files.")
+endif()
 
 include(CPack)

@@ -19,6 +19,7 @@ Engine::Engine(Settings settings, DriverCatalogue& drivers)
                .flight = nullptr,
                .latency_last_minute = {},
                .rates_hz = {},
+               .repeats_hz = {},
                .can = nullptr} {
   if (settings_.recorder.seconds > 0) flight_ = std::make_unique<FlightRecorder>(settings_.recorder, board_);
   context_.flight = flight_.get();

@@ -5,28 +5,28 @@
 #include "lab/command.hpp"
 #include "lab/options.hpp"
 #include "lab/report.hpp"
-#include "lab/tradeoff/imprints.hpp"
 #include "lab/tradeoff/report.hpp"
+#include "lab/tradeoff/shapes.hpp"
 #include "tools/offline/progress.hpp"
 
 namespace lab {
 namespace {
 
-void run_imprints(const offline::Common& common, const CLI::App& command, const TradeoffOptions& options) {
-  std::vector<ImprintLine> lines;
+void run_shapes(const offline::Common& common, const CLI::App& command, const TradeoffOptions& options) {
+  std::vector<ShapeLine> lines;
   {
     offline::ProgressBar bar("tradeoff");
-    lines = measure_imprints(options, [&](double share, const char* layout) { bar.show(share, layout); });
+    lines = measure_shapes(options, [&](double share, const char* layout) { bar.show(share, layout); });
   }
-  publish({.print_table = [&] { print_imprints(lines, options.contacts); },
-           .json = [&] { return imprints_to_sweep(lines, options.contacts); }},
+  publish({.print_table = [&] { print_shapes(lines, options.contacts); },
+           .json = [&] { return shapes_to_sweep(lines, options.contacts); }},
           common, options.shard, command);
 }
 
-void run(const offline::Common& common, const CLI::App& command, TradeoffOptions options, bool imprints) {
+void run(const offline::Common& common, const CLI::App& command, TradeoffOptions options, bool shapes) {
   offline::refuse_files(options.shard, common);
   options.seed = common.seed;
-  if (imprints) return run_imprints(common, command, options);
+  if (shapes) return run_shapes(common, command, options);
   std::vector<Line> lines;
   {
     offline::ProgressBar bar("tradeoff");
@@ -56,12 +56,12 @@ void add_tradeoff(CLI::App& app, const offline::Common& common) {
       ->capture_default_str();
   command->add_flag("!--no-models", options->models, "leave out the methods that need a trained model");
   add_threads_option(*command, options->threads);
-  auto imprints = std::make_shared<bool>(false);
+  auto shapes = std::make_shared<bool>(false);
   command->add_flag(
-      "--imprints", *imprints,
+      "--shapes", *shapes,
       "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
   offline::add_shard_option(*command, options->shard);
-  command->callback([&common, command, options, imprints] { run(common, *command, *options, *imprints); });
+  command->callback([&common, command, options, shapes] { run(common, *command, *options, *shapes); });
 }
 
 }  // namespace lab

@@ -84,12 +84,13 @@ float quantile(std::vector<float> values, double share) {
   return values[at];
 }
 
-struct Miss {
+struct MarginError {
   float spread, gamma, friction;
 };
 
-ErrorStatistics statistics_of(std::vector<Miss> misses) {
-  std::sort(misses.begin(), misses.end(), [](const Miss& a, const Miss& b) { return a.spread < b.spread; });
+ErrorStatistics statistics_of(std::vector<MarginError> misses) {
+  std::sort(misses.begin(), misses.end(),
+            [](const MarginError& a, const MarginError& b) { return a.spread < b.spread; });
   ErrorStatistics errors;
   for (std::size_t bin = 0; bin < kErrorBins; ++bin) {
     const std::size_t from = bin * misses.size() / kErrorBins, to = (bin + 1) * misses.size() / kErrorBins;
@@ -113,7 +114,7 @@ ErrorStatistics measure_errors(const ModelData& data, const ContactColumns& unse
   const auto width = static_cast<std::size_t>(rank);
   const Neighbours neighbours(data.coordinates, width);
   Neighbours::Query query(neighbours, searched(data.setup));
-  std::vector<Miss> misses;
+  std::vector<MarginError> misses;
   std::vector<float> distances, residuals;
   for (std::size_t j = 0; j < unseen.columns(); ++j) {
     const std::span<const float> point(coordinates.data() + j * width, width);

@@ -22,11 +22,14 @@ inline constexpr std::size_t kLongestMessage = 208 * 1024 - 512;
 
 // What the values of frames are.
 enum class Unit : std::uint8_t {
-  unsaid = 0,     // as configured
-  pascal = 1,     // pressure and shear of each taxel, Pa
-  newton = 2,     // force on each taxel, N
-  counts = 3,     // a converter's counts
-  microtesla = 4  // the field at a magnetometer, µT
+  unsaid = 0,      // as configured
+  pascal = 1,      // pressure and shear of each taxel, Pa
+  newton = 2,      // force on each taxel, N
+  counts = 3,      // a converter's counts
+  microtesla = 4,  // the field at a magnetometer, µT
+  // How far points of a surface have moved. Along x and y: mm from their place at rest, NaN where a point is
+  // not seen. Third: how much the picture around it has changed since rest, 0 to 1.
+  millimetre = 5
 };
 
 // What frames read without load.

@@ -2,7 +2,7 @@
 // of its own so that slipctl does not need libmosquitto.
 //
 // A line for each gripper, then one for each change (fleet.hpp); a line {"broker", "connected", "trouble"}
-// when the broker comes or goes, after which nothing of before holds.
+// when the broker comes or goes, after which earlier state is discarded.
 #include <sys/epoll.h>
 #include <unistd.h>
 

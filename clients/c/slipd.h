@@ -186,7 +186,7 @@ double slipd_heartbeat_age(const slipd_client *s);
 typedef struct slipd_source slipd_source;
 
 /* What the values of frames are; UNSAID: as configured. */
-enum { SLIPD_UNIT_UNSAID = 0, SLIPD_UNIT_PA = 1, SLIPD_UNIT_N = 2, SLIPD_UNIT_COUNTS = 3, SLIPD_UNIT_UT = 4 };
+enum { SLIPD_UNIT_UNSAID = 0, SLIPD_UNIT_PA = 1, SLIPD_UNIT_N = 2, SLIPD_UNIT_COUNTS = 3, SLIPD_UNIT_UT = 4, SLIPD_UNIT_MM = 5 };
 /* What frames read without load: UNSAID: as configured; MEASURED: anything, slipd measures it; ZERO: 0. */
 enum { SLIPD_ZERO_UNSAID = 0, SLIPD_ZERO_MEASURED = 1, SLIPD_ZERO_ZERO = 2 };
 

@@ -128,7 +128,7 @@ int connect(slipd_source& s, Clock::time_point until) noexcept {
 
 bool is_possible(const slipd_frames& frames) noexcept {
   return frames.taxels > 0 && (frames.axes == 1 || frames.axes == 3) && frames.unit >= SLIPD_UNIT_UNSAID &&
-         frames.unit <= SLIPD_UNIT_UT && frames.zero >= SLIPD_ZERO_UNSAID && frames.zero <= SLIPD_ZERO_ZERO &&
+         frames.unit <= SLIPD_UNIT_MM && frames.zero >= SLIPD_ZERO_UNSAID && frames.zero <= SLIPD_ZERO_ZERO &&
          frames.rate_hz >= 0 && frames.rate_hz <= std::numeric_limits<double>::max() &&
          push_layout::frame_size(frames.taxels, static_cast<std::size_t>(frames.axes)) <=
              push_layout::kLongestMessage;

@@ -53,10 +53,10 @@ std::unique_ptr<SlipMethod> choose_method(const ChainSetup& setup, WorkPrecision
 
 }  // namespace
 
-ChainSetup with_felt_skin(const ChainSetup& setup) {
-  ChainSetup felt = setup;
-  felt.scene.skin.depth_m = felt_depth_m(setup);
-  return felt;
+ChainSetup with_sensed_skin(const ChainSetup& setup) {
+  ChainSetup sensed = setup;
+  sensed.scene.skin.depth_m = sensed_depth_m(setup);
+  return sensed;
 }
 
 KnownFriction known_friction(const ChainSetup& setup) {
@@ -65,7 +65,7 @@ KnownFriction known_friction(const ChainSetup& setup) {
 
 std::unique_ptr<SurfaceForces> make_surface_forces(const ChainSetup& setup) {
   if (!has_skin(setup)) return std::make_unique<ForcesAtSurface>();
-  if (always_fits(setup)) return std::make_unique<ForcesOfPad>(setup.layout, setup.scene.skin);
+  if (fits_whole_pad(setup)) return std::make_unique<ForcesOfPad>(setup.layout, setup.scene.skin);
   return std::make_unique<ForcesUnderSkin>();
 }
 
@@ -102,14 +102,14 @@ std::unique_ptr<SlipMethod> make_method(const ChainSetup& setup,
                                         WorkPrecision& work_precision) {
   const MethodChoice wanted = setup.estimator.method;
   if (has_skin(setup) && wanted != MethodChoice::automatic && wanted != MethodChoice::fit &&
-      wanted != MethodChoice::closing && !always_fits(setup)) {
+      wanted != MethodChoice::closing && !fits_whole_pad(setup)) {
     throw std::invalid_argument(
         "a skin with depth_mm above 0 needs the estimator's method fit, closing or auto");
   }
   if (needs_model(setup) && (!model || !(model->layout() == setup.layout))) {
     throw std::invalid_argument("the estimator needs a model trained for this very layout");
   }
-  if (always_fits(setup)) return make_fit(setup);
+  if (fits_whole_pad(setup)) return make_fit(setup);
   switch (wanted) {
     case MethodChoice::automatic: {
       std::unique_ptr<SlipMethod> method = choose_method(setup, work_precision);

@@ -13,8 +13,8 @@
 
 namespace slipd {
 
-// `setup` with the skin as it counts (felt_depth_m).
-ChainSetup with_felt_skin(const ChainSetup& setup);
+// `setup` with the skin as it counts (sensed_depth_m).
+ChainSetup with_sensed_skin(const ChainSetup& setup);
 
 // Given for the sensor, else what its scene expects.
 KnownFriction known_friction(const ChainSetup& setup);

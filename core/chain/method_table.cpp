@@ -70,7 +70,7 @@ WorkPrecision expected_work(const ChainSetup& setup) {
   if (!has_contact_model(kind_of(setup))) return {};
   const double taxels = mean_contact_radius_m(with_objects(setup.scene)) / setup.layout.side_m();
   WorkPrecision work{.rows = {}, .processor = kMethodTableProcessor};
-  if (felt_depth_m(setup) > 0) {
+  if (sensed_depth_m(setup) > 0) {
     work.rows.push_back(row_at(taxels, Method::fit, true));
     if (PressureMaps::can_read(setup.layout, setup.scene.skin))
       work.rows.push_back(row_at(taxels, Method::closing, true));
@@ -91,14 +91,14 @@ WorkPrecision expected_work_of(const ChainSetup& setup, Method method) {
 double frame_budget_us(const ChainSetup& setup) noexcept {
   constexpr double kAtSurface = 100;  // a tenth of a frame at 1 kHz
   if (setup.estimator.budget_us) return *setup.estimator.budget_us;
-  return felt_depth_m(setup) > 0 ? std::numeric_limits<double>::infinity() : kAtSurface;
+  return sensed_depth_m(setup) > 0 ? std::numeric_limits<double>::infinity() : kAtSurface;
 }
 
 AutoChoice choose_for(const ChainSetup& setup, const WorkPrecision& work) {
   if (work.rows.empty()) return {Method::fit, false};
   const double budget_us = frame_budget_us(setup);
   const std::string& name = work.rows[choose(work.rows, budget_us)].method;
-  if (!(felt_depth_m(setup) > 0)) {
+  if (!(sensed_depth_m(setup) > 0)) {
     for (const Method method : {Method::moments, Method::block_fit})
       if (name == to_string(method)) return {method, true};
     return {Method::fit, true};

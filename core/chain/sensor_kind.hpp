@@ -13,7 +13,8 @@ enum class SensorKind : std::uint8_t {
   one_force,      // one force vector, with or without its torque: friction over time gives the margin
   flat_pad,       // several taxels on a flat skin: sums over them, as one force; sliding by their pattern
   few_taxels,     // a curved skin of at most kFewTaxels taxels: fit reads all of them, and friction over time
-  array           // a curved skin of more taxels: a frame shows its margin by itself
+  array,          // a curved skin of more taxels: a frame shows its margin by itself
+  displacement    // measures no force: contact, and slides by the field of displacement; never a margin
 };
 
 std::string_view to_string(SensorKind kind) noexcept;  // "pressure_only", …
@@ -34,6 +35,6 @@ constexpr bool has_contact_model(SensorKind kind) noexcept {
 // of a taxel's side counts as none: a taxel's average under it would take hundreds of points, and is within
 // some per cent what it is at the surface. Margins by forces alone need no contact model, so that a skin has
 // no effect on them.
-double felt_depth_m(const ChainSetup& setup) noexcept;
+double sensed_depth_m(const ChainSetup& setup) noexcept;
 
 }  // namespace slipd

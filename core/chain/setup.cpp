@@ -4,30 +4,31 @@
 
 namespace slipd {
 
-bool always_fits(const ChainSetup& setup) {
+bool fits_whole_pad(const ChainSetup& setup) {
   return kind_of(setup) == SensorKind::few_taxels && setup.estimator.tracking;
 }
 
 std::string_view to_string(MethodReason reason) noexcept {
-  static constexpr std::string_view kNames[] = {"configured", "auto",   "few_taxels",
-                                                "skin",       "forces", "no_shear"};
+  static constexpr std::string_view kNames[] = {"configured", "auto",     "few_taxels", "skin",
+                                                "forces",     "no_shear", "no_force"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 
 MethodReason why_method(const ChainSetup& setup) {
   const MethodChoice wanted = setup.estimator.method;
   const SensorKind kind = kind_of(setup);
+  if (kind == SensorKind::displacement) return MethodReason::no_force;
   if (kind == SensorKind::pressure_only) return MethodReason::no_shear;
   if (!has_contact_model(kind)) return MethodReason::forces;
   if (wanted == MethodChoice::fit) return MethodReason::configured;
-  if (always_fits(setup)) return MethodReason::few_taxels;
+  if (fits_whole_pad(setup)) return MethodReason::few_taxels;
   if (wanted != MethodChoice::automatic) return MethodReason::configured;
-  return felt_depth_m(setup) > 0 ? MethodReason::skin : MethodReason::automatic;
+  return sensed_depth_m(setup) > 0 ? MethodReason::skin : MethodReason::automatic;
 }
 
 bool needs_model(const ChainSetup& setup) {
   const MethodChoice wanted = setup.estimator.method;
-  return has_contact_model(kind_of(setup)) && !always_fits(setup) &&
+  return has_contact_model(kind_of(setup)) && !fits_whole_pad(setup) &&
          !(setup.scene.skin.depth_m > 0) &&  // no trained method corrects for it
          (wanted == MethodChoice::svd_knn || wanted == MethodChoice::registered);
 }

@@ -29,16 +29,17 @@ struct ChainSetup {
 // Whether the chain uses `fit` whatever method is configured: with tracking and at most kFewTaxels
 // taxels, whose margin no single frame determines; fit reads the whole pad for what FrictionFilter weighs
 // over time.
-bool always_fits(const ChainSetup& setup);
+bool fits_whole_pad(const ChainSetup& setup);
 
 // Why a sensor's method is the one that it is.
 enum class MethodReason : std::uint8_t {
   configured,  // estimator.method names it
   automatic,   // `auto` chose it by error and time on the sensor's scene
-  few_taxels,  // see always_fits
+  few_taxels,  // see fits_whole_pad
   skin,        // `auto`, under a skin of known depth: only fit and closing correct for it
   forces,      // without taxels and curvature, friction and forces give the margin
-  no_shear     // there is no margin
+  no_shear,    // there is no margin
+  no_force     // there is no margin: displacements are no forces
 };
 std::string_view to_string(MethodReason reason) noexcept;  // as on the socket: "configured", "auto", …
 MethodReason why_method(const ChainSetup& setup);

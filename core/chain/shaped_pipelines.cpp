@@ -53,7 +53,7 @@ void ShapedPipeline::estimate(const Frame& frame, const ContactPatch& patch, con
     out.friction.reset();
     out.friction_sigma.reset();
   }
-  if (reading && reading->in_model && !reading->turning) {
+  if (reading && reading->in_model && !reading->under_torque) {
     out.center_x_m = reading->center_x_m;
     out.center_y_m = reading->center_y_m;
     out.radius_m = reading->radius_m;
@@ -80,8 +80,9 @@ std::optional<Reading> ArrayPipeline::read(const Frame& frame, const ContactPatc
                                            const ContactPatch& pulled,
                                            const EquivalentPullResult& pull) noexcept {
   torque_reading_->follow(patch, pull, margin().friction());
-  if (patch.count < kFewInside || !(pull.turning == Turning::bending || is_clear(patch))) return std::nullopt;
-  if (!torque_reading_->bent(pull)) return read_pull(frame, patch);
+  if (patch.count < kFewInside || !(pull.torque_effect == TorqueEffect::changes_shear || is_clear(patch)))
+    return std::nullopt;
+  if (!torque_reading_->torque_changes_shear(pull)) return read_pull(frame, patch);
   Reading reading = torque_reading_->estimate(pulled, pull);
   reading.by = method();
   return reading;
@@ -109,7 +110,7 @@ FewTaxelsPipeline::FewTaxelsPipeline(const ChainSetup& setup, std::unique_ptr<Sl
 std::optional<Reading> FewTaxelsPipeline::read(const Frame& frame, const ContactPatch& patch,
                                                const ContactPatch& /*pulled*/,
                                                const EquivalentPullResult& pull) noexcept {
-  if (pull.turning == Turning::bending || !is_clear(patch)) return std::nullopt;
+  if (pull.torque_effect == TorqueEffect::changes_shear || !is_clear(patch)) return std::nullopt;
   return read_pull(frame, patch);
 }
 

@@ -13,7 +13,7 @@ ShearPipeline::ShearPipeline(const ChainSetup& setup, double common_sigma)
 
 EquivalentPullResult ShearPipeline::pull_of(const ContactPatch& patch) noexcept {
   const EquivalentPullResult pull = equivalent_pull_->of(patch, torque_);
-  torque_ = pull.turning;
+  torque_ = pull.torque_effect;
   return pull;
 }
 
@@ -26,7 +26,7 @@ void ShearPipeline::conclude(const SurfaceLoad& load, double internal_n, const E
 void ShearPipeline::forget() noexcept {
   margin_->forget();
   path_.forget();
-  torque_ = Turning::none;
+  torque_ = TorqueEffect::none;
 }
 
 void ShearPipeline::lose_sight() noexcept {

@@ -15,7 +15,7 @@ namespace slipd {
 
 class ShearPipeline : public ContactPipeline {
  public:
-  bool carries_torque() const noexcept override { return torque_ != Turning::none; }
+  bool carries_torque() const noexcept override { return torque_ != TorqueEffect::none; }
   void forget() noexcept override;
   void lose_sight() noexcept override;
 
@@ -39,7 +39,7 @@ class ShearPipeline : public ContactPipeline {
   const MarginBound bound_;
   const double target_margin_;
   LoadPath path_;
-  Turning torque_ = Turning::none;  // of the last frame
+  TorqueEffect torque_ = TorqueEffect::none;  // of the last frame
 };
 
 }  // namespace slipd

@@ -1,6 +1,6 @@
-// What taxels feel: disc terms averaged over each taxel's square (docs/theory.md §5). Closed form at the rim,
-// where any quadrature converges slowly; Gauss-Legendre inside, where it has converged to better than a float
-// resolves.
+// What taxels sense: disc terms averaged over each taxel's square (docs/theory.md §5). Closed form at the
+// rim, where any quadrature converges slowly; Gauss-Legendre inside, where it has converged to better than a
+// float resolves.
 #pragma once
 
 #include <span>

@@ -39,10 +39,10 @@ double CattaneoMindlin::mobilised_friction(double s) const noexcept {
 
 Traction CattaneoMindlin::at(double s) const noexcept {
   if (normal_ == 0 || !(s <= 1)) return {};
-  const double mobilised = mobilised_friction(s);
+  const double utilisation = mobilised_friction(s);
   const double pressure = p0_ * std::sqrt((1 - s) * (1 + s));
   // In this order no product of small factors falls below the normal doubles before the result does.
-  return {pressure, pressure * friction_ * mobilised, std::atan(friction_ * mobilised)};
+  return {pressure, pressure * friction_ * utilisation, std::atan(friction_ * utilisation)};
 }
 
 }  // namespace slipd::contact

@@ -7,7 +7,7 @@
 
 namespace slipd::contact {
 
-// What the skin feels at one radius.
+// What the skin senses at one radius.
 struct Traction {
   double pressure_pa = 0;  // p, >= 0
   double shear_pa = 0;     // q, >= 0, along the load

@@ -40,7 +40,7 @@ class LimitSurface {
   explicit LimitSurface(const LimitSurfaceOptions& options = {}) noexcept : options_(options) {}
 
   // No cells yet. side_m: of the squares that the cells' pressure is spread over, > 0, without what the
-  // torque lacks as well: a taxel's shear is a mean, so that the torque within it is not felt.
+  // torque lacks as well: a taxel's shear is a mean, so that the torque within it is not sensed.
   void clear(double side_m) noexcept;
   // A cell at a place relative to the contact's centre, with its normal force. Noise may make some forces
   // negative; the sum must be positive.

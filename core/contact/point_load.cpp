@@ -8,7 +8,7 @@ namespace slipd::contact {
 namespace {
 
 // A function whose mixed derivative by x and y is what a point reads.
-FeltTensor corner(double x, double y, double z) noexcept {
+SensedTensor corner(double x, double y, double z) noexcept {
   const double xx = x * x, yy = y * y, zz = z * z, squares = xx + yy + zz, r = std::sqrt(squares);
   const double turn = std::atan(x * y / (z * r));
   constexpr double kShare = 1 / (2 * std::numbers::pi);
@@ -22,10 +22,10 @@ FeltTensor corner(double x, double y, double z) noexcept {
 
 }  // namespace
 
-FeltTensor felt_in_rectangle(const Rectangle& rectangle, double depth_m) noexcept {
-  FeltTensor sum;
+SensedTensor sensed_in_rectangle(const Rectangle& rectangle, double depth_m) noexcept {
+  SensedTensor sum;
   const auto add = [&](double sign, double x_m, double y_m) {
-    const FeltTensor at = corner(x_m, y_m, depth_m);
+    const SensedTensor at = corner(x_m, y_m, depth_m);
     sum.nn += sign * at.nn;
     sum.nx += sign * at.nx;
     sum.ny += sign * at.ny;
@@ -40,15 +40,15 @@ FeltTensor felt_in_rectangle(const Rectangle& rectangle, double depth_m) noexcep
   return sum;
 }
 
-LayerTensor felt_in_rectangle(const Rectangle& rectangle, double depth_m,
-                              std::span<const LayerImage> images) noexcept {
+LayerTensor sensed_in_rectangle(const Rectangle& rectangle, double depth_m,
+                                std::span<const LayerImage> images) noexcept {
   if (images.empty()) {
-    const FeltTensor of = felt_in_rectangle(rectangle, depth_m);
+    const SensedTensor of = sensed_in_rectangle(rectangle, depth_m);
     return {of.nn, of.nx, of.ny, of.xx, of.xy, of.yy, of.nx, of.ny};
   }
   std::array<double, 8> sum{};
   for (const LayerImage& image : images) {
-    const FeltTensor of = felt_in_rectangle(rectangle, image.depth * depth_m);
+    const SensedTensor of = sensed_in_rectangle(rectangle, image.depth * depth_m);
     const std::array<double, 6> from{of.nn, of.nx, of.ny, of.xx, of.xy, of.yy};
     add_image(image, from.data(), sum.data(), 1);
   }

@@ -17,10 +17,10 @@ struct Rectangle {
 
 // Forces on the rectangle, in a half space, over the load's: normal force and shear, by a normal load and by
 // a pull, along the sensor's axes. Exact. depth_m > 0.
-FeltTensor felt_in_rectangle(const Rectangle& rectangle, double depth_m) noexcept;
+SensedTensor sensed_in_rectangle(const Rectangle& rectangle, double depth_m) noexcept;
 
 // The same of a skin with these images; none: a half space.
-LayerTensor felt_in_rectangle(const Rectangle& rectangle, double depth_m,
-                              std::span<const LayerImage> images) noexcept;
+LayerTensor sensed_in_rectangle(const Rectangle& rectangle, double depth_m,
+                                std::span<const LayerImage> images) noexcept;
 
 }  // namespace slipd::contact

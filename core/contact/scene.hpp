@@ -19,7 +19,7 @@ struct Range {
 // What a depth in a data sheet or by a calliper is known to: standard deviation of its log; 0.05 … 0.2. Real
 // skins are cast, glued and worn, and 25 % is the most that a wrong one was off. Too small: margins under a
 // skin of another depth are off by more than their sigma. Too large: a misfit of another cause passes for a
-// depth (`slipd-lab tradeoff --imprints`).
+// depth (`slipd-lab tradeoff --shapes`).
 inline constexpr double kUsualDepthSigma = 0.1;
 // Standard deviations from the depth given up to which another one is searched; 2 … 4. Too small: a wrong one
 // is not corrected. Too large: as above.

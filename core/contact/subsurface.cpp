@@ -26,7 +26,7 @@ struct DomePoint {
 };
 
 // From the ellipse's axes to the sensor's.
-[[gnu::always_inline]] inline FeltTensor turned(const FeltTensor& t, double c, double s) noexcept {
+[[gnu::always_inline]] inline SensedTensor turned(const SensedTensor& t, double c, double s) noexcept {
   const double across = 2 * c * s * t.xy;
   return {t.nn,
           c * t.nx - s * t.ny,
@@ -36,23 +36,24 @@ struct DomePoint {
           s * s * t.xx + c * c * t.yy + across};
 }
 
-[[gnu::always_inline]] inline FeltTensor mixed(double one, const FeltTensor& t, double two,
-                                               const FeltTensor& r) noexcept {
+[[gnu::always_inline]] inline SensedTensor mixed(double one, const SensedTensor& t, double two,
+                                                 const SensedTensor& r) noexcept {
   return {one * t.nn + two * r.nn, one * t.nx + two * r.nx, one * t.ny + two * r.ny,
           one * t.xx + two * r.xx, one * t.xy + two * r.xy, one * t.yy + two * r.yy};
 }
 
-// By the log of the depth. What is felt depends on ratios of lengths only: it stays where all of them grow
+// By the log of the depth. What is sensed depends on ratios of lengths only: it stays where all of them grow
 // alike, so that a greater depth is as all other lengths smaller (Euler's theorem of homogeneous functions).
-[[gnu::always_inline]] inline FeltTensor by_depth(double u, const FeltTensor& d_u, double v,
-                                                  const FeltTensor& d_v, const FeltTensor& grown) noexcept {
+[[gnu::always_inline]] inline SensedTensor by_depth(double u, const SensedTensor& d_u, double v,
+                                                    const SensedTensor& d_v,
+                                                    const SensedTensor& grown) noexcept {
   return mixed(-1, mixed(u, d_u, v, d_v), -1, grown);
 }
 
 // Of a dome that turns: its field turns with it, and so do its components.
-[[gnu::always_inline]] inline FeltTensor by_angle(const FeltTensor& value, const FeltTensor& d_u,
-                                                  const FeltTensor& d_v, double u, double v) noexcept {
-  const FeltTensor moved = mixed(v, d_u, -u, d_v);
+[[gnu::always_inline]] inline SensedTensor by_angle(const SensedTensor& value, const SensedTensor& d_u,
+                                                    const SensedTensor& d_v, double u, double v) noexcept {
+  const SensedTensor moved = mixed(v, d_u, -u, d_v);
   return {moved.nn,
           moved.nx - value.ny,
           moved.ny + value.nx,
@@ -63,7 +64,7 @@ struct DomePoint {
 
 // kFirst: of a taxel's points, in place of what the row held.
 template <bool kFirst>
-[[gnu::always_inline]] inline void add(const FeltTensor& t, double weight, double* row,
+[[gnu::always_inline]] inline void add(const SensedTensor& t, double weight, double* row,
                                        std::size_t stride) noexcept {
   const auto put = [](double& to, double value) __attribute__((always_inline)) {
     to = kFirst ? value : to + value;
@@ -88,9 +89,9 @@ template <bool kFirst>
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a;
     const auto at = subsurface::common<Shape::round>(of.a, of.a, of.depth, u, v);
-    const FeltTensor d_u = subsurface::slope_of(at, 1, 0, 0, 0, 0, 0),
-                     d_v = subsurface::slope_of(at, 0, 1, 0, 0, 0, 0),
-                     d_a = subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a);
+    const SensedTensor d_u = subsurface::slope_of(at, 1, 0, 0, 0, 0, 0),
+                       d_v = subsurface::slope_of(at, 0, 1, 0, 0, 0, 0),
+                       d_a = subsurface::slope_of(at, 0, 0, a2, a2, a2 * at.za_by_a, a2 * at.zb_by_a);
     double* const row = to.rows + i;
     add<kFirst>(subsurface::value_of(at), of.weight, row, to.stride);
     add<kFirst>(d_u, of.weight, row + Sheet::d_u * n, to.stride);
@@ -105,7 +106,7 @@ template <bool kFirst>
 [[gnu::always_inline]] inline void round_values(const DomePoint& of, const Points& to) noexcept {
 #pragma omp simd
   for (std::size_t i = 0; i < to.count; ++i)
-    add<kFirst>(felt_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight,
+    add<kFirst>(sensed_value<Shape::round>(of.a, of.a, of.depth, to.u[i] + of.u, to.v[i] + of.v), of.weight,
                 to.rows + i, to.stride);
 }
 
@@ -118,13 +119,13 @@ template <bool kFirst>
     const double u = to.u[i] + of.u, v = to.v[i] + of.v, a2 = 2 * of.a, b2 = 2 * of.b;
     const auto at =
         subsurface::common<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table);
-    const FeltTensor value = turned(subsurface::value_of(at), c, s),
-                     d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
-                     d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s),
-                     d_a = turned(subsurface::slope_of(at, 0, 0, a2, 0, a2 * at.za_by_a, a2 * at.zb_by_a), c,
-                                  s),
-                     d_b = turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b), c,
-                                  s);
+    const SensedTensor value = turned(subsurface::value_of(at), c, s),
+                       d_u = turned(subsurface::slope_of(at, c, -s, 0, 0, 0, 0), c, s),
+                       d_v = turned(subsurface::slope_of(at, s, c, 0, 0, 0, 0), c, s),
+                       d_a = turned(subsurface::slope_of(at, 0, 0, a2, 0, a2 * at.za_by_a, a2 * at.zb_by_a),
+                                    c, s),
+                       d_b = turned(subsurface::slope_of(at, 0, 0, 0, b2, b2 * at.za_by_b, b2 * at.zb_by_b),
+                                    c, s);
     double* const row = to.rows + i;
     add<kFirst>(value, of.weight, row, to.stride);
     add<kFirst>(d_u, of.weight, row + Sheet::d_u * n, to.stride);
@@ -144,7 +145,8 @@ template <bool kFirst>
   for (std::size_t i = 0; i < to.count; ++i) {
     const double u = to.u[i] + of.u, v = to.v[i] + of.v;
     add<kFirst>(
-        turned(felt_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c, s),
+        turned(sensed_value<Shape::tabled>(of.a, of.b, of.depth, c * u + s * v, c * v - s * u, of.table), c,
+               s),
         of.weight, to.rows + i, to.stride);
   }
 }
@@ -210,7 +212,7 @@ struct Line {
 
 // As in dome_sheet.cpp.
 template <auto kLoop>
-void felt_on_baseline(const DomePoint& of, const Points& to) noexcept {
+void sensed_on_baseline(const DomePoint& of, const Points& to) noexcept {
   kLoop(of, to);
 }
 void integrals_on_baseline(double aa, double bb, double shorter, double first, double per_step,
@@ -219,12 +221,12 @@ void integrals_on_baseline(double aa, double bb, double shorter, double first, d
 }
 #if defined(__x86_64__)
 template <auto kLoop>
-[[gnu::target("avx2,fma")]] void felt_on_avx2(const DomePoint& of, const Points& to) noexcept {
+[[gnu::target("avx2,fma")]] void sensed_on_avx2(const DomePoint& of, const Points& to) noexcept {
   kLoop(of, to);
 }
 template <auto kLoop>
-[[gnu::target("avx512f,avx512vl,avx512dq")]] void felt_on_avx512(const DomePoint& of,
-                                                                 const Points& to) noexcept {
+[[gnu::target("avx512f,avx512vl,avx512dq")]] void sensed_on_avx512(const DomePoint& of,
+                                                                   const Points& to) noexcept {
   kLoop(of, to);
 }
 [[gnu::target("avx2,fma")]] void integrals_on_avx2(double aa, double bb, double shorter, double first,
@@ -251,29 +253,29 @@ struct SubsurfaceKernels {
 };
 const SubsurfaceKernels SubsurfaceKernels::baseline{
     integrals_on_baseline,
-    {felt_on_baseline<round_slopes<true>>, felt_on_baseline<round_slopes<false>>},
-    {felt_on_baseline<round_values<true>>, felt_on_baseline<round_values<false>>},
-    {felt_on_baseline<elliptic_slopes<true>>, felt_on_baseline<elliptic_slopes<false>>},
-    {felt_on_baseline<elliptic_values<true>>, felt_on_baseline<elliptic_values<false>>},
-    felt_on_baseline<surface_slopes>,
-    felt_on_baseline<surface_values>};
+    {sensed_on_baseline<round_slopes<true>>, sensed_on_baseline<round_slopes<false>>},
+    {sensed_on_baseline<round_values<true>>, sensed_on_baseline<round_values<false>>},
+    {sensed_on_baseline<elliptic_slopes<true>>, sensed_on_baseline<elliptic_slopes<false>>},
+    {sensed_on_baseline<elliptic_values<true>>, sensed_on_baseline<elliptic_values<false>>},
+    sensed_on_baseline<surface_slopes>,
+    sensed_on_baseline<surface_values>};
 #if defined(__x86_64__)
 const SubsurfaceKernels SubsurfaceKernels::avx2{
     integrals_on_avx2,
-    {felt_on_avx2<round_slopes<true>>, felt_on_avx2<round_slopes<false>>},
-    {felt_on_avx2<round_values<true>>, felt_on_avx2<round_values<false>>},
-    {felt_on_avx2<elliptic_slopes<true>>, felt_on_avx2<elliptic_slopes<false>>},
-    {felt_on_avx2<elliptic_values<true>>, felt_on_avx2<elliptic_values<false>>},
-    felt_on_avx2<surface_slopes>,
-    felt_on_avx2<surface_values>};
+    {sensed_on_avx2<round_slopes<true>>, sensed_on_avx2<round_slopes<false>>},
+    {sensed_on_avx2<round_values<true>>, sensed_on_avx2<round_values<false>>},
+    {sensed_on_avx2<elliptic_slopes<true>>, sensed_on_avx2<elliptic_slopes<false>>},
+    {sensed_on_avx2<elliptic_values<true>>, sensed_on_avx2<elliptic_values<false>>},
+    sensed_on_avx2<surface_slopes>,
+    sensed_on_avx2<surface_values>};
 const SubsurfaceKernels SubsurfaceKernels::avx512{
     integrals_on_avx512,
-    {felt_on_avx512<round_slopes<true>>, felt_on_avx512<round_slopes<false>>},
-    {felt_on_avx512<round_values<true>>, felt_on_avx512<round_values<false>>},
-    {felt_on_avx512<elliptic_slopes<true>>, felt_on_avx512<elliptic_slopes<false>>},
-    {felt_on_avx512<elliptic_values<true>>, felt_on_avx512<elliptic_values<false>>},
-    felt_on_avx512<surface_slopes>,
-    felt_on_avx512<surface_values>};
+    {sensed_on_avx512<round_slopes<true>>, sensed_on_avx512<round_slopes<false>>},
+    {sensed_on_avx512<round_values<true>>, sensed_on_avx512<round_values<false>>},
+    {sensed_on_avx512<elliptic_slopes<true>>, sensed_on_avx512<elliptic_slopes<false>>},
+    {sensed_on_avx512<elliptic_values<true>>, sensed_on_avx512<elliptic_values<false>>},
+    sensed_on_avx512<surface_slopes>,
+    sensed_on_avx512<surface_values>};
 #endif
 
 // At the depth of `point`, by all points of each taxel. integrals: room for an IntegralTable.
@@ -313,15 +315,15 @@ std::array<SideRule, 3> rules_of(double side_m, double smooth_m) {
 
 }  // namespace
 
-FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept {
+SensedTensor sensed_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept {
   const double c = std::cos(ellipse.angle_rad), s = std::sin(ellipse.angle_rad);
   const double x = c * x_m + s * y_m, y = c * y_m - s * x_m, a = ellipse.a_m, b = ellipse.b_m;
   if (!(depth_m > 0)) {
     const double height = std::sqrt(std::max(0.0, 1 - x * x / (a * a) - y * y / (b * b)));
     return {.nn = height, .xx = height, .yy = height};
   }
-  return turned(ellipse.round() ? felt_value<Shape::round>(a, a, depth_m, x, y)
-                                : felt_value<Shape::elliptic>(a, b, depth_m, x, y),
+  return turned(ellipse.round() ? sensed_value<Shape::round>(a, a, depth_m, x, y)
+                                : sensed_value<Shape::elliptic>(a, b, depth_m, x, y),
                 c, s);
 }
 

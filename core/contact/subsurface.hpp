@@ -36,9 +36,9 @@ struct Ellipse {
   bool round() const noexcept { return a_m == b_m; }
 };
 
-// What is felt at (x, y) from the centre of a dome of unit height, `depth_m` below the surface; at depth 0
+// What is sensed at (x, y) from the centre of a dome of unit height, `depth_m` below the surface; at depth 0
 // the dome itself on the diagonal. Of a half space, along the sensor's axes. Exact to 1e-12.
-FeltTensor felt_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept;
+SensedTensor sensed_of_dome(const Ellipse& ellipse, double depth_m, double x_m, double y_m) noexcept;
 
 // Averages over the squares of many taxels, with derivatives. Estimate thread; allocates in its constructor.
 class SubsurfaceSheet {
@@ -77,8 +77,8 @@ class SubsurfaceSheet {
       const std::size_t which = crossed ? component - kHalfSpace + nx : component;
       return {rows_.data() + (first * components() + which) * count_, count_};
     }
-    const bool felt = component == nn || component == xx || component == yy;
-    return {(felt ? rows_ : zeros_).data() + (felt ? first * count_ : 0), count_};
+    const bool sensed = component == nn || component == xx || component == yy;
+    return {(sensed ? rows_ : zeros_).data() + (sensed ? first * count_ : 0), count_};
   }
   double depth_m() const noexcept { return depth_m_; }
   // Whether xn and yn are nx and ny.

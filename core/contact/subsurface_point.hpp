@@ -1,4 +1,4 @@
-// What is felt at one point under the surface, with its derivatives: the closed form that SubsurfaceSheet
+// What is sensed at one point under the surface, with its derivatives: the closed form that SubsurfaceSheet
 // evaluates at many points (docs/theory.md §5.4). Written so that the compiler turns a loop over points into
 // vector instructions: no branch, always inlined.
 //
@@ -16,13 +16,14 @@
 
 namespace slipd::contact {
 
-// The tractions felt of a dome of unit height, t_i = sum T_ij f_j, of a surface traction along j. Symmetric.
-struct FeltTensor {
+// The tractions sensed of a dome of unit height, t_i = sum T_ij f_j, of a surface traction along j.
+// Symmetric.
+struct SensedTensor {
   double nn = 0, nx = 0, ny = 0, xx = 0, xy = 0, yy = 0;
 };
 
-// The same where an object that presses is not felt as shear as one that pulls is felt as pressure, that is
-// above a rigid base: nx and ny are the pressure of a pull along x and y, xn and yn the shear of pressing.
+// The same where an object that presses is not sensed as shear as one that pulls is sensed as pressure, that
+// is above a rigid base: nx and ny are the pressure of a pull along x and y, xn and yn the shear of pressing.
 struct LayerTensor {
   double nn = 0, nx = 0, ny = 0, xx = 0, xy = 0, yy = 0, xn = 0, yn = 0;
 };
@@ -225,15 +226,15 @@ template <Shape kShape>
   return at;
 }
 
-[[gnu::always_inline]] inline FeltTensor value_of(const Common& at) noexcept {
+[[gnu::always_inline]] inline SensedTensor value_of(const Common& at) noexcept {
   return {at.w * at.ez * at.ez,         at.w * at.ez * at.ex, at.w * at.ez * at.ey,
           at.w * at.ex * at.ex + at.jx, at.w * at.ex * at.ey, at.w * at.ey * at.ey + at.jy};
 }
 
 // The derivative along a change (dx, dy, da, db) of x, y, A and B. dza, dzb: the change of I_z - I_a and
 // I_z - I_b that da and db cause.
-[[gnu::always_inline]] inline FeltTensor slope_of(const Common& at, double dx, double dy, double da,
-                                                  double db, double dza, double dzb) noexcept {
+[[gnu::always_inline]] inline SensedTensor slope_of(const Common& at, double dx, double dy, double da,
+                                                    double db, double dza, double dzb) noexcept {
   const double dl = (2 * at.ex * dx + 2 * at.ey * dy - at.ex * at.ex * da - at.ey * at.ey * db) / at.g;
   const double dex = at.pa * (dx - at.ex * (da + dl)), dey = at.pb * (dy - at.ey * (db + dl)),
                dez = -at.ez * at.pz * dl;
@@ -255,8 +256,8 @@ template <Shape kShape>
 // The value alone at (x, y) along the axes from the dome's centre, depth z > 0 below; any unit of length.
 // Structs of many members would keep a loop scalar: derivatives are taken one by one.
 template <subsurface::Shape kShape>
-[[gnu::always_inline]] inline FeltTensor felt_value(double a, double b, double z, double x, double y,
-                                                    const subsurface::IntegralTable& table = {}) noexcept {
+[[gnu::always_inline]] inline SensedTensor sensed_value(
+    double a, double b, double z, double x, double y, const subsurface::IntegralTable& table = {}) noexcept {
   return subsurface::value_of(subsurface::common<kShape>(a, b, z, x, y, table));
 }
 

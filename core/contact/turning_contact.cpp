@@ -134,7 +134,7 @@ double TurningContact::safety_margin() const noexcept {
 }
 
 // Between the middles of cells that are in contact.
-TurningContact::Mobilised TurningContact::mobilised(double x_m, double y_m) const noexcept {
+TurningContact::Mobilised TurningContact::utilisation(double x_m, double y_m) const noexcept {
   const Between x = between(x_m, slip_.side_m()), y = between(y_m, slip_.side_m());
   Mobilised sum;
   double weights = 0;
@@ -173,7 +173,7 @@ void TurningContact::taxel_averages(const TaxelLayout& layout, double center_x_m
       const double at_y = v + (row + 0.5) * part_m - side_m / 2;
       const double pressure = disc_average(radius_m_, at_x, at_y, part_m);
       if (!(pressure > 0)) continue;
-      const Mobilised used = mobilised(at_x, at_y);
+      const Mobilised used = utilisation(at_x, at_y);
       x += pressure * used.x;
       y += pressure * used.y;
     }

@@ -64,7 +64,7 @@ class TurningContact {
   void press(double normal_n) noexcept;
   void choose_grid() noexcept;
   void step_to(double normal_n, const PlaneLoad& load, double friction) noexcept;
-  Mobilised mobilised(double x_m, double y_m) const noexcept;
+  Mobilised utilisation(double x_m, double y_m) const noexcept;
 
   BodyPair pair_;
   TurningContactOptions options_;

@@ -46,8 +46,9 @@ enum class Method : std::uint8_t {
   fit,
   friction,
   closing,
-  block_fit
-};  // friction: 1 - (Q/P)/mu
+  block_fit,
+  displacement
+};  // friction: 1 - (Q/P)/mu; displacement: slides only, never a margin
 
 std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …
 std::string_view to_string(Alert) noexcept;       // "none", "warn", "slip", "unknown"
@@ -100,13 +101,21 @@ struct Estimate {
   std::optional<double> sliding_for_s;
   // What the pattern shows beside that. For grasps; clients do not get it.
   std::optional<PatternCourse> pattern;
+  // Of sensors of displacements and their grasps; none for others. How far the surface is from its place at
+  // rest: root mean square over the points that are seen, m. Of a grasp: the most of its fingers'.
+  std::optional<double> displacement_m;
+  // Whether something touches the surface. Of a grasp: any of its fingers.
+  std::optional<bool> contact;
+  // How much this frame and those before it speak for a slide, nats, >= 0 (docs/displacement.md). Of a grasp:
+  // the most of its fingers'.
+  std::optional<double> slide_evidence;
   Truth truth;
   State state = State::stale;
   Alert alert = Alert::unknown;
   AlertCause alert_cause = AlertCause::none;
   Method method = Method::none;
-  // What speaks against this frame; a gamma beside another health than `good` is of what is left of the
-  // frame. `unknown`: no frame was checked.
+  // What speaks against this frame; a gamma beside another health than `good` uses the remaining
+  // taxels. `unknown`: no frame was checked.
   Health health = Health::unknown;
 };
 static_assert(std::is_trivially_copyable_v<Estimate>);

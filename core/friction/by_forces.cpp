@@ -22,15 +22,17 @@ void FrictionByForces::update(const FrictionFrame& frame) noexcept {
   fade(frame.time_ns);
   forget_lighter(patch);
   watch_hook();
-  const bool tangled = grasp_.hooked || frame.previous.field.internal_share > options_.max_internal_share;
-  if (!tangled) {
+  const bool self_stressed =
+      grasp_.exceeds_friction || frame.previous.field.internal_share > options_.max_internal_share;
+  if (!self_stressed) {
     const auto [load, frames] = traction_ratio_.held();
     bound_below(load, frames);
   }
   evidence_.surprised = false;
   if (frame.reading != nullptr && patch.shear_n > options_.min_shear_sigmas * patch.shear_sigma_n)
     weigh_frame(patch, *frame.reading);
-  if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !tangled) weigh_slide(*slide);
+  if (const auto slide = traction_ratio_.detect_slide(frame.previous); slide && !self_stressed)
+    weigh_slide(*slide);
   grid_.normalise();
 }
 
@@ -53,10 +55,11 @@ void FrictionByForces::forget_lighter(const ContactPatch& patch) noexcept {
 void FrictionByForces::watch_hook() noexcept {
   const MeanSigma load = traction_ratio_.held().load;
   const double highest = grid_.friction(grid_.count() - 1), lowest = grid_.friction(0);
-  if (load.mean - options_.hooked_sigmas * load.sigma > options_.hooked * highest) grasp_.hooked = true;
-  if (!grasp_.hooked) return;
+  if (load.mean - options_.exceeds_friction_sigmas * load.sigma > options_.exceeds_friction * highest)
+    grasp_.exceeds_friction = true;
+  if (!grasp_.exceeds_friction) return;
   grid_.reset();
-  grasp_.hooked = load.mean > lowest;
+  grasp_.exceeds_friction = load.mean > lowest;
 }
 
 // Of few taxels: a frame says something of its margin while the load is the highest of the grasp.

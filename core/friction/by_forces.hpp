@@ -26,8 +26,9 @@ class FrictionByForces final : public FrictionFilter {
 
   // What a new grasp forgets.
   struct GraspState {
-    double lighter_n = 0;      // P that the evidence stands for; 0: none yet
-    bool hooked = false;       // the load exceeded any friction, and has not fallen below all of them since
+    double lighter_n = 0;  // P that the evidence stands for; 0: none yet
+    bool exceeds_friction =
+        false;                 // the load exceeded any friction, and has not fallen below all of them since
     std::int64_t last_ns = 0;  // time of the frame before; 0 before the first
   };
 

@@ -43,7 +43,7 @@ void FrictionByShape::update(const FrictionFrame& frame) noexcept {
   MeanSigma& ratio = grasp_.traction_ratio;
   ratio = {patch.shear_n / patch.normal_n, patch.shear_sigma_n / patch.normal_n};
   bound_below({ratio.mean, std::max(ratio.sigma, options_.traction_ratio.held_floor_frame * ratio.mean)}, 1);
-  const bool turning = reading != nullptr && reading->turning;
+  const bool turning = reading != nullptr && reading->under_torque;
   if (!turning) follow(patch);
   grasp_.turning = turning;
   evidence_.surprised = false;

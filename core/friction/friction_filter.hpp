@@ -26,8 +26,8 @@ namespace slipd {
 struct FrictionFrame {
   // CLOCK_MONOTONIC, ns.
   std::int64_t time_ns = 0;
-  // With the forces that act. Where a torque has changed the field (reading->turning) its shear_n is the pull
-  // that asks for as much of friction.
+  // With the forces that act. Where a torque has changed the field (reading->under_torque) its shear_n is the
+  // pull that asks for as much of friction.
   const ContactPatch& patch;
   // From the frame before to this one, as measured.
   const LoadStep& step;

@@ -143,8 +143,9 @@ struct FrictionFilterOptions {
   // P; 0.2 … 1. A larger one is no unloading that was seen: the shear may have been lost. Too small: fast
   // unloadings get no margin. Too large: a channel that died unseen comes out as a grip without load.
   double max_lost_step = 0.45;
-  // Frames with a clear shear in a row that may say nothing of friction before memory alone gives no margin;
-  // frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for longer.
+  // Frames with a clear shear in a row that may lack evidence of friction before older estimates are no
+  // longer trusted; frames, 1 … 1000. Too small: gaps in a margin. Too large: margins from the past for
+  // longer.
   int max_unverified_frames = 25;
   // Under a torque whose load has fallen memory answers while taxels carry less than this of the friction
   // that was learnt; 1.02 … 1.3. Too small: noise takes the margin away. Too large: friction that was learnt
@@ -165,8 +166,8 @@ struct FrictionFilterOptions {
   // hooks; 1.2 … 5, and by how many standard deviations; 0 … 10. What it showed is forgotten, and nothing is
   // learnt until the load is below the least friction. Too small: an object of more friction than was
   // expected counts as hooked. Too large: a hook is learnt as friction.
-  double hooked = 1.5;
-  double hooked_sigmas = 3;
+  double exceeds_friction = 1.5;
+  double exceeds_friction_sigmas = 3;
   // The most that one frame of a slide counts against a friction, as a squared residual; 4 … 100. Too small:
   // a slide does not refute what contradicts it. Too large: one false slide refutes the right friction.
   double max_slide_residual = 25;

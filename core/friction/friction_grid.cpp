@@ -86,16 +86,16 @@ MeanSigma FrictionGrid::margin(double load, double load_sigma) const noexcept {
   const MeanSigma mu = friction();
   load_sigma = std::hypot(load_sigma, options_.load_floor);
   if (mu.sigma < options_.sharp_sigma * mu.mean) {
-    const double mobilised = load / mu.mean;
-    return {std::clamp(1 - mobilised, 0.0, 1.0), std::hypot(mobilised * mu.sigma, load_sigma) / mu.mean};
+    const double utilisation = load / mu.mean;
+    return {std::clamp(1 - utilisation, 0.0, 1.0), std::hypot(utilisation * mu.sigma, load_sigma) / mu.mean};
   }
   PosteriorSums sums;
   for (std::size_t j = 0; j < count_; ++j)
     sums.add(std::exp(log_weight_[j]), std::clamp(1 - load / friction_[j], 0.0, 1.0));
-  const double mobilised = 1 - sums.mean();
-  const double per_load = load > options_.load_floor ? mobilised / load : 1 / mu.mean;
+  const double utilisation = 1 - sums.mean();
+  const double per_load = load > options_.load_floor ? utilisation / load : 1 / mu.mean;
   return {sums.mean(),
-          std::sqrt(sums.variance() + variance_of_step(step_ * mobilised) + square(load_sigma * per_load))};
+          std::sqrt(sums.variance() + variance_of_step(step_ * utilisation) + square(load_sigma * per_load))};
 }
 
 }  // namespace slipd

@@ -191,12 +191,12 @@ void PadLoadSharing::compare_way(const Loads& loads, const Way& way, Misfits& al
     return 0.5 * square(0.5 * std::log((way.gone + way.still) / (square(expected) + way.still)) / sigma);
   };
   const double begun = state_.begun_share / state_.begun_n;
-  Limits felt, acting;
-  find_limits(1, felt);
+  Limits sensed, acting;
+  find_limits(1, sensed);
   find_limits(options_.spread_pressure, acting);
   for (std::size_t j = 0; j < MarginProfile::kSteps; ++j) {
     const double now = loads.used(loads.pull, j), before = loads.used(begun, j);
-    alone[j] += misfit(way_between(felt, now, before), options_.alone_sigma);
+    alone[j] += misfit(way_between(sensed, now, before), options_.alone_sigma);
     under_layer[j] = misfit(options_.spread_shear * way_between(acting, now, before), options_.layer_sigma);
   }
 }

@@ -4,7 +4,7 @@
 // shares it as it shares the pressure: taxels that are pressed least slip first. What lies between shows how
 // much of its friction the pad has used up, before it slides (docs/methods.md §29.4).
 //
-// Taxels under a layer share a pull alike, but feel it spread: of those only the way counts that their
+// Taxels under a layer share a pull alike, but sense it spread: of those only the way counts that their
 // pattern has gone since the pull began.
 //
 // Only pull that has come since P last rose counts. A gripper that closes askew presses and shears each taxel
@@ -51,14 +51,15 @@ struct PadLoadSharingOptions {
   // Too small: a pad that is pressed evenly slips unseen. Too large: it seems to slip early.
   double uneven_friction = 0.15;
   // A layer evens out the pressure that acts on it, more where it is more uneven: what acts is the share that
-  // is felt to this power; 1 … 2. Too small: the first slip is seen late. Too large: it is taken for none.
+  // is sensed to this power; 1 … 2. Too small: the first slip is seen late. Too large: it is taken for none.
   double spread_pressure = 1.2;
   // It evens out shear more than pressure: of how far the pattern goes on its surface, root mean square over
-  // the taxels, they feel this share, 0.1 … 1. A half space passes on 0.27 … 0.6 of what it passes on of the
+  // the taxels, they sense this share, 0.1 … 1. A half space passes on 0.27 … 0.6 of what it passes on of the
   // pressure, as deep as 0.3 … 0.9 of a pitch, of waves from one to ten pitches.
   double spread_shear = 0.4;
   // Standard deviations of the logarithm of that way, of pads under a layer and of those that stand alone;
-  // 0.2 … 1. Too small: a way that is felt by more than most is a false alert. Too large: no margin is clear.
+  // 0.2 … 1. Too small: a way that is sensed by more than most is a false alert. Too large: no margin is
+  // clear.
   double layer_sigma = 0.35;
   double alone_sigma = 0.45;
   // Way that a pattern goes without slip: of the mean, 0.005 … 0.05; of the pressure's unevenness, 0.02 …

@@ -81,24 +81,24 @@ bool TractionRatioFilter::is_steady(const Plateau& since) const noexcept {
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::detect_slide(
-    const SlidingVerdict& course) noexcept {
+    const SlidingVerdict& sliding) noexcept {
   const double load = state_.now.mean, normal_n = state_.normal_n.mean;
   state_.highest = std::max(state_.highest, load - state_.now.sigma);
-  if (normal_n > (1 + options_.normal_rise) * state_.crest.normal_n +
+  if (normal_n > (1 + options_.normal_rise) * state_.at_last_grip_rise.normal_n +
                      options_.plateau_fall_sigmas * state_.normal_n.sigma)
-    state_.crest = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
+    state_.at_last_grip_rise = {load, normal_n, state_.shear_x_n, state_.shear_y_n};
   const std::optional<Slide> even = read_plateau();
-  if (course.field.known && course.field.coherence < options_.min_coherence) return std::nullopt;
-  if (course.sliding == Sliding::rotation) return std::nullopt;
-  if (course.field.known && course.sliding == Sliding::translation) return read_moving(course);
+  if (sliding.field.known && sliding.field.coherence < options_.min_coherence) return std::nullopt;
+  if (sliding.sliding == Sliding::rotation) return std::nullopt;
+  if (sliding.field.known && sliding.sliding == Sliding::translation) return read_moving(sliding);
   state_.moving = {};
   return even;
 }
 
 std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_moving(
-    const SlidingVerdict& course) noexcept {
-  if (state_.block == course.field.block) return std::nullopt;
-  state_.block = course.field.block;
+    const SlidingVerdict& sliding) noexcept {
+  if (state_.block == sliding.field.block) return std::nullopt;
+  state_.block = sliding.field.block;
   if (state_.moving.load == 0 || !is_steady(state_.moving)) {
     state_.moving = {state_.mean, state_.normal_n.mean, state_.shear_x_n, state_.shear_y_n};
     return std::nullopt;
@@ -119,7 +119,8 @@ std::optional<TractionRatioFilter::Slide> TractionRatioFilter::read_plateau() no
   const double fallen_n = plateau.normal_n - normal_n - options_.plateau_fall_sigmas * state_.normal_n.sigma;
   if (fallen_n < options_.plateau_fall * plateau.normal_n) return std::nullopt;
   if (load < options_.min_of_highest * state_.highest) return std::nullopt;
-  if (load < options_.risen * state_.crest.load + options_.plateau_sigmas * sigma) return std::nullopt;
+  if (load < options_.risen * state_.at_last_grip_rise.load + options_.plateau_sigmas * sigma)
+    return std::nullopt;
   return Slide{load, options_.plateau_sigma};
 }
 

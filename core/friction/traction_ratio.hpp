@@ -113,9 +113,9 @@ class TractionRatioFilter {
   // Once after each update(). The object slides as a whole: its field is coherent and keeps its direction,
   // and either the taxels' pattern is seen to move (one reading a block), or |Q|/P, having risen while P did
   // not, is even while P falls (one a frame). (A contact that sticks keeps |Q|/P even as well while both rise
-  // from nothing, and while a gripper that overshot relaxes.) `course`: of the same sensor, at most a frame
+  // from nothing, and while a gripper that overshot relaxes.) `sliding`: of the same sensor, at most a frame
   // old.
-  std::optional<Slide> detect_slide(const SlidingVerdict& course = {}) noexcept;
+  std::optional<Slide> detect_slide(const SlidingVerdict& sliding = {}) noexcept;
 
  private:
   // Straight line through the last frames, and the running mean of residuals that says when it has turned.
@@ -139,15 +139,15 @@ class TractionRatioFilter {
     double highest = 0;                   // |Q|/P, less its sigma
     double shear_x_n = 0, shear_y_n = 0;  // running means
     Plateau plateau;
-    Plateau crest;            // when P last rose
-    Plateau moving;           // when the pattern began to move
-    std::uint32_t block = 0;  // the last one that was read
+    Plateau at_last_grip_rise;  // when P last rose
+    Plateau moving;             // when the pattern began to move
+    std::uint32_t block = 0;    // the last one that was read
   };
 
   void restart_line(const MeanSigma& frame) noexcept;
   void extend_line(double residual, double sigma) noexcept;
   bool is_steady(const Plateau& since) const noexcept;
-  std::optional<Slide> read_moving(const SlidingVerdict& course) noexcept;
+  std::optional<Slide> read_moving(const SlidingVerdict& sliding) noexcept;
   std::optional<Slide> read_plateau() noexcept;
 
   const TractionRatioOptions options_;

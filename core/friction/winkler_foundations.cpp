@@ -80,9 +80,9 @@ WinklerFoundations::Rest WinklerFoundations::rests(double edge) const noexcept {
 void WinklerFoundations::settle(const Rest& rest, const PerBed<std::int32_t>& which) noexcept {
   const auto touching = static_cast<std::size_t>(
       std::find_if(rest.begin(), rest.end(), [](float r) { return r <= 0; }) - rest.begin());
-  const double as_felt_n = sum_of(rest);
+  const double as_sensed_n = sum_of(rest);
   PerBed<float> goal;
-  for (std::size_t j = 0; j < kMost; ++j) goal[j] = static_cast<float>(shear_n_[j] / normal_n_ * as_felt_n);
+  for (std::size_t j = 0; j < kMost; ++j) goal[j] = static_cast<float>(shear_n_[j] / normal_n_ * as_sensed_n);
   kernels_->settle(loads_[0].data(), rest.data(), touching, mu_.data(), goal.data(), which.data(), vectors_);
 }
 

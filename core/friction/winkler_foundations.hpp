@@ -29,7 +29,7 @@ class WinklerFoundations {
   void clear() noexcept;  // no contact
 
   // The load goes straight to normal_n >= 0 and shear_n (signed); shear beyond mu P is not carried. Finite
-  // numbers only. A normal force below a thousandth of the largest one since clear() is felt by too few
+  // numbers only. A normal force below a thousandth of the largest one since clear() is sensed by too few
   // springs to mean anything.
   void follow(double normal_n, double shear_n) noexcept;
 

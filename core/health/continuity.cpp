@@ -27,7 +27,7 @@ double unlikeness_of_sizes(double ratio) noexcept {
 
 }  // namespace
 
-void Usual::learn(double value, double memory_frames) noexcept {
+void UsualValue::learn(double value, double memory_frames) noexcept {
   frames = std::min(frames + 1, static_cast<std::uint32_t>(memory_frames));
   mean += (value - mean) / frames;
   peak = std::max(value, peak * (1 - 1 / memory_frames));

@@ -62,7 +62,7 @@ struct ContinuityOptions {
 };
 
 // Mean of a quantity that is small while a contact goes on, and the largest of late.
-struct Usual {
+struct UsualValue {
   double mean = 0;
   double peak = 0;
   std::uint32_t frames = 0;  // that it is of, at most memory_frames
@@ -89,7 +89,7 @@ class Continuity {
 
   std::int64_t last_ns_ = 0;  // 0: no frame yet
   double usual_step_s_ = 0;   // between frames; 0: not known
-  Usual unlikeness_, turn_;
+  UsualValue unlikeness_, turn_;
   bool last_clear_ = false, last_directed_ = false;
   double last_normal_n_ = 0, last_noise_pa_ = 0;
   double last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;

@@ -173,8 +173,8 @@ bool PlausibilityMonitor::judge_frozen() noexcept {
     all.turned += channel.change.turned;
     nonzero += channel.nonzero;
   }
-  felt_ = nonzero > 0;
-  if (!felt_) {  // and there is no noise: nothing can freeze
+  sensed_ = nonzero > 0;
+  if (!sensed_) {  // and there is no noise: nothing can freeze
     frame_stillness_.skip();
     return false;
   }
@@ -187,7 +187,7 @@ bool PlausibilityMonitor::judge_frozen() noexcept {
 // A frame other than the last one that was there before: of a sensor with noise, a block that is played
 // again.
 void PlausibilityMonitor::judge_past() noexcept {
-  if (!felt_) return;
+  if (!sensed_) return;
   const std::uint64_t now = probes_.fingerprint();
   bool seen = false;
   for (const std::uint64_t then : past_) seen |= then == now;
@@ -235,7 +235,7 @@ void PlausibilityMonitor::judge_channel(std::size_t channel, const ContactPatch&
 
 // A line that does not stand still is learnt from now and then only, if there are many.
 void PlausibilityMonitor::judge_lines() noexcept {
-  if (!felt_) return;
+  if (!sensed_) return;
   const std::size_t turns = 1 + lines_.size() / kLinesLearnt;
   turn_ = (turn_ + 1) % turns;
   const bool all_move = !probes_.any_still() && !lines_stand_;

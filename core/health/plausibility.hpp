@@ -1,4 +1,4 @@
-// Whether a frame can be what the sensor's skin felt. One monitor a sensor, in front of its estimator: a
+// Whether a frame can be what the sensor's skin sensed. One monitor a sensor, in front of its estimator: a
 // fault of a device must not come out as a safe grip. Single taxels are left out, frames are refused, and a
 // channel that died is a fault of the sensor until it lives again. Health names each reason.
 //
@@ -178,13 +178,13 @@ class PlausibilityMonitor {
   std::size_t next_past_ = 0;
   double repeats_ = 0;          // frames that repeated of late, faded
   std::uint32_t past_run_ = 0;  // frames in a row that were there before
-  bool felt_ = false;           // a probe of this frame is not 0
+  bool sensed_ = false;         // a probe of this frame is not 0
   std::int64_t last_ns_ = 0;
   bool any_ = false;  // a frame was judged before
   bool last_in_contact_ = false;
   double last_normal_n_ = 0, last_center_x_m_ = 0, last_center_y_m_ = 0, last_radius_m_ = 0;
   float last_peak_pa_ = 0, last_least_pa_ = 0;  // of the last frame
-  Usual change_;                                // of the normal force in a frame, share, in this contact
+  UsualValue change_;                           // of the normal force in a frame, share, in this contact
   float lifted_pa_ = 0;       // half of what all taxels have risen to at once; 0: they have not
   bool last_clear_ = false;   // its force was far above the noise
   double fallen_from_n_ = 0;  // the normal force fell from this to nothing in one frame; 0: it did not

@@ -16,13 +16,13 @@ bool EquivalentPull::clear(const ContactPatch& patch) const noexcept {
          torque_nm > least_share * patch.shear_n * patch.radius_m;
 }
 
-bool EquivalentPull::bends(const ContactPatch& patch, bool bent) const noexcept {
-  const double share = (bent ? options_.kept_share : 1) * options_.bending_share;
+bool EquivalentPull::changes_shear(const ContactPatch& patch, bool bent) const noexcept {
+  const double share = (bent ? options_.kept_share : 1) * options_.changing_share;
   return std::fabs(patch.torque_nm) > share * patch.shear_n * patch.radius_m &&
-         (bent || std::fabs(patch.torque_nm) > options_.bending_sigmas * patch.torque_sigma_nm);
+         (bent || std::fabs(patch.torque_nm) > options_.changing_sigmas * patch.torque_sigma_nm);
 }
 
-EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, Turning previous) noexcept {
+EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, TorqueEffect previous) noexcept {
   EquivalentPullResult out{.pull_n = patch.shear_n, .pull_sigma_n = patch.shear_sigma_n};
   const bool is_clear = clear(patch);
   if ((!is_clear && !outweighs(patch)) || !(patch.normal_n > 0) || !(patch.radius_m > 0)) return out;
@@ -33,7 +33,9 @@ EquivalentPullResult EquivalentPull::of(const ContactPatch& patch, Turning previ
         std::hypot(out.pull_sigma_n, std::max(0.0, least.ratio * patch.normal_n - patch.shear_n));
     return out;
   }
-  out.turning = bends(patch, previous == Turning::bending) ? Turning::bending : Turning::light;
+  out.torque_effect = changes_shear(patch, previous == TorqueEffect::changes_shear)
+                          ? TorqueEffect::changes_shear
+                          : TorqueEffect::light;
   // Never less than the pull alone, which rounding and noisy cells could make of a light torque.
   out.pull_n = std::max(patch.shear_n, least.ratio * patch.normal_n);
   const double by_noise_n = patch.normal_n * std::hypot(least.per_shear_n * patch.shear_sigma_n,

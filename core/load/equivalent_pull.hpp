@@ -33,10 +33,11 @@ struct EquivalentPullOptions {
   // Above this share of Q a the shear is no sum of disc terms, and no method for pulls reads it; 0.02 … 0.3.
   // Too small: frames that still are as under a pull go to the method for torque. Too large: margins and
   // friction of pulls are given for fields that torque has changed.
-  double bending_share = 0.1;
+  double changing_share = 0.1;
   // And above this many standard deviations before it has bent the field; 4 … 10. Too small: in light
-  // contacts and without a pull noise bends the field, and the load's history is lost. Too large: as above.
-  double bending_sigmas = 6;
+  // contacts and without a pull noise seems to change the field, and the load's history is lost. Too large:
+  // as above.
+  double changing_sigmas = 6;
   // What taxels that are cells themselves miss of the torque within them, of T, over (side/a)^2; 0 … 0.3,
   // measured on contacts that slide about any centre. Too small: margins of coarse arrays are too safe. Too
   // large: too low.
@@ -45,20 +46,20 @@ struct EquivalentPullOptions {
   // (side/a)^2, at most 1, of what the torque adds to the pull; 0 … 0.3. Measured with `slipd-lab torque` on
   // 4 x 4 taxels. Too small: sigma is less than the error. Too large: it is more.
   double coarse_sigma_share = 0.2;
-  // While it was above, the share below which it is not any more, of bending_share; 0.5 … 1.
+  // While it was above, the share below which it is not any more, of changing_share; 0.5 … 1.
   double kept_share = 0.8;
 };
 
-enum class Turning : std::uint8_t {
-  none,     // noise may be all of the torque
-  light,    // it counts for the margin, and leaves the field as it is under a pull
-  bending,  // the field is no longer that of a pull
+enum class TorqueEffect : std::uint8_t {
+  none,           // noise may be all of the torque
+  light,          // it counts for the margin, and leaves the field as it is under a pull
+  changes_shear,  // the field is no longer that of a pull
 };
 
 struct EquivalentPullResult {
-  Turning turning = Turning::none;
+  TorqueEffect torque_effect = TorqueEffect::none;
   // The pull without torque that is as near to slip, N, and its standard deviation; |Q| and its own where
-  // turning is none.
+  // torque_effect is none.
   double pull_n = 0, pull_sigma_n = 0;
   // The motion in which the object would slide: its speed along the pull and its spin, for a power of
   // friction P t = 1: derivatives of t = pull_n/P by force and torque; 1/N and 1/(N m), the spin with the
@@ -75,7 +76,7 @@ class EquivalentPull {
 
   // `patch` is in contact. previous: of the frame before in this grasp, `none` for the first one. A field
   // that a torque has changed stays so down to a lower torque.
-  EquivalentPullResult of(const ContactPatch& patch, Turning previous) noexcept;
+  EquivalentPullResult of(const ContactPatch& patch, TorqueEffect previous) noexcept;
 
  protected:
   // side_m: of a taxel; 0 where the torque is measured as a whole.
@@ -91,7 +92,7 @@ class EquivalentPull {
 
  private:
   bool clear(const ContactPatch& patch) const noexcept;
-  bool bends(const ContactPatch& patch, bool bent) const noexcept;
+  bool changes_shear(const ContactPatch& patch, bool bent) const noexcept;
 };
 
 // A sensor of one force and its torque: in patch.torque_nm, and the contact's radius in patch.radius_m, if

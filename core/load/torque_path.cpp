@@ -81,7 +81,7 @@ void TorquePath::follow_direction(const ContactPatch& patch, double load_n, doub
 // it was before. Loads far below the present one leave none that counts.
 bool TorquePath::sticks_least(const ContactPatch& patch, const EquivalentPullResult& pull,
                               double friction) noexcept {
-  Stuck& least = path_.least_stuck;
+  StuckState& least = path_.least_stuck;
   const double stuck_n = patch.normal_n - pull.pull_n / friction;
   const double least_n = least.normal_n - least.pull_n / friction;
   if (stuck_n <= least_n || pull.pull_n > options_.grown * least.pull_n) {

@@ -70,21 +70,21 @@ class TorquePath {
   using Point = std::array<double, 3>;
   // The most load of this grasp, less what noise may be of it. The contact's radius, and with it the lever
   // that makes a force of the torque, changes with the grip: so both parts are kept.
-  struct Most {
+  struct Maximum {
     double shear_n = 0, torque_nm = 0;
   };
   // The frame at which what sticks bore the least.
-  struct Stuck {
+  struct StuckState {
     double normal_n = 0, pull_n = 0;
   };
   struct Path {
-    Most most;
+    Maximum most;
     Point last{};          // where the last step ended
     double across = 0;     // lengths across the load, summed over the steps
     double grip_n = 0;     // the reference grip: least P that counts; 0: there was no load
     double at_grip_n = 0;  // the most load at that grip
     bool straight = true;
-    Stuck least_stuck;
+    StuckState least_stuck;
   };
 
   void follow_load(const ContactPatch& patch, const EquivalentPullResult& pull,

@@ -49,7 +49,7 @@ std::unique_ptr<FrictionFilter> by_shape(const FrictionKnowledge& friction,
 
 // Shear that a torque has changed.
 bool has_torque(const Reading* reading) noexcept {
-  return reading != nullptr && reading->turning;
+  return reading != nullptr && reading->under_torque;
 }
 
 }  // namespace
@@ -175,7 +175,7 @@ MeanSigma LearntFrictionMargin::with_shared(const MeanSigma& load,
 }
 
 // One sigma down, and sigma covers both; of a narrow range, as far down as sigma_max permits.
-MeanSigma LearntFrictionMargin::lowered(const MeanSigma& margin) const noexcept {
+MeanSigma LearntFrictionMargin::minus_one_sigma(const MeanSigma& margin) const noexcept {
   double down = margin.sigma;
   if (log_range_ <= options_.narrow_range) {
     const double most = kBelow * sigma_max_;
@@ -197,7 +197,7 @@ void LearntByForces::estimate(const MarginInput& frame, MarginDecision& decision
     if (!shows_margin) {
       margin = within_bounds(margin, now->load.mean);
     } else if (!has_settled(*now)) {
-      margin = lowered(margin);
+      margin = minus_one_sigma(margin);
     }
     propose(margin, frame, decision, out);
   }
@@ -208,7 +208,7 @@ void LearntByForces::estimate(const MarginInput& frame, MarginDecision& decision
 // than four sigmas, and lower than two. The margin is then its mean less its standard deviation, which is the
 // safe side.
 MeanSigma LearntByForces::within_bounds(const MeanSigma& margin, double load) const noexcept {
-  const MeanSigma low = lowered(margin);
+  const MeanSigma low = minus_one_sigma(margin);
   if (low.sigma <= sigma_max_) return low;
   const double sigma = kBelow * sigma_max_;
   const double most = std::max(0.0, 1 - load / bounds_.high), least = std::max(0.0, 1 - load / bounds_.low);
@@ -243,9 +243,10 @@ void LearntByShape::estimate(const MarginInput& frame, MarginDecision& decision,
 // Below the load's maximum all sticks under a torque: friction may have fallen to what taxels still carry,
 // and nothing shows it.
 MeanSigma LearntByShape::by_memory(const Now& now, const Reading* reading) const noexcept {
-  MeanSigma margin = lowered(now.margin);
+  MeanSigma margin = minus_one_sigma(now.margin);
   if (reading == nullptr) return margin;
-  if (!reading->turning && filter_->doubted()) margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
+  if (!reading->under_torque && filter_->doubted())
+    margin.sigma = std::max(margin.sigma, options_.doubted_sigma);
   if (reading->load_fallen) {
     const double held = std::max(now.load.mean, reading->friction);
     const double open = margin.mean - (held > 0 ? 1 - now.load.mean / held : 0);

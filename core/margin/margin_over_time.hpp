@@ -144,7 +144,7 @@ class LearntFrictionMargin : public MarginOverTime {
   // Adds to sigma what forces did between two frames.
   void widen_by_unobserved(const MarginInput& frame, MarginDecision& decision, const Estimate& out) noexcept;
   // What forces alone leave of the margin, on the safe side of its middle.
-  MeanSigma lowered(const MeanSigma& margin) const noexcept;
+  MeanSigma minus_one_sigma(const MeanSigma& margin) const noexcept;
   // The filter's margin, or the lower one that a pad shows.
   MeanSigma with_shared(const MeanSigma& load, const MarginProfile* shared) const noexcept;
   bool has_settled(const Now& now) const noexcept { return now.relative() < options_.settled_sigma; }

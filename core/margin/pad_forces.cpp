@@ -59,8 +59,8 @@ LayerTensor PadForces::read_of(double x_m, double y_m, double spread_m) const no
     for (const Rectangle& part : parts_)
       sum = combined(
           1, sum, 1 / kPoints,
-          contact::felt_in_rectangle({part.left_m - x, part.right_m - x, part.bottom_m - y, part.top_m - y},
-                                     depth_m_, images_));
+          contact::sensed_in_rectangle({part.left_m - x, part.right_m - x, part.bottom_m - y, part.top_m - y},
+                                       depth_m_, images_));
   };
   add_point(x_m - spread_m, y_m);
   add_point(x_m + spread_m, y_m);

@@ -48,6 +48,9 @@ bool FewTaxelsGate::judge(const Frame& frame, const ContactPatch& patch) noexcep
   pulled_.reset();
   const PulledForces all = forces_on(frame);
   if (!touches && shows_shear_ && all.shear_n > pull_threshold_n()) pulled_ = all;
+  if (first_ && pulled_) zero_is_anothers_ = true;
+  if (!touches && !pulled_) zero_is_anothers_ = false;
+  first_ = false;
   noise_.update(frame);
   return touches;
 }

@@ -12,7 +12,7 @@
 
 namespace slipd {
 
-// Checked with `tools/real`.
+// Checked with `slipd-bench`.
 struct ContactGateOptions {
   // P from which on there is a contact, standard deviations of its noise without load; 3 … 10. Too small:
   // drift and jitter of the zero are a contact. Too large: light contacts are missed.
@@ -53,6 +53,9 @@ class ContactGate {
   bool touching() const noexcept { return touching_; }
   // Of the last frame that was judged; none: it was a contact with pressure, or nothing pulls.
   virtual std::optional<PulledForces> pulled() const noexcept { return std::nullopt; }
+  // Whether the zero is plainly another's: since the first frame there is shear without pressure, and no
+  // frame was free. A pull at a hooked contact begins in a frame that is not the first.
+  virtual bool zero_is_anothers() const noexcept { return false; }
   // What the sensor's noise is without load, of sensors of few taxels; none: not known.
   virtual std::optional<SensorNoise> noise() const noexcept { return std::nullopt; }
 
@@ -74,6 +77,7 @@ class FewTaxelsGate final : public ContactGate {
                 const ContactGateOptions& options = {});
   bool judge(const Frame& frame, const ContactPatch& patch) noexcept override;
   std::optional<PulledForces> pulled() const noexcept override { return pulled_; }
+  bool zero_is_anothers() const noexcept override { return zero_is_anothers_; }
   std::optional<SensorNoise> noise() const noexcept override { return noise_.now(); }
 
  private:
@@ -86,6 +90,7 @@ class FewTaxelsGate final : public ContactGate {
   const double unloaded_n_;  // |P| and |Q| up to which the sensor is not loaded
   UnloadedNoise noise_;
   std::optional<PulledForces> pulled_;
+  bool first_ = true, zero_is_anothers_ = false;
 };
 
 // min_normal_n: configured, >= 0 N; none: default_min_normal_n.

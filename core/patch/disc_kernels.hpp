@@ -27,7 +27,7 @@ struct NoiseSums {
   float least = 0;        // the least pressure, infinite if none is below infinity
 };
 
-// A taxel that feels less than this nearer to the centre than that.
+// A taxel that senses less than this nearer to the centre than that.
 struct DeadTaxelTest {
   float below_pa = 0, within_m2 = 0;
 };

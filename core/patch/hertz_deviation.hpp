@@ -21,7 +21,7 @@ struct HertzDeviationOptions {
   double rim_tilt = 0.75;
   double rim_ellipticity = 0.15;
   double rim_kurtosis = 0.6;
-  // What a taxel that feels less than its whole square makes of the excess kurtosis, over (side/a)^2; 0 … 1.
+  // What a taxel that senses less than its whole square makes of the excess kurtosis, over (side/a)^2; 0 … 1.
   // Too small and too large: as above.
   double point_kurtosis = 0.2;
   // Gamma's standard deviation, over tilt/(1 + tilt_saturation tilt), over ellipticity^2, over excess

@@ -145,7 +145,7 @@ std::size_t PatchFinder::refine() noexcept {
   return dead_taxels;
 }
 
-// What a taxel of a contact's inner part always feels more than; nothing where noise is too loud to tell, or
+// What a taxel of a contact's inner part always senses more than; nothing where noise is too loud to tell, or
 // the contact too small.
 DeadTaxelTest PatchFinder::dead_taxel_test() const noexcept {
   const double a = patch_.radius_m;
@@ -185,16 +185,16 @@ bool PatchFinder::interpolate_dead_taxels() noexcept {
   return true;
 }
 
-// The sums of its nearest neighbours that feel something.
+// The sums of its nearest neighbours that sense something.
 PatchFinder::DeadTaxel PatchFinder::in_place_of(std::uint32_t taxel, float least_pa) const noexcept {
   DeadTaxel sums{.taxel = taxel};
-  const TaxelView& felt = patch_.taxels;
+  const TaxelView& sensed = patch_.taxels;
   const auto add = [&](std::size_t i) {
-    if (felt.normal_pa[i] < least_pa) return;
+    if (sensed.normal_pa[i] < least_pa) return;
     ++sums.neighbours;
-    sums.normal_pa += felt.normal_pa[i];
-    sums.shear_x_pa += felt.shear_x_pa[i];
-    sums.shear_y_pa += felt.shear_y_pa[i];
+    sums.normal_pa += sensed.normal_pa[i];
+    sums.shear_x_pa += sensed.shear_x_pa[i];
+    sums.shear_y_pa += sensed.shear_y_pa[i];
   };
   if (const auto& grid = layout_.regular()) {
     const std::size_t column = taxel % grid->columns, row = taxel / grid->columns;

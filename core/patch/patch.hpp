@@ -1,6 +1,6 @@
 // Where the contact is in a frame and what it carries: the first step of every estimator. Forces come from
 // sums over the contact's own disc, in which noise of either sign cancels; a threshold only serves to find
-// that disc (docs/methods.md §20). A taxel that feels nothing amid a contact is dead: its
+// that disc (docs/methods.md §20). A taxel that senses nothing amid a contact is dead: its
 // neighbours stand for it.
 #pragma once
 
@@ -90,7 +90,7 @@ struct PatchOptions {
   // radius. Too large: small contacts come out larger.
   double min_second_moment = 0.05;
   // Standard deviation of the torque of a contact that is cut, of Q a; 0.05 … 1. Too small: the part that is
-  // not felt passes for a torque. Too large: a real torque goes unnoticed.
+  // not sensed passes for a torque. Too large: a real torque goes unnoticed.
   double cut_torque_share = 0.3;
   // The disc is found anew until a round moves it by less than this, in sides, at most so many rounds; 0.001
   // … 0.1, 1 … 10. Too small, too many: costs time. Too large, too few: place and radius lag behind.
@@ -103,10 +103,10 @@ struct PatchOptions {
   // Too small: noise of a few taxels scatters. Too large: sensors with other noise in shear are misjudged.
   std::size_t min_free_taxels = 8;
 
-  // Whether neighbours stand for dead taxels. Not on pads that feel flat objects: those have hollows.
+  // Whether neighbours stand for dead taxels. Not on pads that sense flat objects: those have hollows.
   bool fill_dead_taxels = true;
-  // A taxel that feels less than this, of the peak, within this of the contact, of a^2, is dead; 0 … 0.3, 0 …
-  // 0.9. There a Hertz contact nowhere feels less than 0.45 of its peak. Too small: dead taxels stay. Too
+  // A taxel that senses less than this, of the peak, within this of the contact, of a^2, is dead; 0 … 0.3, 0
+  // … 0.9. There a Hertz contact nowhere senses less than 0.45 of its peak. Too small: dead taxels stay. Too
   // large: hollow contacts are filled.
   double dead_below_share = 0.1;
   double dead_within_share = 0.8;
@@ -117,7 +117,7 @@ struct PatchOptions {
   // At most one in so many of the disc's taxels may be dead; 2 … 20. Too small: hollow contacts are filled.
   // Too large: bad arrays are not repaired.
   std::size_t dead_one_in = 4;
-  // Neighbours that feel something, to stand for a dead taxel; 1 … 4. Too small: rows of dead taxels are
+  // Neighbours that sense something, to stand for a dead taxel; 1 … 4. Too small: rows of dead taxels are
   // guessed. Too large: dead taxels beside others stay.
   int dead_min_neighbours = 3;
   // Neighbours of an irregular layout lie within this, in sides; 1 … 2. Too small: there are none. Too large:

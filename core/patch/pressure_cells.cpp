@@ -15,7 +15,7 @@ PressureCells::PressureCells(const TaxelLayout& layout)
   }
 }
 
-// The torque that is felt lacks what turns within each taxel: of a taxel with lever r, h^2/(24 r) of
+// The torque that is sensed lacks what turns within each taxel: of a taxel with lever r, h^2/(24 r) of
 // friction, as much as its spread adds to what it can hold. So the cell's spread counts without twice the
 // taxel's. A single taxel keeps a little, which rounds the kink over the instantaneous centre.
 double PressureCells::spread_side(double across) const noexcept {

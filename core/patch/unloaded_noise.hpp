@@ -22,7 +22,7 @@ struct SensorNoise {
   double shear_n = 0;
 };
 
-// Checked with `tools/real`.
+// Checked with `slipd-bench`.
 struct UnloadedNoiseOptions {
   // Frames are counted in blocks of this time, s, 0.02 … 1, and a block only if it and the next one are
   // unloaded in the mean. Too small: an approaching contact counts as noise. Too large: short pauses between

@@ -14,11 +14,11 @@ namespace slipd {
 // resolvers that run at load time crash under ThreadSanitizer.
 template <typename Kernels>
 std::span<const Kernels* const> kernels_at_hand() noexcept {
-  struct AtHand {
+  struct Available {
     std::array<const Kernels*, 3> all{&Kernels::baseline};
     std::size_t count = 1;
 
-    AtHand() noexcept {
+    Available() noexcept {
 #if defined(__x86_64__)
       if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("fma") == 0) return;
       all[count++] = &Kernels::avx2;
@@ -27,8 +27,8 @@ std::span<const Kernels* const> kernels_at_hand() noexcept {
 #endif
     }
   };
-  static const AtHand kAtHand;
-  return std::span(kAtHand.all).first(kAtHand.count);
+  static const Available kAvailable;
+  return std::span(kAvailable.all).first(kAvailable.count);
 }
 
 // The fastest kernels that this processor can run. Called from any thread.

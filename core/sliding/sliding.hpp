@@ -73,7 +73,7 @@ struct SlidingVerdict {
   FieldCourse field;
 };
 
-// Checked with `tools/real`. "Share" is of P, no unit. TV is half the sum of the cells' changes in p/P: the
+// Checked with `slipd-bench`. "Share" is of P, no unit. TV is half the sum of the cells' changes in p/P: the
 // share of the load that other cells carry now.
 struct SlidingOptions {
   // Cells below which a contact has no pattern; 2 … 16. Too small: forces alone count as a pattern. Too

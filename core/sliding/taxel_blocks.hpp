@@ -13,7 +13,7 @@
 
 namespace slipd {
 
-// Checked with `tools/real`.
+// Checked with `slipd-bench`.
 struct TaxelBlockOptions {
   // Time of a block, s, 0.01 … 0.2; a slower sensor's block is one frame. Too small: noise. Too large: a
   // slide is seen late.

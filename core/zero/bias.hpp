@@ -33,7 +33,7 @@ struct Bias {
 enum class BiasDoubt : std::uint8_t {
   none,       // it is used
   elsewhere,  // the sensor was away, and now reads neither as without load nor as before
-  below       // the sensor reads far below the zero, as no contact makes it read
+  below       // the sensor reads far below the zero, which no contact can cause
 };
 
 std::string_view to_string(BiasDoubt) noexcept;  // "none", "elsewhere", "below"

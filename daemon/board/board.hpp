@@ -79,6 +79,12 @@ struct DeviceFacts {
   std::string zero_trouble;
 };
 
+// For people: why a sensor with a zero has the state unzeroed (core/patch/contact_gate.hpp).
+inline constexpr const char* kZeroIsAnothers =
+    "there is shear without pressure since the first frame: the zero is that of another sensor or of shifted "
+    "counts; "
+    "take off what touches it, then: slipctl rebias";
+
 // Everything that threads share about one sensor. Thread-safe; each member names its writer.
 class SensorStatus {
  public:
@@ -119,6 +125,9 @@ class SensorStatus {
   // Frames of each health, by its number; frames of health good are not counted. Written by one thread:
   // estimate. Relaxed: counters.
   std::array<std::atomic<std::uint64_t>, kHealths> implausible{};
+  // Frames that are the one before once more: no new measurement. Written by one thread: estimate. Relaxed: a
+  // counter.
+  std::atomic<std::uint64_t> repeated{0};
   // Events that did not fit into Board::events. Written by one thread: estimate. Relaxed: a counter.
   std::atomic<std::uint64_t> events_lost{0};
 

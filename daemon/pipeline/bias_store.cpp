@@ -23,7 +23,7 @@ double seconds_since(std::int64_t time_ns) {
 std::string doubt_text(const BiasReport& report, const std::string& sensor) {
   char off[32];
   std::snprintf(off, sizeof off, "%.0f Pa", static_cast<double>(report.off_pa));
-  const std::string remedy = "; free it, then slipctl rebias " + sensor;
+  const std::string remedy = "; unload it, then run slipctl rebias " + sensor;
   switch (report.doubt) {
     case BiasDoubt::none:
       break;
@@ -32,7 +32,8 @@ std::string doubt_text(const BiasReport& report, const std::string& sensor) {
              " off its zero: another sensor, drift, or a load on all of it" + remedy;
     case BiasDoubt::below:
       return std::string("its pressure is ") + off +
-             ", far below its zero, as under no contact: another sensor's zero, or one taken under load" +
+             ", far below its zero, which no contact can cause: another sensor's zero, or one taken under "
+             "load" +
              remedy;
   }
   return {};
@@ -55,8 +56,8 @@ std::shared_ptr<BiasWorker> BiasStore::register_sensor(SensorStatus& status, con
                 status.name.c_str(), seconds_since(zero->taken_ns));
     } else {
       log.write(LogLevel::warning, {status.name},
-                "%s: what it reads without load is not known yet: let go of it and say slipctl rebias %s",
-                status.name.c_str(), status.name.c_str());
+                "%s: its zero is not known yet: unload it, then run slipctl rebias %s", status.name.c_str(),
+                status.name.c_str());
     }
   } catch (const std::exception& error) {
     trouble = error.what();

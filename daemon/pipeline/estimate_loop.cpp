@@ -104,11 +104,14 @@ void EstimateLoop::estimate_frame(SensorState& state, const FrameSlot& slot, std
   state.idle_since_ns = now_ns;
   state.no_data = false;
   Published& published = state.published;
-  published.estimate = state.instance->chain.estimate(slot.view());
+  const Frame frame = slot.view();
+  published.estimate = state.instance->chain.estimate(frame);
+  if (state.instance->chain.repeats()) state.runtime->status.repeated.fetch_add(1, std::memory_order_relaxed);
   published.estimate.sequence = slot.sequence;
   published.estimate.time_ns = slot.time_ns;
   published.estimate.truth = slot.truth;
   count_health(state);
+  tell_zero(state, frame.zeroed);
   const ArrivalCounts& arrivals = feed.mailbox.arrivals();
   published.counts.skipped += arrivals.received - published.counts.received - 1;
   published.counts.received = arrivals.received;
@@ -129,6 +132,14 @@ void EstimateLoop::count_health(SensorState& state) noexcept {
   if (estimate.health == before || estimate.state != State::fault) return;
   log_.write(LogLevel::warning, {status.name, Cause::device}, "%s: %s", status.name.c_str(),
              describe(estimate.health));
+}
+
+// Writes a line when the chain finds out that the zero of these frames is another's.
+void EstimateLoop::tell_zero(SensorState& state, bool zeroed) noexcept {
+  const bool anothers = zeroed && state.published.estimate.state == State::unzeroed;
+  if (std::exchange(state.zero_is_anothers, anothers) == anothers || !anothers) return;
+  const std::string& name = state.runtime->status.name;
+  log_.write(LogLevel::warning, {name, Cause::configuration}, "%s: %s", name.c_str(), kZeroIsAnothers);
 }
 
 // There is no new frame. Publishes the state stale, fault or learning once, when it begins.

@@ -43,12 +43,14 @@ class EstimateLoop {
     State last_output_state = State::stale;  // when the output was last rung
     Alert last_output_alert = Alert::unknown;
     Health last_health = Health::good;  // of the frame before
+    bool zero_is_anothers = false;      // in the frame before
   };
 
   bool process(SensorState& state) noexcept;
   void estimate_frame(SensorState& state, const FrameSlot& slot, std::int64_t now_ns) noexcept;
   void publish_no_data(SensorState& state, DeviceLink link, std::int64_t now_ns) noexcept;
   void count_health(SensorState& state) noexcept;
+  void tell_zero(SensorState& state, bool zeroed) noexcept;
   void publish(SensorState& state) noexcept;
   void publish_shared() noexcept;
   void publish_shared(const SensorState& state) noexcept;

@@ -17,7 +17,7 @@ constexpr std::size_t kFactoryStackBytes = std::size_t{1024} * 1024;
 
 std::string why_method_is_replaced(const ChainSetup& setup) {
   const MethodChoice configured = setup.estimator.method;
-  if (!always_fits(setup) || configured == MethodChoice::automatic || configured == MethodChoice::fit)
+  if (!fits_whole_pad(setup) || configured == MethodChoice::automatic || configured == MethodChoice::fit)
     return {};
   return "fit is used and not the configured estimator.method: while tracking is on, a sensor of at most " +
          std::to_string(kFewTaxels) + " taxels always uses fit, as no single frame tells its margin";

@@ -78,6 +78,8 @@ Server::Server(asio::io_context& io, ServiceContext& context, Clients& clients, 
     for (Subscription& subscription : client->subscriptions) subscription.rebind(context.board);
   }
   context_.rates_hz.resize(context.board.sensors.size());
+  context_.repeats_hz.resize(context.board.sensors.size());
+  last_repeated_.resize(context.board.sensors.size());
   context_.latency_last_minute.resize(context.board.sensors.size());
   accept_when_ready();
   wait_for_events();
@@ -263,6 +265,9 @@ void Server::update_statistics() {
     context_.rates_hz[i] = static_cast<double>(estimated - last_estimated_[i]) / passed.count();
     last_estimated_[i] = estimated;
     const SensorStatus& status = *context_.board.sensors[i];
+    const std::uint64_t repeated = status.repeated.load(std::memory_order_relaxed);
+    context_.repeats_hz[i] = static_cast<double>(repeated - last_repeated_[i]) / passed.count();
+    last_repeated_[i] = repeated;
     context_.latency_last_minute[i].update(status.latency, now);
     for (const HealthNotice& notice :
          health_monitor_.check(i, status.name, status.facts().description, health_totals_of(status), now))

@@ -79,7 +79,7 @@ class Server {
       std::make_shared<const bool>(true);  // expires with the server; handlers test it
   std::vector<LastNotified> last_;         // per sensor, as last sent to subscribers
   std::vector<Alert> grasp_alerts_;        // per grasp, as last evaluated
-  std::vector<std::uint64_t> last_estimated_;
+  std::vector<std::uint64_t> last_estimated_, last_repeated_;
   std::chrono::steady_clock::time_point last_measured_;
 };
 

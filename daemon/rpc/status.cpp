@@ -2,12 +2,15 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "daemon/can/dbc.hpp"
 #include "daemon/record/flight_recorder.hpp"
 #include "daemon/rt/clock.hpp"
+#include "daemon/telemetry/frame_health_monitor.hpp"
 #include "drivers/can/can_interface.hpp"
 
 namespace slipd {
@@ -72,10 +75,32 @@ json implausible_json(const SensorStatus& status) {
   return counts;
 }
 
-// Why there is no device, no estimator, or no plausible frame; null: there is.
-json trouble(const DeviceFacts& facts, const Estimate& latest) {
+// Of frames that repeat; empty: few do.
+std::string slower_than_frames(const ServiceContext& context, std::size_t sensor, const DeviceFacts& facts) {
+  const double frames_hz = context.rates_hz[sensor], new_hz = frames_hz - context.repeats_hz[sensor];
+  if (!measures_slower(frames_hz, context.repeats_hz[sensor])) return {};
+  const double claimed_hz =
+      facts.rate_hz > 0 ? facts.rate_hz : context.settings.sensors[sensor].setup.rate_hz;
+  std::array<char, 160> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "%.1f of %.1f frames a second are new measurements, and rate_hz is %.4g: the others count for "
+      "nothing; read the sensor as often as it measures",
+      new_hz, frames_hz, claimed_hz);
+  return text.data();
+}
+
+// Why there is no device, no estimator, no plausible frame, no zero of its own, or fewer measurements than
+// frames; null: there is.
+json trouble(const ServiceContext& context, std::size_t sensor, const DeviceFacts& facts,
+             const Estimate& latest) {
   if (!facts.trouble.empty()) return facts.trouble;
   if (is_implausible(latest.health)) return describe(latest.health);
+  const SensorStatus& status = *context.board.sensors[sensor];
+  const bool has_zero = !status.bias.needed.load(std::memory_order_relaxed) ||
+                        status.bias.report.load().origin != BiasOrigin::none;
+  if (has_zero && latest.state == State::unzeroed && facts.zero_trouble.empty()) return kZeroIsAnothers;
+  if (const std::string slower = slower_than_frames(context, sensor, facts); !slower.empty()) return slower;
   return nullptr;
 }
 
@@ -104,13 +129,14 @@ json sensor_status(const ServiceContext& context, std::size_t sensor) {
       {"method", facts.method.empty() ? json(nullptr) : json(facts.method)},
       {"single_frame_error", single_frame_error(context, facts)},
       {"zero", zero_json(status)},
-      {"trouble", trouble(facts, published.estimate)},
+      {"trouble", trouble(context, sensor, facts, published.estimate)},
       {"health", to_string(published.estimate.health)},
       {"implausible", implausible_json(status)},
       {"received", counts.received},
       {"estimated", counts.estimated},
       {"skipped", counts.skipped},
       {"gaps", counts.gaps},
+      {"repeated", status.repeated.load(std::memory_order_relaxed)},
       {"lost", counts.lost},
       {"corrupt", status.corrupt.load(std::memory_order_relaxed)},
       {"timeouts", status.timeouts.load(std::memory_order_relaxed)},
@@ -207,7 +233,7 @@ json status_json(const ServiceContext& context) {
 }
 
 json sensors_json(const ServiceContext& context) {
-  static constexpr const char* kClasses[] = {"array3", "wrench", "normal"};
+  static constexpr const char* kClasses[] = {"array3", "wrench", "normal", "displacement"};
   json sensors = json::array();
   for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
     const SensorStatus& status = *context.board.sensors[i];

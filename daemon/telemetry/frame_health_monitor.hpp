@@ -23,6 +23,8 @@ struct HealthTotals {
   std::uint64_t lost = 0;
   // Frames replaced before they were estimated.
   std::uint64_t skipped = 0;
+  // Frames that are the one before once more.
+  std::uint64_t repeated = 0;
   // Estimates that did not reach io.
   std::uint64_t events_lost = 0;
   // Whether the device is a simulation.
@@ -30,6 +32,10 @@ struct HealthTotals {
 };
 // The present totals. Called from any thread.
 HealthTotals health_totals_of(const SensorStatus& status);
+
+// Whether a sensor measures less often than frames come: of the frames of a second many repeat the one
+// before, and not all. Called from any thread.
+bool measures_slower(double frames, double repeated) noexcept;
 
 // A problem to be logged.
 struct HealthNotice {
@@ -52,7 +58,7 @@ class FrameHealthMonitor {
  private:
   // Least time between two reports of one kind for one sensor. Shorter: a lasting fault fills the journal.
   static constexpr auto kInterval = std::chrono::minutes(1);
-  static constexpr std::size_t kKinds = 4;
+  static constexpr std::size_t kKinds = 5;
   struct Kind {
     std::uint64_t last_reported = 0;  // the total at the last report
     std::optional<Clock::time_point> muted_until;
@@ -60,7 +66,8 @@ class FrameHealthMonitor {
   struct Sensor {
     std::array<Kind, kKinds> kinds;
     HealthTotals last;
-    int seconds_behind = 0;  // checks in a row that found many skipped frames
+    int seconds_behind = 0;     // checks in a row that found many skipped frames
+    int seconds_repeating = 0;  // checks in a row that found many repeated ones, and new ones
   };
   std::vector<Sensor> sensors_;
 };

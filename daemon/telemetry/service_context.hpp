@@ -59,6 +59,8 @@ struct ServiceContext {
   std::vector<LatencyWindow> latency_last_minute;
   // For each sensor, estimates a second over the last second.
   std::vector<double> rates_hz;
+  // For each sensor, how many of them repeated the frame before.
+  std::vector<double> repeats_hz;
   // State of the CAN output; null: there is none.
   const Latest<can::Report>* can = nullptr;
 };

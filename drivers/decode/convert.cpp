@@ -37,16 +37,8 @@ std::vector<Message> messages(const json& list) {
   return out;
 }
 
-NumberType type_of(const std::string& name) {  // u8, i16be …
-  NumberType type;
-  type.kind = name[0] == 'u' ? NumberKind::natural : name[0] == 'i' ? NumberKind::whole : NumberKind::real;
-  type.bytes = static_cast<std::uint8_t>(std::stoul(name.substr(1)) / 8);
-  type.big_endian = name.ends_with("be");
-  return type;
-}
-
 WrappingNumber wrapping_number(const json& in) {
-  const NumberType type = type_of(in["type"]);
+  const NumberType type = wire::number_type(in["type"].get<std::string>());
   return {in["offset"], type.bytes, type.big_endian, in.value("unit_us", 1.0) * 1e3};
 }
 
@@ -220,7 +212,7 @@ class ScanConverter {
     Field field;
     field.sensor = in["sensor"];
     field.channel = axis->channel;
-    field.type = type_of(in["type"]);
+    field.type = wire::number_type(in["type"].get<std::string>());
     field.zero = in["zero"];
     const double gain_pa =
         axis->sign * (in.contains("scale_pa") ? in["scale_pa"].get<double>()

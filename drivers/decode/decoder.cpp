@@ -86,7 +86,7 @@ void Decoder::WrappingCounter::read(const std::optional<WrappingNumber>& of_pack
                                     std::span<const std::uint8_t> bytes) noexcept {
   if (!of_packet) return;
   rule = of_packet;
-  now = read_bits(bytes.data() + rule->offset, rule->bytes, rule->big_endian);
+  now = wire::read_bits(bytes.data() + rule->offset, rule->bytes, rule->big_endian);
 }
 
 std::optional<std::uint64_t> Decoder::WrappingCounter::step() noexcept {
@@ -125,7 +125,7 @@ std::int64_t Decoder::device_time_ns() noexcept {
 
 bool Decoder::fill(const PacketRule& rule, std::span<const std::uint8_t> bytes, FrameSlot& slot) noexcept {
   for (const Field& field : rule.fields) {
-    const double raw = read_number(bytes.data() + field.offset, field.type);
+    const double raw = wire::read_number(bytes.data() + field.offset, field.type);
     const auto value = static_cast<float>((raw - field.zero) * field.gain_pa);
     if (!std::isfinite(value)) return false;
     const auto& channel = field.channel == Channel::normal    ? slot.normal_pa

@@ -4,8 +4,8 @@
 
 #include "drivers/decode/checksum.hpp"
 #include "drivers/decode/csv_line.hpp"
-#include "drivers/decode/number.hpp"
 #include "drivers/decode/pts2.hpp"
+#include "wire/number.hpp"
 
 namespace slipd::decode {
 namespace {
@@ -99,7 +99,7 @@ bool Framer::is_right(Bytes frame) const noexcept {
   const std::size_t at = place(sum.at, frame.size()), from = place(sum.from, frame.size());
   const std::size_t to = sum.to == 0 ? frame.size() : place(sum.to, frame.size());
   if (at > frame.size() || bytes > frame.size() - at || from > to || to > frame.size()) return false;
-  return read_bits(frame.data() + at, bytes, is_big_endian(sum.kind)) ==
+  return wire::read_bits(frame.data() + at, bytes, is_big_endian(sum.kind)) ==
          checksum_of(sum.kind, frame.subspan(from, to - from));
 }
 

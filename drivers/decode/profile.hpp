@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "driver_api/driver.hpp"
-#include "drivers/decode/number.hpp"
+#include "wire/number.hpp"
 
 namespace slipd::decode {
+
+using wire::NumberKind;
+using wire::NumberType;
 
 enum class Channel : std::uint8_t { normal, shear_x, shear_y };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "drivers/decode/number.hpp"
+#include "wire/number.hpp"
 
 namespace slipd::decode {
 namespace {
@@ -46,7 +46,7 @@ class Reader {
       ok_ = false;
       return 0;
     }
-    return read_bits(in_.data() + at, bytes, false);
+    return wire::read_bits(in_.data() + at, bytes, false);
   }
 
   // Offset i of a list that begins at `at`.

@@ -112,7 +112,7 @@ Options parse_options(const SensorSetup& sensor) {
     if (turns(options.sensor) && (options.sensor.preset != Preset::ideal || sensor.layout.size() == 1))
       throw DriverError(who +
                         "torque_nmm and lever_mm need preset ideal and a layout of several taxels: "
-                        "others feel no torque");
+                        "others sense no torque");
     return options;
   } catch (const contact::ContactError& e) {
     throw DriverError(

@@ -42,9 +42,10 @@ std::unique_ptr<contact::TurningContact> turning_of(const TaxelLayout& layout,
   return std::make_unique<contact::TurningContact>(body_pair_of(settings));
 }
 
-std::unique_ptr<contact::ImprintSheet> imprint_of(const TaxelLayout& layout, const SensorSettings& settings) {
+std::unique_ptr<contact::ContactField> geometry_of(const TaxelLayout& layout,
+                                                   const SensorSettings& settings) {
   if (settings.imprint.plain() || !is_ideal(settings) || layout.size() == 1) return nullptr;
-  return std::make_unique<contact::ImprintSheet>(layout, settings.imprint);
+  return std::make_unique<contact::ContactField>(layout, settings.imprint);
 }
 
 }  // namespace
@@ -65,7 +66,7 @@ SimulatedSensor::SimulatedSensor(TaxelLayout layout, const SensorSettings& setti
       turning_(turning_of(layout_, settings)),
       hertz_(settings.lever_m == 0 ? nullptr
                                    : std::make_unique<contact::LimitSurface>(contact::unit_hertz_surface())),
-      imprint_(imprint_of(layout_, settings)),
+      imprint_(geometry_of(layout_, settings)),
       realistic_(realistic_of(layout_, settings)),
       imperfections_(settings.imperfections, layout_.size()),
       normal_pa_(layout_.size()),
@@ -139,7 +140,7 @@ void SimulatedSensor::compute_taxels() noexcept {
     return;
   }
   if (imprint_) {
-    imprint_->feel(load_, offset_x_m_, offset_y_m_, 0, normal_pa_, shear_pa_, across_pa_);
+    imprint_->sense(load_, offset_x_m_, offset_y_m_, 0, normal_pa_, shear_pa_, across_pa_);
     return;
   }
   std::fill(across_pa_.begin(), across_pa_.end(), 0.0F);
@@ -160,7 +161,7 @@ bool SimulatedSensor::sample(FrameSlot& out) noexcept {
   out.device_time_ns = elapsed_ns_;
   out.truth = truth();
   if (realistic_) {
-    realistic_->feel(out, number, elapsed_ns_);
+    realistic_->sense(out, number, elapsed_ns_);
   } else {
     std::copy(normal_pa_.begin(), normal_pa_.end(), out.normal_pa.begin());
     std::copy(shear_pa_.begin(), shear_pa_.end(), out.shear_x_pa.begin());

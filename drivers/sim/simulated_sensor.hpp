@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/contact/contact_field.hpp"
 #include "core/contact/hertz.hpp"
 #include "core/contact/history.hpp"
-#include "core/contact/imprint.hpp"
 #include "core/contact/limit_surface.hpp"
 #include "core/contact/turning_contact.hpp"
 #include "core/frame/frame.hpp"
@@ -33,7 +33,7 @@ struct SensorSettings {
   double lever_m = 0;
   // Shape of the contact and depth of the taxels. A shape other than round needs preset ideal, several taxels
   // and no torque. The depth is for preset ideal; above 0 it replaces the depth of preset magnetic_skin.
-  contact::Imprint imprint;
+  contact::ContactGeometry imprint;
   std::vector<Phase> cycle;            // the load, at least one phase
   ImperfectionSettings imperfections;  // default: none
   Preset preset = Preset::ideal;       // others: effects/presets.hpp; for layouts of several taxels
@@ -95,7 +95,7 @@ class SimulatedSensor {
   contact::LoadHistory load_;
   std::unique_ptr<contact::TurningContact> turning_;  // of settings that have a torque
   std::unique_ptr<contact::LimitSurface> hertz_;      // of settings that have a lever
-  std::unique_ptr<contact::ImprintSheet> imprint_;    // of contacts that are not round or under a skin
+  std::unique_ptr<contact::ContactField> imprint_;    // of contacts that are not round or under a skin
   std::unique_ptr<RealisticSensor> realistic_;
   Imperfections imperfections_;
   std::optional<double> grip_n_;

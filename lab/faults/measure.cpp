@@ -21,7 +21,7 @@ constexpr std::uint64_t kOtherGrasp = 0x10000000;     // numbers of the other fi
 constexpr double kEarliest = 0.3, kLatest = 0.8;      // of the grasp
 
 // What one chain said of one grasp, frame by frame.
-struct Said {
+struct Answer {
   State state;
   Health health;
   float gamma;
@@ -41,7 +41,7 @@ class OtherFinger final : public GraspFrames {
     const LoadSegment& loaded = drawn_.segments.at(1);
     contact.move_to(loaded.normal_n, 0, loaded.friction);
     contact.move_to(loaded.normal_n, loaded.shear_n, loaded.friction);
-    frames_.feel(contact, drawn_.contact.x_m, drawn_.contact.y_m);
+    frames_.sense(contact, drawn_.contact.x_m, drawn_.contact.y_m);
     moment_.truth = {contact.safety_margin(), contact.friction()};
   }
   bool next() override {
@@ -61,7 +61,7 @@ class OtherFinger final : public GraspFrames {
   FrameSlot slot_;
 };
 
-// One fault's estimator, beside that of the sound sensor.
+// One fault's estimator, beside that of the healthy sensor.
 struct Runner {
   Runner(const Estimator& of, Fault f, std::uint64_t first, const RandomStream& random)
       : fault(f),
@@ -71,7 +71,7 @@ struct Runner {
         shear_x_pa(of.setup.layout.size()),
         shear_y_pa(of.setup.layout.size()) {}
 
-  // Frame by frame: spoils a copy of what the sound sensor gives.
+  // Frame by frame: spoils a copy of what the healthy sensor gives.
   void receive(const FrameSlot& sound, const Frame& other) {
     FrameSlot spoilt;
     spoilt.normal_pa = normal_pa;
@@ -87,19 +87,19 @@ struct Runner {
   FaultInjector injector;
   std::vector<float> normal_pa, shear_x_pa, shear_y_pa;  // of the spoilt frame
   Estimate estimate;
-  std::vector<Said> said;
+  std::vector<Answer> said;
 };
 
-Said said_of(const Estimate& estimate, double truth) {
+Answer said_of(const Estimate& estimate, double truth) {
   return {estimate.state, estimate.health, static_cast<float>(estimate.gamma.value_or(kUnknown)),
           static_cast<float>(truth)};
 }
 
-bool ok(const Said& at) {
+bool ok(const Answer& at) {
   return at.state == State::ok;
 }
 
-bool too_safe(const Said& at) {
+bool too_safe(const Answer& at) {
   return ok(at) && static_cast<double>(at.gamma - at.truth) > kGrossError;
 }
 
@@ -111,7 +111,7 @@ struct Found {
   long after = -1;
 };
 
-Found compare(const std::vector<Said>& sound, const std::vector<Said>& spoilt, std::uint64_t first) {
+Found compare(const std::vector<Answer>& sound, const std::vector<Answer>& spoilt, std::uint64_t first) {
   Found found;
   bool named = false, changed = false;
   for (std::size_t i = 0; i < spoilt.size(); ++i) {
@@ -159,7 +159,7 @@ class Faulty {
       runner->receive(sound, exchanged(*runner, sound.sequence) ? other.sense().view() : Frame{});
   }
 
-  // After a frame: what the sound sensor's estimator made of it, and the true margins of both fingers.
+  // After a frame: what the healthy sensor's estimator made of it, and the true margins of both fingers.
   void note(const Estimate& sound, double truth, double other_truth) {
     sound_.push_back(said_of(sound, truth));
     for (const auto& runner : runners_)
@@ -180,7 +180,7 @@ class Faulty {
 
   std::uint64_t first_;
   std::vector<std::unique_ptr<Runner>> runners_;
-  std::vector<Said> sound_;
+  std::vector<Answer> sound_;
 };
 
 // One grasp, simulated once for all faults. Returns what was found of each. `other` stays at its last frame

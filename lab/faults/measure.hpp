@@ -23,7 +23,7 @@ struct FaultLine {
   Fault fault = Fault::none;
   std::size_t grasps = 0;
   // Grasps whose fault was reported: an estimate with another health than good, or without the margin that
-  // the sound sensor's estimator gave at that frame.
+  // the healthy sensor's estimator gave at that frame.
   std::size_t reported = 0;
   // Of these, with another health than good.
   std::size_t named = 0;
@@ -37,13 +37,13 @@ struct FaultLine {
   long last_frames = -1;
   // Frames with the fault, later than kGraceFrames after it began, in state ok.
   std::uint64_t answered = 0;
-  // Of these, with a margin more than kGrossError above the truth where the sound sensor's is not.
+  // Of these, with a margin more than kGrossError above the truth where the healthy sensor's is not.
   std::uint64_t too_safe = 0;
-  // Of the same frames of the sound sensor, those in state ok, and the margins too safe among them.
+  // Of the same frames of the healthy sensor, those in state ok, and the margins too safe among them.
   std::uint64_t sound_answered = 0;
   std::uint64_t sound_too_safe = 0;
-  // Frames of the sound sensor with another health than good, the grasps that have any, the health that most
-  // of the frames have (good if there are none), and all its frames.
+  // Frames of the healthy sensor with another health than good, the grasps that have any, the health that
+  // most of the frames have (good if there are none), and all its frames.
   std::uint64_t false_alarms = 0;
   std::size_t grasps_with_false_alarms = 0;
   slipd::Health false_as = slipd::Health::good;
@@ -53,7 +53,7 @@ struct FaultLine {
 // Frames after a fault's begin in which a margin may still be wrong.
 inline constexpr std::uint64_t kGraceFrames = 5;
 
-// Margin of the fault's estimator less that of the sound sensor's, up to which a fault had no effect.
+// Margin of the fault's estimator less that of the healthy sensor's, up to which a fault had no effect.
 inline constexpr double kNoEffect = 0.1;
 
 struct FaultSetup {

@@ -43,7 +43,7 @@ void print_table(const std::vector<FaultLine>& lines, const FaultSetup& setup) {
         static_cast<unsigned long long>(line.sound_too_safe),
         static_cast<unsigned long long>(line.sound_answered));
   }
-  std::printf("\nFrames of the sound sensor with another health than good:\n");
+  std::printf("\nFrames of the healthy sensor with another health than good:\n");
   const FaultLine* last = nullptr;
   for (const FaultLine& line : lines) {  // each sensor and method once: all faults share the sound frames
     if (last != nullptr && line.preset == last->preset && line.columns == last->columns &&

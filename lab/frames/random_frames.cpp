@@ -13,7 +13,7 @@ int steps_of(const LoadSegment& segment, double frame_s) {
   return static_cast<int>(std::ceil(segment.seconds / frame_s));
 }
 
-contact::Imprint imprint_of(const Grasp& grasp, const Skin& skin, const Sampling& sampling) {
+contact::ContactGeometry geometry_of(const Grasp& grasp, const Skin& skin, const Sampling& sampling) {
   return {.depth_m = skin.depth_m,
           .bonded_poisson = skin.bonded_poisson(),
           .stretch = sampling.stretch,
@@ -33,8 +33,8 @@ RandomFrames::RandomFrames(Grasp grasp, const TaxelLayout& layout, const Skin& s
           contact::body_of(skin),
           {grasp_.contact.radius_m, grasp_.contact.modulus_pa, grasp_.contact.poisson})),
       frames_(layout, sampling.kind, sampling.noise) {
-  const contact::Imprint felt = imprint_of(grasp_, skin, sampling);
-  if (!felt.plain()) imprint_.emplace(layout, felt);
+  const contact::ContactGeometry sensed = geometry_of(grasp_, skin, sampling);
+  if (!sensed.plain()) field_.emplace(layout, sensed);
 }
 
 std::uint64_t RandomFrames::length() const noexcept {
@@ -69,10 +69,10 @@ bool RandomFrames::next() {
 FrameSlot& RandomFrames::sense() {
   const ContactDraw& at = grasp_.contact;
   const RandomStream noise = noise_.stream(moment_.number);
-  if (imprint_) {
-    frames_.sense_imprint(*imprint_, contact_, at.x_m, at.y_m, grasp_.direction_rad, noise);
+  if (field_) {
+    frames_.sense_field(*field_, contact_, at.x_m, at.y_m, grasp_.direction_rad, noise);
   } else {
-    frames_.feel(contact_, at.x_m, at.y_m);
+    frames_.sense(contact_, at.x_m, at.y_m);
     frames_.sense(grasp_.direction_rad, noise);
   }
   slot_ = slot_of(frames_, static_cast<std::int64_t>(1e9 * moment_.time_s));
@@ -81,7 +81,7 @@ FrameSlot& RandomFrames::sense() {
 
 // Uniform noise of half-width w has the standard deviation w/sqrt 3.
 GraspFrames::Traced RandomFrames::traced() const {
-  if (imprint_) return {};
+  if (field_) return {};
   constexpr double kLeastNoise = 1e-6;  // of the largest value: a sensor without noise rounds
   const auto values = sampling_.kind == NoiseKind::sensor ? frames_.normal_pa() : frames_.shear_pa();
   float most_pa = 0;

@@ -137,7 +137,7 @@ bool TorqueFrames::next() {
   return true;
 }
 
-void TorqueFrames::feel() {
+void TorqueFrames::fill_taxels() {
   const auto normal = frames_.normal_pa(), x = frames_.sensed_shear_x_pa(), y = frames_.sensed_shear_y_pa();
   if (turning_.active()) {
     turning_.taxel_averages(layout_, contact_.x_m, contact_.y_m, normal, x, y);
@@ -152,7 +152,7 @@ void TorqueFrames::feel() {
 }
 
 FrameSlot& TorqueFrames::sense() {
-  feel();
+  fill_taxels();
   frames_.sense_plane(random_.stream(moment_.number));
   slot_ = slot_of(frames_, static_cast<std::int64_t>(moment_.number) * 1'000'000);
   return slot_;

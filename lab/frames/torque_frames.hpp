@@ -1,4 +1,4 @@
-// One contact under force and torque, felt by taxels frame by frame.
+// One contact under force and torque, sensed by taxels frame by frame.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +57,7 @@ class TorqueFrames final : public GraspFrames {
  private:
   slipd::contact::PlaneLoad load_of(const TurningMove& move) const;
   void apply(double normal_n, const slipd::contact::PlaneLoad& load);
-  void feel();
+  void fill_taxels();
 
   const slipd::TaxelLayout& layout_;
   slipd::ContactDraw contact_;

@@ -42,8 +42,8 @@ HistoriesLine measure_moves(std::size_t side, const std::string& method, const H
                             std::uint64_t seed, const Done& done) {
   ChainSetup scene = paper_chain(side, method_choices().at(method), setup.sensing.noise);
   scene.scene.skin.depth_m = 1e-3 * setup.skin_mm;
-  Skin felt = scene.scene.skin;
-  felt.base = setup.base;
+  Skin sensed = scene.scene.skin;
+  sensed.base = setup.base;
   scene.scene.skin.base = setup.base_taken;
   scene.scene.skin.depth_m *= setup.depth_taken;
   const Estimator estimator = make_estimator(scene, setup.threads);
@@ -55,7 +55,7 @@ HistoriesLine measure_moves(std::size_t side, const std::string& method, const H
     Estimator known = estimator;
     known.setup.friction = given_friction(grasp.contact.friction, setup.friction, i);
     EstimatorChain chain = known.chain();
-    RandomFrames frames(std::move(grasp), scene.layout, felt, setup.sensing, RandomStream(seed).stream(i));
+    RandomFrames frames(std::move(grasp), scene.layout, sensed, setup.sensing, RandomStream(seed).stream(i));
     TalliesByMove tallies;
     drive(frames, chain, [&](const GraspSample& sample) {
       tallies.at(sample.at.move).add(sample.estimate(), sample.at.truth);

@@ -62,13 +62,13 @@ MeasuredTableRow measure(const TaxelLayout& layout, const Scene& scene, const Ca
   row.method = candidate.name;
   row.p50_us = row.p99_us = std::numeric_limits<double>::infinity();
   SlipMethod* const method = candidate.method.get();
-  const contact::Imprint imprint{.depth_m = scene.skin.depth_m,
-                                 .bonded_poisson = scene.skin.bonded_poisson()};
+  const contact::ContactGeometry geometry{.depth_m = scene.skin.depth_m,
+                                          .bonded_poisson = scene.skin.bonded_poisson()};
   std::vector<double> errors;
   for (std::size_t i = 0; i < work.repeats; ++i) {
     const TradeoffRow found =
-        measure_imprint_tradeoff(layout, scene, imprint, std::span(&method, 1), NoiseKind::relative, kNoise,
-                                 work.contacts, work.seed + i, candidate.closing_frames)
+        measure_shape_tradeoff(layout, scene, geometry, std::span(&method, 1), NoiseKind::relative, kNoise,
+                               work.contacts, work.seed + i, candidate.closing_frames)
             .front();
     row.answered += found.answered / static_cast<double>(work.repeats);
     row.p50_us = std::min(row.p50_us, found.p50_us);

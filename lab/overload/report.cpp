@@ -42,16 +42,16 @@ void plot_curves(const std::vector<OverloadLine>& lines, const std::filesystem::
   std::ostringstream script;
   script << "set terminal svg size 900,1000 font 'sans,12' background 'white'\nset output 'overload.svg'\n"
             "set multiplot layout 4,1\nset logscale x\nset xtics (1,2,5,10,20,50)\nset xrange [0.9:55]\n"
-            "set grid\nset key outside right top\n";
-  const std::vector<const char*> quantities{"mean error", "answered, %", "within 2 sigma, %",
-                                            "claims safer, %"};
+            "set grid\nset lmargin 10\nset rmargin 28\nset key outside right top\n";
+  const std::vector<const char*> quantities{"mean error", "coverage, %", "within 2 sigma, %",
+                                            "overestimates, %"};
   for (std::size_t q = 0; q < quantities.size(); ++q) {
     script << "set ylabel '" << quantities[q] << "'\n";
     if (q + 1 == quantities.size()) script << "set xlabel 'one frame of k comes'\n";
     for (std::size_t i = 0; i < titles.size(); ++i)
       script << (i == 0 ? "plot 'overload.dat'" : ", ''") << " index " << i << " using 1:" << q + 2
              << " with linespoints title '" << titles[i] << '\'';
-    script << '\n';
+    script << (q == 0 ? "\nset key off\n" : "\n");
   }
   script << "unset multiplot\n";
   if (!titles.empty()) offline::plot(folder, "overload", script.str());

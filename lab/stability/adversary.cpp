@@ -123,8 +123,8 @@ void Adversary::blur_by_layer(std::vector<float>& field, double depth_m) {
 }
 
 // Computes tractions point by point and averages them over the taxels. Returns the remaining share of Q.
-double Adversary::feel(Perturbation perturbation, double strength, const contact::LoadHistory& contact,
-                       const ContactDraw& at, double turn_rad) {
+double Adversary::sense(Perturbation perturbation, double strength, const contact::LoadHistory& contact,
+                        const ContactDraw& at, double turn_rad) {
   const double c = std::cos(turn_rad), s = std::sin(turn_rad), a = contact.contact_radius_m();
   const double stretch = perturbation == Perturbation::elliptic ? std::sqrt(strength) : 1;
   double whole = 0, left = 0;
@@ -185,9 +185,9 @@ Trial Adversary::make(Perturbation perturbation, double strength, const Scene& s
   const bool shaped = perturbation == Perturbation::elliptic ? strength != 1 : strength != 0;
   if (shaped && (perturbation == Perturbation::blurred || perturbation == Perturbation::elliptic ||
                  perturbation == Perturbation::tilted)) {
-    kept = feel(perturbation, strength, contact, draw, turn_rad);
+    kept = sense(perturbation, strength, contact, draw, turn_rad);
   } else {
-    frames_.feel(contact, draw.x_m, draw.y_m);
+    frames_.sense(contact, draw.x_m, draw.y_m);
   }
   const RandomStream taxels = random.stream(3);
   if (perturbation == Perturbation::gains) {

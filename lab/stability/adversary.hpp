@@ -50,8 +50,8 @@ class Adversary {
              std::size_t index);
 
  private:
-  double feel(Perturbation perturbation, double strength, const slipd::contact::LoadHistory& contact,
-              const slipd::ContactDraw& at, double turn_rad);
+  double sense(Perturbation perturbation, double strength, const slipd::contact::LoadHistory& contact,
+               const slipd::ContactDraw& at, double turn_rad);
   void blur(std::vector<float>& field, double sigma_m);
   void blur_by_layer(std::vector<float>& field, double depth_m);
 

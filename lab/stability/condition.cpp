@@ -85,8 +85,8 @@ std::vector<Condition> condition_of(const TrialSetup& setup, std::vector<NamedMe
       const auto contact = loaded(scene, draw, gamma);
       limit += std::pow(cramer_rao_sigma(layout, contact.pair(), draw, gamma, setup.kind, kSmall), 2);
       const double direction_rad = 2 * std::numbers::pi * random.uniform(0);
-      clean.feel(contact, draw.x_m, draw.y_m);
-      noisy.feel(contact, draw.x_m, draw.y_m);
+      clean.sense(contact, draw.x_m, draw.y_m);
+      noisy.sense(contact, draw.x_m, draw.y_m);
       const Frame without = clean.sense(direction_rad, random), with = noisy.sense(direction_rad, random);
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const auto first = margin_in_model(*methods[m].method, finder, without),
@@ -118,7 +118,7 @@ std::vector<Bits> bits_needed(const TrialSetup& setup, std::vector<NamedMethod>&
     for (std::size_t i = 0; i < setup.contacts; ++i) {
       const ContactDraw draw = draw_contact(scene, setup.seed, i);
       const RandomStream random = RandomStream(setup.seed).stream(i);
-      frames.feel(loaded(scene, draw, random.uniform(0)), draw.x_m, draw.y_m);
+      frames.sense(loaded(scene, draw, random.uniform(0)), draw.x_m, draw.y_m);
       const Frame whole = frames.sense(2 * std::numbers::pi * random.uniform(1), random);
       std::vector<std::optional<double>> before;
       before.reserve(methods.size());

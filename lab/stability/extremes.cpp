@@ -125,10 +125,10 @@ ContactModelError model_error_at(Axis axis, double place, std::size_t cases, std
     contact::LoadHistory history(pair);
     history.move_to(in.normal_n, 0, in.friction);
     history.move_to(in.normal_n, rising.shear_n(), in.friction);
-    const double felt = history.shear_pa(in.s * history.contact_radius_m());
+    const double sensed = history.shear_pa(in.s * history.contact_radius_m());
     const double largest =
         in.friction * rising.peak_pressure_pa() * std::sqrt(-std::expm1(2.0 / 3 * std::log1p(-in.load)));
-    worst.history = std::max(worst.history, static_cast<double>(abs(Precise(felt) - want[5])) / largest);
+    worst.history = std::max(worst.history, static_cast<double>(abs(Precise(sensed) - want[5])) / largest);
     const float p = static_cast<float>(at.pressure_pa), q = static_cast<float>(at.shear_pa), none = 0;
     float angle = 0;
     slipd::alpha_of({&p, 1}, {&q, 1}, {&none, 1}, {}, {&angle, 1});

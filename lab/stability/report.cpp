@@ -162,7 +162,9 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
   offline::write_file(folder / "bits.csv", bits.str());
   std::ostringstream script;
   script << "set terminal svg size 900,420 font 'sans,12' background 'white'\nset output 'condition.svg'\n"
-            "set datafile separator ','\nset logscale y\nset grid\nset key outside bottom horizontal\n"
+            "set datafile separator ','\nset logscale y\nset grid\nset key left top horizontal samplen "
+            "2\nset yrange "
+            "[0.1:1000]\n"
             "set multiplot layout 1,2\nset xlabel 'Gamma'\nset ylabel 'margin error / frame error'\n"
             "set title '"
          << found.setup.side << " x " << found.setup.side << ", " << name_of(found.setup.kind)
@@ -171,7 +173,7 @@ void plot_condition(const Stability& found, const std::filesystem::path& folder)
          << found.methods.size() + 2
          << " with lines lc rgb 'black' dt 2 title 'least possible'\n"
             "set xlabel 'significant bits of a reading'\nset ylabel 'mean change of Gamma'\n"
-            "set title 'Bits that matter'\nplot for [c=2:"
+            "set title 'Bits that matter'\nset autoscale y\nset key right top vertical\nplot for [c=2:"
          << found.methods.size() + 1
          << "] 'bits.csv' using 1:c with linespoints pt 7 ps 0.5 title columnheader(c)\nunset multiplot\n";
   offline::plot(folder, "condition", script.str());
@@ -181,7 +183,8 @@ void plot_perturbations(const std::filesystem::path& folder) {
   std::ostringstream script;
   script << "set terminal svg size 900,1250 font 'sans,11' background 'white'\nset output 'adversary.svg'\n"
             "set datafile separator ','\nset grid\nset multiplot layout 5,2\nset yrange [0:0.4]\n"
-            "set ylabel 'error, shares'\nset key left top\n";
+            "set ytics nomirror\nset y2range [0:100]\nset y2tics 50\nset ylabel 'error of the margin'\n"
+            "set y2label 'share, %'\nset key right top\n";
   for (std::size_t f = 0; f < kPerturbations; ++f) {
     const auto perturbation = static_cast<Perturbation>(f);
     const std::string pick =
@@ -190,12 +193,14 @@ void plot_perturbations(const std::filesystem::path& folder) {
         "(strcol(1) eq '" + std::string(name_of(perturbation)) + "' && strcol(3) eq 'moments'";
     script << "set title '" << name_of(perturbation) << "'\nset xlabel '" << strength_of(perturbation)
            << "'\nplot 'adversary.csv' using " << pick
-           << " ? $2 : NaN):6 with linespoints pt 7 ps 0.5 lc rgb '#1f4e8c' title 'fit, error', '' using "
+           << " ? $2 : NaN):6 with linespoints pt 7 ps 0.5 lc rgb '#1f4e8c' title 'error of fit', '' using "
            << pick
-           << " ? $2 : NaN):($8*$5) with linespoints pt 7 ps 0.5 lc rgb '#c0392b' title 'claims safer by "
-              "0.2', '' using "
-           << pick << " ? $2 : NaN):(1-$5) with lines dt 2 lc rgb '#7f8c8d' title 'unanswered', '' using "
-           << cheap << " ? $2 : NaN):6 with lines lc rgb '#e67e22' title 'moments, error'\n"
+           << " ? $2 : NaN):(100*$8*$5) axes x1y2 with linespoints pt 7 ps 0.5 lc rgb '#c0392b' title "
+              "'overestimates, %', '' using "
+           << pick
+           << " ? $2 : NaN):(100*(1-$5)) axes x1y2 with lines dt 2 lc rgb '#7f8c8d' title 'without a margin, "
+              "%', '' using "
+           << cheap << " ? $2 : NaN):6 with lines lc rgb '#e67e22' title 'error of moments'\n"
            << (f == 0 ? "set key off\n" : "");
   }
   script << "unset multiplot\n";

@@ -92,7 +92,7 @@ std::vector<RobustnessRow> measure_extremes(const TrialSetup& setup, const Done&
       contact.move_to(in.normal_n, 0, in.friction);
       contact.move_to(in.normal_n, in.load * in.friction * in.normal_n, in.friction);
       const RandomStream place = u.stream(1);
-      frames.feel(contact, place.uniform(0, -0.002, 0.002), place.uniform(1, -0.002, 0.002));
+      frames.sense(contact, place.uniform(0, -0.002, 0.002), place.uniform(1, -0.002, 0.002));
       trials.run(frames.sense(2 * std::numbers::pi * place.uniform(2), u.stream(2)), 1 - in.load);
     }
     rows[i].by_method = trials.statistics();

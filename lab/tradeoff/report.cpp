@@ -34,7 +34,7 @@ void print_head(const Line& line) {
   std::printf("\n%s, %s noise of %g %%.", title_of(line.layout).c_str(), name_of(line.noise.kind),
               100 * line.noise.half_width);
   if (std::isfinite(line.limit.mean_error))
-    std::printf(" Cramer-Rao guide: %.4f, %.1f %% right.", line.limit.mean_error,
+    std::printf(" Cramer-Rao bound: %.4f, %.1f %% right.", line.limit.mean_error,
                 100 * line.limit.class_correct);
   std::puts(
       "\n    method     rank rings   k  precision  memory kB  mean err   95 %      right  answered  1 sigma  "
@@ -105,12 +105,13 @@ std::string script(const std::vector<Line>& lines) {
     pick << "strcol(1) eq '" << panel.layout << "' && strcol(2) eq '" << name_of(panel.kind) << "' && abs($3-"
          << panel.noise << ")<1e-9";
     out << "set title '" << title_of(panel.layout) << ", " << name_of(panel.kind) << " noise "
-        << 100 * panel.noise << " %'\nplot for [m in 'moments fit registered svd-knn'] 'tradeoff.csv' using ("
+        << 100 * panel.noise
+        << " %'\nplot for [m in 'moments block-fit fit registered svd-knn'] 'tradeoff.csv' using ("
         << pick.str()
         << " && strcol(5) eq m && strlen(strcol(4))==0 ? $16 : NaN):11 with points pt 7 ps 0.7 title m, "
         << "'tradeoff-front.csv' using (" << pick.str()
-        << " ? $4 : NaN):5 with lines lc rgb 'black' title 'front', 'tradeoff.csv' using (" << pick.str()
-        << " ? $16 : NaN):18 with lines dt 2 lc rgb '#7f8c8d' title 'Cramer-Rao guide'\n";
+        << " ? $4 : NaN):5 with lines lc rgb 'black' title 'Pareto front', 'tradeoff.csv' using ("
+        << pick.str() << " ? $16 : NaN):18 with lines dt 2 lc rgb '#7f8c8d' title 'theoretical bound'\n";
     if (first) out << "set key off\n";
     first = false;
   }

@@ -82,16 +82,16 @@ class Trial {
 
 }  // namespace
 
-std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, const Scene& scene,
-                                                  const contact::Imprint& imprint,
-                                                  std::span<SlipMethod* const> methods, NoiseKind kind,
-                                                  double noise, std::size_t contacts, std::uint64_t seed,
-                                                  int closing_frames) {
+std::vector<TradeoffRow> measure_shape_tradeoff(const TaxelLayout& layout, const Scene& scene,
+                                                const contact::ContactGeometry& geometry,
+                                                std::span<SlipMethod* const> methods, NoiseKind kind,
+                                                double noise, std::size_t contacts, std::uint64_t seed,
+                                                int closing_frames) {
   TrialFrames frames(layout, kind, noise);
   std::deque<Trial> trials;
   for (SlipMethod* method : methods) trials.emplace_back(layout, *method);
-  std::optional<contact::ImprintSheet> sheet;
-  if (!imprint.plain() || closing_frames > 0) sheet.emplace(layout, imprint);
+  std::optional<contact::ContactField> sheet;
+  if (!geometry.plain() || closing_frames > 0) sheet.emplace(layout, geometry);
   TrialFrames closing(layout, kind, noise);
   for (std::size_t i = 0; i < contacts; ++i) {
     const ContactDraw draw = draw_contact(scene, seed, i);
@@ -104,19 +104,19 @@ std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, con
     Frame frame;
     if (sheet) {
       sheet->turn(std::numbers::pi * random.uniform(2));
-      frame = frames.sense_imprint(*sheet, contact, draw.x_m, draw.y_m, direction_rad, random);
+      frame = frames.sense_field(*sheet, contact, draw.x_m, draw.y_m, direction_rad, random);
     } else {
-      frames.feel(contact, draw.x_m, draw.y_m);
+      frames.sense(contact, draw.x_m, draw.y_m);
       frame = frames.sense(direction_rad, random);
     }
     for (Trial& trial : trials) trial.forget();
     for (int step = 1; step <= closing_frames; ++step) {
-      const auto felt = frames.normal_pa();
-      const double noise_pa = noise * *std::max_element(felt.begin(), felt.end());
+      const auto sensed = frames.normal_pa();
+      const double noise_pa = noise * *std::max_element(sensed.begin(), sensed.end());
       contact::LoadHistory pressed(contact.pair());
       pressed.move_to(draw.normal_n * step / closing_frames, 0, draw.friction);
-      const Frame seen = closing.sense_imprint(*sheet, pressed, draw.x_m, draw.y_m, 0,
-                                               random.stream(static_cast<std::uint64_t>(step)), noise_pa);
+      const Frame seen = closing.sense_field(*sheet, pressed, draw.x_m, draw.y_m, 0,
+                                             random.stream(static_cast<std::uint64_t>(step)), noise_pa);
       for (Trial& trial : trials) trial.observe(seen);
     }
     for (Trial& trial : trials) trial.face(frame, gamma);
@@ -130,7 +130,7 @@ std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, con
 std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                           std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
                                           std::size_t contacts, std::uint64_t seed) {
-  return measure_imprint_tradeoff(
+  return measure_shape_tradeoff(
       layout, scene, {.depth_m = scene.skin.depth_m, .bonded_poisson = scene.skin.bonded_poisson()}, methods,
       kind, noise, contacts, seed);
 }

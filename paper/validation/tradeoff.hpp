@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/chain/chain.hpp"
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/reading/method/method.hpp"
 #include "core/reading/method/work_precision.hpp"
 #include "paper/model/model.hpp"
@@ -24,14 +24,14 @@ namespace slipd {
 std::vector<TradeoffRow> measure_tradeoff(const TaxelLayout& layout, const Scene& scene,
                                           std::span<SlipMethod* const> methods, NoiseKind kind, double noise,
                                           std::size_t contacts, std::uint64_t seed);
-// The same of contacts whose shape is `imprint`'s, under its skin, the ellipse turned at random.
+// The same of contacts whose shape is `geometry`'s, under its skin, the ellipse turned at random.
 // closing_frames: that the methods get before the loaded one, while the normal force rises evenly; their
 // noise is as large as that of the loaded frame.
-std::vector<TradeoffRow> measure_imprint_tradeoff(const TaxelLayout& layout, const Scene& scene,
-                                                  const contact::Imprint& imprint,
-                                                  std::span<SlipMethod* const> methods, NoiseKind kind,
-                                                  double noise, std::size_t contacts, std::uint64_t seed,
-                                                  int closing_frames = 0);
+std::vector<TradeoffRow> measure_shape_tradeoff(const TaxelLayout& layout, const Scene& scene,
+                                                const contact::ContactGeometry& geometry,
+                                                std::span<SlipMethod* const> methods, NoiseKind kind,
+                                                double noise, std::size_t contacts, std::uint64_t seed,
+                                                int closing_frames = 0);
 TradeoffRow measure_tradeoff(const TaxelLayout& layout, const Scene& scene, SlipMethod& method,
                              NoiseKind kind, double noise, std::size_t contacts, std::uint64_t seed);
 

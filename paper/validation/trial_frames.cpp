@@ -17,7 +17,7 @@ TrialFrames::TrialFrames(const TaxelLayout& layout, NoiseKind kind, double noise
       x_(layout.size()),
       y_(layout.size()) {}
 
-void TrialFrames::feel(const contact::LoadHistory& contact, double center_x_m, double center_y_m) {
+void TrialFrames::sense(const contact::LoadHistory& contact, double center_x_m, double center_y_m) {
   if (layout_.size() == 1) {
     normal_[0] = static_cast<float>(contact.normal_n() / layout_.area_m2());
     shear_[0] = static_cast<float>(contact.shear_n() / layout_.area_m2());
@@ -26,10 +26,10 @@ void TrialFrames::feel(const contact::LoadHistory& contact, double center_x_m, d
   contact::taxel_averages(layout_, center_x_m, center_y_m, contact, normal_, shear_);
 }
 
-Frame TrialFrames::sense_imprint(contact::ImprintSheet& imprint, const contact::LoadHistory& contact,
-                                 double center_x_m, double center_y_m, double direction_rad,
-                                 const RandomStream& random, std::optional<double> noise_pa) {
-  imprint.feel(contact, center_x_m, center_y_m, direction_rad, normal_, x_, y_);
+Frame TrialFrames::sense_field(contact::ContactField& geometry, const contact::LoadHistory& contact,
+                               double center_x_m, double center_y_m, double direction_rad,
+                               const RandomStream& random, std::optional<double> noise_pa) {
+  geometry.sense(contact, center_x_m, center_y_m, direction_rad, normal_, x_, y_);
   return sense_plane(random, noise_pa);
 }
 

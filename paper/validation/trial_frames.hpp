@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/contact/contact_field.hpp"
 #include "core/contact/history.hpp"
-#include "core/contact/imprint.hpp"
 #include "core/frame/frame.hpp"
 #include "core/frame/layout.hpp"
 #include "core/numeric/random.hpp"
@@ -24,21 +24,21 @@ class TrialFrames {
   TrialFrames(const TaxelLayout& layout, NoiseKind kind, double noise);
 
   // Exact averages of the contact over each taxel. One taxel alone is one force vector for the whole pad.
-  void feel(const contact::LoadHistory& contact, double center_x_m, double center_y_m);
+  void sense(const contact::LoadHistory& contact, double center_x_m, double center_y_m);
 
   // The same of a contact of any shape or under a skin, with its pull along direction_rad, from x to y.
   // Returns what is sensed of it, with noise; of this half-width on all channels, Pa, if it is given.
-  Frame sense_imprint(contact::ImprintSheet& imprint, const contact::LoadHistory& contact, double center_x_m,
-                      double center_y_m, double direction_rad, const RandomStream& random,
-                      std::optional<double> noise_pa = std::nullopt);
+  Frame sense_field(contact::ContactField& geometry, const contact::LoadHistory& contact, double center_x_m,
+                    double center_y_m, double direction_rad, const RandomStream& random,
+                    std::optional<double> noise_pa = std::nullopt);
 
-  // What was felt, Pa: pressure, and shear along one direction. May be changed before it is sensed.
+  // What was sensed, Pa: pressure, and shear along one direction. May be changed before it is sensed.
   std::span<float> normal_pa() noexcept { return normal_; }
   std::span<float> shear_pa() noexcept { return shear_; }
   std::span<const float> normal_pa() const noexcept { return normal_; }
   std::span<const float> shear_pa() const noexcept { return shear_; }
 
-  // With noise, of a contact whose shear has no direction of its own: the caller wrote what is felt into
+  // With noise, of a contact whose shear has no direction of its own: the caller wrote what is sensed into
   // normal_pa(), sensed_shear_x_pa() and sensed_shear_y_pa(). noise_pa as above. Valid until the next call.
   Frame sense_plane(const RandomStream& random, std::optional<double> noise_pa = std::nullopt);
 

@@ -1,6 +1,6 @@
 """The goals of tools/bench and how they are judged.
 
-A goal is a ratio: what slipd takes to what a floor or a peer takes, both measured in the same run, so that it says the same of
+A goal is a ratio: what slipd takes to what a baseline or a peer takes, both measured in the same run, so that it says the same of
 slipd on a fast and on a slow machine. Times by themselves are shown and never judged. Sizes (memory) are judged as they are.
 """
 import dataclasses
@@ -17,7 +17,7 @@ WHY = {
     "queries": "of a request slipd asks the kernel recvfrom, sendto and, by Asio before it waits again, epoll_ctl, Redis read and write only, and both "
                "epoll_wait for all that is ready; and the sensor at 1 kHz goes on meanwhile, on the cores that slipd's clients share",
     "shared read": "a whole record is copied under a version that is read before and after, and the clock is read",
-    "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the floor's are "
+    "shared delivery": "acquire wakes estimate, and estimate wakes the reader: two wakes of threads that slept for most of a millisecond, where the baseline's are "
                        "woken at once again, and the estimate between them",
     "shared readers": "readers take the slots' cache lines away, which slipd's thread has to fetch again",
     "push": "a frame is copied into the kernel and out of it, and one thread more has to be woken",
@@ -33,7 +33,7 @@ class Goal:
     what: str  # what slipd does
     ours: float | None  # what it takes, in `unit`; None: not measured
     unit: str
-    against: str  # the floor or the peer
+    against: str  # the baseline or the peer
     base: float | None  # what that takes, in `unit`; None: not measured
     limit: float  # of ours / base
     why: str  # what makes it miss, where it does
@@ -51,15 +51,15 @@ def size(what, ours, limit, unit, why):
 
 
 def judge(goal, refused=()):
-    """reached, missed by how much, or why nothing can be said. refused: the peers that are left out."""
+    """met, missed by how much, or why nothing can be said. refused: the peers that are left out."""
     if goal.peer in refused:
         return f"not judged: {goal.peer} is left out"
     if goal.ratio is None:
         return "not measured"
     if goal.ratio >= goal.limit if goal.more else goal.ratio <= goal.limit:
-        return "reached"
+        return "met"
     off = goal.limit / goal.ratio if goal.more else goal.ratio / goal.limit
-    return f"missed by {100 * (off - 1):.0f} %: {goal.why}"
+    return f"missed by {100 * (off - 1):.0f} %"
 
 
 SKLEARN, REDIS = "scikit-learn", "Redis"

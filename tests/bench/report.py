@@ -35,12 +35,17 @@ def goal_table(of):
     rows = []
     for goal in goals(of):
         tiny = 4 if goal.limit < 0.01 else None
-        wanted = f"{'≥' if goal.more else '≤'} {number(goal.limit, tiny)}{'' if goal.against else f' {goal.unit}'}".strip()
+        target = f"{'≥' if goal.more else '≤'} {number(goal.limit, tiny)}{'' if goal.against else f' {goal.unit}'}".strip()
         ours = "–" if goal.ours is None else f"{number(goal.ours, 6 if tiny else None)} {goal.unit}".strip()
         rows.append([goal.what, ours,
-                     f"{goal.against}: {number(goal.base)}" if goal.against else "", wanted,
+                     f"{goal.against}: {number(goal.base)}" if goal.against else "", target,
                      number(goal.ratio, 6 if tiny else None) if goal.against else "", judge(goal, of.refused)])
-    return table(["", "measured", "against", "wanted", "ratio", ""], rows)
+    missed = [goal for goal in goals(of) if judge(goal, of.refused).startswith("missed")]
+    reasons = {}
+    for goal in missed:
+        reasons.setdefault(goal.why, []).append(goal.what)
+    why = "\n".join(f"* {'; '.join(dict.fromkeys(what))}: {reason}." for reason, what in reasons.items())
+    return table(["", "measured", "against", "target", "ratio", ""], rows) + (f"\n\nWhy targets are missed:\n\n{why}\n" if missed else "")
 
 
 def refused_text(of):
@@ -50,10 +55,10 @@ def refused_text(of):
     return f"**Peers that are left out**, because they are not there or not at their best:\n\n{said}\n\n"
 
 
-GOALS = """A goal is a ratio to a floor or to a peer, both measured in the same run as slipd, so that it says the same on a fast and on a
+GOALS = """A goal is a ratio to a baseline or to a peer, both measured in the same run as slipd, so that it says the same on a fast and on a
 slow machine. Times and rates by themselves are shown and never judged. A peer that is not installed, or not at its best (numpy
 without OpenBLAS, a BLAS on fewer threads than there are cores), is left out, and its goals are not judged. Memory is a size: it is
-judged in MB. The ratios to floors leave svd-knn, moments, fit and the way to the client about as much room as limits of 10, 6, 300
+judged in MB. The ratios to baselines leave svd-knn, moments, fit and the way to the client about as much room as limits of 10, 6, 300
 and 60 µs left on a quiet machine of 2.6 GHz with AVX-512.
 
 | against | what that is |
@@ -78,7 +83,7 @@ def estimator_text(of):
     grown = table(["taxels", *METHODS], rows)
     rows = [[name, *waits(of.method(name, 100))] for name in METHODS]
     rows += [[f"{name}, all of the chain", *waits(of.chain(name, 100))] for name in METHODS]
-    rows += [[f"floor: {what}", *waits(of.estimators.get(f"floor/{name}", {}))] for name, what in
+    rows += [[f"baseline: {what}", *waits(of.estimators.get(f"floor/{name}", {}))] for name, what in
              (("frame/100", "frame copied, from L3"), ("memcpy", "frame (from L3) and basis (from L2), copied"),
               ("gemv", "basis times a full frame, Eigen, from L2"), ("search", "FLANN's exact search"),
               ("step/100", "one least-squares step over the whole frame, Eigen"))]
@@ -101,8 +106,9 @@ contact; svd-knn with contacts in the middle, all others up to 2 mm off.
 {grown}
 {picture("taxels", "time of a frame against taxels")}
 {paper}
-`all of the chain` adds what happens over time: friction, states, alerts, forecast. Its frames are one simulated grasp's.
-{f"scikit-learn {peer['version']} with {peer['blas']}. An empty predict is what its call costs before it has anything to do: that much of its time one by one is its client's." if peer else "scikit-learn is left out."}
+`all of the chain` adds friction over time, states, alerts and forecast. **Its rows are not comparable with the rows above**: its frames are those of
+one simulated grasp, where most frames need no new fit.
+{f"scikit-learn {peer['version']} with {peer['blas']}. An empty predict is the overhead of a call, which is part of its time one by one." if peer else "scikit-learn is left out."}
 
 svd-knn on 16 x 16 by the number of points in its model:
 
@@ -127,13 +133,13 @@ The real daemon, a device that copies a frame of 100 x 100 and stamps it when it
 the same machine; 1 kHz:
 
 {table(["method", "frames", "skipped", "p50", "p99", "p99.9", "max"], latency)}
-The floors, with nothing to do in them; `frame to client` at 1 kHz as well, measured before each method:
+The baselines, with nothing to do in them; `frame to client` at 1 kHz as well, measured before each method:
 
-{table(["floor", "p50", "p99", "p99.9", "max"], list(floor_rows(of)))}
+{table(["baseline", "p50", "p99", "p99.9", "max"], list(floor_rows(of)))}
 The device waits for the estimator, and no frame is skipped:
 
 {table(["method", "frames/s", "skipped"], rates)}
-Sensors of 16 x 16 at 1 kHz each, moments; latency from sample to board:
+Sensors of 16 x 16 at 1 kHz each, moments; latency from sample to snapshot:
 
 {picture("sensors", "CPU and latency against sensors")}
 {table(["sensors", "CPU, % of a core", "p50", "p99", "skipped"], sensors)}
@@ -212,7 +218,7 @@ Decoding one scan, packets as they come from the bus (framing of byte streams is
 
 {table(["profile", "packets", "taxels", "p50", "p99", "p99.9"], decode)}
 {table(["hand-over", "p50", "p99", "p99.9", "max"], hand)}
-Both sides of the mailbox in one thread take {mailbox} ns, an estimate onto the board and off it {board} ns.
+Both sides of the mailbox in one thread take {mailbox} ns, an estimate into the snapshot and out of it {board} ns.
 """
 
 
@@ -260,7 +266,7 @@ longest of all frames measured.
 
 {machine_text(of)}
 
-## What was wanted
+## Targets
 
 {goal_table(of)}
 {refused_text(of)}## How the goals are defined

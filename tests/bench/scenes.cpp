@@ -77,7 +77,7 @@ Frames::Frames(const ChainSetup& setup, std::size_t count) : memory_(3 * setup.l
                                                          {draw.radius_m, draw.modulus_pa, draw.poisson}));
     history.move_to(draw.normal_n, 0, draw.friction);
     history.move_to(draw.normal_n, load, draw.friction);
-    maker.feel(history, draw.x_m, draw.y_m);
+    maker.sense(history, draw.x_m, draw.y_m);
     const auto number = static_cast<std::int64_t>(i) + 1;
     keep(maker.sense(2 * std::numbers::pi * random.uniform(1), random, i + 1, 1'000'000 * number), i, memory_,
          frames_);

@@ -39,6 +39,29 @@ TEST_F(FrameHealthMonitorTest, TheDeviceIsNamedForWhatItDid) {
               ElementsAre(HasSubstr("7 frames never came whole (by the device's count, if it has one")));
 }
 
+TEST_F(FrameHealthMonitorTest, ASensorThatMeasuresLessOftenThanItsFramesComeIsReported) {
+  const auto second = [&](int s) {
+    return after(std::chrono::seconds(s), {.received = static_cast<std::uint64_t>(41 * s),
+                                           .repeated = static_cast<std::uint64_t>(31 * s)});
+  };
+  EXPECT_THAT(second(1), IsEmpty());
+  EXPECT_THAT(second(2), IsEmpty());
+  EXPECT_THAT(second(3), ElementsAre(HasSubstr("93 frames repeated the one before")));
+  EXPECT_THAT(second(4), IsEmpty()) << "once a minute";
+}
+
+TEST_F(FrameHealthMonitorTest, FewRepeatedFramesAreNotReportedNorIsASensorThatStandsStill) {
+  for (int s = 1; s <= 5; ++s) {
+    const auto received = static_cast<std::uint64_t>(100 * s), repeated = static_cast<std::uint64_t>(10 * s);
+    EXPECT_THAT(after(std::chrono::seconds(s), {.received = received, .repeated = repeated}), IsEmpty());
+  }
+  for (int s = 6; s <= 10; ++s) {
+    const auto received = static_cast<std::uint64_t>(100 * s),
+               repeated = static_cast<std::uint64_t>(100 * s - 450);
+    EXPECT_THAT(after(std::chrono::seconds(s), {.received = received, .repeated = repeated}), IsEmpty());
+  }
+}
+
 TEST_F(FrameHealthMonitorTest, ASimulationThatIsLateIsTheMachinesFault) {
   EXPECT_THAT(after(1s, {.received = 1000, .lost = 7, .simulated = true}),
               ElementsAre(HasSubstr("7 frames were not simulated in time: this machine")));

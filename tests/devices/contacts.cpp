@@ -19,10 +19,10 @@ std::vector<Contact> scripted(const DeviceModel& model, double rate_hz, const nl
                             .options = options};
     sim::SensorSettings settings = sim::parse_options(setup).sensor;
     settings.imperfections.seed += sensor;
-    const auto felt = std::make_shared<sim::SimulatedSensor>(model.layout, settings);
-    contacts.push_back([felt, period](FrameSlot& slot) {
-      felt->advance(period);
-      felt->sample(slot);
+    const auto sensed = std::make_shared<sim::SimulatedSensor>(model.layout, settings);
+    contacts.push_back([sensed, period](FrameSlot& slot) {
+      sensed->advance(period);
+      sensed->sample(slot);
     });
   }
   return contacts;

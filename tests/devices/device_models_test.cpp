@@ -83,7 +83,7 @@ TEST(Xela, SendsOnlyAfterItsStartCommand) {
 TEST(ICubSkin, SendsSevenTaxelsThenFiveOfEachTriangle) {
   const auto scan = scan_of(icub_skin());
   ASSERT_THAT(scan, SizeIs(8));
-  // Taxels 1…12 feel 1000 … 12000 Pa: 2 counts each, down from 245.
+  // Taxels 1…12 sense 1000 … 12000 Pa: 2 counts each, down from 245.
   EXPECT_EQ(scan[0], (Packet{0x410, {0x00, 243, 241, 239, 237, 235, 233, 231}}));
   EXPECT_EQ(scan[1], (Packet{0x410, {0x80, 229, 227, 225, 223, 221, 0, 0}}));
   EXPECT_EQ(scan[2].address, 0x411);
@@ -168,7 +168,7 @@ TEST(Tsf85, SendsAPacketAFingerAndOneForTheRest) {
   // 9A, crc, command, length 57, tag of finger 0; 1000 Pa are 50 counts, 2000 are 100.
   EXPECT_THAT(part(scan[0].bytes, 2, 7), ElementsAre(0x58, 57, 0x10, 0, 50, 0, 100));
   EXPECT_EQ(scan[0].bytes[0], 0x9A);
-  // Finger 1 has tag 0x14 and feels 100 Pa more.
+  // Finger 1 has tag 0x14 and senses 100 Pa more.
   EXPECT_THAT(part(scan[1].bytes, 2, 7), ElementsAre(0x58, 57, 0x14, 0, 55, 0, 105));
   // Vibration of both, and the time.
   EXPECT_THAT(part(scan[2].bytes, 2, 17),
@@ -228,7 +228,7 @@ TEST(RoHand, GivesEachFingersForceInMillinewton) {
   const auto scan = scan_of(rohand());
   ASSERT_THAT(scan, SizeIs(1));
   EXPECT_EQ(scan[0].address, 1120);
-  // 1000 Pa on (15 mm)² are 225 mN; each finger feels 100 Pa more than the one before.
+  // 1000 Pa on (15 mm)² are 225 mN; each finger senses 100 Pa more than the one before.
   EXPECT_THAT(scan[0].bytes, ElementsAre(0, 225, 0, 248, 1, 14, 1, 37, 1, 59));
 }
 

@@ -140,7 +140,7 @@ TEST(SimDrivers, AtSpeedZeroArePacedByTheConsumerAndLeaveNothingOut) {
   EXPECT_TRUE(driver.paced_by_consumer());
   EXPECT_FALSE(SimDriver({small(json::object())}).paced_by_consumer());
   const auto settings = parse_options(small(options, 10)).sensor;
-  SimulatedSensor felt(TaxelLayout::grid(4, 4, 0.003), settings);
+  SimulatedSensor sensed(TaxelLayout::grid(4, 4, 0.003), settings);
   OwnedSlot slot(16), expected(16);
   std::int64_t first_ns = 0;
   for (std::uint64_t i = 0; i < 100; ++i) {
@@ -148,8 +148,8 @@ TEST(SimDrivers, AtSpeedZeroArePacedByTheConsumerAndLeaveNothingOut) {
     if (i == 0) first_ns = slot.slot.time_ns;
     EXPECT_EQ(slot.slot.sequence, i);
     EXPECT_EQ(slot.slot.time_ns - first_ns, static_cast<std::int64_t>(i) * 100'000'000);
-    felt.advance(std::chrono::milliseconds(100));
-    ASSERT_TRUE(felt.sample(expected.slot));
+    sensed.advance(std::chrono::milliseconds(100));
+    ASSERT_TRUE(sensed.sample(expected.slot));
     EXPECT_EQ(slot.slot.device_time_ns, expected.slot.device_time_ns);
     EXPECT_EQ(slot.memory, expected.memory);
   }

@@ -184,14 +184,14 @@ TEST(SkinLayers, CarryTheWholeForceToWideEnoughAPad) {
   const auto layout = TaxelLayout::grid(120, 120, 0.0005);
   const std::vector<double> x{0.0011}, y{-0.0007}, normal{2}, shear{0.5};
   const SkinLayer skin(layout, x, y, 0.002);
-  Taxels felt(layout.size());
-  skin.feel(normal, shear, felt.normal, felt.x, felt.y);
+  Taxels sensed(layout.size());
+  skin.sense(normal, shear, sensed.normal, sensed.x, sensed.y);
   const auto total = [&](const std::vector<float>& values) {
     return layout.area_m2() * std::accumulate(values.begin(), values.end(), 0.0);
   };
-  EXPECT_NEAR(total(felt.normal), 2, 0.01);
-  EXPECT_NEAR(total(felt.x), 0.5 * (1 - 0.09), 0.01);  // beyond r lie 3 d/(2 r) of it, a tenth beyond 30 mm
-  EXPECT_NEAR(total(felt.y), 0, 0.01);
+  EXPECT_NEAR(total(sensed.normal), 2, 0.01);
+  EXPECT_NEAR(total(sensed.x), 0.5 * (1 - 0.09), 0.01);  // beyond r lie 3 d/(2 r) of it, a tenth beyond 30 mm
+  EXPECT_NEAR(total(sensed.y), 0, 0.01);
 }
 
 TEST(SkinLayers, FeelPressingAsOutwardShearAndAPullAsPressureAheadAndSuctionBehind) {
@@ -199,8 +199,8 @@ TEST(SkinLayers, FeelPressingAsOutwardShearAndAPullAsPressureAheadAndSuctionBehi
   const std::vector<double> at{0}, none{0}, one{1};
   const SkinLayer skin(layout, at, at, 0.002);
   Taxels pressed(5), pulled(5);
-  skin.feel(one, none, pressed.normal, pressed.x, pressed.y);
-  skin.feel(none, one, pulled.normal, pulled.x, pulled.y);
+  skin.sense(one, none, pressed.normal, pressed.x, pressed.y);
+  skin.sense(none, one, pulled.normal, pulled.x, pulled.y);
   EXPECT_LT(pressed.x[1], 0);
   EXPECT_GT(pressed.x[3], 0);
   EXPECT_LT(pulled.normal[1], 0);
@@ -221,18 +221,18 @@ TEST(SkinLayers, OnceCalibratedFeelAnEvenLoadWhole) {
     }
   }
   SkinLayer skin(layout, x, y, 0.0025);
-  const auto felt_n = [&] {
-    Taxels felt(16);
-    skin.feel(normal, shear, felt.normal, felt.x, felt.y);
+  const auto sensed_n = [&] {
+    Taxels sensed(16);
+    skin.sense(normal, shear, sensed.normal, sensed.x, sensed.y);
     const auto total = [&](const std::vector<float>& values) {
       return layout.area_m2() * std::accumulate(values.begin(), values.end(), 0.0);
     };
-    return std::pair(total(felt.normal), total(felt.x));
+    return std::pair(total(sensed.normal), total(sensed.x));
   };
-  EXPECT_LT(felt_n().first, 2.9) << "its edges are not felt";
+  EXPECT_LT(sensed_n().first, 2.9) << "its edges are not sensed";
   skin.calibrate(layout.area_m2());
-  EXPECT_NEAR(felt_n().first, 3, 1e-4);
-  EXPECT_NEAR(felt_n().second, -1, 1e-4);
+  EXPECT_NEAR(sensed_n().first, 3, 1e-4);
+  EXPECT_NEAR(sensed_n().second, -1, 1e-4);
 }
 
 // Nine pillars of heights and friction of their own, and a rough object of 0.2 kg.

@@ -155,7 +155,7 @@ TEST(Ordeals, SigmaOwnsUpToFlawsOfShapeAndSensor) {
   EXPECT_GT(judged, 0.75 * all);
 }
 
-// From a pull to a torque alone, from no load to slip, and on layouts that feel no torque.
+// From a pull to a torque alone, from no load to slip, and on layouts that sense no torque.
 TEST(Ordeals, UnderForceAndTorqueNoNumberIsWithoutEndAndFineArraysAreNotTooSafe) {
   int judged = 0, all = 0;
   for (const auto& row : measure_turning({.side = 32, .contacts = 6}, [](double) {})) {

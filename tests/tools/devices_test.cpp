@@ -113,16 +113,16 @@ std::string bytes_of(const std::vector<Packet>& packets, bool numbered = false) 
   return out;
 }
 
-struct Said {
+struct Decoded {
   bool any;
   std::vector<json> frames;
   std::string remarks;
 };
 
-Said said_of(const std::string& profile, const std::string& capture) {
+Decoded said_of(const std::string& profile, const std::string& capture) {
   std::istringstream in(capture);
   std::ostringstream out, remarks;
-  Said said{decode({profile, 1, true}, in, out, remarks), {}, remarks.str()};
+  Decoded said{decode({profile, 1, true}, in, out, remarks), {}, remarks.str()};
   std::istringstream lines(out.str());
   for (std::string line; std::getline(lines, line);) said.frames.push_back(json::parse(line));
   return said;
@@ -131,7 +131,7 @@ Said said_of(const std::string& profile, const std::string& capture) {
 TEST(Decode, CutsFramesOutOfAUsbCaptureAndSaysWhatItDropped) {
   std::string capture = bytes_of(packets_of(slipd::devices::papillarray(), 3));
   capture.insert(capture.size() / 3, "dirt");
-  const Said said = said_of("contactile-pts2", capture);
+  const Decoded said = said_of("contactile-pts2", capture);
   EXPECT_TRUE(said.any);
   ASSERT_EQ(said.frames.size(), 6) << "two sensors";
   EXPECT_EQ(said.frames[5]["sensor"], 1);

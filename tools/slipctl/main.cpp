@@ -65,7 +65,7 @@ void add_questions(CLI::App& app, Choices& choices) {
 
 void add_record(CLI::App& app, Choices& choices) {
   CLI::App* command = app.add_subcommand("record", "record a sensor's frames into a file");
-  command->add_option("--sensor", choices.record.sensor)->required();
+  command->add_option("--sensor", choices.record.sensor, "the sensor's name")->required();
   command->add_option("--seconds", choices.record.seconds, "length of the recording, s")
       ->check(CLI::Range(0.001, 86400.0))
       ->required();

@@ -33,7 +33,7 @@ ContactShape::ContactShape(const TaxelLayout& layout, double depth_m, std::optio
       taxel_(layout.size()) {
   for (auto* list : {&x_, &y_, &u_, &v_}) list->resize(layout.size());
   for (auto* list : {&all_data_, &data_, &residuals_}) list->resize(3 * layout.size());
-  choose_imprint_loops();
+  choose_field_loops();
 }
 
 std::size_t ContactShape::memory_bytes() const noexcept {
@@ -263,7 +263,7 @@ void ContactShape::evaluate_sheets(const Full& from, int unknowns, Detail detail
                        .residuals = residuals_.data(),
                        .count = count_};
   ChannelProducts products;
-  linearise_imprint(by, unknowns, products);
+  linearise_field(by, unknowns, products);
   spread(products, unknowns, normal);
 }
 

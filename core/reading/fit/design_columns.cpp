@@ -10,7 +10,7 @@ namespace {
 using Sheet = contact::SubsurfaceSheet;
 
 [[gnu::always_inline]] inline void fill(const DesignColumn& of, std::size_t n, double* to) noexcept {
-  const FeltRows &one = of.dome, &two = of.other;
+  const SensedRows &one = of.dome, &two = of.other;
   const double p = of.pressed_pa, x = of.pulled_x_pa, y = of.pulled_y_pa, x2 = of.other_x_pa,
                y2 = of.other_y_pa;
 #pragma omp simd
@@ -80,14 +80,14 @@ const ColumnKernels ColumnKernels::avx512{fill_on_avx512, multiply_on_avx512};
 
 }  // namespace
 
-FeltRows felt_rows(const Sheet& sheet, Sheet::Of of) noexcept {
-  FeltRows rows;
+SensedRows sensed_rows(const Sheet& sheet, Sheet::Of of) noexcept {
+  SensedRows rows;
   for (std::size_t c = 0; c < rows.size(); ++c)
     rows[c] = sheet.row(of, static_cast<Sheet::Component>(c)).data();
   return rows;
 }
 
-void fill_felt(const DesignColumn& column, std::size_t count, double* to) noexcept {
+void fill_sensed(const DesignColumn& column, std::size_t count, double* to) noexcept {
   best_kernels<ColumnKernels>().fill(column, count, to);
 }
 

@@ -12,8 +12,8 @@ namespace {
 using Sheet = contact::SubsurfaceSheet;
 
 // Derivatives by log(a/b) as functions of the distance: of the dome O of the pressure, and of M, that of the
-// shear, as in imprint_round.cpp. nt, tn and rt go with the sine of twice the angle from the long axis, all
-// others with its cosine. t: across the radius.
+// shear, as in axisymmetric_normal_equations.cpp. nt, tn and rt go with the sine of twice the angle from the
+// long axis, all others with its cosine. t: across the radius.
 enum Function : std::uint8_t { o_nn, o_rn, o_tn, m_nr, m_nt, m_rr, m_rt, m_tt };
 static_assert(m_tt + 1 == EllipticityTest::kFunctions);
 

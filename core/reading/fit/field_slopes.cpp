@@ -51,24 +51,24 @@ template <bool kElliptic, bool kSymmetric, bool kGrowsBoth>
       return rows.at(of, i);
     };
     const auto moved = [&](const LayerTensor& o, const LayerTensor& in) __attribute__((always_inline)) {
-      return felt_of(p, o, q, c, s, combined(1, o, -k, in));
+      return sensed_of(p, o, q, c, s, combined(1, o, -k, in));
     };
     const LayerTensor o = at(by.outer, Sheet::value), in = at(by.inner, Sheet::value),
                       m = combined(1, o, -k, in);
-    const Felt all = felt_of(p, o, q, c, s, m), shear = felt_of(0, o, 1, c, s, m),
-               turned = felt_of(0, o, q, -s, c, m);
+    const Sensed all = sensed_of(p, o, q, c, s, m), shear = sensed_of(0, o, 1, c, s, m),
+                 turned = sensed_of(0, o, q, -s, c, m);
     put(kUnknowns<kElliptic>, all.n - by.data[i], all.x - by.data[n + i], all.y - by.data[2 * n + i]);
-    const Felt mu = moved(at(by.outer, Sheet::d_u), at(by.inner, Sheet::d_u)),
-               mv = moved(at(by.outer, Sheet::d_v), at(by.inner, Sheet::d_v));
+    const Sensed mu = moved(at(by.outer, Sheet::d_u), at(by.inner, Sheet::d_u)),
+                 mv = moved(at(by.outer, Sheet::d_v), at(by.inner, Sheet::d_v));
     put(at_x, -mu.n, -mu.x, -mu.y);
     put(at_y, -mv.n, -mv.x, -mv.y);
     const LayerTensor oa = at(by.outer, Sheet::d_a), ia = at(by.inner, Sheet::d_a);
     LayerTensor so = combined(by.wide.a_m, oa, 0, oa), si = combined(by.narrow.a_m, ia, 0, ia);
     if constexpr (kElliptic) {
       const LayerTensor ob = at(by.outer, Sheet::d_b), ib = at(by.inner, Sheet::d_b);
-      const Felt longer = moved(combined(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
-                                combined(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
-                 angle = moved(at(by.outer, Sheet::d_angle), at(by.inner, Sheet::d_angle));
+      const Sensed longer = moved(combined(0.5 * by.wide.a_m, oa, -0.5 * by.wide.b_m, ob),
+                                  combined(0.5 * by.narrow.a_m, ia, -0.5 * by.narrow.b_m, ib)),
+                   angle = moved(at(by.outer, Sheet::d_angle), at(by.inner, Sheet::d_angle));
       const double x = by.c2 * by.turn, y = -by.s2 * by.turn;
       put(at_along, by.c2 * longer.n + y * angle.n, by.c2 * longer.x + y * angle.x,
           by.c2 * longer.y + y * angle.y);
@@ -80,14 +80,14 @@ template <bool kElliptic, bool kSymmetric, bool kGrowsBoth>
       so = combined(1, so, by.wide.b_m, at(by.outer, Sheet::d_b));
       si = combined(1, si, by.narrow.b_m, at(by.inner, Sheet::d_b));
     }
-    const Felt grown = moved(so, si), by_k = felt_of(0, o, q, c, s, combined(-1, in, -1, si));
+    const Sensed grown = moved(so, si), by_k = sensed_of(0, o, q, c, s, combined(-1, in, -1, si));
     put(at_size, by.per_size * grown.n, by.per_size * grown.x, by.per_size * grown.y);
     put(at_peak, all.n / p, all.x / p, all.y / p);
     put(at_load, p / by.rest * shear.n, p / by.rest * shear.x, p / by.rest * shear.y);
     put(at_margin, q / by.rest * shear.n + by.dk * by_k.n, q / by.rest * shear.x + by.dk * by_k.x,
         q / by.rest * shear.y + by.dk * by_k.y);
     put(at_direction, turned.n, turned.x, turned.y);
-    const Felt deeper = moved(at(by.outer, Sheet::d_depth), at(by.inner, Sheet::d_depth));
+    const Sensed deeper = moved(at(by.outer, Sheet::d_depth), at(by.inner, Sheet::d_depth));
     put(at_depth, deeper.n, deeper.x, deeper.y);
   }
 }
@@ -151,11 +151,11 @@ const FieldKernels FieldKernels::avx512{linearise_on_avx512};
 
 }  // namespace
 
-void choose_imprint_loops() noexcept {
+void choose_field_loops() noexcept {
   best_kernels<FieldKernels>();
 }
 
-void linearise_imprint(const FieldSlopes& by, int unknowns, ChannelProducts& products) noexcept {
+void linearise_field(const FieldSlopes& by, int unknowns, ChannelProducts& products) noexcept {
   best_kernels<FieldKernels>().linearised(by, unknowns, products);
 }
 

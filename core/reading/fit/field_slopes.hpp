@@ -33,14 +33,14 @@ struct FieldRows {
   std::array<std::array<const double*, Sheet::kComponents>, Sheet::kRows> row;
 };
 
-// What a taxel feels of one contact: pressure and shear, Pa or of a unit dome.
-struct Felt {
+// What a taxel senses of one contact: pressure and shear, Pa or of a unit dome.
+struct Sensed {
   double n = 0, x = 0, y = 0;
 };
 
 // Of a pressure and of a shear along (c, s), with the tensor of each.
-[[gnu::always_inline]] inline Felt felt_of(double p, const contact::LayerTensor& of_p, double q, double c,
-                                           double s, const contact::LayerTensor& of_q) noexcept {
+[[gnu::always_inline]] inline Sensed sensed_of(double p, const contact::LayerTensor& of_p, double q, double c,
+                                               double s, const contact::LayerTensor& of_q) noexcept {
   return {p * of_p.nn + q * (c * of_q.nx + s * of_q.ny), p * of_p.xn + q * (c * of_q.xx + s * of_q.xy),
           p * of_p.yn + q * (c * of_q.xy + s * of_q.yy)};
 }
@@ -62,9 +62,9 @@ struct FieldSlopes {
   std::size_t count;
 };
 // Chooses the loops that this processor can run; else the first frame would.
-void choose_imprint_loops() noexcept;
+void choose_field_loops() noexcept;
 
 // Fills the residuals of `by` and their products. unknowns: 8 of a round contact, 10 of an ellipse.
-void linearise_imprint(const FieldSlopes& by, int unknowns, ChannelProducts& products) noexcept;
+void linearise_field(const FieldSlopes& by, int unknowns, ChannelProducts& products) noexcept;
 
 }  // namespace slipd

@@ -134,7 +134,7 @@ Fit::RingMisfit Fit::ring_misfit(const Vector& at) const noexcept {
 }
 
 // Residual pressure that no noise explains, part by part of the disc, as a share of its peak: a contact that
-// is tilted, elliptic or felt through a skin is off to one side or another, an array with dead taxels here
+// is tilted, elliptic or sensed through a skin is off to one side or another, an array with dead taxels here
 // and there. Shear is off by as much, and its residual does not show that, as the margin gives way to it.
 double Fit::residual_pressure(const Vector& at) const noexcept {
   constexpr double kFitted = 4;  // unknowns of the pressure: place, radius, height
@@ -258,11 +258,11 @@ bool Fit::describe(const ContactPatch& patch, const Minimum& minimum, Reading& o
   if (!(load_sigmas > options_.clear_load_sigmas)) return false;
   out.gamma = at[margin];
   out.sigma = load_sigmas > options_.faint_load_sigmas ? std::sqrt(variance) : 1;
-  const double mobilised = 1 - out.gamma;
-  out.friction = at[load] / mobilised;
+  const double utilisation = 1 - out.gamma;
+  out.friction = at[load] / utilisation;
   out.friction_sigma =
-      out.sigma < options_.max_friction_share * mobilised
-          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(covariance(load, load)) / at[load])
+      out.sigma < options_.max_friction_share * utilisation
+          ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(covariance(load, load)) / at[load])
           : std::numeric_limits<double>::infinity();
   place(patch, at, out);
   return true;

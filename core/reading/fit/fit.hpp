@@ -7,7 +7,7 @@
 // Unknown are the centre, the radius a, the pressure's height B = p0/a, the load T = Q/P and Gamma:
 //   p = B A(a),   q = B T (A(a) - A(k a)) / (1 - Gamma),   k^3 = Gamma,   A(x) the average of sqrt(x^2 -
 //   r^2).
-// T and Gamma stay well apart at any load, where mu and k would not: near no load only mu (1 - k) is felt.
+// T and Gamma stay well apart at any load, where mu and k would not: near no load only mu (1 - k) is sensed.
 #pragma once
 
 #include <Eigen/Core>

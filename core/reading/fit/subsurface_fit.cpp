@@ -42,18 +42,18 @@ SubsurfaceFit::SubsurfaceFit(const TaxelLayout& layout, Range friction_expected,
       unsheared_(3 * layout.size()),
       columns_(depth_m > 0 ? 3 * moment_columns() * layout.size() : 0) {}
 
-// The felt pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P. The
+// The sensed pressure is wider than the one that acts, and its centre is drawn along the pull, by d Q/P. The
 // disc reads less of the pull than of the pressure.
 SubsurfaceFit::Full SubsurfaceFit::start(const ContactPatch& patch, const MomentRatio& ratio) const noexcept {
   constexpr double kLeastShare = 0.4, kMostEllipticity = 0.8;
-  const double felt = patch.radius_m, felt_m2 = felt * felt;
-  const double mean_m2 = std::max(felt_m2 - options_.start_spread * depth_m_ * depth_m_,
-                                  kLeastShare * kLeastShare * felt_m2);  // of both axes
+  const double sensed = patch.radius_m, sensed_m2 = sensed * sensed;
+  const double mean_m2 = std::max(sensed_m2 - options_.start_spread * depth_m_ * depth_m_,
+                                  kLeastShare * kLeastShare * sensed_m2);  // of both axes
   const double e =
-      elliptic_ ? std::min(ratio.deviation.ellipticity * felt_m2 / mean_m2, kMostEllipticity) : 0;
+      elliptic_ ? std::min(ratio.deviation.ellipticity * sensed_m2 / mean_m2, kMostEllipticity) : 0;
   const double a = std::sqrt(mean_m2 * std::sqrt(1 - e * e)), twice = 2 * ratio.deviation.long_axis_rad;
   Full at = Full::Zero();
-  at[Model::load] = ratio.load * (1 + options_.start_load * depth_m_ / felt);
+  at[Model::load] = ratio.load * (1 + options_.start_load * depth_m_ / sensed);
   at[Model::center_x] = patch.center_x_m - depth_m_ * ratio.load * patch.direction_x;
   at[Model::center_y] = patch.center_y_m - depth_m_ * ratio.load * patch.direction_y;
   at[Model::direction] = std::atan2(patch.direction_y, patch.direction_x);
@@ -167,11 +167,11 @@ bool SubsurfaceFit::describe(const Minimum& minimum, Reading& out) const noexcep
   if (!(load_sigmas > fit_.clear_load_sigmas)) return false;
   out.gamma = at[Model::margin];
   out.sigma = load_sigmas > fit_.faint_load_sigmas ? std::sqrt(variance) : 1;
-  const double mobilised = 1 - out.gamma;
-  out.friction = at[Model::load] / mobilised;
+  const double utilisation = 1 - out.gamma;
+  out.friction = at[Model::load] / utilisation;
   out.friction_sigma =
-      out.sigma < fit_.max_friction_share * mobilised && std::isfinite(load_variance)
-          ? out.friction * std::hypot(out.sigma / mobilised, std::sqrt(load_variance) / at[Model::load])
+      out.sigma < fit_.max_friction_share * utilisation && std::isfinite(load_variance)
+          ? out.friction * std::hypot(out.sigma / utilisation, std::sqrt(load_variance) / at[Model::load])
           : std::numeric_limits<double>::infinity();
   place(at, out);
   if (depth_m_ > 0) return true;  // find_moments has the forces of any history
@@ -184,8 +184,8 @@ bool SubsurfaceFit::describe(const Minimum& minimum, Reading& out) const noexcep
 void SubsurfaceFit::fill_shear(const Full& at, double gamma, const Sheet& outer) noexcept {
   const double k = std::cbrt(gamma), q = at[Model::peak] / (1 - gamma);
   const double x = q * std::cos(at[Model::direction]), y = q * std::sin(at[Model::direction]);
-  const FeltRows inner = felt_rows(model_.show_part(at, k, profile_detail()), Sheet::value);
-  fill_column(shear_.data(), {.dome = felt_rows(outer, Sheet::value),
+  const SensedRows inner = sensed_rows(model_.show_part(at, k, profile_detail()), Sheet::value);
+  fill_column(shear_.data(), {.dome = sensed_rows(outer, Sheet::value),
                               .other = inner,
                               .pulled_x_pa = x,
                               .pulled_y_pa = y,

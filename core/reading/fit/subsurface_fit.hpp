@@ -33,7 +33,7 @@
 
 namespace slipd {
 
-// Checked with `slipd-lab tradeoff --imprints`. side: a taxel's side.
+// Checked with `slipd-lab tradeoff --shapes`. side: a taxel's side.
 struct SubsurfaceFitOptions {
   // Taxels up to this many depths outside the patch's disc are used; 0 … 5. Too small: the shear's flank,
   // which shows the margin, is left out. Too large: costs time.

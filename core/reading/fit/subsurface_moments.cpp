@@ -38,7 +38,7 @@ double* SubsurfaceFit::column(std::size_t which) noexcept {
 void SubsurfaceFit::fill_column(double* to, DesignColumn of) noexcept {
   of.per_normal = 1 / model_.noise().normal_pa;
   of.per_shear = 1 / model_.noise().shear_pa;
-  fill_felt(of, model_.count(), to);
+  fill_sensed(of, model_.count(), to);
 }
 
 // What each channel reads of the pressure, in units of noise, by its unknowns over their own scale.
@@ -46,7 +46,7 @@ void SubsurfaceFit::fill_pressure(const Full& at, const Sheet& outer) noexcept {
   const contact::Ellipse ellipse = ContactShape::ellipse_of(at, 1);
   const double p = at[ContactShape::peak], a = at[ContactShape::size];
   const auto fill = [&](double* to, Sheet::Of of, double pressed_pa) {
-    const FeltRows rows = felt_rows(outer, of);
+    const SensedRows rows = sensed_rows(outer, of);
     fill_column(to, {.dome = rows, .other = rows, .pressed_pa = pressed_pa});
   };
   fill(column(by_x), Sheet::d_u, -p * a);
@@ -64,8 +64,8 @@ void SubsurfaceFit::fill_domes(const Full& at, const ContactPatch& patch, const 
   const double area_m2 = std::numbers::pi * at[ContactShape::size] * at[ContactShape::size];
   for (std::size_t dome = 0; dome < kDomeRadii.size(); ++dome) {
     const double x = kDomeRadii[dome], per_n = 1.5 / (x * x * area_m2);
-    const FeltRows rows =
-        felt_rows(dome == 0 ? outer : model_.show_part(at, x, ContactShape::Detail::rough), Sheet::value);
+    const SensedRows rows =
+        sensed_rows(dome == 0 ? outer : model_.show_part(at, x, ContactShape::Detail::rough), Sheet::value);
     fill_column(column(dome), {.dome = rows,
                                .other = rows,
                                .pulled_x_pa = per_n * patch.direction_x,
@@ -82,7 +82,7 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
   for (std::size_t i = 0; i < rows; ++i) unsheared_[i] = at[ContactShape::load] * shear_[i] - residuals[i];
   fill_domes(at, patch, outer);
   ColumnMatrix products;
-  ColumnVector felt, slip = ColumnVector::Zero(), legendre = slip, force = slip, legendre_by_size = slip;
+  ColumnVector sensed, slip = ColumnVector::Zero(), legendre = slip, force = slip, legendre_by_size = slip;
   std::array<const double*, kColumns + 1> columns;
   for (std::size_t i = 0; i < kColumns; ++i) columns[i] = column(i);
   columns[kColumns] = unsheared_.data();
@@ -92,7 +92,7 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
   for (Eigen::Index i = 0; i < kRows; ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) products(i, j) = products(j, i) = *next++;
   }
-  for (Eigen::Index i = 0; i < kRows; ++i) felt[i] = *next++;
+  for (Eigen::Index i = 0; i < kRows; ++i) sensed[i] = *next++;
   const double normal_n =
       2.0 / 3 * std::numbers::pi * at[ContactShape::size] * at[ContactShape::size] * at[ContactShape::peak];
   for (std::size_t i = 0; i < kDomeRadii.size(); ++i) {
@@ -105,7 +105,7 @@ void SubsurfaceFit::find_moments(const ContactPatch& patch, const Full& at, Read
     products(row, row) += 1 / (normal_n * normal_n);  // no dome carries much more than P
   }
   const Eigen::LDLT<ColumnMatrix> solved(products);
-  const ColumnVector found = solved.solve(felt);
+  const ColumnVector found = solved.solve(sensed);
   // The domes are those of the contact before it was made larger by as much.
   const double shear_n = force.dot(found), grown = found[by_size];
   slip[by_size] = 2 * (5.0 / 3 * shear_n - slip.dot(found));

@@ -41,9 +41,9 @@ struct Reading {
   bool in_model = false;
   // The contact carries a torque that makes its shear no sum of disc terms: gamma and friction are of that
   // load, by taxels that slip; there are no moments and no profile.
-  bool turning = false;
-  // Of `turning`, not in_model: the load has fallen since, and what slipped sticks again. `friction` is a
-  // ratio that friction is not below, 0 where none is seen.
+  bool under_torque = false;
+  // Of `under_torque`, not in_model: the load has fallen since, and what slipped sticks again. `friction` is
+  // a ratio that friction is not below, 0 where none is seen.
   bool load_fallen = false;
   // How the shear lies along the resultant, whatever the contact went through: see ShearMoments.
   // Deviations are infinite where it is not known.

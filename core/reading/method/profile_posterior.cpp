@@ -26,11 +26,11 @@ void weigh_profile(const ProfileFriction& friction, const FrictionPrior& prior, 
     frictions.add(w, friction[j]);
   }
   constexpr double kStep = 1.0 / MarginProfile::kSteps;
-  const double mobilised = std::max(1 - margins.mean(), kStep / 2);
+  const double utilisation = std::max(1 - margins.mean(), kStep / 2);
   out.gamma = margins.mean();
   out.sigma = std::sqrt(margins.variance() + variance_of_step(kStep));
   out.friction = frictions.mean();
-  out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / mobilised * kStep));
+  out.friction_sigma = std::sqrt(frictions.variance() + variance_of_step(out.friction / utilisation * kStep));
 }
 
 }  // namespace slipd

@@ -140,11 +140,11 @@ Reading Moments::estimate(const ContactPatch& patch, const Rings& rings) const n
                deviation = ratio.deviation.sigma(options_.ratio.deviation);
   out.sigma = std::hypot(per_ratio * ratio.sigma, deviation);
   out.common_sigma = std::hypot(per_ratio * ratio.common_sigma, deviation);
-  const double mobilised = std::max(kNoShear, 1 - out.gamma);
-  out.friction = ratio.load / mobilised;
+  const double utilisation = std::max(kNoShear, 1 - out.gamma);
+  out.friction = ratio.load / utilisation;
   out.friction_sigma =
-      out.sigma < options_.max_friction_share * mobilised
-          ? out.friction * std::hypot(out.sigma / mobilised, patch.shear_sigma_n / patch.shear_n)
+      out.sigma < options_.max_friction_share * utilisation
+          ? out.friction * std::hypot(out.sigma / utilisation, patch.shear_sigma_n / patch.shear_n)
           : std::numeric_limits<double>::infinity();
   out.in_model = ratio.deviation.hertzian(options_.ratio.deviation) &&
                  monotonic_misfit(rings, patch, layout_, out.gamma, out.friction) < options_.max_ring_misfit;

@@ -33,8 +33,9 @@ struct MomentRatioOptions {
   double ring_error = 0.3;
   double ring_width = 0.45;
   // Share of both that is left where GridAliasing corrects the ratio: regular grids without a dead taxel in
-  // the contact; 0.15 … 1. The correction itself leaves 0.15; the rest is for taxels that do not feel exactly
-  // the mean over their square. Too small: sigma is less than the error after a regrip or an unloading
+  // the contact; 0.15 … 1. The correction itself leaves 0.15; the rest is for taxels that do not sense
+  // exactly the mean over their square. Too small: sigma is less than the error after a regrip or an
+  // unloading
   // (`slipd-lab coverage --grasps 30 --of histories`). Too large: alerts come early.
   double corrected_share = 0.6;
   // Floor of the ratio's sigma; 0 … 0.01. Too small and too large: as above, on fine arrays without noise.

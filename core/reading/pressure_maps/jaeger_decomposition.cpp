@@ -31,11 +31,11 @@ bool JaegerDecomposition::solve(const Read& read) noexcept {
   information.diagonal().array() += 1 / (kUsualFriction * kUsualFriction);
   const Eigen::LDLT<Products> solved(information);
   if (solved.info() != Eigen::Success || !solved.isPositive()) return false;
-  friction_ = solved.solve(read.felt / read.noise_pa2);
+  friction_ = solved.solve(read.sensed / read.noise_pa2);
   shear_n_ = friction_.dot(force_n_);
   const double maps =
       read.map_noise_pa2 * friction_.dot(read.noise_shares.lazyProduct(friction_)) / read.noise_pa2;
-  excess_pa2_ = read.shear_pa2 - 2 * friction_.dot(read.felt) +
+  excess_pa2_ = read.shear_pa2 - 2 * friction_.dot(read.sensed) +
                 friction_.dot(read.products.lazyProduct(friction_)) -
                 read.values * read.noise_pa2 * (1 + maps);
   moments_ = {friction_.dot(slip_n_), friction_.dot(legendre_n_)};

@@ -33,7 +33,7 @@ class JaegerDecomposition {
   struct Read {
     Products products;         // of terms, Pa^2
     Products noise_shares;     // products of their noise, over noise of a value of one frame
-    Terms felt;                // products of terms and shear, Pa^2
+    Terms sensed;              // products of terms and shear, Pa^2
     double shear_pa2 = 0;      // sum of squares of the shear
     double values = 0;         // their number
     double noise_pa2 = 0;      // variance of one value, > 0

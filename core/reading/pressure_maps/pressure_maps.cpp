@@ -41,11 +41,11 @@ void PressureMaps::observe(const Frame&, const ContactPatch& patch) noexcept {
     pulled_n_ = std::max(pulled_n_, normal_n);
   if (!(normal_n > 0) || normal_n < options_.outgrown * pulled_n_) return;
   const bool pulled =
-      patch.shear_n > (skin_ ? options_.most_shear_felt : options_.most_shear) * patch.normal_n &&
+      patch.shear_n > (skin_ ? options_.most_shear_sensed : options_.most_shear) * patch.normal_n &&
       patch.shear_n > options_.most_shear_sigmas * patch.shear_sigma_n;
   if (pulled && (skin_ || !grown(patch, normal_n))) return;
   // Under a skin only while the force rises: the first of a pull in a held grip would be taken for what
-  // pressing is felt as.
+  // pressing is sensed as.
   if ((!skin_ || normal_n > most_n_) && maps_.frames_like(normal_n) < options_.enough_frames)
     maps_.add(patch.taxels, normal_n);
   most_n_ = std::max(most_n_, normal_n);
@@ -196,7 +196,7 @@ bool PressureMaps::superpose(const ContactPatch& patch, const RecordedMaps::PerM
   JaegerDecomposition::Read sums{
       .products = {},
       .noise_shares = {},
-      .felt = {},
+      .sensed = {},
       .shear_pa2 = shear_square_pa2,
       .values = static_cast<double>(maps_.contact().size()),
       .noise_pa2 = std::max(patch.noise_shear_pa * patch.noise_shear_pa, floor_pa2),
@@ -207,7 +207,7 @@ bool PressureMaps::superpose(const ContactPatch& patch, const RecordedMaps::PerM
     for (std::size_t k = 0; k < RecordedMaps::Sum::kTerms; ++k)
       out.add(i, maps_.force_n(terms[i].map[k]), terms[i].weight[k]);
     const auto row = static_cast<Eigen::Index>(i);
-    sums.felt[row] = RecordedMaps::product(terms[i], products);
+    sums.sensed[row] = RecordedMaps::product(terms[i], products);
     for (std::size_t j = 0; j <= i; ++j) {
       const auto column = static_cast<Eigen::Index>(j);
       sums.noise_shares(row, column) = sums.noise_shares(column, row) = maps_.noise_share(terms[i], terms[j]);
@@ -218,7 +218,7 @@ bool PressureMaps::superpose(const ContactPatch& patch, const RecordedMaps::PerM
 }
 
 Reading PressureMaps::estimate(const Frame&, const ContactPatch& patch) noexcept {
-  if (skin_) return estimate_felt(patch);
+  if (skin_) return estimate_sensed(patch);
   Reading out;
   if (!recorded(patch.normal_n)) return out;
   maps_.find_contact(patch.noise_normal_pa);
@@ -256,13 +256,13 @@ Reading PressureMaps::estimate(const Frame&, const ContactPatch& patch) noexcept
   return out;
 }
 
-PressureMaps::Trial PressureMaps::judge_felt(std::size_t step, const ContactPatch& patch) const noexcept {
+PressureMaps::Trial PressureMaps::judge_sensed(std::size_t step, const ContactPatch& patch) const noexcept {
   const SubsurfacePressureMaps::Pull pull = skin_->pull(step);
   Trial trial{.gamma = gamma_of(step)};
   if (!(pull.noise_pa2 > 0)) return trial;
   trial.residual_pa2 = pull.residual_pa2;
   trial.noise_pa2 = pull.noise_pa2;
-  // Both maps' noise is the same in all frames: the difference's, and that of what pressing is felt as.
+  // Both maps' noise is the same in all frames: the difference's, and that of what pressing is sensed as.
   trial.map_share = std::min(1.0, pull.map_share + skin_->pressing_share());
   // Against the force: noise.
   const double along = pull.x * patch.direction_x + pull.y * patch.direction_y;
@@ -272,11 +272,11 @@ PressureMaps::Trial PressureMaps::judge_felt(std::size_t step, const ContactPatc
 
 // The maps are the same ones for all margins. So their noise is taken off each residual, and does not speak
 // against margins that need more friction.
-std::size_t PressureMaps::judge_felt(const ContactPatch& patch) noexcept {
+std::size_t PressureMaps::judge_sensed(const ContactPatch& patch) noexcept {
   std::size_t best = kSteps;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kSteps; ++i) {
-    const Trial trial = trials_[i] = judge_felt(i, patch);
+    const Trial trial = trials_[i] = judge_sensed(i, patch);
     const double nats = 0.5 * trial.residual_pa2 / trial.noise_pa2 + trial.nats;
     if (!(trial.friction > 0 && nats < least)) continue;
     best = i;
@@ -302,7 +302,7 @@ std::size_t PressureMaps::closest_trial() const noexcept {
 double PressureMaps::sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept {
   if (!(std::fabs(gamma - asked_at_gamma_) > options_.depth_asked_again)) return by_depth_;
   skin_->deepen(maps_, best, skin_->pull(best));
-  judge_felt(patch);
+  judge_sensed(patch);
   Reading deeper;
   weigh(deeper);
   asked_at_gamma_ = gamma;
@@ -312,11 +312,11 @@ double PressureMaps::sigma_by_depth(const ContactPatch& patch, std::size_t best,
   return by_depth_;
 }
 
-bool PressureMaps::read_felt(const ContactPatch& patch, double normal_n, FeltFrame& out) noexcept {
+bool PressureMaps::read_sensed(const ContactPatch& patch, double normal_n, SensedFrame& out) noexcept {
   skin_->prepare(maps_, kFilteredAtOnce);
   if (!skin_->ready(maps_)) return false;
   skin_->read(patch.taxels, maps_, normal_n);
-  out.best = judge_felt(patch);
+  out.best = judge_sensed(patch);
   out.sum = JaegerDecomposition(normal_n);
   out.summed = skin_->superpose(maps_, normal_n, patch.direction_x, patch.direction_y, out.sum);
   if (out.summed)
@@ -324,30 +324,30 @@ bool PressureMaps::read_felt(const ContactPatch& patch, double normal_n, FeltFra
   return out.best < kSteps && skin_->unlike(maps_, out.best, skin_->pull(out.best)) < options_.most_unlike;
 }
 
-Reading PressureMaps::estimate_felt(const ContactPatch& patch) noexcept {
+Reading PressureMaps::estimate_sensed(const ContactPatch& patch) noexcept {
   Reading out;
   const double normal_n = force_n(patch);
   if (!recorded(normal_n)) return out;
-  FeltFrame felt;
-  if (!read_felt(patch, normal_n, felt)) return out;
+  SensedFrame sensed;
+  if (!read_sensed(patch, normal_n, sensed)) return out;
   // The grip has tightened since it closed.
   if (normal_n > options_.most_growth * most_n_) {
-    if (!felt.summed) return out;
+    if (!sensed.summed) return out;
     maps_.add(skin_->without_pull(maps_), normal_n);
     most_n_ = normal_n;
-    if (!read_felt(patch, normal_n, felt)) return out;
+    if (!read_sensed(patch, normal_n, sensed)) return out;
   }
   const double values = skin_->values();
-  if (felt.summed) {
+  if (sensed.summed) {
     const auto shears = static_cast<double>(2 * layout_.size());
-    const double noise_pa2 = skin_->shear_pa2(), excess_pa2 = felt.sum.excess_pa2();
-    give_moments(felt.sum,
+    const double noise_pa2 = skin_->shear_pa2(), excess_pa2 = sensed.sum.excess_pa2();
+    give_moments(sensed.sum,
                  {.excess_pa2 = excess_pa2,
                   .noise_pa2 = noise_pa2 * std::sqrt(2 * SubsurfacePressureMaps::kOfMeasuredNoise * shears),
                   .explained_pa2 = skin_->shear_square_pa2() - shears * noise_pa2 - excess_pa2},
                  out);
   }
-  const std::size_t step = felt.best;
+  const std::size_t step = sensed.best;
   if (step == kSteps) return out;
   const Trial best = trials_[step];
   const SubsurfacePressureMaps::Pull pull = skin_->pull(step);

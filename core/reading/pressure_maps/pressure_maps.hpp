@@ -32,12 +32,12 @@ struct PressureMapsOptions {
   double most_shear = 0.03;
   double most_shear_sigmas = 3;
   // That share under a skin, where shear is recorded as well; 0.001 … 0.02. Too small: as above. Too large:
-  // the beginning of a pull is taken for what pressing is felt as.
-  double most_shear_felt = 0.005;
+  // the beginning of a pull is taken for what pressing is sensed as.
+  double most_shear_sensed = 0.005;
   // Under a skin a shear above most_shear and so many standard deviations is a pull, which leaves traction in
   // the contact where its own force has gone: nothing is recorded then up to this factor of its normal force;
-  // 4 … 8 and 1.2 … 4. Too small: what is left is taken for what pressing is felt as. Too large: a touch that
-  // hooks ends the recording.
+  // 4 … 8 and 1.2 … 4. Too small: what is left is taken for what pressing is sensed as. Too large: a touch
+  // that hooks ends the recording.
   double pull_sigmas = 5, outgrown = 2;
   // Normal force below which a frame is not recorded; standard deviations, 3 … 30. Too small: maps of noise.
   // Too large: margins near gross slip have no map.
@@ -147,21 +147,21 @@ class PressureMaps final : public SlipMethod {
               const RecordedMaps::PerMap& products, double shear_square_pa2) const noexcept;
   void weigh_friction(double measured, double square_pa2, Trial& trial) const noexcept;
   // The same under a skin, of the frame that skin_ has read; without the misfit.
-  Trial judge_felt(std::size_t step, const ContactPatch& patch) const noexcept;
+  Trial judge_sensed(std::size_t step, const ContactPatch& patch) const noexcept;
   // All trials. Returns the most likely one, with the prior; kSteps: none.
-  std::size_t judge_felt(const ContactPatch& patch) noexcept;
+  std::size_t judge_sensed(const ContactPatch& patch) noexcept;
   // The one that leaves least; kSteps: none.
   std::size_t closest_trial() const noexcept;
   // The most likely of the trials, with the prior; null: none.
   const Trial* best_trial() const noexcept;
-  Reading estimate_felt(const ContactPatch& patch) noexcept;
-  struct FeltFrame {
+  Reading estimate_sensed(const ContactPatch& patch) noexcept;
+  struct SensedFrame {
     std::size_t best = kSteps;  // trial; kSteps: none
     JaegerDecomposition sum{1};
     bool summed = false;
   };
   // False if maps are not ready, or the contact has moved.
-  bool read_felt(const ContactPatch& patch, double normal_n, FeltFrame& out) noexcept;
+  bool read_sensed(const ContactPatch& patch, double normal_n, SensedFrame& out) noexcept;
   double sigma_by_depth(const ContactPatch& patch, std::size_t best, double gamma) noexcept;
   // Fills sigma and friction of `out` from the likelihood. excess: sum of squares that noise does not
   // explain, explained: that the pull does, noise: the deviation of the first; Pa^2.

@@ -1,5 +1,5 @@
 // Maps of one contact, recorded while the gripper closed: the pressure on each taxel as a function of the
-// normal force, and under a skin the shear that pressing alone is felt as. Frames of nearly the same force
+// normal force, and under a skin the shear that pressing alone is sensed as. Frames of nearly the same force
 // are averaged, so that a map has less noise than a frame. Estimate thread; nothing allocates after
 // construction.
 #pragma once

@@ -43,7 +43,7 @@ ShearFromPressureFilter::Roots::Roots(std::size_t n) : length(n), cosine(n / 2),
 }
 
 ShearFromPressureFilter::ShearFromPressureFilter(const TaxelLayout::Grid& grid, double depth_m,
-                                                 double least_felt)
+                                                 double least_sensed)
     : columns_(grid.columns),
       rows_(grid.rows),
       along_x_(std::bit_ceil(2 * grid.columns)),
@@ -55,7 +55,7 @@ ShearFromPressureFilter::ShearFromPressureFilter(const TaxelLayout::Grid& grid, 
   const double nominal_sides = depth_m / grid.pitch_m;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
     nodes_[i] = kernels_at(nominal_sides * std::exp(kReach * (static_cast<double>(i) - 1)), nominal_sides,
-                           least_felt);
+                           least_sensed);
   now_ = nodes_[1];
   double squares = 0, pressing = 0;
   for (std::size_t i = 0; i < size; ++i) {
@@ -70,7 +70,7 @@ ShearFromPressureFilter::ShearFromPressureFilter(const TaxelLayout::Grid& grid, 
 // wider than the transforms, of which the distances between two taxels are kept: the filter
 // reaches from each taxel to each other one, and not around.
 ShearFromPressureFilter::Kernels ShearFromPressureFilter::kernels_at(double depth_sides, double nominal_sides,
-                                                                     double least_felt) {
+                                                                     double least_sensed) {
   const std::size_t width = along_x_.length, height = along_y_.length;
   const Roots wide_x(wider(width)), wide_y(wider(height));
   Plane wide, turned;
@@ -86,12 +86,12 @@ ShearFromPressureFilter::Kernels ShearFromPressureFilter::kernels_at(double dept
       for (std::size_t v = 0; v < wide_y.length; ++v) {
         const double ky = wave_number(v, wide_y.length), k = std::hypot(kx, ky);
         const double nominal = depth_sides > 0 ? k * nominal_sides / depth_sides : 0;
-        const double felt = (1 + nominal) * std::exp(-nominal) < least_felt ? 0 : 1 / (1 + k);
+        const double sensed = (1 + nominal) * std::exp(-nominal) < least_sensed ? 0 : 1 / (1 + k);
         // The highest frequency of an even length has both signs.
         const std::complex<double> both =
             ratio({kx, ky, u == 1 ? 0 : kx, v == 1 ? 0 : ky, k > 0 ? 1 / k : 0});
-        wide.re[u * wide_y.length + v] = static_cast<float>(felt * both.real());
-        wide.im[u * wide_y.length + v] = static_cast<float>(felt * both.imag());
+        wide.re[u * wide_y.length + v] = static_cast<float>(sensed * both.real());
+        wide.im[u * wide_y.length + v] = static_cast<float>(sensed * both.imag());
       }
     }
     backward(wide, wide_x, wide_y.length);
@@ -238,7 +238,7 @@ void ShearFromPressureFilter::filter(const std::vector<float>& kernel_re, const 
   std::copy_n(lines_.im.begin(), out_im.size(), out_im.begin());
 }
 
-void ShearFromPressureFilter::apply(std::span<const float> normal, const Felt& out) noexcept {
+void ShearFromPressureFilter::apply(std::span<const float> normal, const Sensed& out) noexcept {
   transform(normal);
   filter(now_.xx, now_.yy, out.xx, out.yy);
   for (std::size_t i = 0; i < now_.xy.size(); ++i) {

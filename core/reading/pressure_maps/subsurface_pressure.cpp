@@ -1,4 +1,4 @@
-// Of SubsurfacePressureMaps: the pressure that a pull is felt as, told from other changes of the pressure.
+// Of SubsurfacePressureMaps: the pressure that a pull is sensed as, told from other changes of the pressure.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 namespace slipd {
 namespace {
 
-// Forces over the frame's whose maps stand for what any pull is felt as; fewer: what is left of a pull passes
-// for a change of the pressure.
+// Forces over the frame's whose maps stand for what any pull is sensed as; fewer: what is left of a pull
+// passes for a change of the pressure.
 constexpr std::array kPullShares{1.0, 0.5, 0.15};
 // Taxels whose pressure changes alike where neither noise nor a pull nor a way explains it; 1 … 100. Too
 // small: a pressure that creeps is taken for a pull. Too large: the pressure says nothing on real skins.
@@ -56,20 +56,20 @@ void SubsurfacePressureMaps::without_ways(std::span<float> pressure) const noexc
   }
 }
 
-// A pull is felt as pressure by the kernel that pressing is felt as shear by.
+// A pull is sensed as pressure by the kernel that pressing is sensed as shear by.
 void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double normal_n) noexcept {
   const std::span<float> pressure = std::span(read_pa_).last(taxels_);
   std::copy(pressure_pa_.begin(), pressure_pa_.end(), pressure.begin());
   without_ways(pressure);
-  pulls_ = felt_as_pressure_;
+  pulls_ = sensed_as_pressure_;
   Weights of_x = Weights::Zero(roots_.size()), of_y = of_x;
   std::array<Weights, kWays> ways_x, ways_y;
   ways_x.fill(of_x);
   ways_y.fill(of_x);
   for (std::size_t map = 0; map < maps.size(); ++map) {
     const auto i = static_cast<Eigen::Index>(map);
-    const std::span<const float> x = felt_of(maps.slot(map), false).last(taxels_),
-                                 y = felt_of(maps.slot(map), true).last(taxels_);
+    const std::span<const float> x = sensed_of(maps.slot(map), false).last(taxels_),
+                                 y = sensed_of(maps.slot(map), true).last(taxels_);
     of_x[i] = taxel_dot(pressure, x);
     of_y[i] = taxel_dot(pressure, y);
     for (std::size_t way = 0; way < kWays; ++way) {
@@ -98,9 +98,9 @@ void SubsurfacePressureMaps::weigh_pressure(const RecordedMaps& maps, double nor
   shear_square_pa2_ = taxel_dot(shear, shear);
   square_pa2_ = shear_square_pa2_ + pressure_weight_ * square_pa2;
   values_ = taxels * (2 + std::min(1.0, pressure_weight_ * noise_pa2 / shear_pa2_));
-  pulls_.xx = felt_as_shear_.xx + pressure_weight_ * pulls_.xx;
-  pulls_.xy = felt_as_shear_.xy + pressure_weight_ * pulls_.xy;
-  pulls_.yy = felt_as_shear_.yy + pressure_weight_ * pulls_.yy;
+  pulls_.xx = sensed_as_shear_.xx + pressure_weight_ * pulls_.xx;
+  pulls_.xy = sensed_as_shear_.xy + pressure_weight_ * pulls_.xy;
+  pulls_.yy = sensed_as_shear_.yy + pressure_weight_ * pulls_.yy;
 }
 
 // By least squares over the maps of a few forces, pulled along x and along y.
@@ -110,11 +110,11 @@ double SubsurfacePressureMaps::explained_pa2(const Weights& of_x, const Weights&
   std::array<Weights, kPullShares.size()> of;
   for (std::size_t i = 0; i < of.size(); ++i) of[i] = at(kPullShares[i] * normal_n);
   Eigen::Matrix<double, 2 * kMaps, 2 * kMaps> squares;
-  Eigen::Matrix<double, 2 * kMaps, 1> felt;
+  Eigen::Matrix<double, 2 * kMaps, 1> sensed;
   for (int i = 0; i < kMaps; ++i) {
     const Weights& one = of[static_cast<std::size_t>(i)];
-    felt[i] = one.dot(of_x);
-    felt[kMaps + i] = one.dot(of_y);
+    sensed[i] = one.dot(of_x);
+    sensed[kMaps + i] = one.dot(of_y);
     for (int j = 0; j < kMaps; ++j) {
       const Weights& other = of[static_cast<std::size_t>(j)];
       squares(i, j) = product(pulls_.xx, one, other);
@@ -123,8 +123,9 @@ double SubsurfacePressureMaps::explained_pa2(const Weights& of_x, const Weights&
     }
   }
   const Eigen::LDLT<Eigen::Matrix<double, 2 * kMaps, 2 * kMaps>> solved(squares);
-  return solved.info() == Eigen::Success && solved.isPositive() ? std::max(0.0, felt.dot(solved.solve(felt)))
-                                                                : 0;
+  return solved.info() == Eigen::Success && solved.isPositive()
+             ? std::max(0.0, sensed.dot(solved.solve(sensed)))
+             : 0;
 }
 
 }  // namespace slipd

@@ -12,12 +12,12 @@ namespace {
 
 // Wave numbers of which the skin leaves less are noise; share of the pressure, 0 … 0.3. Too small: maps keep
 // their noise. Too large: small contacts lose their edge.
-constexpr double kLeastFelt = 0.1;
+constexpr double kLeastSensed = 0.1;
 
 // The share of a difference of maps that the one found must leave, for it to show another history; 0.001 …
 // 0.1. Too small: noise is taken for a history. Too large: none is seen.
 constexpr double kOwn = 0.01;
-// What a pull is felt as is known up to this share, as it is found from maps on a grid; 0.005 … 0.05. Too
+// What a pull is sensed as is known up to this share, as it is found from maps on a grid; 0.005 … 0.05. Too
 // small: quiet sensors and few taxels are refused. Too large: another history passes.
 constexpr double kOfMaps = 0.02;
 
@@ -29,8 +29,8 @@ SubsurfacePressureMaps::SubsurfacePressureMaps(const TaxelLayout& layout, const 
       columns_(layout.regular().value().columns),
       rows_(layout.regular().value().rows),
       depth_(skin.depth_m, skin.depth_sigma),
-      ratio_(layout.regular().value(), skin.depth_m, kLeastFelt),
-      felt_(RecordedMaps::kMaps * 2 * kChannels * taxels_),
+      ratio_(layout.regular().value(), skin.depth_m, kLeastSensed),
+      sensed_(RecordedMaps::kMaps * 2 * kChannels * taxels_),
       read_pa_(kChannels * taxels_),
       pressure_pa_(taxels_),
       ways_(kWays * taxels_),
@@ -40,7 +40,7 @@ SubsurfacePressureMaps::SubsurfacePressureMaps(const TaxelLayout& layout, const 
 std::size_t SubsurfacePressureMaps::memory_bytes() const noexcept {
   return sizeof(*this) + ratio_.memory_bytes() +
          sizeof(float) *
-             (felt_.size() + read_pa_.size() + pressure_pa_.size() + ways_.size() + scratch_.size());
+             (sensed_.size() + read_pa_.size() + pressure_pa_.size() + ways_.size() + scratch_.size());
 }
 
 void SubsurfacePressureMaps::read(const TaxelView& taxels, const RecordedMaps& maps,
@@ -84,7 +84,8 @@ void SubsurfacePressureMaps::multiply(const RecordedMaps& maps) noexcept {
   for (Weights* of : {&of_x_, &of_y_, &shear_of_x_, &shear_of_y_}) of->setZero(roots_.size());
   for (std::size_t map = 0; map < maps.size(); ++map) {
     const auto i = static_cast<Eigen::Index>(map);
-    const std::span<const float> by_x = felt_of(maps.slot(map), false), by_y = felt_of(maps.slot(map), true);
+    const std::span<const float> by_x = sensed_of(maps.slot(map), false),
+                                 by_y = sensed_of(maps.slot(map), true);
     shear_of_x_[i] = taxel_dot(shear, by_x.first(2 * taxels_));
     shear_of_y_[i] = taxel_dot(shear, by_y.first(2 * taxels_));
     of_x_[i] = shear_of_x_[i] + taxel_dot(pressure, by_x.last(taxels_));
@@ -142,12 +143,12 @@ double SubsurfacePressureMaps::history_gain(std::size_t trial, const Pull& pull)
 // The pressure is left out: its noise would draw five terms towards 0.
 bool SubsurfacePressureMaps::superpose(const RecordedMaps& maps, double normal_n, double direction_x,
                                        double direction_y, JaegerDecomposition& out) noexcept {
-  const Square along = of_pulls(felt_as_shear_, direction_x, direction_y);
+  const Square along = of_pulls(sensed_as_shear_, direction_x, direction_y);
   const Weights read = direction_x * shear_of_x_ + direction_y * shear_of_y_;
   std::array<Weights, JaegerDecomposition::kTerms> terms;
   JaegerDecomposition::Read sums{.products = {},
                                  .noise_shares = {},
-                                 .felt = {},
+                                 .sensed = {},
                                  .shear_pa2 = shear_square_pa2_,
                                  .values = static_cast<double>(2 * taxels_),
                                  .noise_pa2 = std::max(shear_pa2_, std::numeric_limits<double>::min()),
@@ -155,7 +156,7 @@ bool SubsurfacePressureMaps::superpose(const RecordedMaps& maps, double normal_n
   for (std::size_t i = 0; i < terms.size(); ++i) {
     terms[i] = at(JaegerDecomposition::kShares[i] * normal_n);
     const auto row = static_cast<Eigen::Index>(i);
-    sums.felt[row] = terms[i].dot(read);
+    sums.sensed[row] = terms[i].dot(read);
     for (std::size_t map = 0; map < maps.size(); ++map)
       out.add(i, maps.force_n(map), terms[i][static_cast<Eigen::Index>(map)]);
     for (std::size_t j = 0; j <= i; ++j) {
@@ -196,9 +197,9 @@ double SubsurfacePressureMaps::unlike(const RecordedMaps& maps, const Weights& s
 TaxelView SubsurfacePressureMaps::without_pull(const RecordedMaps& maps) noexcept {
   pulled_ = true;
   add_maps(pressure_pa_, 1, maps, today_, RecordedMaps::normal);
-  const std::span<float> felt = std::span(scratch_).first(2 * taxels_);
-  ratio_.press(pressure_pa_, felt.first(taxels_), felt.last(taxels_));
-  return {pressure_pa_.data(), felt.data(), felt.data() + taxels_};
+  const std::span<float> sensed = std::span(scratch_).first(2 * taxels_);
+  ratio_.press(pressure_pa_, sensed.first(taxels_), sensed.last(taxels_));
+  return {pressure_pa_.data(), sensed.data(), sensed.data() + taxels_};
 }
 
 void SubsurfacePressureMaps::deepen(const RecordedMaps& maps, std::size_t trial, const Pull& pull) noexcept {
@@ -211,7 +212,7 @@ void SubsurfacePressureMaps::deepen(const RecordedMaps& maps, std::size_t trial,
   const std::span<float> x = std::span(read_pa_).first(taxels_),
                          y = std::span(read_pa_).subspan(taxels_, taxels_),
                          normal = std::span(read_pa_).last(taxels_);
-  const auto add_felt = [&](float sign) {
+  const auto add_sensed = [&](float sign) {
     ratio_.apply(map, {xx, xy, yy, nx, ny});
     taxel_vector(x) += sign * (qx * taxel_vector(xx) + qy * taxel_vector(xy));
     taxel_vector(y) += sign * (qx * taxel_vector(xy) + qy * taxel_vector(yy));
@@ -222,9 +223,9 @@ void SubsurfacePressureMaps::deepen(const RecordedMaps& maps, std::size_t trial,
   // Towards the nominal depth where the other way is out of reach; the change is the same, with its sign.
   const double step = filtered_log_ > 0 ? -kDeeper : kDeeper;
   ratio_.set_depth(filtered_log_ + step);
-  add_felt(-1);
+  add_sensed(-1);
   ratio_.set_depth(filtered_log_);
-  add_felt(1);
+  add_sensed(1);
   multiply(maps);
 }
 

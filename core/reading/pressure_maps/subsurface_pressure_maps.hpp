@@ -1,8 +1,8 @@
 // The shear of a contact under a skin, explained by the maps of its own closing (docs/methods.md §25.4). The
-// shear that pressing alone is felt as is subtracted: it is in the maps. What is left is friction times the
+// shear that pressing alone is sensed as is subtracted: it is in the maps. What is left is friction times the
 // difference of two pressure maps, filtered by the ratio of the kernels. Each map is filtered when it is
-// complete, not in every frame. What pressing is felt as also shows the depth of the taxels. Estimate thread;
-// nothing allocates after construction.
+// complete, not in every frame. What pressing is sensed as also shows the depth of the taxels. Estimate
+// thread; nothing allocates after construction.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,7 +46,7 @@ class SubsurfacePressureMaps {
     double residual_pa2 = 0;  // sum of squares, less what the maps' noise adds
     double noise_pa2 = 0;     // variance of one value's residual
     double map_share = 0;     // the maps' part of it
-    double square_pa2 = 0;    // sum of squares of what a friction of 1 along the pull is felt as
+    double square_pa2 = 0;    // sum of squares of what a friction of 1 along the pull is sensed as
   };
   // trial: Gamma = (trial + 1/2) over their number.
   Pull pull(std::size_t trial) const noexcept;
@@ -56,7 +56,7 @@ class SubsurfacePressureMaps {
   // Sum of squares of what was read, Pa^2, and of the shear alone, which is two values a taxel.
   double square_pa2() const noexcept { return square_pa2_; }
   double shear_square_pa2() const noexcept { return shear_square_pa2_; }
-  // The part of their noise that what pressing is felt as has, and so each frame alike; 0 … 1.
+  // The part of their noise that what pressing is sensed as has, and so each frame alike; 0 … 1.
   double pressing_share() const noexcept { return pressing_share_; }
   // How many values are in the first sum, and the variance of the noise of each, Pa^2.
   double values() const noexcept { return values_; }
@@ -70,7 +70,7 @@ class SubsurfacePressureMaps {
                  JaegerDecomposition& out) noexcept;
 
   // The sum of squares of the pressure's difference from today's map, beyond noise, over that of the map. The
-  // pressure that the pull is felt as is left out: pressing is felt as shear by the same kernel.
+  // pressure that the pull is sensed as is left out: pressing is sensed as shear by the same kernel.
   double unlike(const RecordedMaps& maps, std::size_t trial, const Pull& pull) noexcept;
   // The same with the pull that superpose() has found.
   double unlike_superposed(const RecordedMaps& maps, double direction_x, double direction_y) noexcept;
@@ -94,7 +94,7 @@ class SubsurfacePressureMaps {
   using Products = std::array<RecordedMaps::PerMap, RecordedMaps::kMaps>;
   static constexpr std::size_t kChannels = 3;
 
-  // Of pulls along x and y by two maps: sums over taxels of the products of what they are felt as, Pa^2. By
+  // Of pulls along x and y by two maps: sums over taxels of the products of what they are sensed as, Pa^2. By
   // slot, and in order of the forces.
   struct ProductsOfSlots {
     Products xx{}, xy{}, yy{};
@@ -102,14 +102,14 @@ class SubsurfacePressureMaps {
   struct Pulls {
     Square xx, xy, yy;
   };
-  // What taxels feel of a pull along x and along y for a map: the shear's components, then the pressure.
-  std::span<float> felt_of(std::size_t slot, bool along_y) noexcept {
-    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * kChannels * taxels_,
-                                    kChannels * taxels_);
+  // What taxels sense of a pull along x and along y for a map: the shear's components, then the pressure.
+  std::span<float> sensed_of(std::size_t slot, bool along_y) noexcept {
+    return std::span(sensed_).subspan((2 * slot + (along_y ? 1 : 0)) * kChannels * taxels_,
+                                      kChannels * taxels_);
   }
-  std::span<const float> felt_of(std::size_t slot, bool along_y) const noexcept {
-    return std::span(felt_).subspan((2 * slot + (along_y ? 1 : 0)) * kChannels * taxels_,
-                                    kChannels * taxels_);
+  std::span<const float> sensed_of(std::size_t slot, bool along_y) const noexcept {
+    return std::span(sensed_).subspan((2 * slot + (along_y ? 1 : 0)) * kChannels * taxels_,
+                                      kChannels * taxels_);
   }
   void filter(const RecordedMaps& maps, std::size_t map) noexcept;
   void find_depth(const RecordedMaps& maps) noexcept;
@@ -125,7 +125,7 @@ class SubsurfacePressureMaps {
     return a.dot(of.lazyProduct(b));
   }
   double noise_share(const Weights& weights) const noexcept { return weights.cwiseAbs2().dot(per_frames_); }
-  // What the noise of a map of one frame adds to the products of what pulls are felt as.
+  // What the noise of a map of one frame adds to the products of what pulls are sensed as.
   double map_noise_pa2() const noexcept {
     return static_cast<double>(taxels_) * normal_pa2_ *
            (ratio_.noise_gain() + pressure_weight_ * ratio_.pressing_gain());
@@ -145,7 +145,7 @@ class SubsurfacePressureMaps {
   double filtered_log_ = 0;  // log of the depth that maps are filtered for, over the nominal one
   std::size_t last_filling_ = kNone;
   ShearFromPressureFilter ratio_;
-  std::vector<float> felt_;                                   // by slot of the maps
+  std::vector<float> sensed_;                                 // by slot of the maps
   std::array<std::uint64_t, RecordedMaps::kMaps> version_{};  // of the map that was filtered
   ProductsOfSlots as_shear_, as_pressure_;
 
@@ -154,11 +154,11 @@ class SubsurfacePressureMaps {
   double last_n_ = 0;           // the force of the last map
   Weights roots_, per_frames_;  // of the force over the last one's; 1 over the frames
   Square inverse_;              // of the covariance
-  Pulls felt_as_shear_, felt_as_pressure_;
+  Pulls sensed_as_shear_, sensed_as_pressure_;
 
   // Of the frame.
-  // Both components of the shear, less what pressing is felt as; then the pressure, less today's map and all
-  // ways that it may have changed without a pull, times pressure_weight_.
+  // Both components of the shear, less what pressing is sensed as; then the pressure, less today's map and
+  // all ways that it may have changed without a pull, times pressure_weight_.
   std::vector<float> read_pa_;
   std::vector<float> pressure_pa_;  // less today's map
   // How today's map changes if it moves along x or y, or grows: kWays orthogonal vectors of length 1.
@@ -181,7 +181,7 @@ class SubsurfacePressureMaps {
     double noise_share = 0, xx = 0, xy = 0, yy = 0;
   };
   std::vector<Slipping> trials_;
-  // Products of what was read with what is felt of the maps; of the shear alone.
+  // Products of what was read with what is sensed of the maps; of the shear alone.
   Weights of_x_, of_y_, shear_of_x_, shear_of_y_;
   Weights superposed_;  // of the maps, with friction
 };

@@ -11,7 +11,7 @@ namespace {
 
 // Maps of two forces are alike whose roots differ by less than this, over the root of the greatest one; 0.1 …
 // 0.5. Too small: maps keep their noise. Too large: what a map has of its own is smoothed away. These two by
-// `slipd-lab tradeoff --imprints`.
+// `slipd-lab tradeoff --shapes`.
 constexpr double kAlike = 0.3;
 // Noise of a frame that the smoothing counts with, over its peak; 0.002 … 0.05. Too small: maps keep their
 // noise. Too large: margins of a quiet sensor are not as good as they could be.
@@ -20,7 +20,7 @@ constexpr double kNoise = 0.01;
 // Change of the log of the depth from which on maps are filtered anew; 0.005 … 0.05. Too small: costs time.
 // Too large: margins are off by as much.
 constexpr double kSameDepth = 0.02;
-// Of the shear that pressing is felt as, the share of its sum of squares that no depth explains and that
+// Of the shear that pressing is sensed as, the share of its sum of squares that no depth explains and that
 // leaves the depth unknown; 0.05 … 0.5. Too small: real skins never show their depth. Too large: a skin of
 // another kind is taken for one of another depth.
 constexpr double kMostUnexplained = 0.2;
@@ -62,7 +62,7 @@ void SubsurfacePressureMaps::prepare(const RecordedMaps& maps, std::size_t taxel
 
 void SubsurfacePressureMaps::filter(const RecordedMaps& maps, std::size_t map) noexcept {
   const std::size_t slot = maps.slot(map), n = taxels_;
-  const std::span<float> by_x = felt_of(slot, false), by_y = felt_of(slot, true);
+  const std::span<float> by_x = sensed_of(slot, false), by_y = sensed_of(slot, true);
   ratio_.apply(maps.values(map, RecordedMaps::normal),
                {by_x.first(n), by_x.subspan(n, n), by_y.subspan(n, n), by_x.last(n), by_y.last(n)});
   std::copy_n(by_x.begin() + static_cast<std::ptrdiff_t>(n), n, by_y.begin());
@@ -70,7 +70,7 @@ void SubsurfacePressureMaps::filter(const RecordedMaps& maps, std::size_t map) n
   smoothed_ = 0;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const std::size_t other = maps.slot(i);
-    const std::span<const float> other_x = felt_of(other, false), other_y = felt_of(other, true);
+    const std::span<const float> other_x = sensed_of(other, false), other_y = sensed_of(other, true);
     const auto fill = [&](ProductsOfSlots& out, std::size_t first, std::size_t count) {
       const auto product = [&](std::span<const float> a, std::span<const float> b) {
         return taxel_dot(a.subspan(first, count), b.subspan(first, count));
@@ -90,31 +90,31 @@ void SubsurfacePressureMaps::find_depth(const RecordedMaps& maps) noexcept {
   if (!depth_.open()) return;
   smooth(maps);
   const Weights last = at(last_n_);
-  const std::span<float> all(scratch_), map = all.first(taxels_), felt = all.subspan(taxels_, 2 * taxels_);
+  const std::span<float> all(scratch_), map = all.first(taxels_), sensed = all.subspan(taxels_, 2 * taxels_);
   const std::span<float> left = std::span(read_pa_).first(2 * taxels_), x = left.first(taxels_),
                          y = left.last(taxels_);
   for (const std::span<float> values : {map, left}) std::fill(values.begin(), values.end(), 0.0F);
   add_maps(map, 1, maps, last, RecordedMaps::normal);
   add_maps(x, 1, maps, last, RecordedMaps::shear_x);
   add_maps(y, 1, maps, last, RecordedMaps::shear_y);
-  const double felt_pa2 = taxel_dot(left, left), noise_pa2 = 0.5 * (noise_of(x) + noise_of(y));
+  const double sensed_pa2 = taxel_dot(left, left), noise_pa2 = 0.5 * (noise_of(x) + noise_of(y));
   ratio_.set_depth(filtered_log_);
-  ratio_.press(map, felt.first(taxels_), felt.last(taxels_));
-  taxel_vector(left) -= taxel_vector(felt);
+  ratio_.press(map, sensed.first(taxels_), sensed.last(taxels_));
+  taxel_vector(left) -= taxel_vector(sensed);
   // By a step towards the nominal depth, so that it is within reach.
   const double step = filtered_log_ > 0 ? -kDeeper : kDeeper;
   ratio_.set_depth(filtered_log_ + step);
-  taxel_vector(felt) *= -1;
+  taxel_vector(sensed) *= -1;
   const std::span<float> other = std::span(pressure_pa_), rest = all.subspan(3 * taxels_, taxels_);
   ratio_.press(map, other, rest);
-  taxel_vector(felt.first(taxels_)) += taxel_vector(other);
-  taxel_vector(felt.last(taxels_)) += taxel_vector(rest);
+  taxel_vector(sensed.first(taxels_)) += taxel_vector(other);
+  taxel_vector(sensed.last(taxels_)) += taxel_vector(rest);
   ratio_.set_depth(filtered_log_);
-  const double squares = taxel_dot(felt, felt) / (step * step), product = taxel_dot(left, felt) / step;
-  if (!(squares > 0 && felt_pa2 > 0)) return;
+  const double squares = taxel_dot(sensed, sensed) / (step * step), product = taxel_dot(left, sensed) / step;
+  if (!(squares > 0 && sensed_pa2 > 0)) return;
   const double off_pa2 =
       taxel_dot(left, left) - product * product / squares - 2 * static_cast<double>(taxels_) * noise_pa2;
-  if (off_pa2 > kMostUnexplained * felt_pa2) return;
+  if (off_pa2 > kMostUnexplained * sensed_pa2) return;
   const LogDepth shown{filtered_log_ + product / squares,
                        std::max(SkinDepth::kLeastSigma, std::sqrt(noise_pa2 / squares))};
   depth_.forget();  // what smaller forces have shown is in these maps, too
@@ -176,8 +176,8 @@ void SubsurfacePressureMaps::smooth(const RecordedMaps& maps) noexcept {
     roots_[i] = std::sqrt(maps.force_n(map) / last_n_);
     per_frames_[i] = 1 / maps.frames(map);
   }
-  gather(as_shear_, maps, felt_as_shear_);
-  gather(as_pressure_, maps, felt_as_pressure_);
+  gather(as_shear_, maps, sensed_as_shear_);
+  gather(as_pressure_, maps, sensed_as_pressure_);
   Square covariance(size + 1, size + 1);
   for (Eigen::Index i = 0; i <= size; ++i) {
     for (Eigen::Index j = 0; j <= size; ++j) covariance(i, j) = covariance_of(roots_[i], roots_[j]);

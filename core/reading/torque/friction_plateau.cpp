@@ -102,7 +102,7 @@ void FrictionPlateau::follow_slope(double sigmas) noexcept {
 Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   Reading out;
   all_slipped_ = false;
-  out.turning = true;
+  out.under_torque = true;
   out.friction_sigma = std::numeric_limits<double>::infinity();
   out.center_x_m = loaded.center_x_m;
   out.center_y_m = loaded.center_y_m;
@@ -112,8 +112,8 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
   const Plateau plateau = find_plateau();
   if (plateau.taxels < options_.least_taxels) return out;
   if (plateau.slope_sigma > 0) follow_slope(plateau.slope / plateau.slope_sigma);
-  const double mobilised = loaded.shear_n / loaded.normal_n / plateau.ratio;
-  out.gamma = std::clamp(1 - mobilised, 0.0, 1.0);
+  const double utilisation = loaded.shear_n / loaded.normal_n / plateau.ratio;
+  out.gamma = std::clamp(1 - utilisation, 0.0, 1.0);
   out.friction = plateau.ratio;
   const double by_noise = options_.noise_factor / (std::sqrt(plateau.weight) * plateau.ratio);
   const double square = out.gamma * out.gamma;
@@ -129,8 +129,8 @@ Reading FrictionPlateau::estimate(const ContactPatch& loaded) noexcept {
     return out;
   out.in_model = true;
   out.friction_sigma = sigma * plateau.ratio;
-  out.sigma = mobilised * std::hypot(sigma, loaded.shear_sigma_n / loaded.shear_n);
-  out.common_sigma = mobilised * rounded;
+  out.sigma = utilisation * std::hypot(sigma, loaded.shear_sigma_n / loaded.shear_n);
+  out.common_sigma = utilisation * rounded;
   return out;
 }
 

@@ -74,7 +74,7 @@ bool TorqueMomentRatio::half_space(const Ratio& ratio, double gamma, double coar
 Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
                                     const EquivalentPullResult& load) const noexcept {
   Reading out;
-  out.turning = true;
+  out.under_torque = true;
   out.friction_sigma = std::numeric_limits<double>::infinity();
   out.center_x_m = loaded.center_x_m;
   out.center_y_m = loaded.center_y_m;
@@ -99,9 +99,9 @@ Reading TorqueMomentRatio::estimate(const ContactPatch& loaded,
   out.common_sigma = std::hypot(slope * common, of_shape);
   // A margin lies below 1: no nearer to it than what noise may be of it.
   out.gamma = std::min(out.gamma, 1 - out.sigma);
-  const double mobilised = 1 - out.gamma, relative = out.sigma / mobilised;
-  if (!(out.sigma < std::max(options_.max_sigma * mobilised, options_.max_gamma_sigma))) return out;
-  out.friction = loaded.shear_n / loaded.normal_n / mobilised;
+  const double utilisation = 1 - out.gamma, relative = out.sigma / utilisation;
+  if (!(out.sigma < std::max(options_.max_sigma * utilisation, options_.max_gamma_sigma))) return out;
+  out.friction = loaded.shear_n / loaded.normal_n / utilisation;
   if (relative < options_.known_sigma)
     out.friction_sigma = out.friction * std::hypot(relative, loaded.shear_sigma_n / loaded.shear_n);
   out.in_model = true;

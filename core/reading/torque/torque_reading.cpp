@@ -45,15 +45,15 @@ Reading TorqueReading::estimate(const ContactPatch& loaded, const EquivalentPull
 
 void TorqueReadingOverTime::forget() noexcept {
   TorqueReading::forget();
-  bent_ = false;
+  torque_changed_shear_ = false;
   most_stuck_n_ = 0;
 }
 
 // A load beyond all that came before wipes what a torque has left.
-bool TorqueReadingOverTime::bent(const EquivalentPullResult& pull) noexcept {
-  const bool left = bent_ && !(path().risen && path().least_stuck);
-  bent_ = pull.turning == Turning::bending || left;
-  return bent_;
+bool TorqueReadingOverTime::torque_changes_shear(const EquivalentPullResult& pull) noexcept {
+  const bool left = torque_changed_shear_ && !(path().risen && path().least_stuck);
+  torque_changed_shear_ = pull.torque_effect == TorqueEffect::changes_shear || left;
+  return torque_changed_shear_;
 }
 
 // Taxels that slipped under another load stick again at lower ratios, which end in a plateau as well. It is

@@ -30,7 +30,9 @@ class TorqueReading {
   }
   // Whether a torque changes this frame's field, or has left traction in it: no method for pulls reads it.
   // Called once for each frame that has a shape.
-  virtual bool bent(const EquivalentPullResult& pull) noexcept { return pull.turning == Turning::bending; }
+  virtual bool torque_changes_shear(const EquivalentPullResult& pull) noexcept {
+    return pull.torque_effect == TorqueEffect::changes_shear;
+  }
   // Of a frame that is bent. `loaded` is as FrictionPlateau takes it.
   Reading estimate(const ContactPatch& loaded, const EquivalentPullResult& pull) noexcept;
 
@@ -62,13 +64,13 @@ class TorqueReadingOverTime final : public TorqueReading {
  public:
   explicit TorqueReadingOverTime(const TaxelLayout& layout) : TorqueReading(layout) {}
   void forget() noexcept override;
-  bool bent(const EquivalentPullResult& pull) noexcept override;
+  bool torque_changes_shear(const EquivalentPullResult& pull) noexcept override;
 
  private:
   bool slips_anew(const Reading& plateau, double normal_n) noexcept override;
 
-  double most_stuck_n_ = 0;  // ratio times P of the plateau, at its most since slip was last seen
-  bool bent_ = false;        // a torque's traction is in the contact
+  double most_stuck_n_ = 0;            // ratio times P of the plateau, at its most since slip was last seen
+  bool torque_changed_shear_ = false;  // a torque's traction is in the contact
 };
 
 }  // namespace slipd

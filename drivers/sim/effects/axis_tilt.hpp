@@ -1,6 +1,6 @@
 // Taxels that do not stand upright. On a curved base each leans outwards, and none is mounted exactly. What a
-// taxel calls normal and tangential is then the force turned by its tilt: pressing alone is felt as shear
-// that points outwards, and a pull is felt as a normal force, below 0 where it is away from the taxel.
+// taxel calls normal and tangential is then the force turned by its tilt: pressing alone is sensed as shear
+// that points outwards, and a pull is sensed as a normal force, below 0 where it is away from the taxel.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ class AxisTilt {
  public:
   AxisTilt(const TiltSettings& settings, const TaxelLayout& layout, std::uint64_t seed);
 
-  // Turns the true values of all taxels into what they feel; the spans have the layout's size.
+  // Turns the true values of all taxels into what they sense; the spans have the layout's size.
   void apply(std::span<float> normal, std::span<float> shear_x, std::span<float> shear_y) const noexcept;
 
  private:

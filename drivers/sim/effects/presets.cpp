@@ -8,7 +8,7 @@ namespace {
 constexpr std::array kPresets{Preset::ideal, Preset::pillars, Preset::magnetic_skin};
 
 // Finger tips of 3 x 3 pillars at a pitch of 7 mm. "Measured": median of 17 recordings of grasps that nobody
-// pulled at (`tools/real --effects`); the others are of the right order and not measured.
+// pulled at (`lab/slipd-bench/effects`); the others are of the right order and not measured.
 EffectSettings pillars() noexcept {
   EffectSettings effects;
   effects.grip = {.stiffening = 5, .relaxation_s = 0.09};  // measured: overshoot 3.5, closing in 87 ms

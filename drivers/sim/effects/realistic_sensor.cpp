@@ -95,9 +95,9 @@ void RealisticSensor::update(const LoadTarget& target, std::int64_t time_ns) noe
   contact_.pull(pulled_n + shaking_.shear(now_s) * normal_n, dt_s);
 }
 
-void RealisticSensor::feel(FrameSlot& out, std::uint64_t number, std::int64_t time_ns) noexcept {
+void RealisticSensor::sense(FrameSlot& out, std::uint64_t number, std::int64_t time_ns) noexcept {
   if (skin_) {
-    skin_->feel(contact_.normal_n(), contact_.shear_n(), out.normal_pa, out.shear_x_pa, out.shear_y_pa);
+    skin_->sense(contact_.normal_n(), contact_.shear_n(), out.normal_pa, out.shear_x_pa, out.shear_y_pa);
   } else {
     for (std::size_t i = 0; i < out.normal_pa.size(); ++i) {
       out.normal_pa[i] = static_cast<float>(contact_.normal_n()[i] / area_m2_);

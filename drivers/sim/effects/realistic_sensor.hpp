@@ -25,8 +25,8 @@ class RealisticSensor {
   // gripper and the load are to be then, by the script; its normal force is that of relaxed rubber.
   void update(const LoadTarget& target, std::int64_t time_ns) noexcept;
 
-  // Writes what the taxels feel, with coloured noise and drift. `out`: spans of the layout's size.
-  void feel(FrameSlot& out, std::uint64_t number, std::int64_t time_ns) noexcept;
+  // Writes what the taxels sense, with coloured noise and drift. `out`: spans of the layout's size.
+  void sense(FrameSlot& out, std::uint64_t number, std::int64_t time_ns) noexcept;
   // Cuts values off at the ends of the measuring range.
   void limit(FrameSlot& out) const noexcept;
 

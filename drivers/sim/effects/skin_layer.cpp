@@ -26,7 +26,7 @@ SkinLayer::SkinLayer(const TaxelLayout& layout, std::span<const double> x_m, std
 }
 
 void SkinLayer::calibrate(double taxel_area_m2) noexcept {
-  double normal = 0, shear = 0;  // felt of 1 N by each force, N
+  double normal = 0, shear = 0;  // sensed of 1 N by each force, N
   for (const Influence& of : influence_) {
     normal += static_cast<double>(of.normal_of_normal) * taxel_area_m2;
     shear += static_cast<double>(of.x_of_shear) * taxel_area_m2;
@@ -43,9 +43,9 @@ void SkinLayer::calibrate(double taxel_area_m2) noexcept {
   }
 }
 
-void SkinLayer::feel(std::span<const double> normal_n, std::span<const double> shear_n,
-                     std::span<float> normal_pa, std::span<float> shear_x_pa,
-                     std::span<float> shear_y_pa) const noexcept {
+void SkinLayer::sense(std::span<const double> normal_n, std::span<const double> shear_n,
+                      std::span<float> normal_pa, std::span<float> shear_x_pa,
+                      std::span<float> shear_y_pa) const noexcept {
   const Influence* of = influence_.data();
   for (std::size_t taxel = 0; taxel < normal_pa.size(); ++taxel) {
     float normal = 0, x = 0, y = 0;

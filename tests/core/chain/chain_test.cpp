@@ -107,7 +107,7 @@ TEST(ChainsMethod, IsFitForUpTo40TrackedTaxelsWhateverIsConfiguredAndNeedsNoMode
   for (const MethodChoice method : kChoices) {
     for (const auto& [columns, rows] : {std::pair{4, 4}, std::pair{8, 5}}) {
       const ChainSetup setup = setup_of(method, columns, rows);
-      EXPECT_TRUE(always_fits(setup));
+      EXPECT_TRUE(fits_whole_pad(setup));
       EXPECT_FALSE(needs_model(setup));
       EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::fit);
     }
@@ -118,11 +118,11 @@ TEST(ChainsMethod, IsTheConfiguredOneForMoreTaxelsAndWithoutTracking) {
   for (const MethodChoice method : kChoices) {
     ChainSetup setup = setup_of(method, 41, 1);
     const bool trained = method == MethodChoice::svd_knn || method == MethodChoice::registered;
-    EXPECT_FALSE(always_fits(setup));
+    EXPECT_FALSE(fits_whole_pad(setup));
     EXPECT_EQ(needs_model(setup), trained);
     setup = setup_of(method, 4, 4);
     setup.estimator.tracking = false;
-    EXPECT_FALSE(always_fits(setup));
+    EXPECT_FALSE(fits_whole_pad(setup));
     EXPECT_EQ(needs_model(setup), trained);
     if (trained) {
       EXPECT_THROW(EstimatorChain(setup, nullptr), std::invalid_argument);
@@ -140,7 +140,7 @@ TEST(ChainsMethod, SaysWhyItIsTheOneThatItIs) {
   EXPECT_EQ(why(MethodChoice::moments, 8), MethodReason::configured);
   EXPECT_EQ(why(MethodChoice::automatic, 8), MethodReason::automatic);
   EXPECT_EQ(why(MethodChoice::automatic, 8, kDepth_m), MethodReason::skin);
-  EXPECT_EQ(why(MethodChoice::automatic, 8, kDepth_m / 100), MethodReason::automatic) << "it is not felt";
+  EXPECT_EQ(why(MethodChoice::automatic, 8, kDepth_m / 100), MethodReason::automatic) << "it is not sensed";
   EXPECT_EQ(why(MethodChoice::fit, 8, kDepth_m), MethodReason::configured);
   EXPECT_EQ(why(MethodChoice::moments, 4), MethodReason::few_taxels);
   EXPECT_EQ(why(MethodChoice::automatic, 4), MethodReason::few_taxels);
@@ -157,7 +157,7 @@ TEST(ChainsMethod, IsNotFitWithoutAShape) {
   ChainSetup setup = setup_of(MethodChoice::svd_knn, 4, 4);
   for (const SensorClass other : {SensorClass::wrench, SensorClass::normal}) {
     setup.sensor_class = other;
-    EXPECT_FALSE(always_fits(setup));
+    EXPECT_FALSE(fits_whole_pad(setup));
     EXPECT_FALSE(needs_model(setup));
     EXPECT_EQ(EstimatorChain(setup, nullptr).method(), Method::friction);
   }

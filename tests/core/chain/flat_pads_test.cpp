@@ -47,7 +47,7 @@ class Finger {
  public:
   explicit Finger(const ChainSetup& setup, std::uint64_t seed = 1) : chain_(setup, nullptr), random_(seed) {}
 
-  Estimate feel(const Load& load) {
+  Estimate sense(const Load& load) {
     constexpr double kShares[9] = {0.08, 0.12, 0.09, 0.13, 0.16, 0.12, 0.1, 0.13, 0.07};
     constexpr double kOutward = 0.3;
     std::normal_distribution<double> noise(0, 0.004);
@@ -83,6 +83,7 @@ class Finger {
 
   // The same values again, as of a device that is asked more often than it measures.
   Estimate feel_again() { return estimate(); }
+  bool repeats() const { return chain_.repeats(); }
   // Nothing is asked for the time of a frame.
   void pass() { ++sequence_; }
 
@@ -130,7 +131,7 @@ TEST(FlatPads, AGripThatOvershootsRaisesNoAlertAndHasAMarginWhileItHolds) {
     int held = 0, ok = 0;
     for (int i = 0; i < frames_of(4); ++i) {
       const double normal_n = gripped_n(time_of(i));
-      const Estimate said = finger.feel({.normal_n = normal_n, .pull_n = load * normal_n});
+      const Estimate said = finger.sense({.normal_n = normal_n, .pull_n = load * normal_n});
       EXPECT_NE(said.alert, Alert::slip) << load << " at " << time_of(i);
       EXPECT_FALSE(said.friction) << "nothing slid";
       if (time_of(i) < 1) continue;
@@ -153,9 +154,9 @@ TEST(FlatPads, LearnNothingFromAFrameThatIsTheOneBefore) {
   for (int i = 0; i < 1200; ++i) {
     const double time_s = (kMore + 1) * i / kRate_hz;
     const Load load{.normal_n = gripped_n(time_s), .pull_n = std::max(0.0, time_s - 4)};
-    const Estimate expected = once.feel(load);
+    const Estimate expected = once.sense(load);
     for (int k = 0; k < kMore; ++k) once.pass();
-    const Estimate first = often.feel(load);
+    const Estimate first = often.sense(load);
     ASSERT_EQ(first.state, expected.state) << i;
     ASSERT_EQ(first.gamma, expected.gamma) << i;
     ASSERT_EQ(first.sigma, expected.sigma) << i;
@@ -163,6 +164,7 @@ TEST(FlatPads, LearnNothingFromAFrameThatIsTheOneBefore) {
     ASSERT_EQ(first.sliding, expected.sliding) << i;
     for (int k = 0; k < kMore; ++k) {
       const Estimate again = often.feel_again();
+      ASSERT_TRUE(often.repeats());
       ASSERT_GT(again.time_ns, first.time_ns);
       ASSERT_GT(again.sequence, first.sequence);
       ASSERT_EQ(again.gamma, first.gamma) << i;
@@ -180,7 +182,7 @@ TEST(FlatPads, RepeatsOfOneGraspHaveTheSameMargin) {
     Estimate said;
     for (int i = 0; i < frames_of(3); ++i) {
       const double normal_n = gripped_n(time_of(i));
-      said = finger.feel({.normal_n = normal_n, .pull_n = 0.1 * normal_n});
+      said = finger.sense({.normal_n = normal_n, .pull_n = 0.1 * normal_n});
     }
     margins.push_back(said.gamma.value());
   }
@@ -192,7 +194,7 @@ TEST(FlatPads, ThatNothingTouchesRaiseNoAlertWhileTheirZeroWanders) {
   Finger finger(finger_setup());
   for (int i = 0; i < frames_of(20); ++i) {
     const double wander = std::sin(0.5 * time_of(i));
-    const Estimate said = finger.feel({.normal_n = 0.08 * wander, .pull_n = 0.1 * wander});
+    const Estimate said = finger.sense({.normal_n = 0.08 * wander, .pull_n = 0.1 * wander});
     ASSERT_EQ(said.alert, Alert::none) << time_of(i);
     ASSERT_EQ(said.state, State::no_contact) << time_of(i);
   }
@@ -202,11 +204,11 @@ TEST(FlatPads, ThatNothingTouchesRaiseNoAlertWhileTheirZeroWanders) {
 TEST(FlatPads, ThatArePulledApartHaveNoSafeMarginAndAreInContact) {
   for (const double last_n : {0.02, 0.5, 4.0}) {
     Finger finger(finger_setup());
-    for (int i = 0; i < frames_of(2); ++i) finger.feel({.normal_n = gripped_n(time_of(i))});
+    for (int i = 0; i < frames_of(2); ++i) finger.sense({.normal_n = gripped_n(time_of(i))});
     for (int i = 0; i < frames_of(2); ++i) {
       const double part = time_of(i) / 2;
       const Estimate said =
-          finger.feel({.normal_n = 5 + part * (last_n - 5), .pull_n = 2 * part, .apart_n = 4 * part});
+          finger.sense({.normal_n = 5 + part * (last_n - 5), .pull_n = 2 * part, .apart_n = 4 * part});
       EXPECT_NE(said.state, State::no_contact) << time_of(i);
       if (part > 0.25) {
         EXPECT_LT(said.gamma.value_or(0), 0.4) << time_of(i);
@@ -219,15 +221,15 @@ TEST(FlatPads, ThatArePulledApartHaveNoSafeMarginAndAreInContact) {
 // A cable that hooks on the pillars is pulled at with several times what any friction holds, and comes off.
 TEST(FlatPads, LearnNoFrictionFromAHook) {
   Finger finger(finger_setup());
-  for (int i = 0; i < frames_of(1.5); ++i) finger.feel({.normal_n = gripped_n(time_of(i))});
+  for (int i = 0; i < frames_of(1.5); ++i) finger.sense({.normal_n = gripped_n(time_of(i))});
   constexpr double kHooked = 4, kAfter = 0.16;
   Estimate said;
   const auto pull_n = [](double load) { return Load{.normal_n = 2.5, .pull_n = 2.5 * load}; };
-  for (int i = 0; i < frames_of(1); ++i) said = finger.feel(pull_n(kHooked * time_of(i)));
+  for (int i = 0; i < frames_of(1); ++i) said = finger.sense(pull_n(kHooked * time_of(i)));
   EXPECT_EQ(said.gamma.value_or(0), 0);
   for (int i = 0; i < frames_of(0.7); ++i) {
     const double load = std::max(kAfter, kHooked * (1 - 5 * time_of(i)));
-    said = finger.feel(pull_n(load));
+    said = finger.sense(pull_n(load));
     EXPECT_FALSE(said.friction) << load;
     EXPECT_LE(said.gamma.value_or(0), std::max(0.0, 1 - load / 0.55) + 0.1) << load;
   }
@@ -241,7 +243,7 @@ TEST(FlatPads, LearnFrictionFromASlideWithinTheRangeAndKnowItAfterwards) {
     std::normal_distribution<double> scatter(0, 0.05);
     Estimate said;
     for (int i = 0; i < frames_of(2); ++i)
-      said = finger.feel({.normal_n = gripped_n(time_of(i)), .pull_n = 0.05 * gripped_n(time_of(i))});
+      said = finger.sense({.normal_n = gripped_n(time_of(i)), .pull_n = 0.05 * gripped_n(time_of(i))});
     EXPECT_FALSE(said.friction);
     bool alerted = false;
     double rough = 0;
@@ -249,11 +251,12 @@ TEST(FlatPads, LearnFrictionFromASlideWithinTheRangeAndKnowItAfterwards) {
       const double load = std::min(friction, 0.05 + 2 * (friction - 0.05) * time_of(i));
       if (i % 10 == 0) rough = load < friction ? 0 : scatter(random);
       const double slid_s = std::max(0.0, time_of(i) - 0.5);
-      said = finger.feel({.normal_n = 5, .pull_n = 5 * load * (1 + rough), .texture = 3 * slid_s});
+      said = finger.sense({.normal_n = 5, .pull_n = 5 * load * (1 + rough), .texture = 3 * slid_s});
       alerted = alerted || said.alert == Alert::slip;
     }
     EXPECT_TRUE(alerted);
-    for (int i = 0; i < frames_of(1); ++i) said = finger.feel({.normal_n = 5, .pull_n = 1.2, .texture = 4.5});
+    for (int i = 0; i < frames_of(1); ++i)
+      said = finger.sense({.normal_n = 5, .pull_n = 1.2, .texture = 4.5});
     ASSERT_TRUE(said.friction) << friction;
     EXPECT_NEAR(*said.friction, friction, 0.07 * friction);
     EXPECT_LE(*said.friction, kPadFrictions.high);
@@ -266,7 +269,7 @@ TEST(FlatPads, GiveASafeMarginBeforeFrictionIsKnown) {
   setup.friction = KnownFriction(Range{0.1, 1});
   Finger finger(setup);
   Estimate said;
-  for (int i = 0; i < frames_of(3); ++i) said = finger.feel({.normal_n = 5, .pull_n = 0.35});
+  for (int i = 0; i < frames_of(3); ++i) said = finger.sense({.normal_n = 5, .pull_n = 0.35});
   EXPECT_EQ(said.state, State::learning);
   EXPECT_FALSE(said.gamma);
   EXPECT_NEAR(said.gamma_low.value(), 1 - 0.07 / 0.1, 0.05);
@@ -281,7 +284,7 @@ TEST(FlatPads, AnswerUnderASkinAsWithoutOne) {
   for (int i = 0; i < frames_of(2); ++i) {
     const double normal_n = gripped_n(time_of(i));
     const Load load{.normal_n = normal_n, .pull_n = 0.1 * normal_n};
-    const Estimate without = bare.feel(load), with = covered.feel(load);
+    const Estimate without = bare.sense(load), with = covered.sense(load);
     ASSERT_EQ(with.state, without.state) << time_of(i);
     ASSERT_EQ(with.gamma, without.gamma) << time_of(i);
     ASSERT_EQ(with.gamma_low, without.gamma_low) << time_of(i);
@@ -298,7 +301,7 @@ TEST(FlatPads, HaveALowMarginWhereTheRangeAloneLeavesItNearZero) {
     for (int i = 0; i < frames_of(2); ++i) {
       const double pulled = std::clamp(2 * (time_of(i) - 1.5), 0.0, 1.0);
       said =
-          finger.feel({.normal_n = gripped_n(time_of(i)), .pull_n = pulled * load * gripped_n(time_of(i))});
+          finger.sense({.normal_n = gripped_n(time_of(i)), .pull_n = pulled * load * gripped_n(time_of(i))});
       if (said.state == State::ok && pulled * load > kPadFrictions.low) {
         EXPECT_LT(*said.gamma, 0.25) << pulled * load;
       }
@@ -333,7 +336,7 @@ TEST(FlatPads, AlertByTheSafeMarginWhereThatIsWanted) {
     setup.alerts.use = use;
     Finger finger(setup);
     Estimate said;
-    for (int i = 0; i < frames_of(2); ++i) said = finger.feel({.normal_n = 5, .pull_n = 0.45});
+    for (int i = 0; i < frames_of(2); ++i) said = finger.sense({.normal_n = 5, .pull_n = 0.45});
     EXPECT_EQ(said.state, State::learning);
     EXPECT_EQ(said.alert, use == AlertUse::low ? Alert::slip : Alert::none);
   }
@@ -345,7 +348,7 @@ TEST(FlatPads, WithAGivenFrictionGiveItAndNoOther) {
   Finger finger(setup);
   for (int i = 0; i < frames_of(3); ++i) {
     const double normal_n = gripped_n(time_of(i));
-    const Estimate said = finger.feel({.normal_n = normal_n, .pull_n = 0.09 * normal_n});
+    const Estimate said = finger.sense({.normal_n = normal_n, .pull_n = 0.09 * normal_n});
     if (time_of(i) < 1) continue;
     EXPECT_DOUBLE_EQ(said.friction.value(), 0.38);
     EXPECT_NEAR(said.gamma.value(), 1 - 0.09 / 0.38, 0.04);
@@ -427,6 +430,17 @@ TEST(RecordedPillars, ThatNobodyPullsAtHaveAMarginThatTheirForcesExplain) {
   }
   EXPECT_GE(static_cast<double>(ok), 0.95 * static_cast<double>(frames));
   EXPECT_EQ(slips, 0U);
+}
+
+// Counts that were shifted since the zero was taken: 20 N of shear before anything touches the finger.
+TEST(FlatPads, HaveNoMarginAndNoAlarmWithAZeroThatIsAnothers) {
+  Finger finger(finger_setup());
+  for (int i = 0; i < 1000; ++i) {
+    const Estimate now = finger.feel({.normal_n = i < 300 ? 0.0 : 6.0, .pull_n = 20});
+    ASSERT_EQ(now.state, State::unzeroed) << i;
+    ASSERT_FALSE(now.gamma || now.gamma_low);
+    ASSERT_NE(now.alert, Alert::slip);
+  }
 }
 
 }  // namespace

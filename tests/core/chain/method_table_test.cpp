@@ -149,7 +149,7 @@ TEST(MethodTable, WithoutABudgetThereAre100MicrosecondsAtTheSurfaceAndNoLimitUnd
   setup.scene.skin.depth_m = 0.001;
   EXPECT_EQ(frame_budget_us(setup), std::numeric_limits<double>::infinity());
   setup.scene.skin.depth_m = 1e-6;
-  EXPECT_EQ(frame_budget_us(setup), 100) << "too thin to be felt";
+  EXPECT_EQ(frame_budget_us(setup), 100) << "too thin to be sensed";
   setup.scene.skin.depth_m = 0.001;
   setup.estimator.budget_us = 300;
   EXPECT_EQ(frame_budget_us(setup), 300);

@@ -56,11 +56,11 @@ TEST(SensorKind, FollowsFromClassTaxelsAndSkin) {
 }
 
 TEST(SensorKind, ASkinCountsOnlyForAContactModelAndFromANinthOfATaxelOn) {
-  EXPECT_EQ(felt_depth_m(under_skin(setup_of(16))), 1e-3);
-  EXPECT_EQ(felt_depth_m(under_skin(flat(setup_of(16)))), 0);
+  EXPECT_EQ(sensed_depth_m(under_skin(setup_of(16))), 1e-3);
+  EXPECT_EQ(sensed_depth_m(under_skin(flat(setup_of(16)))), 0);
   ChainSetup thin = setup_of(16);
   thin.scene.skin.depth_m = thin.layout.side_m() / 10;
-  EXPECT_EQ(felt_depth_m(thin), 0);
+  EXPECT_EQ(sensed_depth_m(thin), 0);
 }
 
 TEST(Chains, ConstructTheStagesOfTheirKindAndNoOthers) {

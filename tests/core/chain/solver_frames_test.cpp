@@ -99,7 +99,7 @@ TEST(SolverFrames, TheLimitSurfaceIsThatOfTheSolverWithinOnePercent) {
   PullOfTaxels load(sensor.layout());
   for (const SolverFrame& frame : frames) {
     const ContactPatch& patch = finder.find(sensor.read(frame, 0));
-    EXPECT_NEAR(load.of(patch, Turning::none).pull_n / patch.normal_n / frame.least_friction, 1, 0.01)
+    EXPECT_NEAR(load.of(patch, TorqueEffect::none).pull_n / patch.normal_n / frame.least_friction, 1, 0.01)
         << frame.gamma();
   }
 }
@@ -221,7 +221,7 @@ TEST(SolverFrames, FewTaxelsWithAGivenFrictionCountTheTorque) {
       ++answered;
       errors += std::fabs(off);
       within += std::fabs(off) < 2 * *estimate.sigma ? 1 : 0;
-      // Torque within a taxel is not felt: single answers are further off than on fine arrays.
+      // Torque within a taxel is not sensed: single answers are further off than on fine arrays.
       EXPECT_LT(off, 0.2) << "too safe, Gamma " << frame.gamma();
     }
   }

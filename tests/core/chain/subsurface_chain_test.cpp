@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/chain/chain.hpp"
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "paper/model_setup.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -23,17 +23,17 @@ ChainSetup under_skin() {
 }
 
 // Frames at 200 Hz, with noise of 300 Pa, in one chain.
-class FeltGrasp {
+class SensedGrasp {
  public:
-  explicit FeltGrasp(const ChainSetup& setup)
+  explicit SensedGrasp(const ChainSetup& setup)
       : chain_(setup, nullptr),
         sheet_(setup.layout, {.depth_m = setup.scene.skin.depth_m}),
         p_(setup.layout.size()),
         x_(p_.size()),
         y_(p_.size()) {}
 
-  Estimate feel(const contact::LoadHistory& contact) {
-    sheet_.feel(contact, 0.0004, -0.0007, 0.6, p_, x_, y_);
+  Estimate sense(const contact::LoadHistory& contact) {
+    sheet_.sense(contact, 0.0004, -0.0007, 0.6, p_, x_, y_);
     for (auto* channel : {&p_, &x_, &y_}) {
       for (float& value : *channel) value += 300 * unit_(random_);
     }
@@ -43,7 +43,7 @@ class FeltGrasp {
 
  private:
   EstimatorChain chain_;
-  contact::ImprintSheet sheet_;
+  contact::ContactField sheet_;
   std::mt19937_64 random_{3};
   std::uniform_real_distribution<float> unit_{-1, 1};
   std::vector<float> p_, x_, y_;
@@ -52,7 +52,7 @@ class FeltGrasp {
 
 // Gripped, pulled to 0.85 of mu P, let go to 0.2, gripped harder; at 200 Hz.
 TEST(Chains, UnderASkinFollowAnUnloadingAndARegrip) {
-  FeltGrasp grasp(under_skin());
+  SensedGrasp grasp(under_skin());
   contact::LoadHistory contact(synthetic::paper_pair());
   constexpr double kFriction = 0.5;
   struct Leg {
@@ -68,7 +68,7 @@ TEST(Chains, UnderASkinFollowAnUnloadingAndARegrip) {
       const double part = static_cast<double>(i) / leg.frames;
       contact.move_to(normal_n + part * (leg.normal_n - normal_n),
                       (load + part * (leg.load - load)) * kFriction * 3, kFriction);
-      const Estimate estimate = grasp.feel(contact);
+      const Estimate estimate = grasp.sense(contact);
       ++frames;
       too_high += estimate.gamma_low.value_or(0) > contact.safety_margin() ? 1 : 0;
       if (!leg.judged) continue;
@@ -90,7 +90,7 @@ TEST(Chains, UnderASkinFollowAnUnloadingAndARegrip) {
 TEST(Chains, UnderASkinFollowAGrasp) {
   ChainSetup setup = under_skin();
   setup.estimator.method = MethodChoice::fit;
-  FeltGrasp grasp(setup);
+  SensedGrasp grasp(setup);
   contact::LoadHistory contact(synthetic::paper_pair());
   constexpr int kClosing = 40, kPull = 120;
   constexpr double kGrip = 3, kFriction = 0.5;
@@ -100,7 +100,7 @@ TEST(Chains, UnderASkinFollowAGrasp) {
     const double closed = std::min(1.0, static_cast<double>(i) / kClosing),
                  load = std::max(0.0, static_cast<double>(i - kClosing) / kPull);
     contact.move_to(kGrip * closed, load * kFriction * kGrip, kFriction);
-    const Estimate estimate = grasp.feel(contact);
+    const Estimate estimate = grasp.sense(contact);
     if (load < 0.2) continue;
     ++pulled;
     if (estimate.state != State::ok) continue;

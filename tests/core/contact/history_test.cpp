@@ -295,7 +295,7 @@ TEST(LoadHistory, WhereFrictionFellNothingHoldsMoreThanItHoweverSmallTheLoad) {
   }
 }
 
-TEST(LoadHistory, NothingIsFeltOutsideTheContact) {
+TEST(LoadHistory, NothingIsSensedOutsideTheContact) {
   LoadHistory contact(kPair);
   contact.move_to(2, 0.4, 0.5);
   EXPECT_EQ(contact.pressure_pa(1.0000001 * contact.contact_radius_m()), 0);

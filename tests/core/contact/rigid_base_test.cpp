@@ -13,7 +13,7 @@
 #include <random>
 #include <vector>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/contact/subsurface.hpp"
 
 namespace slipd::contact {
@@ -118,7 +118,7 @@ std::array<double, 8> list_of(const LayerTensor& t) {
   return {t.nn, t.nx, t.ny, t.xx, t.xy, t.yy, t.xn, t.yn};
 }
 
-TEST(RigidBase, IsFeltWithinFourTenThousandthsOfThePeak) {
+TEST(RigidBase, IsSensedWithinFourTenThousandthsOfThePeak) {
   std::mt19937_64 random(21);
   std::uniform_real_distribution<double> unit(0, 1);
   double worst = 0;
@@ -221,9 +221,9 @@ TEST(RigidBase, ContactsCarryTheForcesOfTheirHistory) {
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.6, 0.5);
   const auto layout = TaxelLayout::grid(64, 64, 0.0005);
-  ImprintSheet sheet(layout, {.depth_m = 0.001, .bonded_poisson = 0.45});
+  ContactField sheet(layout, {.depth_m = 0.001, .bonded_poisson = 0.45});
   std::vector<float> p(layout.size()), x(layout.size()), y(layout.size());
-  sheet.feel(contact, 0.0003, -0.0002, 0.8, p, x, y);
+  sheet.sense(contact, 0.0003, -0.0002, 0.8, p, x, y);
   double normal_n = 0, x_n = 0, y_n = 0;
   for (std::size_t i = 0; i < layout.size(); ++i) {
     normal_n += p[i] * layout.area_m2();

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/contact/averages.hpp"
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 
 namespace slipd::contact {
 namespace {
@@ -19,17 +19,17 @@ namespace {
 using Sheet = SubsurfaceSheet;
 constexpr std::array kAll{Sheet::nn, Sheet::nx, Sheet::ny, Sheet::xx, Sheet::xy, Sheet::yy};
 
-std::array<double, 6> list_of(const FeltTensor& t) {
+std::array<double, 6> list_of(const SensedTensor& t) {
   return {t.nn, t.nx, t.ny, t.xx, t.xy, t.yy};
 }
 
-// The integral of 3 d R_i R_j/(2 pi |R|^5) times the dome, which a force on the surface is felt by: Gauss in
-// panels of the angle whose sine is the distance from the centre, and even points around.
-FeltTensor felt_by_quadrature(const Ellipse& dome, double depth, double x, double y) {
+// The integral of 3 d R_i R_j/(2 pi |R|^5) times the dome, which a force on the surface is sensed by: Gauss
+// in panels of the angle whose sine is the distance from the centre, and even points around.
+SensedTensor sensed_by_quadrature(const Ellipse& dome, double depth, double x, double y) {
   constexpr int kPanels = 16, kAround = 768;
   using Rule = boost::math::quadrature::gauss<double, 20>;
   const double c = std::cos(dome.angle_rad), s = std::sin(dome.angle_rad);
-  FeltTensor sum;
+  SensedTensor sum;
   const auto add = [&](double chi, double weight) {
     const double rho = std::sin(chi), height = std::cos(chi);
     for (int j = 0; j < kAround; ++j) {
@@ -65,9 +65,9 @@ TEST(Subsurface, IsTheIntegralOfPointForcesOverRoundAndTiltedEllipticDomes) {
     const double a = 1, b = i % 2 == 0 ? 1 : 0.3 + unit(random);
     const Ellipse dome{a, b, 3 * unit(random)};
     const double depth = 0.1 + unit(random), x = 4 * unit(random) - 2, y = 4 * unit(random) - 2;
-    const auto felt = list_of(felt_of_dome(dome, depth, x, y)),
-               truth = list_of(felt_by_quadrature(dome, depth, x, y));
-    for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(felt[j], truth[j], 1e-10) << i << " " << j;
+    const auto sensed = list_of(sensed_of_dome(dome, depth, x, y)),
+               truth = list_of(sensed_by_quadrature(dome, depth, x, y));
+    for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(sensed[j], truth[j], 1e-10) << i << " " << j;
   }
 }
 
@@ -75,28 +75,29 @@ TEST(Subsurface, IsTheIntegralOfPointForcesOverRoundAndTiltedEllipticDomes) {
 TEST(Subsurface, AgreesWithTheClosedFormsOfHuberAndHamilton) {
   for (const double z : {0.05, 0.3, 1.0, 3.0}) {
     for (const double r : {0.0, 0.4, 0.99, 1.0, 1.7, 5.0}) {
-      const FeltTensor felt = felt_of_dome({1, 1, 0}, z, r, 0);
+      const SensedTensor sensed = sensed_of_dome({1, 1, 0}, z, r, 0);
       const double half = 0.5 * (r * r + z * z - 1), u = half + std::sqrt(half * half + z * z);
-      EXPECT_NEAR(felt.nn, std::pow(z / std::sqrt(u), 3) * u / (u * u + z * z), 1e-12);
-      EXPECT_NEAR(felt.nx, r * z * z / (u * u + z * z) * std::sqrt(u) / (1 + u), 1e-12);
-      EXPECT_EQ(felt.ny, 0);
+      EXPECT_NEAR(sensed.nn, std::pow(z / std::sqrt(u), 3) * u / (u * u + z * z), 1e-12);
+      EXPECT_NEAR(sensed.nx, r * z * z / (u * u + z * z) * std::sqrt(u) / (1 + u), 1e-12);
+      EXPECT_EQ(sensed.ny, 0);
     }
-    EXPECT_NEAR(felt_of_dome({1, 1, 0}, z, 0, 0).xx,
+    EXPECT_NEAR(sensed_of_dome({1, 1, 0}, z, 0, 0).xx,
                 1 - 1.5 * z * std::atan(1 / z) + 0.5 * z * z / (1 + z * z), 1e-12);
   }
 }
 
 TEST(Subsurface, FeelsPressingAsOutwardShearAndAPullAsPressureAhead) {
-  const FeltTensor right = felt_of_dome({4, 3, 0.3}, 1, 3, 0), left = felt_of_dome({4, 3, 0.3}, 1, -3, 0);
+  const SensedTensor right = sensed_of_dome({4, 3, 0.3}, 1, 3, 0),
+                     left = sensed_of_dome({4, 3, 0.3}, 1, -3, 0);
   EXPECT_GT(right.nx, 0.05);
   EXPECT_LT(left.nx, -0.05);
 }
 
 TEST(Subsurface, OfAlmostRoundDomesIsThatOfRoundOnes) {
-  const auto round = list_of(felt_of_dome({1, 1, 0}, 0.4, 0.7, -0.5));
+  const auto round = list_of(sensed_of_dome({1, 1, 0}, 0.4, 0.7, -0.5));
   for (const double apart : {1e-3, 1e-5, 1e-9, -1e-7}) {
-    const auto felt = list_of(felt_of_dome({1 + apart, 1 - apart, 0}, 0.4, 0.7, -0.5));
-    for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(felt[j], round[j], 2 * std::fabs(apart) + 1e-12);
+    const auto sensed = list_of(sensed_of_dome({1 + apart, 1 - apart, 0}, 0.4, 0.7, -0.5));
+    for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(sensed[j], round[j], 2 * std::fabs(apart) + 1e-12);
   }
 }
 
@@ -106,9 +107,9 @@ std::array<double, 6> average(const Ellipse& dome, double depth, double u, doubl
   std::array<double, 6> sum{};
   for (int i = 0; i < kFine; ++i) {
     for (int j = 0; j < kFine; ++j) {
-      const auto felt = list_of(felt_of_dome(dome, depth, u + side * ((i + 0.5) / kFine - 0.5),
-                                             v + side * ((j + 0.5) / kFine - 0.5)));
-      for (std::size_t c = 0; c < 6; ++c) sum[c] += felt[c] / (kFine * kFine);
+      const auto sensed = list_of(sensed_of_dome(dome, depth, u + side * ((i + 0.5) / kFine - 0.5),
+                                                 v + side * ((j + 0.5) / kFine - 0.5)));
+      for (std::size_t c = 0; c < 6; ++c) sum[c] += sensed[c] / (kFine * kFine);
     }
   }
   return sum;
@@ -152,7 +153,7 @@ bool crosses_rim(const Ellipse& dome, double u, double v, double side) {
   int inside = 0;
   for (const double x : {-0.5, 0.5}) {
     for (const double y : {-0.5, 0.5})
-      inside += felt_of_dome(dome, 0, u + side * x, v + side * y).nn > 0 ? 1 : 0;
+      inside += sensed_of_dome(dome, 0, u + side * x, v + side * y).nn > 0 ? 1 : 0;
   }
   return inside > 0 && inside < 4;
 }
@@ -215,54 +216,54 @@ TEST(SubsurfaceSheets, SlopesAreThoseOfTheValues) {
   }
 }
 
-const BodyPair kFeltPair =
+const BodyPair kSensedPair =
     make_body_pair({0.01, 0.5e6, 0.45}, {std::numeric_limits<double>::infinity(), 2e11, 0.25});
 
-struct Felt {
-  explicit Felt(const TaxelLayout& layout) : p(layout.size()), x(layout.size()), y(layout.size()) {}
+struct Sensed {
+  explicit Sensed(const TaxelLayout& layout) : p(layout.size()), x(layout.size()), y(layout.size()) {}
   std::vector<float> p, x, y;
 };
 
-TEST(Imprints, WithoutSkinAndOfASphereAreTheTaxelAveragesOfTheContact) {
-  LoadHistory contact(kFeltPair);
+TEST(ContactFields, WithoutSkinAndOfASphereAreTheTaxelAveragesOfTheContact) {
+  LoadHistory contact(kSensedPair);
   contact.move_to(2, 0.7, 0.5);
   contact.move_to(3, 0.3, 0.5);
   const auto layout = TaxelLayout::grid(16, 16, 0.001);
-  Felt felt(layout);
-  ImprintSheet sheet(layout, {});
-  sheet.feel(contact, 0.0013, -0.0007, 0, felt.p, felt.x, felt.y);
+  Sensed sensed(layout);
+  ContactField sheet(layout, {});
+  sheet.sense(contact, 0.0013, -0.0007, 0, sensed.p, sensed.x, sensed.y);
   std::vector<float> p(layout.size()), q(layout.size());
   taxel_averages(layout, 0.0013, -0.0007, contact, p, q);
   const float peak = *std::max_element(p.begin(), p.end());
   for (std::size_t i = 0; i < p.size(); ++i) {
-    EXPECT_NEAR(felt.p[i], p[i], 7e-4F * peak);
-    EXPECT_NEAR(felt.x[i], q[i], 7e-4F * peak);
-    EXPECT_NEAR(felt.y[i], 0, 1e-4F * peak);
+    EXPECT_NEAR(sensed.p[i], p[i], 7e-4F * peak);
+    EXPECT_NEAR(sensed.x[i], q[i], 7e-4F * peak);
+    EXPECT_NEAR(sensed.y[i], 0, 1e-4F * peak);
   }
 }
 
-// Wide pads feel nearly all; what is missing lies beyond the pad.
-TEST(Imprints, OfAnyShapeCarryTheForcesOfTheirHistory) {
-  LoadHistory contact(kFeltPair);
+// Wide pads sense nearly all; what is missing lies beyond the pad.
+TEST(ContactFields, OfAnyShapeCarryTheForcesOfTheirHistory) {
+  LoadHistory contact(kSensedPair);
   contact.move_to(2, 0, 0.5);
   contact.move_to(2, 0.6, 0.5);
   contact.move_to(2.5, 0.3, 0.5);
   const auto layout = TaxelLayout::grid(64, 64, 0.0005);
-  for (const Imprint& imprint :
-       {Imprint{.stretch = 2, .angle_rad = 0.5}, Imprint{.power = 6}, Imprint{.depth_m = 0.001},
-        Imprint{.depth_m = 0.001, .stretch = 1.5, .power = 4}}) {
-    Felt felt(layout);
-    ImprintSheet sheet(layout, imprint);
-    sheet.feel(contact, 0.0003, -0.0002, 0.8, felt.p, felt.x, felt.y);
+  for (const ContactGeometry& geometry :
+       {ContactGeometry{.stretch = 2, .angle_rad = 0.5}, ContactGeometry{.power = 6},
+        ContactGeometry{.depth_m = 0.001}, ContactGeometry{.depth_m = 0.001, .stretch = 1.5, .power = 4}}) {
+    Sensed sensed(layout);
+    ContactField sheet(layout, geometry);
+    sheet.sense(contact, 0.0003, -0.0002, 0.8, sensed.p, sensed.x, sensed.y);
     double normal = 0, x = 0, y = 0;
-    for (std::size_t i = 0; i < felt.p.size(); ++i) {
-      normal += felt.p[i] * layout.area_m2();
-      x += felt.x[i] * layout.area_m2();
-      y += felt.y[i] * layout.area_m2();
+    for (std::size_t i = 0; i < sensed.p.size(); ++i) {
+      normal += sensed.p[i] * layout.area_m2();
+      x += sensed.x[i] * layout.area_m2();
+      y += sensed.y[i] * layout.area_m2();
     }
-    const double lost = imprint.depth_m > 0 ? 0.06 : 3e-4;
+    const double lost = geometry.depth_m > 0 ? 0.06 : 3e-4;
     EXPECT_NEAR(normal, 2.5, 2.5 * lost);
-    EXPECT_NEAR(std::hypot(x, y), 0.3, 0.3 * (imprint.depth_m > 0 ? 0.1 : 6e-4));
+    EXPECT_NEAR(std::hypot(x, y), 0.3, 0.3 * (geometry.depth_m > 0 ? 0.1 : 6e-4));
     EXPECT_NEAR(std::atan2(y, x), 0.8, lost);
   }
 }

@@ -250,13 +250,13 @@ TEST(FrictionFilter, NoisyFramesOfALightLoadGiveTheRightFrictionInTheMean) {
     ByShape filter(kFilterPrior);
     std::int64_t time_ns = 0;
     for (int i = 0; i < kFrames; ++i) {
-      const double mobilised = 0.5 * i / kFrames;
+      const double utilisation = 0.5 * i / kFrames;
       Reading frame = monotonic_frame(std::clamp(
-          1 - mobilised + std::sqrt(3) * kSigma * random.uniform(static_cast<std::uint64_t>(i), -1, 1), 0.0,
+          1 - utilisation + std::sqrt(3) * kSigma * random.uniform(static_cast<std::uint64_t>(i), -1, 1), 0.0,
           1.0));
       frame.sigma = kSigma;
       frame.common_sigma = 0.005 + 0.045 * frame.gamma;
-      filter.update(time_ns += 1'000'000, forces(kNormal_n, mobilised * kFriction * kNormal_n), &frame);
+      filter.update(time_ns += 1'000'000, forces(kNormal_n, utilisation * kFriction * kNormal_n), &frame);
     }
     sum_of_logs += std::log(filter->grid().friction().mean / kFriction);
   }

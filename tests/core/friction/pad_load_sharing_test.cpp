@@ -39,7 +39,7 @@ class Pad {
     return carried;
   }
   // Shear at an angle to x.
-  const MarginProfile& feel(double normal_n, const Shares& shear_n, double angle_rad = 0) {
+  const MarginProfile& sense(double normal_n, const Shares& shear_n, double angle_rad = 0) {
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
       normal_pa_[i] = static_cast<float>(pressed_[i] * normal_n / layout_.area_m2());
       shear_x_pa_[i] = static_cast<float>(std::cos(angle_rad) * shear_n[i] / layout_.area_m2());
@@ -59,11 +59,11 @@ class Pad {
     return shared_.update(frame, patch);
   }
   const MarginProfile& feel_pull(double normal_n, double share) {
-    return feel(normal_n, pull_n(normal_n, share * normal_n));
+    return sense(normal_n, pull_n(normal_n, share * normal_n));
   }
   // Closed, held, and pulled up to this share of P.
   const MarginProfile& pull_up_to(double normal_n, double share) {
-    for (int i = 0; i < 20; ++i) feel(normal_n, {});
+    for (int i = 0; i < 20; ++i) sense(normal_n, {});
     for (double now = 0.01; now < share; now += 0.01) feel_pull(normal_n, now);
     return feel_pull(normal_n, share);
   }
@@ -104,7 +104,7 @@ TEST(PadLoadSharing, OfPressingIsNoPull) {
   Pad pad(kUneven);
   Shares askew = kUneven;  // in proportion to the pressure
   for (double& shear_n : askew) shear_n *= 5.0 / 9 * 0.5 * kPadFriction;
-  for (int i = 0; i < 40; ++i) EXPECT_FALSE(pad.feel(5, askew).known) << i;
+  for (int i = 0; i < 40; ++i) EXPECT_FALSE(pad.sense(5, askew).known) << i;
 }
 
 TEST(PadLoadSharing, IsReadAnewWhenTheGripperCloses) {
@@ -119,23 +119,23 @@ TEST(PadLoadSharing, IsNotReadWhileThePullFalls) {
   EXPECT_FALSE(pad.feel_pull(5, 0.6 * kPadFriction).known);
 }
 
-// What taxels under a layer feel of it: less of the pattern, and less of all at its edges.
+// What taxels under a layer sense of it: less of the pattern, and less of all at its edges.
 Shares under_layer(const Shares& carried) {
-  constexpr Shares kFelt{0.7, 1, 0.75, 1, 1.6, 0.95, 0.75, 1, 0.7};
+  constexpr Shares kSensed{0.7, 1, 0.75, 1, 1.6, 0.95, 0.75, 1, 0.7};
   const double mean = std::accumulate(carried.begin(), carried.end(), 0.0) / 9;
-  Shares felt{};
-  for (std::size_t i = 0; i < felt.size(); ++i) felt[i] = kFelt[i] * (mean + 0.4 * (carried[i] - mean));
-  return felt;
+  Shares sensed{};
+  for (std::size_t i = 0; i < sensed.size(); ++i) sensed[i] = kSensed[i] * (mean + 0.4 * (carried[i] - mean));
+  return sensed;
 }
 
 TEST(PadLoadSharing, UnderALayerFallsWithTheMargin) {
   std::vector<double> read;
   for (const double margin : {0.5, 0.25, 0.05}) {
     Pad pad(kRough);
-    for (int i = 0; i < 20; ++i) pad.feel(5, {});
+    for (int i = 0; i < 20; ++i) pad.sense(5, {});
     const MarginProfile* profile = nullptr;
     for (double share = 0.01; share < kPadFriction * (1 - margin); share += 0.01)
-      profile = &pad.feel(5, under_layer(pad.pull_n(5, share * 5)));
+      profile = &pad.sense(5, under_layer(pad.pull_n(5, share * 5)));
     ASSERT_TRUE(profile->known);
     read.push_back(likeliest(*profile));
   }
@@ -150,12 +150,12 @@ TEST(PadLoadSharing, ThatStaysAsItBeganIsNoSlip) {
   for (const Shares& shares : {under_layer(kEven), kEven, kMiddle}) {
     const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
     Pad pad(kUneven);
-    for (int i = 0; i < 20; ++i) pad.feel(5, {});
+    for (int i = 0; i < 20; ++i) pad.sense(5, {});
     const MarginProfile* profile = nullptr;
     for (double pull_n = 0.05; pull_n < 2; pull_n += 0.05) {
-      Shares felt = shares;
-      for (double& shear_n : felt) shear_n *= pull_n / sum;
-      profile = &pad.feel(5, felt);
+      Shares sensed = shares;
+      for (double& shear_n : sensed) shear_n *= pull_n / sum;
+      profile = &pad.sense(5, sensed);
     }
     ASSERT_TRUE(profile->known);
     EXPECT_GT(likeliest(*profile), 0.4);
@@ -163,16 +163,16 @@ TEST(PadLoadSharing, ThatStaysAsItBeganIsNoSlip) {
   }
 }
 
-// Edges of a pad under a layer feel less of pressure and pull alike, which is no slip.
+// Edges of a pad under a layer sense less of pressure and pull alike, which is no slip.
 TEST(PadLoadSharing, ThatWentWithThePressureFromTheBeginningIsNoSlip) {
   constexpr Shares kMiddle{0.9, 1, 0.9, 1, 1.3, 1, 0.9, 1, 0.9};
   Pad pad(kMiddle);
-  for (int i = 0; i < 20; ++i) pad.feel(5, {});
+  for (int i = 0; i < 20; ++i) pad.sense(5, {});
   const MarginProfile* profile = nullptr;
   for (double share = 0.01; share < 0.35; share += 0.01) {
-    Shares felt = kMiddle;
-    for (double& shear_n : felt) shear_n *= share * 5 / 8.9;
-    profile = &pad.feel(5, felt);
+    Shares sensed = kMiddle;
+    for (double& shear_n : sensed) shear_n *= share * 5 / 8.9;
+    profile = &pad.sense(5, sensed);
   }
   ASSERT_TRUE(profile->known);
   EXPECT_GT(likeliest(*profile), 0.2);
@@ -184,10 +184,10 @@ TEST(PadLoadSharing, SaysLessWhenThePullHasTurned) {
   std::vector<double> sure;
   for (const double angle_rad : {0.0, 1.0}) {
     Pad pad(kUneven);
-    for (int i = 0; i < 20; ++i) pad.feel(5, {});
-    for (double share = 0.01; share < 0.2; share += 0.01) pad.feel(5, under_layer(pad.pull_n(5, share * 5)));
+    for (int i = 0; i < 20; ++i) pad.sense(5, {});
+    for (double share = 0.01; share < 0.2; share += 0.01) pad.sense(5, under_layer(pad.pull_n(5, share * 5)));
     const MarginProfile& profile =
-        pad.feel(5, under_layer(pad.pull_n(5, 0.97 * kPadFriction * 5)), angle_rad);
+        pad.sense(5, under_layer(pad.pull_n(5, 0.97 * kPadFriction * 5)), angle_rad);
     ASSERT_TRUE(profile.known);
     sure.push_back(most(profile));
   }
@@ -197,10 +197,10 @@ TEST(PadLoadSharing, SaysLessWhenThePullHasTurned) {
 // Taxels that carry many times the pull against each other.
 TEST(PadLoadSharing, StaysFiniteWhateverTaxelsCarry) {
   Pad pad(kUneven);
-  for (int i = 0; i < 20; ++i) pad.feel(5, {});
+  for (int i = 0; i < 20; ++i) pad.sense(5, {});
   for (double share = 0.01; share < 0.2; share += 0.01) pad.feel_pull(5, share);
   Shares wild{300, -300, 200, -200, 100, -100, 50, -50, 2};
-  const MarginProfile& profile = pad.feel(5, wild);
+  const MarginProfile& profile = pad.sense(5, wild);
   ASSERT_TRUE(profile.known);
   for (const double misfit : profile.misfit) EXPECT_TRUE(std::isfinite(misfit));
 }
@@ -215,7 +215,7 @@ TEST(PadLoadSharing, AllocatesNothing) {
   pad.pull_up_to(5, 0.5 * kPadFriction);
   const Shares carried = pad.pull_n(5, 0.9 * kPadFriction * 5);
   const auto before = test::allocations();
-  pad.feel(5, carried);
+  pad.sense(5, carried);
   EXPECT_EQ(test::allocations(), before);
 }
 

@@ -86,14 +86,14 @@ TEST(TractionRatioFilter, NoiseInTheNormalForceIsNotTakenForSliding) {
 }
 
 // Load rises to `load` in 50 frames, then P falls for 150 while it stays.
-std::optional<TractionRatioFilter::Slide> slide_of(double load, const SlidingVerdict& course) {
+std::optional<TractionRatioFilter::Slide> slide_of(double load, const SlidingVerdict& sliding) {
   TractionRatioFilter carried;
   Readings readings;
   std::optional<TractionRatioFilter::Slide> slide;
   for (int i = 0; i < 200 && !slide; ++i) {
     const double normal_n = i < 50 ? 3 : 3 - 0.01 * (i - 50);
     carried.update(readings.of(normal_n, load * std::min(1.0, i / 50.0) * normal_n));
-    slide = carried.detect_slide(course);
+    slide = carried.detect_slide(sliding);
   }
   return slide;
 }
@@ -160,10 +160,10 @@ TEST(TractionRatioFilter, ASlideWhosePatternMovesIsReadOnceABlockHoweverItScatte
     patch.shear_n = patch.shear_x_n = 0.4 * (1 + rough) * 3;
     patch.normal_sigma_n = patch.shear_sigma_n = 0.003;
     carried.update(patch);
-    SlidingVerdict course = coherent(0.95);
-    course.sliding = Sliding::translation;
-    course.field.block = static_cast<std::uint32_t>(1 + i / 25);
-    const auto slide = carried.detect_slide(course);
+    SlidingVerdict sliding = coherent(0.95);
+    sliding.sliding = Sliding::translation;
+    sliding.field.block = static_cast<std::uint32_t>(1 + i / 25);
+    const auto slide = carried.detect_slide(sliding);
     if (!slide) continue;
     ++readings;
     sum += slide->load;

@@ -303,7 +303,7 @@ INSTANTIATE_TEST_SUITE_P(Layouts, Faults,
 class FlatSkin {
  public:
   // Each taxel carries its part of the force; on all of them comes an offset.
-  Health feel(double normal_n, double offset_pa) {
+  Health sense(double normal_n, double offset_pa) {
     std::normal_distribution<double> noise_pa(0, 20);
     std::vector<float> p(16), x(16), y(16);
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -330,19 +330,19 @@ class FlatSkin {
 
 TEST(Plausibility, AnOffsetOfAllTaxelsOfAHeldFlatSkinIsNoFirmGrip) {
   FlatSkin skin;
-  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.feel(3, 0), Health::good) << i;
-  for (int i = 0; i < 40; ++i) EXPECT_EQ(skin.feel(3, 4e5), Health::jump) << i;
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.sense(3, 0), Health::good) << i;
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(skin.sense(3, 4e5), Health::jump) << i;
   Health last = Health::jump;
-  for (int i = 0; i < 20; ++i) last = skin.feel(3, 0);
+  for (int i = 0; i < 20; ++i) last = skin.sense(3, 0);
   EXPECT_EQ(last, Health::good);
 }
 
 TEST(Plausibility, AFlatSkinMayBeGrippedAtOnce) {
   FlatSkin skin;
-  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.feel(0, 0), Health::good) << i;
-  for (const double grip_n : {0.5, 4.0, 8.0, 8.0}) EXPECT_EQ(skin.feel(grip_n, 0), Health::good) << grip_n;
-  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.feel(2, 0), Health::good) << i;
-  for (const double grip_n : {6.0, 12.0}) EXPECT_EQ(skin.feel(grip_n, 0), Health::good) << grip_n;
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.sense(0, 0), Health::good) << i;
+  for (const double grip_n : {0.5, 4.0, 8.0, 8.0}) EXPECT_EQ(skin.sense(grip_n, 0), Health::good) << grip_n;
+  for (int i = 0; i < 40; ++i) ASSERT_EQ(skin.sense(2, 0), Health::good) << i;
+  for (const double grip_n : {6.0, 12.0}) EXPECT_EQ(skin.sense(grip_n, 0), Health::good) << grip_n;
 }
 
 TEST(Plausibility, CostsNoMemory) {

@@ -73,8 +73,8 @@ TEST(EquivalentPull, IsThePullItselfWhereNoiseMayBeAllOfTheTorque) {
     for (int i = 0; i < 50; ++i) {
       const auto& patch =
           finder.find(maker.make(contact, 3e-4, 1e-4, 0.1 * i, noise, synthetic::Noise::sensor));
-      const EquivalentPullResult now = load.of(patch, Turning::none);
-      EXPECT_EQ(now.turning, Turning::none);
+      const EquivalentPullResult now = load.of(patch, TorqueEffect::none);
+      EXPECT_EQ(now.torque_effect, TorqueEffect::none);
       EXPECT_EQ(now.pull_n, patch.shear_n);
       EXPECT_EQ(now.pull_sigma_n, patch.shear_sigma_n);
     }
@@ -97,8 +97,8 @@ TEST(EquivalentPull, AnObjectThatSlidesAboutAnyCentreAsksForAllOfFriction) {
     for (const double shift : {0.0, 10.0, 40.0, 200.0}) {
       const ContactPatch& patch = finder.find(
           frames.make({.center_x_m = 2e-4, .shift_x = 0.6 * shift, .shift_y = -0.8 * shift, .turn = 60}));
-      const EquivalentPullResult now = load.of(patch, Turning::none);
-      EXPECT_EQ(now.turning, shift < 100 ? Turning::bending : now.turning);
+      const EquivalentPullResult now = load.of(patch, TorqueEffect::none);
+      EXPECT_EQ(now.torque_effect, shift < 100 ? TorqueEffect::changes_shear : now.torque_effect);
       EXPECT_NEAR(now.pull_n / (0.5 * patch.normal_n), 1, at.tolerance) << at.layout.size() << ' ' << shift;
     }
   }
@@ -116,7 +116,7 @@ TEST(EquivalentPull, ForceVectorsWithATorqueUseTheRadiusThatIsGiven) {
   patch.torque_sigma_nm = 1e-5;
   // With mu = 0.5: Q/(mu P) = 0.34 and T/(mu P a) = 0.236, so a little more than by an ellipsoid.
   const double ellipsoid = std::hypot(0.34, 0.236 * 16 / (3 * std::numbers::pi));
-  const double share = load.of(patch, Turning::none).pull_n / (0.5 * patch.normal_n);
+  const double share = load.of(patch, TorqueEffect::none).pull_n / (0.5 * patch.normal_n);
   EXPECT_GT(share, ellipsoid);
   EXPECT_LT(share, 1.06 * ellipsoid);
 }
@@ -137,11 +137,11 @@ TEST(EquivalentPull, OnFewTaxelsATorqueThatOutweighsThePullIsCountedOrCoveredByS
       patch.shear_n = patch.shear_x_n = pull_share * patch.normal_n;
       patch.shear_y_n = 0;
       patch.shear_sigma_n = 0.01 * patch.normal_n;
-      return load->of(patch, Turning::none);
+      return load->of(patch, TorqueEffect::none);
     };
     const EquivalentPullResult counted = with(2, 0.02), covered = with(1, 0.02), pulled = with(1, 0.4);
     EXPECT_EQ(counted.pull_n > 2 * 0.02 * patch.normal_n, coarse);
-    EXPECT_EQ(covered.turning, Turning::none);
+    EXPECT_EQ(covered.torque_effect, TorqueEffect::none);
     EXPECT_EQ(covered.pull_n, patch.normal_n * 0.02);
     EXPECT_EQ(covered.pull_sigma_n > 0.04 * patch.normal_n, coarse);
     EXPECT_EQ(pulled.pull_n, patch.shear_n);
@@ -155,9 +155,9 @@ TEST(EquivalentPull, AllocatesNothing) {
   PullOfTaxels load(kLarge);
   const ContactPatch& patch = finder.find(frames.make({.shift_x = 0.5, .turn = 0.9}));
   const std::uint64_t before = test::allocations();
-  const EquivalentPullResult pull = load.of(patch, Turning::none);
+  const EquivalentPullResult pull = load.of(patch, TorqueEffect::none);
   EXPECT_EQ(test::allocations(), before);
-  EXPECT_EQ(pull.turning, Turning::bending);
+  EXPECT_EQ(pull.torque_effect, TorqueEffect::changes_shear);
 }
 
 }  // namespace

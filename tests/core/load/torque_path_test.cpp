@@ -16,17 +16,17 @@ class FollowedLoad {
  public:
   TorquePathState of(const ContactPatch& patch) {
     const EquivalentPullResult pull = pull_.of(patch, previous_);
-    previous_ = pull.turning;
+    previous_ = pull.torque_effect;
     return path_.follow(patch, pull, kPathFriction);
   }
   void forget() {
-    previous_ = Turning::none;
+    previous_ = TorqueEffect::none;
     path_.forget();
   }
 
  private:
   PullOfOneForce pull_;
-  Turning previous_ = Turning::none;
+  TorqueEffect previous_ = TorqueEffect::none;
   TorquePath path_;
 };
 

@@ -230,7 +230,7 @@ double sigma_below_the_maximum(const std::optional<KnownFriction>& friction, dou
   patch.radius_m = 4e-3;
   Reading frame;
   frame.by = Method::moments;
-  frame.turning = true;
+  frame.under_torque = true;
   Estimate estimate;
   for (int i = 1; i <= 80; ++i) {
     const bool fallen = i > 40;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/chain/chain.hpp"
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/reading/fit/subsurface_fit.hpp"
 #include "core/reading/moments/moments.hpp"
 #include "tests/support/heap_count.hpp"
@@ -29,14 +29,14 @@ TaxelLayout pad() {
 }
 
 // Frames of a contact under a skin, with noise of 1 % of the greatest pressure.
-class Felt {
+class Sensed {
  public:
-  Felt(const TaxelLayout& layout, const contact::Imprint& imprint)
-      : sheet_(layout, imprint), p_(layout.size()), x_(p_.size()), y_(p_.size()) {}
+  Sensed(const TaxelLayout& layout, const contact::ContactGeometry& geometry)
+      : sheet_(layout, geometry), p_(layout.size()), x_(p_.size()), y_(p_.size()) {}
 
-  Frame feel(const contact::LoadHistory& contact, double x_m, double y_m, double pull_rad,
-             double noise = 0.01) {
-    sheet_.feel(contact, x_m, y_m, pull_rad, p_, x_, y_);
+  Frame sense(const contact::LoadHistory& contact, double x_m, double y_m, double pull_rad,
+              double noise = 0.01) {
+    sheet_.sense(contact, x_m, y_m, pull_rad, p_, x_, y_);
     const float width = static_cast<float>(noise) * *std::max_element(p_.begin(), p_.end());
     for (auto* channel : {&p_, &x_, &y_}) {
       for (float& value : *channel) value += width * std::uniform_real_distribution<float>(-1, 1)(random_);
@@ -46,7 +46,7 @@ class Felt {
   }
 
  private:
-  contact::ImprintSheet sheet_;
+  contact::ContactField sheet_;
   std::vector<float> p_, x_, y_;
   std::mt19937_64 random_{7};
   std::uint64_t sequence_ = 0;
@@ -67,19 +67,20 @@ TEST(PadForces, AreThoseThatActWhateverTheShapeTheHistoryAndThePlace) {
   };
   constexpr Place kPlaces[] = {{0, 0, 0.3}, {0.002, -0.001, 2.2}, {-0.0023, 0.0023, 4.1}};
   for (const double depth_m : {0.001, 0.002}) {
-    for (const contact::Imprint& imprint :
-         {contact::Imprint{.depth_m = depth_m}, contact::Imprint{.depth_m = depth_m, .stretch = 1.7},
-          contact::Imprint{.depth_m = depth_m, .power = 6},
-          contact::Imprint{.depth_m = depth_m, .bonded_poisson = 0.45}}) {
+    for (const contact::ContactGeometry& geometry :
+         {contact::ContactGeometry{.depth_m = depth_m},
+          contact::ContactGeometry{.depth_m = depth_m, .stretch = 1.7},
+          contact::ContactGeometry{.depth_m = depth_m, .power = 6},
+          contact::ContactGeometry{.depth_m = depth_m, .bonded_poisson = 0.45}}) {
       Skin skin{.depth_m = depth_m};
-      if (imprint.bonded_poisson) skin.base = SkinBase::rigid;
+      if (geometry.bonded_poisson) skin.base = SkinBase::rigid;
       const PadForces forces(pad(), skin);
       PatchFinder finder(pad());
-      Felt felt(pad(), imprint);
+      Sensed sensed(pad(), geometry);
       for (const Place& at : kPlaces) {
         for (const double most : {0.6, 0.95}) {
           const auto found =
-              forces.of(finder.find(felt.feel(loaded(3, most, 0.6), at.x_m, at.y_m, at.pull_rad, 0)));
+              forces.of(finder.find(sensed.sense(loaded(3, most, 0.6), at.x_m, at.y_m, at.pull_rad, 0)));
           ASSERT_TRUE(found);
           const double shear_n = std::hypot(found->shear_x_n, found->shear_y_n);
           const double ratio = shear_n / found->normal_n;
@@ -96,8 +97,8 @@ TEST(PadForces, AreThoseThatActWhateverTheShapeTheHistoryAndThePlace) {
 TEST(PadForces, OfPressingAloneHaveNoShear) {
   const PadForces forces(pad(), Skin{.depth_m = 0.002});
   PatchFinder finder(pad());
-  Felt felt(pad(), {.depth_m = 0.002});
-  const auto found = forces.of(finder.find(felt.feel(loaded(3, 0, 0), 0.003, -0.002, 0, 0)));
+  Sensed sensed(pad(), {.depth_m = 0.002});
+  const auto found = forces.of(finder.find(sensed.sense(loaded(3, 0, 0), 0.003, -0.002, 0, 0)));
   ASSERT_TRUE(found);
   EXPECT_LT(std::hypot(found->shear_x_n, found->shear_y_n), 0.01 * 3);
 }
@@ -105,8 +106,8 @@ TEST(PadForces, OfPressingAloneHaveNoShear) {
 TEST(PadForces, OfAContactBeyondTheEdgeAreNotKnown) {
   const PadForces forces(pad(), Skin{.depth_m = 0.003});
   PatchFinder finder(pad());
-  Felt felt(pad(), {.depth_m = 0.003});
-  EXPECT_FALSE(forces.of(finder.find(felt.feel(loaded(3, 0.6, 0.6), 0.0105, 0, 0, 0))));
+  Sensed sensed(pad(), {.depth_m = 0.003});
+  EXPECT_FALSE(forces.of(finder.find(sensed.sense(loaded(3, 0.6, 0.6), 0.0105, 0, 0, 0))));
 }
 
 // Under a skin hardly a taxel reads a negative pressure, and by the few of one frame noise may be next to
@@ -117,15 +118,15 @@ TEST(PadForces, HaveTheNoiseThatAFitLeavesOver) {
   const PadForces forces(pad(), Skin{.depth_m = kDepth});
   PatchFinder finder(pad());
   FewTaxelsSubsurfaceFit fit(pad(), {0.1, 0.9}, kDepth, {});
-  Felt felt(pad(), {.depth_m = kDepth});
+  Sensed sensed(pad(), {.depth_m = kDepth});
   const contact::LoadHistory contact = loaded(kPressed, 0.6, 0.6);
-  const Frame still = felt.feel(contact, 0.001, 0.0005, 0.7, 0);
+  const Frame still = sensed.sense(contact, 0.001, 0.0005, 0.7, 0);
   const double peak_pa = *std::max_element(still.normal_pa.begin(), still.normal_pa.end()),
                sigma_n = kNoise * peak_pa / std::sqrt(3.0) * pad().area_m2() * 4;  // of 16 taxels
   double least_alone = 1, variance = 0, mean = 0,
          square = 0;  // over the true variance; of Q over its deviation
   for (int i = 0; i < kFrames; ++i) {
-    const ContactPatch& patch = finder.find(felt.feel(contact, 0.001, 0.0005, 0.7, kNoise));
+    const ContactPatch& patch = finder.find(sensed.sense(contact, 0.001, 0.0005, 0.7, kNoise));
     const auto alone = forces.of(patch),
                fitted = forces.of(patch, fit.estimate(patch, moment_ratio(patch, pad())));
     ASSERT_TRUE(alone && fitted);
@@ -157,7 +158,7 @@ Outcome grasps(double depth_m, double depth_taken_m, const std::optional<KnownFr
   constexpr Leg kLegs[] = {
       {3, 0, 20, false}, {3, 0.8, 40, true}, {3, 0.3, 20, true}, {4.5, 0.3, 20, true}, {4.5, 1.5, 40, true}};
   Outcome outcome;
-  Felt felt(pad(), {.depth_m = depth_m});
+  Sensed sensed(pad(), {.depth_m = depth_m});
   for (int grasp = 0; grasp < 4; ++grasp) {
     ChainSetup setup{.layout = pad(), .scene = {}, .estimator = {}, .alerts = {}, .friction = friction};
     setup.scene.skin.depth_m = depth_taken_m;
@@ -170,7 +171,7 @@ Outcome grasps(double depth_m, double depth_taken_m, const std::optional<KnownFr
         const double part = static_cast<double>(i) / leg.frames;
         contact.move_to(normal_n + part * (leg.normal_n - normal_n),
                         (load + part * (leg.load - load)) * kMu * 3, kMu);
-        const Frame frame = felt.feel(contact, x_m, y_m, 1.3 * grasp);
+        const Frame frame = sensed.sense(contact, x_m, y_m, 1.3 * grasp);
         const std::uint64_t before = test::allocations();
         const Estimate estimate = chain.estimate(frame);
         EXPECT_EQ(test::allocations(), before);

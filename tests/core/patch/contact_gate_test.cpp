@@ -65,6 +65,32 @@ TEST_F(Gate, SeesAContactThatPullsAtSomeTaxels) {
   EXPECT_TRUE(sees({-0.6, -0.4, 0, 0, 1, 1, 0, 0, 0}, 2, 0.005));
 }
 
+// A zero of another sensor, or counts that were shifted since it was taken.
+TEST_F(Gate, KnowsAZeroThatIsAnothersByShearWithoutPressureSinceTheFirstFrame) {
+  for (int i = 0; i < 50; ++i) {
+    sees({}, 2, 0.005);
+    EXPECT_TRUE(gate_.zero_is_anothers());
+  }
+  sees({0, 0, 0, 0, 3}, 2, 0.005);
+  EXPECT_TRUE(gate_.zero_is_anothers()) << "pressure does not make it its own";
+  sees({}, 0, 0.005);
+  EXPECT_FALSE(gate_.zero_is_anothers()) << "a new zero was taken";
+}
+
+TEST_F(Gate, BelievesTheZeroOfASensorThatWasFreeBeforeSomethingPulls) {
+  sees({}, 0, 0.005);
+  sees({}, 2, 0.005);
+  EXPECT_TRUE(gate_.pulled());
+  EXPECT_FALSE(gate_.zero_is_anothers());
+}
+
+TEST_F(Gate, BelievesTheZeroOfASensorThatStartsInAGrip) {
+  for (int i = 0; i < 50; ++i) sees({0, 0, 0, 0, 3}, 2, 0.005);
+  sees({}, 2, 0.005);
+  EXPECT_TRUE(gate_.pulled());
+  EXPECT_FALSE(gate_.zero_is_anothers());
+}
+
 TEST_F(Gate, CallsShearWithoutPressurePulledAndNoContact) {
   for (int i = 0; i < 500; ++i) sees({}, 0, 0.005);
   EXPECT_FALSE(gate_.pulled());

@@ -87,13 +87,13 @@ class Blinded {
   }
   template <typename Chosen>
   Frame frame(Chosen dead) {
-    const Frame felt = maker_.make(contact_, 0, 0, 0.3, 0.01, Noise::sensor);
-    p_.assign(felt.normal_pa.begin(), felt.normal_pa.end());
-    x_.assign(felt.shear_x_pa.begin(), felt.shear_x_pa.end());
-    y_.assign(felt.shear_y_pa.begin(), felt.shear_y_pa.end());
+    const Frame sensed = maker_.make(contact_, 0, 0, 0.3, 0.01, Noise::sensor);
+    p_.assign(sensed.normal_pa.begin(), sensed.normal_pa.end());
+    x_.assign(sensed.shear_x_pa.begin(), sensed.shear_x_pa.end());
+    y_.assign(sensed.shear_y_pa.begin(), sensed.shear_y_pa.end());
     for (std::size_t i = 0; i < p_.size(); ++i)
       if (dead(i)) p_[i] = x_[i] = y_[i] = 0;
-    return {felt.sequence, felt.time_ns, p_, x_, y_};
+    return {sensed.sequence, sensed.time_ns, p_, x_, y_};
   }
   double from_middle_m(std::size_t i) const {
     return std::hypot(maker_.layout().x_m()[i], maker_.layout().y_m()[i]);

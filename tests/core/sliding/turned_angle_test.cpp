@@ -62,7 +62,7 @@ class TurningImprint {
     return last;
   }
   std::optional<TurnedAngle> see(bool slides_turning = false) {
-    feel();
+    sense();
     const Frame frame{++sequence_, time_ns_, normal_, none_, none_};
     return follower_.update(time_ns_ += static_cast<std::int64_t>(kFrame_s * 1e9), finder_.find(frame),
                             settled_, slides_turning);
@@ -78,7 +78,7 @@ class TurningImprint {
   bool imprint_turns = true;
 
  private:
-  void feel() {
+  void sense() {
     constexpr int kParts = 4;
     const double side_m = layout_.side_m(), turned_rad = imprint_turns ? turned_rad_ : 0;
     const double c = std::cos(turned_rad), s = std::sin(turned_rad);

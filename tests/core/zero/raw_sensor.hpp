@@ -32,21 +32,21 @@ class RawSensor {
   const TaxelLayout& layout() const { return maker_.layout(); }
   const std::vector<float>& offsets() const { return offsets_; }
   void without_offsets() { std::fill(offsets_.begin(), offsets_.end(), 0.0F); }
-  void release() { felt_.assign(3 * taxels(), 0.0F); }
+  void release() { sensed_.assign(3 * taxels(), 0.0F); }
 
   void press(double normal_n, double shear_n) {
     contact::LoadHistory contact(synthetic::paper_pair());
     contact.move_to(normal_n, 0, kFriction);
     contact.move_to(normal_n, shear_n, kFriction);
     const Frame frame = maker_.make(contact, 0, 0, 0, 0);
-    felt_.assign(frame.normal_pa.begin(), frame.normal_pa.end());
-    felt_.insert(felt_.end(), frame.shear_x_pa.begin(), frame.shear_x_pa.end());
-    felt_.insert(felt_.end(), frame.shear_y_pa.begin(), frame.shear_y_pa.end());
+    sensed_.assign(frame.normal_pa.begin(), frame.normal_pa.end());
+    sensed_.insert(sensed_.end(), frame.shear_x_pa.begin(), frame.shear_x_pa.end());
+    sensed_.insert(sensed_.end(), frame.shear_y_pa.begin(), frame.shear_y_pa.end());
   }
   void press_everywhere(float pressure_pa, float shear_pa) {
     for (std::size_t i = 0; i < taxels(); ++i) {
-      felt_[i] = pressure_pa;
-      felt_[taxels() + i] = shear_pa;
+      sensed_[i] = pressure_pa;
+      sensed_[taxels() + i] = shear_pa;
     }
   }
   // From now on each offset drifts, by at most this.
@@ -61,7 +61,7 @@ class RawSensor {
     std::normal_distribution<float> noise(0, 1);
     for (std::size_t i = 0; i < memory_.size(); ++i) {
       offsets_[i] += drift_[i];
-      memory_[i] = offsets_[i] + felt_[i] + noise_pa_ * noise(random_);
+      memory_[i] = offsets_[i] + sensed_[i] + noise_pa_ * noise(random_);
       if (step_pa_ > 0) memory_[i] = step_pa_ * std::round(memory_[i] / step_pa_);
     }
     FrameSlot slot;
@@ -100,7 +100,7 @@ class RawSensor {
   std::int64_t period_ns_;
   synthetic::FrameMaker maker_;
   std::mt19937_64 random_;
-  std::vector<float> memory_, offsets_, drift_, felt_;
+  std::vector<float> memory_, offsets_, drift_, sensed_;
   std::uint64_t sequence_ = 0;
 };
 

@@ -63,7 +63,7 @@ class DecoderRig {
   test::OwnedSlot out;
 };
 
-// What the model's device sends when each taxel feels 1000 Pa times its number from 1, half in x, a quarter
+// What the model's device sends when each taxel senses 1000 Pa times its number from 1, half in x, a quarter
 // in -y.
 std::vector<Packet> scan_of(const devices::DeviceModel& model) {
   std::vector<test::OwnedSlot> slots;
@@ -347,15 +347,15 @@ TEST(Decoder, SurvivesAnyBytesAndGivesFiniteNumbersOnly) {
 
 TEST(Number, IsReadInEitherOrderAndWithItsSign) {
   const std::uint8_t bytes[] = {0xFF, 0x01, 0x80, 0x3F};
-  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 1, false}), 255);
-  EXPECT_EQ(read_number(bytes, {NumberKind::whole, 1, false}), -1);
-  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 2, true}), 0xFF01);
-  EXPECT_EQ(read_number(bytes, {NumberKind::whole, 2, true}), -255);
-  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 2, false}), 0x01FF);
-  EXPECT_EQ(read_number(bytes, {NumberKind::natural, 4, true}), 0xFF01803FU);
-  EXPECT_EQ(read_number(bytes, {NumberKind::whole, 4, true}), -16678849);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::natural, 1, false}), 255);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::whole, 1, false}), -1);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::natural, 2, true}), 0xFF01);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::whole, 2, true}), -255);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::natural, 2, false}), 0x01FF);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::natural, 4, true}), 0xFF01803FU);
+  EXPECT_EQ(wire::read_number(bytes, {NumberKind::whole, 4, true}), -16678849);
   const std::uint8_t one[] = {0x00, 0x00, 0x80, 0x3F};
-  EXPECT_EQ(read_number(one, {NumberKind::real, 4, false}), 1);
+  EXPECT_EQ(wire::read_number(one, {NumberKind::real, 4, false}), 1);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <regex>
 #include <set>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "tests/support/synthetic.hpp"
 #include "tests/tools/run_program.hpp"
 #include "tests/tools/sample_recording.hpp"
@@ -84,7 +84,7 @@ TEST_F(Sliplab, TrainsOnceAndThenFindsTheModel) {
 void write_presses(const fs::path& file, double depth_m) {
   using namespace slipd;
   const TaxelLayout layout = TaxelLayout::grid(8, 8, 0.002);
-  contact::ImprintSheet sheet(layout, {.depth_m = depth_m, .bonded_poisson = std::nullopt});
+  contact::ContactField sheet(layout, {.depth_m = depth_m, .bonded_poisson = std::nullopt});
   const UniqueFd fd(::open(file.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600));
   RecordingWriter writer(fd.get(), {.sensor = "left", .layout = layout, .rate_hz = 100, .description = {}});
   std::vector<float> normal(64), x(64), y(64);
@@ -98,7 +98,7 @@ void write_presses(const fs::path& file, double depth_m) {
     contact::LoadHistory contact(synthetic::paper_pair());
     contact.move_to(6, 0, 0.5);
     contact.move_to(6, 0.5, 0.5);
-    sheet.feel(contact, 0.0005 * (i % 3), 0.0005 * (i % 4), 0.5 * i, normal, x, y);
+    sheet.sense(contact, 0.0005 * (i % 3), 0.0005 * (i % 4), 0.5 * i, normal, x, y);
     for (auto* channel : {&normal, &x, &y})
       for (float& value : *channel) value += noise(random);
     slot.sequence = static_cast<std::uint64_t>(i);

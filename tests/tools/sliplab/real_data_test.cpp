@@ -1,5 +1,5 @@
 // Detection of slip on recordings of real sensors that slipd did not make; tests/data has their sources and
-// licences. They are too few to measure with: `tools/real` does that.
+// licences. They are too few to measure with: `slipd-bench` does that.
 #include <gtest/gtest.h>
 
 #include "tools/sliplab/replay/label.hpp"

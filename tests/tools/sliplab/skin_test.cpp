@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "tests/support/synthetic.hpp"
 #include "tools/sliplab/skin/depth.hpp"
 #include "tools/sliplab/skin/shear_order.hpp"
@@ -37,8 +37,8 @@ class Presses {
     contact::LoadHistory contact(synthetic::paper_pair());
     contact.move_to(force_n, 0, kFriction);
     contact.move_to(force_n, 0.2 * kFriction * force_n, kFriction);
-    sheet_.feel(contact, 0.002 * (unit() - 0.5), 0.002 * (unit() - 0.5), 6.28 * unit(), frame.normal_pa,
-                frame.shear_x_pa, frame.shear_y_pa);
+    sheet_.sense(contact, 0.002 * (unit() - 0.5), 0.002 * (unit() - 0.5), 6.28 * unit(), frame.normal_pa,
+                 frame.shear_x_pa, frame.shear_y_pa);
     const float peak = *std::max_element(frame.normal_pa.begin(), frame.normal_pa.end());
     for (auto* channel : {&frame.normal_pa, &frame.shear_x_pa, &frame.shear_y_pa}) {
       for (std::size_t i = 0; i < n; ++i)
@@ -57,7 +57,7 @@ class Presses {
   double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
   TaxelLayout layout_;
-  contact::ImprintSheet sheet_;
+  contact::ContactField sheet_;
   std::mt19937_64 random_{7};
   std::vector<float> gain_;
 };

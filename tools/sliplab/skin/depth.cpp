@@ -15,12 +15,12 @@ using namespace slipd;
 constexpr std::size_t kDepths = 13;
 // Searches, each between the neighbours of the last one's best.
 constexpr int kSearches = 2;
-// Below this share of a taxel's side a skin is the surface, see with_felt_skin in
+// Below this share of a taxel's side a skin is the surface, see with_sensed_skin in
 // core/chain/chain_parts.cpp.
 constexpr double kThinnestSides = 1.0 / 9;
 // Presses without which no depth is told: one or two may as well be edges or objects that are no spheres.
 constexpr std::size_t kLeastPresses = 3;
-// The deepest that is tried, over the greatest radius felt.
+// The deepest that is tried, over the greatest radius sensed.
 constexpr double kDeepestRadii = 1;
 
 struct Search {
@@ -105,11 +105,11 @@ std::optional<double> gain_spread_of(const TaxelLayout& layout, SubsurfaceFit fi
     if (!fit.estimate(patch, moment_ratio(patch, layout)).in_model) continue;
     const ContactShape& model = fit.model();
     for (std::size_t j = 0; j < model.count(); ++j) {
-      const double felt = model.data_pa()[j], noise_pa = patch.noise_normal_pa,
-                   fitted = felt + model.residuals()[j] * model.noise().normal_pa;
+      const double sensed = model.data_pa()[j], noise_pa = patch.noise_normal_pa,
+                   fitted = sensed + model.residuals()[j] * model.noise().normal_pa;
       if (fitted < kLeastPressure * patch.peak_pa) continue;
       const std::size_t i = model.taxels()[j];
-      products[i] += felt * fitted;
+      products[i] += sensed * fitted;
       squares[i] += fitted * fitted;
       noise[i] += noise_pa * noise_pa * fitted * fitted;
     }

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/reading/fit/contact_shape.hpp"
 #include "tests/support/synthetic.hpp"
 
@@ -96,7 +96,7 @@ constexpr RoundTrial kTrial{.x_m = 0.0007,
                             .gamma = 0.4,
                             .direction_rad = 0.7};
 
-TEST(RoundImprints, ByTheTableAreThoseOfSheetsToTenThousandthsOfThePeak) {
+TEST(RoundFields, ByTheTableAreThoseOfSheetsToTenThousandthsOfThePeak) {
   for (const std::size_t side : {std::size_t{16}, std::size_t{32}}) {
     for (const double depth_m : {0.0005, 0.001, 0.002}) {
       for (const std::optional<double> bonded_poisson : {std::optional<double>(), std::optional(0.45)}) {
@@ -111,7 +111,7 @@ TEST(RoundImprints, ByTheTableAreThoseOfSheetsToTenThousandthsOfThePeak) {
   }
 }
 
-TEST(RoundImprints, HaveTheGradientOfTheirCost) {
+TEST(RoundFields, HaveTheGradientOfTheirCost) {
   RoundTrials trials(32, 0.001);
   RoundTrial other = kTrial;
   other.radius_m *= 1.1;
@@ -135,7 +135,7 @@ TEST(RoundImprints, HaveTheGradientOfTheirCost) {
 }
 
 // What the width of taxels adds to the slope is left out; here they are half as wide as deep.
-TEST(RoundImprints, HaveTheGradientByTheDepth) {
+TEST(RoundFields, HaveTheGradientByTheDepth) {
   RoundTrials trials(32, 0.001);
   RoundTrial other = kTrial;
   other.radius_m *= 1.1;
@@ -167,10 +167,10 @@ class AxesTrial {
     const double normal_n = pair.disc_force_n(0.004);
     contact.move_to(normal_n, 0, 0.5);
     contact.move_to(normal_n, 0.3 * normal_n, 0.5);
-    contact::ImprintSheet sheet(layout_,
+    contact::ContactField sheet(layout_,
                                 {.depth_m = kDepth, .bonded_poisson = bonded_poisson, .stretch = axes});
     sheet.turn(0.5);
-    sheet.feel(contact, 0.0004, -0.0007, 0.6, p_, x_, y_);
+    sheet.sense(contact, 0.0004, -0.0007, 0.6, p_, x_, y_);
     const float peak = *std::max_element(p_.begin(), p_.end());
     std::mt19937_64 random(seed);
     std::normal_distribution<float> normal(0, static_cast<float>(noise));

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/reading/fit/fit.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
@@ -19,11 +19,11 @@ namespace {
 
 // Frames of contacts of radius 2.5 … 5.5 mm, up to 2 mm off the middle of a +-8 mm pad, with noise of 1 % of
 // the greatest pressure on all channels.
-class ImprintFrames {
+class ShapeFrames {
  public:
-  ImprintFrames(std::size_t side, const contact::Imprint& imprint)
+  ShapeFrames(std::size_t side, const contact::ContactGeometry& geometry)
       : layout_(TaxelLayout::grid(side, side, 0.016 / static_cast<double>(side))),
-        sheet_(layout_, imprint),
+        sheet_(layout_, geometry),
         finder_(layout_),
         p_(layout_.size()),
         x_(layout_.size()),
@@ -37,7 +37,7 @@ class ImprintFrames {
     contact.move_to(normal_n, 0, mu);
     contact.move_to(normal_n, (1 - gamma) * mu * normal_n, mu);
     sheet_.turn(3.14 * unit());
-    sheet_.feel(contact, 0.002 * (2 * unit() - 1), 0.002 * (2 * unit() - 1), 6.28 * unit(), p_, x_, y_);
+    sheet_.sense(contact, 0.002 * (2 * unit() - 1), 0.002 * (2 * unit() - 1), 6.28 * unit(), p_, x_, y_);
     const float peak = *std::max_element(p_.begin(), p_.end());
     for (auto* channel : {&p_, &x_, &y_}) {
       for (float& value : *channel) value += 0.01F * peak * static_cast<float>(2 * unit() - 1);
@@ -53,7 +53,7 @@ class ImprintFrames {
   double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
   TaxelLayout layout_;
-  contact::ImprintSheet sheet_;
+  contact::ContactField sheet_;
   PatchFinder finder_;
   std::mt19937_64 random_{5};
   std::vector<float> p_, x_, y_;
@@ -64,9 +64,9 @@ struct Score {
   double bias = 0;  // |mean error|
 };
 
-Score score_of(std::size_t side, const contact::Imprint& imprint, int contacts) {
-  ImprintFrames frames(side, imprint);
-  SubsurfaceFit fit(frames.layout(), {0.1, 0.9}, imprint.depth_m, {}, {}, 0, imprint.bonded_poisson);
+Score score_of(std::size_t side, const contact::ContactGeometry& geometry, int contacts) {
+  ShapeFrames frames(side, geometry);
+  SubsurfaceFit fit(frames.layout(), {0.1, 0.9}, geometry.depth_m, {}, {}, 0, geometry.bonded_poisson);
   Score score;
   for (int i = 0; i < contacts; ++i) {
     const ContactPatch& patch = frames.next();
@@ -85,7 +85,8 @@ Score score_of(std::size_t side, const contact::Imprint& imprint, int contacts) 
   return score;
 }
 
-// The Cramér–Rao guide is 0.014, 0.023 and 0.032 (docs/accuracy.md); shares of so few are known to 4 points.
+// The Cramér–Rao bound is 0.014, 0.023 and 0.032 (docs/tables/skins.md); shares of so few are known to 4
+// points.
 TEST(SubsurfaceFit, ReadsRoundContactsUnderASkin) {
   const Score fine = score_of(32, {.depth_m = 0.001}, 60), coarse = score_of(16, {.depth_m = 0.001}, 100);
   EXPECT_LT(fine.error, 0.021);
@@ -97,7 +98,7 @@ TEST(SubsurfaceFit, ReadsRoundContactsUnderASkin) {
   }
 }
 
-// The guide is 0.018 on 16 x 16 (`slipd-lab tradeoff --imprints`).
+// The guide is 0.018 on 16 x 16 (`slipd-lab tradeoff --shapes`).
 TEST(SubsurfaceFit, ReadsContactsOnASkinWithARigidBase) {
   const Score round = score_of(16, {.depth_m = 0.001, .bonded_poisson = 0.45}, 60),
               long_one = score_of(16, {.depth_m = 0.001, .bonded_poisson = 0.5, .stretch = 1.6}, 30);
@@ -118,7 +119,7 @@ TEST(SubsurfaceFit, ReadsTiltedEllipsesUnderASkin) {
   EXPECT_GT(score.elliptic, 0.95);
 }
 
-// The guide is 0.0045 on 32 x 32 and 0.012 on 16 x 16 (docs/accuracy.md), whatever the axes.
+// The bound is 0.0045 on 32 x 32 and 0.012 on 16 x 16 (docs/tables/skins.md), whatever the axes.
 TEST(Fit, ReadsTiltedEllipsesAtTheSurfaceAsWellAsSpheres) {
   struct Case {
     std::size_t side;
@@ -127,7 +128,7 @@ TEST(Fit, ReadsTiltedEllipsesAtTheSurfaceAsWellAsSpheres) {
   for (const Case& of : {Case{16, 1.6, 0.02}, Case{32, 2, 0.0065}}) {
     SCOPED_TRACE(of.side);
     constexpr int kContacts = 60;
-    ImprintFrames frames(of.side, {.stretch = of.axes});
+    ShapeFrames frames(of.side, {.stretch = of.axes});
     ArrayFit fit(frames.layout(), {0.1, 0.9});
     double error = 0, answered = 0, within_two = 0;
     for (int i = 0; i < kContacts; ++i) {
@@ -154,7 +155,7 @@ TEST(Fit, OfALightPullIsNoGrossSlip) {
   std::uniform_real_distribution<double> unit(0, 1);
   PatchFinder finder(layout);
   for (const double axes : {1.0, 1.5}) {
-    contact::ImprintSheet sheet(layout, {.stretch = axes});
+    contact::ContactField sheet(layout, {.stretch = axes});
     ArrayFit fit(layout, {0.1, 0.9});
     int answered = 0;
     for (int i = 0; i < 250; ++i) {
@@ -162,7 +163,7 @@ TEST(Fit, OfALightPullIsNoGrossSlip) {
       const double gamma = 0.995 + 0.004 * unit(random);
       contact.move_to(3, 0, 0.4);
       contact.move_to(3, (1 - gamma) * 0.4 * 3, 0.4);
-      sheet.feel(contact, 0, 0, 6.28 * unit(random), p, x, y);
+      sheet.sense(contact, 0, 0, 6.28 * unit(random), p, x, y);
       const float width = 0.01F * *std::max_element(p.begin(), p.end());
       for (auto* channel : {&p, &x, &y}) {
         for (float& value : *channel) value += width * static_cast<float>(2 * unit(random) - 1);
@@ -178,7 +179,7 @@ TEST(Fit, OfALightPullIsNoGrossSlip) {
 }
 
 TEST(Fit, OfRoundContactsAtTheSurfaceIsThatWithoutEllipsesToTheLastDigit) {
-  ImprintFrames frames(32, {});
+  ShapeFrames frames(32, {});
   FitOptions round_only;
   round_only.elliptic_from = 2;  // no ellipse has as much
   ArrayFit fit(frames.layout(), {0.1, 0.9}), round(frames.layout(), {0.1, 0.9}, round_only);
@@ -193,7 +194,7 @@ TEST(Fit, OfRoundContactsAtTheSurfaceIsThatWithoutEllipsesToTheLastDigit) {
 }
 
 Score score_at_wrong_depth(double taken, double depth_sigma) {
-  ImprintFrames frames(16, {.depth_m = 0.001});
+  ShapeFrames frames(16, {.depth_m = 0.001});
   SubsurfaceFit fit(frames.layout(), {0.1, 0.9}, 0.001 * taken, {}, {}, depth_sigma);
   Score score;
   for (int i = 0; i < 60; ++i) {
@@ -258,7 +259,7 @@ contact::ShearMoments moments_of(const contact::LoadHistory& contact) {
 TEST(SubsurfaceFit, FindsMomentsAndForcesUnderASkinWhateverTheHistoryAndRefusesAnUnloading) {
   constexpr double kGrip = 3, kFriction = 0.5;
   const TaxelLayout layout = TaxelLayout::grid(32, 32, 0.0005);
-  contact::ImprintSheet sheet(layout, {.depth_m = 0.001});
+  contact::ContactField sheet(layout, {.depth_m = 0.001});
   PatchFinder finder(layout);
   std::mt19937_64 random(4);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -273,7 +274,7 @@ TEST(SubsurfaceFit, FindsMomentsAndForcesUnderASkinWhateverTheHistoryAndRefusesA
     double slip = 0, legendre = 0, slip_sigma = 0, shear = 0, in_model = 0;
     constexpr int kFrames = 12;
     for (int i = 0; i < kFrames; ++i) {
-      sheet.feel(contact, 0.0004, -0.0007, 0.6, p, x, y);
+      sheet.sense(contact, 0.0004, -0.0007, 0.6, p, x, y);
       const float peak = *std::max_element(p.begin(), p.end());
       for (auto* channel : {&p, &x, &y}) {
         for (float& value : *channel) value += 0.01F * peak * unit(random);
@@ -297,7 +298,7 @@ TEST(SubsurfaceFit, FindsMomentsAndForcesUnderASkinWhateverTheHistoryAndRefusesA
 }
 
 TEST(SubsurfaceFit, AllocatesNothing) {
-  ImprintFrames frames(16, {.depth_m = 0.001, .stretch = 1.6});
+  ShapeFrames frames(16, {.depth_m = 0.001, .stretch = 1.6});
   SubsurfaceFit fit(frames.layout(), {0.1, 0.9}, 0.001, {});
   for (int i = 0; i < 5; ++i) {
     const ContactPatch& patch = frames.next();

@@ -100,8 +100,8 @@ class Pad {
   void kill(std::size_t taxel) { gain_[taxel] = 0; }
 
   // Ciavarella and Jäger: q = mu (p(P) - p(gamma P)).
-  const ContactPatch& feel(const Pressure& pressure, double normal_n, double gamma, double friction,
-                           double direction_rad, double x_m = 0.3e-3, double y_m = -0.2e-3) {
+  const ContactPatch& sense(const Pressure& pressure, double normal_n, double gamma, double friction,
+                            double direction_rad, double x_m = 0.3e-3, double y_m = -0.2e-3) {
     const std::vector<float>& now = pressure.averages(layout_, normal_n, x_m, y_m);
     const std::vector<float>& stuck = pressure.averages(layout_, gamma * normal_n, x_m, y_m);
     const float peak = *std::max_element(now.begin(), now.end());
@@ -134,7 +134,7 @@ class Pad {
 
 void close_grip(PressureMaps& closing, Pad& pad, const Pressure& pressure, double most_n, int frames) {
   for (int i = 1; i <= frames; ++i) {
-    const ContactPatch& patch = pad.feel(pressure, most_n * i / frames, 1, 0.5, 0);
+    const ContactPatch& patch = pad.sense(pressure, most_n * i / frames, 1, 0.5, 0);
     if (patch.in_contact) closing.observe(pad.frame(), patch);
   }
 }
@@ -159,7 +159,7 @@ Outcome loads(const Pressure& pressure, std::size_t side, int closings,
     PressureMaps closing(pad.layout(), kMapsFriction);
     close_grip(closing, pad, pressure, 4, 100);
     const double gamma = 0.05 + 0.9 * unit(random), friction = 0.3 + 0.5 * unit(random);
-    const ContactPatch& patch = pad.feel(pressure, 3.8, gamma, friction, 6.28 * unit(random));
+    const ContactPatch& patch = pad.sense(pressure, 3.8, gamma, friction, 6.28 * unit(random));
     const Reading estimate = closing.estimate(pad.frame(), patch);
     ++out.asked;
     if (!estimate.in_model) continue;
@@ -200,7 +200,7 @@ class ClosedGrip : public ::testing::Test {
  protected:
   void SetUp() override { close_grip(closing_, pad_, shape_, 4, 100); }
   Reading pull(double normal_n, double gamma, double x_m = 0.3e-3) {
-    const ContactPatch& patch = pad_.feel(shape_, normal_n, gamma, 0.5, 1, x_m);
+    const ContactPatch& patch = pad_.sense(shape_, normal_n, gamma, 0.5, 1, x_m);
     return closing_.estimate(pad_.frame(), patch);
   }
 
@@ -231,9 +231,9 @@ TEST_F(ClosedGrip, GivesNoMarginForAnotherContact) {
 
 TEST_F(ClosedGrip, GivesNoMarginForALoadThatWasReversed) {
   // Sticking in a disc after a load to half of its friction and back to none: shear of either sign.
-  const ContactPatch& patch = pad_.feel(shape_, 3, 0.5, 0.5, 0);
+  const ContactPatch& patch = pad_.sense(shape_, 3, 0.5, 0.5, 0);
   std::vector<float> x(patch.taxels.shear_x_pa, patch.taxels.shear_x_pa + pad_.layout().size());
-  const ContactPatch& half = pad_.feel(shape_, 3, 0.8, 0.5, 0);
+  const ContactPatch& half = pad_.sense(shape_, 3, 0.8, 0.5, 0);
   std::vector<float> back(half.taxels.shear_x_pa, half.taxels.shear_x_pa + x.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] -= 2 * back[i];
   Frame frame = pad_.frame();
@@ -248,7 +248,7 @@ TEST_F(ClosedGrip, GivesTheShearMomentsOfALoadThatTurnedBack) {
   constexpr double kNormal_n = 3, kCoefficient = 0.5, kAxes = 1.7, kX_m = 0.3e-3, kY_m = -0.2e-3;
   const TaxelLayout& layout = pad_.layout();
   const auto shear_of = [&](double gamma) {
-    const ContactPatch& patch = pad_.feel(shape_, kNormal_n, gamma, kCoefficient, 0);
+    const ContactPatch& patch = pad_.sense(shape_, kNormal_n, gamma, kCoefficient, 0);
     return std::vector<float>(patch.taxels.shear_x_pa, patch.taxels.shear_x_pa + layout.size());
   };
   std::vector<float> x = shear_of(0.4);
@@ -285,7 +285,7 @@ TEST_F(ClosedGrip, GivesMarginsOfAGripThatTightensUnderAPull) {
   EXPECT_FALSE(pull(5, 0.5).in_model);
   double normal_n = 4;
   for (double gamma = 0.3; normal_n < 8; normal_n *= 1.1, gamma += 0.05) {
-    const ContactPatch& patch = pad_.feel(shape_, normal_n, gamma, 0.5, 1);
+    const ContactPatch& patch = pad_.sense(shape_, normal_n, gamma, 0.5, 1);
     closing_.observe(pad_.frame(), patch);
     const Reading estimate = closing_.estimate(pad_.frame(), patch);
     ASSERT_TRUE(estimate.in_model) << normal_n;
@@ -297,14 +297,14 @@ TEST_F(ClosedGrip, RecordsNoContactThatHasMovedWhileTheGripTightens) {
   double normal_n = 4;
   for (int i = 1; i < 6; ++i) {
     normal_n *= 1.1;
-    const ContactPatch& patch = pad_.feel(shape_, normal_n, 0.5, 0.5, 1, 0.3e-3 + 1e-3 * i);
+    const ContactPatch& patch = pad_.sense(shape_, normal_n, 0.5, 0.5, 1, 0.3e-3 + 1e-3 * i);
     closing_.observe(pad_.frame(), patch);
     EXPECT_FALSE(closing_.estimate(pad_.frame(), patch).in_model);
   }
 }
 
 TEST_F(ClosedGrip, AllocatesNothing) {
-  const ContactPatch& patch = pad_.feel(shape_, 3, 0.3, 0.5, 1);
+  const ContactPatch& patch = pad_.sense(shape_, 3, 0.3, 0.5, 1);
   const std::uint64_t before = test::allocations();
   closing_.observe(pad_.frame(), patch);
   EXPECT_TRUE(closing_.estimate(pad_.frame(), patch).in_model);
@@ -322,12 +322,12 @@ void pull_through_the_chain(MethodChoice method, const Pressure& pressure, doubl
                          .friction = std::nullopt};
   EstimatorChain chain(setup, nullptr);
   for (int i = 1; i <= 100; ++i) {
-    pad.feel(pressure, 0.04 * i, 1, 0.5, 0);
+    pad.sense(pressure, 0.04 * i, 1, 0.5, 0);
     chain.estimate(pad.frame());
   }
   for (int i = 1; i <= 90; ++i) {
     const double gamma = 1 - 0.01 * i;
-    pad.feel(pressure, 4, gamma, 0.5, 0.4);
+    pad.sense(pressure, 4, gamma, 0.5, 0.4);
     const Estimate estimate = chain.estimate(pad.frame());
     ++out.asked;
     if (!estimate.gamma) continue;
@@ -371,10 +371,10 @@ TEST(ClosingMethod, GivesNoMarginIfTheClosingWasNotSeen) {
   Pad pad(32, 0.01, 5);
   PressureMaps closing(pad.layout(), kMapsFriction);
   for (int i = 0; i < 50; ++i) {
-    const ContactPatch& patch = pad.feel(shapes()[0].second, 3 + 0.02 * i, 1, 0.5, 0);
+    const ContactPatch& patch = pad.sense(shapes()[0].second, 3 + 0.02 * i, 1, 0.5, 0);
     closing.observe(pad.frame(), patch);
   }
-  const ContactPatch& patch = pad.feel(shapes()[0].second, 3.5, 0.4, 0.5, 0);
+  const ContactPatch& patch = pad.sense(shapes()[0].second, 3.5, 0.4, 0.5, 0);
   EXPECT_FALSE(closing.estimate(pad.frame(), patch).in_model);
 }
 

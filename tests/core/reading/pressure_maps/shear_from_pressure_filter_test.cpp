@@ -1,5 +1,5 @@
-// The filter from pressure felt to what is felt of a pull: against its definition summed directly, and
-// against what the contact model's own stresses make taxels feel.
+// The filter from pressure sensed to what is sensed of a pull: against its definition summed directly, and
+// against what the contact model's own stresses make taxels sense.
 #include "core/reading/pressure_maps/shear_from_pressure_filter.hpp"
 
 #include <gtest/gtest.h>
@@ -12,16 +12,16 @@
 #include <random>
 #include <vector>
 
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
 
 namespace slipd {
 namespace {
 
-struct FeltPull {
-  explicit FeltPull(std::size_t size) : xx(size), xy(size), yy(size), nx(size), ny(size) {}
-  ShearFromPressureFilter::Felt spans() { return {xx, xy, yy, nx, ny}; }
+struct SensedPull {
+  explicit SensedPull(std::size_t size) : xx(size), xy(size), yy(size), nx(size), ny(size) {}
+  ShearFromPressureFilter::Sensed spans() { return {xx, xy, yy, nx, ny}; }
   std::vector<float> xx, xy, yy, nx, ny;
 };
 
@@ -74,14 +74,14 @@ TEST(ShearFromPressureFilter, IsTheFilterOfItsDefinition) {
     const DirectSum direct{grid, 1.3e-3};
     const std::vector<float> map = random_map(grid.columns * grid.rows);
     ShearFromPressureFilter ratio(grid, direct.depth_m);
-    FeltPull felt(map.size());
-    ratio.apply(map, felt.spans());
+    SensedPull sensed(map.size());
+    ratio.apply(map, sensed.spans());
     for (std::size_t row = 0; row < grid.rows; row += 2) {
       for (std::size_t column = 0; column < grid.columns; column += 3) {
         const std::size_t i = row * grid.columns + column;
-        EXPECT_NEAR(felt.xx[i], direct.at(map, column, row, DirectSum::xx), 1e-5);
-        EXPECT_NEAR(felt.xy[i], direct.at(map, column, row, DirectSum::xy), 1e-5);
-        EXPECT_NEAR(felt.yy[i], direct.at(map, column, row, DirectSum::yy), 1e-5);
+        EXPECT_NEAR(sensed.xx[i], direct.at(map, column, row, DirectSum::xx), 1e-5);
+        EXPECT_NEAR(sensed.xy[i], direct.at(map, column, row, DirectSum::xy), 1e-5);
+        EXPECT_NEAR(sensed.yy[i], direct.at(map, column, row, DirectSum::yy), 1e-5);
       }
     }
   }
@@ -90,11 +90,11 @@ TEST(ShearFromPressureFilter, IsTheFilterOfItsDefinition) {
 TEST(ShearFromPressureFilter, ChangesNothingAtTheSurface) {
   const std::vector<float> map = random_map(35);
   ShearFromPressureFilter ratio({7, 5, 1e-3}, 0);
-  FeltPull felt(map.size());
-  ratio.apply(map, felt.spans());
+  SensedPull sensed(map.size());
+  ratio.apply(map, sensed.spans());
   for (std::size_t i = 0; i < map.size(); ++i) {
-    EXPECT_NEAR(felt.xx[i], map[i], 1e-5);
-    EXPECT_NEAR(felt.xy[i], 0, 1e-5);
+    EXPECT_NEAR(sensed.xx[i], map[i], 1e-5);
+    EXPECT_NEAR(sensed.xy[i], 0, 1e-5);
   }
 }
 
@@ -112,45 +112,46 @@ TEST(ShearFromPressureFilter, MakesOfNoiseAsMuchAsItSays) {
   constexpr std::size_t kSide = 96;
   ShearFromPressureFilter ratio({kSide, kSide, 0.5e-3}, 1e-3);
   const std::vector<float> map = random_map(kSide * kSide);
-  FeltPull felt(map.size());
-  ratio.apply(map, felt.spans());
+  SensedPull sensed(map.size());
+  ratio.apply(map, sensed.spans());
   double shear = 0, pressure = 0, before = 0;
   for (std::size_t row = kSide / 4; row < 3 * kSide / 4; ++row) {
     for (std::size_t i = row * kSide + kSide / 4; i < row * kSide + 3 * kSide / 4; ++i) {
       before += map[i] * map[i];
-      shear += 0.5 * (felt.xx[i] * felt.xx[i] + 2 * felt.xy[i] * felt.xy[i] + felt.yy[i] * felt.yy[i]);
-      pressure += 0.5 * (felt.nx[i] * felt.nx[i] + felt.ny[i] * felt.ny[i]);
+      shear +=
+          0.5 * (sensed.xx[i] * sensed.xx[i] + 2 * sensed.xy[i] * sensed.xy[i] + sensed.yy[i] * sensed.yy[i]);
+      pressure += 0.5 * (sensed.nx[i] * sensed.nx[i] + sensed.ny[i] * sensed.ny[i]);
     }
   }
   EXPECT_NEAR(shear / before, ratio.noise_gain(), 0.05 * ratio.noise_gain());
   EXPECT_NEAR(pressure / before, ratio.pressing_gain(), 0.05 * ratio.pressing_gain());
 }
 
-// A contact that slides all over: its shear is friction times its pressure, and is felt as pressure, too. The
-// tolerance is what a grid of finite pitch and extent leaves.
-TEST(ShearFromPressureFilter, MakesOfThePressureOfAContactWhatIsFeltOfItsPull) {
+// A contact that slides all over: its shear is friction times its pressure, and is sensed as pressure, too.
+// The tolerance is what a grid of finite pitch and extent leaves.
+TEST(ShearFromPressureFilter, MakesOfThePressureOfAContactWhatIsSensedOfItsPull) {
   const TaxelLayout layout = TaxelLayout::grid(32, 32, 0.5e-3);
   for (const double depth_m : {0.5e-3, 1e-3, 2e-3}) {
-    contact::ImprintSheet sheet(layout, {.depth_m = depth_m, .stretch = 1.5, .angle_rad = 0.4});
+    contact::ContactField sheet(layout, {.depth_m = depth_m, .stretch = 1.5, .angle_rad = 0.4});
     contact::LoadHistory pressed(synthetic::paper_pair());
     pressed.move_to(3, 0, 0.5);
     contact::LoadHistory sliding = pressed;
     sliding.move_to(3, 1.5, 0.5);
     const std::size_t n = layout.size();
     std::vector<float> p(n), x(n), y(n), p2(n), x2(n), y2(n);
-    sheet.feel(pressed, 0.6e-3, -0.9e-3, 0, p, x, y);
+    sheet.sense(pressed, 0.6e-3, -0.9e-3, 0, p, x, y);
     constexpr double kPull_rad = 0.7;
-    sheet.feel(sliding, 0.6e-3, -0.9e-3, kPull_rad, p2, x2, y2);
+    sheet.sense(sliding, 0.6e-3, -0.9e-3, kPull_rad, p2, x2, y2);
     ShearFromPressureFilter ratio(layout.regular().value(), depth_m);
-    FeltPull felt(n);
-    ratio.apply(p, felt.spans());
+    SensedPull sensed(n);
+    ratio.apply(p, sensed.spans());
     const double qx = 0.5 * std::cos(kPull_rad), qy = 0.5 * std::sin(kPull_rad);
     const double most = 0.5 * static_cast<double>(*std::max_element(p.begin(), p.end()));
     double off = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      off = std::max(off, std::fabs(qx * felt.xx[i] + qy * felt.xy[i] - (x2[i] - x[i])));
-      off = std::max(off, std::fabs(qx * felt.xy[i] + qy * felt.yy[i] - (y2[i] - y[i])));
-      off = std::max(off, std::fabs(qx * felt.nx[i] + qy * felt.ny[i] - (p2[i] - p[i])));
+      off = std::max(off, std::fabs(qx * sensed.xx[i] + qy * sensed.xy[i] - (x2[i] - x[i])));
+      off = std::max(off, std::fabs(qx * sensed.xy[i] + qy * sensed.yy[i] - (y2[i] - y[i])));
+      off = std::max(off, std::fabs(qx * sensed.nx[i] + qy * sensed.ny[i] - (p2[i] - p[i])));
     }
     EXPECT_LT(off, 0.005 * most) << depth_m;
     RecordProperty("off at " + std::to_string(depth_m), std::to_string(off / most));
@@ -160,9 +161,9 @@ TEST(ShearFromPressureFilter, MakesOfThePressureOfAContactWhatIsFeltOfItsPull) {
 TEST(ShearFromPressureFilter, AllocatesNothing) {
   const std::vector<float> map = random_map(64);
   ShearFromPressureFilter ratio({8, 8, 1e-3}, 1e-3);
-  FeltPull felt(map.size());
+  SensedPull sensed(map.size());
   const std::uint64_t before = test::allocations();
-  ratio.apply(map, felt.spans());
+  ratio.apply(map, sensed.spans());
   EXPECT_EQ(test::allocations(), before);
 }
 

@@ -1,5 +1,5 @@
 // The method that knows no shape, under a skin: closings and pulls of the contact model, as taxels at a depth
-// feel them.
+// sense them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/chain/chain.hpp"
-#include "core/contact/imprint.hpp"
+#include "core/contact/contact_field.hpp"
 #include "core/reading/pressure_maps/pressure_maps.hpp"
 #include "tests/support/heap_count.hpp"
 #include "tests/support/synthetic.hpp"
@@ -18,45 +18,45 @@
 namespace slipd {
 namespace {
 
-constexpr Range kFeltFriction{.low = 0.1, .high = 0.9};
+constexpr Range kSensedFriction{.low = 0.1, .high = 0.9};
 
-// What taxels feel, without noise.
-struct Felt {
+// What taxels sense, without noise.
+struct Sensed {
   std::vector<float> p, x, y;
 };
 
 // A contact that closes to 3 N on a pad of 16 mm, and its pulls. The noise is the same in all frames.
-class FeltGrip {
+class SensedGrip {
  public:
   static constexpr double kGrip_n = 3;
   static constexpr int kFrames = 60;
 
   // apart_m: distance of two contacts that share the forces; 0: one. noise: of the greatest pressure that is
-  // felt; that of the shear is more by a factor.
-  FeltGrip(std::size_t side, const contact::Imprint& imprint, double apart_m = 0, double noise = 0.01,
-           double of_shear = 1)
+  // sensed; that of the shear is more by a factor.
+  SensedGrip(std::size_t side, const contact::ContactGeometry& geometry, double apart_m = 0,
+             double noise = 0.01, double of_shear = 1)
       : layout_(TaxelLayout::grid(side, side, 16e-3 / static_cast<double>(side))),
-        sheet_(layout_, imprint),
+        sheet_(layout_, geometry),
         finder_(layout_),
         apart_m_(apart_m) {
-    for (int i = 1; i <= kFrames; ++i) closing_.push_back(feel(kGrip_n * i / kFrames, 0, 0.5, 0));
+    for (int i = 1; i <= kFrames; ++i) closing_.push_back(sense(kGrip_n * i / kFrames, 0, 0.5, 0));
     const auto& held = closing_.back().p;
     noise_pa_ = static_cast<float>(noise) * *std::max_element(held.begin(), held.end());
     noise_shear_pa_ = static_cast<float>(of_shear) * noise_pa_;
   }
 
   // The pull has risen from 0 to (1 - gamma) of what friction holds. moved_m: along x, since the closing.
-  Felt pulled(double gamma, double friction, double direction_rad, double moved_m = 0) {
-    return feel(kGrip_n, (1 - gamma) * friction * kGrip_n, friction, direction_rad, moved_m);
+  Sensed pulled(double gamma, double friction, double direction_rad, double moved_m = 0) {
+    return sense(kGrip_n, (1 - gamma) * friction * kGrip_n, friction, direction_rad, moved_m);
   }
-  Felt feel(double normal_n, double shear_n, double friction, double direction_rad, double moved_m = 0) {
+  Sensed sense(double normal_n, double shear_n, double friction, double direction_rad, double moved_m = 0) {
     contact::LoadHistory contact(synthetic::paper_pair());
     const double share = apart_m_ > 0 ? 0.5 : 1;
     contact.move_to(share * normal_n, 0, friction);
     contact.move_to(share * normal_n, share * shear_n, friction);
-    Felt out = feel(contact, direction_rad, 0.4e-3 + moved_m - 0.5 * apart_m_);
+    Sensed out = sense(contact, direction_rad, 0.4e-3 + moved_m - 0.5 * apart_m_);
     if (apart_m_ <= 0) return out;
-    const Felt other = feel(contact, direction_rad, 0.4e-3 + moved_m + 0.5 * apart_m_);
+    const Sensed other = sense(contact, direction_rad, 0.4e-3 + moved_m + 0.5 * apart_m_);
     for (std::size_t i = 0; i < out.p.size(); ++i) {
       out.p[i] += other.p[i];
       out.x[i] += other.x[i];
@@ -64,16 +64,16 @@ class FeltGrip {
     }
     return out;
   }
-  Felt feel(const contact::LoadHistory& contact, double direction_rad, double x_m) {
+  Sensed sense(const contact::LoadHistory& contact, double direction_rad, double x_m) {
     const std::size_t n = layout_.size();
-    Felt out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
-    sheet_.feel(contact, x_m, -0.7e-3, direction_rad, out.p, out.x, out.y);
+    Sensed out{std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)};
+    sheet_.sense(contact, x_m, -0.7e-3, direction_rad, out.p, out.x, out.y);
     return out;
   }
 
   // With noise; valid until the next one.
-  const ContactPatch& sense(const Felt& felt) {
-    now_ = felt;
+  const ContactPatch& sense(const Sensed& sensed) {
+    now_ = sensed;
     const auto add_noise = [this](std::vector<float>& channel, float half_width_pa) {
       std::uniform_real_distribution<float> noise(-half_width_pa, half_width_pa);
       for (float& value : channel) value += noise(random_);
@@ -89,22 +89,22 @@ class FeltGrip {
   }
   void close(PressureMaps& closing) {
     closing.forget();
-    for (const Felt& felt : closing_) {
-      const ContactPatch& patch = sense(felt);
+    for (const Sensed& sensed : closing_) {
+      const ContactPatch& patch = sense(sensed);
       if (patch.in_contact) closing.observe(frame(), patch);
     }
   }
-  const std::vector<Felt>& closing() const { return closing_; }
+  const std::vector<Sensed>& closing() const { return closing_; }
   const TaxelLayout& layout() const { return layout_; }
 
  private:
   TaxelLayout layout_;
-  contact::ImprintSheet sheet_;
+  contact::ContactField sheet_;
   PatchFinder finder_;
   double apart_m_;
   std::mt19937_64 random_{7};
-  std::vector<Felt> closing_;
-  Felt now_;
+  std::vector<Sensed> closing_;
+  Sensed now_;
   float noise_pa_ = 0, noise_shear_pa_ = 0;
   std::int64_t frame_ = 0;
 };
@@ -125,10 +125,10 @@ struct Tally {
 };
 
 // One loaded frame after each closing. taken: depth that the method is set to, over the true one.
-Tally pulls_of(FeltGrip& grip, double depth_m, double taken = 1, int closings = 3) {
-  PressureMaps closing(grip.layout(), kFeltFriction, {.depth_m = depth_m * taken});
+Tally pulls_of(SensedGrip& grip, double depth_m, double taken = 1, int closings = 3) {
+  PressureMaps closing(grip.layout(), kSensedFriction, {.depth_m = depth_m * taken});
   constexpr int kPulls = 12;
-  std::vector<Felt> pulls;
+  std::vector<Sensed> pulls;
   std::vector<double> gammas;
   for (int i = 0; i < kPulls; ++i) {
     gammas.push_back(0.06 + 0.88 * i / (kPulls - 1));
@@ -147,7 +147,7 @@ Tally pulls_of(FeltGrip& grip, double depth_m, double taken = 1, int closings = 
 TEST(ClosingUnderASkin, ReadsSpheresAndEllipses) {
   for (const double axes : {1.0, 1.7}) {
     constexpr double kDepth_m = 1e-3;
-    FeltGrip grip(32, {.depth_m = kDepth_m, .stretch = axes, .angle_rad = 0.4});
+    SensedGrip grip(32, {.depth_m = kDepth_m, .stretch = axes, .angle_rad = 0.4});
     const Tally tally = pulls_of(grip, kDepth_m);
     EXPECT_GE(tally.answered, 0.95 * tally.asked) << axes;
     EXPECT_LT(tally.mean_error(), 0.03) << axes;
@@ -158,7 +158,7 @@ TEST(ClosingUnderASkin, ReadsSpheresAndEllipses) {
 
 TEST(ClosingUnderASkin, ReadsNearlyFlatContacts) {
   constexpr double kDepth_m = 1e-3;
-  FeltGrip grip(16, {.depth_m = kDepth_m, .power = 6});
+  SensedGrip grip(16, {.depth_m = kDepth_m, .power = 6});
   const Tally tally = pulls_of(grip, kDepth_m);
   EXPECT_GE(tally.answered, 0.95 * tally.asked);
   EXPECT_LT(tally.mean_error(), 0.1);
@@ -168,7 +168,7 @@ TEST(ClosingUnderASkin, ReadsNearlyFlatContacts) {
 
 TEST(ClosingUnderASkin, FindsTheDepthWhereItIsAnotherByAQuarter) {
   constexpr double kDepth_m = 1.5e-3;
-  FeltGrip grip(16, {.depth_m = kDepth_m});
+  SensedGrip grip(16, {.depth_m = kDepth_m});
   const double exact = pulls_of(grip, kDepth_m).mean_error();
   for (const double taken : {0.75, 1.25}) {
     const Tally tally = pulls_of(grip, kDepth_m, taken);
@@ -181,7 +181,7 @@ TEST(ClosingUnderASkin, FindsTheDepthWhereItIsAnotherByAQuarter) {
 // Model and grid leave some thousandths, which must not pass for another history.
 TEST(ClosingUnderASkin, AnswersForSensorsWithLittleNoise) {
   constexpr double kDepth_m = 1e-3;
-  FeltGrip grip(32, {.depth_m = kDepth_m}, 0, 0.0005);
+  SensedGrip grip(32, {.depth_m = kDepth_m}, 0, 0.0005);
   const Tally tally = pulls_of(grip, kDepth_m, 1, 1);
   EXPECT_EQ(tally.answered, tally.asked);
   EXPECT_LT(tally.mean_error(), 0.02);
@@ -190,38 +190,38 @@ TEST(ClosingUnderASkin, AnswersForSensorsWithLittleNoise) {
 // Of a pull, a skin makes pressure in front and takes it off behind.
 TEST(ClosingUnderASkin, ReadsThePullInThePressureWhereTheShearIsNoise) {
   constexpr double kDepth_m = 1e-3;
-  FeltGrip grip(32, {.depth_m = kDepth_m}, 0, 0.01, 8);
+  SensedGrip grip(32, {.depth_m = kDepth_m}, 0, 0.01, 8);
   const Tally tally = pulls_of(grip, kDepth_m);
   EXPECT_GE(tally.within_two, 0.9 * tally.answered);
   EXPECT_LT(tally.mean_error(), 0.1);
   RecordProperty("mean error", std::to_string(tally.mean_error()));
 }
 
-class ClosedFeltGrip : public ::testing::Test {
+class ClosedSensedGrip : public ::testing::Test {
  protected:
   static constexpr double kDepth_m = 1e-3;
   void SetUp() override { grip_.close(closing_); }
-  Reading estimate(const Felt& felt) {
-    const ContactPatch& patch = grip_.sense(felt);
+  Reading estimate(const Sensed& sensed) {
+    const ContactPatch& patch = grip_.sense(sensed);
     return closing_.estimate(grip_.frame(), patch);
   }
 
-  FeltGrip grip_{16, {.depth_m = kDepth_m, .stretch = 1.5}};
-  PressureMaps closing_{grip_.layout(), kFeltFriction, {.depth_m = kDepth_m}};
+  SensedGrip grip_{16, {.depth_m = kDepth_m, .stretch = 1.5}};
+  PressureMaps closing_{grip_.layout(), kSensedFriction, {.depth_m = kDepth_m}};
 };
 
-TEST_F(ClosedFeltGrip, GivesTheForcesThatAct) {
+TEST_F(ClosedSensedGrip, GivesTheForcesThatAct) {
   const Reading estimated = estimate(grip_.pulled(0.3, 0.6, 1.1));
   ASSERT_TRUE(estimated.in_model);
-  const double shear_n = 0.7 * 0.6 * FeltGrip::kGrip_n;
+  const double shear_n = 0.7 * 0.6 * SensedGrip::kGrip_n;
   // Beyond the pad lie some tenths of a per cent.
-  EXPECT_NEAR(estimated.normal_n, FeltGrip::kGrip_n, 0.02 * FeltGrip::kGrip_n);
+  EXPECT_NEAR(estimated.normal_n, SensedGrip::kGrip_n, 0.02 * SensedGrip::kGrip_n);
   EXPECT_NEAR(estimated.shear_n, shear_n, 0.03 * shear_n);
   EXPECT_NEAR(estimated.friction, 0.6, 3 * estimated.friction_sigma);
 }
 
 // A contact that rolls a little moves its pressure as a pull does.
-TEST_F(ClosedFeltGrip, TakesNoShortWayForAPull) {
+TEST_F(ClosedSensedGrip, TakesNoShortWayForAPull) {
   Tally moved, in_place;
   for (int i = 0; i < 12; ++i) {
     in_place.add(estimate(grip_.pulled(0.3, 0.6, 0.5 * i)), 0.3);
@@ -231,13 +231,13 @@ TEST_F(ClosedFeltGrip, TakesNoShortWayForAPull) {
   EXPECT_LT(moved.mean_error(), in_place.mean_error() + 0.02);
 }
 
-TEST_F(ClosedFeltGrip, GivesNoMarginForAContactThatHasMoved) {
-  FeltGrip elsewhere(16, {.depth_m = kDepth_m, .stretch = 1.5, .angle_rad = 0.9});
+TEST_F(ClosedSensedGrip, GivesNoMarginForAContactThatHasMoved) {
+  SensedGrip elsewhere(16, {.depth_m = kDepth_m, .stretch = 1.5, .angle_rad = 0.9});
   EXPECT_FALSE(estimate(elsewhere.pulled(0.3, 0.6, 1.1)).in_model);
 }
 
-TEST_F(ClosedFeltGrip, GivesNoMarginBeyondTheForcesThatWereSeenOrForAnotherContact) {
-  EXPECT_FALSE(estimate(grip_.feel(1.4 * FeltGrip::kGrip_n, 0.5, 0.6, 0)).in_model);
+TEST_F(ClosedSensedGrip, GivesNoMarginBeyondTheForcesThatWereSeenOrForAnotherContact) {
+  EXPECT_FALSE(estimate(grip_.sense(1.4 * SensedGrip::kGrip_n, 0.5, 0.6, 0)).in_model);
   closing_.forget();
   EXPECT_FALSE(estimate(grip_.pulled(0.3, 0.6, 1.1)).in_model);
 }
@@ -245,17 +245,17 @@ TEST_F(ClosedFeltGrip, GivesNoMarginBeyondTheForcesThatWereSeenOrForAnotherConta
 // A load that has turned back: to 0.8 of what friction holds, and back to `to` of it.
 contact::LoadHistory turned_back(double friction, double to) {
   contact::LoadHistory contact(synthetic::paper_pair());
-  const double most_n = friction * FeltGrip::kGrip_n;
-  contact.move_to(FeltGrip::kGrip_n, 0, friction);
-  contact.move_to(FeltGrip::kGrip_n, 0.8 * most_n, friction);
-  contact.move_to(FeltGrip::kGrip_n, to * most_n, friction);
+  const double most_n = friction * SensedGrip::kGrip_n;
+  contact.move_to(SensedGrip::kGrip_n, 0, friction);
+  contact.move_to(SensedGrip::kGrip_n, 0.8 * most_n, friction);
+  contact.move_to(SensedGrip::kGrip_n, to * most_n, friction);
   return contact;
 }
 
-TEST_F(ClosedFeltGrip, GivesForcesAndShearMomentsOfLoadsThatTurnedBack) {
+TEST_F(ClosedSensedGrip, GivesForcesAndShearMomentsOfLoadsThatTurnedBack) {
   for (const double to : {0.5, 0.2, -0.4}) {
     const contact::LoadHistory contact = turned_back(0.6, to);
-    const Reading estimated = estimate(grip_.feel(contact, 1.1, 0.4e-3));
+    const Reading estimated = estimate(grip_.sense(contact, 1.1, 0.4e-3));
     // By the discs that the load's history leaves.
     contact::ShearMoments truth;
     for (const contact::DiscTerm& disc : contact.shear_terms()) {
@@ -265,9 +265,9 @@ TEST_F(ClosedFeltGrip, GivesForcesAndShearMomentsOfLoadsThatTurnedBack) {
       truth.second_legendre_n += force_n * (48.0 / 35 * u * u - 12.0 / 5 * u + 1);
     }
     const double sign = to < 0 ? -1 : 1;  // moments are signed along the shear
-    EXPECT_NEAR(estimated.shear_n, std::fabs(contact.shear_n()), 0.02 * FeltGrip::kGrip_n) << to;
+    EXPECT_NEAR(estimated.shear_n, std::fabs(contact.shear_n()), 0.02 * SensedGrip::kGrip_n) << to;
     const contact::ShearMoments& sigma = estimated.moments_sigma;
-    EXPECT_LT(sigma.slip_moment_n, 0.04 * FeltGrip::kGrip_n) << to;
+    EXPECT_LT(sigma.slip_moment_n, 0.04 * SensedGrip::kGrip_n) << to;
     EXPECT_NEAR(estimated.moments.slip_moment_n, sign * truth.slip_moment_n, 3 * sigma.slip_moment_n) << to;
     EXPECT_NEAR(estimated.moments.second_legendre_n, sign * truth.second_legendre_n,
                 3 * sigma.second_legendre_n)
@@ -275,17 +275,17 @@ TEST_F(ClosedFeltGrip, GivesForcesAndShearMomentsOfLoadsThatTurnedBack) {
   }
 }
 
-// Shear that is locked in must not be taken for what pressing is felt as.
-TEST_F(ClosedFeltGrip, RecordsNothingWhereALoadHasGoneAgain) {
-  const Felt loaded = grip_.pulled(0.2, 0.6, 1.1), gone = grip_.feel(turned_back(0.6, 0), 1.1, 0.4e-3);
+// Shear that is locked in must not be taken for what pressing is sensed as.
+TEST_F(ClosedSensedGrip, RecordsNothingWhereALoadHasGoneAgain) {
+  const Sensed loaded = grip_.pulled(0.2, 0.6, 1.1), gone = grip_.sense(turned_back(0.6, 0), 1.1, 0.4e-3);
   grip_.sense(loaded);
   for (int i = 0; i < 30; ++i) {
-    for (const Felt& felt : {loaded, gone}) {
-      const ContactPatch& patch = grip_.sense(felt);
+    for (const Sensed& sensed : {loaded, gone}) {
+      const ContactPatch& patch = grip_.sense(sensed);
       closing_.observe(grip_.frame(), patch);
     }
   }
-  const Felt pulled = grip_.pulled(0.3, 0.6, 1.1);
+  const Sensed pulled = grip_.pulled(0.3, 0.6, 1.1);
   for (int i = 0; i < 5; ++i) {
     const Reading estimated = estimate(pulled);
     ASSERT_TRUE(estimated.in_model);
@@ -293,13 +293,13 @@ TEST_F(ClosedFeltGrip, RecordsNothingWhereALoadHasGoneAgain) {
   }
 }
 
-TEST_F(ClosedFeltGrip, GivesMarginsOfAGripThatTightensUnderAPull) {
+TEST_F(ClosedSensedGrip, GivesMarginsOfAGripThatTightensUnderAPull) {
   constexpr double kShear_n = 0.9, kFriction = 0.6, kStep = 1.04;
   double error = 0;
   int asked = 0;
-  for (double normal_n = FeltGrip::kGrip_n; normal_n < 2 * FeltGrip::kGrip_n; normal_n *= kStep) {
+  for (double normal_n = SensedGrip::kGrip_n; normal_n < 2 * SensedGrip::kGrip_n; normal_n *= kStep) {
     const double gamma = 1 - kShear_n / (kFriction * normal_n);
-    const Reading estimated = estimate(grip_.feel(normal_n, kShear_n, kFriction, 1.1));
+    const Reading estimated = estimate(grip_.sense(normal_n, kShear_n, kFriction, 1.1));
     ASSERT_TRUE(estimated.in_model) << normal_n;
     EXPECT_LT(estimated.gamma - gamma, 0.1) << normal_n;
     EXPECT_NEAR(estimated.normal_n, normal_n, 0.02 * normal_n);
@@ -311,12 +311,12 @@ TEST_F(ClosedFeltGrip, GivesMarginsOfAGripThatTightensUnderAPull) {
   RecordProperty("mean error", std::to_string(error / asked));
 }
 
-TEST_F(ClosedFeltGrip, AllocatesNothing) {
-  const Felt pulled = grip_.pulled(0.3, 0.6, 1.1), held = grip_.closing()[40],
-             tightened = grip_.feel(1.15 * FeltGrip::kGrip_n, 0.9, 0.6, 1.1);
+TEST_F(ClosedSensedGrip, AllocatesNothing) {
+  const Sensed pulled = grip_.pulled(0.3, 0.6, 1.1), held = grip_.closing()[40],
+               tightened = grip_.sense(1.15 * SensedGrip::kGrip_n, 0.9, 0.6, 1.1);
   ASSERT_TRUE(estimate(pulled).in_model);
-  for (const Felt& felt : {pulled, held, tightened}) {
-    const ContactPatch& patch = grip_.sense(felt);
+  for (const Sensed& sensed : {pulled, held, tightened}) {
+    const ContactPatch& patch = grip_.sense(sensed);
     const std::uint64_t before = test::allocations();
     closing_.observe(grip_.frame(), patch);
     static_cast<void>(closing_.estimate(grip_.frame(), patch));
@@ -333,11 +333,11 @@ ChainSetup under_skin(const TaxelLayout& layout, MethodChoice method) {
 
 // No shape that fit knows.
 TEST(Chains, UnderASkinReadTwoContactsByTheirClosing) {
-  FeltGrip grip(32, {.depth_m = 1e-3}, 6e-3);
+  SensedGrip grip(32, {.depth_m = 1e-3}, 6e-3);
   for (const MethodChoice method : {MethodChoice::automatic, MethodChoice::closing}) {
     EstimatorChain chain(under_skin(grip.layout(), method), nullptr);
-    for (const Felt& felt : grip.closing()) {
-      grip.sense(felt);
+    for (const Sensed& sensed : grip.closing()) {
+      grip.sense(sensed);
       chain.estimate(grip.frame());
     }
     int answered = 0, by_closing = 0, asked = 0;
@@ -361,23 +361,23 @@ TEST(Chains, UnderASkinReadTwoContactsByTheirClosing) {
 
 // A load that rises, goes back, turns and rises again, of a friction that is not told.
 TEST(Chains, UnderASkinReadAnyHistoryByTheClosing) {
-  FeltGrip grip(16, {.depth_m = 1e-3, .stretch = 1.5});
+  SensedGrip grip(16, {.depth_m = 1e-3, .stretch = 1.5});
   EstimatorChain chain(under_skin(grip.layout(), MethodChoice::closing), nullptr);
-  for (const Felt& felt : grip.closing()) {
-    grip.sense(felt);
+  for (const Sensed& sensed : grip.closing()) {
+    grip.sense(sensed);
     chain.estimate(grip.frame());
   }
-  constexpr double kFriction = 0.5, kMost_n = kFriction * FeltGrip::kGrip_n,
+  constexpr double kFriction = 0.5, kMost_n = kFriction * SensedGrip::kGrip_n,
                    kTurns[] = {0.85, 0.1, -0.7, 0.3};
   contact::LoadHistory contact(synthetic::paper_pair());
-  contact.move_to(FeltGrip::kGrip_n, 0, kFriction);
+  contact.move_to(SensedGrip::kGrip_n, 0, kFriction);
   int asked = 0, answered = 0;
   double error = 0, load = 0;
   for (const double to : kTurns) {
     const double step = to > load ? 0.025 : -0.025;
     for (; std::fabs(load - to) > 1e-6; load += step) {
-      contact.move_to(FeltGrip::kGrip_n, (load + step) * kMost_n, kFriction);
-      grip.sense(grip.feel(contact, 0.4, 0.4e-3));
+      contact.move_to(SensedGrip::kGrip_n, (load + step) * kMost_n, kFriction);
+      grip.sense(grip.sense(contact, 0.4, 0.4e-3));
       const Estimate estimate = chain.estimate(grip.frame());
       ++asked;
       if (!estimate.gamma) continue;

@@ -26,7 +26,7 @@ TEST(FrictionPlateau, AllocatesNothing) {
   PullOfTaxels load(kPlateauTaxels);
   FrictionPlateau slipping(kPlateauTaxels);
   ContactPatch loaded = finder.find(frames.make({.shift_x = 0.5, .turn = 0.9}));
-  loaded.shear_n = load.of(loaded, Turning::none).pull_n;
+  loaded.shear_n = load.of(loaded, TorqueEffect::none).pull_n;
   const std::uint64_t before = test::allocations();
   const Reading estimate = slipping.estimate(loaded);
   EXPECT_EQ(test::allocations(), before);
@@ -57,12 +57,12 @@ TEST_P(SlippingTaxelsUnderNoise, TellFrictionFromForceAndTorqueOrNothing) {
                          .noise = noise};
     const ContactPatch& patch = finder.find(frames.make(contact));
     ContactPatch loaded = patch;
-    const EquivalentPullResult now = load.of(patch, Turning::none);
+    const EquivalentPullResult now = load.of(patch, TorqueEffect::none);
     loaded.shear_n = now.pull_n;
     loaded.shear_sigma_n = now.pull_sigma_n;
     const Reading out = slipping.estimate(loaded);
     const double gamma = 1 - now.pull_n / (friction * patch.normal_n);
-    EXPECT_TRUE(out.turning);
+    EXPECT_TRUE(out.under_torque);
     heavy += gamma < 0.6 ? 1 : 0;
     answered += out.in_model && gamma < 0.6 ? 1 : 0;
     if (!out.in_model) continue;

@@ -69,8 +69,8 @@ TEST_P(TurningMomentsOn, GiveAContactThatSticksAllOverNearlyAllOfItsMarginFromAP
   for (const double mix : {0.3, 0.8, 1.2, std::numbers::pi / 2}) {
     PullOfTaxels load(layout);
     ContactPatch patch = finder.find(contact.make(0.05 * std::cos(mix), 0.05 * std::sin(mix), 0.002));
-    const EquivalentPullResult now = load.of(patch, Turning::none);
-    ASSERT_EQ(now.turning, Turning::bending) << mix;
+    const EquivalentPullResult now = load.of(patch, TorqueEffect::none);
+    ASSERT_EQ(now.torque_effect, TorqueEffect::changes_shear) << mix;
     patch.shear_n = now.pull_n;
     const Reading estimate = moments.estimate(patch, now);
     ASSERT_TRUE(estimate.in_model) << mix;

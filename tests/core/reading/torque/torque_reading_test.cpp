@@ -55,7 +55,7 @@ class HalfSpaceGrasp {
       load_ = {std::lerp(from.shear_x_n, to.shear_x_n, part), 0,
                std::lerp(from.torque_nm, to.torque_nm, part)};
       turning_.move_to(grip_n_, load_, friction);
-      seen.push_back({chain_.estimate(feel()), turning_.safety_margin()});
+      seen.push_back({chain_.estimate(sense()), turning_.safety_margin()});
     }
     return seen;
   }
@@ -78,7 +78,7 @@ class HalfSpaceGrasp {
     return {unit_n * pull, 0, unit_n * turn * radius_m};
   }
 
-  Frame feel() {
+  Frame sense() {
     auto& [normal, x, y] = channels_;
     turning_.taxel_averages(layout_, 2e-4, -1e-4, normal, x, y);
     const float width = 0.01F * *std::max_element(normal.begin(), normal.end());

@@ -1,0 +1,58 @@
+#include "bridges/feed/document.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace slipd::feed {
+namespace {
+
+using nlohmann::json;
+
+// Of a head. Fewer: heads of many sensors are refused. More: aliases of aliases take memory and time.
+constexpr int kMostYamlValues = 4096;
+constexpr int kDeepestYaml = 16;
+
+// Scalars that look like numbers are numbers. False: too many values, or nested too deeply.
+bool convert(const YAML::Node& node, json& out, int& left, int depth) {
+  if (--left < 0 || depth > kDeepestYaml) return false;
+  if (node.IsSequence()) {
+    out = json::array();
+    for (const YAML::Node& element : node)
+      if (!convert(element, out.emplace_back(), left, depth + 1)) return false;
+  } else if (node.IsMap()) {
+    out = json::object();
+    for (const auto& entry : node)
+      if (!entry.first.IsScalar() || !convert(entry.second, out[entry.first.Scalar()], left, depth + 1))
+        return false;
+  } else if (node.IsScalar()) {
+    std::int64_t whole = 0;
+    double real = 0;
+    if (YAML::convert<std::int64_t>::decode(node, whole))
+      out = whole;
+    else if (YAML::convert<double>::decode(node, real))
+      out = real;
+    else
+      out = node.Scalar();
+  }
+  return true;
+}
+
+}  // namespace
+
+bool parse_json(std::span<const std::uint8_t> text, json& out) {
+  out = json::parse(text.begin(), text.end(), nullptr, false);
+  return !out.is_discarded();
+}
+
+bool parse_yaml(std::span<const std::uint8_t> text, json& out) {
+  int left = kMostYamlValues;
+  try {
+    return convert(YAML::Load(std::string(text.begin(), text.end())), out, left, 0);
+  } catch (const YAML::Exception&) {
+    return false;
+  }
+}
+
+}  // namespace slipd::feed

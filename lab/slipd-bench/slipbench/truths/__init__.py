@@ -1,0 +1,1 @@
+"""Generators of truth: each module has of(recording, folder, options), which gives the Truth of one recording."""

@@ -1,0 +1,130 @@
+"""The pages of docs/tutorials against the real programs: what a page shows is what is printed.
+
+A page's first jsonc block is the configuration, its python block the program, each text block what the commands or the program before it print
+("…": anything). Only paths differ here: sockets, and the simulated device in place of a real one."""
+import os, pathlib, pty, re, subprocess, sys, tempfile, threading, time, tty, unittest
+
+BUILD, SOURCE = (pathlib.Path(os.environ[name]) for name in ("SLIPD_BINARY_DIR", "SLIPD_SOURCE_DIR"))
+sys.path.insert(0, str(SOURCE / "tests/support"))
+from awaiting import PATIENCE_S, await_true
+
+PAGES = SOURCE / "docs/tutorials"
+PULLS = '{"cycle":[{"ms":1500,"normal_n":0,"shear_n":0,"friction":0.6},{"ms":300,"normal_n":[0,3]},{"ms":1500},{"ms":1200,"load":[0,1.1]},{"ms":800},' \
+        '{"ms":300,"load":[1.1,0]},{"ms":300,"normal_n":[3,0]}]}'
+
+
+def blocks(page, kind):
+    return re.findall(rf"```{kind}\n(.*?)```", (PAGES / page).read_text(encoding="utf-8"), re.DOTALL)
+
+
+def as_pattern(line):
+    return r"\s+".join(re.escape(word).replace("…", ".*") for word in line.split())
+
+
+class Tutorial(unittest.TestCase):
+    def setUp(self):
+        kept = tempfile.TemporaryDirectory()
+        self.addCleanup(kept.cleanup)
+        self.folder, self.socket = pathlib.Path(kept.name), f"{kept.name}/socket"
+        self.environment = os.environ | {"STATE_DIRECTORY": kept.name, "PYTHONPATH": str(SOURCE / "clients/python"), "PATH": f"{BUILD}/bin:{os.environ['PATH']}"}
+
+    def here(self, text, device=None):
+        """A page's text with the paths of this test."""
+        text = text.replace("/tmp/slipd-tutorial.sock", self.socket).replace("/tmp/slipd-grip", f"{self.folder}/grip")
+        text = text.replace("slipd.Client()", f'slipd.Client("{self.socket}")').replace("/dev/serial/by-id/…", device or "")
+        return re.sub(r"\bslipctl (?!--socket)", f"slipctl --socket {self.socket} ", text)
+
+    def configured(self, page, device=None):
+        text = self.here(blocks(page, "jsonc")[0], device)
+        if '"socket"' not in text:
+            text = text.replace("{", f'{{ "realtime": {{ "mode": "off" }}, "socket": {{ "path": "{self.socket}" }},', 1)
+        settings = self.folder / "slipd.json"
+        settings.write_text(text, encoding="utf-8")
+        return settings
+
+    def starts(self, page, device=None):
+        daemon = subprocess.Popen([BUILD / "bin/slipd", "--config", self.configured(page, device)], env=self.environment, stderr=subprocess.DEVNULL)
+        self.addCleanup(daemon.wait, PATIENCE_S)
+        self.addCleanup(daemon.terminate)
+        await_true(lambda: os.path.exists(self.socket), "slipd's socket")
+
+    def prints(self, expected, command):
+        """Awaits each expected line in turn."""
+        program = subprocess.Popen(command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        ended = threading.Timer(PATIENCE_S, program.kill)
+        ended.start()
+        lines, seen = [line for line in expected.splitlines() if line.strip()], []
+        for said in program.stdout:
+            seen.append(said)
+            if lines and re.fullmatch(as_pattern(lines[0]), said.strip()):
+                lines.pop(0)
+            if not lines:
+                break
+        ended.cancel()
+        program.kill()
+        program.wait()
+        program.stdout.close()
+        self.assertFalse(lines, f"not printed: {lines}, but: {''.join(seen[-20:])}")
+
+    def lists_the_sensor(self, page):
+        expected = blocks(page, "text")[0].splitlines()
+        command = ["slipctl", "--socket", self.socket, "sensors"]
+        await_true(lambda: subprocess.run(command, env=self.environment, capture_output=True, text=True).stdout.strip().endswith("yes"), "frames")
+        self.prints("\n".join(expected), command)
+
+    def runs_the_program(self, page, expected):
+        self.prints(expected, [sys.executable, "-u", "-c", self.here(blocks(page, "python")[0])])
+
+    def test_the_simulated_gripper_closes_when_told(self):
+        self.starts("simulator.md")
+        self.lists_the_sensor("simulator.md")
+        self.prints(blocks("simulator.md", "text")[1], [sys.executable, SOURCE / "examples/gripper.py", "left", self.socket, f"{self.folder}/grip"])
+
+    def test_a_program_pushes_frames_and_gets_an_alert(self):
+        self.starts("program.md")
+        self.runs_the_program("program.md", blocks("program.md", "text")[0])
+
+    def test_a_serial_skin_tells_a_slide(self):
+        device, script = f"{self.folder}/tty", self.folder / "pulls.json"
+        script.write_text(PULLS)
+        simulated = subprocess.Popen([BUILD / "test-bin/simulated-device", "anyskin", "--at", f"tty:{device}", "--script", script], stdout=subprocess.DEVNULL)
+        self.addCleanup(simulated.wait, PATIENCE_S)
+        self.addCleanup(simulated.terminate)
+        await_true(lambda: os.path.exists(device), "the simulated skin")
+        self.starts("serial-skin.md", device)
+        self.lists_the_sensor("serial-skin.md")
+        self.runs_the_program("serial-skin.md", blocks("serial-skin.md", "text")[1])
+
+    def test_a_force_cell_that_is_printed_warns(self):
+        ours, theirs = pty.openpty()
+        tty.setraw(theirs)
+        over = threading.Event()
+
+        def print_lines():
+            begin = time.monotonic()
+            while not over.wait(0.01):
+                at = (time.monotonic() - begin) % 6
+                press, pull = (0, 0) if at < 1 else (min(3, (at - 1) * 10), max(0, min(1.6, (at - 2) * 0.6)))
+                os.write(ours, f"{pull:.3f}, 0.000, {press:.3f}\n".encode())
+
+        printing = threading.Thread(target=print_lines)
+        printing.start()
+        self.addCleanup(printing.join)
+        self.addCleanup(over.set)
+        self.starts("force-cell.md", os.ttyname(theirs))
+        self.lists_the_sensor("force-cell.md")
+        self.runs_the_program("force-cell.md", blocks("force-cell.md", "text")[1])
+
+    def test_the_other_configurations_are_accepted(self):
+        checked = subprocess.run([BUILD / "bin/slipd", "--config", self.configured("can-pad.md"), "--check-config"], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stderr + checked.stdout)
+        program = BUILD / "bin/slipd-ros2"
+        if program.exists():
+            settings = self.folder / "ros2.json"
+            settings.write_text(blocks("ros2.md", "jsonc")[0])
+            checked = subprocess.run([program, "--config", settings, "--check-config"], capture_output=True, text=True)
+            self.assertEqual(checked.returncode, 0, checked.stderr + checked.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

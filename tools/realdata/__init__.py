@@ -1,1 +1,0 @@
-"""What slipd and plain detectors say on recordings of real sensors, for tools/real."""
