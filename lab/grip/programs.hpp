@@ -40,7 +40,7 @@ struct BedOptions {
   double dome_radius_m = 0.04;  // 0: told to be flat
   double half_width_m = 0.02;   // half of what is between the pads
   double rate_hz = 125;
-  double target_margin = 0.35;
+  double target_margin = 0.2;
   bool firm_by_low = true;
   double firm_n = 25, most_n = 40;
   double resolution_n = 0.1;

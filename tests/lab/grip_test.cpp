@@ -1,0 +1,77 @@
+// The referee of slipd-grip judged by what is known of a held object: MuJoCo's friction does not creep, and
+// the true margin of a central load is that of the sums.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lab/grip/report.hpp"
+#include "lab/grip/task.hpp"
+#include "lab/grip/world.hpp"
+
+namespace lab::grip {
+namespace {
+
+constexpr double kWeightN = 2, kFriction = 0.5;
+
+// A ball between the pads, which have closed on it and carry its weight.
+World holding(double force_n, double for_s) {
+  Task task;
+  task.shape = Shape::sphere;
+  task.center_m = {};
+  World world(task);
+  while (world.time_s() < 0.5) world.step(force_n, {}, kFriction);
+  const double until_s = 0.5 + for_s;
+  while (world.time_s() < until_s)
+    world.step(force_n, {0, 0, -kWeightN * std::min(1.0, (world.time_s() - 0.5) / 0.3)}, kFriction);
+  return world;
+}
+
+TEST(GripWorld, HoldsWithoutCreep) {
+  World world = holding(4, 0.8);
+  const double begun_m = world.moved_m()[2];
+  while (world.time_s() < 2.3) world.step(4, {0, 0, -kWeightN}, kFriction);
+  EXPECT_NEAR(world.moved_m()[2], begun_m, 1e-6) << "a micrometre in a second is none";
+}
+
+TEST(GripWorld, LetsGoBelowTheLeastForce) {
+  const World world = holding(0.9 * kWeightN / (2 * kFriction), 0.8);
+  EXPECT_TRUE(world.slides());
+  EXPECT_LT(world.moved_m()[2], -1e-3);
+}
+
+TEST(GripWorld, HasTheTrueMarginOfTheSums) {
+  for (const double force_n : {3.0, 5.0}) {
+    const World world = holding(force_n, 0.8);
+    // The load grows by 1 % within the time in which the pads follow it.
+    EXPECT_NEAR(world.true_margin(world.moment()), 1 - kWeightN / (2 * kFriction * force_n), 0.03);
+  }
+}
+
+TEST(GripTasks, AreTheSameForTheSameNumberAndWithinTheirRanges) {
+  for (std::uint64_t number = 1; number < 200; ++number) {
+    const Task one = draw_task(number), again = draw_task(number);
+    EXPECT_EQ(describe(one), describe(again));
+    EXPECT_GE(one.mass_kg, 0.05);
+    EXPECT_LE(one.mass_kg, 0.8);
+    EXPECT_LE(one.friction, 1);
+    EXPECT_LE(one.lowest_friction(), one.friction);
+    EXPECT_EQ(one.load_n(0)[2], 0) << "it stands on a table";
+  }
+}
+
+TEST(GripSummary, CountsAMarginThatClaimsTooMuch) {
+  TrialResult trial;
+  trial.moved_m = 0.006;
+  trial.probes = {{.time_s = 0, .truth = 0.5, .gamma = 0.75, .gamma_low = 0.4, .force_n = 1},
+                  {.time_s = 1, .truth = 0.5, .gamma = 0.45, .gamma_low = 0.6, .force_n = 1},
+                  {.time_s = 2, .truth = 0, .gamma = {}, .gamma_low = {}, .force_n = 1}};
+  const GripSummary sum = summarise({trial}, {});
+  EXPECT_EQ(sum.moved, 1U);
+  EXPECT_NEAR(sum.margin_error, 0.15, 1e-12);
+  EXPECT_EQ(sum.too_safe_share, 0.5);
+  EXPECT_EQ(sum.low_above_truth_share, 0.5);
+  EXPECT_EQ(sum.force_over_least, 2);
+}
+
+}  // namespace
+}  // namespace lab::grip
