@@ -3,8 +3,9 @@
 #   slipd-paper                  the trained methods svd-knn and registered, a module that the daemon loads
 #   slipd-driver-NAME            a driver for a bus with what its unit needs to be allowed, if the driver was built
 #   slipd-mqtt, slipd-modbus, slipd-ros2, slipd-web  estimates on MQTT, for PLCs, as a ROS 2 node, in a browser
-#   slipd-camera                 cameras that look at a gel, as sensors
 #   slipd-feed                   frames from networks
+#   slipd-camera                 cameras that look at a gel, as sensors
+#   slipd-grip                   holds objects by slipd's margin, with a gripper
 #   slipd-realtime               a drop-in that allows real-time scheduling
 #   python3-slipd                the client for Python
 #   libslipd0, libslipd-dev      the client library for C and C++: to run, and to compile with
@@ -188,6 +189,11 @@ if(TARGET slipd-feed)
 network, by WebSocket and UDP, and hands their frames to slipd. Profiles\n\
 describe the messages.")
 endif()
+slipd_bridge_package(grip SECTION electronics
+  SUMMARY "holds objects with the least force that keeps the slip margin"
+  TEXT "Commands a gripper by the slip margin of slipd: closes until contact,\n\
+holds, tightens before the object slips, and opens on command only.\n\
+Grippers on Modbus by profiles, others by a program of one's own.")
 slipd_bridge_package(web SECTION web
   SUMMARY "slip margin of tactile sensors in a browser"
   TEXT "Shows what slipd says as a page: margins, pressure and shear, the last\n\

@@ -16,5 +16,7 @@ void add_faults(CLI::App& app, const offline::Common& common);
 void add_alerts(CLI::App& app, const offline::Common& common);
 void add_overload(CLI::App& app, const offline::Common& common);
 void add_method_table(CLI::App& app, const offline::Common& common);
+// Where MuJoCo was there when slipd was built.
+void add_grip(CLI::App& app, const offline::Common& common);
 
 }  // namespace lab

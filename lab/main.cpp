@@ -15,6 +15,9 @@ void add_commands(CLI::App& app, const offline::Common& common) {
   lab::add_paper(app, common);
   lab::add_stability(app, common);
   lab::add_method_table(app, common);
+#ifdef SLIPD_MUJOCO
+  lab::add_grip(app, common);
+#endif
   offline::add_merge(app);
 }
 

@@ -27,7 +27,9 @@ enum class Unit : std::uint8_t {
   newton = 2,      // force on each taxel, N
   counts = 3,      // a converter's counts
   microtesla = 4,  // the field at a magnetometer, µT
-  millimetre = 5   // displacement of the surface, mm
+  // How far points of a surface have moved. Along x and y: mm from their place at rest, NaN where a point is
+  // not seen. Third: how much the picture around it has changed since rest, 0 to 1.
+  millimetre = 5
 };
 
 // What frames read without load.

@@ -1,227 +1,51 @@
 #include "core/chain/chain.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
-#include "core/advice/alert.hpp"
-#include "core/chain/chain_parts.hpp"
-#include "core/chain/contact_pipeline.hpp"
-#include "core/chain/pattern_observer.hpp"
+#include "core/chain/displacement_chain.hpp"
+#include "core/chain/frame_chain.hpp"
+#include "core/chain/pressure_chain.hpp"
 #include "core/chain/sensor_kind.hpp"
-#include "core/health/plausibility.hpp"
-#include "core/margin/margin_bound.hpp"
-#include "core/margin/margin_decision.hpp"
-#include "core/patch/contact_gate.hpp"
-#include "core/patch/patch.hpp"
 
 namespace slipd {
 namespace {
 
-// Refused frames in a row after which what was learnt of the grasp is forgotten: the object may have moved
-// meanwhile.
-constexpr int kFramesRemembered = 5;
-constexpr double kSecondsPerNs = 1e-9;
-
-std::unique_ptr<PatternObserver> make_observer(const ChainSetup& setup) {
-  if (setup.layout.size() == 1) return std::make_unique<PatternObserver>();
-  return std::make_unique<TaxelPatternObserver>(setup.layout, setup.alerts.false_alarms_per_hour);
+std::unique_ptr<FrameChain> make_chain(const ChainSetup& setup,
+                                       const std::shared_ptr<const TrainedModel>& model) {
+  if (kind_of(setup) == SensorKind::displacement) return std::make_unique<DisplacementChain>(setup);
+  return make_pressure_chain(setup, model);
 }
 
 }  // namespace
 
-struct EstimatorChain::Impl {
-  Impl(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model)
-      : pipeline(make_pipeline(setup, model, work_precision)),
-        finder(setup.layout, patch_options(setup)),
-        plausibility(setup.layout, plausibility_limits(setup)),
-        gate(make_contact_gate(setup.layout, setup.sensor_class, setup.contact.min_normal_n)),
-        observer(make_observer(setup)),
-        alert(setup.alerts),
-        sigma_max(setup.estimator.sigma_max),
-        slip_below(setup.alerts.slip_below),
-        skin_radius_m(setup.scene.skin.radius_m) {}
-
-  // The frame that is used, its patch, and what speaks against it.
-  struct Checked {
-    Frame frame;
-    const ContactPatch& patch;
-    const Judgement& judgement;
-  };
-
-  Checked check(const Frame& frame, Estimate& out) noexcept {
-    const ContactPatch* patch = &finder.find(frame);
-    Frame used = frame;
-    if (plausibility.screen(frame, *patch)) {
-      used = plausibility.mended(frame);
-      patch = &finder.find(used);
-    }
-    const Judgement& judgement = plausibility.judge(frame, *patch);
-    out.health = judgement.health;
-    repeats = judgement.repeats;
-    return {used, *patch, judgement};
-  }
-
-  // Without a zero nothing but the course of the readings means anything.
-  void pass_unzeroed(const Frame& frame, MarginDecision& decision, Estimate& out) noexcept {
-    last_used = false;
-    lose_sight();
-    decision.refuse(State::unzeroed);
-    observer->observe(frame, false, out);
-  }
-
-  // A frame that was used before. It is no new evidence: what was known of the grasp is as old as it was, and
-  // only time goes on.
-  void repeat(const Checked& checked, Estimate& out) noexcept {
-    const Health health = checked.judgement.health;
-    const double passed_s = static_cast<double>(out.time_ns - last.time_ns) * kSecondsPerNs;
-    last.sequence = out.sequence;
-    last.time_ns = out.time_ns;
-    if (last.sliding_for_s) *last.sliding_for_s += passed_s;
-    if (last.time_to_slip_s) last.time_to_slip_s = std::max(0.0, *last.time_to_slip_s - passed_s);
-    out = last;
-    if (is_implausible(health)) out.health = health;
-    alert.judge(out);
-  }
-
-  // Whether the frame is the one before, and that was used.
-  bool is_repeated(const Checked& checked) const noexcept { return checked.judgement.repeats && last_used; }
-
-  // A frame that is not used. Memory of the grasp outlives a few of them. After a jump sliding is detected
-  // all the same.
-  void refuse(const Checked& checked, MarginDecision& decision, Estimate& out) noexcept {
-    last_used = false;
-    const bool jump = checked.judgement.health == Health::jump;
-    refused = std::min(refused + 1, kFramesRemembered + 1);
-    if (jump || refused > kFramesRemembered) lose_sight();
-    if (jump) {
-      gate->judge(checked.frame, checked.patch);
-    } else {
-      gate->leave();
-    }
-    if (checked.judgement.verdict == Verdict::sensor_fault) decision.fail();
-    decision.refuse(State::out_of_model);
-    observer->observe(checked.frame, gate->touching(), out);
-  }
-
-  // A frame with a contact or without one.
-  void use(const Checked& checked, MarginDecision& decision, Estimate& out) noexcept {
-    refused = 0;
-    last_used = true;
-    const bool touches = gate->judge(checked.frame, checked.patch);
-    finder.set_noise(gate->noise());
-    if (gate->zero_is_anothers()) return pass_unzeroed(checked.frame, decision, out);
-    if (touches) {
-      pipeline->estimate(checked.frame, checked.patch, observer->previous(), decision, out);
-    } else {
-      leave_contact(decision, out);
-    }
-    decision.leave_out(checked.judgement.left_out_share);
-    observer->observe(checked.frame, touches, out);
-    if (touches) follow_turn(checked.patch, decision, out);
-  }
-
-  // Without pressure to speak of. A contact that pulls at some taxels can still carry shear: a hooked cable.
-  // It has no margin, and is not no contact.
-  void leave_contact(MarginDecision& decision, Estimate& out) noexcept {
-    forget();
-    const auto pulled = gate->pulled();
-    if (!pulled) return decision.refuse(State::no_contact);
-    out.normal_n = pulled->normal_n;
-    out.shear_n = pulled->shear_n;
-    decision.refuse(State::out_of_model);
-    decision.bound(0);
-  }
-
-  // How far the object has turned over the skin.
-  void follow_turn(const ContactPatch& patch, const MarginDecision& decision, Estimate& out) noexcept {
-    const auto margin = decision.margin();
-    const bool slides = margin && margin->mean <= kClearSigmas * margin->sigma;
-    observer->follow_turn(patch, slides && pipeline->carries_torque(), out);
-  }
-
-  // The margin, and what a controller may act on.
-  void decide(MarginDecision& decision, Estimate& out) noexcept {
-    if (slides(out.sliding)) decision.slide(slip_below);
-    decision.apply(out);
-    if (out.radius_m && std::isfinite(skin_radius_m)) out.a_over_r = *out.radius_m / skin_radius_m;
-    alert.judge(out);
-    out.time_to_slip_s = forecast.update(out.time_ns, out.gamma, out.sigma.value_or(0));
-    last = out;
-  }
-
-  // The contact was lost.
-  void forget() noexcept {
-    pipeline->forget();
-    observer->forget();
-  }
-
-  // The contact goes on, or another one has come, and what it does is not seen.
-  void lose_sight() noexcept {
-    pipeline->lose_sight();
-    observer->forget();
-  }
-
-  WorkPrecision work_precision;
-  std::unique_ptr<ContactPipeline> pipeline;
-  PatchFinder finder;
-  PlausibilityMonitor plausibility;
-  std::unique_ptr<ContactGate> gate;
-  std::unique_ptr<PatternObserver> observer;
-  AlertLogic alert;
-  SlipForecast forecast;
-  const double sigma_max, slip_below, skin_radius_m;
-  int refused = 0;         // frames in a row
-  bool last_used = false;  // the frame before
-  Estimate last;           // of the frame before
-  bool repeats = false;    // the frame is the one before
-};
-
 EstimatorChain::EstimatorChain(const ChainSetup& setup, const std::shared_ptr<const TrainedModel>& model)
-    : impl_(std::make_unique<Impl>(with_sensed_skin(setup), model)) {}
+    : chain_(make_chain(setup, model)) {}
 EstimatorChain::EstimatorChain(EstimatorChain&&) noexcept = default;
 EstimatorChain& EstimatorChain::operator=(EstimatorChain&&) noexcept = default;
 EstimatorChain::~EstimatorChain() = default;
 
 const WorkPrecision& EstimatorChain::tradeoff() const noexcept {
-  return impl_->work_precision;
+  return chain_->tradeoff();
 }
 
 Method EstimatorChain::method() const noexcept {
-  return impl_->pipeline->method();
+  return chain_->method();
 }
 
 bool EstimatorChain::repeats() const noexcept {
-  return impl_->repeats;
+  return chain_->repeats();
 }
 
 std::vector<std::string_view> EstimatorChain::stages() const {
-  std::vector<std::string_view> all{"contact_patch", "health", "contact_gate"};
-  for (const std::string_view stage : impl_->pipeline->stages()) all.push_back(stage);
-  if (!impl_->observer->name().empty()) all.push_back(impl_->observer->name());
-  return all;
+  return chain_->stages();
+}
+
+void EstimatorChain::set_releasing(bool releasing) noexcept {
+  chain_->set_releasing(releasing);
 }
 
 Estimate EstimatorChain::estimate(const Frame& frame) noexcept {
-  Impl& in = *impl_;
-  Estimate out;
-  out.sequence = frame.sequence;
-  out.time_ns = frame.time_ns;
-  MarginDecision decision(in.sigma_max, in.pipeline->least_sigma(), in.pipeline->refused());
-  if (!frame.zeroed) {
-    in.pass_unzeroed(frame, decision, out);
-  } else if (const Impl::Checked checked = in.check(frame, out);
-             checked.judgement.verdict >= Verdict::frame_refused) {
-    in.refuse(checked, decision, out);
-  } else if (in.is_repeated(checked)) {
-    in.repeat(checked, out);
-    return out;
-  } else {
-    in.use(checked, decision, out);
-  }
-  in.decide(decision, out);
-  return out;
+  return chain_->estimate(frame);
 }
 
 }  // namespace slipd

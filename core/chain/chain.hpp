@@ -11,6 +11,7 @@
 
 namespace slipd {
 
+class FrameChain;      // core/chain/frame_chain.hpp
 class TrainedModel;    // core/reading/method/trained_model.hpp
 struct WorkPrecision;  // core/reading/method/work_precision.hpp
 
@@ -32,6 +33,11 @@ class EstimatorChain {
   // What this sensor's frames pass through, in order: the names of the stages that were constructed. Set-up.
   std::vector<std::string_view> stages() const;
 
+  // Estimate thread. The robot says whether it lets go of the object, from the next frame on. Then a sensor
+  // of displacements shows no slide: an object that is set down looks like one that is lost. Other sensors'
+  // estimates do not depend on it.
+  void set_releasing(bool releasing) noexcept;
+
   // Estimate thread. Allocates nothing. `frame`'s spans have the layout's size; frames come in order of time.
   Estimate estimate(const Frame& frame) noexcept;
 
@@ -39,8 +45,7 @@ class EstimatorChain {
   bool repeats() const noexcept;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<FrameChain> chain_;
 };
 
 }  // namespace slipd

@@ -24,8 +24,10 @@ std::unique_ptr<ContactPipeline> make_pipeline(const ChainSetup& setup,
       return std::make_unique<FewTaxelsPipeline>(setup, make_method(setup, model, work_precision));
     case SensorKind::array:
       return std::make_unique<ArrayPipeline>(setup, make_method(setup, model, work_precision));
+    case SensorKind::displacement:
+      break;
   }
-  throw std::invalid_argument("there is no such kind of sensor");
+  throw std::invalid_argument("there is no pipeline for such a kind of sensor");
 }
 
 void publish_forces(const ContactPatch& patch, Estimate& out) noexcept {

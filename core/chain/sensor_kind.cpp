@@ -7,12 +7,13 @@
 namespace slipd {
 
 std::string_view to_string(SensorKind kind) noexcept {
-  static constexpr std::string_view kNames[] = {"pressure_only", "one_force", "flat_pad", "few_taxels",
-                                                "array"};
+  static constexpr std::string_view kNames[] = {"pressure_only", "one_force", "flat_pad",
+                                                "few_taxels",    "array",     "displacement"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 SensorKind kind_of(const ChainSetup& setup) noexcept {
+  if (setup.sensor_class == SensorClass::displacement) return SensorKind::displacement;
   if (setup.sensor_class == SensorClass::normal) return SensorKind::pressure_only;
   if (setup.sensor_class == SensorClass::wrench || setup.layout.size() == 1) return SensorKind::one_force;
   if (std::isinf(setup.scene.skin.radius_m)) return SensorKind::flat_pad;

@@ -13,7 +13,8 @@ enum class SensorKind : std::uint8_t {
   one_force,      // one force vector, with or without its torque: friction over time gives the margin
   flat_pad,       // several taxels on a flat skin: sums over them, as one force; sliding by their pattern
   few_taxels,     // a curved skin of at most kFewTaxels taxels: fit reads all of them, and friction over time
-  array           // a curved skin of more taxels: a frame shows its margin by itself
+  array,          // a curved skin of more taxels: a frame shows its margin by itself
+  displacement    // measures no force: contact, and slides by the field of displacement; never a margin
 };
 
 std::string_view to_string(SensorKind kind) noexcept;  // "pressure_only", …

@@ -9,14 +9,15 @@ bool fits_whole_pad(const ChainSetup& setup) {
 }
 
 std::string_view to_string(MethodReason reason) noexcept {
-  static constexpr std::string_view kNames[] = {"configured", "auto",   "few_taxels",
-                                                "skin",       "forces", "no_shear"};
+  static constexpr std::string_view kNames[] = {"configured", "auto",     "few_taxels", "skin",
+                                                "forces",     "no_shear", "no_force"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 
 MethodReason why_method(const ChainSetup& setup) {
   const MethodChoice wanted = setup.estimator.method;
   const SensorKind kind = kind_of(setup);
+  if (kind == SensorKind::displacement) return MethodReason::no_force;
   if (kind == SensorKind::pressure_only) return MethodReason::no_shear;
   if (!has_contact_model(kind)) return MethodReason::forces;
   if (wanted == MethodChoice::fit) return MethodReason::configured;

@@ -38,7 +38,8 @@ enum class MethodReason : std::uint8_t {
   few_taxels,  // see fits_whole_pad
   skin,        // `auto`, under a skin of known depth: only fit and closing correct for it
   forces,      // without taxels and curvature, friction and forces give the margin
-  no_shear     // there is no margin
+  no_shear,    // there is no margin
+  no_force     // there is no margin: displacements are no forces
 };
 std::string_view to_string(MethodReason reason) noexcept;  // as on the socket: "configured", "auto", …
 MethodReason why_method(const ChainSetup& setup);

@@ -31,8 +31,8 @@ std::string_view to_string(AlertCause cause) noexcept {
 }
 
 std::string_view to_string(Method method) noexcept {
-  static constexpr std::array<std::string_view, 8> kNames{"none", "svd-knn",  "registered", "moments",
-                                                          "fit",  "friction", "closing",    "block-fit"};
+  static constexpr std::array<std::string_view, 9> kNames{
+      "none", "svd-knn", "registered", "moments", "fit", "friction", "closing", "block-fit", "displacement"};
   return name_of(kNames, method);
 }
 

@@ -46,8 +46,9 @@ enum class Method : std::uint8_t {
   fit,
   friction,
   closing,
-  block_fit
-};  // friction: 1 - (Q/P)/mu
+  block_fit,
+  displacement
+};  // friction: 1 - (Q/P)/mu; displacement: slides only, never a margin
 
 std::string_view to_string(State) noexcept;       // as on the socket: "ok", "no_contact", …
 std::string_view to_string(Alert) noexcept;       // "none", "warn", "slip", "unknown"
@@ -100,6 +101,14 @@ struct Estimate {
   std::optional<double> sliding_for_s;
   // What the pattern shows beside that. For grasps; clients do not get it.
   std::optional<PatternCourse> pattern;
+  // Of sensors of displacements and their grasps; none for others. How far the surface is from its place at
+  // rest: root mean square over the points that are seen, m. Of a grasp: the most of its fingers'.
+  std::optional<double> displacement_m;
+  // Whether something touches the surface. Of a grasp: any of its fingers.
+  std::optional<bool> contact;
+  // How much this frame and those before it speak for a slide, nats, >= 0 (docs/displacement.md). Of a grasp:
+  // the most of its fingers'.
+  std::optional<double> slide_evidence;
   Truth truth;
   State state = State::stale;
   Alert alert = Alert::unknown;

@@ -12,6 +12,10 @@ namespace slipd {
 // Marks a number that is not known. Compare with std::isnan.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+// Of SensorClass::displacement the values are no pressures: along x and y how far a point of the surface is
+// from its place at rest, mm, NaN where it is not seen; and for the normal pressure, how much the picture
+// around it has changed since rest, 0 to 1.
+
 // A read-only view of a frame. Valid as long as its slot is held. All spans have the layout's size. Not
 // thread-safe: belongs to the thread that holds the slot.
 struct Frame {

@@ -11,9 +11,10 @@ namespace slipd {
 
 // What a sensor measures.
 enum class SensorClass : std::uint8_t {
-  array3,  // pressure and shear at each taxel
-  wrench,  // one force vector for the whole pad
-  normal   // pressure at each taxel, no shear
+  array3,       // pressure and shear at each taxel
+  wrench,       // one force vector for the whole pad
+  normal,       // pressure at each taxel, no shear
+  displacement  // how far points of the surface have moved; no force
 };
 
 // Positions of taxels. A taxel is a square that averages over its area; all have the same side. Positions are

@@ -86,6 +86,23 @@ double sigma_on_body(std::span<const Estimate> members, const GraspLoad& load) n
   return std::sqrt(variance);
 }
 
+// What fingers whose sensors measure displacements see of the object.
+void add_displacement(const Estimate& member, Estimate& result) noexcept {
+  if (!member.slide_evidence) return;
+  result.slide_evidence = std::max(*member.slide_evidence, result.slide_evidence.value_or(0));
+  if (member.displacement_m)
+    result.displacement_m = std::max(*member.displacement_m, result.displacement_m.value_or(0));
+}
+
+// Whether a finger touches; none: of one it is not known, and no other does.
+std::optional<bool> contact_of(std::span<const Estimate> members) noexcept {
+  const auto any = [&](std::optional<bool> contact) {
+    return std::ranges::any_of(members, [&](const Estimate& member) { return member.contact == contact; });
+  };
+  if (any(true)) return true;
+  return any(std::nullopt) ? std::nullopt : std::optional(false);
+}
+
 void give_margin(const Sums& sums, double target_margin, Estimate& result) noexcept {
   const double limit_sigma_n = std::sqrt(sums.limit_variance);
   result.gamma = std::clamp(1 - sums.pull_n / sums.limit_n, 0.0, 1.0);
@@ -116,6 +133,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin,
     result.sequence += member.sequence;
     result.time_ns = std::max(result.time_ns, member.time_ns);
     result.published_ns = std::max(result.published_ns, member.published_ns);
+    add_displacement(member, result);
     if (member.state == State::no_contact) continue;
     add_forces(member, sums);
     State state = member.state;
@@ -125,6 +143,7 @@ Estimate grasp_estimate(std::span<const Estimate> members, double target_margin,
     result.first_gamma = member.gamma;
     result.first_member = static_cast<std::uint8_t>(i);
   }
+  result.contact = contact_of(members);
   result.state = gravest == State::ok && !sums.contact ? State::no_contact : gravest;
   if (result.state == State::ok && !(sums.limit_n > 0)) result.state = State::learning;
   const bool on_body = poses.size() == members.size();

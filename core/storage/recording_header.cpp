@@ -18,8 +18,11 @@ constexpr int kVersion = 2, kFirstVersion = 1;
 const SealedKind kSealed{kFormat, kVersion, "is no recording", "is of version "};
 constexpr std::size_t kMaxScattered = 16384;
 constexpr std::size_t kMaxTextBytes = 4096;
-constexpr std::array<std::pair<SensorClass, const char*>, 3> kClasses{
-    {{SensorClass::array3, "array3"}, {SensorClass::wrench, "wrench"}, {SensorClass::normal, "normal"}}};
+constexpr std::array<std::pair<SensorClass, const char*>, 4> kClasses{
+    {{SensorClass::array3, "array3"},
+     {SensorClass::wrench, "wrench"},
+     {SensorClass::normal, "normal"},
+     {SensorClass::displacement, "displacement"}}};
 
 [[noreturn]] void refuse(const std::string& what) {
   throw std::invalid_argument(what);
@@ -93,7 +96,8 @@ SensorClass class_of(const std::string& name) {
   for (const auto& [value, known] : kClasses) {
     if (name == known) return value;
   }
-  refuse("the header's \"class\" is \"" + name.substr(0, 40) + "\", expected array3, wrench or normal");
+  refuse("the header's \"class\" is \"" + name.substr(0, 40) +
+         "\", expected array3, wrench, normal or displacement");
 }
 
 }  // namespace

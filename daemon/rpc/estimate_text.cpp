@@ -22,6 +22,18 @@ std::int64_t passed_ns(std::int64_t since_ns, std::int64_t until_ns) {
   return std::max<std::int64_t>(0, until_ns - since_ns);
 }
 
+// Of sensors of displacements and their grasps; others have no such entries.
+void add_displacement(ObjectText& object, const Estimate& estimate) {
+  if (!estimate.slide_evidence) return;
+  object.number("displacement_mm", estimate.displacement_m, 1e3);
+  if (estimate.contact) {
+    object.boolean("contact", *estimate.contact);
+  } else {
+    object.begin("contact") += "null";
+  }
+  object.number("slide_evidence", estimate.slide_evidence);
+}
+
 // A name, or null.
 void add_name(ObjectText& object, std::string_view key, std::optional<std::string_view> name) {
   if (name) {
@@ -85,6 +97,7 @@ EstimateText::EstimateText(const Estimate& estimate, const std::string& sensor, 
       .number("grip_increase_sigma_n", estimate.grip_increase_sigma_n)
       .text("alert", to_string(estimate.alert));
   add_sliding(object, estimate);
+  add_displacement(object, estimate);
   object.text("method", to_string(estimate.method))
       .text("health", to_string(estimate.health))
       .boolean("simulated", simulated)
@@ -141,6 +154,7 @@ void append_grasp(std::string& out, const Estimate& together, const std::string&
       .number("grip_increase_sigma_n", together.grip_increase_sigma_n)
       .text("alert", to_string(together.alert));
   add_sliding(object, together);
+  add_displacement(object, together);
   std::string& first = object.begin("first");
   if (together.first_gamma && together.first_member < sensors.size()) {
     ObjectText finger(first);

@@ -233,7 +233,7 @@ json status_json(const ServiceContext& context) {
 }
 
 json sensors_json(const ServiceContext& context) {
-  static constexpr const char* kClasses[] = {"array3", "wrench", "normal"};
+  static constexpr const char* kClasses[] = {"array3", "wrench", "normal", "displacement"};
   json sensors = json::array();
   for (std::size_t i = 0; i < context.board.sensors.size(); ++i) {
     const SensorStatus& status = *context.board.sensors[i];

@@ -18,7 +18,7 @@ using push_layout::Zero;
 constexpr double kRateTolerance = 0.1;
 
 const char* name_of(Unit unit) noexcept {
-  static constexpr const char* kNames[] = {"no unit", "Pa", "N", "counts", "uT"};
+  static constexpr const char* kNames[] = {"no unit", "Pa", "N", "counts", "uT", "mm"};
   return kNames[static_cast<std::size_t>(unit)];
 }
 
@@ -63,17 +63,23 @@ bool check_shape(const Hello& hello, const Options& options, const SensorSetup& 
   return true;
 }
 
+bool is_displacement(const Hello& hello, const Options& options) noexcept {
+  return (hello.unit == Unit::unsaid ? options.unit : hello.unit) == Unit::millimetre;
+}
+
 bool check_unit(const Hello& hello, const Options& options, const char* name, Text& why) noexcept {
-  if (hello.unit > Unit::microtesla)
-    return refuse(why, "%s: the program's unit is none that this slipd knows: Pa, N, counts or uT", name);
+  if (hello.unit > Unit::millimetre)
+    return refuse(why, "%s: the program's unit is none that this slipd knows: Pa, N, counts, uT or mm", name);
   if (hello.unit == Unit::unsaid && !options.unit)
     return refuse(why,
                   "%s: neither the program nor options.unit in the configuration says the unit: Pa, N, "
-                  "counts or uT",
+                  "counts, uT or mm",
                   name);
   if (hello.unit != Unit::unsaid && options.unit && hello.unit != *options.unit)
     return refuse(why, "%s: the program sends %s, options.unit in the configuration is %s: make them agree",
                   name, name_of(hello.unit), name_of(*options.unit));
+  if (is_displacement(hello, options) && (hello.axes != 3 || options.scale))
+    return refuse(why, "%s: frames in mm have 3 values a taxel and no options.scale: docs/push.md", name);
   return true;
 }
 
@@ -98,15 +104,17 @@ bool check_rate_and_zero(const Hello& hello, const Options& options, const Senso
 
 Agreement agreement_on(Unit unit, std::uint8_t axes, bool zeroed, const Options& options,
                        const SensorSetup& sensor) noexcept {
-  const bool calibrated = unit == Unit::pascal || unit == Unit::newton || options.scale;
+  const bool displacement = unit == Unit::millimetre;
+  const bool calibrated = unit == Unit::pascal || unit == Unit::newton || displacement || options.scale;
   std::array<float, 3> scale = options.scale.value_or(std::array<float, 3>{1, 1, 1});
   if (unit == Unit::newton)
     for (float& each : scale) each /= static_cast<float>(sensor.layout.area_m2());
   return {.taxels = sensor.layout.size(),
           .axes = axes,
           .scale = scale,
-          .zeroed = zeroed && calibrated,
-          .calibrated = calibrated};
+          .zeroed = (zeroed && calibrated) || displacement,
+          .calibrated = calibrated,
+          .displacement = displacement};
 }
 
 }  // namespace

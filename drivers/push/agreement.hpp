@@ -19,10 +19,12 @@ struct Agreement {
   std::uint8_t axes = 3;  // 1 or 3
   // Pa per unit of the frames, along x, y and z.
   std::array<float, 3> scale{1, 1, 1};
-  bool zeroed = false;     // frames read 0 without load
-  bool calibrated = true;  // values are pressures; false: counts or µT of unknown scale
+  bool zeroed = false;        // frames read 0 without load
+  bool calibrated = true;     // values are of a known scale; false: counts or µT
+  bool displacement = false;  // values are of Unit::millimetre
 
   SensorClass sensor_class() const noexcept {
+    if (displacement) return SensorClass::displacement;
     if (axes == 1) return SensorClass::normal;
     return taxels == 1 ? SensorClass::wrench : SensorClass::array3;
   }

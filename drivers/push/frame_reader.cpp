@@ -1,6 +1,7 @@
 #include "drivers/push/frame_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace slipd::push {
@@ -67,6 +68,17 @@ bool convert_one(const std::uint8_t* values, float scale, FrameSlot& slot) noexc
   return sum == 0;
 }
 
+// Whether the slot holds displacements: a point is seen, or along x and y it is not; what the picture has
+// changed by is known.
+bool holds_displacements(const FrameSlot& slot) noexcept {
+  for (std::size_t i = 0; i < slot.normal_pa.size(); ++i) {
+    const float x = slot.shear_x_pa[i], y = slot.shear_y_pa[i];
+    const bool seen = std::isfinite(x) && std::isfinite(y);
+    if (!std::isfinite(slot.normal_pa[i]) || (!seen && !(std::isnan(x) && std::isnan(y)))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 const char* describe(Refusal refusal) noexcept {
@@ -111,7 +123,7 @@ Refusal FrameReader::take(std::span<const std::uint8_t> message, std::int64_t no
   const std::uint8_t* const values = message.data() + sizeof head;
   const bool finite = agreed_.axes == 3 ? convert_three(values, agreed_.scale, slot)
                                         : convert_one(values, agreed_.scale[2], slot);
-  if (!finite) return Refusal::not_finite;
+  if (!finite && !(agreed_.displacement && holds_displacements(slot))) return Refusal::not_finite;
   last_sequence_ += begun_ ? head.sequence - last_written_ : 1;
   last_written_ = head.sequence;
   begun_ = true;

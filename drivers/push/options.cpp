@@ -14,7 +14,8 @@ constexpr double kNsPerMs = 1e6;
 Unit unit_of(const std::string& text) {
   if (text == "Pa") return Unit::pascal;
   if (text == "N") return Unit::newton;
-  return text == "counts" ? Unit::counts : Unit::microtesla;
+  if (text == "counts") return Unit::counts;
+  return text == "uT" ? Unit::microtesla : Unit::millimetre;
 }
 
 std::array<float, 3> scale_of(const nlohmann::json& given) {

@@ -127,7 +127,9 @@ ReadOutcome Playlist::next(FrameSlot& out) noexcept {
   out.time_ns = time_ns_ += std::clamp<std::int64_t>(step_ns, 1, kLongestPauseNs);
   out.sequence = sequence_ += static_cast<std::uint64_t>(std::clamp<std::int64_t>(frames, 1, kWidestGap));
   if (out.device_time_ns < 0) out.device_time_ns = out.time_ns;
-  return calibrations_[current_].apply(out) ? ReadOutcome::frame : ReadOutcome::corrupt;
+  const bool finite = calibrations_[current_].apply(out);
+  // A displacement that is not finite is a point that was not seen.
+  return finite || sensor_class() == SensorClass::displacement ? ReadOutcome::frame : ReadOutcome::corrupt;
 }
 
 }  // namespace slipd::replay

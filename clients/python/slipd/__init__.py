@@ -851,7 +851,7 @@ class AsyncClient:
 _HELLO = struct.Struct("<8sHBBIdB7x")  # magic, version, axes, unit, taxels, rate_hz, zero
 _FRAME_HEAD = struct.Struct("<HHIQq")  # version, flags, size, sequence, time_ns
 _ANSWER = struct.Struct("<I")  # then a text
-_UNITS = {None: 0, "Pa": 1, "N": 2, "counts": 3, "uT": 4}
+_UNITS = {None: 0, "Pa": 1, "N": 2, "counts": 3, "uT": 4, "mm": 5}
 _ZEROS = {None: 0, False: 1, True: 2}
 _PUSH_VERSION, _LONGEST_ANSWER = 1, 4096
 
@@ -889,7 +889,7 @@ class Source:
             source.push(frame)
 
     `sensor`: its name, or the path of its socket. `taxels`: as many as its layout has. `axes`: values of each taxel, 3 (x, y and z, z
-    positive when pressed) or 1 (z). `rate_hz`: frames a second. `unit`: "Pa", "N" (force of each taxel), "counts" or "uT". `zeroed`:
+    positive when pressed) or 1 (z). `rate_hz`: frames a second. `unit`: "Pa", "N" (force of each taxel), "counts", "uT" or "mm". `zeroed`:
     whether frames read 0 without load; False: slipd measures what they read. What is left out is as configured; what contradicts the
     configuration raises SlipdError, whose text says how, with `code` 1. `code` 2: another program sends this sensor's frames; 3: one
     took over, because this one was silent. `path`: slipd's socket. A source belongs to one thread.
@@ -900,7 +900,7 @@ class Source:
     def __init__(self, sensor: str, *, taxels: int, axes: int = 3, rate_hz: float = 0.0, unit: str | None = None,
                  zeroed: bool | None = None, path: str = SOCKET, timeout_s: float = 5.0) -> None:
         if unit not in _UNITS:
-            raise ValueError(f"the unit {unit!r} is none that slipd knows: Pa, N, counts or uT")
+            raise ValueError(f"the unit {unit!r} is none that slipd knows: Pa, N, counts, uT or mm")
         if axes not in (1, 3):
             raise ValueError(f"{axes} values a taxel: 3 (x, y, z) or 1 (z) are possible")
         self.path = sensor if "/" in sensor else os.path.join(os.path.dirname(path), "push", sensor)
@@ -1108,7 +1108,7 @@ class Recording:
         self.damaged = 0  # blocks, of the last time that all frames were read
         about = _item(head["body"], 0)[0] if self._blocks else head
         self.sensor: str = about["sensor"]
-        self.sensor_class: str = about["class"]  # "array3", "wrench", "normal"
+        self.sensor_class: str = about["class"]  # "array3", "wrench", "normal", "displacement"
         self.layout: Mapping[str, Any] = about["layout"]  # {"grid": [columns, rows], "pitch_m"}, {"x_m", "y_m"} or {"side_m"}
         self.rate_hz: float = about["rate_hz"]  # 0: unknown
         self.simulated: bool = about["simulated"]

@@ -14,6 +14,7 @@
 #include "drivers/replay/playlist.hpp"
 #include "embedded/replay_options.hpp"
 #include "tools/sliplab/command.hpp"
+#include "tools/sliplab/replay/camera_frames.hpp"
 
 namespace sliplab {
 
@@ -62,10 +63,50 @@ SensorSetup setup_of(const SensorSettings& sensor, const std::optional<SensorInf
                      const std::string& file) {
   SensorSetup setup = sensor.setup;
   if (info) setup.layout = info->layout;
-  if (sensor.driver != "replay") setup.options = nlohmann::json::object();
+  if (sensor.driver != "replay" && !is_video(file)) setup.options = nlohmann::json::object();
+  if (is_video(file)) return setup;
   setup.options["file"] = file;
   setup.options["loop"] = false;
   return setup;
+}
+
+// What frames are read from.
+class Source {
+ public:
+  virtual ~Source() = default;
+  virtual SensorClass sensor_class() const = 0;
+  virtual bool zeroed() const = 0;
+  virtual replay::ReadOutcome next(FrameSlot& out) = 0;
+  virtual std::string fault() const = 0;
+};
+
+class ListSource final : public Source {
+ public:
+  explicit ListSource(const SensorSetup& setup) : list_(setup, replay::parse_options(setup)) {}
+  SensorClass sensor_class() const override { return list_.sensor_class(); }
+  bool zeroed() const override { return list_.zeroed(); }
+  replay::ReadOutcome next(FrameSlot& out) override { return list_.next(out); }
+  std::string fault() const override { return list_.fault(); }
+
+ private:
+  replay::Playlist list_;
+};
+
+class VideoSource final : public Source {
+ public:
+  VideoSource(const SensorSetup& setup, const std::string& file) : frames_(setup, file) {}
+  SensorClass sensor_class() const override { return frames_.sensor_class(); }
+  bool zeroed() const override { return true; }
+  replay::ReadOutcome next(FrameSlot& out) override { return frames_.next(out); }
+  std::string fault() const override { return frames_.fault(); }
+
+ private:
+  CameraFrames frames_;
+};
+
+std::unique_ptr<Source> source_of(const SensorSetup& setup, const std::string& file) {
+  if (is_video(file)) return std::make_unique<VideoSource>(setup, file);
+  return std::make_unique<ListSource>(setup);
 }
 
 }  // namespace
@@ -73,13 +114,13 @@ SensorSetup setup_of(const SensorSettings& sensor, const std::optional<SensorInf
 struct FileFrames::Impl {
   Impl(const Settings& settings, const SensorSettings& sensor, const std::optional<SensorInfo>& info,
        const std::string& file)
-      : Impl(settings, sensor, info ? info->skin : std::nullopt, setup_of(sensor, info, file)) {}
+      : Impl(settings, sensor, info ? info->skin : std::nullopt, setup_of(sensor, info, file), file) {}
 
   Impl(const Settings& settings, const SensorSettings& sensor, const std::optional<SkinInfo>& skin,
-       const SensorSetup& setup)
-      : list(setup, replay::parse_options(setup)),
+       const SensorSetup& setup, const std::string& file)
+      : source(source_of(setup, file)),
         chain{.layout = setup.layout,
-              .sensor_class = list.sensor_class(),
+              .sensor_class = source->sensor_class(),
               .scene = settings.scene_of(sensor, skin),
               .estimator = settings.estimator,
               .alerts = settings.alerts,
@@ -87,7 +128,7 @@ struct FileFrames::Impl {
               .full_scale = sensor.full_scale,
               .contact = sensor.contact},
         bias(setup.layout),
-        unzeroed(!list.zeroed()),
+        unzeroed(!source->zeroed()),
         gain(sensor.gain),
         memory(3 * setup.layout.size()) {
     const std::size_t taxels = setup.layout.size();
@@ -98,7 +139,7 @@ struct FileFrames::Impl {
     if (gain.size() == 1) gain.assign(setup.layout.size(), gain.front());
   }
 
-  replay::Playlist list;
+  std::unique_ptr<Source> source;
   ChainSetup chain;
   BiasEstimator bias;
   bool unzeroed, biased = false;
@@ -132,13 +173,13 @@ FileFrames::Outcome FileFrames::next() {
   Impl& in = *impl_;
   if (in.biased) in.bias.judge();
   in.biased = false;
-  replay::ReadOutcome outcome = in.list.next(in.slot);
-  while (outcome == replay::ReadOutcome::none) outcome = in.list.next(in.slot);
+  replay::ReadOutcome outcome = in.source->next(in.slot);
+  while (outcome == replay::ReadOutcome::none) outcome = in.source->next(in.slot);
   switch (outcome) {
     case replay::ReadOutcome::end:
       return Outcome::end;
     case replay::ReadOutcome::damaged:
-      in.fault = in.list.fault();
+      in.fault = in.source->fault();
       return Outcome::end;
     case replay::ReadOutcome::corrupt:
       return Outcome::corrupt;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+#include <string>
 
 #include "tools/offline/gnuplot.hpp"
 
@@ -23,7 +24,7 @@ void put(std::ostringstream& out, std::optional<double> value, double factor = 1
 }
 
 bool in_contact(const Estimate& estimate) {
-  return estimate.normal_n.has_value();
+  return estimate.contact.value_or(estimate.normal_n.has_value());
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
   std::ostringstream out;
   out.precision(9);
   out << "sensor,time_s,seq,state,gamma,gamma_low,sigma,friction,friction_sigma,normal_n,shear_n,torque_nmm,"
-         "turned_deg,turned_sigma_deg,sliding,alert,alert_cause\n";
+         "turned_deg,turned_sigma_deg,sliding,alert,alert_cause,displacement_mm,contact,slide_evidence\n";
   for (const ReplayRun& run : runs) {
     for (const ReplayRow& row : run.rows) {
       const Estimate& e = row.estimate;
@@ -44,7 +45,11 @@ std::string estimates_csv(const std::vector<ReplayRun>& runs) {
       put(out, e.turned_rad, kDegPerRad);
       put(out, e.turned_sigma_rad, kDegPerRad);
       out << ',' << (e.sliding ? to_string(*e.sliding) : "") << ',' << to_string(e.alert) << ','
-          << (e.alert_cause == AlertCause::none ? "" : to_string(e.alert_cause)) << '\n';
+          << (e.alert_cause == AlertCause::none ? "" : to_string(e.alert_cause));
+      put(out, e.displacement_m, kMmPerM);
+      out << ',' << (e.contact ? std::to_string(int{*e.contact}) : "");
+      put(out, e.slide_evidence);
+      out << '\n';
     }
   }
   return out.str();

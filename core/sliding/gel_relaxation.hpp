@@ -1,0 +1,115 @@
+// Whether a gel relaxes against its own recent past, by its field of displacements: an object that is held
+// keeps the gel bent, and when it slips away the gel comes to rest (docs/displacement.md). Estimate thread;
+// allocates in its constructor only.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/frame/frame.hpp"
+#include "core/frame/layout.hpp"
+#include "core/sliding/field_bends.hpp"
+#include "core/sliding/rigid_motion.hpp"
+#include "core/sliding/sliding.hpp"
+
+namespace slipd {
+
+// Lengths are root mean squares over the field's bends (FieldBends). Numbers that were chosen by recordings
+// come from the shared trials of tools/real's set gelsight; its held-back objects judge them.
+struct GelRelaxationOptions {
+  // Pictures that are nearer in time than this add nothing; s, 0.01 … 0.1. Too small: windows are short on
+  // fast cameras. Too large: a slip is told late. Chosen: a camera of 30 pictures a second passes.
+  double least_step_s = 0.03;
+  // Pictures for which the gel has to have relaxed; 2 … 25. Too small: shaking is a slip. Too large: told
+  // late. By the shared trials.
+  std::size_t now_pictures = 12;
+  // Pictures before those, which it is compared with; 4 … 100. Too small: as above. Too large: settling of a
+  // new grip is a slip. By the shared trials.
+  std::size_t past_pictures = 12;
+  // Of those, at least so many; 2 … past_pictures. Too small: a stray picture is a past. Too large: slips
+  // soon after the start are missed.
+  std::size_t least_past = 5;
+  // Bend that noise makes; mm, 0.001 … 0.02. Too small: noise relaxes. Too large: weak contacts show nothing.
+  // Dots at rest wander by 0.04 px, or 2.5 um; a second difference of three by sqrt(6) of that.
+  double noise_mm = 0.006;
+  // Bend against the gel's rest from which on something touches it; mm, 0.01 … 0.1. Too small: drift is a
+  // contact. Too large: weak contacts are none. Chosen: three times noise_mm.
+  double contact_mm = 0.02;
+  // Change of the picture that noise and pulses of compression make, share of full brightness; 0.002 … 0.05.
+  // Too small: they relax. Too large: the picture adds nothing. Pulses of 1 to 2.5 grey levels.
+  double picture_noise = 0.01;
+  // Weight of the gel's return to its rest beside the fall of its bend; 0 … 1. Too small: a fall in a
+  // changing grip counts like one to rest. Too large: a light touch of a gel at rest counts like a hold. By
+  // the shared trials.
+  double rest_weight = 0.2;
+  // Evidence from which on it is a slide; nats, 0.3 … 5. Too small: false alarms. Too large: slips are
+  // missed. By the shared trials.
+  double slides_from = 1.0;
+  // Rigid motion or stretch in one step that is a disturbance; mm, 0.005 … 0.1. Too small: noise. Too large:
+  // pushes are none. Chosen: eight times the noise of a dot.
+  double disturbed_mm = 0.02;
+  // After the start, as long as this, a jump between two pictures at rest is a stale picture of the camera:
+  // the past begins after it; s, 0 … 2. Too small: it counts as a slip. Too large: a sudden slip is missed.
+  double settling_s = 0.55;
+  // Such a jump, and what is at rest before it: mean step of the points, mm. Of the same set.
+  double jump_mm = 0.06, still_mm = 0.015;
+};
+
+struct GelState {
+  // Of the surface from its place at rest, root mean square over the points that are seen, mm; none: too few.
+  std::optional<double> displacement_mm;
+  // Whether something touches the gel; none: its rest is not known yet.
+  std::optional<bool> contact;
+  // none: the past is too short, or too few points are seen.
+  std::optional<Sliding> sliding;
+  // Nats, >= 0.
+  double evidence = 0;
+};
+
+// Not thread-safe.
+class GelRelaxation {
+ public:
+  // Throws std::invalid_argument as FieldBends.
+  explicit GelRelaxation(const TaxelLayout& layout, const GelRelaxationOptions& options = {});
+
+  // The robot lets go of the object: what relaxes then is no slip, and is no past either.
+  void set_releasing(bool releasing) noexcept;
+  // One frame of SensorClass::displacement, in order of time.
+  const GelState& update(const Frame& frame) noexcept;
+
+ private:
+  std::span<float> row(std::vector<float>& of, std::size_t ago) const noexcept;
+  std::span<const float> row(const std::vector<float>& of, std::size_t ago) const noexcept;
+  RigidMotion motion_since(std::size_t ago) const noexcept;
+  void take(const Frame& frame) noexcept;
+  void measure(const Frame& frame) noexcept;
+  bool is_stale_jump(std::int64_t time_ns, double step_mm) const noexcept;
+  void average() noexcept;
+  double most_now_mm(std::span<const float> from) const noexcept;
+  double fall_of_picture() const noexcept;
+  double weigh() const noexcept;
+  void judge() noexcept;
+
+  const TaxelLayout layout_;
+  const GelRelaxationOptions options_;
+  const std::size_t kept_;  // pictures: past and now
+  FieldBends bends_;
+  // Of the kept pictures, in a ring: bends; displacement along x and then y; mean change of the picture.
+  std::vector<float> history_, fields_, picture_;
+  std::size_t newest_ = 0, count_ = 0;
+  std::vector<float> now_, past_;      // mean bends
+  std::vector<float> rest_, unbent_;   // bends of the gel at its least bent; none
+  double rest_bend_mm_ = 0;            // of rest_
+  bool begun_ = false;                 // rest_ is known
+  bool rest_seen_ = false;             // the gel was seen to bend against it
+  mutable std::vector<float> change_;  // of the field, along x and then y
+  std::int64_t first_ns_ = -1, last_ns_ = 0;
+  double last_step_mm_ = 0;
+  RigidMotion step_;
+  bool releasing_ = false;
+  GelState state_;
+};
+
+}  // namespace slipd

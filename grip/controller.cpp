@@ -1,0 +1,152 @@
+#include "grip/controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "bridges/support/clock.hpp"
+#include "bridges/support/log.hpp"
+
+namespace slipd::grip {
+namespace {
+
+using bridges::log;
+using bridges::LogLevel;
+
+// A wish of a person waits no longer, s.
+constexpr double kLongestWaitS = 0.02;
+constexpr double kAttachTimeoutS = 0.2;
+
+// What the sensors say of an object between the fingers.
+std::optional<bool> contact_of(const slipd_estimate& now) {
+  switch (now.state) {
+    case SLIPD_STATE_NO_CONTACT:
+      return false;
+    case SLIPD_STATE_OK:
+    case SLIPD_STATE_LEARNING:
+    case SLIPD_STATE_OUT_OF_MODEL:
+    case SLIPD_STATE_NO_SHEAR:
+      return true;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  return text;
+}
+
+}  // namespace
+
+Controller::Controller(const Settings& settings)
+    : settings_(settings),
+      slipd_(settings.socket),
+      law_(settings.law),
+      gripper_(settings.dry_run ? make_dry_gripper() : make_gripper(settings.gripper, settings.law.most_n)),
+      thread_([this] { run(); }) {}
+
+Controller::~Controller() {
+  ended_.store(true, std::memory_order_relaxed);
+  thread_.join();
+}
+
+nlohmann::json Controller::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+void Controller::run() {
+  while (!ended_.load(std::memory_order_relaxed)) step();
+}
+
+void Controller::step() {
+  const slipd_estimate now = wait_for_estimate();
+  const Reading reading = reading_of(now);
+  const State before = law_.state();
+  const double force_before_n = law_.force_n();
+  // A sample's own time, so that forces follow the samples' clock on a machine that is late as well.
+  const bool sampled = now.time_ns > 0 && reading.contact;
+  const std::int64_t now_ns = sampled ? now.time_ns : bridges::monotonic_ns();
+  const Wish wish = wish_.exchange(Wish::none, std::memory_order_relaxed);
+  const GripperThread::Condition gripper = gripper_.condition();
+  const Order order = law_.step(reading, wish, gripper.answers, now_ns);
+  gripper_.command({.order = order, .speed_mm_s = settings_.speed_mm_s, .sequence = now.sequence});
+  tell(now, before, force_before_n);
+  nlohmann::json status{{"state", to_string(law_.state())},
+                        {"why", to_string(law_.last_event())},
+                        {"slipd", slipd_state_name(now.state)},
+                        {"force_n", order.force_n},
+                        {"gripper", gripper.answers ? "answers" : gripper.trouble}};
+  status["margin"] = law_.margin() ? nlohmann::json(*law_.margin()) : nlohmann::json();
+  if (gripper.facts.width_mm) status["width_mm"] = *gripper.facts.width_mm;
+  const std::lock_guard lock(mutex_);
+  status_ = std::move(status);
+}
+
+bool Controller::attach() {
+  try {
+    slipd_.attach(settings_.name, kAttachTimeoutS);
+    log(LogLevel::notice, "reads \"" + settings_.name + "\" of the slipd at " + settings_.socket);
+    return true;
+  } catch (const client::Error& error) {
+    return false;
+  }
+}
+
+// The next estimate, or what the last one is worth now.
+slipd_estimate Controller::wait_for_estimate() {
+  if (!attached_) attached_ = attach();
+  slipd_estimate now{};
+  const int code = slipd_wait(slipd_.get(), settings_.name.c_str(), settings_.max_age_s,
+                              std::min(settings_.max_age_s, kLongestWaitS), &now);
+  if (code == SLIPD_ATTACH_ANEW || code == SLIPD_INVALID) attached_ = false;
+  return now;
+}
+
+// A grasp's estimate has the sums; which finger slides is the finger's.
+bool Controller::finger_slips() const {
+  return std::ranges::any_of(settings_.fingers, [this](const std::string& finger) {
+    slipd_estimate one{};
+    slipd_latest(slipd_.get(), finger.c_str(), settings_.max_age_s, &one);
+    return one.sliding == SLIPD_SLIDING_TRANSLATION || one.sliding == SLIPD_SLIDING_ROTATION;
+  });
+}
+
+Reading Controller::reading_of(const slipd_estimate& now) const {
+  Reading reading;
+  reading.known = std::isfinite(slipd_margin(&now)) && now.alert != SLIPD_ALERT_UNKNOWN;
+  reading.bounded = std::isfinite(now.gamma_low) && now.alert != SLIPD_ALERT_UNKNOWN &&
+                    (now.state == SLIPD_STATE_OK || now.state == SLIPD_STATE_LEARNING);
+  reading.contact = contact_of(now);
+  reading.slips = now.alert == SLIPD_ALERT_SLIP || now.sliding == SLIPD_SLIDING_TRANSLATION ||
+                  now.sliding == SLIPD_SLIDING_ROTATION || finger_slips();
+  reading.gamma = now.gamma;
+  reading.gamma_low = now.gamma_low;
+  reading.sigma = now.sigma;
+  reading.normal_n = now.normal_n;
+  reading.increase_n = now.grip_increase_n;
+  reading.time_to_slip_s = now.time_to_slip_s;
+  reading.sequence = now.sequence;
+  return reading;
+}
+
+void Controller::tell(const slipd_estimate& now, State before, double force_before_n) {
+  if (law_.state() != before) {
+    const bool grave =
+        law_.state() == State::reacting || law_.state() == State::cut_off || law_.state() == State::firm;
+    log(grave ? LogLevel::warning : LogLevel::info,
+        std::string(to_string(before)) + " -> " + std::string(to_string(law_.state())) + ": " +
+            std::string(to_string(law_.last_event())) + "; slipd says " + slipd_state_name(now.state) +
+            ", margin " + (law_.margin() ? number(*law_.margin()) : "unknown") + ", force " +
+            number(force_before_n) + " -> " + number(law_.force_n()) + " N");
+  }
+  if (law_.is_deaf() && !told_deaf_)
+    log(LogLevel::error, "the gripper does not follow: " + number(law_.force_n()) +
+                             " N a finger are ordered, and the sensors feel " + number(now.normal_n) +
+                             " N together: look at the gripper, and at the sensors' calibration");
+  told_deaf_ = law_.is_deaf();
+}
+
+}  // namespace slipd::grip

@@ -1,0 +1,72 @@
+#include "grip/settings.hpp"
+
+#include "schema/schema.hpp"
+
+namespace slipd::grip {
+namespace {
+
+constexpr double kMsPerSecond = 1000;
+
+LawSettings law_of(const nlohmann::json& checked, int fingers) {
+  const nlohmann::json& force = checked.at("force");
+  return {.target_margin = checked.at("target_margin"),
+          .firm_by_low = checked.at("firm_by") == "gamma_low",
+          .least_n = force.at("least_n"),
+          .firm_n = force.at("firm_n"),
+          .most_n = force.at("most_n"),
+          .close_n = force.at("close_n"),
+          .resolution_n = force.at("resolution_n"),
+          .delay_s = checked.at("gripper").at("delay_ms").get<double>() / kMsPerSecond,
+          .raise_n_per_s = force.at("raise_n_per_s"),
+          .lower_per_s = force.at("lower_per_s"),
+          .settle_s = checked.at("settle_ms").get<double>() / kMsPerSecond,
+          .ahead_s = checked.at("ahead_ms").get<double>() / kMsPerSecond,
+          .close_timeout_s = checked.at("close_timeout_s"),
+          .fingers = fingers};
+}
+
+}  // namespace
+
+Settings settings_of(const nlohmann::json& checked) {
+  const auto fingers = checked.at("fingers").get<std::vector<std::string>>();
+  const bool alone = !checked.contains("grasp");
+  return {.socket = checked.at("socket"),
+          .name = alone ? fingers.front() : checked.at("grasp").get<std::string>(),
+          .fingers = fingers,
+          .max_age_s = checked.at("max_age_ms").get<double>() / kMsPerSecond,
+          .speed_mm_s = checked.at("speed_mm_s"),
+          .law = law_of(checked, static_cast<int>(fingers.size())),
+          .dry_run = checked.at("dry_run"),
+          .orders = checked.at("orders"),
+          .gripper = checked.at("gripper")};
+}
+
+std::vector<Problem> problems_of(const nlohmann::json& checked) {
+  std::vector<Problem> problems;
+  const auto add = [&](const std::string& where, const std::string& what) {
+    problems.push_back(problem_of(where, checked.at(nlohmann::json::json_pointer(where)), what));
+  };
+  const nlohmann::json& force = checked.at("force");
+  for (const char* const key : {"least_n", "firm_n", "close_n"})
+    if (force.at(key) > force.at("most_n"))
+      add(std::string("/force/") + key, "is above most_n; no order may be");
+  if (force.at("least_n") > force.at("firm_n")) add("/force/least_n", "is above firm_n");
+  if (!checked.contains("grasp") && checked.at("fingers").size() > 1)
+    add("/fingers",
+        "several fingers hold by one margin, which only a grasp of slipd has: name it in \"grasp\"");
+  const nlohmann::json& gripper = checked.at("gripper");
+  const std::string type = gripper.at("type");
+  const auto needs = [&](const char* key) {
+    if (!gripper.contains(key)) add("/gripper", "type \"" + type + "\" needs \"" + key + "\"");
+  };
+  if (type == "line" && gripper.contains("socket") == gripper.contains("command"))
+    add("/gripper", "type \"line\" needs either \"socket\" or \"command\"");
+  if (type == "simulated") needs("grip_inputs");
+  if (type == "modbus") {
+    needs("profile");
+    needs("at");
+  }
+  return problems;
+}
+
+}  // namespace slipd::grip

@@ -1,0 +1,100 @@
+#include "lab/grip/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace lab::grip {
+namespace {
+
+constexpr double kMovedM = 0.005, kTooSafe = 0.2;
+// A true margin nearer to 1 has hardly a load: no force is the least for it.
+constexpr double kMostMargin = 0.98;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::size_t count(const std::vector<TrialResult>& trials, bool (*is)(const TrialResult&)) {
+  return static_cast<std::size_t>(std::count_if(trials.begin(), trials.end(), is));
+}
+
+double share(std::size_t part, std::size_t all) {
+  return all == 0 ? std::nan("") : static_cast<double>(part) / static_cast<double>(all);
+}
+
+}  // namespace
+
+GripSummary summarise(const std::vector<TrialResult>& listening, const std::vector<TrialResult>& deaf) {
+  const auto is_dropped = [](const TrialResult& one) { return one.dropped; };
+  const auto is_moved = [](const TrialResult& one) { return one.moved_m > kMovedM; };
+  GripSummary sum{.tasks = listening.size(),
+                  .dropped = count(listening, is_dropped),
+                  .moved = count(listening, is_moved),
+                  .deaf_dropped = count(deaf, is_dropped),
+                  .deaf_moved = count(deaf, is_moved)};
+  std::vector<double> forces, known_forces;
+  double error = 0;
+  std::size_t too_safe = 0, low_above = 0, lows = 0;
+  for (const TrialResult& trial : listening) {
+    sum.known_share += trial.known_share / static_cast<double>(listening.size());
+    for (const Probe& probe : trial.probes) {
+      ++sum.probes;
+      const double over_least = 1 / (1 - std::min(probe.truth, kMostMargin));
+      forces.push_back(over_least);
+      if (probe.gamma_low) {
+        ++lows;
+        low_above += *probe.gamma_low > probe.truth ? 1 : 0;
+      }
+      if (!probe.gamma) continue;
+      ++sum.known_probes;
+      known_forces.push_back(over_least);
+      error += std::abs(*probe.gamma - probe.truth);
+      too_safe += *probe.gamma > probe.truth + kTooSafe ? 1 : 0;
+    }
+  }
+  sum.force_over_least = median(forces);
+  sum.force_over_least_known = median(known_forces);
+  sum.margin_error = error / static_cast<double>(sum.known_probes);
+  sum.too_safe_share = share(too_safe, sum.known_probes);
+  sum.low_above_truth_share = share(low_above, lows);
+  return sum;
+}
+
+void print_table(const GripSummary& s, double creep_mm_per_min) {
+  std::printf("| | %zu tasks |\n|---|---|\n", s.tasks);
+  std::printf("| dropped, moved more than 5 mm, listening | %zu, %zu |\n", s.dropped, s.moved);
+  std::printf("| the same, deaf, with the same mean force | %zu, %zu |\n", s.deaf_dropped, s.deaf_moved);
+  std::printf(
+      "| force over the least that holds, median: of all probes, of those with a margin | %.2f, %.2f |\n",
+      s.force_over_least, s.force_over_least_known);
+  std::printf("| frames of the holds with a margin | %.0f %% |\n", 100 * s.known_share);
+  std::printf(
+      "| margin against the true one: mean error, claims safer by 0.2 (%zu of %zu probes have a margin) | "
+      "%.3f, %.1f %% |\n",
+      s.known_probes, s.probes, s.margin_error, 100 * s.too_safe_share);
+  std::printf("| gamma_low above the true margin | %.1f %% |\n", 100 * s.low_above_truth_share);
+  std::printf("| MuJoCo's creep, at a margin of 0.5 | %.3f mm a minute |\n", creep_mm_per_min);
+}
+
+nlohmann::json to_json(const GripSummary& s, double creep_mm_per_min) {
+  return {{"tasks", s.tasks},
+          {"dropped", s.dropped},
+          {"moved", s.moved},
+          {"deaf_dropped", s.deaf_dropped},
+          {"deaf_moved", s.deaf_moved},
+          {"force_over_least", s.force_over_least},
+          {"force_over_least_known", s.force_over_least_known},
+          {"known_share", s.known_share},
+          {"margin_error", s.margin_error},
+          {"too_safe_share", s.too_safe_share},
+          {"low_above_truth_share", s.low_above_truth_share},
+          {"probes", s.probes},
+          {"known_probes", s.known_probes},
+          {"creep_mm_per_min", creep_mm_per_min}};
+}
+
+}  // namespace lab::grip

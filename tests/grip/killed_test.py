@@ -1,0 +1,214 @@
+"""slipd, the program that pushes frames, the gripper and slipd-grip itself are killed in mid-grasp, and come back: the gripper is never
+told to open, no force is above the limit, none falls in the dark, and the journal tells.  killed_test.py [TIMES]"""
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+from awaiting import await_true
+
+BIN = os.path.join(os.environ["SLIPD_BINARY_DIR"], "bin")
+DRIVERS = os.path.join(os.environ["SLIPD_BINARY_DIR"], "drivers")
+SIDE, RATE_HZ = 5, 100
+FIRM_N, MOST_N = 12, 15
+TIMES = int(sys.argv.pop()) if len(sys.argv) > 1 and sys.argv[-1].isdigit() else 1
+
+# A finger that holds something, as frames of a program: a round contact that is pulled a little.
+PUSHER = f"""
+import random, sys, time, slipd
+random.seed(1)
+def frame():
+    values = []
+    for row in range({SIDE}):
+        for column in range({SIDE}):
+            r2 = (row - 2) ** 2 + (column - 2) ** 2
+            p = max(0.0, 1 - r2 / 6) ** 0.5 * 0.4
+            values += [random.gauss(0, 0.001), -0.1 * p + random.gauss(0, 0.001), p + random.gauss(0, 0.001)]
+    return values
+sources = [slipd.Source(name, taxels={SIDE * SIDE}, rate_hz={RATE_HZ}, unit="N", zeroed=True, path=sys.argv[1]) for name in ("left", "right")]
+while True:
+    for source in sources:
+        try:
+            source.push(frame())
+        except (slipd.Disconnected, slipd.SlipdError, TimeoutError):
+            pass
+    time.sleep(1 / {RATE_HZ})
+"""
+
+
+class Gripper:
+    """A gripper that listens on a socket and keeps all that it is told."""
+
+    def __init__(self, path):
+        self.path, self.orders, self.alive = path, [], True
+        self._start()
+
+    def _start(self):
+        if os.path.exists(self.path):
+            os.unlink(self.path)
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(self.path)
+        self.listener.listen()
+        self.peers = []
+        threading.Thread(target=self._accept, args=(self.listener,), daemon=True).start()
+
+    def _accept(self, listener):
+        while True:
+            try:
+                peer, _ = listener.accept()
+            except OSError:
+                return
+            self.peers.append(peer)
+            threading.Thread(target=self._serve, args=(peer,), daemon=True).start()
+
+    def _serve(self, peer):
+        try:
+            with peer, peer.makefile("rw") as lines:
+                for line in lines:
+                    self.orders.append(json.loads(line))
+                    lines.write("{}\n")
+                    lines.flush()
+        except OSError:
+            pass
+
+    def kill(self):
+        self.listener.shutdown(socket.SHUT_RDWR)
+        self.listener.close()
+        os.unlink(self.path)
+        for peer in self.peers:
+            try:
+                peer.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+
+    def restart(self):
+        self._start()
+
+
+class Bed:
+    def __init__(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="slipd-grip-")
+        self.at = lambda name: os.path.join(self.folder.name, name)
+        sensor = {"driver": "push", "rate_hz": RATE_HZ, "layout": {"grid": [SIDE, SIDE], "pitch_mm": 2},
+                  "skin": {"radius_mm": 20}, "options": {"unit": "N", "zeroed": True}}
+        self._write("slipd.json", {"sensors": [{"name": "left", **sensor}, {"name": "right", **sensor}],
+                                   "grasps": [{"name": "gripper", "sensors": ["left", "right"]}],
+                                   "realtime": {"mode": "off", "lock_memory": False}, "socket": {"path": self.at("slipd.sock")}})
+        self._write("grip.json", {"socket": self.at("slipd.sock"), "fingers": ["left", "right"], "grasp": "gripper", "max_age_ms": 100,
+                                  "force": {"firm_n": FIRM_N, "most_n": MOST_N, "close_n": 2}, "orders": self.at("orders.sock"),
+                                  "firm_by": "firm_n", "gripper": {"type": "line", "socket": self.at("gripper.sock")}})
+        self.gripper = Gripper(self.at("gripper.sock"))
+        self.log = open(self.at("log"), "a+", encoding="utf-8")
+        self.programs = {}
+        for name in ("slipd", "pusher", "grip"):
+            self.start(name)
+        await_true(lambda: self.status() is not None, "slipd-grip")
+        self.order("close")
+        await_true(lambda: self.status()["state"] not in ("idle", "closing"), "a grip")
+
+    def _write(self, name, what):
+        with open(self.at(name), "w", encoding="utf-8") as file:
+            json.dump(what, file)
+
+    def start(self, name):
+        command = {"slipd": [BIN + "/slipd", "--config", self.at("slipd.json"), "--driver-dir", DRIVERS],
+                   "pusher": [sys.executable, "-c", PUSHER, self.at("slipd.sock")],
+                   "grip": [BIN + "/slipd-grip", "--config", self.at("grip.json")]}[name]
+        self.programs[name] = subprocess.Popen(command, stderr=self.log, stdout=subprocess.DEVNULL)
+
+    def kill(self, name):
+        self.programs[name].send_signal(signal.SIGKILL)
+        self.programs[name].wait()
+
+    def order(self, word):
+        ran = subprocess.run([BIN + "/slipd-grip", word, "--orders", self.at("orders.sock")], capture_output=True, text=True, check=False)
+        return json.loads(ran.stdout) if ran.returncode == 0 else None
+
+    def status(self):
+        return self.order("status") or None
+
+    def journal(self):
+        with open(self.at("log"), encoding="utf-8") as file:
+            return file.read()
+
+    def close(self):
+        for program in self.programs.values():
+            program.kill()
+            program.wait()
+        self.gripper.kill()
+        self.log.close()
+        self.folder.cleanup()
+
+
+class Killed(unittest.TestCase):
+    def setUp(self):
+        self.bed = Bed()
+        self.addCleanup(self.bed.close)
+
+    def awaits_firm(self, slipd_says):
+        def is_firm():
+            now = self.bed.status()
+            return now and now["slipd"] in slipd_says and now["force_n"] >= FIRM_N
+        await_true(is_firm, f"a firm grip while slipd is {slipd_says}")
+
+    def awaits_frames(self):
+        await_true(lambda: (self.bed.status() or {}).get("slipd") in ("ok", "learning", "out_of_model"), "frames")
+
+    def judge(self):
+        orders = self.bed.gripper.orders
+        self.assertFalse([one for one in orders if one["order"] == "open"])
+        self.assertLessEqual(max(one.get("force_n", 0) for one in orders), MOST_N)
+
+    def test_slipd(self):
+        for _ in range(TIMES):
+            self.bed.kill("slipd")
+            self.awaits_firm({"disconnected", "stale"})
+            self.bed.start("slipd")
+            self.awaits_frames()
+        self.judge()
+        self.assertIn("margin unknown", self.bed.journal())
+
+    def test_sensor(self):
+        for _ in range(TIMES):
+            self.bed.kill("pusher")
+            self.awaits_firm({"stale", "fault"})
+            self.bed.start("pusher")
+            self.awaits_frames()
+        self.judge()
+        self.assertIn("margin unknown", self.bed.journal())
+
+    def test_gripper(self):
+        for _ in range(TIMES):
+            self.bed.gripper.kill()
+            await_true(lambda: (self.bed.status() or {}).get("state") == "cut off", "slipd-grip to see it")
+            heard = len(self.bed.gripper.orders)
+            self.bed.gripper.restart()
+            await_true(lambda: len(self.bed.gripper.orders) > heard, "orders again")
+            first = self.bed.gripper.orders[heard]
+            self.assertEqual(first["order"], "grip")
+            self.assertGreaterEqual(first["force_n"], FIRM_N)
+        self.judge()
+        self.assertIn("gripper gone", self.bed.journal())
+
+    def test_slipd_grip(self):
+        for _ in range(TIMES):
+            self.bed.kill("grip")
+            heard = len(self.bed.gripper.orders)
+            self.bed.start("grip")
+            await_true(lambda at=heard: [one for one in self.bed.gripper.orders[at:] if one["order"] == "grip"], "a grip again")
+            first = next(one for one in self.bed.gripper.orders[heard:] if one["order"] == "grip")
+            self.assertGreaterEqual(first["force_n"], FIRM_N, "what it held before is not known: nothing less is safe")
+        self.judge()
+
+    def test_opens_on_the_order_to(self):
+        self.bed.order("open")
+        await_true(lambda: self.bed.gripper.orders[-1]["order"] == "open", "the order to open")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,248 @@
+// The law of slipd-grip, without a gripper and without a clock: what it may never do, whatever comes, and
+// what it does with a margin.
+#include "grip/law.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "core/numeric/random.hpp"
+
+namespace slipd::grip {
+namespace {
+
+constexpr std::int64_t kFrameNs = 5'000'000;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Reading margin_of(double gamma) {
+  return {.known = true,
+          .bounded = true,
+          .contact = true,
+          .gamma = gamma,
+          .gamma_low = gamma,
+          .sigma = 0,
+          .normal_n = 10,
+          .increase_n = kNone,
+          .time_to_slip_s = kNone};
+}
+
+Reading unknown(std::optional<bool> contact) {
+  Reading reading = margin_of(kNone);
+  reading.known = reading.bounded = false;
+  reading.contact = contact;
+  return reading;
+}
+
+// A law and its clock.
+struct Held {
+  LawSettings settings;
+  Law law{settings};
+  std::int64_t now_ns = 0;
+
+  explicit Held(const LawSettings& with = {}) : settings(with) {}
+  Order step(const Reading& reading, Wish wish = Wish::none, bool answers = true) {
+    now_ns += kFrameNs;
+    return law.step(reading, wish, answers, now_ns);
+  }
+  Order steps(const Reading& reading, double for_s) {
+    Order order;
+    for (const auto until = now_ns + static_cast<std::int64_t>(for_s * 1e9); now_ns < until;)
+      order = step(reading);
+    return order;
+  }
+  // Closed on an object whose pull needs `needed_n` of a finger for a margin of 0.
+  void hold(double needed_n, double for_s) {
+    for (const auto until = now_ns + static_cast<std::int64_t>(for_s * 1e9); now_ns < until;)
+      step(margin_of(std::max(0.0, 1 - needed_n / std::max(0.1, law.force_n()))));
+  }
+  void close() {
+    step(unknown(false), Wish::close);
+    step(margin_of(1));
+  }
+};
+
+TEST(Law, OrdersNothingUntilItIsToldTo) {
+  Held held;
+  EXPECT_EQ(held.steps(unknown(false), 1), Order{});
+  EXPECT_EQ(held.law.state(), State::idle);
+}
+
+TEST(Law, FindsAnObjectInTheGripAfterItsStartAndHoldsItFirmlyAtOnce) {
+  Held held;
+  const Order first = held.step(unknown(true));
+  EXPECT_EQ(first.move, Move::grip);
+  EXPECT_EQ(first.force_n, held.settings.firm_n) << "a ramp would let go of what is held";
+}
+
+TEST(Law, HoldsWithTheForceThatKeepsTheTargetMargin) {
+  Held held;
+  held.close();
+  held.hold(3, 20);
+  const double expected = 3 / (1 - held.settings.target_margin);
+  EXPECT_GE(held.law.force_n(), expected * 0.999);
+  EXPECT_LE(held.law.force_n(), expected * (1 + 2 * held.settings.spare));
+}
+
+TEST(Law, AddsForceAheadOfAForecastSlip) {
+  Held still, falling;
+  for (Held* one : {&still, &falling}) {
+    one->close();
+    one->hold(3, 20);
+  }
+  Reading now = margin_of(still.settings.target_margin);
+  still.step(now);
+  now.time_to_slip_s = 0.1;
+  falling.step(now);
+  EXPECT_GT(falling.law.force_n(), still.law.force_n());
+  EXPECT_EQ(falling.law.state(), State::tightening);
+}
+
+TEST(Law, AnswersASlipWithinTheSameStep) {
+  Held held;
+  held.close();
+  held.hold(3, 20);
+  const double before = held.law.force_n();
+  Reading slip = margin_of(0.05);
+  slip.slips = true;
+  EXPECT_GT(held.step(slip).force_n, before);
+  EXPECT_EQ(held.law.state(), State::reacting);
+}
+
+TEST(Law, HoldsFirmlyWithoutAMargin) {
+  Held held;
+  held.close();
+  held.hold(3, 20);
+  for (const auto& contact : {std::optional(true), std::optional(false), std::optional<bool>()}) {
+    held.steps(unknown(contact), 1);
+    EXPECT_EQ(held.law.state(), State::firm);
+    EXPECT_EQ(held.law.force_n(), held.settings.firm_n);
+  }
+}
+
+TEST(Law, HoldsByTheLeastLikelyFrictionWhileFrictionIsARange) {
+  Held held;
+  held.close();
+  held.hold(2, 20);
+  Reading range = unknown(true);
+  range.bounded = true;
+  range.gamma_low = held.settings.target_margin - 0.1;
+  const double before = held.law.force_n();
+  held.step(range);
+  EXPECT_EQ(held.law.state(), State::firm);
+  EXPECT_GT(held.law.force_n(), before);
+  EXPECT_LT(held.law.force_n(), held.settings.firm_n);
+}
+
+TEST(Law, DoesNotTakeAnOldMarginForTheEffectOfItsLastOrder) {
+  LawSettings slow;
+  slow.delay_s = 0.1;
+  slow.ahead_s = 0;
+  Held held(slow);
+  held.close();
+  held.hold(2, 20);
+  const double before = held.law.force_n();
+  // The gripper follows after its delay only; until then the margin is as it was.
+  held.steps(margin_of(slow.target_margin / 2), 0.09);
+  EXPECT_LE(held.law.force_n(), before * (1 - slow.target_margin / 2) / (1 - slow.target_margin) * 1.001);
+}
+
+TEST(Law, SaysThatAGripperDoesNotFollow) {
+  Held held;
+  held.close();
+  held.hold(3, 20);
+  Reading weak = margin_of(0.9);
+  weak.normal_n = 0.1;
+  held.steps(weak, 1);
+  EXPECT_TRUE(held.law.is_deaf());
+}
+
+TEST(Law, RoundsUpToTheGrippersSteps) {
+  LawSettings coarse;
+  coarse.resolution_n = 3;
+  coarse.most_n = 20;
+  coarse.firm_n = 20;
+  Held held(coarse);
+  held.close();
+  held.hold(4, 10);
+  EXPECT_EQ(std::fmod(held.law.force_n(), 3), 0);
+  EXPECT_GE(held.law.force_n(), 4 / (1 - coarse.target_margin));
+  held.steps(unknown(true), 2);
+  EXPECT_EQ(held.law.force_n(), 18) << "the last step below the limit";
+}
+
+TEST(Law, GivesUpClosingWithoutAnObjectAndDoesNotOpen) {
+  Held held;
+  held.step(unknown(false), Wish::close);
+  const Order order = held.steps(unknown(false), held.settings.close_timeout_s + 1);
+  EXPECT_EQ(held.law.state(), State::missed);
+  EXPECT_EQ(order.move, Move::grip);
+}
+
+// Whatever comes: random readings, losses and wishes.
+TEST(Law, NeverOpensUnbiddenNeverExceedsItsLimitsAndNeverLetsGoInTheDark) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const RandomStream random(seed);
+    std::uint64_t next = 0;
+    const auto draw = [&](double low, double high) { return random.uniform(next++, low, high); };
+    LawSettings settings;
+    settings.resolution_n = draw(0, 1) < 0.5 ? 0 : 0.25;
+    Held held(settings);
+    bool told_to_open = false;
+    double known_for_s = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const double kind = draw(0, 1);
+      Reading reading = kind < 0.8 ? margin_of(draw(-0.2, 1.2))
+                                   : unknown(draw(0, 1) < 0.5 ? std::optional(true) : std::nullopt);
+      if (draw(0, 1) < 0.05) reading.slips = true;
+      if (draw(0, 1) < 0.1) reading.time_to_slip_s = draw(0, 1);
+      if (draw(0, 1) < 0.1) reading.increase_n = draw(0, 100);
+      const Wish wish = i == 1 ? Wish::close : draw(0, 1) < 0.001 ? Wish::open : Wish::none;
+      if (wish == Wish::open) told_to_open = true;
+      if (wish == Wish::close) told_to_open = false;
+      const double before = held.law.force_n();
+      const bool held_before = is_gripping(held.law.state());
+      const Order order = held.step(reading, wish, draw(0, 1) > 0.02);
+      known_for_s = reading.known ? known_for_s + 1e-9 * kFrameNs : 0;
+      ASSERT_EQ(order.move == Move::open, told_to_open && i > 1) << "seed " << seed << ", step " << i;
+      ASSERT_LE(order.force_n, settings.most_n);
+      if (order.move != Move::grip || !held_before) continue;
+      ASSERT_LE(order.force_n,
+                before + settings.raise_n_per_s * 1e-9 * kFrameNs + settings.resolution_n + 1e-9);
+      if (known_for_s < settings.settle_s) {
+        ASSERT_GE(order.force_n, before - 1e-9) << "seed " << seed << ", step " << i;
+      }
+    }
+  }
+}
+
+TEST(Transitions, EachEventOfAStateLeadsToOneStateAndAllAreReached) {
+  std::set<std::pair<State, Event>> seen;
+  std::set<State> reached{State::idle};
+  for (const Transition& one : transitions()) {
+    EXPECT_TRUE(seen.insert({one.from, one.event}).second)
+        << to_string(one.from) << ", " << to_string(one.event) << " twice";
+    EXPECT_NE(one.from, one.to);
+    reached.insert(one.to);
+  }
+  EXPECT_EQ(reached.size(), static_cast<std::size_t>(State::cut_off) + 1);
+}
+
+TEST(Transitions, OnlyTheOrderToOpenOpens) {
+  for (const Transition& one : transitions())
+    EXPECT_EQ(one.to == State::open, one.event == Event::open_order);
+}
+
+TEST(Transitions, ThePagesDiagramIsThatOfTheTable) {
+  std::ostringstream page;
+  page << std::ifstream(SLIPD_SOURCE_DIR "/docs/grip.md").rdbuf();
+  EXPECT_THAT(page.str(), ::testing::HasSubstr("```mermaid\n" + diagram() + "```\n"))
+      << "write what slipd-grip diagram prints into docs/grip.md";
+}
+
+}  // namespace
+}  // namespace slipd::grip
