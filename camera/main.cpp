@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "bridges/support/log.hpp"
 #include "bridges/support/program.hpp"
@@ -81,9 +82,9 @@ int serve(int argc, char** argv) {
       {"slipd-camera", "Sends the displacement of a gel that a camera looks at to slipd",
        slipd_camera_schema},
       argc, argv, [&](const nlohmann::json& settings, bridges::Loop& loop) {
-        Profile profile = load_profile(settings["profile"], profile_folder());
+        const Profile profile = load_profile(settings["profile"], profile_folder());
         if (!std::exchange(hears, true)) loop.on_signal(SIGUSR1, [&] { serving->rest_anew(); });
-        auto made = std::make_unique<CameraService>(settings, std::move(profile), loop);
+        auto made = std::make_unique<CameraService>(settings, profile, loop);
         serving = made.get();
         return made;
       });

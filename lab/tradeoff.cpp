@@ -59,7 +59,7 @@ void add_tradeoff(CLI::App& app, const offline::Common& common) {
   auto shapes = std::make_shared<bool>(false);
   command->add_flag(
       "--shapes", *shapes,
-      "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao guide");
+      "instead: method fit on elliptic contacts and under a skin, against the Cramer-Rao bound");
   offline::add_shard_option(*command, options->shard);
   command->callback([&common, command, options, shapes] { run(common, *command, *options, *shapes); });
 }

@@ -18,14 +18,15 @@ std::uint64_t Assembler::count(const HeaderCount& where, Bytes datagram) const {
   return wire::read_bits(datagram.data() + where.offset, where.type.bytes, where.type.big_endian);
 }
 
-Assembler::Open& Assembler::open(const std::string& sender, std::uint64_t number, std::size_t parts) {
+std::list<Assembler::Open>::iterator Assembler::open(const std::string& sender, std::uint64_t number,
+                                                     std::size_t parts) {
   const auto same = [&](const Open& one) { return one.number == number && one.sender == sender; };
-  if (const auto found = std::ranges::find_if(open_, same); found != open_.end()) return *found;
+  if (const auto found = std::ranges::find_if(open_, same); found != open_.end()) return found;
   if (open_.size() == kMostOpen) {
     open_.pop_front();
     ++lost_;
   }
-  return open_.emplace_back(Open{sender, number, std::vector<std::vector<std::uint8_t>>(parts), 0});
+  return open_.insert(open_.end(), Open{sender, number, std::vector<std::vector<std::uint8_t>>(parts), 0});
 }
 
 Assembler::Result Assembler::put(const std::string& sender, Bytes datagram, Message& out) {
@@ -33,15 +34,15 @@ Assembler::Result Assembler::put(const std::string& sender, Bytes datagram, Mess
   const std::uint64_t number = count(rule_.message, datagram);
   const std::uint64_t part = count(rule_.part, datagram), last = count(rule_.last, datagram);
   if (last >= kMostParts || part > last || (has_head_ && last == 0)) return Result::corrupt;
-  Open& message = open(sender, number, last + 1);
-  if (message.parts.size() != last + 1) return Result::corrupt;
-  std::vector<std::uint8_t>& place = message.parts[part];
+  const auto message = open(sender, number, last + 1);
+  if (message->parts.size() != last + 1) return Result::corrupt;
+  std::vector<std::uint8_t>& place = message->parts[part];
   if (!place.empty()) return Result::corrupt;  // twice
   place.assign(datagram.begin() + static_cast<std::ptrdiff_t>(rule_.header), datagram.end());
-  if (++message.come <= last) return Result::incomplete;
+  if (++message->come <= last) return Result::incomplete;
 
-  whole_ = std::move(message);
-  std::erase_if(open_, [&](const Open& one) { return &one == &message; });
+  whole_ = std::move(*message);
+  open_.erase(message);
   body_.clear();
   for (std::size_t i = has_head_ ? 1 : 0; i < whole_.parts.size(); ++i)
     body_.insert(body_.end(), whole_.parts[i].begin(), whole_.parts[i].end());

@@ -31,7 +31,7 @@ class Assembler {
     std::vector<std::vector<std::uint8_t>> parts;  // empty: has not come; none is empty
     std::size_t come = 0;
   };
-  Open& open(const std::string& sender, std::uint64_t number, std::size_t parts);
+  std::list<Open>::iterator open(const std::string& sender, std::uint64_t number, std::size_t parts);
   std::uint64_t count(const HeaderCount& where, Bytes datagram) const;
 
   Datagrams rule_;

@@ -77,8 +77,8 @@ struct Instance {
 // Throws SettingsError, one line for each error.
 Profile parse_profile(const std::string& text, const std::string& name, const Instance& instance);
 
-// Reads NAME.json from /etc/slipd/feeds, else from the folder `feeds` beside that of this program (a build
-// tree), else from the installed data. Throws SettingsError.
+// Reads the file `name`, if it has a slash. Else reads NAME.json from /etc/slipd/feeds, else from the folder
+// `feeds` beside that of this program (a build tree), else from the installed data. Throws SettingsError.
 Profile find_profile(const std::string& name, const Instance& instance);
 
 }  // namespace slipd::feed

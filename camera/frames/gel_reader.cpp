@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "camera/surface/displacement_field.hpp"
 
@@ -73,8 +74,7 @@ void GelReader::place_nodes() {
           static_cast<float>((gel_.cols - 1) / 2.0 + (column - (grid.columns - 1) / 2.0) * pitch),
           static_cast<float>((gel_.rows - 1) / 2.0 + (row - (grid.rows - 1) / 2.0) * pitch));
   }
-  const cv::Rect2f seen(-0.5F, -0.5F, static_cast<float>(gel_.cols), static_cast<float>(gel_.rows));
-  if (!seen.contains(nodes_px_.front()) || !seen.contains(nodes_px_.back()))
+  if ((grid.columns - 1) * pitch >= gel_.cols || (grid.rows - 1) * pitch >= gel_.rows)
     throw std::runtime_error("the profile's nodes reach beyond the picture, which shows " +
                              std::to_string(gel_.cols * mm_per_px_) + " x " +
                              std::to_string(gel_.rows * mm_per_px_) +

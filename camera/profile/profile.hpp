@@ -1,4 +1,5 @@
-// What slipd-camera knows of a kind of sensor: a file of JSON with comments, camera/profile/profile.schema.json.
+// What slipd-camera knows of a kind of sensor: a file of JSON with comments,
+// camera/profile/profile.schema.json.
 #pragma once
 
 #include <cstddef>

@@ -5,7 +5,6 @@
 #include <exception>
 #include <memory>
 #include <stdexcept>
-#include <utility>
 
 #include "bridges/support/log.hpp"
 #include "camera/picture/v4l2_camera.hpp"
@@ -29,7 +28,7 @@ PictureThread::Open opening(const nlohmann::json& settings, const Profile& profi
 
 }  // namespace
 
-CameraService::CameraService(const nlohmann::json& settings, Profile profile, bridges::Loop& loop)
+CameraService::CameraService(const nlohmann::json& settings, const Profile& profile, bridges::Loop& loop)
     : reader_(profile),
       slipd_(settings["sensor"], frames_of(profile), settings["socket"]),
       pictures_(opening(settings, profile)),

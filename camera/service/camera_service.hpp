@@ -19,7 +19,7 @@ class CameraService final : public bridges::Service {
  public:
   // Settings that fit camera.schema.json. Neither camera nor slipd need be there. Throws client::Error for
   // frames that no sensor has.
-  CameraService(const nlohmann::json& settings, Profile profile, bridges::Loop& loop);
+  CameraService(const nlohmann::json& settings, const Profile& profile, bridges::Loop& loop);
 
   // The next usable picture is rest.
   void rest_anew();

@@ -32,7 +32,7 @@ struct Dot {
 
 class DotFinder {
  public:
-  explicit DotFinder(DotFinderOptions options) : options_(options), radius_(options.radius_px) {}
+  explicit DotFinder(const DotFinderOptions& options) : options_(options), radius_(options.radius_px) {}
 
   // Learns radius and usual contrast from this picture, CV_8UC1.
   void learn(const cv::Mat& picture);

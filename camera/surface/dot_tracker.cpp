@@ -21,6 +21,8 @@ constexpr float kHome = 0.15F;
 constexpr double kMostAtRest = 0.85;
 // … and less than this share of points is known to be there.
 constexpr double kFewKnown = 0.7;
+// The step that is expected is this share of the last one: between a stop and going on.
+constexpr float kGoesOn = 0.5F;
 // Least score of a step that is taken, share of all neighbours.
 constexpr float kLeastScore = 0.15F;
 
@@ -102,7 +104,7 @@ void DotTracker::weigh_candidates() {
   const auto cost = static_cast<float>(options_.surprise / (spacing_ * spacing_));
   for (Course& course : courses_) {
     for (Candidate& one : course.candidates)
-      one.score = support(course, one.step) - cost * square(one.step - course.step);
+      one.score = support(course, one.step) - cost * square(one.step - kGoesOn * course.step);
   }
   for (Course& course : courses_) {
     std::stable_sort(course.candidates.begin(), course.candidates.end(),

@@ -32,7 +32,7 @@ struct DotTrackerOptions {
 
 class DotTracker {
  public:
-  explicit DotTracker(DotTrackerOptions options) : options_(options) {}
+  explicit DotTracker(const DotTrackerOptions& options) : options_(options) {}
 
   // These dots are at rest, and all that is known. Needs at least one.
   void rest(std::span<const Dot> dots);

@@ -58,7 +58,7 @@ def markdown(head, rows):
 def describe(spec, results):
     counted = results[0].counted
     return (f"{spec['title']}: {len(counted)} recordings in {len({c.block for c in counted})} blocks ({spec.get('blocks_are', 'recordings')}), "
-            f"{sum(c.slips for c in counted)} slips, {sum(c.held_s for c in counted):.0f} s of holding")
+            f"slips: {sum(c.slips for c in counted)}, {sum(c.held_s for c in counted):.0f} s of holding")
 
 
 def write_csv(file, results):

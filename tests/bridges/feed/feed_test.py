@@ -1,5 +1,5 @@
 """slipd-feed between servers and the real slipd. The WebSocket server is python3-websockets'; the datagrams are what PyTac3D reads."""
-import asyncio, json, os, socket, struct, subprocess, sys, tempfile, threading, time, unittest
+import asyncio, json, os, signal, socket, struct, subprocess, sys, tempfile, threading, time, unittest
 from pathlib import Path
 
 import slipd
@@ -15,6 +15,7 @@ BUILD = os.environ["SLIPD_BINARY_DIR"]
 TAXELS = SIDE ** 2
 OLD_S = 3600
 MARGIN_ERROR = 0.1  # of single frames by `moments`, on taxels a tenth of the radius wide
+WAITING = 10  # datagrams that the kernel keeps for a socket, whatever it is set to
 SMALL = 100  # frames slipd hears of what the test does not want used: so many chances to use one
 
 
@@ -178,6 +179,26 @@ class Datagrams(FeedTest):
         self.hold()
         self.index, self.number = 0, 0
         self.hold(0.5)
+
+
+class Untimed(FeedTest):
+    """A force sensor whose messages, one datagram each, have no time."""
+
+    def test_of_messages_that_waited_only_the_last_is_used(self):
+        port = free_port()
+        with open(os.path.join(self.daemon.folder.name, "cell.json"), "w") as file:
+            json.dump({"description": "a cell", "tested": "synthetic", "source": "this test", "from": f"udp://127.0.0.1:{port}", "format": "bytes",
+                       "unit": "Pa", "values": {"offset": 0, "type": "f32be"}}, file)
+        self.feed(profile=os.path.join(self.daemon.folder.name, "cell.json"))
+        await_true(lambda: f":{port:04X} " in Path("/proc/net/udp").read_text(), "its port")
+        self.program.process.send_signal(signal.SIGSTOP)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for _ in range(WAITING):
+                sender.sendto(struct.pack(f">{3 * TAXELS}f", *(value for taxel in HELD for value in taxel)), ("127.0.0.1", port))
+        self.program.process.send_signal(signal.SIGCONT)
+        await_true(lambda: self.counts()["received"] > 0, "the last one")
+        counts = self.program.end()
+        self.assertEqual((counts["messages"], counts["overtaken"], counts["frames sent"]), (WAITING, WAITING - 1, 1))
 
 
 class Server:

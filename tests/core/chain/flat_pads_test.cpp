@@ -436,7 +436,7 @@ TEST(RecordedPillars, ThatNobodyPullsAtHaveAMarginThatTheirForcesExplain) {
 TEST(FlatPads, HaveNoMarginAndNoAlarmWithAZeroThatIsAnothers) {
   Finger finger(finger_setup());
   for (int i = 0; i < 1000; ++i) {
-    const Estimate now = finger.feel({.normal_n = i < 300 ? 0.0 : 6.0, .pull_n = 20});
+    const Estimate now = finger.sense({.normal_n = i < 300 ? 0.0 : 6.0, .pull_n = 20});
     ASSERT_EQ(now.state, State::unzeroed) << i;
     ASSERT_FALSE(now.gamma || now.gamma_low);
     ASSERT_NE(now.alert, Alert::slip);
