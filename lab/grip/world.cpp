@@ -103,12 +103,13 @@ mjModel* model_of(const std::string& text) {
   return model;
 }
 
+}  // namespace
+
+// Of what MuJoCo allocates.
 struct Deletes {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
   void operator()(mjData* data) const { mj_deleteData(data); }
 };
-
-}  // namespace
 
 struct World::State {
   WorldOptions options;
