@@ -46,7 +46,8 @@ class Tutorial(unittest.TestCase):
         daemon = subprocess.Popen([BUILD / "bin/slipd", "--config", self.configured(page, device)], env=self.environment, stderr=subprocess.DEVNULL)
         self.addCleanup(daemon.wait, PATIENCE_S)
         self.addCleanup(daemon.terminate)
-        await_true(lambda: os.path.exists(self.socket), "slipd's socket")
+        await_true(lambda: os.path.exists(self.socket) or daemon.poll() is not None, "slipd's socket")
+        self.assertIsNone(daemon.poll(), "slipd ended")
 
     def prints(self, expected, command):
         """Awaits each expected line in turn."""
