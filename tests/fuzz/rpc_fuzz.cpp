@@ -199,7 +199,8 @@ class Stage {
                           .realtime = {},
                           .ring_estimate = [] {},
                           .latency_last_minute = {},
-                          .rates_hz = {}};
+                          .rates_hz = {},
+                          .repeats_hz = {}};
   asio::io_context io_;
   Clients clients_;
   Recorder recorder_{io_};
