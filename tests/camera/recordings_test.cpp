@@ -1,6 +1,6 @@
 // Recordings of real gels, beside the checkout where there are any: which share of the dots is found, how
-// much a dot at rest wanders, and how long a picture takes. One number of the tracker was kept after a look at
-// some of them (docs/camera.md), so they are no independent judge of it.
+// much a dot at rest wanders, and how long a picture takes. One number of the tracker was kept after a look
+// at some of them (docs/camera.md), so they are no independent judge of it.
 #include <gtest/gtest.h>
 #include <time.h>
 
