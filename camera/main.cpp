@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -131,5 +132,10 @@ int main(int argc, char** argv) {
   const bool serves = std::any_of(arguments.begin(), arguments.end(), [](std::string_view argument) {
     return argument == "--config" || argument.starts_with("--config=");
   });
-  return serves ? serve(argc, argv) : read(argc, argv);
+  try {
+    return serves ? serve(argc, argv) : read(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "slipd-camera: " << error.what() << '\n';
+    return kFailed;
+  }
 }

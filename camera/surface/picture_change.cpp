@@ -19,8 +19,10 @@ int change_of_light(const cv::Mat& difference) {
   int total = 0;
   for (int y = 0; y < difference.rows; y += kStride) {
     const auto* row = difference.ptr<std::int16_t>(y);
-    for (int x = 0; x < difference.cols; x += kStride, ++total)
-      ++count[static_cast<std::size_t>(row[x] + kFull)];
+    for (int x = 0; x < difference.cols; x += kStride, ++total) {
+      const int level = row[x] + kFull;
+      ++count[static_cast<std::size_t>(level)];
+    }
   }
   int below = 0;
   for (int i = 0; i < static_cast<int>(count.size()); ++i) {

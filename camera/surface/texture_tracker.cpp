@@ -24,9 +24,10 @@ bool TextureTracker::rest(const cv::Mat& picture) {
   cv::buildOpticalFlowPyramid(picture, rest_, {side, side}, kLevels);
   rest_places_.clear();
   points_.clear();
-  for (double y = spacing_ / 2; y < picture.rows; y += spacing_) {
-    for (double x = spacing_ / 2; x < picture.cols; x += spacing_) {
-      rest_places_.emplace_back(static_cast<float>(x), static_cast<float>(y));
+  for (int row = 0; (row + 0.5) * spacing_ < picture.rows; ++row) {
+    for (int column = 0; (column + 0.5) * spacing_ < picture.cols; ++column) {
+      rest_places_.emplace_back(static_cast<float>((column + 0.5) * spacing_),
+                                static_cast<float>((row + 0.5) * spacing_));
       points_.push_back({rest_places_.back(), rest_places_.back(), false});
     }
   }

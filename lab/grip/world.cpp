@@ -115,11 +115,11 @@ struct World::State {
   WorldOptions options;
   std::unique_ptr<mjModel, Deletes> model;
   std::unique_ptr<mjData, Deletes> data;
-  int object = 0;
+  std::ptrdiff_t object = 0;
   std::array<double, 3> begun{};
 
   void step(mjData* d, double grip_n, const std::array<double, 3>& load_n, double friction) const {
-    for (int i = 0; i < model->ngeom; ++i) model->geom_friction[3 * i] = friction;
+    for (std::ptrdiff_t i = 0; i < model->ngeom; ++i) model->geom_friction[3 * i] = friction;
     d->ctrl[0] = d->ctrl[1] = grip_n;
     std::copy(load_n.begin(), load_n.end(), d->xfrc_applied + 6 * object);
     mj_step(model.get(), d);
@@ -176,7 +176,8 @@ double World::time_s() const {
 
 void World::read(Side side, std::vector<float>& values) const {
   const mjModel& m = *state_->model;
-  const auto taxels = static_cast<std::size_t>(state_->options.side * state_->options.side);
+  const auto side_taxels = static_cast<std::size_t>(state_->options.side);
+  const std::size_t taxels = side_taxels * side_taxels;
   values.resize(3 * taxels);
   const char* const name = side == Side::left ? "left0" : "right0";
   const int first_body = m.geom_bodyid[mj_name2id(&m, mjOBJ_GEOM, name)];
@@ -195,7 +196,7 @@ void World::read(Side side, std::vector<float>& values) const {
 std::array<double, 3> World::moved_m() const {
   std::array<double, 3> moved{};
   for (std::size_t i = 0; i < 3; ++i)
-    moved[i] = state_->data->xipos[3 * static_cast<std::size_t>(state_->object) + i] - state_->begun[i];
+    moved[i] = state_->data->xipos[3 * state_->object + static_cast<std::ptrdiff_t>(i)] - state_->begun[i];
   return moved;
 }
 
@@ -211,9 +212,8 @@ bool World::slides() const {
 double World::width_m() const {
   const auto& d = *state_->data;
   const auto& m = *state_->model;
-  const double at_left = d.xpos[3 * mj_name2id(&m, mjOBJ_BODY, "left")];
-  const double at_right = d.xpos[3 * mj_name2id(&m, mjOBJ_BODY, "right")];
-  return at_right - at_left;
+  const std::ptrdiff_t left = mj_name2id(&m, mjOBJ_BODY, "left"), right = mj_name2id(&m, mjOBJ_BODY, "right");
+  return d.xpos[3 * right] - d.xpos[3 * left];
 }
 
 struct World::Moment::Copy {

@@ -42,6 +42,7 @@ std::pair<pid_t, int> start(std::vector<std::string> words) {
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
     throw DriverError("cannot make a pipe: " + std::generic_category().message(errno));
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
