@@ -378,7 +378,7 @@ class PythonMargins(MarginScenarios, unittest.TestCase):
 
     def test_a_unit_of_which_slipd_has_no_idea_is_an_error(self):
         with self.assertRaisesRegex(ValueError, "Pa, N, counts, uT or mm"):
-            self.source(unit="mm")
+            self.source(unit="inch")
 
     def test_torn_and_foreign_messages_are_counted_and_the_program_may_go_on(self):
         with self.source() as source:

@@ -99,10 +99,12 @@ std::vector<std::jthread> programs_of(const json& scene, const TempFolder& folde
   for (const json& sensor : scene["sensors"]) {
     if (sensor["driver"] != "push") continue;
     const std::size_t taxels = taxels_of(sensor["layout"]);
-    programs.emplace_back([taxels, path = folder.path() / "push" /
-                                          sensor["name"].get<std::string>()](const std::stop_token& stop) {
+    const bool unit_is_configured = sensor.value("options", json::object()).contains("unit");
+    const auto unit = unit_is_configured ? push_layout::Unit::unsaid : push_layout::Unit::newton;
+    programs.emplace_back([taxels, unit, path = folder.path() / "push" / sensor["name"].get<std::string>()](
+                              const std::stop_token& stop) {
       PushWriter writer(path);
-      writer.hello({.unit = push_layout::Unit::newton, .taxels = static_cast<std::uint32_t>(taxels)});
+      writer.hello({.unit = unit, .taxels = static_cast<std::uint32_t>(taxels)});
       writer.answer();
       for (std::uint64_t i = 1; !stop.stop_requested(); ++i) {
         writer.push(std::vector<float>(3 * taxels), {.sequence = i});

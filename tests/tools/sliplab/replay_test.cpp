@@ -132,10 +132,10 @@ TEST_F(Replay, GivesEveryRowItsLineWithItsNumberFromZero) {
   EXPECT_EQ(
       csv[0],
       "sensor,time_s,seq,state,gamma,gamma_low,sigma,friction,friction_sigma,normal_n,shear_n,torque_nmm,"
-      "turned_deg,turned_sigma_deg,sliding,alert,alert_cause");
+      "turned_deg,turned_sigma_deg,sliding,alert,alert_cause,displacement_mm,contact,slide_evidence");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto fields = row_fields(csv[i + 1]);
-    ASSERT_EQ(fields.size(), 17U) << csv[i + 1];
+    ASSERT_EQ(fields.size(), 20U) << csv[i + 1];
     EXPECT_EQ(fields[0], "finger");
     EXPECT_NEAR(std::stod(fields[1]), static_cast<double>(i) / kRate, 1e-6);
     EXPECT_EQ(fields[2], std::to_string(i));
