@@ -112,9 +112,9 @@ more_frames "and nothing else"
 mount -o remount,rw $STATE_DIRECTORY
 rm $STATE_DIRECTORY/filler
 kept=$(recorder kept)
-slipctl --socket /tmp/slipd.sock flight steady >/dev/null
+# A recording of a slip may be under way just now, and the disk is small.
+awaits "a flight recording has room again" slipctl --socket /tmp/slipd.sock flight steady
 awaits "with room again, recordings are kept" recorder_is kept $((kept + 1))
-# A recording of a slip may be under way just now.
 no_leftovers() { [[ -z $(find $STATE_DIRECTORY -name '*.part' -o -name '*.new-*') ]]; }
 awaits "what is there is whole, without leftovers" no_leftovers
 
