@@ -5,7 +5,7 @@ source /source/tests/vm/guest/margin.sh
 replugs=${REPLUGS:-2}
 export STATE_DIRECTORY=/run/state
 mkdir $STATE_DIRECTORY
-mount -t tmpfs -o size=400k tmpfs $STATE_DIRECTORY
+mount -t tmpfs -o size=4m tmpfs $STATE_DIRECTORY  # more than the recordings of slips that are kept
 
 figure() { slipctl --socket /tmp/slipd.sock metrics | sed -n "s/^slipd_$1{sensor=\"$2\"} //p"; }
 more_frames() {  # WHAT: the simulated sensor goes on
@@ -97,7 +97,7 @@ awaits "it ends in time although the clock went back" eval '! kill -0 $hanging'
 date -s "@$((right + 60))" >/dev/null
 
 # A disk that is full, one that is read-only.
-head -c 1M /dev/zero >$STATE_DIRECTORY/filler 2>/dev/null || true
+head -c 8M /dev/zero >$STATE_DIRECTORY/filler 2>/dev/null || true
 refused "a flight recording onto a full disk fails" slipctl --socket /tmp/slipd.sock flight steady 2>flight.log
 grep -q "No space left on device" flight.log || fail "slipctl does not say why: $(cat flight.log)"
 awaits "it is counted" recorder_is failed 1
